@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Errors a user can cause (InputError, exit code 2) and failures of numerics (NumericalError, exit code 3).
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace straytrace {
+
+// A place in an input file, 1-based line and column; line 0: the file (or command line) as a whole.
+struct Place {
+  std::uint32_t file = 0, line = 0, column = 0;
+};
+
+enum class Severity : std::uint8_t { error, warning };
+
+// One sentence that says what is wrong and why, and one that says what to write instead.
+struct Problem {
+  Place place;
+  std::string what, suggestion;
+  Severity severity = Severity::error;
+  std::uint32_t width = 1;  // characters to underline
+};
+
+// All problems of all files at once; `text` is the rendered message, ready for stderr.
+class InputError : public std::exception {
+ public:
+  InputError(std::vector<Problem> found, std::string text) : problems(std::move(found)), text_(std::move(text)) {}
+  // For errors that have no place in a file (command line, unreadable run file).
+  explicit InputError(std::string text) : text_(std::move(text)) {}
+  char const* what() const noexcept override { return text_.c_str(); }
+
+  std::vector<Problem> problems;
+
+ private:
+  std::string text_;
+};
+
+class NumericalError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace straytrace

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Physical dimensions and quantities of the input language (interface.md 3.1).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace straytrace {
+
+// Powers are counted in halves, so that m/sqrt(Hz) = m s^(1/2) is {2, 0, 1}. Angle, solid angle and counts are kept
+// apart from 1 on purpose: "1/sr" must be written by the user.
+struct Dimension {
+  std::int8_t metre = 0, kilogram = 0, second = 0, radian = 0, steradian = 0, count = 0, volt = 0;
+  bool operator==(Dimension const&) const = default;
+};
+
+namespace dim {
+inline constexpr Dimension plain{}, length{2}, per_metre{-2}, angle{0, 0, 0, 2}, mass{0, 2}, time{0, 0, 2},
+    frequency{0, 0, -2}, power{4, 2, -6}, brdf{0, 0, 0, 0, -2}, displacement_asd{2, 0, 1}, displacement_psd{4, 0, 2},
+    angle_asd{0, 0, 1, 2}, angle_psd{0, 0, 2, 4};
+}
+
+enum class Amplitude : std::uint8_t { none, peak, peak_to_peak, rms };  // part of a quantity, never assumed
+
+struct Quantity {
+  double si = 0;
+  Dimension dimension;
+  Amplitude amplitude = Amplitude::none;
+};
+
+std::string name_of(Dimension);          // "length", "angle", "BRDF (1/sr)", or the unit in SI symbols
+std::string example_unit(Dimension);     // what a user may write: "m", "deg", "1/sr", "m/sqrt(Hz)"
+std::string accepted_units(Dimension);   // "rad, mrad, urad, deg, arcmin, arcsec"
+// Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood.
+std::optional<Quantity> parse_unit(std::string_view);
+
+}  // namespace straytrace

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How bodies shake: independent inputs (ground axes, own noise of each body, tones) times gains per body and
+// coordinate, so that correlation between bodies cannot be forgotten (architecture.md 5.6).
+#pragma once
+
+#include <complex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "base/table.hpp"
+#include "signal/spectrum.hpp"
+
+namespace straytrace {
+
+// d(coordinate of body)/d(input), complex for tones whose axes move with different phase; real otherwise.
+// axis: 0..2 translations x, y, z along the world axes; 3..5 rotations about them through the body's pivot.
+struct Gain {
+  BodyId body;
+  int axis = 0;
+  std::complex<double> value{1, 0};
+};
+
+// One independent source of motion. Either a one-sided displacement spectrum, stationary and Gaussian, or a tone.
+struct MotionInput {
+  std::string name;                // "ground z", "tube x", for messages
+  Spectrum spectrum;               // m^2/Hz (rad^2/Hz for rotations); unused for a tone
+  double tone_frequency = 0;       // Hz; > 0: deterministic sine of unit PEAK amplitude, gains carry the amplitudes
+  std::vector<Gain> gains;
+};
+
+class MotionSet {
+ public:
+  std::vector<MotionInput> inputs;
+  std::vector<std::string> bodies;  // names; BodyId = position
+
+  // |sum over bodies and axes of lever times gain|^2: factor from the PSD of input i to the PSD of the phase of a path
+  // (rad^2/m^2); for a tone the square of its phase amplitude z (physics.md eq. 7.2, 7.12).
+  double sensitivity(std::size_t i, std::span<Lever const> levers) const;
+};
+
+// Reads the table `bodies` of a scene. Every body must have a motion ("still" is a statement, not a default).
+// Problems go to the document. `bodies`: names in the order of BodyId.
+MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies);
+
+}  // namespace straytrace

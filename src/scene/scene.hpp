@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Front door of the scene room: text files -> one checked tree (interface.md 3). Includes, parameters, parts and
+// repeats are already expanded; units, references and geometry are checked by the rooms that read the tree.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/table.hpp"
+
+namespace straytrace {
+
+// name as written -> text. What the run file stores and what a run can be made again from.
+using FileTexts = std::map<std::string, std::string>;
+
+class Scene {
+ public:
+  Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+  ~Scene();
+
+  Node root() const;                 // the main table, `straytrace: 1` checked and consumed
+  Node table(std::string_view key) const { return root().table(key); }
+  // Placed parts after `use`, nested parts and `repeat` are expanded: one entry per instance. Each node is a table
+  // with name, shape, material, body, at, facing/rotate ... whose scalars are evaluated in the instance's scope.
+  struct Instance {
+    std::string group;    // name shown in path classes, "baffles" or "baffles/cone"
+    std::string name;     // unique, "baffles[12]/cone"
+    Node node;            // the face or shape table
+    Node placement;       // the scene entry it came from (body, material given there)
+    std::vector<Node> frames;  // outermost first: tables holding at / facing / rotate
+    double offset = 0;    // m along the repeat axis
+    int repeat_axis = -1;  // 0, 1, 2 = x, y, z; -1 none
+  };
+  std::vector<Instance> const& instances() const;
+
+  std::string const& main_file() const;       // name as given by the user, without directories of this machine
+  FileTexts const& files() const;             // every text read, includes and data files, by name relative to the main file
+  std::string title() const;
+  std::string warnings() const;               // rendered, empty when there are none
+  void throw_if_problems() const;             // one InputError with everything, sorted by place
+  // The tree with parameters evaluated and includes, parts and repeats expanded (check --resolved).
+  std::string resolved() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  friend Scene read_scene(std::string const&, std::vector<std::string> const&, FileTexts const*);
+};
+
+// Reads `file` from disk, or from `texts` when given (run files). `overrides`: "aperture=60cm" from the command line.
+// Syntax errors and errors of structure are recorded; throw_if_problems() is called by the caller once all rooms have
+// read their tables. Throws InputError at once only when there is nothing to read.
+Scene read_scene(std::string const& file, std::vector<std::string> const& overrides = {}, FileTexts const* texts = nullptr);
+
+}  // namespace straytrace

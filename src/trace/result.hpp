@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a trace leaves behind: sums over histories that merge exactly, and the books of the light.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "trace/coupling.hpp"
+
+namespace straytrace {
+
+constexpr std::uint64_t block_size = 4096;  // histories; part of the run-file schema: it decides the last bits
+
+// Power sums of a history's TOTAL in a bin: scores of one history are added before they are squared.
+struct Moments {
+  double sum = 0, sum2 = 0, sum3 = 0, sum4 = 0;
+  double block_sum2 = 0;  // over blocks, of the block's sum
+  double largest = 0;     // largest history total
+  std::uint64_t largest_history = 0, scored = 0;
+  void add(double total, std::uint64_t history);
+};
+Moments merged(Moments const& left, Moments const& right);
+// Blocks are the independent units from 32 blocks on (estimators.md 13); below, the spread of the histories.
+Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
+
+struct ScoreAddress {
+  std::uint64_t history = 0;
+  std::uint32_t event = 0, connection = 0;
+  double coupling = 0, priority = 0;  // priority = coupling / uniform(record stream)
+};
+
+// Keeps the k largest priorities (priority sampling, estimators.md 12): independent of order, so merging is exact.
+struct ClassSums {
+  std::uint32_t port = 0;
+  Moments moments;
+  std::array<double, replica_count> replica_sum = {};
+  std::vector<ScoreAddress> kept;  // descending priority, ties by address
+  double threshold = 0;            // largest priority not kept; a kept score counts as max(coupling, threshold)
+};
+
+// Columns of the ledger: absorbed + escaped + limit + window + sampling = emitted for every history, to rounding.
+// `window` (roulette) and `sampling` are zero on average.
+enum class Fate : std::uint8_t { absorbed, escaped, limit, window, sampling };
+constexpr int fate_count = 5;
+char const* name_of(Fate);
+
+struct BlockSums {
+  std::uint64_t histories = 0, blocks = 0;
+  std::uint64_t bounces = 0, rays = 0;  // surface events; closest-hit and visibility queries
+  std::uint64_t lost = 0;               // geometry errors (NaN, no surface where one must be), never silent
+  std::map<std::uint64_t, ClassSums> classes;      // by route hash
+  Moments emitted;
+  std::array<Moments, fate_count> ledger = {};
+  std::vector<Moments> arrived;         // power arriving on each group, per emitted history
+};
+BlockSums merged(BlockSums left, BlockSums const& right);
+
+// Sums live on the nodes of the binary tree over block numbers. A node is its left child plus its right child, so its
+// bits do not depend on who added what, or when (architecture.md 7).
+class SumTree {
+ public:
+  void add(unsigned level, std::uint64_t index, BlockSums sums);  // covers blocks [index << level, (index+1) << level)
+  BlockSums total() const;                                        // left to right, in block order
+  std::map<std::pair<std::uint64_t, unsigned>, BlockSums> const& nodes() const { return nodes_; }  // {first block, level}
+
+ private:
+  std::map<std::pair<std::uint64_t, unsigned>, BlockSums> nodes_;
+};
+
+enum class Stopped : std::uint8_t { by_histories, by_error, by_signal, by_time };
+
+struct TraceResult {
+  SumTree tree;              // what merging and resuming need
+  BlockSums total;
+  CouplingTable coupling;    // with replayed records
+  Stopped stopped = Stopped::by_histories;
+  double seconds = 0;        // wall clock; goes to /timing only
+  std::vector<std::string> warnings;
+  bool checkpointed() const { return stopped == Stopped::by_signal || stopped == Stopped::by_time; }
+};
+
+}  // namespace straytrace

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a Monte-Carlo number is compared with theory (architecture.md section 10).
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace straytrace::testing {
+
+struct SampleMean {
+  double mean, std_error;
+  long long n;
+};
+
+// A comparison that can neither flake nor sleep.
+//   z_false = 5: correct code misses by chance once in 1.7 million (the seed is fixed anyway);
+//   z_power = 3: code that is wrong by `smallest_effect` is caught 99.87 % of the time, or the test refuses to run.
+inline void expect_mean(char const* what, SampleMean s, double expected, double smallest_effect, double z_false = 5,
+                        double z_power = 3) {
+  ASSERT_TRUE(std::isfinite(s.mean) && std::isfinite(s.std_error)) << what << ": not finite";
+  ASSERT_GT(s.std_error, 0) << what << ": zero spread, so this compares a constant";
+  double const need = smallest_effect / (z_false + z_power);
+  EXPECT_LE(s.std_error, need) << what << ": blind. Needs about "
+                               << std::ceil(double(s.n) * std::pow(s.std_error / need, 2))
+                               << " samples to see an effect of " << smallest_effect;
+  EXPECT_LE(std::abs(s.mean - expected), z_false * s.std_error)
+      << what << ": " << s.mean << " +- " << s.std_error << ", expected " << expected;
+}
+
+}  // namespace straytrace::testing

@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""Fail when a room includes a room it may not know. Usage: check_includes.py SRC_DIR"""
+import pathlib
+import re
+import sys
+
+ROOMS = ("base geometry optics beams signal motion scene world trace ifo noise report app").split()
+MAY_INCLUDE = {                        # room: rooms it may include besides itself
+    "base": "",
+    "geometry": "base",
+    "optics": "base",
+    "beams": "base geometry optics",
+    "signal": "base",
+    "motion": "base signal",
+    "scene": "base",
+    "world": "base geometry optics beams scene",
+    "trace": "base geometry optics beams world",
+    "ifo": "base beams signal",
+    "noise": "base signal motion trace ifo",
+    "report": "base signal motion beams scene world trace ifo noise",
+    "app": "base beams signal motion scene world trace ifo noise report",
+}
+NARROW = {                             # (room, other): the only files it may take from there
+    ("noise", "trace"): {"trace/coupling.hpp"},
+    ("report", "trace"): {"trace/coupling.hpp", "trace/result.hpp"},
+}
+INCLUDE = re.compile(r'^\s*#\s*include\s*"((' + "|".join(ROOMS) + r')/[^"]+)"')
+
+
+def problems(src):
+    seen = 0
+    for path in sorted(pathlib.Path(src).rglob("*.[hc]*")):
+        room = path.relative_to(src).parts[0]
+        if room not in MAY_INCLUDE:
+            yield f"{path}: room '{room}' is not in the map"
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if not (hit := INCLUDE.match(line)):
+                continue
+            seen += 1
+            file, other = hit.groups()
+            if other != room and other not in MAY_INCLUDE[room].split():
+                yield f"{path}:{number}: {room} may not include {other}"
+            elif file not in NARROW.get((room, other), {file}):
+                yield f"{path}:{number}: {room} may not include {file}"
+    if seen == 0:
+        yield f"{src}: no project includes found; is the path right?"
+
+
+found = list(problems(sys.argv[1]))
+print("\n".join(found) or "all includes allowed")
+sys.exit(1 if found else 0)
