@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace straytrace {
@@ -27,16 +28,21 @@ struct Problem {
 // All problems of all files at once; `text` is the rendered message, ready for stderr.
 class InputError : public std::exception {
  public:
-  InputError(std::vector<Problem> found, std::string text) : problems(std::move(found)), text_(std::move(text)) {}
+  InputError(std::vector<Problem> found, std::string text, std::vector<std::string> names = {})
+      : problems(std::move(found)), files(std::move(names)), text_(std::move(text)) {}
   // For errors that have no place in a file (command line, unreadable run file).
   explicit InputError(std::string text) : text_(std::move(text)) {}
   char const* what() const noexcept override { return text_.c_str(); }
 
   std::vector<Problem> problems;
+  std::vector<std::string> files;  // names by Place::file
 
  private:
   std::string text_;
 };
+
+// A JSON list of objects with file, line, column, width, severity, what, suggestion, for editors and scripts.
+std::string problems_as_json(InputError const&);
 
 class NumericalError : public std::runtime_error {
   using std::runtime_error::runtime_error;

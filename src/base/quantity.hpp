@@ -30,10 +30,27 @@ struct Quantity {
   Amplitude amplitude = Amplitude::none;
 };
 
-std::string name_of(Dimension);          // "length", "angle", "BRDF (1/sr)", or the unit in SI symbols
-std::string example_unit(Dimension);     // what a user may write: "m", "deg", "1/sr", "m/sqrt(Hz)"
-std::string accepted_units(Dimension);   // "rad, mrad, urad, deg, arcmin, arcsec"
+std::string name_of(Dimension);         // "length", "angle", "BRDF (1/sr)", or the unit in SI symbols
+std::string example_unit(Dimension);    // what a user may write: "m", "deg", "1/sr", "m/sqrt(Hz)"
+std::string accepted_units(Dimension);  // "rad, mrad, urad, deg, arcmin, arcsec"
 // Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood.
 std::optional<Quantity> parse_unit(std::string_view);
+
+struct LeadingUnit {
+  Quantity unit;           // factor to SI and dimension
+  std::size_t length = 0;  // bytes of the text that belong to it
+};
+// The longest unit a text begins with, as it may follow a number: "m/sqrt(Hz) + a" -> "m/sqrt(Hz)", "/sr" -> "/sr".
+std::optional<LeadingUnit> leading_unit(std::string_view);
+bool is_unit_name(std::string_view);        // a single unit without prefix arithmetic: "um", "%", "h"
+std::string likely_unit(std::string_view);  // what the writer of "metre" or "hz" meant; empty when nothing is close
+std::string all_unit_names();               // for messages
+// value * factor; a unit that is 1/n of SI divides by n, so that 1064 nm is the same double as 1064e-9.
+double to_si(double value, Quantity const& unit);
+// Product, quotient and power of dimensions; empty when the result cannot be held (powers beyond halves, too large).
+std::optional<Dimension> times(Dimension, Dimension, int sign = 1);
+std::optional<Dimension> power_of(Dimension, double exponent);
+std::string described(Dimension);                             // "a length", "an angle", "a plain number"
+std::string with_unit(std::string const& number, Dimension);  // "55 deg", "1e-4 /sr": an example that is accepted
 
 }  // namespace straytrace

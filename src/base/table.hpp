@@ -4,8 +4,9 @@
 // document, return a placeholder (NaN, empty) and go on; the document throws once, at the end (interface.md 4).
 #pragma once
 
-#include <complex>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,9 +31,9 @@ struct Key {
   std::string_view doc;
 };
 
-class Document;  // files, sources, problems; lives in scene/, reached from here through the functions below
-struct NodeData;
-struct Scope;  // parameters in force
+class Document;   // files, sources, problems: base/document.hpp
+struct NodeData;  // base/document.hpp
+struct Scope;     // parameters in force: scene/scope.hpp
 
 // One value of the input: nothing, a scalar, a list or a mapping ("table"). Cheap to copy.
 class Node {
@@ -49,8 +50,8 @@ class Node {
   std::string const& text() const;  // scalar exactly as written (empty when not a scalar)
 
   // --- tables ---------------------------------------------------------------------------------------------------
-  bool has(std::string_view key) const;            // marks the key as known
-  Node operator[](std::string_view key) const;     // marks the key as known; none when absent
+  bool has(std::string_view key) const;                     // marks the key as known
+  Node operator[](std::string_view key) const;              // marks the key as known; none when absent
   std::vector<std::pair<std::string, Node>> items() const;  // in file order; marks every key as known
   Place key_place(std::string_view key) const;
 
@@ -59,9 +60,11 @@ class Node {
                 double high = infinity) const;
   // A length-like amplitude that must say peak, pp or rms.
   Quantity amplitude(std::string_view key, Dimension) const;
-  std::string word(std::string_view key, std::string_view fallback = {}) const;  // any text; required when fallback empty
+  std::string word(std::string_view key,
+                   std::string_view fallback = {}) const;  // any text; required when fallback empty
   // One of `choices`, otherwise a problem with the nearest as suggestion.
-  std::string choice(std::string_view key, std::span<std::string_view const> choices, std::string_view fallback = {}) const;
+  std::string choice(std::string_view key, std::span<std::string_view const> choices,
+                     std::string_view fallback = {}) const;
   bool flag(std::string_view key, bool fallback) const;  // on/off, yes/no, true/false
   Node table(std::string_view key) const;                // problem when present and not a table; none when absent
   std::vector<Node> list(std::string_view key) const;    // a scalar or table counts as a list of one
@@ -72,20 +75,31 @@ class Node {
 
   // --- scalars and lists -----------------------------------------------------------------------------------------
   double as_number(Dimension, double low = -infinity, double high = infinity) const;
-  Quantity as_quantity() const;                       // any dimension; NaN and a problem when not a quantity
+  Quantity as_quantity() const;  // any dimension; NaN and a problem when not a quantity
   std::string as_word() const;
-  std::vector<Node> as_list() const;                  // elements; a scalar or table counts as a list of one
+  std::vector<Node> as_list() const;  // elements; a scalar or table counts as a list of one
   std::vector<double> as_numbers(Dimension, std::size_t expected) const;  // exactly `expected` elements
 
   // --- messages, files -------------------------------------------------------------------------------------------
   void problem(std::string what, std::string suggestion) const;  // at this node
   void warning(std::string what, std::string suggestion) const;
-  bool healthy() const;                               // no error recorded in the document so far
+  bool healthy() const;  // no error recorded in the document so far
   // Text of a data file named relative to the file this node stands in; empty and a problem when unreadable.
   // The document remembers name and text, so that the run file can hold them.
   std::string data_file(std::string const& name) const;
+  // A problem inside a data file read before by data_file(name): "steel.csv:214:3: error: ..."; line 0: the whole file.
+  void file_problem(std::string const& name, std::uint32_t line, std::uint32_t column, std::string what,
+                    std::string suggestion) const;
+
+  std::shared_ptr<NodeData> const& data() const { return data_; }
+  std::shared_ptr<Scope const> const& scope() const { return scope_; }
+  Document* document() const { return document_; }
 
  private:
+  void missing(std::string_view key, std::string_view nature, std::string const& suggestion) const;
+  std::optional<Quantity> evaluated(Dimension) const;  // of this dimension, otherwise a problem
+  bool within(double si, Dimension, double low, double high) const;
+
   std::shared_ptr<NodeData> data_;
   std::shared_ptr<Scope const> scope_;
   Document* document_ = nullptr;

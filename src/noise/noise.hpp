@@ -14,48 +14,48 @@ namespace straytrace {
 // Logarithmic bins. Every PSD of the noise stage is the AVERAGE over its bin, so that power is conserved: the sum of
 // PSD times bin width is the power in the band, lines included.
 struct FrequencyGrid {
-  std::vector<double> edges;                      // Hz, size n + 1, strictly increasing
+  std::vector<double> edges;  // Hz, size n + 1, strictly increasing
   std::size_t size() const { return edges.empty() ? 0 : edges.size() - 1; }
-  double centre(std::size_t i) const;             // geometric mean of the edges
+  double centre(std::size_t i) const;  // geometric mean of the edges
   double width(std::size_t i) const { return edges[i + 1] - edges[i]; }
 };
 FrequencyGrid logarithmic_grid(double low_hz, double high_hz, double points_per_decade);
 
 // One curve: strain ASD, 1/sqrt(Hz), one-sided, mean over the static phases (speckle mean).
 struct NoiseTrace {
-  std::string name;                               // route or "total"
-  std::uint64_t hash = 0;                         // route hash; 0 for totals
-  std::vector<double> asd;                        // 1/sqrt(Hz)
-  std::vector<double> sigma;                      // one standard error of asd, Monte Carlo only
-  std::vector<double> phase_asd, amplitude_asd;   // the two quadratures alone (eq. 9.1 and 9.2)
-  double mean_square_phase = 0;                   // rad^2, of the strongest input-weighted motion: regime
+  std::string name;                              // route or "total"
+  std::uint64_t hash = 0;                        // route hash; 0 for totals
+  std::vector<double> asd;                       // 1/sqrt(Hz)
+  std::vector<double> sigma;                     // one standard error of asd, Monte Carlo only
+  std::vector<double> phase_asd, amplitude_asd;  // the two quadratures alone (eq. 9.1 and 9.2)
+  double mean_square_phase = 0;                  // rad^2, of the strongest input-weighted motion: regime
   bool resolved = true;
   std::string why_not;
 };
 
 struct DesignCurve {
-  std::string name;                               // "adv-lal" or file name; always printed with the curve
-  std::vector<double> asd;                        // on the grid's centres, 1/sqrt(Hz); NaN outside its range
+  std::string name;         // "adv-lal" or file name; always printed with the curve
+  std::vector<double> asd;  // on the grid's centres, 1/sqrt(Hz); NaN outside its range
 };
 
 struct NoiseSettings {
   FrequencyGrid grid;
-  double margin = 0.1;                            // of the design curve (physics.md 12.1)
-  std::vector<std::string> compare;               // design curves by name or file
+  double margin = 0.1;               // of the design curve (physics.md 12.1)
+  std::vector<std::string> compare;  // design curves by name or file
 };
 
 struct NoiseBudget {
   FrequencyGrid grid;
-  NoiseTrace total;                               // all resolved classes; a lower bound when `unresolved` is not empty
-  std::vector<NoiseTrace> routes;                 // one per coupling class, same order as the table
-  std::vector<std::string> unresolved;            // names, with reason
-  double unresolved_hint = 0;                     // largest ratio unresolved / total in PSD over the band, as a hint
+  NoiseTrace total;                     // all resolved classes; a lower bound when `unresolved` is not empty
+  std::vector<NoiseTrace> routes;       // one per coupling class, same order as the table
+  std::vector<std::string> unresolved;  // names, with reason
+  double unresolved_hint = 0;           // largest ratio unresolved / total in PSD over the band, as a hint
   std::vector<DesignCurve> design;
   double margin = 0.1;
   double seconds = 0;
 };
 
-NoiseSettings read_noise_settings(Node const& table);   // table `noise`; absent keys have defaults
+NoiseSettings read_noise_settings(Node const& table);  // table `noise`; absent keys have defaults
 // Design curves: built-in fits (physics.md eq. 12.1) or two-column text read through the table's document.
 std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettings const&);
 

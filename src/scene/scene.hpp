@@ -22,26 +22,27 @@ class Scene {
   Scene& operator=(Scene&&) noexcept;
   ~Scene();
 
-  Node root() const;                 // the main table, `straytrace: 1` checked and consumed
+  Node root() const;  // the main table, `straytrace: 1` checked and consumed
   Node table(std::string_view key) const { return root().table(key); }
   // Placed parts after `use`, nested parts and `repeat` are expanded: one entry per instance. Each node is a table
   // with name, shape, material, body, at, facing/rotate ... whose scalars are evaluated in the instance's scope.
   struct Instance {
-    std::string group;    // name shown in path classes, "baffles" or "baffles/cone"
-    std::string name;     // unique, "baffles[12]/cone"
-    Node node;            // the face or shape table
-    Node placement;       // the scene entry it came from (body, material given there)
+    std::string group;         // name shown in path classes, "baffles" or "baffles/cone"
+    std::string name;          // unique, "baffles[12]/cone"
+    Node node;                 // the face or shape table
+    Node placement;            // the scene entry it came from (body, material given there)
     std::vector<Node> frames;  // outermost first: tables holding at / facing / rotate
-    double offset = 0;    // m along the repeat axis
-    int repeat_axis = -1;  // 0, 1, 2 = x, y, z; -1 none
+    double offset = 0;         // m along the repeat axis, in the frame the scene entry stands in (outermost)
+    int repeat_axis = -1;      // 0, 1, 2 = x, y, z; -1 none
   };
   std::vector<Instance> const& instances() const;
 
-  std::string const& main_file() const;       // name as given by the user, without directories of this machine
-  FileTexts const& files() const;             // every text read, includes and data files, by name relative to the main file
+  std::string const& main_file() const;               // name as given by the user, without directories of this machine
+  std::vector<std::string> const& overrides() const;  // as given on the command line
+  FileTexts const& files() const;  // every text read, includes and data files, by name relative to the main file
   std::string title() const;
-  std::string warnings() const;               // rendered, empty when there are none
-  void throw_if_problems() const;             // one InputError with everything, sorted by place
+  std::string warnings() const;    // rendered, empty when there are none
+  void throw_if_problems() const;  // one InputError with everything, sorted by place
   // The tree with parameters evaluated and includes, parts and repeats expanded (check --resolved).
   std::string resolved() const;
 
@@ -53,7 +54,9 @@ class Scene {
 
 // Reads `file` from disk, or from `texts` when given (run files). `overrides`: "aperture=60cm" from the command line.
 // Syntax errors and errors of structure are recorded; throw_if_problems() is called by the caller once all rooms have
-// read their tables. Throws InputError at once only when there is nothing to read.
-Scene read_scene(std::string const& file, std::vector<std::string> const& overrides = {}, FileTexts const* texts = nullptr);
+// read their tables. Throws InputError at once when a file is missing or is not YAML: what the rooms would say about
+// the rest would be noise. With `texts` the disk is never touched.
+Scene read_scene(std::string const& file, std::vector<std::string> const& overrides = {},
+                 FileTexts const* texts = nullptr);
 
 }  // namespace straytrace

@@ -25,13 +25,13 @@ struct PathStep {
 
 // Mean with its Monte-Carlo error and a verdict. `why_not` is printed instead of a bare number.
 struct Estimate {
-  double mean = 0, std_error = 0;          // recoupled power fraction
-  double variance_of_variance = 0;         // of std_error^2, relative
-  double largest_share = 0;                // largest single history over the sum
-  double effective_scores = 0;             // S1^2/S2
-  std::uint64_t scored = 0;                // histories with a non-zero total
+  double mean = 0, std_error = 0;   // recoupled power fraction
+  double variance_of_variance = 0;  // of std_error^2, relative
+  double largest_share = 0;         // largest single history over the sum
+  double effective_scores = 0;      // S1^2/S2
+  std::uint64_t scored = 0;         // histories with a non-zero total
   bool trusted = false;
-  std::string why_not;                     // in words, empty when trusted
+  std::string why_not;  // in words, empty when trusted
 };
 
 // One kept path: its address and what replaying it told us.
@@ -39,29 +39,29 @@ struct PathRecord {
   std::uint64_t history = 0;
   std::uint32_t event = 0, connection = 0;  // vertex number; 0 = arrived by itself, i + 1 = connected to footprint i
   double coupling = 0;                      // recoupled power fraction of this score times the number of histories [1]
-  double weight = 0;                        // share of the class mean it stands for; the weights of a class sum to the mean
-  double path_length = 0;                   // optical, m
-  std::vector<Lever> levers;                // relative to the main mode; one entry per body touched
+  double weight = 0;          // share of the class mean it stands for; the weights of a class sum to the mean
+  double path_length = 0;     // optical, m
+  std::vector<Lever> levers;  // relative to the main mode; one entry per body touched
 };
 
 // All ordered paths of one route. Couplings are of ORDERED paths; `reverse` (C_rev) is multiplied in by the projection.
 struct CouplingClass {
-  std::uint64_t hash = 0;                   // stable name of the route
+  std::uint64_t hash = 0;  // stable name of the route
   PortId port;
-  std::vector<PathStep> steps;              // empty for the class `other` (routes longer than the limit)
+  std::vector<PathStep> steps;  // empty for the class `other` (routes longer than the limit)
   Estimate coupling;
-  double reverse = 1;                       // C_rev, physics.md eq. 1.5
+  double reverse = 1;                                  // C_rev, physics.md eq. 1.5
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
 };
 
 struct CouplingTable {
-  std::vector<CouplingClass> classes;       // by hash
-  std::vector<std::string> groups, bodies, ports;      // names; ids are positions
+  std::vector<CouplingClass> classes;              // by hash
+  std::vector<std::string> groups, bodies, ports;  // names; ids are positions
   std::array<std::uint64_t, replica_count> replica_histories = {};
   std::uint64_t histories = 0, seed = 0;
-  double wavelength = 0;                    // m
-  bool reverse_routes = true;               // whether C_rev was applied (physics.md 1.3)
+  double wavelength = 0;       // m
+  bool reverse_routes = true;  // whether C_rev was applied (physics.md 1.3)
 };
 
 // "ITM·S > baffles·S > ITM·S", or "other" for routes beyond the length limit.

@@ -50,12 +50,12 @@ char const* name_of(Fate);
 
 struct BlockSums {
   std::uint64_t histories = 0, blocks = 0;
-  std::uint64_t bounces = 0, rays = 0;  // surface events; closest-hit and visibility queries
-  std::uint64_t lost = 0;               // geometry errors (NaN, no surface where one must be), never silent
-  std::map<std::uint64_t, ClassSums> classes;      // by route hash
+  std::uint64_t bounces = 0, rays = 0;         // surface events; closest-hit and visibility queries
+  std::uint64_t lost = 0;                      // geometry errors (NaN, no surface where one must be), never silent
+  std::map<std::uint64_t, ClassSums> classes;  // by route hash
   Moments emitted;
   std::array<Moments, fate_count> ledger = {};
-  std::vector<Moments> arrived;         // power arriving on each group, per emitted history
+  std::vector<Moments> arrived;  // power arriving on each group, per emitted history
 };
 BlockSums merged(BlockSums left, BlockSums const& right);
 
@@ -65,7 +65,9 @@ class SumTree {
  public:
   void add(unsigned level, std::uint64_t index, BlockSums sums);  // covers blocks [index << level, (index+1) << level)
   BlockSums total() const;                                        // left to right, in block order
-  std::map<std::pair<std::uint64_t, unsigned>, BlockSums> const& nodes() const { return nodes_; }  // {first block, level}
+  std::map<std::pair<std::uint64_t, unsigned>, BlockSums> const& nodes() const {
+    return nodes_;
+  }  // {first block, level}
 
  private:
   std::map<std::pair<std::uint64_t, unsigned>, BlockSums> nodes_;
@@ -74,11 +76,11 @@ class SumTree {
 enum class Stopped : std::uint8_t { by_histories, by_error, by_signal, by_time };
 
 struct TraceResult {
-  SumTree tree;              // what merging and resuming need
+  SumTree tree;  // what merging and resuming need
   BlockSums total;
-  CouplingTable coupling;    // with replayed records
+  CouplingTable coupling;  // with replayed records
   Stopped stopped = Stopped::by_histories;
-  double seconds = 0;        // wall clock; goes to /timing only
+  double seconds = 0;  // wall clock; goes to /timing only
   std::vector<std::string> warnings;
   bool checkpointed() const { return stopped == Stopped::by_signal || stopped == Stopped::by_time; }
 };

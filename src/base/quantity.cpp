@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/quantity.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include "base/constants.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double factor;
+  Dimension dimension;
+};
+
+constexpr Dimension solid_angle{0, 0, 0, 0, 2}, counts{0, 0, 0, 0, 0, 2}, voltage{0, 0, 0, 0, 0, 0, 2};
+
+constexpr std::array units{
+    Unit{"m", 1, dim::length},
+    Unit{"km", 1e3, dim::length},
+    Unit{"cm", 1e-2, dim::length},
+    Unit{"mm", 1e-3, dim::length},
+    Unit{"um", 1e-6, dim::length},
+    Unit{"nm", 1e-9, dim::length},
+    Unit{"in", 0.0254, dim::length},
+    Unit{"rad", 1, dim::angle},
+    Unit{"mrad", 1e-3, dim::angle},
+    Unit{"urad", 1e-6, dim::angle},
+    Unit{"deg", pi / 180, dim::angle},
+    Unit{"arcmin", pi / 10800, dim::angle},
+    Unit{"arcsec", pi / 648000, dim::angle},
+    Unit{"sr", 1, solid_angle},
+    Unit{"s", 1, dim::time},
+    Unit{"ms", 1e-3, dim::time},
+    Unit{"us", 1e-6, dim::time},
+    Unit{"min", 60, dim::time},
+    Unit{"h", 3600, dim::time},
+    Unit{"Hz", 1, dim::frequency},
+    Unit{"kHz", 1e3, dim::frequency},
+    Unit{"mHz", 1e-3, dim::frequency},
+    Unit{"W", 1, dim::power},
+    Unit{"kW", 1e3, dim::power},
+    Unit{"mW", 1e-3, dim::power},
+    Unit{"kg", 1, dim::mass},
+    Unit{"g", 1e-3, dim::mass},
+    Unit{"count", 1, counts},
+    Unit{"V", 1, voltage},
+    Unit{"%", 1e-2, dim::plain},
+    Unit{"ppm", 1e-6, dim::plain},
+    Unit{"ppb", 1e-9, dim::plain},
+};
+
+struct Meant {
+  std::string_view written, unit;
+};
+constexpr std::array spellings{
+    Meant{"metre", "m"},    Meant{"metres", "m"},    Meant{"meter", "m"},      Meant{"meters", "m"},
+    Meant{"sec", "s"},      Meant{"second", "s"},    Meant{"seconds", "s"},    Meant{"micron", "um"},
+    Meant{"microns", "um"}, Meant{"degree", "deg"},  Meant{"degrees", "deg"},  Meant{"inch", "in"},
+    Meant{"inches", "in"},  Meant{"hour", "h"},      Meant{"hours", "h"},      Meant{"hertz", "Hz"},
+    Meant{"watt", "W"},     Meant{"watts", "W"},     Meant{"percent", "%"},    Meant{"counts", "count"},
+    Meant{"volt", "V"},     Meant{"volts", "V"},     Meant{"minute", "min"},   Meant{"minutes", "min"},
+    Meant{"radian", "rad"}, Meant{"radians", "rad"}, Meant{"steradian", "sr"}, Meant{"\xc2\xb0", "deg"},
+};
+
+Unit const* find_unit(std::string_view name) {
+  auto const hit = std::find_if(units.begin(), units.end(), [&](Unit const& u) { return u.name == name; });
+  return hit == units.end() ? nullptr : &*hit;
+}
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Reads a unit expression; every function leaves `at_` behind what it understood.
+class UnitReader {
+ public:
+  explicit UnitReader(std::string_view text) : text_(text) {}
+
+  std::size_t at() const { return at_; }
+  void skip_spaces() {
+    while (at_ < text_.size() && text_[at_] == ' ') ++at_;
+  }
+  bool take(char c) {
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+
+  // term {(* | /) term}; a leading '/' stands for 1/.
+  std::optional<Quantity> product(int depth) {
+    if (depth > 8) return {};
+    skip_spaces();
+    Quantity result{1, {}, {}};
+    bool const inverse = take('/');
+    if (inverse) skip_spaces();
+    if (auto const first = term(depth, inverse); !first || !join(result, *first, inverse ? -1 : 1)) return {};
+    for (;;) {
+      std::size_t const before = at_;
+      skip_spaces();
+      int const sign = take('*') ? 1 : take('/') ? -1 : 0;
+      skip_spaces();
+      auto const next = sign == 0 ? std::optional<Quantity>{} : term(depth, true);
+      if (!next || !join(result, *next, sign)) {
+        at_ = before;
+        return result;
+      }
+    }
+  }
+
+ private:
+  static bool join(Quantity& into, Quantity const& next, int sign) {
+    auto const d = times(into.dimension, next.dimension, sign);
+    if (!d) return false;
+    into.dimension = *d;
+    into.si = sign > 0 ? into.si * next.si : into.si / next.si;
+    return true;
+  }
+
+  std::optional<Quantity> term(int depth, bool brackets) {
+    if (brackets && take('(')) {
+      auto const inner = product(depth + 1);
+      skip_spaces();
+      if (!inner || !take(')')) return {};
+      return raised(*inner);
+    }
+    std::string const name = read_name();
+    if (name == "sqrt") {
+      if (!take('(')) return {};
+      auto const inner = product(depth + 1);
+      skip_spaces();
+      if (!inner || !take(')')) return {};
+      auto const d = power_of(inner->dimension, 0.5);
+      if (!d) return {};
+      return Quantity{std::sqrt(inner->si), *d, {}};
+    }
+    Unit const* unit = find_unit(name);
+    if (!unit || (at_ < text_.size() && text_[at_] == '(')) return {};
+    return raised({unit->factor, unit->dimension, {}});
+  }
+
+  // Both code points of the micro sign are read as u.
+  std::string read_name() {
+    std::string name;
+    if (take('%')) return "%";
+    while (at_ < text_.size()) {
+      std::string_view const rest = text_.substr(at_);
+      if (rest.starts_with("\xc2\xb5") || rest.starts_with("\xce\xbc")) {
+        name += 'u';
+        at_ += 2;
+      } else if (is_letter(rest[0]) || (!name.empty() && is_digit(rest[0]))) {
+        name += rest[0];
+        ++at_;
+      } else {
+        break;
+      }
+    }
+    return name;
+  }
+
+  std::optional<Quantity> raised(Quantity base) {
+    std::size_t const before = at_;
+    skip_spaces();
+    if (!take('^')) {
+      at_ = before;
+      return base;
+    }
+    skip_spaces();
+    bool const bracket = take('(');
+    auto exponent = real();
+    if (exponent && bracket && take('/')) {
+      auto const below = real();
+      exponent = below && *below != 0 ? std::optional(*exponent / *below) : std::nullopt;
+    }
+    if (!exponent || (bracket && !take(')'))) return {};
+    auto const d = power_of(base.dimension, *exponent);
+    if (!d) return {};
+    return Quantity{std::pow(base.si, *exponent), *d, {}};
+  }
+
+  std::optional<double> real() {
+    double value = 0;
+    char const* begin = text_.data() + at_;
+    auto const [end, code] = std::from_chars(begin, text_.data() + text_.size(), value, std::chars_format::fixed);
+    if (code != std::errc() || !(std::abs(value) < 100)) return {};
+    at_ += static_cast<std::size_t>(end - begin);
+    return value;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+constexpr std::array<std::int8_t Dimension::*, 7> bases{&Dimension::metre,  &Dimension::kilogram,  &Dimension::second,
+                                                        &Dimension::radian, &Dimension::steradian, &Dimension::count,
+                                                        &Dimension::volt};
+
+// Halves of powers are kept below this, far from the range of the counter.
+constexpr double largest_power = 100;
+
+}  // namespace
+
+std::optional<Quantity> parse_unit(std::string_view text) {
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  UnitReader reader(text);
+  reader.skip_spaces();
+  if (reader.take('1')) {
+    if (reader.at() == text.size()) return Quantity{1, {}, {}};
+    text.remove_prefix(reader.at());
+    auto const after = text.find_first_not_of(' ');
+    if (after == std::string_view::npos || text[after] != '/') return {};
+  }
+  auto const unit = leading_unit(text);
+  if (!unit || unit->length != text.size()) return {};
+  return unit->unit;
+}
+
+std::optional<LeadingUnit> leading_unit(std::string_view text) {
+  UnitReader reader(text);
+  auto const unit = reader.product(0);
+  if (!unit) return {};
+  return LeadingUnit{*unit, reader.at()};
+}
+
+bool is_unit_name(std::string_view name) { return find_unit(name) != nullptr; }
+
+std::string likely_unit(std::string_view written) {
+  auto const same = [](std::string_view a, std::string_view b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
+      return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+    });
+  };
+  for (Meant const& m : spellings)
+    if (same(m.written, written)) return std::string(m.unit);
+  for (Unit const& u : units)
+    if (same(u.name, written)) return std::string(u.name);
+  return {};
+}
+
+std::string all_unit_names() {
+  std::string out;
+  for (Unit const& u : units) (out += out.empty() ? "" : " ") += u.name;
+  return out;
+}
+
+double to_si(double value, Quantity const& unit) {
+  double const inverse = std::round(1 / unit.si);
+  bool const whole = unit.si < 1 && std::abs(unit.si * inverse - 1) < 1e-15;
+  return whole ? value / inverse : value * unit.si;
+}
+
+std::optional<Dimension> times(Dimension a, Dimension b, int sign) {
+  Dimension result;
+  for (auto const base : bases) {
+    int const sum = a.*base + sign * b.*base;
+    if (std::abs(sum) > largest_power) return {};
+    result.*base = static_cast<std::int8_t>(sum);
+  }
+  return result;
+}
+
+std::optional<Dimension> power_of(Dimension d, double exponent) {
+  Dimension result;
+  for (auto const base : bases) {
+    double const power = d.*base * exponent;
+    if (!(std::abs(power) <= largest_power) || power != std::round(power)) return {};
+    result.*base = static_cast<std::int8_t>(power);
+  }
+  return result;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "beams/cavity_mode.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/message.hpp"
+
+namespace straytrace {
+
+CavityMode cavity_mode(double length, double roc1, double roc2, double wavelength) {
+  CavityMode m;
+  m.g1 = 1 - length / roc1;
+  m.g2 = 1 - length / roc2;
+  double const product = m.g1 * m.g2;
+  if (!(product > 0 && product < 1))
+    throw NumericalError(fmt::format("the cavity is unstable: g1 g2 = {:.6g}, must lie between 0 and 1", product));
+  double const scale = wavelength * length / pi, sum = m.g1 + m.g2 - 2 * product;
+  m.w1 = std::sqrt(scale * std::sqrt(m.g2 / (m.g1 * (1 - product))));
+  m.w2 = std::sqrt(scale * std::sqrt(m.g1 / (m.g2 * (1 - product))));
+  m.waist = std::sqrt(scale * std::sqrt(product * (1 - product) / (sum * sum)));
+  m.waist_position = length * m.g2 * (1 - m.g1) / sum;
+  m.gouy = std::acos(std::copysign(std::sqrt(product), m.g1));
+  m.rayleigh = pi * m.waist * m.waist / wavelength;
+  return m;
+}
+
+double beam_radius(BeamParameter q, double wavelength) { return std::sqrt(-wavelength / (pi * std::imag(1.0 / q))); }
+double wavefront_curvature(BeamParameter q) { return std::real(1.0 / q); }
+BeamParameter propagated(BeamParameter q, double distance) { return q + distance; }
+BeamParameter reflected_by(BeamParameter q, double roc) { return 1.0 / (1.0 / q - 2.0 / roc); }
+BeamParameter into_medium(BeamParameter q, double roc, double n) { return n / (1.0 / q + (n - 1) / roc); }
+BeamParameter out_of_medium(BeamParameter q, double n) { return q / n; }
+
+double clipped_share(double aperture, double w) { return std::exp(-2 * aperture * aperture / (w * w)); }
+
+}  // namespace straytrace

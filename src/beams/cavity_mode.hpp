@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Eigenmode of a two-mirror cavity and propagation of Gaussian beams (physics.md section 6).
+#pragma once
+
+#include <complex>
+
+namespace straytrace {
+
+// Two mirrors at distance `length`; RoC > 0 when concave towards each other, infinite when flat. Lengths in m.
+struct CavityMode {
+  double g1 = 0, g2 = 0;             // 1 - L/RoC
+  double w1 = 0, w2 = 0, waist = 0;  // 1/e^2 intensity radii at the mirrors and at the waist, m
+  double waist_position = 0;         // m from mirror 1
+  double gouy = 0;                   // one-way Gouy phase, rad
+  double rayleigh = 0;               // m
+};
+// eq. 6.3. Throws NumericalError unless 0 < g1 g2 < 1.
+CavityMode cavity_mode(double length, double roc1, double roc2, double wavelength);
+
+// Beam parameter q = z + i z_R (eq. 6.2).
+using BeamParameter = std::complex<double>;
+double beam_radius(BeamParameter q, double wavelength);      // m
+double wavefront_curvature(BeamParameter q);                 // 1/m, positive when diverging
+BeamParameter propagated(BeamParameter q, double distance);  // free flight, m
+BeamParameter reflected_by(BeamParameter q, double roc);     // mirror of curvature RoC
+BeamParameter into_medium(BeamParameter q, double roc,
+                          double n);                     // refracting face seen concave from outside for RoC > 0
+BeamParameter out_of_medium(BeamParameter q, double n);  // through a flat face
+
+// Power lost by a Gaussian of radius w at a centred circular aperture of radius a (eq. 5.5).
+double clipped_share(double aperture, double w);
+
+}  // namespace straytrace

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a beam of the interferometer meets a surface. Sources and ports of the trace are made of these: light scattered
+// there leaves the mode with weight |u|^2, light arriving there rejoins it with weight lambda^2 |u|^2 times the BSDF
+// (physics.md 1.1, eq. 1.1).
+#pragma once
+
+#include "base/functions.hpp"
+#include "base/ids.hpp"
+#include "base/vec3.hpp"
+
+namespace straytrace {
+
+// gaussian: TEM00 of 1/e^2 intensity radius `radius` (eq. 0.6). even: constant over a disc of that radius (the even
+// mirror weight of eq. 8.15). point: all light at the centre (closed forms of section 8).
+enum class Profile : std::uint8_t { gaussian, even, point };
+
+struct Footprint {
+  SurfaceId surface;
+  Vec3 centre, travel;  // chief ray: where it meets the surface, unit direction of the INCOMING beam
+  Profile profile = Profile::gaussian;
+  double radius = 0;       // m
+  double curvature = 0;    // 1/m, of the incoming wavefront; positive when it diverges in the direction of travel
+  double share = 1;        // q: power of the mode here relative to the main mode (eq. 1.1)
+  double backoff = 0;      // m, how far before the centre a chief-parallel line is certain to start off the surface
+  PortId port;             // where light scattered back into this mode rejoins
+  std::uint32_t beam = 0;  // footprints of one beam are visited by one and the same main mode
+  bool standing = false;   // standing wave of a cavity: its own mirror image is the mode itself
+  bool emits = true, receives = true;
+
+  STRAY_HD Vec3 offset(Vec3 p) const {  // of p from the chief ray, across it, m
+    Vec3 const o = p - centre;
+    return o - dot(o, travel) * travel;
+  }
+  // |u|^2 across the beam at a point, 1/m^2. A point profile cannot be evaluated, only sampled.
+  STRAY_HD double intensity(Vec3 p) const {
+    double const rho2 = length2(offset(p)), w2 = radius * radius;
+    if (profile == Profile::gaussian) return 2 / (pi * w2) * exp_number(-2 * rho2 / w2);
+    return profile == Profile::even && rho2 <= w2 ? 1 / (pi * w2) : 0;
+  }
+  // Direction of the incoming wave at a point: normal of its wavefront.
+  STRAY_HD Vec3 direction(Vec3 p) const { return unit(travel + curvature * offset(p)); }
+  // A line parallel to the chief ray, drawn with density |u|^2 across the beam.
+  STRAY_HD Ray sample(double u, double v) const {
+    double rho = 0;
+    if (profile == Profile::gaussian) rho = radius * std::sqrt(-0.5 * log_positive(u));
+    if (profile == Profile::even) rho = radius * std::sqrt(u);
+    Frame const f = Frame::around(travel);
+    SinCos const a = sincos_turn(v);
+    return {centre - backoff * travel + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2, travel};
+  }
+};
+
+}  // namespace straytrace

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Frustum of a cone: conical baffles. The rim of inner_radius lies at the origin; the ring opens along the axis with
+// the half angle measured from the axis, so its outer edge is at height (outer - inner)/tan(half_angle).
+// Keys: cone.cpp; page: docs/reference/shapes/cone.md.
+#pragma once
+
+#include "base/functions.hpp"
+#include "base/vec3.hpp"
+
+namespace straytrace {
+
+struct Cone {
+  Vec3 origin, axis{0, 0, 1};                                      // m; unit axis
+  double inner_radius = 0, outer_radius = 1, half_angle = pi / 4;  // m, m, rad in (0, pi/2)
+  double sine = 0, cosine = 1;                                     // of half_angle, set by place()
+  Vec3 apex;                                                       // set by place()
+  static constexpr char const* key = "cone";
+
+  STRAY_HD void place(Vec3 at, Vec3 along) {
+    origin = at;
+    axis = along;
+    SinCos const a = sincos_turn(half_angle / (2 * pi));
+    sine = a.sin;
+    cosine = a.cos;
+    apex = origin - (inner_radius * cosine / sine) * axis;
+  }
+  STRAY_HD double height() const { return (outer_radius - inner_radius) * cosine / sine; }
+
+  // Relative to the apex, points obey cos^2 |p_perp|^2 = sin^2 p_z^2 with p_z >= 0.
+  STRAY_HD double distance(Ray const& r, bool leaving) const {
+    Vec3 o = r.origin - apex;
+    double shift = 0;
+    double const size = outer_radius / sine;  // farthest point from the apex
+    if (!leaving && length2(o) > 16 * size * size) {
+      shift = -dot(o, r.dir);
+      o = o + shift * r.dir;
+    }
+    double const oz = dot(o, axis), dz = dot(r.dir, axis);
+    Vec3 const op = o - oz * axis, dp = r.dir - dz * axis;
+    double const c2 = cosine * cosine, s2 = sine * sine;
+    double const a = c2 * length2(dp) - s2 * dz * dz;
+    double const b = c2 * dot(op, dp) - s2 * oz * dz;
+    if (leaving) return a == 0 ? infinity : accept(-2 * b / a, 0, op, dp, oz, dz, r);
+    double const c = c2 * length2(op) - s2 * oz * oz;
+    double const square = b * b - a * c;
+    if (square < 0) return infinity;
+    double const q = -(b + std::copysign(std::sqrt(square), b));
+    double const one = a == 0 ? infinity : q / a, two = q == 0 ? infinity : c / q;
+    double const first = accept(one < two ? one : two, shift, op, dp, oz, dz, r);
+    return first < infinity ? first : accept(one < two ? two : one, shift, op, dp, oz, dz, r);
+  }
+  // Accepts by the radius of the hit, so that ring and wall of equal radius meet without a gap.
+  STRAY_HD double accept(double s, double shift, Vec3 op, Vec3 dp, double oz, double dz, Ray const& r) const {
+    double const t = shift + s;
+    if (!(t > 0 && t < r.t_max)) return infinity;
+    double const z = oz + s * dz;
+    double const rho2 = length2(op + s * dp);
+    return z >= 0 && rho2 >= inner_radius * inner_radius && rho2 <= outer_radius * outer_radius ? t : infinity;
+  }
+  STRAY_HD Vec3 outward(Vec3 p) const {  // unit vector from the axis to p
+    Vec3 const o = p - apex;
+    return unit(o - dot(o, axis) * axis);
+  }
+  STRAY_HD Vec3 normal(Vec3 p) const { return cosine * outward(p) - sine * axis; }  // away from the axis
+  STRAY_HD Vec3 project(Vec3 p) const {
+    Vec3 const o = p - apex;
+    double const z = dot(o, axis);
+    double const distance_off = cosine * length(o - z * axis) - sine * z;
+    return p - distance_off * normal(p);
+  }
+  STRAY_HD double area() const { return pi * (outer_radius * outer_radius - inner_radius * inner_radius) / sine; }
+  STRAY_HD Vec3 sample(double u, double v) const {
+    double const rho =
+        std::sqrt(inner_radius * inner_radius + u * (outer_radius * outer_radius - inner_radius * inner_radius));
+    Frame const f = Frame::around(axis);
+    SinCos const a = sincos_turn(v);
+    return apex + (rho * cosine / sine) * axis + (rho * a.cos) * f.e1 + (rho * a.sin) * f.e2;
+  }
+  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
+    low = 0;
+    high = height();
+    r_min = inner_radius;
+    r_max = outer_radius;
+  }
+  STRAY_HD Vec3 reference() const { return origin; }
+};
+
+}  // namespace straytrace

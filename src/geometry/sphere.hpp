@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Full sphere. Keys: sphere.cpp; page: docs/reference/shapes/sphere.md.
+#pragma once
+
+#include "base/functions.hpp"
+#include "base/vec3.hpp"
+
+namespace straytrace {
+
+struct Sphere {
+  Vec3 centre, axis{0, 0, 1};  // m; the axis has no meaning for the surface
+  double radius = 1;           // m
+  static constexpr char const* key = "sphere";
+
+  STRAY_HD void place(Vec3 at, Vec3 along) {
+    centre = at;
+    axis = along;
+  }
+  STRAY_HD double distance(Ray const& r, bool leaving) const {
+    Vec3 const o = r.origin - centre;
+    double const b = dot(o, r.dir);
+    if (leaving) return accept(-2 * b, r);
+    Vec3 const q = o - b * r.dir;  // point nearest the centre
+    double const square = radius * radius - length2(q);
+    if (square < 0) return infinity;
+    double const far = -(b + std::copysign(std::sqrt(square), b));
+    double const near = (length2(o) - radius * radius) / far;
+    double const first = accept(far < near ? far : near, r);
+    return first < infinity ? first : accept(far < near ? near : far, r);
+  }
+  STRAY_HD double accept(double t, Ray const& r) const { return t > 0 && t < r.t_max ? t : infinity; }
+  STRAY_HD Vec3 normal(Vec3 p) const { return unit(p - centre); }  // outward
+  STRAY_HD Vec3 project(Vec3 p) const { return centre + radius * unit(p - centre); }
+  STRAY_HD double area() const { return 4 * pi * radius * radius; }
+  STRAY_HD Vec3 sample(double u, double v) const {
+    double const z = 1 - 2 * u, rho = std::sqrt(4 * u * (1 - u));
+    SinCos const a = sincos_turn(v);
+    return centre + radius * Vec3{rho * a.cos, rho * a.sin, z};
+  }
+  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
+    low = -radius;
+    high = radius;
+    r_min = 0;
+    r_max = radius;
+  }
+  STRAY_HD Vec3 reference() const { return centre; }
+};
+
+}  // namespace straytrace

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/cavity.hpp"
+
+#include <cmath>
+
+#include "base/constants.hpp"
+
+namespace straytrace {
+namespace {
+
+double pole_of(double product, double length) {  // product of the two amplitude reflectivities
+  return speed_of_light * (1 - product) / (4 * pi * length * std::sqrt(product));
+}
+
+}  // namespace
+
+double ArmCavity::r1() const { return std::sqrt(1 - input_transmission); }
+double ArmCavity::r2() const { return std::sqrt((1 - end_transmission) * (1 - round_trip_loss)); }
+
+double finesse(ArmCavity const& arm) {
+  double const product = arm.r1() * arm.r2();
+  return pi * std::sqrt(product) / (1 - product);
+}
+
+double power_gain(ArmCavity const& arm) { return arm.input_transmission / std::pow(1 - arm.r1() * arm.r2(), 2); }
+
+double cavity_pole(ArmCavity const& arm) { return pole_of(arm.r1() * arm.r2(), arm.length); }
+
+DifferentialMode differential_mode(ArmCavity const& arm, double signal_transmission) {
+  double const between = arm.r1() * std::sqrt(1 - signal_transmission);
+  double const transmission = arm.input_transmission * signal_transmission / std::pow(1 - between, 2);
+  double const product = std::sqrt(1 - transmission) * arm.r2();
+  return {1 / (1 - product), pole_of(product, arm.length)};
+}
+
+double arm_power(ArmCavity const& arm, double input_power, double recycling_transmission, double beam_splitter_loss) {
+  double const t1 = std::sqrt(arm.input_transmission), gain = t1 / (1 - arm.r1() * arm.r2()),
+               reflected = arm.r1() - t1 * arm.r2() * gain;  // about -1 on resonance
+  double const recycled = std::sqrt(recycling_transmission) /
+                          (1 + std::sqrt(1 - recycling_transmission) * reflected * std::sqrt(1 - beam_splitter_loss));
+  return input_power * std::pow(gain * recycled, 2) / 2;
+}
+
+double strain_per_phase_in_arm(double wavelength, double length) { return wavelength / (4 * pi * length); }
+
+std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double mass, double length,
+                                                 DifferentialMode mode) {
+  double const slow = 8 * power * mode.gain / (speed_of_light * mass * std::pow(2 * pi * hz, 2) * length);
+  return slow / std::complex<double>(1, hz / mode.pole);
+}
+
+double equivalent_length(ArmCavity const& arm, double wavelength, std::complex<double> s_arm,
+                         std::complex<double> s_in) {
+  double const r1 = arm.r1(), r2 = arm.r2(), t1 = std::sqrt(arm.input_transmission), k = 2 * pi / wavelength;
+  std::complex<double> const inside = t1 * (1.0 + s_in) / (1 - r1 * r2 - s_arm);
+  std::complex<double> const returned = -r1 * (1.0 + s_in) + t1 * (r2 + s_arm / r1) * inside;
+  double const unperturbed = -r1 + t1 * t1 * r2 / (1 - r1 * r2);
+  // d(returned)/d(round-trip phase) is imaginary on resonance: a pure change of phase.
+  double const slope = 2 * k * t1 * t1 * r2 / std::pow(1 - r1 * r2, 2) / unperturbed;  // rad/m
+  return std::arg(returned / unperturbed) / slope;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Closed forms of arm cavities and of stray light in them (physics.md sections 6, 8.2 and 9). Power transmissions and
+// losses as fractions, lengths in m, frequencies in Hz.
+#pragma once
+
+#include <complex>
+
+namespace straytrace {
+
+// One arm: input and end mirror, loss of power per round trip.
+struct ArmCavity {
+  double length = 0;
+  double input_transmission = 0, end_transmission = 0, round_trip_loss = 0;
+
+  double r1() const;  // amplitude reflectivity of the input mirror
+  double r2() const;  // of the end mirror, with all losses of the round trip
+};
+
+double finesse(ArmCavity const&);     // eq. 6.5
+double power_gain(ArmCavity const&);  // eq. 6.4, on resonance
+double cavity_pole(ArmCavity const&);
+
+// What the differential field sees: tuned signal recycling (resonant sideband extraction), low frequency, eq. 6.8. The
+// input mirror counts with r_eff, and losses of the arm as r2 below 1, so that signal_transmission = 1 (no mirror) is
+// the arm alone with its losses.
+struct DifferentialMode {
+  double gain;  // amplitude gain Gamma of the differential field in the arm
+  double pole;  // Hz
+};
+DifferentialMode differential_mode(ArmCavity const&, double signal_transmission);
+
+// Circulating power per arm in W, carrier on resonance, dark fringe, eq. 6.11.
+double arm_power(ArmCavity const&, double input_power, double recycling_transmission, double beam_splitter_loss);
+
+// h = (lambda / 4 pi L) Im s for a field s inside an arm, relative to the arm field; eq. 9.1.
+double strain_per_phase_in_arm(double wavelength, double length);
+// h = 8 P Gamma Re s / (c M (2 pi f)^2 L) / (1 + i f/f_p); eq. 9.2. Both mirrors of mass M free.
+std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double mass, double length, DifferentialMode);
+
+// Length change of the arm [m] that would change the phase of the light returning to the splitter as much as the stray
+// fields do: exact plane waves, eq. 9.10. s_arm joins the round trip, s_in the light from the splitter.
+double equivalent_length(ArmCavity const&, double wavelength, std::complex<double> s_arm, std::complex<double> s_in);
+
+}  // namespace straytrace

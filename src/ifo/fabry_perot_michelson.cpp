@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/fabry_perot_michelson.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace straytrace {
+namespace {
+
+using K = FabryPerotMichelsonKeys;
+constexpr double least = 1e-12, most = 1 - 1e-9;  // of a transmission
+constexpr Key<K> keys[] = {
+    {"arm_length", &K::arm_length, dim::length, required, 1e-3, 1e8, "length L of one arm"},
+    {"mirror_mass", &K::mirror_mass, dim::mass, required, 1e-9, 1e9, "mass M of each arm mirror"},
+    {"input_transmission", &K::input_transmission, dim::plain, required, least, most,
+     "power transmission of the input mirror"},
+    {"end_transmission", &K::end_transmission, dim::plain, 0, 0, most, "power transmission of the end mirror"},
+    {"round_trip_loss", &K::round_trip_loss, dim::plain, 75e-6, 0, most, "loss of power per round trip of an arm"},
+    {"signal_recycling_transmission", &K::signal_recycling_transmission, dim::plain, 1, least, 1,
+     "power transmission of the signal-recycling mirror; 1: none (eq. 6.8)"},
+    {"arms", &K::arms, dim::plain, 2, 1, 1000, "equal arms, of which one is traced; powers add"},
+};
+
+// Circulating power of one arm: given, or from the power at the recycling mirror by eq. 6.11.
+double read_arm_power(Node const& t, ArmCavity const& arm) {
+  if (t.has("arm_power")) {
+    if (t.has("input_power"))
+      t["input_power"].problem("'arm_power' and 'input_power' are both given",
+                               "keep one of them: eq. 6.11 computes the first from the second");
+    return t.number("arm_power", dim::power, required, 0);
+  }
+  if (!t.has("input_power")) {
+    t.problem("the power in the arms is missing",
+              "add 'arm_power: 650 kW', or 'input_power' and 'power_recycling_transmission'");
+    return not_a_number;
+  }
+  return arm_power(arm, t.number("input_power", dim::power, required, 0),
+                   t.number("power_recycling_transmission", dim::plain, 1, least, 1),
+                   t.number("beam_splitter_loss", dim::plain, 0, 0, most));
+}
+
+}  // namespace
+
+std::span<Key<K> const> fabry_perot_michelson_keys() { return keys; }
+
+FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength) {
+  K k{};
+  read_keys<K>(table, keys, k);
+  FabryPerotMichelson::Parameters p;
+  p.arm = {k.arm_length, k.input_transmission, k.end_transmission, k.round_trip_loss};
+  p.wavelength = wavelength;
+  p.mass = k.mirror_mass;
+  p.arms = k.arms;
+  p.power = read_arm_power(table, p.arm);
+  p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
+  if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least);
+  if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least);
+  table.refuse_unknown("interferometer 'fabry-perot-michelson'");
+  return p;
+}
+
+std::complex<double> FabryPerotMichelson::strain_per_phase(PortId, double) const {
+  return strain_per_phase_in_arm(p_.wavelength, p_.arm.length);
+}
+
+std::complex<double> FabryPerotMichelson::strain_per_amplitude(PortId, double hz) const {
+  return strain_per_amplitude_in_arm(hz, p_.power, p_.mass, p_.arm.length, p_.mode);
+}
+
+std::string FabryPerotMichelson::description() const {
+  return fmt::format(
+      "Fabry-Perot Michelson, stray light inside an arm: h = (lambda/4 pi L) Im s (phase, eq. 9.1) and "
+      "h = 8 P Gamma Re s/(c M (2 pi f)^2 L)/(1 + i f/f_p) (radiation pressure, eq. 9.2); lambda {:g} nm, L {:g} m, "
+      "P {:.5g} W per arm, M {:g} kg, Gamma {:.4g}, f_p {:.4g} Hz, finesse {:.4g}, {:g} equal arms",
+      p_.wavelength * 1e9, p_.arm.length, p_.power, p_.mass, p_.mode.gain, p_.mode.pole, finesse(p_.arm), p_.arms);
+}
+
+std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<std::string> const&,
+                                                    double wavelength) {
+  constexpr std::array<std::string_view, 1> presets = {"fabry-perot-michelson"};
+  table.choice("preset", presets);
+  return std::make_unique<FabryPerotMichelson>(read_fabry_perot_michelson(table, wavelength));
+}
+
+}  // namespace straytrace

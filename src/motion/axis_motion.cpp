@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion/axis_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "motion/spectrum_file.hpp"
+#include "signal/shapes.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr char const* kinds =
+    "write still, {asd: FILE, columns: [Hz, m/sqrt(Hz)]}, {power-law: ...}, {peterson: typical}, {line: ...}, "
+    "{sine: ...}, {like: z} or {same_as: z}";
+
+Dimension asd_of(int axis) { return is_rotation(axis) ? dim::angle_asd : dim::displacement_asd; }
+Dimension amplitude_of(int axis) { return is_rotation(axis) ? dim::angle : dim::length; }
+
+Spectrum read_power_law(Node const& t, int axis) {
+  double const asd = t.number("asd", asd_of(axis), required, 0), at = t.number("at", dim::frequency, required, 1e-9),
+               exponent = t.number("exponent", dim::plain), from = t.number("from", dim::frequency, required, 1e-9),
+               to = t.number("to", dim::frequency, required, 1e-9);
+  t.refuse_unknown("motion 'power-law'");
+  if (from >= to) t.problem("the power law ends before it begins", "write 'from' below 'to'");
+  return from < to ? power_law_asd(asd, at, exponent, from, to) : Spectrum();
+}
+
+Spectrum read_peterson(Node const& spec, int axis) {
+  constexpr std::array<std::string_view, 3> choices = {"low", "high", "typical"};
+  std::string const model = spec.choice("peterson", choices);
+  double const from = spec.number("from", dim::frequency, 0.01, 1e-5),
+               to = spec.number("to", dim::frequency, 1000, 1e-5);
+  if (is_rotation(axis))
+    spec.problem("the Peterson models describe translations of the ground", "give an ASD in rad/sqrt(Hz)");
+  if (from >= to) spec.problem("the ground model ends before it begins", "write 'from' below 'to'");
+  if (model.empty() || is_rotation(axis) || !(from < to)) return {};
+  return peterson(model == "low"    ? GroundModel::low
+                  : model == "high" ? GroundModel::high
+                                    : GroundModel::typical,
+                  from, to);
+}
+
+Spectrum read_line(Node const& t, int axis) {
+  double const at = t.number("at", dim::frequency, required, 1e-6),
+               width = t.number("width", dim::frequency, required, 1e-6);
+  Quantity const rms = t.amplitude("rms", amplitude_of(axis));
+  t.refuse_unknown("motion 'line'");
+  if (rms.amplitude == Amplitude::peak || rms.amplitude == Amplitude::peak_to_peak) {
+    t["rms"].problem("random motion has no peak value", "write its root mean square, for example '0.4 um rms'");
+    return {};
+  }
+  return std::isfinite(at * width * rms.si) && rms.si > 0 ? gaussian_line(at, width, rms.si) : Spectrum();
+}
+
+void read_sine(Node const& t, int axis, double scale, AxisMotion& into) {
+  Quantity const size = t.amplitude("amplitude", amplitude_of(axis));
+  double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
+               phase = t.number("phase", dim::angle, 0);
+  t.refuse_unknown("motion 'sine'");
+  double const to_peak = size.amplitude == Amplitude::peak_to_peak ? 0.5
+                         : size.amplitude == Amplitude::rms        ? std::sqrt(2)
+                                                                   : 1;
+  if (std::isfinite(size.si * frequency * phase) && size.si != 0)
+    into.tones.push_back({frequency, std::polar(1.0, phase) * (scale * to_peak * size.si)});
+}
+
+void read_reference(Node const& spec, std::string_view key, int axis, double scale, AxisMotion& into) {
+  std::string const other = spec.choice(key, axis_names);
+  if (other.empty()) return;
+  int const target = static_cast<int>(std::find(std::begin(axis_names), std::end(axis_names), other) - axis_names);
+  if (is_rotation(target) != is_rotation(axis))
+    spec.problem(
+        fmt::format("'{}' cannot move like '{}': one is a translation, one a rotation", axis_names[axis], other),
+        "name a coordinate of the same kind, or give a spectrum");
+  else
+    into.references.push_back({target, scale, key == "same_as", spec});
+}
+
+Spectrum with_resonance(Node const& spec, Spectrum const& s) {
+  Node const t = spec.table("resonance");
+  if (!t) return s;
+  double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
+               quality = t.number("quality", dim::plain, required, 0.5);
+  t.refuse_unknown("'resonance'");
+  return std::isfinite(frequency * quality) && s.total() > 0 ? through_resonance(s, frequency, quality) : s;
+}
+
+// Exactly one of the keys that say what kind of motion it is.
+std::string kind_of(Node const& spec) {
+  std::string found;
+  for (char const* key : {"asd", "power-law", "peterson", "line", "sine", "like", "same_as"}) {
+    if (!spec.has(key)) continue;
+    if (!found.empty())
+      spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found, key),
+                   "write a list: [{...}, {...}] adds");
+    found = key;
+  }
+  if (found.empty()) spec.problem("this does not say how the body moves", kinds);
+  return found;
+}
+
+void read_one(Node const& spec, int axis, AxisMotion& into) {
+  if (spec.kind() == Node::Kind::scalar) {
+    if (spec.text() != "still") spec.problem(fmt::format("'{}' is not a motion", spec.text()), kinds);
+    return;
+  }
+  if (spec.kind() != Node::Kind::table) return;
+  std::string const kind = kind_of(spec);
+  double const scale = spec.number("scale", dim::plain, 1);
+  if (kind == "sine") read_sine(spec["sine"], axis, scale, into);
+  if (kind == "like" || kind == "same_as") read_reference(spec, kind, axis, scale, into);
+  Spectrum s;
+  if (kind == "asd") s = read_spectrum_file(spec, is_rotation(axis));
+  if (kind == "power-law") s = read_power_law(spec["power-law"], axis);
+  if (kind == "peterson") s = read_peterson(spec, axis);
+  if (kind == "line") s = read_line(spec["line"], axis);
+  if (s.total() > 0 && std::isfinite(scale))
+    into.spectrum = into.spectrum + with_resonance(spec, s.scaled(scale * scale));
+  if (!kind.empty()) spec.refuse_unknown(fmt::format("motion '{}'", kind));
+}
+
+}  // namespace
+
+AxisMotion read_axis(Node const& node, int axis) {
+  AxisMotion motion;
+  for (Node const& spec : node.as_list()) read_one(spec, axis, motion);
+  return motion;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion/motion.hpp"
+
+namespace straytrace {
+
+double MotionSet::sensitivity(std::size_t i, std::span<Lever const> levers) const {
+  std::complex<double> phase = 0;  // per unit of the input
+  for (Lever const& lever : levers)
+    for (Gain const& gain : inputs[i].gains)
+      if (gain.body == lever.body) phase += lever.d[gain.axis] * gain.value;
+  return std::norm(phase);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Built-in design sensitivities (physics.md 12.2). The name says the source: curves of one detector differ by factors.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace straytrace {
+
+std::span<std::string const> built_in_designs();  // "adv-lal", "kagra-lal", "et-d-points"
+
+// Strain ASD in 1/sqrt(Hz); NaN outside the range of a table and for an unknown name.
+double design_asd(std::string_view name, double hz);
+
+}  // namespace straytrace

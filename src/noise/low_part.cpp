@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The motion is made periodic with period 1/spacing: exact power in every line, hence no leakage and nothing that has
+// to decay. Motion slower than half a spacing is a static phase.
+#include "noise/low_part.hpp"
+
+#include <fmt/format.h>
+#include <unsupported/Eigen/FFT>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <math.h>
+
+#include "base/constants.hpp"
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t fewest = std::size_t{1} << 14, usual_most = std::size_t{1} << 20, most = std::size_t{1} << 24;
+
+// Frequency beyond which the spectrum is below 1e-17: Gaussian tail of the fringe rate (8.9 sigma), products of the
+// motion with itself, Bessel tails of the tones.
+double reach(SlowPhase const& p) {
+  double hz = 9 * p.fringe_rate + 6 * p.highest;
+  for (PhaseTone const& t : p.tones) hz += t.frequency * (t.peak + 8 * std::cbrt(t.peak) + 10);
+  return hz;
+}
+
+// The coarsest spacing up to `limit` on whose lines all tones fall; with several tones the best of a few hundred.
+double spacing_for(std::vector<PhaseTone> const& tones, double limit) {
+  if (tones.empty()) return limit;
+  auto const strongest = std::max_element(tones.begin(), tones.end(), [](PhaseTone const& a, PhaseTone const& b) {
+    return a.peak * a.frequency < b.peak * b.frequency;
+  });
+  double const first = std::ceil(strongest->frequency / limit);
+  double best = strongest->frequency / first, best_miss = infinity;
+  for (double n = first; n < 2 * first + 200 && best_miss > 1e-9; ++n) {
+    double const spacing = strongest->frequency / n;
+    double miss = 0;  // relative error of the worst tone
+    for (PhaseTone const& t : tones)
+      miss = std::max(miss, std::fabs(std::round(t.frequency / spacing) * spacing / t.frequency - 1));
+    if (miss < 0.7 * best_miss) {
+      best_miss = miss;
+      best = spacing;
+    }
+  }
+  return best;
+}
+
+using Lines = std::vector<std::complex<double>>;
+
+// Autocovariance of the Gaussian part at all lags n/(N spacing).
+std::vector<double> covariance(SlowPhase const& p, double spacing, std::size_t n, Eigen::FFT<double>& fft) {
+  Lines half(n / 2 + 1);
+  auto const last = std::min(static_cast<std::size_t>(p.highest / spacing + 1), n / 2);
+  for (std::size_t k = 1; k <= last; ++k) {
+    double const f = static_cast<double>(k);
+    half[k] = 0.5 * static_cast<double>(n) * p.power((f - 0.5) * spacing, (f + 0.5) * spacing);
+  }
+  std::vector<double> r;
+  fft.inv(r, half, static_cast<Eigen::Index>(n));
+  return r;
+}
+
+// exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
+std::vector<double> correlation(SlowPhase const& p, std::vector<double> r, double spacing, double constant) {
+  std::size_t const n = r.size();
+  double const r0 = r[0];
+  for (std::size_t i = 0; i <= n / 2; ++i) {
+    double c;
+    if (p.tones.empty() && r0 < 600) {
+      c = constant * std::expm1(r[i]);  // no cancellation, however small the motion
+    } else {
+      c = std::exp(r[i] - r0);
+      for (PhaseTone const& t : p.tones) {
+        double const cycles = std::round(t.frequency / spacing) * static_cast<double>(i) / static_cast<double>(n);
+        c *= ::j0(2 * t.peak * std::sin(pi * (cycles - std::floor(cycles))));
+      }
+      c -= constant;
+    }
+    r[i] = c;
+    if (i > 0) r[n - i] = c;
+  }
+  return r;
+}
+
+double norm2(std::vector<double> const& v) {
+  double sum = 0;
+  for (double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+// One transform at n samples; empty when the sampling rate was too low.
+bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& low) {
+  Eigen::FFT<double> fft;
+  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  std::vector<double> r = covariance(p, spacing, n, fft);
+  double const r0 = r[0];
+  double unmoved = std::exp(-r0);
+  for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
+  std::vector<double> const c = correlation(p, std::move(r), spacing, unmoved);
+  Lines lines;
+  fft.fwd(lines, c);
+  double const step = 1 / (static_cast<double>(n) * spacing);
+  // Rounding of R enters C relative to R(0); of the transform relative to the norm of C; of the constant part directly.
+  double const cancelled = p.tones.empty() ? 0 : unmoved * std::sqrt(static_cast<double>(n));
+  double const floor = 64 * 2.2e-16 * (1 + r0) * (norm2(c) + cancelled) * step;
+  low = {spacing, std::vector<double>(n / 2 + 1), unmoved / 2, n};
+  bool clean = true;
+  for (std::size_t k = 0; k <= n / 2; ++k) {
+    double const s = lines[k].real() * step;
+    low.density[k] = s > floor ? s : 0;
+    clean = clean && (k < 3 * n / 8 || s <= floor);
+  }
+  return clean;
+}
+
+}  // namespace
+
+LowPart transform(SlowPhase const& p, double resolution) {
+  double spacing = spacing_for(p.tones, resolution);
+  double const rate = 2 * reach(p);
+  std::size_t n = std::max(fewest, std::bit_ceil(static_cast<std::size_t>(std::min(rate / spacing, 1e9))));
+  if (n > usual_most && p.tones.empty()) {
+    n = usual_most;
+    spacing = std::min(rate / static_cast<double>(n), 4 * spacing);
+    n = std::bit_ceil(static_cast<std::size_t>(rate / spacing));
+  }
+  LowPart low;
+  for (; n <= most; n *= 2)
+    if (try_transform(p, spacing, n, low)) return low;
+  throw NumericalError(
+      fmt::format("motion too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
+                  reach(p), spacing));
+}
+
+}  // namespace straytrace

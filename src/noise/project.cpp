@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Routes add in power: their static phases are independent (physics.md eq. 10.1, 1.13).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/message.hpp"
+#include "noise/cells.hpp"
+#include "noise/noise.hpp"
+#include "noise/phase_spectra.hpp"
+#include "noise/route_noise.hpp"
+
+namespace straytrace {
+namespace {
+
+// |T|^2 from Im s and from Re s to strain, at the centres of the bins. Within a bin of 4 % the mean of f^-4 differs
+// from its value at the centre by 5e-4.
+struct Response {
+  Bins phase, amplitude;
+  double both(std::size_t i) const { return phase[i] + amplitude[i]; }
+};
+
+std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, FrequencyGrid const& grid) {
+  std::vector<Response> out(ports);
+  for (std::uint32_t p = 0; p < ports; ++p) {
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      out[p].phase.push_back(std::norm(ifo.strain_per_phase(PortId{p}, grid.centre(i))));
+      out[p].amplitude.push_back(std::norm(ifo.strain_per_amplitude(PortId{p}, grid.centre(i))));
+    }
+  }
+  return out;
+}
+
+// PSDs of one curve, before roots are taken.
+struct Sum {
+  explicit Sum(std::size_t bins) : phase(bins), amplitude(bins) {}
+  Bins phase, amplitude;                    // 1/Hz
+  std::array<Bins, replica_count> without;  // both, without one replica
+  double mean_square_phase = 0, power = 0;
+
+  void add(RouteSpectrum const& route, Response const& t, double factor, double coupling) {
+    for (std::size_t i = 0; i < phase.size(); ++i) {
+      phase[i] += factor * t.phase[i] * route.psd[i];
+      amplitude[i] += factor * t.amplitude[i] * route.psd[i];
+    }
+    for (std::size_t r = 0; r < replica_count; ++r) {
+      if (route.without[r].empty()) continue;
+      without[r].resize(phase.size());
+      for (std::size_t i = 0; i < phase.size(); ++i) without[r][i] += factor * t.both(i) * route.without[r][i];
+    }
+    mean_square_phase += coupling * route.mean_square_phase;
+    power += coupling;
+  }
+};
+
+// Root, with the standard error sigma_asd = sigma_psd / (2 asd).
+NoiseTrace finished(std::string name, Sum const& sum) {
+  NoiseTrace t;
+  t.name = std::move(name);
+  t.mean_square_phase = sum.power > 0 ? sum.mean_square_phase / sum.power : 0;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < sum.phase.size(); ++i) {
+    double const psd = sum.phase[i] + sum.amplitude[i];
+    if (!std::isfinite(psd)) throw NumericalError(fmt::format("the noise of '{}' is not finite", t.name));
+    values.clear();
+    for (Bins const& b : sum.without)
+      if (!b.empty()) values.push_back(b[i]);
+    double const sigma = std::sqrt(jackknife_variance(values));
+    t.asd.push_back(std::sqrt(psd));
+    t.sigma.push_back(psd > 0 ? sigma / (2 * t.asd.back()) : sigma);
+    t.phase_asd.push_back(std::sqrt(sum.phase[i]));
+    t.amplitude_asd.push_back(std::sqrt(sum.amplitude[i]));
+  }
+  return t;
+}
+
+// Why a class cannot enter the total; empty when it can.
+std::string objection(CouplingTable const& table, CouplingClass const& c) {
+  auto const replicas =
+      std::count_if(table.replica_histories.begin(), table.replica_histories.end(), [](auto n) { return n > 0; });
+  if (!c.coupling.trusted) return c.coupling.why_not.empty() ? "its mean is not trusted" : c.coupling.why_not;
+  if (c.coupling.mean > 0 && c.records.empty()) return "no path of it was kept";
+  if (replicas < 2) return "fewer than two replicas: no error can be given";
+  return {};
+}
+
+bool never_scored(CouplingClass const& c) {
+  return c.coupling.scored == 0 && c.coupling.mean == 0 && c.records.empty();
+}
+
+double largest_ratio(Sum const& unresolved, Sum const& total) {
+  double ratio = 0;
+  for (std::size_t i = 0; i < total.phase.size(); ++i) {
+    double const above = unresolved.phase[i] + unresolved.amplitude[i], below = total.phase[i] + total.amplitude[i];
+    if (above > 0) ratio = std::max(ratio, above / below);
+  }
+  return ratio;
+}
+
+}  // namespace
+
+NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
+                          NoiseSettings const& settings) {
+  auto const start = std::chrono::steady_clock::now();
+  std::size_t const bins = settings.grid.size();
+  PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
+  Cells const cells = make_cells(table, motion, spectra.classes());
+  std::vector<Bins> cell_psd;
+  std::vector<double> strength;
+  for (std::vector<double> const& kappa : cells.kappa) {
+    cell_psd.push_back(spectra(kappa).psd);
+    strength.push_back(spectra.mean_square_phase(kappa));
+  }
+  std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
+
+  NoiseBudget budget;
+  budget.grid = settings.grid;
+  budget.margin = settings.margin;
+  Sum total(bins), unresolved(bins);
+  for (std::size_t r = 0; r < table.classes.size(); ++r) {
+    CouplingClass const& c = table.classes[r];
+    std::string const name = route_name(table, c), why_not = objection(table, c);
+    RouteSpectrum route = route_spectrum(table, c, cells.of[r], cell_psd, strength);
+    route.psd.resize(bins);
+    Sum own(bins);
+    double const factor = c.reverse * ifo.copies();
+    for (Sum* sum : {&own, why_not.empty() ? &total : &unresolved})
+      sum->add(route, response.at(c.port.value), factor, c.coupling.mean);
+    budget.routes.push_back(finished(name, own));
+    NoiseTrace& trace = budget.routes.back();
+    trace.hash = c.hash;
+    trace.resolved = why_not.empty();
+    trace.why_not = why_not;
+    if (!trace.resolved && !never_scored(c)) budget.unresolved.push_back(name + ": " + why_not);
+  }
+  budget.total = finished("total", total);
+  budget.total.resolved = budget.unresolved.empty();
+  if (!budget.total.resolved) budget.total.why_not = "a lower bound: some routes are unresolved";
+  budget.unresolved_hint = largest_ratio(unresolved, total);
+  budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return budget;
+}
+
+}  // namespace straytrace

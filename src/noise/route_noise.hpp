@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One coupling class turned into the spectrum of Im s at its port, with the replicas that give its error.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "trace/coupling.hpp"
+
+namespace straytrace {
+
+using Bins = std::vector<double>;
+
+// PSD of Im s [1/Hz] per bin: all histories, and all but those of one replica (empty where a replica has none).
+struct RouteSpectrum {
+  Bins psd;
+  std::array<Bins, replica_count> without;
+  double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
+};
+
+// psd = mean * sum over records of (their share) * (spectrum of their cell); each class mean and the shares of its
+// records are taken anew without each replica. `cell`: of each record; `strength`: mean-square phase of each cell.
+RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::span<std::uint32_t const> cell,
+                             std::span<Bins const> cell_psd, std::span<double const> strength);
+
+// Replica of a history: block of 4096 histories modulo their number.
+std::size_t replica_of(std::uint64_t history);
+
+// Squared standard error of a mean from its delete-one values; NaN with fewer than two.
+double jackknife_variance(std::span<double const> without);
+
+}  // namespace straytrace

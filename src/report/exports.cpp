@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files for other programs: h_asd.txt, paths.csv, JSON.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "base/message.hpp"
+#include "report/band.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string header(RunContent const& run) {
+  Provenance const& p = run.provenance;
+  return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", run.title, p.program,
+                     p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
+                     run.trace->coupling.histories);
+}
+
+std::string reverse_words(bool on) {
+  return on ? "C_rev on: a route and its reverse add in amplitude"
+            : "C_rev off: reverse routes are not added in amplitude";
+}
+
+std::string csv_text(std::string const& text) {
+  std::string quoted = "\"";
+  for (char const c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text.find_first_of(",\"\n") == std::string::npos ? text : quoted + "\"";
+}
+
+std::string csv_number(bool known, double value) {
+  return known && !std::isnan(value) ? fmt::format("{}", value) : "nan";
+}
+
+std::string regime(double rms_phase) {
+  if (std::isnan(rms_phase)) return "";
+  return rms_phase > wrapped_from ? "wrapped" : "linear";
+}
+
+std::string csv_titles(PathTable const& table) {
+  std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
+  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
+  return text +
+         ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
+         "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores\n";
+}
+
+std::string csv_row(PathRow const& row) {
+  bool const ok = row.resolved;
+  auto number = [](double x) { return csv_number(true, x); };
+  std::string text = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.rank, hash_text(row.hash), csv_text(row.port),
+                                 csv_text(row.sequence), row.vertices, csv_number(ok, row.coupling.mean),
+                                 csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
+                                 csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
+  for (Measured const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
+  return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
+                            number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
+                            number(row.rms_phase), regime(row.rms_phase), number(row.length_mean),
+                            number(row.length_min), number(row.length_max), row.coupling.scored,
+                            number(row.coupling.largest_share), number(row.coupling.effective_scores));
+}
+
+Json json_of(Measured const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
+
+Json json_of(PathTable const& table, PathRow const& row) {
+  Json j;
+  j["rank"] = row.rank;
+  j["id"] = hash_text(row.hash);
+  j["port"] = row.port;
+  j["sequence"] = row.sequence;
+  j["vertices"] = row.vertices;
+  j["resolved"] = row.resolved;
+  j["why_not"] = row.why_not;
+  j["coupling"] = row.resolved ? json_of({row.coupling.mean, row.coupling.std_error}) : Json(nullptr);
+  j["coupling_hint"] = row.coupling.mean;
+  j["C_rev"] = row.reverse;
+  j["strain"] = Json::array();
+  for (std::size_t i = 0; i < row.strain.size(); ++i) {
+    Json h = json_of(row.strain[i]);
+    h["frequency_Hz"] = table.frequencies[i];
+    j["strain"].push_back(h);
+  }
+  j["share"] = json_of(row.share);
+  j["moving_body"] = row.body;
+  j["lever_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.lever);
+  j["rms_phase_rad"] = row.rms_phase;
+  j["regime"] = regime(row.rms_phase);
+  j["path_length_m"] = {{"mean", row.length_mean}, {"min", row.length_min}, {"max", row.length_max}};
+  j["histories_scored"] = row.coupling.scored;
+  j["largest_history_share"] = row.coupling.largest_share;
+  j["effective_scores"] = row.coupling.effective_scores;
+  return j;
+}
+
+Json origin(RunContent const& run) {
+  Provenance const& p = run.provenance;
+  return {{"program", p.program},
+          {"version", p.version},
+          {"commit", p.commit},
+          {"created", p.created},
+          {"model_hash", run.model_hash},
+          {"seed", run.trace->coupling.seed},
+          {"histories", run.trace->coupling.histories},
+          {"reverse_routes", run.trace->coupling.reverse_routes}};
+}
+
+Json books(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  auto entry = [&](Moments const& m) {
+    Estimate const e = estimate(m, total.histories, total.blocks);
+    return json_of({e.mean, e.std_error});
+  };
+  Json ledger;
+  ledger["emitted"] = entry(total.emitted);
+  for (int i = 0; i < fate_count; ++i) ledger[name_of(Fate(i))] = entry(total.ledger[std::size_t(i)]);
+  ledger["lost_histories"] = total.lost;
+  return ledger;
+}
+
+// Names may hold bytes that are not UTF-8; they are replaced, never thrown at.
+std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace
+
+std::string asd_text(RunContent const& run) {
+  if (!run.noise) throw InputError("this run has no noise yet; write: straytrace noise RUN_FILE");
+  NoiseBudget const& b = *run.noise;
+  std::string text = header(run) + "# one-sided strain ASD, mean over static phases\n# " +
+                     reverse_words(run.trace->coupling.reverse_routes) + "\n";
+  text += "# sigma, h_low, h_high: one standard error of the Monte Carlo\n";
+  text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
+  text +=
+      b.unresolved.empty() ? "# unresolved: none\n" : "# LOWER BOUND, these routes are unresolved and not included:\n";
+  for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
+  text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
+  text += "# frequency_Hz h_mean sigma h_low h_high phase_only amplitude_only design ratio\n";
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    double const h = b.total.asd.at(i), s = b.total.sigma.at(i);
+    double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);
+    text += fmt::format("{:.9e} {:.9e} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e}\n", b.grid.centre(i), h, s,
+                        std::max(0.0, h - s), h + s, b.total.phase_asd.at(i), b.total.amplitude_asd.at(i), design,
+                        h / design);
+  }
+  return text;
+}
+
+std::string path_csv(PathTable const& table, RunContent const& run) {
+  std::string text =
+      header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
+  text +=
+      "# h: one-sided strain ASD [1/sqrt(Hz)], mean over static phases; " + reverse_words(table.reverse_routes) + "\n";
+  text +=
+      fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
+  text += "# sigma: one standard error; lever: rms over paths; nan: not resolved or not computed, see verdict\n";
+  text += csv_titles(table);
+  for (PathRow const& row : table.rows) text += csv_row(row);
+  return text;
+}
+
+std::string path_json(PathTable const& table, RunContent const& run) {
+  Json j;
+  j["run"] = origin(run);
+  j["band_Hz"] = {table.low, table.high};
+  j["routes"] = Json::array();
+  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  return dumped(j);
+}
+
+std::string summary_json(RunContent const& run, PathTable const& table) {
+  Json j;
+  j["title"] = run.title;
+  j["run"] = origin(run);
+  j["complete"] = !run.trace->checkpointed();
+  if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
+  j["lower_bound"] = table.unresolved > 0;
+  j["total_strain"] = Json::array();
+  for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
+    Json h = json_of(table.total_strain[i]);
+    h["frequency_Hz"] = table.frequencies[i];
+    j["total_strain"].push_back(h);
+  }
+  j["unresolved"] = Json::array();
+  for (PathRow const& row : table.rows)
+    if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});
+  j["ledger"] = books(run);
+  j["warnings"] = run.warnings;
+  for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
+  j["routes"] = Json::array();
+  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  return dumped(j);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The numbers of the path table.
+#include <algorithm>
+#include <cmath>
+
+#include "report/band.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+// Variance of each input's displacement (a tone of unit amplitude has 1/2), in the band or in all.
+std::vector<double> input_powers(MotionSet const& motion, double low, double high) {
+  std::vector<double> powers;
+  for (MotionInput const& input : motion.inputs) {
+    bool const tone = input.tone_frequency > 0;
+    bool const all = high <= low;
+    if (tone)
+      powers.push_back(all || (input.tone_frequency >= low && input.tone_frequency <= high) ? 0.5 : 0);
+    else
+      powers.push_back(all ? input.spectrum.total() : input.spectrum.power(low, high));
+  }
+  return powers;
+}
+
+struct BodyPart {
+  double phase2 = 0, lever2 = 0;  // rad^2; (rad/m)^2; weighted sums over paths
+};
+
+void add_lever(BodyPart& part, double weight, Lever const& lever, MotionSet const* motion,
+               std::vector<double> const& powers) {
+  part.lever2 += weight * (lever.d[0] * lever.d[0] + lever.d[1] * lever.d[1] + lever.d[2] * lever.d[2]);
+  if (!motion) return;
+  for (std::size_t i = 0; i < powers.size(); ++i)
+    if (powers[i] > 0) part.phase2 += weight * powers[i] * motion->sensitivity(i, {&lever, 1});
+}
+
+// The body that shakes the phase most; without motion, the one with the largest lever.
+void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, MotionSet const* motion,
+               std::vector<double> const& powers) {
+  std::map<std::uint32_t, BodyPart> parts;
+  double weights = 0;
+  for (PathRecord const& r : c.records) {
+    weights += r.weight;
+    for (Lever const& lever : r.levers) add_lever(parts[lever.body.value], r.weight, lever, motion, powers);
+  }
+  double best = 0;
+  for (auto const& [body, part] : parts) {
+    double const size = motion ? part.phase2 : part.lever2;
+    if (size <= best || body >= names.size()) continue;
+    best = size;
+    row.body = names[body];
+    row.lever = std::sqrt(part.lever2 / weights);
+  }
+}
+
+void find_lengths(PathRow& row, CouplingClass const& c) {
+  row.length_mean = row.length_min = row.length_max = not_a_number;
+  if (c.records.empty()) return;
+  double weights = 0, sum = 0;
+  row.length_min = infinity;
+  row.length_max = -infinity;
+  for (PathRecord const& r : c.records) {
+    weights += r.weight;
+    sum += r.weight * r.path_length;
+    row.length_min = std::min(row.length_min, r.path_length);
+    row.length_max = std::max(row.length_max, r.path_length);
+  }
+  row.length_mean = weights > 0 ? sum / weights : not_a_number;
+}
+
+// Share of each route in the resolved noise power of the band. Routes are taken as independent for the error:
+// d(p_i/P) = ((1 - s_i) dp_i - s_i dP_others)/P.
+void find_shares(std::vector<PathRow>& rows, std::vector<Measured> const& powers) {
+  double total = 0, variance = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].resolved) continue;
+    total += powers[i].value;
+    variance += powers[i].sigma * powers[i].sigma;
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].share = {not_a_number, not_a_number};
+    if (!rows[i].resolved || total <= 0) continue;
+    double const s = powers[i].value / total, own = powers[i].sigma * powers[i].sigma;
+    rows[i].share = {s, std::sqrt((1 - s) * (1 - s) * own + s * s * (variance - own)) / total};
+  }
+}
+
+PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
+  PathRow row;
+  row.hash = c.hash;
+  row.port = c.port.value < table.ports.size() ? table.ports[c.port.value] : "";
+  row.sequence = route_name(table, c);
+  row.vertices = c.steps.size();
+  row.coupling = c.coupling;
+  row.reverse = c.reverse;
+  row.resolved = c.coupling.trusted;
+  row.why_not = c.coupling.why_not;
+  row.share = {not_a_number, not_a_number};
+  row.rms_phase = not_a_number;
+  find_lengths(row, c);
+  return row;
+}
+
+void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid, std::vector<double> const& hz) {
+  row.resolved = row.resolved && trace.resolved;
+  if (row.why_not.empty()) row.why_not = trace.why_not;
+  row.rms_phase = std::sqrt(trace.mean_square_phase);
+  for (double const f : hz)
+    row.strain.push_back(row.resolved ? strain_at(trace, grid, f) : Measured{not_a_number, not_a_number});
+}
+
+bool before(PathRow const& a, PathRow const& b) {
+  if (a.resolved != b.resolved) return a.resolved;
+  double const x = std::isnan(a.share.value) ? a.coupling.mean * a.reverse : a.share.value;
+  double const y = std::isnan(b.share.value) ? b.coupling.mean * b.reverse : b.share.value;
+  return x != y ? x > y : a.hash < b.hash;
+}
+
+void finish(PathTable& table) {
+  std::sort(table.rows.begin(), table.rows.end(), before);
+  double variance = 0;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    PathRow& row = table.rows[i];
+    row.rank = i + 1;
+    if (!row.resolved) {
+      ++table.unresolved;
+      continue;
+    }
+    table.total_coupling.value += row.coupling.mean;
+    variance += row.coupling.std_error * row.coupling.std_error;
+  }
+  table.total_coupling.sigma = std::sqrt(variance);
+}
+
+}  // namespace
+
+std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double high) {
+  if (grid.size() == 0 || high > low) return {low, high};
+  return {grid.edges.front(), grid.edges.back()};
+}
+
+Measured strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
+  auto const above = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
+  if (above == grid.edges.begin() || above == grid.edges.end()) return {not_a_number, not_a_number};
+  std::size_t const i = std::size_t(above - grid.edges.begin()) - 1;
+  return {trace.asd.at(i), trace.sigma.at(i)};
+}
+
+Measured band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
+  Measured power;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid.centre(i) < low || grid.centre(i) > high) continue;
+    power.value += trace.asd.at(i) * trace.asd.at(i) * grid.width(i);
+    power.sigma += 2 * trace.asd.at(i) * trace.sigma.at(i) * grid.width(i);
+  }
+  return power;
+}
+
+PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, MotionSet const* motion,
+                     TableSettings const& settings) {
+  PathTable table;
+  table.has_noise = budget && budget->routes.size() == coupling.classes.size();
+  table.reverse_routes = coupling.reverse_routes;
+  if (table.has_noise) {
+    table.frequencies = settings.frequencies;
+    std::tie(table.low, table.high) = band_of(budget->grid, settings.low, settings.high);
+    for (double const f : table.frequencies) table.total_strain.push_back(strain_at(budget->total, budget->grid, f));
+  }
+  // In the linear regime the motion inside the band makes the noise; where fringes wrap, all of it does.
+  std::vector<double> in_band, all;
+  if (motion) {
+    in_band = input_powers(*motion, table.low, table.high);
+    all = input_powers(*motion, 0, 0);
+  }
+  std::vector<Measured> powers;
+  for (std::size_t i = 0; i < coupling.classes.size(); ++i) {
+    CouplingClass const& c = coupling.classes[i];
+    PathRow row = row_of(coupling, c);
+    if (table.has_noise) {
+      add_noise(row, budget->routes[i], budget->grid, table.frequencies);
+      powers.push_back(band_power(budget->routes[i], budget->grid, table.low, table.high));
+    }
+    find_body(row, c, coupling.bodies, motion, row.rms_phase < 1 ? in_band : all);
+    table.rows.push_back(std::move(row));
+  }
+  if (table.has_noise) find_shares(table.rows, powers);
+  finish(table);
+  return table;
+}
+
+}  // namespace straytrace

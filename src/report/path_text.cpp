@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The path table for terminals and reports.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/band.hpp"
+#include "report/columns.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+std::string number(double x, char const* form) { return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-"; }
+
+std::string regime(double rms_phase) {
+  if (!std::isfinite(rms_phase)) return "-";
+  return rms_phase > wrapped_from ? "wrapped" : "linear";
+}
+
+Columns head(PathTable const& table) {
+  Columns c;
+  c.titles = {"#", "route", "port"};
+  c.left = {false, true, true};
+  if (table.has_noise) c.titles.push_back("share/%");
+  c.titles.insert(c.titles.end(), {"coupling", "C_rev"});
+  if (table.has_noise)
+    for (double const f : table.frequencies) c.titles.push_back(fmt::format("h({:g} Hz)", f));
+  c.titles.push_back("moves");
+  c.left.resize(c.titles.size(), false);
+  c.left.back() = true;
+  c.titles.insert(c.titles.end(), {"lever/(rad/m)", "phase/rad", "regime", "length/m"});
+  return c;
+}
+
+Cells cells_of(PathTable const& table, PathRow const& row) {
+  Cells c = {fmt::format("{}", row.rank), row.sequence, row.port};
+  std::string const unresolved = "unresolved";
+  if (table.has_noise)
+    c.push_back(row.resolved ? with_brackets(100 * row.share.value, 100 * row.share.sigma) : unresolved);
+  c.push_back(row.resolved ? with_brackets(row.coupling.mean, row.coupling.std_error) : unresolved);
+  c.push_back(fmt::format("{:g}", row.reverse));
+  for (Measured const& h : row.strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
+  c.push_back(row.body.empty() ? "-" : row.body);
+  c.push_back(row.body.empty() ? "-" : number(row.lever, "{:.3g}"));
+  c.push_back(number(row.rms_phase, "{:.2g}"));
+  c.push_back(regime(row.rms_phase));
+  c.push_back(number(row.length_mean, "{:.6g}"));
+  return c;
+}
+
+// Sum of resolved rows from `first` on: shares and couplings add, strains add in power.
+Cells rest_of(PathTable const& table, std::size_t first) {
+  Measured share, coupling;
+  std::vector<Measured> strain(table.frequencies.size());  // value: h^2; sigma: sum of (h sigma)^2
+  std::size_t count = 0;
+  auto add = [](Measured& m, double value, double sigma) {
+    m.value += value;
+    m.sigma = std::hypot(m.sigma, sigma);
+  };
+  for (std::size_t i = first; i < table.rows.size(); ++i) {
+    PathRow const& row = table.rows[i];
+    if (!row.resolved) continue;
+    ++count;
+    add(coupling, row.coupling.mean, row.coupling.std_error);
+    add(share, row.share.value, row.share.sigma);
+    for (std::size_t k = 0; k < row.strain.size(); ++k)
+      add(strain[k], row.strain[k].value * row.strain[k].value, row.strain[k].value * row.strain[k].sigma);
+  }
+  Cells c = {"", fmt::format("{} further route{}", count, count == 1 ? "" : "s"), ""};
+  if (table.has_noise) c.push_back(with_brackets(100 * share.value, 100 * share.sigma));
+  c.push_back(with_brackets(coupling.value, coupling.sigma));
+  c.push_back("");
+  for (Measured const& s : strain) {
+    double const h = std::sqrt(s.value);
+    c.push_back(std::isnan(h) ? "-" : with_brackets(h, h > 0 ? s.sigma / h : 0));
+  }
+  c.insert(c.end(), 5, "");
+  return count == 0 ? Cells{} : c;
+}
+
+Cells sum_of(PathTable const& table) {
+  Cells c = {"", table.unresolved > 0 ? "sum of resolved routes (lower bound)" : "sum", ""};
+  if (table.has_noise) c.push_back("100");
+  c.push_back(with_brackets(table.total_coupling.value, table.total_coupling.sigma));
+  c.push_back("");
+  for (Measured const& h : table.total_strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
+  c.insert(c.end(), 5, "");
+  return c;
+}
+
+std::string explanation(PathTable const& table) {
+  std::string text = table.has_noise
+                         ? fmt::format("Routes by share of strain noise power, {:g} to {:g} Hz", table.low, table.high)
+                         : std::string("Routes by coupling");
+  text += "; (n): one standard error, last digits.\nEach row is one ordered route";
+  text += table.reverse_routes ? "; C_rev, in h but not in coupling, adds its reverse in amplitude.\n"
+                               : "; reverse routes are not added in amplitude (C_rev off).\n";
+  if (table.has_noise) text += "h: one-sided strain ASD in 1/sqrt(Hz), mean over static phases.\n";
+  return text + "\n";
+}
+
+std::string reasons(PathTable const& table) {
+  std::string text;
+  for (PathRow const& row : table.rows)
+    if (!row.resolved)
+      text += fmt::format("unresolved: {}: {} (hint: coupling about {:.1g})\n", row.sequence, row.why_not,
+                          row.coupling.mean);
+  return text.empty() ? text : "\n" + text;
+}
+
+}  // namespace
+
+std::string path_text(PathTable const& table, std::size_t show) {
+  if (table.rows.empty()) return "No route was found: no traced light rejoined a port.\n";
+  Columns columns = head(table);
+  std::size_t const resolved = table.rows.size() - table.unresolved, shown = std::min(show, resolved);
+  for (std::size_t i = 0; i < shown; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
+  if (Cells rest = rest_of(table, shown); !rest.empty()) columns.rows.push_back(std::move(rest));
+  columns.rows.push_back({});
+  columns.rows.push_back(sum_of(table));
+  std::size_t const last = std::min(table.rows.size(), resolved + show);
+  for (std::size_t i = resolved; i < last; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
+  return explanation(table) + aligned(columns) + reasons(table);
+}
+
+}  // namespace straytrace

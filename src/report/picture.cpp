@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/picture.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <spawn.h>
+#include <string_view>
+#include <unistd.h>
+#include <vector>
+
+extern char** environ;
+
+namespace straytrace {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::string_view advice = "install what it needs with: apt install python3-matplotlib python3-h5py";
+
+std::string environment(char const* name) {
+  char const* value = std::getenv(name);
+  return value ? value : "";
+}
+
+std::string interpreter() {
+  if (std::string const chosen = environment("STRAYTRACE_PYTHON"); !chosen.empty()) return chosen;
+  std::string const system = "/usr/bin/python3";
+  return ::access(system.c_str(), X_OK) == 0 ? system : "python3";
+}
+
+bool holds_package(fs::path const& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / "straytrace" / "plot.py", ignored);
+}
+
+std::string package_folder() {
+  if (std::string const chosen = environment("STRAYTRACE_PYTHONPATH"); !chosen.empty()) return chosen;
+  std::error_code unknown;
+  fs::path above = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  for (; !above.empty(); above = above.parent_path()) {
+    if (holds_package(above / "python")) return above / "python";
+    if (holds_package(above / "share/straytrace/python")) return above / "share/straytrace/python";
+    if (above == above.root_path()) break;
+  }
+#ifdef STRAYTRACE_SOURCE_PYTHON
+  if (holds_package(STRAYTRACE_SOURCE_PYTHON)) return STRAYTRACE_SOURCE_PYTHON;
+#endif
+  return "";
+}
+
+std::vector<std::string> child_environment(std::string const& folder) {
+  std::string path = folder;
+  if (std::string const old = environment("PYTHONPATH"); !old.empty()) path += ":" + old;
+  std::vector<std::string> all = {"PYTHONPATH=" + path, "PYTHONDONTWRITEBYTECODE=1", "MPLBACKEND=Agg"};
+  for (char** entry = environ; *entry; ++entry) {
+    std::string_view const text = *entry;
+    if (!text.starts_with("PYTHONPATH=") && !text.starts_with("PYTHONDONTWRITEBYTECODE=") &&
+        !text.starts_with("MPLBACKEND="))
+      all.emplace_back(text);
+  }
+  return all;
+}
+
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+  std::vector<char*> all;
+  for (std::string& t : texts) all.push_back(t.data());
+  all.push_back(nullptr);
+  return all;
+}
+
+std::string read_all(int descriptor) {
+  std::string text;
+  std::array<char, 4096> buffer = {};
+  for (;;) {
+    ssize_t const got = ::read(descriptor, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return text;
+    text.append(buffer.data(), std::size_t(got));
+  }
+}
+
+struct Finished {
+  int start_error = 0;  // errno, when the program could not be started
+  int status = -1;      // exit status
+  std::string output;   // both streams
+};
+
+Finished run_child(std::vector<std::string> arguments, std::vector<std::string> variables) {
+  std::array<int, 2> ends = {};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {errno, -1, ""};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  pid_t child = 0;
+  Finished result;
+  result.start_error = ::posix_spawnp(&child, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(),
+                                      pointers(variables).data());
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(ends[1]);
+  if (result.start_error == 0) {
+    result.output = read_all(ends[0]);
+    int status = 0;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  }
+  ::close(ends[0]);
+  return result;
+}
+
+std::string last_line(std::string text) {
+  text.erase(text.find_last_not_of(" \n\r") + 1);
+  return text.substr(text.rfind('\n') + 1);
+}
+
+}  // namespace
+
+bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message) {
+  std::string const python = interpreter(), folder = package_folder();
+  if (folder.empty()) {
+    message =
+        "no picture: the folder python/straytrace was not found near the program; set STRAYTRACE_PYTHONPATH to the "
+        "folder that holds it";
+    return false;
+  }
+  Finished const child =
+      run_child({python, "-m", "straytrace.plot", run_file, "-o", png_file}, child_environment(folder));
+  std::error_code ignored;
+  if (child.start_error == 0 && child.status == 0 && fs::exists(png_file, ignored)) return true;
+  if (child.start_error != 0)
+    message = fmt::format("no picture: cannot start '{}' ({}); {}", python, std::strerror(child.start_error), advice);
+  else if (child.output.find("ModuleNotFoundError") != std::string::npos || child.status == 127)
+    message = fmt::format("no picture: {} says '{}'; {}", python, last_line(child.output), advice);
+  else
+    message = fmt::format("no picture: {} says '{}'", python, last_line(child.output));
+  return false;
+}
+
+}  // namespace straytrace

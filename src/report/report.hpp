@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Front door of the report room: run files, curves, tables and texts. Everything here can be made again from a run
+// file.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "motion/motion.hpp"
+#include "noise/noise.hpp"
+#include "scene/scene.hpp"
+#include "trace/result.hpp"
+
+namespace straytrace {
+
+// --- run file (layout: schema/run-1.txt)
+// ------------------------------------------------------------------------------
+
+constexpr int run_schema_major = 1, run_schema_minor = 0;
+
+struct Provenance {
+  std::string program = "straytrace", version, commit, build_flags;
+  std::string created;  // ISO 8601, UTC
+};
+
+// What goes into a run file besides the numbers; no host names, user names or absolute paths of this machine.
+struct RunContent {
+  FileTexts files;
+  std::string main_file, title;
+  std::vector<std::string> overrides;  // as written on the command line
+  std::string resolved;
+  std::string model_hash;
+  std::string interferometer;         // Interferometer::description()
+  std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
+  Provenance provenance;
+  std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise
+  TraceResult const* trace = nullptr;
+  NoiseBudget const* noise = nullptr;  // may be absent
+};
+
+// A run file in memory: all of RunContent, owning its numbers.
+struct RunFile {
+  RunContent about;   // `trace` and `noise` are null here; see content()
+  TraceResult trace;  // tree, total, coupling table with records
+  std::optional<NoiseBudget> noise;
+  bool complete = false;  // false: a checkpoint
+
+  RunContent content() const;  // the same with the pointers set to this object
+};
+
+// Appears complete or not at all: written under a temporary name and renamed. Throws InputError with the reason of the
+// system when the disk refuses, NumericalError when the HDF5 library fails.
+void write_run(std::string const& file, RunContent const&);
+// Throws InputError: no such file, another kind of file, a newer schema, damaged content.
+RunFile read_run(std::string const& file);
+
+std::string sha256(std::string_view bytes);                  // 64 hexadecimal digits
+std::string model_hash(std::span<std::string const> texts);  // sha256 over the texts, each with its length in front
+// sha256 over every dataset and attribute in path order, except /timing and the attribute `created`: equal for equal
+// results, whoever computed them and when.
+std::string data_hash(std::string const& run_file);
+std::string utc_now();  // "2024-05-01T12:00:00Z"
+
+// Text files with the same rule: complete or not at all.
+void write_file(std::string const& file, std::string_view bytes);
+std::string read_file(std::string const& file);
+
+// --- path table
+// -------------------------------------------------------------------------------------------------------
+
+struct Measured {
+  double value = 0, sigma = 0;  // one standard error
+};
+
+struct TableSettings {
+  std::vector<double> frequencies = {10, 30, 100};  // Hz, where h is printed
+  double low = 0, high = 0;                         // Hz, band of shares and verdicts; 0, 0: the whole grid
+  std::size_t show = 12;                            // rows for people; CSV and JSON have all
+};
+
+struct PathRow {
+  std::size_t rank = 0;  // 1 = largest share, or largest coupling without a noise budget; unresolved ones last
+  std::uint64_t hash = 0;
+  std::string port, sequence;
+  std::size_t vertices = 0;  // 0 for `other`
+  Estimate coupling;         // of ordered paths; C_rev not multiplied in
+  double reverse = 1;        // C_rev
+  bool resolved = false;
+  std::string why_not;
+  std::vector<Measured> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
+  Measured share;                // of the resolved strain noise power in the band [1]; NaN without a budget
+  std::string body;              // whose motion contributes most; empty without motion
+  double lever = 0;              // rad/m, rms over the paths of that body's translations
+  double rms_phase = 0;          // rad, of the strongest independent motion; above 1: fringes wrap
+  double length_mean = 0, length_min = 0, length_max = 0;  // m, optical; NaN without records
+};
+
+struct PathTable {
+  std::vector<PathRow> rows;        // by rank
+  std::vector<double> frequencies;  // Hz
+  double low = 0, high = 0;         // Hz
+  bool has_noise = false, reverse_routes = true;
+  std::vector<Measured> total_strain;  // 1/sqrt(Hz); a lower bound when a row is unresolved
+  Measured total_coupling;             // resolved rows
+  std::size_t unresolved = 0;
+};
+
+// `budget` and `motion` may be null; columns that need them are then absent.
+PathTable path_table(CouplingTable const&, NoiseBudget const* budget, MotionSet const* motion, TableSettings const&);
+
+std::string path_text(PathTable const&, std::size_t show);  // aligned, UTF-8, for terminals
+std::string path_csv(PathTable const&, RunContent const&);  // all digits
+std::string path_json(PathTable const&, RunContent const&);
+
+// --- curves, summary, report
+// ------------------------------------------------------------------------------------------
+
+// Columns frequency, mean, sigma, low, high, phase, amplitude, design, ratio. Needs content.noise.
+std::string asd_text(RunContent const&);
+std::string summary_json(RunContent const&, PathTable const&);
+// For people. `assumptions`: further lines for that section.
+std::string text_report(RunContent const&, PathTable const&, std::size_t show,
+                        std::vector<std::string> const& assumptions = {});
+// "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
+std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
+
+// "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite.
+std::string with_error(double value, double sigma);
+// "1.23(4)e-24": the error in units of the last digit, for tables.
+std::string with_brackets(double value, double sigma);
+
+}  // namespace straytrace

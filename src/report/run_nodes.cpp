@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// /nodes: every node of the tree of sums, so that merging and resuming give the same bits as one long run.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/message.hpp"
+#include "report/run_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t sums = 6, counts = 2;  // columns of Moments: doubles and counts
+using Doubles = std::vector<double>;
+using Counts = std::vector<std::uint64_t>;
+
+// Moments laid end to end: two flat arrays.
+struct MomentColumns {
+  Doubles values;
+  Counts numbers;
+
+  void add(Moments const& m) {
+    values.insert(values.end(), {m.sum, m.sum2, m.sum3, m.sum4, m.block_sum2, m.largest});
+    numbers.insert(numbers.end(), {m.largest_history, m.scored});
+  }
+  Moments at(std::size_t i) const {
+    double const* v = values.data() + sums * i;
+    std::uint64_t const* n = numbers.data() + counts * i;
+    return {v[0], v[1], v[2], v[3], v[4], v[5], n[0], n[1]};
+  }
+  void write(hdf5::Writer& out, std::string const& path, hdf5::Sizes shape) const {
+    shape.push_back(sums);
+    out.array(path, values, "1", shape);
+    shape.back() = counts;
+    out.array(path + "_counts", numbers, "1", shape);
+  }
+  static MomentColumns read(hdf5::Reader const& in, std::string const& path, std::size_t rows, std::size_t each = 1) {
+    return {in.rows<double>(path, rows, sums * each), in.rows<std::uint64_t>(path + "_counts", rows, counts * each)};
+  }
+};
+
+struct ClassColumns {
+  Counts offset = {0}, hash, kept_offset = {0}, kept_history;
+  std::vector<std::uint32_t> port, kept_event, kept_connection;
+  MomentColumns moments;
+  Doubles replica_sum, threshold, kept_coupling, kept_priority;
+
+  void add(std::uint64_t name, ClassSums const& c) {
+    hash.push_back(name);
+    port.push_back(c.port);
+    moments.add(c.moments);
+    replica_sum.insert(replica_sum.end(), c.replica_sum.begin(), c.replica_sum.end());
+    threshold.push_back(c.threshold);
+    for (ScoreAddress const& k : c.kept) {
+      kept_history.push_back(k.history);
+      kept_event.push_back(k.event);
+      kept_connection.push_back(k.connection);
+      kept_coupling.push_back(k.coupling);
+      kept_priority.push_back(k.priority);
+    }
+    kept_offset.push_back(kept_history.size());
+  }
+
+  ClassSums at(std::size_t i) const {
+    ClassSums c;
+    c.port = port[i];
+    c.moments = moments.at(i);
+    std::copy_n(replica_sum.begin() + std::ptrdiff_t(replica_count * i), replica_count, c.replica_sum.begin());
+    c.threshold = threshold[i];
+    for (std::size_t k = kept_offset[i]; k < kept_offset[i + 1]; ++k)
+      c.kept.push_back({kept_history[k], kept_event[k], kept_connection[k], kept_coupling[k], kept_priority[k]});
+    return c;
+  }
+
+  void write(hdf5::Writer& out) const {
+    out.array("/nodes/class_offset", offset, "1");
+    out.array("/nodes/class_hash", hash, "1");
+    out.array("/nodes/class_port", port, "row of /names/ports");
+    moments.write(out, "/nodes/class_moments", {hash.size()});
+    out.array("/nodes/class_replica_sum", replica_sum, "1", {hash.size(), replica_count});
+    out.array("/nodes/class_threshold", threshold, "1");
+    out.array("/nodes/kept_offset", kept_offset, "1");
+    out.array("/nodes/kept_history", kept_history, "1");
+    out.array("/nodes/kept_event", kept_event, "1");
+    out.array("/nodes/kept_connection", kept_connection, "1");
+    out.array("/nodes/kept_coupling", kept_coupling, "1");
+    out.array("/nodes/kept_priority", kept_priority, "1");
+  }
+
+  static ClassColumns read(hdf5::Reader const& in, std::size_t nodes) {
+    ClassColumns c;
+    c.hash = in.array<std::uint64_t>("/nodes/class_hash");
+    std::size_t const n = c.hash.size();
+    c.offset = read_offsets(in, "/nodes/class_offset", nodes, n);
+    c.port = in.rows<std::uint32_t>("/nodes/class_port", n);
+    c.moments = MomentColumns::read(in, "/nodes/class_moments", n);
+    c.replica_sum = in.rows<double>("/nodes/class_replica_sum", n, replica_count);
+    c.threshold = in.rows<double>("/nodes/class_threshold", n);
+    c.kept_history = in.array<std::uint64_t>("/nodes/kept_history");
+    std::size_t const kept = c.kept_history.size();
+    c.kept_offset = read_offsets(in, "/nodes/kept_offset", n, kept);
+    c.kept_event = in.rows<std::uint32_t>("/nodes/kept_event", kept);
+    c.kept_connection = in.rows<std::uint32_t>("/nodes/kept_connection", kept);
+    c.kept_coupling = in.rows<double>("/nodes/kept_coupling", kept);
+    c.kept_priority = in.rows<double>("/nodes/kept_priority", kept);
+    return c;
+  }
+};
+
+using Counter = std::uint64_t BlockSums::*;
+struct NamedCounter {
+  char const* name;
+  Counter member;
+};
+constexpr NamedCounter counters[] = {{"histories", &BlockSums::histories},
+                                     {"blocks", &BlockSums::blocks},
+                                     {"bounces", &BlockSums::bounces},
+                                     {"rays", &BlockSums::rays},
+                                     {"lost", &BlockSums::lost}};
+
+void write_counters(hdf5::Writer& out, SumTree const& tree) {
+  for (NamedCounter const& counter : counters) {
+    Counts column;
+    for (auto const& [place, node] : tree.nodes()) column.push_back(node.*(counter.member));
+    out.array(fmt::format("/nodes/{}", counter.name), column, "1");
+  }
+}
+
+}  // namespace
+
+void write_nodes(hdf5::Writer& out, SumTree const& tree) {
+  Counts first, arrived_offset = {0};
+  std::vector<std::uint32_t> level;
+  MomentColumns emitted, ledger, arrived;
+  ClassColumns classes;
+  for (auto const& [place, node] : tree.nodes()) {
+    first.push_back(place.first);
+    level.push_back(place.second);
+    emitted.add(node.emitted);
+    for (Moments const& m : node.ledger) ledger.add(m);
+    for (Moments const& m : node.arrived) arrived.add(m);
+    arrived_offset.push_back(arrived.numbers.size() / counts);
+    for (auto const& [hash, c] : node.classes) classes.add(hash, c);
+    classes.offset.push_back(classes.hash.size());
+  }
+  out.group("/nodes", "partial sums over blocks of histories, for merging and resuming");
+  out.array("/nodes/first_block", first, "1");
+  out.array("/nodes/level", level, "1");
+  write_counters(out, tree);
+  emitted.write(out, "/nodes/emitted", {first.size()});
+  ledger.write(out, "/nodes/ledger", {first.size(), fate_count});
+  out.array("/nodes/arrived_offset", arrived_offset, "1");
+  arrived.write(out, "/nodes/arrived", {arrived_offset.back()});
+  classes.write(out);
+}
+
+SumTree read_nodes(hdf5::Reader const& in) {
+  Counts const first = in.array<std::uint64_t>("/nodes/first_block");
+  std::size_t const n = first.size();
+  auto const level = in.rows<std::uint32_t>("/nodes/level", n);
+  MomentColumns const emitted = MomentColumns::read(in, "/nodes/emitted", n);
+  MomentColumns const ledger = MomentColumns::read(in, "/nodes/ledger", n, fate_count);
+  MomentColumns const arrived = MomentColumns::read(in, "/nodes/arrived", in.shape("/nodes/arrived").at(0));
+  Counts const arrived_offset = read_offsets(in, "/nodes/arrived_offset", n, arrived.numbers.size() / counts);
+  ClassColumns const classes = ClassColumns::read(in, n);
+
+  std::vector<BlockSums> nodes(n);
+  for (NamedCounter const& counter : counters) {
+    Counts const column = in.rows<std::uint64_t>(fmt::format("/nodes/{}", counter.name), n);
+    for (std::size_t i = 0; i < n; ++i) nodes[i].*(counter.member) = column[i];
+  }
+  SumTree tree;
+  for (std::size_t i = 0; i < n; ++i) {
+    BlockSums& node = nodes[i];
+    node.emitted = emitted.at(i);
+    for (std::size_t k = 0; k < fate_count; ++k) node.ledger[k] = ledger.at(i * fate_count + k);
+    for (std::size_t k = arrived_offset[i]; k < arrived_offset[i + 1]; ++k) node.arrived.push_back(arrived.at(k));
+    for (std::size_t k = classes.offset[i]; k < classes.offset[i + 1]; ++k)
+      node.classes.emplace(classes.hash[k], classes.at(k));
+    if (level[i] > 52 || (first[i] >> level[i]) << level[i] != first[i]) damaged_run("a node has an impossible place");
+    tree.add(level[i], first[i] >> level[i], std::move(node));
+  }
+  return tree;
+}
+
+}  // namespace straytrace

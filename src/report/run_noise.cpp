@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// /noise: strain noise curves on their frequency bins.
+#include "base/message.hpp"
+#include "report/run_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+using Doubles = std::vector<double>;
+constexpr char const* strain = "1/sqrt(Hz)";
+
+struct CurveColumn {
+  char const* name;
+  Doubles NoiseTrace::*member;
+};
+constexpr CurveColumn curves[] = {{"mean", &NoiseTrace::asd},
+                                  {"sigma", &NoiseTrace::sigma},
+                                  {"phase", &NoiseTrace::phase_asd},
+                                  {"amplitude", &NoiseTrace::amplitude_asd}};
+
+void append_bins(Doubles& to, Doubles const& from, std::size_t bins, std::string const& name) {
+  if (from.size() != bins) throw NumericalError("noise curve '" + name + "' has the wrong number of frequencies");
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
+  for (CurveColumn const& curve : curves) {
+    Doubles all;
+    for (NoiseTrace const& t : routes) append_bins(all, t.*(curve.member), bins, t.name);
+    out.array(std::string("/noise/routes/") + curve.name, all, strain, {routes.size(), bins});
+  }
+  std::vector<std::string> names, why;
+  std::vector<std::uint64_t> hash;
+  std::vector<std::uint8_t> resolved;
+  Doubles phase;
+  for (NoiseTrace const& t : routes) {
+    names.push_back(t.name);
+    why.push_back(t.why_not);
+    hash.push_back(t.hash);
+    resolved.push_back(t.resolved);
+    phase.push_back(t.mean_square_phase);
+  }
+  out.strings("/noise/routes/name", names);
+  out.array("/noise/routes/hash", hash, "1");
+  out.array("/noise/routes/mean_square_phase", phase, "rad^2");
+  out.array("/noise/routes/resolved", resolved, "0 or 1");
+  out.strings("/noise/routes/why_not", why);
+}
+
+void write_design(hdf5::Writer& out, std::vector<DesignCurve> const& design, std::size_t bins) {
+  std::vector<std::string> names;
+  Doubles all;
+  for (DesignCurve const& d : design) {
+    names.push_back(d.name);
+    append_bins(all, d.asd, bins, d.name);
+  }
+  out.strings("/noise/design/name", names);
+  out.array("/noise/design/asd", all, strain, {design.size(), bins});
+}
+
+Doubles slice(Doubles const& all, std::size_t row, std::size_t bins) {
+  auto const begin = all.begin() + std::ptrdiff_t(row * bins);
+  return {begin, begin + std::ptrdiff_t(bins)};
+}
+
+void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
+  auto const hash = in.array<std::uint64_t>("/noise/routes/hash");
+  std::size_t const n = hash.size(), bins = b.grid.size();
+  auto const names = in.strings("/noise/routes/name", n), why = in.strings("/noise/routes/why_not", n);
+  auto const resolved = in.rows<std::uint8_t>("/noise/routes/resolved", n);
+  auto const phase = in.rows<double>("/noise/routes/mean_square_phase", n);
+  b.routes.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    NoiseTrace& t = b.routes[i];
+    t.name = names[i];
+    t.hash = hash[i];
+    t.mean_square_phase = phase[i];
+    t.resolved = resolved[i] != 0;
+    t.why_not = why[i];
+  }
+  for (CurveColumn const& curve : curves) {
+    Doubles const all = in.rows<double>(std::string("/noise/routes/") + curve.name, n, bins);
+    for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
+  }
+}
+
+void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
+  total.name = in.attribute_text("/noise/total", "name");
+  total.mean_square_phase = in.attribute_number("/noise/total", "mean_square_phase");
+  total.resolved = in.attribute_count("/noise/total", "resolved") != 0;
+  total.why_not = in.attribute_text("/noise/total", "why_not");
+  for (CurveColumn const& curve : curves)
+    total.*(curve.member) = in.rows<double>(std::string("/noise/total/") + curve.name, bins);
+}
+
+}  // namespace
+
+void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
+  std::size_t const bins = b.grid.size();
+  out.group("/noise", "one-sided strain amplitude spectral densities, mean over static phases");
+  out.attribute("/noise", "margin", b.margin);
+  out.attribute("/noise", "unresolved_hint", b.unresolved_hint);
+  Doubles centres;
+  for (std::size_t i = 0; i < bins; ++i) centres.push_back(b.grid.centre(i));
+  out.array("/noise/frequency_edges", b.grid.edges, "Hz");
+  out.array("/noise/frequency", centres, "Hz");
+  out.strings("/noise/unresolved", b.unresolved);
+  out.group("/noise/total", "all resolved routes; a lower bound when /noise/unresolved is not empty");
+  out.attribute("/noise/total", "name", b.total.name);
+  out.attribute("/noise/total", "mean_square_phase", b.total.mean_square_phase);
+  out.attribute("/noise/total", "resolved", std::vector<std::uint64_t>{b.total.resolved});
+  out.attribute("/noise/total", "why_not", b.total.why_not);
+  for (CurveColumn const& curve : curves) {
+    Doubles checked;
+    append_bins(checked, b.total.*(curve.member), bins, "total");
+    out.array(std::string("/noise/total/") + curve.name, checked, strain);
+  }
+  out.group("/noise/routes", "one row per row of /classes");
+  write_routes(out, b.routes, bins);
+  out.group("/noise/design", "curves to compare with, on the centres of the bins");
+  write_design(out, b.design, bins);
+}
+
+NoiseBudget read_noise(hdf5::Reader const& in) {
+  NoiseBudget b;
+  b.grid.edges = in.array<double>("/noise/frequency_edges");
+  std::size_t const bins = b.grid.size();
+  b.margin = in.attribute_number("/noise", "margin");
+  b.unresolved_hint = in.attribute_number("/noise", "unresolved_hint");
+  b.unresolved = in.strings("/noise/unresolved");
+  read_total(in, b.total, bins);
+  read_routes(in, b);
+  std::vector<std::string> const names = in.strings("/noise/design/name");
+  Doubles const all = in.rows<double>("/noise/design/asd", names.size(), bins);
+  for (std::size_t i = 0; i < names.size(); ++i) b.design.push_back({names[i], slice(all, i, bins)});
+  return b;
+}
+
+}  // namespace straytrace

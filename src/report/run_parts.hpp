@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The groups of a run file, each written and read in one place. Paths and columns: schema/run-1.txt.
+#pragma once
+
+#include "report/hdf5_io.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+
+void write_classes(hdf5::Writer&, CouplingTable const&);  // /names, /classes, /records
+CouplingTable read_classes(hdf5::Reader const&);
+
+void write_nodes(hdf5::Writer&, SumTree const&);  // /nodes
+SumTree read_nodes(hdf5::Reader const&);
+
+void write_ledger(hdf5::Writer&, TraceResult const&);  // /ledger, /arrived
+
+void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
+NoiseBudget read_noise(hdf5::Reader const&);
+
+// Offsets of lists laid end to end: n + 1 numbers that begin with 0, never fall and end with `total`.
+std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& path, std::size_t lists,
+                                        std::size_t total);
+[[noreturn]] void damaged_run(std::string const& what);
+
+}  // namespace straytrace

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "base/message.hpp"
+#include "report/run_parts.hpp"
+#include "report/seal.hpp"
+
+namespace straytrace {
+namespace {
+
+void check_kind(hdf5::Reader const& in, std::string const& file) {
+  std::string const kind = in.attribute_text("/", "file_type");
+  if (kind != "straytrace-run")
+    throw InputError(fmt::format("'{}' is not a straytrace run file: its type is '{}'", file, kind));
+  std::vector<std::uint64_t> const schema = in.attribute_counts("/", "schema");
+  if (schema.front() == std::uint64_t(run_schema_major)) return;
+  throw InputError(
+      fmt::format("'{}' has format {} and was written by {} {}; this program reads format {}. Use that "
+                  "version, or make the run again with this one",
+                  file, fmt::join(schema, "."), in.attribute_text("/", "program"), in.attribute_text("/", "version"),
+                  run_schema_major));
+}
+
+Stopped read_stop(hdf5::Reader const& in) {
+  std::string const word = in.attribute_text("/", "stopped_by");
+  if (word == "histories") return Stopped::by_histories;
+  if (word == "error") return Stopped::by_error;
+  if (word == "signal") return Stopped::by_signal;
+  if (word == "time") return Stopped::by_time;
+  damaged_run(fmt::format("stopped by '{}'", word));
+}
+
+void read_about(hdf5::Reader const& in, RunFile& run) {
+  Provenance& p = run.about.provenance;
+  p.program = in.attribute_text("/", "program");
+  p.version = in.attribute_text("/", "version");
+  p.commit = in.attribute_text("/", "commit");
+  p.build_flags = in.attribute_text("/", "build_flags");
+  p.created = in.attribute_text("/", "created");
+  run.about.title = in.attribute_text("/", "title");
+  run.about.model_hash = in.attribute_text("/", "model_hash");
+  run.about.interferometer = in.attribute_text("/", "interferometer");
+  run.complete = in.attribute_count("/", "complete") != 0;
+  std::uint64_t const block = in.attribute_count("/", "block_size");
+  if (block != block_size)
+    throw InputError(
+        fmt::format("the run has blocks of {} histories, this program uses {}: they cannot be continued or "
+                    "merged",
+                    block, block_size));
+}
+
+void read_input(hdf5::Reader const& in, RunContent& run) {
+  for (std::size_t i = 0; in.has(fmt::format("/input/files/{}", i)); ++i) {
+    std::string const path = fmt::format("/input/files/{}", i);
+    std::string text = in.text(path);
+    std::string const name = in.attribute_text(path, "name");
+    // Zeros at the very end cannot be told from padding and are not part of any text.
+    if (in.attribute_text(path, "sha256") != sha256(text))
+      damaged_run(fmt::format("input file '{}' has changed", name));
+    run.files.emplace(name, std::move(text));
+  }
+  run.main_file = in.text("/input/main");
+  run.overrides = in.strings("/input/overrides");
+  run.resolved = in.text("/input/resolved");
+}
+
+void read_timing(hdf5::Reader const& in, RunFile& run) {
+  std::vector<std::string> const stages = in.strings("/timing/stage");
+  std::vector<double> const seconds = in.rows<double>("/timing/seconds", stages.size());
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    if (stages[i] == "trace")
+      run.trace.seconds = seconds[i];
+    else if (stages[i] == "noise" && run.noise)
+      run.noise->seconds = seconds[i];
+    else
+      run.about.timing[stages[i]] = seconds[i];
+  }
+}
+
+}  // namespace
+
+[[noreturn]] void damaged_run(std::string const& what) { throw InputError("the run file is damaged: " + what); }
+
+std::vector<std::uint64_t> read_offsets(hdf5::Reader const& in, std::string const& path, std::size_t lists,
+                                        std::size_t total) {
+  std::vector<std::uint64_t> const offset = in.rows<std::uint64_t>(path, lists + 1);
+  bool good = offset.front() == 0 && offset.back() == total;
+  for (std::size_t i = 0; i < lists; ++i) good = good && offset[i] <= offset[i + 1];
+  if (!good) damaged_run(fmt::format("'{}' does not fit its lists", path));
+  return offset;
+}
+
+RunContent RunFile::content() const {
+  RunContent all = about;
+  all.trace = &trace;
+  all.noise = noise ? &*noise : nullptr;
+  return all;
+}
+
+RunFile read_run(std::string const& file) {
+  hdf5::Reader const in(unsealed(read_file(file), file));
+  check_kind(in, file);
+  RunFile run;
+  try {
+    read_about(in, run);
+    read_input(in, run.about);
+    run.trace.coupling = read_classes(in);
+    run.trace.tree = read_nodes(in);
+    run.trace.total = run.trace.tree.total();
+    run.trace.stopped = read_stop(in);
+    run.trace.warnings = in.strings("/warnings/trace");
+    run.about.warnings = in.strings("/warnings/scene");
+    if (in.has("/noise")) run.noise = read_noise(in);
+    read_timing(in, run);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("'{}': {}", file, e.what()));
+  } catch (H5::Exception const&) {
+    throw InputError(fmt::format("'{}' is damaged and cannot be read", file));
+  } catch (std::logic_error const& e) {
+    throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()));
+  }
+  return run;
+}
+
+}  // namespace straytrace

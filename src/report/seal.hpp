@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The first 512 bytes of a run file: a readable line with the sha256 of all that follows (an HDF5 user block). Damaged
+// files are refused before the HDF5 library, which can crash on them, sees a byte.
+#pragma once
+
+#include <string>
+
+namespace straytrace {
+
+std::string sealed(std::string const& hdf5_image);
+// The HDF5 image of a run file; throws InputError when `bytes` are not one, or damaged. `name` for the message.
+std::string unsealed(std::string bytes, std::string const& name);
+
+}  // namespace straytrace

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// report.txt and the sentence at its top.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/band.hpp"
+#include "report/columns.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Comparison {
+  std::size_t bins = 0, worst = 0;
+  double low = 0, high = 0;                      // Hz, edges of what was compared
+  double ratio = 0, sigma = 0;                   // h over margin line at the worst bin
+  std::vector<std::pair<double, double>> above;  // Hz, bands where h exceeds the line
+};
+
+Comparison compare(NoiseBudget const& b, DesignCurve const& design, double low, double high) {
+  Comparison c;
+  bool inside = false;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    double const line = b.margin * design.asd.at(i), h = b.total.asd.at(i), f = b.grid.centre(i);
+    if (f < low || f > high || !(line > 0) || !std::isfinite(h)) continue;
+    double const ratio = h / line;
+    if (c.bins++ == 0) c.low = b.grid.edges[i];
+    c.high = b.grid.edges[i + 1];
+    if (c.bins == 1 || ratio > c.ratio) {
+      c.worst = i;
+      c.ratio = ratio;
+      c.sigma = b.total.sigma.at(i) / line;
+    }
+    if (ratio > 1 && inside) c.above.back().second = b.grid.edges[i + 1];
+    if (ratio > 1 && !inside) c.above.emplace_back(b.grid.edges[i], b.grid.edges[i + 1]);
+    inside = ratio > 1;
+  }
+  return c;
+}
+
+std::string bands(std::vector<std::pair<double, double>> const& all) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 3); ++i)
+    text += fmt::format("{}{:.3g} to {:.3g} Hz", i > 0 ? ", " : "", all[i].first, all[i].second);
+  return all.size() > 3 ? text + fmt::format(" and {} more bands", all.size() - 3) : text;
+}
+
+std::string compared(NoiseBudget const& b, double low, double high) {
+  std::string const subject = b.unresolved.empty() ? "Stray light" : "Resolved stray light";
+  if (b.design.empty()) return subject + " was not compared with a design curve; name one under 'noise: compare'.";
+  DesignCurve const& design = b.design.front();
+  Comparison const c = compare(b, design, low, high);
+  if (c.bins == 0)
+    return fmt::format("The design curve {} has no values between {:.3g} and {:.3g} Hz.", design.name, low, high);
+  std::string const line = fmt::format("the margin line {:g} x {}", b.margin, design.name);
+  double const f = b.grid.centre(c.worst);
+  if (!(c.ratio > 0))
+    return fmt::format("{} makes no strain noise between {:.3g} and {:.3g} Hz: nothing it touches moves there.",
+                       subject, c.low, c.high);
+  std::string text;
+  if (c.ratio <= 1)
+    text = fmt::format("{} stays a factor {} below {} between {:.3g} and {:.3g} Hz; closest at {:.3g} Hz.", subject,
+                       with_error(1 / c.ratio, c.sigma / (c.ratio * c.ratio)), line, c.low, c.high, f);
+  else
+    text = fmt::format("{} exceeds {} at {} (compared: {:.3g} to {:.3g} Hz), by up to a factor {} at {:.3g} Hz.",
+                       subject, line, bands(c.above), c.low, c.high, with_error(c.ratio, c.sigma), f);
+  if (std::fabs(c.ratio - 1) < 2 * c.sigma) text += " This is within two standard errors of the line.";
+  return text;
+}
+
+std::string section(std::string const& title) {
+  return "\n" + title + "\n" + std::string(width_of(title), '=') + "\n\n";
+}
+
+std::string bullet(std::string const& text) { return "* " + text + "\n"; }
+
+std::string strain_table(RunContent const& run, PathTable const& table) {
+  std::string text = section("Strain noise");
+  if (!run.noise) return text + "Not computed.\n";
+  NoiseBudget const& b = *run.noise;
+  Columns c;
+  c.titles = {"frequency/Hz", "h/(1/sqrt(Hz))"};
+  for (DesignCurve const& d : b.design) c.titles.push_back("h/" + d.name);
+  for (std::size_t i = 0; i < table.frequencies.size(); ++i) {
+    Measured const h = table.total_strain[i];
+    std::vector<std::string> row = {fmt::format("{:g}", table.frequencies[i])};
+    row.push_back(std::isnan(h.value) ? "outside the grid" : with_error(h.value, h.sigma));
+    for (DesignCurve const& d : b.design) {
+      double const design =
+          strain_at(NoiseTrace{"", 0, d.asd, d.asd, {}, {}, 0, true, ""}, b.grid, table.frequencies[i]).value;
+      row.push_back(std::isnan(h.value / design) ? "-" : with_error(h.value / design, h.sigma / design));
+    }
+    c.rows.push_back(std::move(row));
+  }
+  text += aligned(c) +
+          "\nOne-sided amplitude spectral density, mean over static phases. Errors: one standard error, "
+          "Monte Carlo only.\n";
+  if (!b.unresolved.empty()) text += "The values are LOWER BOUNDS: unresolved routes are not included.\n";
+  return text;
+}
+
+std::string books(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  Columns c;
+  c.titles = {"light", "power per history"};
+  c.left = {true};
+  double fates = 0;
+  auto add = [&](std::string const& name, Moments const& m) {
+    Estimate const e = estimate(m, total.histories, total.blocks);
+    c.rows.push_back({name, with_error(e.mean, e.std_error)});
+    return e.mean;
+  };
+  double const emitted = add("emitted", total.emitted);
+  for (int i = 0; i < fate_count; ++i) fates += add(name_of(Fate(i)), total.ledger[std::size_t(i)]);
+  std::string text = section("Where the light went") + aligned(c);
+  double const open = emitted > 0 ? std::fabs(emitted - fates) / emitted : 0;
+  text += fmt::format(
+      "\nClosure: emitted and the sum of the fates differ by {:.1e} of the emitted power (rounding only).\n", open);
+  text += "'window' (roulette) and 'sampling' are zero on average.\n";
+  text += fmt::format("{} surface events, {} rays, {} histories lost to geometry errors.\n", total.bounces, total.rays,
+                      total.lost);
+  return text;
+}
+
+std::string arrivals(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  std::vector<std::string> const& groups = run.trace->coupling.groups;
+  Columns c;
+  c.titles = {"group", "power arriving per history"};
+  c.left = {true};
+  for (std::size_t i = 0; i < std::min(groups.size(), total.arrived.size()); ++i) {
+    Estimate const e = estimate(total.arrived[i], total.histories, total.blocks);
+    c.rows.push_back({groups[i], e.scored == 0 ? "no light arrived" : with_error(e.mean, e.std_error)});
+  }
+  return c.rows.empty() ? "" : section("Light arriving") + aligned(c);
+}
+
+std::string assumed(RunContent const& run, std::vector<std::string> const& more) {
+  std::string text = section("Assumptions");
+  text += bullet(run.trace->coupling.reverse_routes
+                     ? "A route and its reverse add in amplitude (C_rev on); all other routes add in power."
+                     : "Reverse routes are not added in amplitude (C_rev off); routes add in power.");
+  text += bullet("The geometry is frozen: motion changes phases, not which paths exist or how strong they are.");
+  text += bullet("h is the mean over static phases; one realisation of the speckle scatters around it.");
+  if (!run.interferometer.empty()) text += bullet("Interferometer: " + run.interferometer);
+  for (std::string const& line : more) text += bullet(line);
+  return text;
+}
+
+std::string provenance(RunContent const& run) {
+  Provenance const& p = run.provenance;
+  std::string text = section("Provenance");
+  text += fmt::format("program     {} {} ({})\nbuild       {}\ncreated     {}\nmodel hash  {}\n", p.program, p.version,
+                      p.commit, p.build_flags, p.created, run.model_hash);
+  text += fmt::format("seed        {}\nhistories   {} in {} blocks of {}{}\nmain file   {}\n", run.trace->coupling.seed,
+                      run.trace->coupling.histories, run.trace->total.blocks, block_size,
+                      run.trace->checkpointed() ? ", checkpointed: can be continued" : "", run.main_file);
+  for (std::string const& o : run.overrides) text += "override    " + o + "\n";
+  for (auto const& [name, content] : run.files)
+    text += fmt::format("input       {}  sha256 {}\n", name, sha256(content));
+  return text;
+}
+
+std::string warnings(RunContent const& run) {
+  std::string text = section("Warnings");
+  for (std::string const& w : run.warnings) text += bullet(w);
+  for (std::string const& w : run.trace->warnings) text += bullet(w);
+  return run.warnings.empty() && run.trace->warnings.empty() ? text + "None.\n" : text;
+}
+
+}  // namespace
+
+std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz) {
+  auto const [low, high] = band_of(b.grid, low_hz, high_hz);
+  std::string text = compared(b, low, high);
+  if (b.unresolved.empty()) return text + " Unresolved: none.";
+  text += fmt::format(" This is a lower bound; unresolved ({}):", b.unresolved.size());
+  for (std::size_t i = 0; i < b.unresolved.size(); ++i) text += (i > 0 ? "; " : " ") + b.unresolved[i];
+  return text + ".";
+}
+
+std::string text_report(RunContent const& run, PathTable const& table, std::size_t show,
+                        std::vector<std::string> const& assumptions) {
+  std::string const title = run.title.empty() ? "Stray light" : run.title;
+  std::string text = title + "\n" + std::string(width_of(title), '#') + "\n\n";
+  text += run.noise ? verdict_sentence(*run.noise, table.low, table.high) + "\n"
+                    : std::string("Couplings only: the noise was not computed.\n");
+  text += strain_table(run, table);
+  text += section("Routes") + path_text(table, show);
+  text += books(run) + arrivals(run) + assumed(run, assumptions) + provenance(run) + warnings(run);
+  return text;
+}
+
+}  // namespace straytrace

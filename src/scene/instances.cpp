@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/instances.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "scene/repeat.hpp"
+#include "scene/scope.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t deepest_part = 8;
+// Keys of an entry that a parameter of a part may not be called.
+constexpr std::array<std::string_view, 12> entry_keys{"name", "use",    "shape",  "file", "repeat",   "split",
+                                                      "at",   "facing", "rotate", "body", "material", "side"};
+
+bool holds_position(Node const& n) {
+  bool const at = n.has("at"), facing = n.has("facing"), rotate = n.has("rotate");
+  return at || facing || rotate;
+}
+
+// What the instances of one entry share while its parts are unfolded.
+struct Unfolding {
+  std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
+  Node placement;            // where body, material and side are looked up
+  std::vector<Node> frames;  // outermost first
+  double offset = 0;
+  int axis = -1;
+};
+
+class Expander {
+ public:
+  Expander(SceneDocument& document, Node root) : document_(document), root_(std::move(root)) {}
+
+  std::vector<Scene::Instance> run() {
+    check_parts();
+    for (Node const& entry : root_.list("scene")) {
+      if (entry.kind() == Node::Kind::table)
+        expand_entry(entry);
+      else if (entry)
+        entry.problem("an entry of 'scene' is a table of keys", "write '- {name: ITM, use: mirror, ...}'");
+    }
+    return std::move(out_);
+  }
+
+ private:
+  static bool name_allowed(Node const& at, std::string const& name) {
+    bool const bad =
+        name.empty() || std::any_of(name.begin(), name.end(), [](char c) {
+          return static_cast<unsigned char>(c) < 0x20 || std::string_view("/*[]>\"'").find(c) != std::string_view::npos;
+        });
+    if (bad)
+      at.problem(fmt::format("'{}' cannot be a name", shortened(name)),
+                 "leave out the characters / * [ ] > and quotes");
+    return !bad;
+  }
+
+  void check_parts() {
+    for (auto const& [name, part] : root_["parts"].items()) {
+      if (part.kind() != Node::Kind::table) {
+        if (part)
+          part.problem(fmt::format("part '{}' needs a table with 'faces'", name),
+                       "write '{faces: {front: {shape: ...}}}'");
+        continue;
+      }
+      bool const named = name_allowed(part, name);
+      Node const faces = part.table("faces"), params = part.table("params");
+      if (named && !part.has("faces"))
+        part.problem(fmt::format("part '{}' has no faces", name),
+                     "add 'faces: {front: {shape: {disk: {outer_radius: 10 cm}}}}'");
+      else if (faces.kind() == Node::Kind::table && faces.items().empty())
+        faces.problem(fmt::format("part '{}' has no faces", name), "add 'front: {shape: ...}'");
+      for (auto const& [face, data] : faces.items()) {
+        if (!name_allowed(data, face)) continue;
+        if (data.kind() != Node::Kind::table && data)
+          data.problem(fmt::format("face '{}' needs a table of keys", face), "write '{shape: {...}, material: ...}'");
+      }
+      if (params.kind() == Node::Kind::table)
+        for (NodeData::Entry const& p : params.data()->entries)
+          if (std::find(entry_keys.begin(), entry_keys.end(), p.key) != entry_keys.end())
+            document_.add(
+                {p.place,
+                 fmt::format("'{}' is a key of every scene entry and cannot name a parameter of a part", p.key),
+                 "choose another name", Severity::error, p.width});
+      part.refuse_unknown(fmt::format("part '{}'", name));
+    }
+  }
+
+  void expand_entry(Node const& entry) {
+    std::string const name = entry.word("name");
+    bool const split = entry.flag("split", false);
+    bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
+    Repeat const repeat = read_repeat(entry);
+    if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
+    if (repeat.offsets.size() > most_instances - std::min(most_instances, out_.size())) return refuse_total(entry);
+    Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
+    if (entry.has("use") && !part) return;
+    GivenParameters given = given_by(entry, part);
+    if (!check_columns(entry, part, repeat)) return;
+    std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
+    for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
+      if (full_) return;
+      std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
+      Unfolding u{split ? instance : name, instance, entry, {}, repeat.offsets[i], repeat.axis};
+      if (holds_position(entry)) u.frames.push_back(entry);
+      if (!part) {
+        emit(u, entry);
+        continue;
+      }
+      if (!repeat.columns.empty()) {
+        for (std::size_t c = 0; c < repeat.columns.size(); ++c)
+          given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
+        scope = part_scope(part, given);
+      }
+      unfold(part, scope, u, {entry["use"].text()});
+    }
+  }
+
+  // An entry or a face says exactly one of use, shape, file.
+  bool check_what(Node const& n, std::string const& called) {
+    int const kinds = n.has("use") + n.has("shape") + n.has("file");
+    if (kinds == 1) return true;
+    n.problem(kinds == 0 ? fmt::format("{} says neither 'use' nor 'shape' nor 'file'", called)
+                         : fmt::format("{} says more than one of 'use', 'shape', 'file'", called),
+              kinds == 0 ? "add 'use: part' or 'shape: {disk: {outer_radius: 10 cm}}'" : "keep one of them");
+    return false;
+  }
+
+  bool register_name(Node const& entry, std::string const& name) {
+    auto const [hit, fresh] = lines_.emplace(name, entry["name"].place());
+    if (fresh) return true;
+    Place const first = hit->second;
+    std::string const file = first.file == entry.place().file ? "" : " of " + document_.source(first.file).name;
+    entry["name"].problem(fmt::format("name '{}' is used twice in 'scene'", shortened(name)),
+                          fmt::format("choose another name; the first is in line {}{}", first.line, file));
+    return false;
+  }
+
+  void refuse_total(Node const& entry) {
+    full_ = true;
+    entry.problem(fmt::format("the scene has more than {} instances", most_instances),
+                  "repeat less, or describe the row by one larger shape");
+  }
+
+  Node find_part(Node const& use) {
+    std::string const name = use.as_word();
+    Node const parts = root_["parts"], part = parts[name];
+    if (part.kind() == Node::Kind::table) return part;
+    if (use.kind() != Node::Kind::scalar || part.data()) return {};  // reported already
+    std::vector<std::string> names;
+    for (auto const& [known, data] : parts.items()) names.push_back(known);
+    std::string const near = nearest_word(name, names);
+    std::string all;
+    for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
+    use.problem(fmt::format("part '{}' is not defined", shortened(name)),
+                near.empty() ? fmt::format("define it under 'parts', or use one of: {}", shortened(all))
+                             : fmt::format("did you mean '{}'?", near));
+    return {};
+  }
+
+  // Parameters of the part that the entry sets; evaluated where the entry stands.
+  GivenParameters given_by(Node const& entry, Node const& part) {
+    GivenParameters given;
+    Node const params = part ? part.table("params") : Node();
+    if (params.kind() != Node::Kind::table) return given;
+    for (NodeData::Entry const& p : params.data()->entries) {
+      if (std::find(entry_keys.begin(), entry_keys.end(), p.key) != entry_keys.end() || !entry.has(p.key)) continue;
+      Node const value = entry[p.key];
+      std::optional<Value> v;
+      if (value.kind() == Node::Kind::scalar)
+        v = document_.evaluate(*value.data(), value.scope().get());
+      else if (value)
+        value.problem(fmt::format("parameter '{}' must be one quantity", p.key), "write a number with a unit");
+      given[p.key] = {v, value.data().get()};
+    }
+    return given;
+  }
+
+  // Columns of a table name parameters of the part and agree with their dimensions.
+  bool check_columns(Node const& entry, Node const& part, Repeat const& repeat) {
+    if (repeat.columns.empty()) return true;
+    Node const table = entry["repeat"]["table"];
+    std::vector<std::string> names;
+    if (Node const params = part.table("params"); params.kind() == Node::Kind::table)
+      for (NodeData::Entry const& p : params.data()->entries) names.push_back(p.key);
+    auto const defaults = part_scope(part, {});
+    bool good = true;
+    auto const refuse = [&](RepeatColumn const& c, std::string what, std::string suggestion) {
+      table.file_problem(table.text(), c.line, c.column, std::move(what), std::move(suggestion));
+      good = false;
+    };
+    for (RepeatColumn const& c : repeat.columns) {
+      if (std::find(names.begin(), names.end(), c.name) == names.end()) {
+        std::string const near = nearest_word(c.name, names);
+        refuse(
+            c,
+            fmt::format("column '{}' is neither a position (x, y, z) nor a parameter of what is repeated",
+                        shortened(c.name)),
+            near.empty() ? "name the columns after parameters of the part" : fmt::format("did you mean '{}'?", near));
+        continue;
+      }
+      auto const value = find_parameter(defaults.get(), c.name).value;
+      if (!value || value->bare_zero || value->quantity.dimension == c.dimension) continue;
+      Dimension const wanted = value->quantity.dimension;
+      refuse(c, fmt::format("column '{}' is {}, its unit says {}", c.name, described(wanted), described(c.dimension)),
+             fmt::format("write '{} [{}]'", c.name, example_unit(wanted)));
+    }
+    return good;
+  }
+
+  // Parts are written at the top of the model, so their defaults see the parameters of the model.
+  std::shared_ptr<Scope const> part_scope(Node const& part, GivenParameters const& given) {
+    Node const params = part.table("params");
+    bool const table = params.kind() == Node::Kind::table;
+    return make_scope(document_, table ? params.data().get() : nullptr, root_.scope(), given);
+  }
+
+  void unfold(Node const& part, std::shared_ptr<Scope const> const& scope, Unfolding const& u,
+              std::vector<std::string> const& chain) {
+    Node const faces = part.table("faces");
+    if (faces.kind() != Node::Kind::table) return;
+    bool const single = faces.data()->entries.size() == 1;
+    for (NodeData::Entry const& e : faces.data()->entries) {
+      if (full_) return;
+      if (e.value->kind != Node::Kind::table) continue;
+      if (++faces_seen_ > 4 * most_instances || out_.size() >= most_instances) return refuse_total(u.placement);
+      Node const face(e.value, scope, &document_);
+      if (!check_what(face, fmt::format("face '{}'", e.key))) continue;
+      Unfolding inner = u;
+      if (!single) {
+        inner.group += "/" + e.key;
+        inner.name += "/" + e.key;
+      }
+      if (holds_position(face)) inner.frames.push_back(face);
+      if (face.has("use"))
+        unfold_inner(face, inner, chain);
+      else
+        emit(inner, face);
+    }
+  }
+
+  // A face that is itself a part, placed in the frame of its parent.
+  void unfold_inner(Node const& face, Unfolding u, std::vector<std::string> chain) {
+    Node const part = find_part(face["use"]);
+    if (!part) return;
+    std::string const name = face["use"].text();
+    if (std::find(chain.begin(), chain.end(), name) != chain.end() || chain.size() >= deepest_part) {
+      face["use"].problem(chain.size() >= deepest_part ? fmt::format("parts are nested more than {} deep", deepest_part)
+                                                       : fmt::format("part '{}' contains itself", name),
+                          "use another part here");
+      return;
+    }
+    for (char const* key : {"repeat", "split"})
+      if (face.has(key))
+        face[key].problem(fmt::format("'{}' inside a part is not supported", key),
+                          "repeat the whole part in 'scene', or write one face per position");
+    auto const scope = part_scope(part, given_by(face, part));
+    u.placement = placed_in(u.placement, face);
+    face.refuse_unknown(fmt::format("a face that uses part '{}'", name));
+    chain.push_back(name);
+    unfold(part, scope, u, chain);
+  }
+
+  // The outer placement, with body, material and side replaced where the inner one says them.
+  Node placed_in(Node const& outer, Node const& inner) {
+    auto merged = std::make_shared<NodeData>(*outer.data());
+    bool changed = false;
+    for (char const* key : {"body", "material", "side"}) {
+      if (!inner.has(key)) continue;
+      changed = true;
+      NodeData::Entry const entry = *inner.data()->find(key);
+      if (!merged->add(entry)) merged->entries[merged->index.find(key)->second] = entry;
+    }
+    return changed ? Node(std::move(merged), outer.scope(), &document_) : outer;
+  }
+
+  void emit(Unfolding const& u, Node const& node) {
+    out_.push_back({u.group, u.name, node, u.placement, u.frames, u.offset, u.axis});
+  }
+
+  SceneDocument& document_;
+  Node root_;
+  std::vector<Scene::Instance> out_;
+  std::map<std::string, Place> lines_;  // names and where they are written
+  std::size_t faces_seen_ = 0;          // bounds the work that parts of parts can ask for
+  bool full_ = false;
+};
+
+}  // namespace
+
+std::vector<Scene::Instance> expand_scene(SceneDocument& document, Node const& root) {
+  return Expander(document, root).run();
+}
+
+}  // namespace straytrace

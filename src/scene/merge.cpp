@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/merge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "scene/render.hpp"
+#include "scene/yaml_tree.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t most_includes = 1000, deepest_include = 50;
+
+enum class Section { text, named, list, single };
+struct TopKey {
+  std::string_view name, noun;
+  Section kind;
+};
+constexpr std::array top_keys{
+    TopKey{"title", "title", Section::text},       TopKey{"notes", "notes", Section::text},
+    TopKey{"params", "parameter", Section::named}, TopKey{"materials", "material", Section::named},
+    TopKey{"bodies", "body", Section::named},      TopKey{"parts", "part", Section::named},
+    TopKey{"scene", "scene", Section::list},       TopKey{"beams", "beam", Section::named},
+    TopKey{"ports", "port", Section::named},       TopKey{"receivers", "receiver", Section::named},
+    TopKey{"interferometer", "", Section::single}, TopKey{"trace", "", Section::single},
+    TopKey{"noise", "", Section::single},          TopKey{"scan", "", Section::single},
+    TopKey{"report", "", Section::single},
+};
+
+class Merger {
+ public:
+  explicit Merger(SceneDocument& document) : document_(document), model_(std::make_shared<NodeData>()) {
+    model_->kind = Node::Kind::table;
+  }
+
+  std::shared_ptr<NodeData> run(std::string const& main_file) {
+    std::uint32_t const main = document_.open_main(main_file);
+    std::uint32_t const builtin = document_.add_source("built-in parts", builtin_parts, false);
+    if (auto const root = read_yaml(document_, builtin)) merge(*root);
+    model_->place = {main, 1, 1};
+    read(main, 0);
+    if (unreadable_) throw_errors(document_);
+    return model_;
+  }
+
+ private:
+  Node node(std::shared_ptr<NodeData> const& data) const { return {data, nullptr, &document_}; }
+  void problem(NodeData::Entry const& at, std::string what, std::string suggestion) {
+    document_.add({at.place, std::move(what), std::move(suggestion), Severity::error, at.width});
+  }
+  // "line 5", or "line 5 of lib.yaml" when that is another file.
+  std::string where(Place place, std::uint32_t seen_from) const {
+    std::string const line = fmt::format("line {}", place.line);
+    return place.file == seen_from ? line : fmt::format("{} of {}", line, document_.source(place.file).name);
+  }
+
+  void read(std::uint32_t file, std::size_t depth) {
+    visiting_.push_back(file);
+    if (auto const root = read_yaml(document_, file)) {
+      check_version(*root, depth == 0);
+      include(*root, depth);
+      check_keys(*root);
+      merge(*root);
+    } else {
+      unreadable_ = true;
+    }
+    visiting_.pop_back();
+    done_.push_back(file);
+  }
+
+  void check_version(NodeData const& root, bool main) {
+    NodeData::Entry const* e = root.find("straytrace");
+    if (!e) {
+      if (main)
+        document_.add({root.place, "the format version is missing",
+                       fmt::format("begin the file with 'straytrace: {}'", format_version)});
+      return;
+    }
+    if (e != &root.entries.front())
+      problem(*e, "'straytrace' must be the first key",
+              fmt::format("move 'straytrace: {}' to the top", format_version));
+    std::string const& text = e->value->text;
+    bool const digits = !text.empty() && text.size() < 9 &&
+                        std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+    int const version = digits ? std::stoi(text) : 0;
+    if (e->value->kind == Node::Kind::none || version == format_version) return;
+    if (version > format_version)
+      node(e->value).problem(
+          fmt::format("format version {} is newer than this program, which reads version {}", version, format_version),
+          "install a newer straytrace");
+    else
+      node(e->value).problem(fmt::format("\"{}\" is not a format version", shortened(text)),
+                             fmt::format("write 'straytrace: {}'", format_version));
+  }
+
+  void include(NodeData const& root, std::size_t depth) {
+    NodeData::Entry const* e = root.find("include");
+    if (!e) return;
+    for (Node const& name : node(e->value).as_list()) {
+      if (name.kind() != Node::Kind::scalar) {
+        if (name) name.problem("'include' takes file names", "write 'include: [materials.yaml, baffles.yaml]'");
+        continue;
+      }
+      if (depth >= deepest_include || done_.size() >= most_includes) {
+        name.problem("too many files include each other", "join some of them");
+        return;
+      }
+      auto const file = document_.open(name, name.text(), model_file_limit);
+      if (!file)
+        unreadable_ = true;
+      else if (std::find(visiting_.begin(), visiting_.end(), *file) != visiting_.end())
+        name.problem(fmt::format("'{}' includes itself{}", document_.source(*file).name,
+                                 *file == visiting_.back() ? "" : " through other files"),
+                     "remove this name");
+      else if (std::find(done_.begin(), done_.end(), *file) == done_.end())
+        read(*file, depth + 1);
+    }
+  }
+
+  void check_keys(NodeData const& root) {
+    std::vector<std::string> names{"straytrace", "include"};
+    for (TopKey const& k : top_keys) names.emplace_back(k.name);
+    for (NodeData::Entry const& e : root.entries) {
+      if (document_.error_count() > 1000) return;  // hostile input: enough is said
+      if (std::find(names.begin(), names.end(), e.key) != names.end()) continue;
+      std::string const near = nearest_word(e.key, names);
+      std::string all;
+      for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
+      problem(e, fmt::format("unknown key '{}' at the top of a model", shortened(e.key)),
+              near.empty() ? "known keys: " + all : fmt::format("did you mean '{}'?", near));
+    }
+  }
+
+  void merge(NodeData const& root) {
+    for (NodeData::Entry const& e : root.entries) {
+      auto const key = std::find_if(top_keys.begin(), top_keys.end(), [&](TopKey const& k) { return k.name == e.key; });
+      if (key == top_keys.end() || e.value->kind == Node::Kind::none) continue;
+      if (key->kind == Section::named) merge_named(e, *key);
+      if (key->kind == Section::list) merge_list(e);
+      if (key->kind == Section::single) merge_single(e);
+      if (key->kind == Section::text) replace(e);  // the including file speaks last
+    }
+  }
+
+  void replace(NodeData::Entry const& e) {
+    auto const hit = model_->index.find(e.key);
+    if (hit == model_->index.end())
+      model_->add(e);
+    else
+      model_->entries[hit->second] = e;
+  }
+
+  // The table or list of the model that collects this section.
+  NodeData& section(NodeData::Entry const& e, Node::Kind kind) {
+    if (!model_->find(e.key)) {
+      auto data = std::make_shared<NodeData>();
+      data->kind = kind;
+      data->label = e.key;
+      model_->add({e.key, e.place, e.width, std::move(data)});
+    }
+    auto& entry = model_->entries[model_->index.find(e.key)->second];
+    entry.place = e.place;
+    entry.value->place = e.value->place;
+    return *entry.value;
+  }
+
+  // `override: true` in a definition or, for all of them, in the section.
+  bool overrides(NodeData const& data) {
+    if (!data.find("override")) return false;
+    auto const copy = std::make_shared<NodeData>(data);
+    return Node(copy, nullptr, &document_).flag("override", false);
+  }
+
+  void merge_named(NodeData::Entry const& e, TopKey const& key) {
+    if (e.value->kind != Node::Kind::table) {
+      node(e.value).problem(fmt::format("'{}' needs a table of names", e.key),
+                            fmt::format("write '{}: {{name: ...}}'", e.key));
+      return;
+    }
+    NodeData& into = section(e, Node::Kind::table);
+    bool const all = overrides(*e.value);
+    for (NodeData::Entry const& d : e.value->entries) {
+      if (d.key == "override") continue;
+      bool const one = d.value->kind == Node::Kind::table && overrides(*d.value);
+      if (one) d.value->find("override")->value->known = true;
+      auto const hit = into.index.find(d.key);
+      if (hit == into.index.end()) {
+        if (one || all) refuse_idle_override(d, key, into);
+        into.add(d);
+        continue;
+      }
+      NodeData::Entry& earlier = into.entries[hit->second];
+      if (!one && !all)
+        problem(d, fmt::format("{} '{}' is defined already ({})", key.noun, d.key, where(earlier.place, d.place.file)),
+                d.value->kind == Node::Kind::table
+                    ? "choose another name, or add 'override: true' to replace it"
+                    : fmt::format("choose another name, or add 'override: true' to '{}' to replace it", e.key));
+      earlier = d;
+    }
+  }
+
+  void refuse_idle_override(NodeData::Entry const& d, TopKey const& key, NodeData const& into) {
+    std::vector<std::string> names;
+    for (NodeData::Entry const& known : into.entries) names.push_back(known.key);
+    std::string const near = nearest_word(d.key, names);
+    problem(d, fmt::format("'override: true' but no earlier {} '{}'", key.noun, d.key),
+            near.empty() ? "remove 'override: true', or include the file that defines it"
+                         : fmt::format("did you mean '{}'?", near));
+  }
+
+  void merge_list(NodeData::Entry const& e) {
+    NodeData& into = section(e, Node::Kind::list);
+    for (Node const& element : node(e.value).as_list()) into.elements.push_back(element.data());
+  }
+
+  void merge_single(NodeData::Entry const& e) {
+    bool const replaces = e.value->kind == Node::Kind::table && overrides(*e.value);
+    if (replaces) e.value->find("override")->value->known = true;
+    NodeData::Entry const* earlier = model_->find(e.key);
+    if (earlier && !replaces)
+      problem(e, fmt::format("'{}' is defined already ({})", e.key, where(earlier->place, e.place.file)),
+              "keep one of them, or add 'override: true' to replace the earlier one");
+    if (!earlier && replaces)
+      problem(e, fmt::format("'override: true' but no earlier '{}'", e.key), "remove 'override: true'");
+    replace(e);
+  }
+
+  SceneDocument& document_;
+  std::shared_ptr<NodeData> model_;
+  std::vector<std::uint32_t> visiting_, done_;
+  bool unreadable_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<NodeData> read_model(SceneDocument& document, std::string const& main_file) {
+  return Merger(document).run(main_file);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The main file, its includes and the built-in parts as one table (interface.md 3.2).
+#pragma once
+
+#include <memory>
+
+#include "scene/scene_document.hpp"
+
+namespace straytrace {
+
+// The table of the whole model without `straytrace` and `include`. Throws InputError when a file cannot be read as
+// YAML, because what the rooms would say about the rest would be noise.
+std::shared_ptr<NodeData> read_model(SceneDocument&, std::string const& main_file);
+
+constexpr int format_version = 1;
+extern char const* const builtin_parts;  // YAML text
+
+}  // namespace straytrace

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Problems as people read them (interface.md 4).
+#pragma once
+
+#include <string>
+
+#include "scene/scene_document.hpp"
+
+namespace straytrace {
+
+std::string rendered_errors(SceneDocument const&);    // with the closing line "5 errors. Nothing was run."
+std::string rendered_warnings(SceneDocument const&);  // one sentence per kind: count and first place
+// Throws InputError when the document has errors.
+void throw_errors(SceneDocument const&);
+
+}  // namespace straytrace

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/repeat.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace straytrace {
+namespace {
+
+constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
+
+int read_axis(Node const& repeat) {
+  std::string const axis = repeat.choice("along", axes);
+  auto const hit = std::find(axes.begin(), axes.end(), axis);
+  return hit == axes.end() ? -1 : static_cast<int>(hit - axes.begin());
+}
+
+// 0 when the count is wrong.
+std::size_t read_count(Node const& repeat) {
+  double const count = repeat.number("count", dim::plain, required, 1, most_instances);
+  if (std::isnan(count)) return 0;
+  if (count == std::round(count)) return static_cast<std::size_t>(count);
+  repeat["count"].problem(fmt::format("'count' must be a whole number, got \"{}\"", shortened(repeat["count"].text())),
+                          fmt::format("write {:.0f} or {:.0f}", std::floor(count), std::ceil(count)));
+  return 0;
+}
+
+std::vector<double> by_pitch(Node const& repeat, std::size_t count) {
+  double const from = repeat.number("from", dim::length, 0), pitch = repeat.number("pitch", dim::length);
+  if (pitch <= 0) {
+    repeat["pitch"].problem("'pitch' must be positive", "write the distance of neighbours, for example '5 m'");
+    return {};
+  }
+  if (std::isnan(from) || std::isnan(pitch)) return {};
+  std::vector<double> offsets(count);
+  for (std::size_t i = 0; i < count; ++i) offsets[i] = from + static_cast<double>(i) * pitch;
+  return offsets;
+}
+
+std::vector<double> by_ends(Node const& repeat, std::size_t count) {
+  double const from = repeat.number("from", dim::length), to = repeat.number("to", dim::length);
+  if (from > to) {
+    repeat["to"].problem("'to' lies before 'from'", "write the smaller position as 'from'");
+    return {};
+  }
+  if (count == 1 && from < to) {
+    repeat["count"].problem("one instance cannot stand both at 'from' and at 'to'",
+                            "write 'count: 2' or more, or leave out 'repeat' and use 'at'");
+    return {};
+  }
+  if (std::isnan(from) || std::isnan(to)) return {};
+  std::vector<double> offsets(count, from);
+  for (std::size_t i = 1; i < count; ++i)
+    offsets[i] = i + 1 == count ? to : from + (to - from) * (static_cast<double>(i) / static_cast<double>(count - 1));
+  return offsets;
+}
+
+std::vector<double> by_list(Node const& repeat) {
+  std::vector<Node> const positions = repeat.list("at");
+  if (positions.empty() || positions.size() > most_instances) {
+    repeat["at"].problem("'at' needs between 1 and 1000000 positions", "write for example 'at: [50 m, 75 m, 120 m]'");
+    return {};
+  }
+  std::vector<double> offsets;
+  for (Node const& p : positions) offsets.push_back(p.as_number(dim::length));
+  bool const bad = std::any_of(offsets.begin(), offsets.end(), [](double z) { return std::isnan(z); });
+  return bad ? std::vector<double>{} : offsets;
+}
+
+}  // namespace
+
+Repeat read_repeat(Node const& entry) {
+  Node const repeat = entry.table("repeat");
+  if (!entry.has("repeat")) return {};
+  Repeat result;
+  result.offsets.clear();
+  if (!repeat) return result;
+  if (repeat.has("table")) {
+    result = read_offset_table(repeat["table"]);
+  } else {
+    result.axis = read_axis(repeat);
+    if (repeat.has("at")) {
+      result.offsets = by_list(repeat);
+    } else if (std::size_t const count = read_count(repeat); count > 0) {
+      result.offsets = repeat.has("pitch") ? by_pitch(repeat, count) : by_ends(repeat, count);
+    }
+    if (result.axis < 0) result.offsets.clear();
+  }
+  repeat.refuse_unknown("this form of 'repeat'");
+  return result;
+}
+
+}  // namespace straytrace

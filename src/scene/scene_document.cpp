@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/scene_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "scene/scope.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t most_problems = 1000;  // kept; more are only counted
+
+std::vector<std::size_t> line_starts(std::string_view text) {
+  std::vector<std::size_t> starts{0};
+  for (std::size_t at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1))
+    starts.push_back(at + 1);
+  return starts;
+}
+
+bool is_absolute(std::string_view name) {
+  bool const drive = name.size() > 1 && name[1] == ':';
+  return name.starts_with('/') || name.starts_with('\\') || name.starts_with('~') || drive;
+}
+
+}  // namespace
+
+std::string_view Source::line(std::uint32_t number) const {
+  if (number == 0 || number > lines.size()) return {};
+  std::size_t const begin = lines[number - 1];
+  std::size_t const end = number < lines.size() ? lines[number] - 1 : text.size();
+  std::string_view out = std::string_view(text).substr(begin, end - begin);
+  if (out.ends_with('\r')) out.remove_suffix(1);
+  return out;
+}
+
+SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* texts,
+                             std::vector<std::string> const& overrides)
+    : folder_(std::move(folder)), texts_(texts), overrides_(overrides) {
+  for (std::string& o : overrides_)
+    for (char& c : o)
+      if (static_cast<unsigned char>(c) < 0x20) c = '?';
+}
+
+void SceneDocument::add(Problem p) {
+  if (!seen_.emplace(p.place.file, p.place.line, p.place.column, p.what).second) return;
+  if (p.severity == Severity::error) ++errors_;
+  if (problems_.size() < most_problems) problems_.push_back(std::move(p));
+  if (seen_.size() > 100 * most_problems) seen_.clear();  // hostile input must not fill the memory
+}
+
+std::optional<Value> SceneDocument::evaluate(NodeData const& node, Scope const* scope) {
+  return evaluate(node, {[scope](std::string_view name) { return find_parameter(scope, name); },
+                         [scope] { return parameter_names(scope); }});
+}
+
+std::optional<Value> SceneDocument::evaluate(NodeData const& node, ParameterLookup const& lookup) {
+  try {
+    return evaluate_expression(node.text, lookup);
+  } catch (ExpressionProblem const& p) {
+    Problem problem{node.place, p.what, p.suggestion, Severity::error, node.width};
+    if (node.inset >= 0 && p.end > p.begin) {
+      std::string_view const text = node.text;
+      problem.place.column += static_cast<std::uint32_t>(node.inset) + code_points(text.substr(0, p.begin));
+      problem.width = std::max(1u, code_points(text.substr(p.begin, p.end - p.begin)));
+    }
+    add(std::move(problem));
+    return {};
+  }
+}
+
+std::uint32_t SceneDocument::add_source(std::string name, std::string text, bool stored) {
+  Source s{std::move(name), std::move(text), stored};
+  s.lines = line_starts(s.text);
+  if (stored) files_[s.name] = s.text;
+  sources_.push_back(std::move(s));
+  return static_cast<std::uint32_t>(sources_.size() - 1);
+}
+
+std::uint32_t SceneDocument::command_line() {
+  if (!command_line_) {
+    std::string text;
+    for (std::string const& o : overrides_) text += fmt::format("-p {}\n", o);
+    command_line_ = add_source("command line", std::move(text), false);
+  }
+  return *command_line_;
+}
+
+std::optional<std::string> SceneDocument::read(std::string const& name, std::size_t size_limit, std::string& why) {
+  if (texts_) {
+    auto const hit = texts_->find(name);
+    if (hit == texts_->end())
+      why = "the stored model does not hold it";
+    else if (hit->second.size() > size_limit)
+      why = fmt::format("it is larger than {} MB", size_limit >> 20);
+    else
+      return hit->second;
+    return {};
+  }
+  std::error_code code;
+  std::filesystem::path const path = folder_ / name;
+  if (!std::filesystem::exists(path, code))
+    why = "there is no such file";
+  else if (!std::filesystem::is_regular_file(path, code))
+    why = "it is not a regular file";
+  else if (std::filesystem::file_size(path, code) > size_limit)
+    why = fmt::format("it is larger than {} MB", size_limit >> 20);
+  if (!why.empty()) return {};
+  std::ifstream in(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in.good() && !in.eof()) {
+    why = "it cannot be opened";
+    return {};
+  }
+  return text;
+}
+
+std::uint32_t SceneDocument::open_main(std::string const& name) {
+  std::string why;
+  auto text = read(name, model_file_limit, why);
+  if (!text)
+    throw InputError(fmt::format(
+        "{}: error: cannot read this file: {}\n      | check the name and the folder\n1 error. Nothing was run.\n",
+        name, why));
+  return add_source(name, std::move(*text), true);
+}
+
+std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::string const& written,
+                                                 std::size_t size_limit) {
+  bool const control =
+      std::any_of(written.begin(), written.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  if (written.empty() || control) {
+    named_by.problem("this is not a file name", "write a name relative to this file, for example 'data/steel.csv'");
+    return {};
+  }
+  if (is_absolute(written)) {
+    named_by.problem(fmt::format("'{}' is an absolute path, which no other machine can follow", shortened(written)),
+                     "write a name relative to this file, for example 'data/steel.csv'");
+    return {};
+  }
+  Source const& from = sources_.at(named_by.place().file);
+  auto const base = from.stored ? std::filesystem::path(from.name).parent_path() : std::filesystem::path();
+  std::string const name = (base / written).lexically_normal().generic_string();
+  for (std::uint32_t i = 0; i < sources_.size(); ++i)
+    if (sources_[i].stored && sources_[i].name == name) return i;
+  std::string why;
+  auto text = read(name, size_limit, why);
+  if (!text) {
+    named_by.problem(
+        fmt::format("cannot read file '{}': {}", shortened(written), why),
+        fmt::format("names are relative to the file they stand in: '{}' was looked for next to the main file",
+                    shortened(name)));
+    return {};
+  }
+  return add_source(name, std::move(*text), true);
+}
+
+std::string SceneDocument::data_file(Node const& from, std::string const& name) {
+  auto const file = open(from, name, data_file_limit);
+  return file ? sources_[*file].text : std::string();
+}
+
+Place SceneDocument::place_in_file(Node const& from, std::string const& name, std::uint32_t line,
+                                   std::uint32_t column) {
+  auto const file = open(from, name, data_file_limit);
+  return file ? Place{*file, line, column} : from.place();
+}
+
+std::vector<std::string> SceneDocument::source_names() const {
+  std::vector<std::string> names;
+  for (Source const& s : sources_) names.push_back(s.name);
+  return names;
+}
+
+std::vector<Problem> SceneDocument::problems(Severity severity) const {
+  std::vector<Problem> out;
+  std::copy_if(problems_.begin(), problems_.end(), std::back_inserter(out),
+               [&](Problem const& p) { return p.severity == severity; });
+  auto const key = [](Problem const& p) { return std::tuple(p.place.file, p.place.line, p.place.column); };
+  std::stable_sort(out.begin(), out.end(), [&](Problem const& a, Problem const& b) { return key(a) < key(b); });
+  return out;
+}
+
+}  // namespace straytrace

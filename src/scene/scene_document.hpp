@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The files of one model, what was found wrong in them, and the evaluation of scalars.
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <tuple>
+
+#include "base/document.hpp"
+#include "scene/expression.hpp"
+#include "scene/scene.hpp"
+
+namespace straytrace {
+
+struct Source {
+  std::string name;  // relative to the folder of the main file
+  std::string text;
+  bool stored = true;                                 // part of FileTexts
+  std::vector<std::size_t> lines{};                   // byte where each line begins
+  std::string_view line(std::uint32_t number) const;  // 1-based, without line end; empty beyond the end
+};
+
+class SceneDocument : public Document {
+ public:
+  // Reads below `folder`, or only from `texts` when given.
+  SceneDocument(std::filesystem::path folder, FileTexts const* texts, std::vector<std::string> const& overrides);
+
+  void add(Problem) override;
+  bool healthy() const override { return errors_ == 0; }
+  std::optional<Value> evaluate(NodeData const&, Scope const*) override;
+  std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
+  std::string data_file(Node const& from, std::string const& name) override;
+  Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override;
+
+  std::uint32_t add_source(std::string name, std::string text, bool stored);
+  std::uint32_t command_line();  // the source whose lines are "-p name=value"
+  // Reads a file that was named in a file of the model; its index, or empty and a problem at `named_by`.
+  std::optional<std::uint32_t> open(Node const& named_by, std::string const& written, std::size_t size_limit);
+  // Reads the main file; throws InputError when there is none.
+  std::uint32_t open_main(std::string const& name);
+
+  Source const& source(std::uint32_t file) const { return sources_.at(file); }
+  std::size_t source_count() const { return sources_.size(); }
+  FileTexts const& files() const { return files_; }
+  std::vector<std::string> source_names() const;
+  std::vector<Problem> problems(Severity) const;  // sorted by place
+  std::size_t error_count() const { return errors_; }
+
+ private:
+  std::optional<std::string> read(std::string const& name, std::size_t size_limit, std::string& why);
+
+  std::filesystem::path folder_;
+  FileTexts const* texts_;
+  std::vector<std::string> overrides_;
+  std::vector<Source> sources_;
+  FileTexts files_;
+  std::vector<Problem> problems_;
+  std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::string>> seen_;
+  std::size_t errors_ = 0;
+  std::optional<std::uint32_t> command_line_;
+};
+
+constexpr std::size_t model_file_limit = std::size_t{16} << 20;  // bytes
+constexpr std::size_t data_file_limit = std::size_t{256} << 20;
+
+}  // namespace straytrace

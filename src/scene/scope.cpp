@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/scope.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scene/scene_document.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t longest_chain =
+    50;  // parameters used before they are written, each in the next: bounds recursion
+
+class ScopeBuilder {
+ public:
+  ScopeBuilder(SceneDocument& document, NodeData const* params, std::shared_ptr<Scope const> outer,
+               GivenParameters const* given)
+      : document_(document), params_(params), scope_(std::make_shared<Scope>()), given_(given) {
+    scope_->outer = std::move(outer);
+  }
+
+  // Values that are written as text and may refer to the parameters of this scope.
+  void replace(std::string const& name, NodeData const* node) { replaced_[name] = node; }
+
+  std::shared_ptr<Scope const> build() {
+    if (params_)
+      for (NodeData::Entry const& e : params_->entries)
+        if (name_allowed(e)) value_of(e);
+    return scope_;
+  }
+
+ private:
+  bool name_allowed(NodeData::Entry const& e) {
+    e.value->known = true;
+    bool const reserved = is_reserved_word(e.key);
+    if (!reserved && is_parameter_name(e.key)) return true;
+    std::string const what =
+        reserved
+            ? fmt::format("'{}' is a word of the language (a unit or a function) and cannot name a parameter", e.key)
+            : fmt::format("'{}' cannot name a parameter", shortened(e.key));
+    document_.add({e.place, what,
+                   reserved ? fmt::format("choose another name, for example '{}_0'", e.key)
+                            : "use letters, digits and '_', beginning with a letter",
+                   Severity::error, e.width});
+    scope_->own[e.key] = std::nullopt;
+    return false;
+  }
+
+  std::optional<Value> value_of(NodeData::Entry const& e) {
+    if (auto const done = scope_->own.find(e.key); done != scope_->own.end()) return done->second;
+    if (std::find(chain_.begin(), chain_.end(), e.key) != chain_.end() || chain_.size() >= longest_chain) {
+      refuse_chain(e);
+      return {};
+    }
+    chain_.push_back(e.key);
+    std::optional<Value> value = written(*e.value);
+    if (auto const hit = replaced_.find(e.key); hit != replaced_.end())
+      value = agreeing(value, written(*hit->second), hit->second);
+    if (given_)
+      if (auto const hit = given_->find(e.key); hit != given_->end())
+        value = agreeing(value, hit->second.value, hit->second.node);
+    chain_.pop_back();
+    return scope_->own.emplace(e.key, value).first->second;
+  }
+
+  std::optional<Value> written(NodeData const& node) {
+    if (node.kind == Node::Kind::none) return {};
+    if (node.kind != Node::Kind::scalar) {
+      document_.add({node.place, fmt::format("parameter '{}' must be one quantity", node.label),
+                     "write a number with a unit, for example '80 cm'"});
+      return {};
+    }
+    return document_.evaluate(node, {[this](std::string_view name) { return find(name); }, [this] { return names(); }});
+  }
+
+  // What is given must have the dimension of what is written; a bare 0 takes it over.
+  std::optional<Value> agreeing(std::optional<Value> const& written, std::optional<Value> given, NodeData const* node) {
+    if (!written || !given || written->bare_zero) return given;
+    if (given->bare_zero) given->quantity.dimension = written->quantity.dimension;
+    if (given->quantity.dimension == written->quantity.dimension) return given;
+    if (node) document_.add(dimension_problem(*node, given->quantity, written->quantity.dimension));
+    return {};
+  }
+
+  void refuse_chain(NodeData::Entry const& e) {
+    if (chain_.size() >= longest_chain) {
+      document_.add({e.place, fmt::format("more than {} parameters depend on each other in a row", longest_chain),
+                     "write some of them as numbers", Severity::error, e.width});
+      return;
+    }
+    std::string circle;
+    for (auto it = std::find(chain_.begin(), chain_.end(), e.key); it != chain_.end(); ++it) circle += *it + " -> ";
+    document_.add({e.place, fmt::format("parameter '{}' depends on itself ({})", e.key, shortened(circle + e.key)),
+                   "write one of them as a number", Severity::error, e.width});
+  }
+
+  ParameterLookup::Found find(std::string_view name) {
+    NodeData::Entry const* own = params_ ? params_->find(name) : nullptr;
+    if (own && is_parameter_name(name) && !is_reserved_word(name)) return {true, value_of(*own)};
+    return find_parameter(scope_->outer.get(), name);
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> out = parameter_names(scope_->outer.get());
+    if (params_)
+      for (NodeData::Entry const& e : params_->entries) out.push_back(e.key);
+    return out;
+  }
+
+  SceneDocument& document_;
+  NodeData const* params_;
+  std::shared_ptr<Scope> scope_;
+  GivenParameters const* given_;
+  std::map<std::string, NodeData const*> replaced_;
+  std::vector<std::string> chain_;  // being evaluated
+};
+
+}  // namespace
+
+ParameterLookup::Found find_parameter(Scope const* scope, std::string_view name) {
+  for (; scope; scope = scope->outer.get())
+    if (auto const hit = scope->own.find(name); hit != scope->own.end()) return {true, hit->second};
+  return {};
+}
+
+std::vector<std::string> parameter_names(Scope const* scope) {
+  std::vector<std::string> out;
+  for (; scope; scope = scope->outer.get())
+    for (auto const& [name, value] : scope->own) out.push_back(name);
+  return out;
+}
+
+std::shared_ptr<Scope const> make_scope(SceneDocument& document, NodeData const* params,
+                                        std::shared_ptr<Scope const> outer, GivenParameters const& given) {
+  return ScopeBuilder(document, params, std::move(outer), &given).build();
+}
+
+std::shared_ptr<Scope const> make_model_scope(SceneDocument& document, NodeData const* params,
+                                              std::vector<std::string> const& overrides) {
+  ScopeBuilder builder(document, params, nullptr, nullptr);
+  std::vector<std::string> names;
+  if (params)
+    for (NodeData::Entry const& e : params->entries) names.push_back(e.key);
+  std::vector<std::shared_ptr<NodeData>> texts;
+  for (std::uint32_t i = 0; i < overrides.size(); ++i) {
+    std::string const& o = overrides[i];
+    std::size_t const equals = o.find('=');
+    std::string const name = o.substr(0, equals);
+    Place place{document.command_line(), i + 1, 4};  // behind "-p "
+    if (equals == std::string::npos || equals == 0 || equals + 1 == o.size()) {
+      document.add({place, fmt::format("'{}' does not set a parameter", shortened(o)),
+                    "write 'name=value', for example 'aperture=60cm'", Severity::error, code_points(o)});
+      continue;
+    }
+    if (!params || !params->find(name)) {
+      std::string const near = nearest_word(name, names);
+      document.add({place, fmt::format("parameter '{}' is not defined in the model", shortened(name)),
+                    near.empty() ? "only names under the top-level 'params' can be set"
+                                 : fmt::format("did you mean '{}'?", near),
+                    Severity::error, code_points(name)});
+      continue;
+    }
+    auto text = std::make_shared<NodeData>();
+    place.column += code_points(name) + 1;
+    text->kind = Node::Kind::scalar;
+    text->place = place;
+    text->text = o.substr(equals + 1);
+    text->width = code_points(text->text);
+    text->label = name;
+    text->inset = 0;
+    builder.replace(name, text.get());
+    texts.push_back(std::move(text));
+  }
+  return builder.build();
+}
+
+}  // namespace straytrace

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters in force: those of the model, and those of a part inside them.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "scene/expression.hpp"
+
+namespace straytrace {
+
+class SceneDocument;
+
+struct Scope {
+  std::shared_ptr<Scope const> outer;
+  std::map<std::string, std::optional<Value>, std::less<>> own;  // no value: its problem is recorded
+};
+
+ParameterLookup::Found find_parameter(Scope const*, std::string_view name);
+std::vector<std::string> parameter_names(Scope const*);
+
+// A value set from outside: by the entry that places a part, by a row of a table, by the command line.
+struct GivenParameter {
+  std::optional<Value> value;      // evaluated where it is written
+  NodeData const* node = nullptr;  // where it is written, for messages; null when the dimension is checked already
+};
+using GivenParameters = std::map<std::string, GivenParameter, std::less<>>;
+
+// Evaluates `params` (a table or null) in any order; values given replace those written, with the same dimension.
+std::shared_ptr<Scope const> make_scope(SceneDocument&, NodeData const* params, std::shared_ptr<Scope const> outer,
+                                        GivenParameters const& given);
+
+// The scope of the model; `overrides` are "name=value" from the command line.
+std::shared_ptr<Scope const> make_model_scope(SceneDocument&, NodeData const* params,
+                                              std::vector<std::string> const& overrides);
+
+}  // namespace straytrace

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/yaml_tree.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/mark.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "scene/text_check.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t deepest = 64;
+
+struct StopReading {};  // the rest of the file cannot be used; the problem is recorded
+
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(SceneDocument& document, std::uint32_t file)
+      : document_(document), source_(document.source(file)), file_(file) {}
+
+  std::shared_ptr<NodeData> root() const { return root_; }
+  bool cause_reported() const { return cause_reported_; }
+  // Where the innermost list or table in brackets begins.
+  std::optional<Place> open_bracket() const {
+    for (auto it = stack_.rbegin(); it != stack_.rend(); ++it)
+      if (it->bracket) return it->node->place;
+    return {};
+  }
+
+  void OnDocumentStart(YAML::Mark const& mark) override {
+    if (++documents_ == 1) return;
+    problem(place(mark), "a second document begins here", "one file holds one model: remove the line '---' above");
+    throw StopReading{};
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(YAML::Mark const& mark, YAML::anchor_t) override {
+    if (awaits_key()) {
+      problem(place(mark), "a key is missing before ':'", "write 'key: value'");
+      set_discarded_key();
+      return;
+    }
+    auto node = std::make_shared<NodeData>();  // of kind none: its problem is recorded here
+    node->place = place(mark);
+    if (stack_.empty()) return;
+    Frame const& top = stack_.back();
+    if (top.node->kind == Node::Kind::table) {
+      if (!top.discard)
+        problem(top.key_place, fmt::format("'{}' has no value", shortened(top.key)), "write a value, or remove the key",
+                top.key_width);
+      node->place = top.key_place;
+    } else {
+      problem(node->place, "an empty element in a list", "write a value, or remove it");
+    }
+    attach(std::move(node));
+  }
+
+  void OnAlias(YAML::Mark const& mark, YAML::anchor_t) override {
+    problem(place(mark), "aliases (*name) are not part of the input language",
+            "write the value again, or use params and parts");
+    if (awaits_key()) return set_discarded_key();
+    auto node = std::make_shared<NodeData>();
+    node->place = place(mark);
+    attach(std::move(node));
+  }
+
+  void OnScalar(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
+                std::string const& value) override {
+    refuse_properties(mark, tag, anchor);
+    auto node = std::make_shared<NodeData>();
+    node->kind = Node::Kind::scalar;
+    node->place = place(mark);
+    node->text = value;
+    locate_text(*node, rest_of_line(mark), tag == "?");
+    if (awaits_key()) return set_key(std::move(*node));
+    attach(std::move(node));
+  }
+
+  void OnSequenceStart(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value style) override {
+    begin(mark, tag, anchor, style, Node::Kind::list);
+  }
+  void OnMapStart(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value style) override {
+    begin(mark, tag, anchor, style, Node::Kind::table);
+  }
+  void OnSequenceEnd() override { end(); }
+  void OnMapEnd() override { end(); }
+
+ private:
+  struct Frame {
+    std::shared_ptr<NodeData> node;
+    bool bracket = false, is_key = false, has_key = false, discard = false;
+    std::string key{};
+    Place key_place{};
+    std::uint32_t key_width = 1;
+  };
+
+  void problem(Place where, std::string what, std::string suggestion, std::uint32_t width = 1) {
+    document_.add({where, std::move(what), std::move(suggestion), Severity::error, width});
+  }
+
+  // Marks count bytes; a byte order mark is not counted.
+  std::string_view line_of(YAML::Mark const& mark) const {
+    std::string_view line = source_.line(static_cast<std::uint32_t>(mark.line + 1));
+    if (mark.line == 0 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
+    return line;
+  }
+  std::string_view rest_of_line(YAML::Mark const& mark) const {
+    std::string_view const line = line_of(mark);
+    return line.substr(std::min(line.size(), static_cast<std::size_t>(std::max(0, mark.column))));
+  }
+  // Counts on from the last mark of the same line, because a line may be megabytes long.
+  Place place(YAML::Mark const& mark) {
+    std::string_view const line = line_of(mark);
+    auto const bytes = std::min(line.size(), static_cast<std::size_t>(std::max(0, mark.column)));
+    if (mark.line != counted_line_ || bytes < counted_bytes_) counted_bytes_ = 0, counted_points_ = 0;
+    counted_line_ = mark.line;
+    counted_points_ += code_points(line.substr(counted_bytes_, bytes - counted_bytes_));
+    counted_bytes_ = bytes;
+    return {file_, static_cast<std::uint32_t>(std::max(0, mark.line) + 1), counted_points_ + 1};
+  }
+
+  void refuse_properties(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor) {
+    if (anchor != 0)
+      problem(place(mark), "anchors (&name) are not part of the input language",
+              "remove it; use params and parts for what is needed twice");
+    bool const tagged = (tag != "?" && tag != "!" && !tag.empty()) || rest_of_line(mark).starts_with('!');
+    if (tagged)
+      problem(place(mark), "tags (!name) are not part of the input language",
+              "remove it; the type of a value follows from its key");
+  }
+
+  // Finds how much of the line the text takes; plain text that is not there as it stands was broken over lines.
+  void locate_text(NodeData& node, std::string_view rest, bool plain) {
+    std::string const quote(1, rest.empty() ? ' ' : rest.front());
+    bool const quoted = quote == "\"" || quote == "'";
+    if (rest.starts_with(node.text) && !quoted) {
+      node.inset = 0;
+      node.width = std::max(1u, code_points(node.text));
+    } else if (quoted && rest.substr(1).starts_with(node.text + quote)) {
+      node.inset = 1;
+      node.width = code_points(node.text) + 2;
+    } else if (quoted) {
+      if (!quote_closes(node.place.line, rest, quote[0])) {
+        cause_reported_ = true;
+        problem(node.place, "this quote is not closed", fmt::format("add {} where the text ends", quote));
+      }
+    } else if (plain && !rest.starts_with('&') && !rest.starts_with('!')) {
+      cause_reported_ = true;
+      node.kind = Node::Kind::none;
+      problem(node.place, "a value without quotes continues on the next line",
+              "put quotes around it, or close the bracket, quote or line before", code_points(rest));
+    }
+  }
+
+  // The parser takes the end of the file for a closing quote; this looks for a real one. `rest` begins with the quote.
+  bool quote_closes(std::uint32_t line, std::string_view rest, char quote) const {
+    for (std::string_view part = rest.substr(1);; part = source_.line(++line)) {
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        if (part[i] == '\\' && quote == '"')
+          ++i;
+        else if (part[i] == quote && quote == '\'' && i + 1 < part.size() && part[i + 1] == quote)
+          ++i;
+        else if (part[i] == quote)
+          return true;
+      }
+      if (line >= source_.lines.size()) return false;
+    }
+  }
+
+  bool awaits_key() const {
+    return !stack_.empty() && stack_.back().node->kind == Node::Kind::table && !stack_.back().has_key;
+  }
+
+  void set_discarded_key() {
+    stack_.back().has_key = true;
+    stack_.back().discard = true;
+  }
+
+  void set_key(NodeData scalar) {
+    Frame& top = stack_.back();
+    top.has_key = true;
+    top.key = std::move(scalar.text);
+    top.key_place = scalar.place;
+    top.key_width = scalar.width;
+    top.discard = top.key == "<<";
+    if (top.discard)
+      problem(top.key_place, "merge keys (<<) are not part of the input language",
+              "write the keys out, or use params and parts", 2);
+    if (NodeData::Entry const* first = top.node->find(top.key)) {
+      top.discard = true;
+      problem(top.key_place, fmt::format("key '{}' is written twice in one table", shortened(top.key)),
+              fmt::format("remove one of them; the first is in line {}", first->place.line), top.key_width);
+    }
+  }
+
+  void attach(std::shared_ptr<NodeData> node) {
+    if (stack_.empty()) {
+      root_ = std::move(node);
+      return;
+    }
+    Frame& top = stack_.back();
+    if (top.node->kind == Node::Kind::list) {
+      node->label = top.node->label;
+      top.node->elements.push_back(std::move(node));
+      return;
+    }
+    node->label = top.key;
+    if (!top.discard) top.node->add({top.key, top.key_place, top.key_width, std::move(node)});
+    top.has_key = top.discard = false;
+  }
+
+  void begin(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value style,
+             Node::Kind kind) {
+    if (stack_.size() >= deepest) {
+      problem(place(mark), fmt::format("tables and lists are nested more than {} deep", deepest), "check the brackets");
+      throw StopReading{};
+    }
+    refuse_properties(mark, tag, anchor);
+    auto node = std::make_shared<NodeData>();
+    node->kind = kind;
+    node->place = place(mark);
+    bool const is_key = awaits_key();
+    if (is_key)
+      problem(node->place, "a key must be plain text", "write 'key: value'");
+    else
+      attach(node);
+    stack_.push_back({std::move(node), style == YAML::EmitterStyle::Flow, is_key});
+  }
+
+  void end() {
+    bool const is_key = stack_.back().is_key;
+    stack_.pop_back();
+    if (is_key) set_discarded_key();
+  }
+
+  SceneDocument& document_;
+  Source const& source_;
+  std::uint32_t file_;
+  std::shared_ptr<NodeData> root_;
+  std::vector<Frame> stack_;
+  int documents_ = 0, counted_line_ = -1;
+  std::size_t counted_bytes_ = 0;
+  std::uint32_t counted_points_ = 0;
+  bool cause_reported_ = false;
+};
+
+struct Syntax {
+  std::string_view parser, what, suggestion;
+};
+constexpr std::array syntax_messages{
+    Syntax{"illegal flow end", "brackets of different kinds do not match", "close '[' with ']' and '{' with '}'"},
+    Syntax{"illegal map value", "a second ': ' in one value",
+           "put quotes around text that contains ': ', or begin a new line"},
+    Syntax{"end of sequence not found", "the indentation does not fit the list above",
+           "align the keys of one entry in one column"},
+    Syntax{"end of map not found", "the indentation does not fit the table above",
+           "align the keys of one table in one column"},
+};
+
+void report(SceneDocument& document, std::uint32_t file, TreeBuilder const& builder, YAML::ParserException const& e) {
+  if (builder.cause_reported()) return;
+  std::uint32_t const line = static_cast<std::uint32_t>(std::max(0, e.mark.line) + 1);
+  auto const bytes = static_cast<std::size_t>(std::max(0, e.mark.column));
+  Place place{file, line, code_points(document.source(file).line(line).substr(0, bytes)) + 1};
+  std::string const why = e.msg;
+  auto const open = builder.open_bracket();
+  if (why == "bad file") {  // the parser's own limit of depth
+    document.add({place, fmt::format("tables and lists are nested more than {} deep", deepest), "check the brackets"});
+  } else if (open && (why.find("flow not found") != std::string::npos || open->line < line)) {
+    document.add(
+        {*open, "this bracket is not closed", "add ']' or '}' where it ends; look for a missing comma or quote too"});
+  } else {
+    auto const hit =
+        std::find_if(syntax_messages.begin(), syntax_messages.end(), [&](Syntax const& s) { return s.parser == why; });
+    bool const known = hit != syntax_messages.end();
+    document.add({place, known ? std::string(hit->what) : fmt::format("this is not valid YAML ({})", why),
+                  known ? std::string(hit->suggestion) : "check indentation, brackets, quotes and ': ' near here"});
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<NodeData> read_yaml(SceneDocument& document, std::uint32_t file) {
+  auto const text = checked_text(document, file);
+  if (!text) return nullptr;
+  TreeBuilder builder(document, file);
+  try {
+    std::istringstream stream(*text);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
+    }
+  } catch (StopReading const&) {
+    return nullptr;
+  } catch (YAML::ParserException const& e) {
+    report(document, file, builder, e);
+    return nullptr;
+  }
+  auto const root = builder.root();
+  if (root && root->kind == Node::Kind::table) return root;
+  document.add({{file, root ? root->place.line : 0, root ? root->place.column : 0},
+                root ? "a model file is a table of keys" : "the file is empty",
+                "begin with 'straytrace: 1'"});
+  return nullptr;
+}
+
+}  // namespace straytrace

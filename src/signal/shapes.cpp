@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "signal/shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+
+namespace straytrace {
+namespace {
+
+std::vector<double> logarithmic_knots(double from, double to, double per_decade) {
+  auto const n = static_cast<std::size_t>(std::ceil(std::log10(to / from) * per_decade)) + 1;
+  std::vector<double> hz(n + 1);
+  for (std::size_t i = 0; i <= n; ++i)
+    hz[i] = from * std::pow(to / from, static_cast<double>(i) / static_cast<double>(n));
+  hz.back() = to;
+  return hz;
+}
+
+}  // namespace
+
+Spectrum power_law_asd(double asd, double at_hz, double exponent, double from_hz, double to_hz) {
+  auto const psd = [&](double f) { return asd * asd * std::pow(f / at_hz, 2 * exponent); };
+  return Spectrum({from_hz, to_hz}, {psd(from_hz), psd(to_hz)});
+}
+
+Spectrum gaussian_line(double centre, double width, double rms) {
+  constexpr double reach = 8, step = 0.02;  // standard deviations; beyond 8 the density is 1e-14 of the peak
+  double const first = std::max(centre - reach * width, step * width);
+  std::vector<double> hz, psd;
+  for (double f = first; f <= centre + reach * width; f += step * width) {
+    double const x = (f - centre) / width;
+    hz.push_back(f);
+    psd.push_back(std::exp(-x * x / 2));
+  }
+  Spectrum const shape(std::move(hz), std::move(psd));
+  return shape.scaled(rms * rms / shape.total());
+}
+
+Spectrum peterson(GroundModel model, double from_hz, double to_hz) {
+  std::vector<double> const hz = logarithmic_knots(from_hz, to_hz, 400);
+  std::vector<double> psd;
+  for (double f : hz) psd.push_back(std::pow(peterson_asd(model, f), 2));
+  return Spectrum(hz, psd);
+}
+
+double transmissibility(double hz, double resonance_hz, double quality) {
+  double const x = hz / resonance_hz, damping = x / quality, stiff = 1 - x * x;
+  return (1 + damping * damping) / (stiff * stiff + damping * damping);
+}
+
+Spectrum through_resonance(Spectrum const& s, double resonance_hz, double quality) {
+  std::vector<double> extra = {resonance_hz};
+  if (s.highest() > s.lowest()) extra = logarithmic_knots(s.lowest(), s.highest(), 100);
+  for (double offset = 0.02 / quality; offset < 0.5; offset *= 1.05)
+    for (double sign : {-1.0, 1.0}) extra.push_back(resonance_hz * (1 + sign * offset));
+  extra.push_back(resonance_hz);
+  return s.multiplied([&](double f) { return transmissibility(f, resonance_hz, quality); }, extra);
+}
+
+}  // namespace straytrace

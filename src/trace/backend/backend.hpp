@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One way to run histories. It must not know how many blocks or workers there are.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "trace/result.hpp"
+#include "world/world.hpp"
+
+namespace straytrace {
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual std::string_view name() const = 0;
+  // Traces histories [block * block_size, (block + 1) * block_size). Called from several threads at once.
+  virtual BlockSums run_block(World const&, std::uint64_t seed, std::uint64_t block) const = 0;
+};
+
+std::unique_ptr<Backend> make_backend(std::string_view name);  // "cpu"; InputError for any other
+
+}  // namespace straytrace

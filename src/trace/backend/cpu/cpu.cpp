@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "base/message.hpp"
+#include "trace/backend/backend.hpp"
+#include "trace/history/step.hpp"
+#include "trace/tally/block_sink.hpp"
+
+namespace straytrace {
+namespace {
+
+class Cpu final : public Backend {
+ public:
+  std::string_view name() const override { return "cpu"; }
+  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+    WorldView const view = world.view();
+    BlockSink sink(view, seed, world.groups().size(), int(block % replica_count));
+    for (std::uint64_t h = block * block_size; h < (block + 1) * block_size; ++h) {
+      sink.begin(h);
+      trace_history(view, seed, h, sink);
+      sink.end();
+    }
+    return sink.finish();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_backend(std::string_view name) {
+  if (name == "cpu") return std::make_unique<Cpu>();
+  throw InputError(fmt::format("error: backend '{}' is not built in; write 'cpu'", name));
+}
+
+}  // namespace straytrace

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How light rejoins a mode: by reaching a lit surface itself (eq. 1.7), by connection to a point drawn on it (eq. 1.8),
+// and by a single scatter at the source (eq. 1.4). The first two are the same paths sampled twice and are combined by
+// the balance heuristic in area measure (eq. 1.9). A score is the mean over speckle, for ORDERED paths: C_rev is
+// applied later (eq. 1.5).
+#pragma once
+
+#include "base/rng.hpp"
+#include "trace/history/path.hpp"
+
+namespace straytrace {
+
+constexpr std::uint32_t by_itself = 0;  // connection number of analog arrivals; footprint i is connection i + 1
+
+// Density per area of the lit surface with which a connection draws the point y: |u|^2 |cos| (eq. 1.1 over q), 1/m^2.
+STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
+  return lit.intensity(y) * std::fabs(dot(normal, lit.travel));
+}
+
+// BSDF at the lit surface from the direction of arrival into the reversed mode, 1/sr.
+STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint const& lit) {
+  Vec3 const reversed = at.frame.to_local(-lit.direction(at.point));
+  return scatter_eval(world.laws, *at.optic, at.wi, reversed);
+}
+
+template <class Sink>
+STRAY_HD void arrive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
+  std::uint32_t const index = world.lit_of_surface[vertex.surface.value];
+  if (index == WorldView::none) return;
+  Footprint const& lit = world.lit[index];
+  double const density = connection_density(lit, vertex.point, vertex.frame.e3);
+  if (!(density > 0)) return;
+  double const coupling =
+      path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength * lit.share * density;
+  // A walk over a specular hop has no density: no connection can have made this path.
+  double const walk = path.hop.pdf * vertex.wi.z / (vertex.leg * vertex.leg);
+  double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
+  if (coupling * weight > 0) sink.score(path, vertex, index, by_itself, vertex, coupling * weight);
+}
+
+// One connection from the vertex to one lit surface.
+template <class Sink>
+STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
+                         double u, double v, Sink& sink) {
+  Footprint const& lit = world.lit[index];
+  Ray const line = lit.sample(u, v);
+  double const t = world.shapes.visit(world.surfaces[lit.surface.value].shape,
+                                      [&](auto const& s) { return s.distance(line, false); });
+  if (!(t < infinity)) return;
+  Vec3 const span = line.origin + t * line.dir - vertex.point;
+  double const d2 = length2(span), d = std::sqrt(d2);
+  if (!(d > 0)) return;
+  Vec3 const out = (1 / d) * span, wo = vertex.frame.to_local(out);
+  if (!(wo.z > 0)) return;
+  Vertex const y = make_vertex(world, lit.surface, line.origin + t * line.dir, out);
+  if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return;  // lit from the other side
+  double const bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, wo);
+  double const coupling = path.power * bsdf * wo.z * y.wi.z / d2 * rejoin_bsdf(world, y, lit) * world.wavelength *
+                          world.wavelength * lit.share;  // |u|^2 cos over the density of y is 1
+  if (!(coupling > 0)) return;
+  double weight = 1;
+  if (lit.profile != Profile::point) {  // a walk cannot hit a point
+    bool const source = path.event == 0;
+    double const lobe = source ? 1 : vertex.albedo / (vertex.albedo + vertex.optic->reflect);
+    double const walk = lobe * scatter_pdf(world.laws, *vertex.optic, vertex.wi, wo) * y.wi.z / d2;
+    double const density = connection_density(lit, y.point, y.frame.e3);
+    weight = density / (density + walk);
+  }
+  if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, vertex.surface)) return;
+  sink.score(path, vertex, index, index + 1, y, coupling * weight);
+}
+
+template <class Sink>
+STRAY_HD void connect(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
+                      Sink& sink) {
+  if (!(vertex.albedo > 0)) return;
+  Rng rng(seed, path.history, path.event, Stream::connection);
+  for (std::uint32_t i = 0; i < world.lit.size; ++i) {
+    double const u = rng.uniform(), v = rng.uniform();
+    if (world.lit[i].receives) connect_to(world, path, vertex, i, u, v, sink);
+  }
+}
+
+// One vertex, same mode in and out: f = q^2 beta cos lambda^2 |u|^2 averaged over the spot (eq. 1.4). The specular
+// return of a standing wave is the main mode itself, so cavities have no such term.
+template <class Sink>
+STRAY_HD void score_single(WorldView const& world, PathState const& path, Vertex const& vertex, Footprint const& lit,
+                           Sink& sink) {
+  if (!lit.receives || !lit.port.valid()) return;
+  double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength *
+                          lit.share * connection_density(lit, vertex.point, vertex.frame.e3);
+  if (coupling > 0) sink.score(path, vertex, path.source, by_itself, vertex, coupling);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trace/tally/coupling_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/message.hpp"
+#include "trace/tally/replay.hpp"
+
+namespace straytrace {
+namespace {
+
+CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
+                         std::uint64_t seed) {
+  CouplingClass c;
+  c.hash = hash;
+  c.port = {sums.port};
+  c.coupling = estimate(sums.moments, total.histories, total.blocks);
+  c.replica_sum = sums.replica_sum;
+  double weights = 0;
+  for (ScoreAddress const& kept : sums.kept) weights += std::max(kept.coupling, sums.threshold);
+  for (ScoreAddress const& kept : sums.kept) {
+    auto const path = replay(world, seed, kept.history, kept.event, kept.connection);
+    if (!path || path->coupling != kept.coupling)
+      throw NumericalError(
+          fmt::format("history {} event {} does not replay to the same score", kept.history, kept.event));
+    if (c.records.empty()) {  // what all paths of a route have in common
+      Footprint const &source = world.footprints()[path->source], &end = world.footprints()[path->lit];
+      bool const two_ways = path->vertices.size() > 1 && source.beam == end.beam;
+      c.reverse = world.reverse_routes && two_ways ? 2 : 1;
+      if (!path->other)
+        for (PassedVertex const& v : path->vertices)
+          c.steps.push_back({world.surfaces()[v.surface.value].group, v.event});
+    }
+    c.records.push_back({kept.history, kept.event, kept.connection, kept.coupling,
+                         std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
+                         path->levers});
+  }
+  return c;
+}
+
+}  // namespace
+
+CouplingTable make_coupling_table(World const& world, BlockSums const& total, std::uint64_t seed) {
+  CouplingTable table;
+  table.groups = world.groups();
+  table.bodies = world.body_names();
+  table.ports = world.ports();
+  table.histories = total.histories;
+  table.seed = seed;
+  table.wavelength = world.wavelength;
+  table.reverse_routes = world.reverse_routes;
+  for (std::uint64_t b = 0; b < total.blocks; ++b) table.replica_histories[b % replica_count] += block_size;
+  for (auto const& [hash, sums] : total.classes) table.classes.push_back(make_class(world, hash, sums, total, seed));
+  return table;
+}
+
+char letter(Event event) { return event == Event::reflect ? 'R' : 'S'; }
+
+std::string route_name(CouplingTable const& table, CouplingClass const& c) {
+  if (c.steps.empty()) return fmt::format("other > {}", table.ports[c.port.value]);
+  std::string name;
+  for (PathStep const& s : c.steps)
+    name += fmt::format("{}{}·{}", name.empty() ? "" : " > ", table.groups[s.group.value], letter(s.event));
+  return name;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs one history again to learn what the sums do not hold: route, levers and optical length of a kept score
+// (physics.md eq. 2.2 to 2.5).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "trace/history/step.hpp"
+
+namespace straytrace {
+
+// One vertex as it was passed: what happened there and the unit vectors of the light before and after it.
+struct PassedVertex {
+  SurfaceId surface;
+  Vec3 point, in, out;
+  Event event = Event::scatter;
+};
+
+struct ReplayedPath {
+  std::vector<PassedVertex> vertices;
+  std::uint32_t source = 0, lit = 0;  // footprints at the two ends
+  bool other = false;                 // route longer than the limit of route names
+  double coupling = 0;                // of the score
+  double path_length = 0;             // optical, m
+  std::vector<Lever> levers;          // relative to the main mode, by body
+};
+
+// The score (history, event, connection) made again; empty when this history makes no such score.
+std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t event,
+                                   std::uint32_t connection);
+
+// Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5). k in rad/m.
+std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
+                             std::uint32_t lit);
+
+}  // namespace straytrace

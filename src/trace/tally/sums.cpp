@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <stdexcept>
+
+#include "trace/result.hpp"
+#include "trace/tally/block_sink.hpp"
+
+namespace straytrace {
+
+char const* name_of(Fate fate) {
+  static constexpr char const* names[] = {"absorbed", "escaped", "limit", "window", "sampling"};
+  return names[static_cast<int>(fate)];
+}
+
+bool before(ScoreAddress const& a, ScoreAddress const& b) {
+  if (a.priority != b.priority) return a.priority > b.priority;
+  if (a.history != b.history) return a.history < b.history;
+  if (a.event != b.event) return a.event < b.event;
+  return a.connection < b.connection;
+}
+
+void keep_largest(ClassSums& sums) {
+  std::sort(sums.kept.begin(), sums.kept.end(), before);
+  if (sums.kept.size() <= records_per_class) return;
+  sums.threshold = std::max(sums.threshold, sums.kept[records_per_class].priority);
+  sums.kept.resize(records_per_class);
+}
+
+namespace {
+
+void merge_class(ClassSums& into, ClassSums const& from) {
+  into.port = from.port;
+  into.moments = merged(into.moments, from.moments);
+  for (int r = 0; r < replica_count; ++r) into.replica_sum[r] += from.replica_sum[r];
+  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  into.threshold = std::max(into.threshold, from.threshold);
+  keep_largest(into);
+}
+
+}  // namespace
+
+BlockSums merged(BlockSums left, BlockSums const& right) {
+  left.histories += right.histories;
+  left.blocks += right.blocks;
+  left.bounces += right.bounces;
+  left.rays += right.rays;
+  left.lost += right.lost;
+  for (auto const& [route, sums] : right.classes) merge_class(left.classes[route], sums);
+  left.emitted = merged(left.emitted, right.emitted);
+  for (int f = 0; f < fate_count; ++f) left.ledger[f] = merged(left.ledger[f], right.ledger[f]);
+  left.arrived.resize(std::max(left.arrived.size(), right.arrived.size()));
+  for (std::size_t g = 0; g < right.arrived.size(); ++g) left.arrived[g] = merged(left.arrived[g], right.arrived[g]);
+  return left;
+}
+
+void SumTree::add(unsigned level, std::uint64_t index, BlockSums sums) {
+  auto const sibling = nodes_.find({(index ^ 1) << level, level});
+  if (sibling == nodes_.end()) {
+    if (!nodes_.emplace(std::pair{index << level, level}, std::move(sums)).second)
+      throw std::logic_error("block counted twice");
+    return;
+  }
+  BlockSums other = std::move(sibling->second);
+  nodes_.erase(sibling);
+  add(level + 1, index / 2, index & 1 ? merged(std::move(other), sums) : merged(std::move(sums), other));
+}
+
+BlockSums SumTree::total() const {
+  BlockSums all;
+  for (auto const& [place, sums] : nodes_) all = merged(std::move(all), sums);
+  return all;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trace/trace.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "base/message.hpp"
+#include "trace/tally/coupling_table.hpp"
+
+namespace straytrace {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Workers take blocks from a counter and add them to the tree, whose bits do not depend on the order.
+class Runner {
+ public:
+  Runner(World const& world, TraceSettings const& settings, Backend const& backend)
+      : world_(world), settings_(settings), backend_(backend), tree_(settings.resume), start_(Clock::now()) {
+    BlockSums const before = tree_.total();
+    blocks_ = before.blocks;
+    rays_ = 0;
+    if (unsigned const n = settings.threads; n > 0) threads_ = n;
+  }
+
+  // Runs blocks up to number `end`; false when stopped before.
+  bool run_to(std::uint64_t end) {
+    first_of_session_ = std::min(first_of_session_, blocks_);
+    next_ = blocks_;
+    end_ = end;
+    unsigned working = threads_;
+    std::exception_ptr failure;
+    {
+      std::vector<std::jthread> workers;
+      for (unsigned i = 0; i < threads_; ++i)
+        workers.emplace_back([&] {
+          try {
+            work();
+          } catch (...) {
+            std::scoped_lock const lock(mutex_);
+            failure = std::current_exception();
+            next_ = end_;
+          }
+          std::scoped_lock const lock(mutex_);
+          --working;
+          wake_.notify_all();
+        });
+      std::unique_lock lock(mutex_);
+      while (!wake_.wait_for(lock, std::chrono::milliseconds(500), [&] { return working == 0; })) {
+        lock.unlock();
+        report();
+        lock.lock();
+      }
+    }
+    if (failure) std::rethrow_exception(failure);
+    report();
+    return blocks_ >= end;
+  }
+
+  bool interrupted() const { return settings_.stop && settings_.stop->load(); }
+  bool out_of_time() const { return seconds_since(start_) > settings_.max_seconds; }
+  std::uint64_t blocks() const { return blocks_; }
+  SumTree const& tree() const { return tree_; }
+  double seconds() const { return seconds_since(start_); }
+
+  double error = not_a_number;
+
+ private:
+  void work() {
+    while (!interrupted() && !out_of_time()) {
+      std::uint64_t const block = next_.fetch_add(1);
+      if (block >= end_) return;
+      BlockSums sums = backend_.run_block(world_, settings_.seed, block);
+      std::scoped_lock const lock(mutex_);
+      ++blocks_;
+      rays_ += sums.rays;
+      tree_.add(0, block, std::move(sums));
+    }
+  }
+  void report() {
+    if (!settings_.progress) return;
+    TraceProgress p;
+    {
+      std::scoped_lock const lock(mutex_);
+      p.histories = blocks_ * block_size;
+      p.seconds = seconds_since(start_);
+      p.histories_per_s = double((blocks_ - first_of_session_) * block_size) / p.seconds;
+      p.rays_per_s = double(rays_) / p.seconds;
+    }
+    p.wanted_histories = (settings_.histories + block_size - 1) / block_size * block_size;
+    p.error = error;
+    p.wanted_error = settings_.wanted_error;
+    settings_.progress(p);
+  }
+
+  World const& world_;
+  TraceSettings const& settings_;
+  Backend const& backend_;
+  SumTree tree_;
+  Clock::time_point start_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::atomic<std::uint64_t> next_{0};
+  std::uint64_t end_ = 0, blocks_ = 0, first_of_session_ = ~0ull, rays_ = 0;
+  unsigned threads_ = std::max(1u, std::thread::hardware_concurrency());
+};
+
+void check_books(BlockSums const& total) {
+  if (total.lost > 0) throw NumericalError(std::to_string(total.lost) + " paths were lost (NaN or no surface side)");
+  double sum = 0;
+  for (Moments const& column : total.ledger) sum += column.sum;
+  if (std::fabs(sum - total.emitted.sum) > 1e-9 * total.emitted.sum)
+    throw NumericalError("the books of the light do not close: fates sum to " +
+                         std::to_string(sum / total.emitted.sum) + " of what was emitted");
+}
+
+}  // namespace
+
+std::uint64_t next_look(std::uint64_t blocks) {
+  for (int i = 0;; ++i) {
+    auto const count = std::uint64_t(std::lround(64 * std::pow(2.0, 0.5 * i)));
+    if (count > blocks) return count;
+  }
+}
+
+TraceResult trace(World const& world, TraceSettings const& settings, Backend const& backend) {
+  Runner runner(world, settings, backend);
+  TraceResult result;
+  std::uint64_t const limit = (settings.histories + block_size - 1) / block_size;
+  int good_looks = 0;
+  while (runner.blocks() < limit) {
+    std::uint64_t const look = settings.error ? std::min(next_look(runner.blocks()), limit) : limit;
+    if (!runner.run_to(look)) {
+      result.stopped = runner.interrupted() ? Stopped::by_signal : Stopped::by_time;
+      break;
+    }
+    if (!settings.error) continue;
+    runner.error = settings.error(make_coupling_table(world, runner.tree().total(), settings.seed));
+    good_looks = runner.error < settings.wanted_error ? good_looks + 1 : 0;
+    if (good_looks == 2) {
+      result.stopped = Stopped::by_error;
+      break;
+    }
+  }
+  result.tree = runner.tree();
+  result.total = result.tree.total();
+  check_books(result.total);
+  result.coupling = make_coupling_table(world, result.total, settings.seed);
+  result.seconds = runner.seconds();
+  return result;
+}
+
+}  // namespace straytrace

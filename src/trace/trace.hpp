@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Front door of the trace: world -> coupling table.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "trace/backend/backend.hpp"
+#include "trace/result.hpp"
+#include "world/world.hpp"
+
+namespace straytrace {
+
+struct TraceProgress {
+  std::uint64_t histories = 0, wanted_histories = 0;  // wanted: of the present goal
+  double seconds = 0, histories_per_s = 0, rays_per_s = 0;
+  double error = 0, wanted_error = 0;  // of the stop rule at the last look; NaN before the first
+};
+
+struct TraceSettings {
+  std::uint64_t seed = 1;
+  std::uint64_t histories = 0;  // upper limit, rounded up to whole blocks
+  unsigned threads = 0;         // 0: all cores
+  double max_seconds = infinity;
+  // Stop rule: relative error of what the user wants, from the table so far; unused when empty. The run stops when it
+  // is below `wanted_error` at two consecutive looks (block counts 64, 91, 128, 181 ...), never at a good-looking
+  // moment.
+  std::function<double(CouplingTable const&)> error;
+  double wanted_error = 0;
+  std::function<void(TraceProgress const&)> progress;
+  std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
+  SumTree resume;                           // blocks done before
+};
+
+TraceResult trace(World const&, TraceSettings const&, Backend const&);
+
+// Block counts at which stop rules are looked at: 64, 91, 128, 181, ...
+std::uint64_t next_look(std::uint64_t blocks);
+
+}  // namespace straytrace

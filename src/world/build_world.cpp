@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+
+void read_trace_limits(Scene const& scene, World& world) {
+  Node const t = scene.table("trace");
+  if (!t) return;
+  world.limits.max_order = std::uint32_t(t.number("order_limit", dim::plain, world.limits.max_order, 1, 1e6));
+  world.limits.roulette_below = t.number("roulette_below", dim::plain, world.limits.roulette_below, 0, 1);
+  world.limits.route_vertices =
+      std::uint32_t(t.number("route_vertices", dim::plain, world.limits.route_vertices, 2, 8));
+  world.reverse_routes = t.flag("reverse_routes", true);
+  static constexpr std::string_view structures[] = {"axial", "none"};
+  world.limits.brute_force = t.choice("structure", structures, "axial") == "none";
+}
+
+World build_world(Scene const& scene) {
+  World world;
+  Registry names;
+  read_materials(scene, world, names);
+  read_bodies(scene, world, names);
+  read_surfaces(scene, world, names);
+  world.settle_pivots();
+  read_beams(scene, world, names);
+  read_trace_limits(scene, world);
+  world.finish();
+  return world;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Beams of the interferometer -> lit surfaces. Modes of cavities are computed, not typed (physics.md eq. 6.3).
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "base/message.hpp"
+#include "beams/cavity_mode.hpp"
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+SurfaceId find_surface(Node const& node, Registry const& names) {
+  std::string const name = node.as_word();
+  auto const found = names.surfaces.find(name);
+  if (found != names.surfaces.end()) return found->second;
+  std::vector<std::string> known;
+  for (auto const& [n, id] : names.surfaces) known.push_back(n);
+  std::string const near = nearest_word(name, known);
+  node.problem(fmt::format("'{}' is not a surface of the scene", name),
+               near.empty() ? "name an entry of 'scene'" : fmt::format("did you mean '{}'?", near));
+  return {};
+}
+
+struct Mirror {
+  SurfaceId id;
+  Vec3 vertex, axis;
+  double curvature = 0, radius = 0;
+};
+
+// A cap or disk can be a cavity mirror.
+bool read_mirror(Node const& node, Registry const& names, World const& world, Mirror& mirror) {
+  mirror.id = find_surface(node, names);
+  if (!mirror.id.valid()) return false;
+  return world.view().shapes.visit(world.surfaces()[mirror.id.value].shape, [&](auto const& s) {
+    using Shape = std::decay_t<decltype(s)>;
+    if constexpr (std::is_same_v<Shape, Cap> || std::is_same_v<Shape, Disk>) {
+      mirror.vertex = s.reference();
+      mirror.axis = s.axis;
+      mirror.radius = s.outer_radius;
+      if constexpr (std::is_same_v<Shape, Cap>) mirror.curvature = s.curvature;
+      return true;
+    }
+    node.problem(fmt::format("a {} cannot be a mirror of a cavity", Shape::key), "use shape 'cap' or 'disk'");
+    return false;
+  });
+}
+
+Footprint cavity_spot(Mirror const& m, double w, std::uint32_t beam) {
+  Footprint f;
+  f.surface = m.id;
+  f.centre = m.vertex;
+  f.travel = -m.axis;
+  f.radius = w;
+  f.curvature = m.curvature;  // the wavefront fits the mirror; arriving there it diverges
+  f.beam = beam;
+  f.standing = true;
+  f.receives = false;
+  return f;
+}
+
+void read_cavity(std::string const& name, Node const& beam, Node const& cavity, Registry const& names, World& world,
+                 std::uint32_t number) {
+  auto const mirrors = cavity.as_list();
+  Mirror one, two;
+  if (mirrors.size() != 2) {
+    cavity.problem("a cavity has two mirrors here", "write for example cavity: [ITM, ETM]");
+    return;
+  }
+  bool const found = read_mirror(mirrors[0], names, world, one);
+  if (!read_mirror(mirrors[1], names, world, two) || !found) return;
+  Vec3 const span = two.vertex - one.vertex;
+  double const distance = length(span);
+  double const miss = std::fmax(length(cross(span, one.axis)), length(cross(span, two.axis)));
+  if (!(distance > 0) || miss > 1e-9 * distance || dot(span, one.axis) < 0 || dot(span, two.axis) > 0) {
+    cavity.problem(fmt::format("the mirrors of '{}' do not face each other", name),
+                   "set 'at' and 'facing' so that each axis points at the other mirror's vertex");
+    return;
+  }
+  try {
+    CavityMode const mode = cavity_mode(distance, 1 / one.curvature, 1 / two.curvature, world.wavelength);
+    world.add_footprint(cavity_spot(one, mode.w1, number));
+    world.add_footprint(cavity_spot(two, mode.w2, number));
+    world.notes.push_back(fmt::format(
+        "beam {}: cavity of {:.6g} m, radius {:.4g} mm and {:.4g} mm on the mirrors, waist {:.4g} mm; light beyond the "
+        "clear apertures: {:.3g} and {:.3g} (eq. 5.5)",
+        name, distance, 1e3 * mode.w1, 1e3 * mode.w2, 1e3 * mode.waist, clipped_share(one.radius, mode.w1),
+        clipped_share(two.radius, mode.w2)));
+    for (auto const& [m, w] : {std::pair{&one, mode.w1}, std::pair{&two, mode.w2}})
+      if (clipped_share(m->radius, w) > 1e-3)
+        beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside a mirror of radius {:g} m",
+                                 clipped_share(m->radius, w), name, m->radius),
+                     "enlarge the mirror or change the curvatures");
+  } catch (NumericalError const& e) {
+    cavity.problem(e.what(), "change the mirror curvatures or the length");
+    return;
+  }
+  WorldView const view = world.view();
+  Ray const chief{one.vertex, (1 / distance) * span, distance * (1 - 1e-9)};
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
+    if (id != one.id.value && id != two.id.value && view.shapes.visit(world.surfaces()[id].shape, [&](auto const& s) {
+          return s.distance(chief, false);
+        }) < infinity) {
+      beam.problem(fmt::format("'{}' stands in the beam '{}'", world.groups()[world.surfaces()[id].group.value], name),
+                   "give it a hole or move it");
+      return;
+    }
+}
+
+void read_spot(Node const& beam, Registry const& names, World& world, std::uint32_t number) {
+  static constexpr std::array<std::string_view, 3> profiles = {"gaussian", "even", "point"};
+  Footprint f;
+  f.surface = find_surface(beam["on"], names);
+  std::string const profile = beam.choice("profile", profiles, "gaussian");
+  f.profile = profile == "even" ? Profile::even : profile == "point" ? Profile::point : Profile::gaussian;
+  f.radius = f.profile == Profile::point ? 0 : beam.number("radius", dim::length, required, 1e-6, 10);
+  Vec3 const travel = beam.has("travel") ? read_vector(beam["travel"], dim::plain) : Vec3{0, 0, -1};
+  f.travel = length(travel) > 0 ? unit(travel) : Vec3{0, 0, -1};
+  f.curvature = beam.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3);
+  f.share = beam.number("share", dim::plain, 1, 0, 1);
+  f.emits = beam.flag("emits", true);
+  f.beam = number;
+  f.receives = false;
+  if (!f.surface.valid()) return;
+  f.centre = beam.has("centre") ? read_vector(beam["centre"], dim::length)
+                                : world.view().shapes.visit(world.surfaces()[f.surface.value].shape,
+                                                            [](auto const& s) { return s.reference(); });
+  world.add_footprint(f);
+}
+
+void read_ports(Scene const& scene, World& world, Registry const& names, std::vector<std::string> const& beams) {
+  for (auto const& [name, node] : scene.table("ports").items()) {
+    std::string const beam = node.word("beam");
+    std::uint32_t number = WorldView::none;
+    for (std::uint32_t i = 0; i < beams.size(); ++i)
+      if (beams[i] == beam) number = i;
+    if (number == WorldView::none) {
+      std::string const near = nearest_word(beam, beams);
+      node.problem(fmt::format("beam '{}' is not defined", beam),
+                   near.empty() ? "name one of 'beams'" : fmt::format("did you mean '{}'?", near));
+    }
+    SurfaceId const at = find_surface(node["at"], names);
+    node.refuse_unknown(fmt::format("port '{}'", name));
+    if (number == WorldView::none || !at.valid()) continue;
+    if (!world.open_port(at, number, name))
+      node.problem(fmt::format("beam '{}' does not light '{}'", beam, node.word("at")),
+                   "ports lie where their beam meets a surface");
+  }
+}
+
+}  // namespace
+
+void read_beams(Scene const& scene, World& world, Registry const& names) {
+  std::vector<std::string> beams;
+  bool first = true;
+  for (auto const& [name, node] : scene.table("beams").items()) {
+    double const wavelength = node.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
+    if (!first && wavelength != world.wavelength)
+      node.problem("all beams of a scene share one wavelength", "trace other wavelengths in scenes of their own");
+    world.wavelength = wavelength;
+    first = false;
+    auto const number = std::uint32_t(beams.size());
+    beams.push_back(name);
+    node.has("power");
+    if (Node const cavity = node["cavity"])
+      read_cavity(name, node, cavity, names, world, number);
+    else if (node.has("on"))
+      read_spot(node, names, world, number);
+    else
+      node.problem(fmt::format("beam '{}' lights nothing", name), "give 'cavity: [MIRROR, MIRROR]' or 'on: SURFACE'");
+    node.refuse_unknown(fmt::format("beam '{}'", name));
+  }
+  read_ports(scene, world, names, beams);
+  if (beams.empty())
+    scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
+  else if (world.ports().empty())
+    scene.root().problem("there is no port where light could rejoin", "add 'ports: {ITM: {beam: arm, at: ITM}}'");
+}
+
+}  // namespace straytrace

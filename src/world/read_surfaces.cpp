@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "geometry/keys.hpp"
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+
+Vec3 read_vector(Node const& list, Dimension dimension) {
+  auto const v = list.as_numbers(dimension, 3);
+  return v.size() == 3 ? Vec3{v[0], v[1], v[2]} : Vec3{not_a_number, not_a_number, not_a_number};
+}
+
+Pose nested(Pose const& outer, Pose const& inner) {
+  return {outer.point(inner.origin), outer.direction(inner.e1), outer.direction(inner.e2), outer.direction(inner.e3)};
+}
+
+namespace {
+
+// Turns by `angle` about the unit vector `axis` (Rodrigues).
+Vec3 turned(Vec3 v, Vec3 axis, double cosine, double sine) {
+  return cosine * v + sine * cross(axis, v) + ((1 - cosine) * dot(axis, v)) * axis;
+}
+
+Pose rotated(Vec3 origin, Vec3 axis, double cosine, double sine) {
+  return {origin, turned({1, 0, 0}, axis, cosine, sine), turned({0, 1, 0}, axis, cosine, sine),
+          turned({0, 0, 1}, axis, cosine, sine)};
+}
+
+// The smallest turn that takes z to `to`; half a turn about x for -z (requirements.md R3.21).
+Pose facing(Vec3 origin, Vec3 to) {
+  Vec3 const across = cross({0, 0, 1}, to);
+  double const sine = length(across);
+  if (sine == 0) return {origin, {1, 0, 0}, {0, std::copysign(1.0, to.z), 0}, {0, 0, std::copysign(1.0, to.z)}};
+  return rotated(origin, (1 / sine) * across, to.z, sine);
+}
+
+}  // namespace
+
+Pose read_pose(Node const& table) {
+  Pose pose;
+  if (Node const at = table["at"]) pose.origin = read_vector(at, dim::length);
+  Node const face = table["facing"], rotate = table["rotate"];
+  if (face && rotate) table.problem("'facing' and 'rotate' both turn the part", "keep one of them");
+  if (face) {
+    Vec3 const to = read_vector(face, dim::plain);
+    if (!(length(to) > 0))
+      face.problem("a direction of length zero", "write for example [0, 0, 1]");
+    else
+      return facing(pose.origin, unit(to));
+  }
+  if (rotate) {
+    Vec3 const axis = read_vector(rotate["axis"], dim::plain);
+    double const angle = rotate.number("angle", dim::angle, required, -2 * pi, 2 * pi);
+    rotate.refuse_unknown("'rotate'");
+    if (length(axis) > 0) return rotated(pose.origin, unit(axis), std::cos(angle), std::sin(angle));
+  }
+  return pose;
+}
+
+namespace {
+
+// Reads one shape from its table and adds the surface.
+template <class Shape>
+SurfaceId add_shape(Node const& keys, Pose const& pose, std::uint32_t front, std::uint32_t back, BodyId body,
+                    GroupId group, World& world) {
+  Shape shape;
+  read_keys(keys, keys_of<Shape>(), shape);
+  keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
+  auto const complaint = impossible(shape);
+  if (!complaint.what.empty()) keys.problem(complaint.what, complaint.suggestion);
+  shape.place(pose.origin, pose.e3);
+  return world.add_surface(shape, front, back, body, group);
+}
+
+using Adder = SurfaceId (*)(Node const&, Pose const&, std::uint32_t, std::uint32_t, BodyId, GroupId, World&);
+
+template <std::size_t... I>
+SurfaceId add_by_name(Node const& shape, Pose const& pose, std::uint32_t front, std::uint32_t back, BodyId body,
+                      GroupId group, World& world, std::index_sequence<I...>) {
+  static constexpr std::string_view names[] = {std::tuple_element_t<I, ShapeTypes>::key...};
+  static constexpr Adder adders[] = {add_shape<std::tuple_element_t<I, ShapeTypes>>...};
+  auto const items = shape.items();
+  for (auto const& [name, keys] : items)
+    for (std::size_t i = 0; i < sizeof...(I); ++i)
+      if (items.size() == 1 && name == names[i]) return adders[i](keys, pose, front, back, body, group, world);
+  std::string const given = items.size() == 1 ? items[0].first : "";
+  std::vector<std::string> const known(std::begin(names), std::end(names));
+  std::string const near = nearest_word(given, known);
+  shape.problem(
+      given.empty() ? "a shape is a table with one name" : fmt::format("unknown shape '{}'", given),
+      near.empty() ? fmt::format("known shapes: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
+  return {};
+}
+
+// A value given at the face, otherwise at the placed entry.
+Node given(Scene::Instance const& instance, std::string_view key) {
+  Node const at_face = instance.node[key], at_entry = instance.placement[key];
+  return at_face ? at_face : at_entry;
+}
+
+template <class Map>
+auto find_named(Node const& node, Map const& map, std::string_view what) -> typename Map::mapped_type {
+  std::vector<std::string> known;
+  for (auto const& [name, value] : map) known.push_back(name);
+  std::string const all = known.empty() ? "none is defined" : fmt::format("defined: {}", fmt::join(known, ", "));
+  if (!node) return {};
+  std::string const name = node.as_word();
+  auto const found = map.find(name);
+  if (found != map.end()) return found->second;
+  std::string const near = nearest_word(name, known);
+  node.problem(fmt::format("{} '{}' is not defined", what, name),
+               near.empty() ? all : fmt::format("did you mean '{}'?", near));
+  return {};
+}
+
+void add_instance(Scene::Instance const& instance, World& world, Registry& names, std::set<std::string>& complained) {
+  Pose pose;
+  if (instance.repeat_axis >= 0) (&pose.origin.x)[instance.repeat_axis] = instance.offset;
+  for (Node const& frame : instance.frames) pose = nested(pose, read_pose(frame));
+  Node const shape = given(instance, "shape"), material = given(instance, "material"), body = given(instance, "body");
+  Node const side_node = given(instance, "side");
+  bool const first_time = complained.insert(instance.group).second;
+  auto const demand = [&](Node const& node, std::string const& key, std::string const& example) {
+    if (!node && first_time)
+      instance.placement.problem(fmt::format("'{}' has no '{}'", instance.group, key),
+                                 fmt::format("write {}", example));
+  };
+  demand(shape, "shape", "shape: {disk: {outer_radius: 10 cm}}");
+  demand(material, "material", "material: NAME, one of 'materials'");
+  demand(body, "body", "body: NAME, one of 'bodies': what it moves with");
+  std::uint32_t const optic = find_named(material, names.materials, "material");
+  BodyId const body_id = find_named(body, names.bodies, "body");
+  static constexpr std::array<std::string_view, 5> sides = {"both", "front", "back", "outer", "inner"};
+  Node const& owner = instance.node.has("side") ? instance.node : instance.placement;
+  std::string const side = side_node ? owner.choice("side", sides) : "both";
+  std::uint32_t const front = side == "back" || side == "inner" ? names.black : optic;
+  std::uint32_t const back = side == "front" || side == "outer" ? names.black : optic;
+  if (!shape) return;
+  SurfaceId const id = add_by_name(shape, pose, front, back, body_id, world.add_group(instance.group), world,
+                                   std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
+  if (!id.valid()) return;
+  names.surfaces[instance.name] = id;
+  names.surfaces.try_emplace(instance.group, id);
+}
+
+}  // namespace
+
+void read_bodies(Scene const& scene, World& world, Registry& names) {
+  for (auto const& [name, node] : scene.table("bodies").items()) {
+    Vec3 pivot{not_a_number, not_a_number, not_a_number};  // where its first surface stands, unless given
+    if (node.kind() == Node::Kind::table)
+      if (Node const p = node["pivot"]) pivot = read_vector(p, dim::length);
+    names.bodies[name] = world.add_body(name, pivot);
+  }
+}
+
+void read_surfaces(Scene const& scene, World& world, Registry& names) {
+  std::set<std::string> complained;
+  for (Scene::Instance const& instance : scene.instances()) {
+    add_instance(instance, world, names, complained);
+    if (complained.insert("keys of " + instance.group).second) {
+      instance.node.refuse_unknown(fmt::format("'{}'", instance.group));
+      instance.placement.refuse_unknown(fmt::format("scene entry '{}'", instance.group));
+    }
+  }
+}
+
+}  // namespace straytrace

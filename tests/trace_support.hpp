@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small worlds built by hand, and estimates read from their traces.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "statistics.hpp"
+#include "trace/trace.hpp"
+
+namespace straytrace::testing {
+
+inline std::uint32_t lambertian_optic(World& world, double reflectance) {
+  Optic optic;
+  optic.laws = 1;
+  optic.law[0] = world.add_law(Lambertian{reflectance});
+  return world.add_optic(optic);
+}
+inline std::uint32_t power_law_optic(World& world, double kappa, double exponent, double above, double reflect = 0) {
+  PowerLaw law{kappa, exponent, above, {}};
+  law.prepare();
+  Optic optic;
+  optic.reflect = reflect;
+  optic.laws = 1;
+  optic.law[0] = world.add_law(law);
+  return world.add_optic(optic);
+}
+inline std::uint32_t mirror_optic(World& world, double reflect) {
+  Optic optic;
+  optic.reflect = reflect;
+  return world.add_optic(optic);
+}
+inline std::uint32_t black_optic(World& world) { return world.add_optic({}); }
+
+// A lit spot on a surface; the chief ray arrives along `travel`.
+inline Footprint spot(SurfaceId surface, Vec3 centre, Vec3 travel, Profile profile, double radius, PortId port = {},
+                      std::uint32_t beam = 0) {
+  Footprint f;
+  f.surface = surface;
+  f.centre = centre;
+  f.travel = travel;
+  f.profile = profile;
+  f.radius = radius;
+  f.port = port;
+  f.beam = beam;
+  f.receives = port.valid();
+  return f;
+}
+
+inline TraceResult run_histories(World const& world, std::uint64_t histories, std::uint64_t seed = 1,
+                                 unsigned threads = 2) {
+  TraceSettings settings;
+  settings.seed = seed;
+  settings.histories = histories;
+  settings.threads = threads;
+  return trace(world, settings, *make_backend("cpu"));
+}
+
+inline SampleMean sample_mean(Estimate const& e, std::uint64_t n, double scale = 1) {
+  return {e.mean * scale, e.std_error * scale, (long long)n};
+}
+// Power arriving on a group, relative to what was emitted per history (all histories emit the same in these worlds).
+inline SampleMean arrived(World& world, TraceResult const& r, std::string const& group) {
+  Estimate const e = estimate(r.total.arrived[world.add_group(group).value], r.total.histories, r.total.blocks);
+  double const emitted = r.total.emitted.sum / double(r.total.histories);
+  return sample_mean(e, (long long)r.total.histories, 1 / emitted);
+}
+// Sum over all routes into all ports, ordered paths.
+inline SampleMean total_coupling(TraceResult const& r) {
+  double mean = 0, variance = 0;
+  for (CouplingClass const& c : r.coupling.classes) {
+    mean += c.coupling.mean;
+    variance += c.coupling.std_error * c.coupling.std_error;
+  }
+  return {mean, std::sqrt(variance), (long long)r.total.histories};
+}
+
+}  // namespace straytrace::testing

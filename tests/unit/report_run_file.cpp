@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Run files: what was written comes back bit by bit, and nothing else is accepted.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <H5Cpp.h>
+#include <csignal>
+#include <cstring>
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "base/message.hpp"
+#include "report/hdf5_io.hpp"
+#include "report/seal.hpp"
+#include "unit/report_synthetic.hpp"
+
+namespace straytrace::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string message_of(std::function<void()> const& action) {
+  try {
+    action();
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return same_bits(x, y); });
+}
+
+bool same(Moments const& a, Moments const& b) {
+  return same_bits(a.sum, b.sum) && same_bits(a.sum2, b.sum2) && same_bits(a.sum3, b.sum3) &&
+         same_bits(a.sum4, b.sum4) && same_bits(a.block_sum2, b.block_sum2) && same_bits(a.largest, b.largest) &&
+         a.largest_history == b.largest_history && a.scored == b.scored;
+}
+
+bool same(ClassSums const& a, ClassSums const& b) {
+  bool equal = a.port == b.port && same(a.moments, b.moments) && a.replica_sum == b.replica_sum &&
+               same_bits(a.threshold, b.threshold) && a.kept.size() == b.kept.size();
+  for (std::size_t i = 0; equal && i < a.kept.size(); ++i)
+    equal = a.kept[i].history == b.kept[i].history && a.kept[i].event == b.kept[i].event &&
+            a.kept[i].connection == b.kept[i].connection && same_bits(a.kept[i].coupling, b.kept[i].coupling) &&
+            same_bits(a.kept[i].priority, b.kept[i].priority);
+  return equal;
+}
+
+bool same(BlockSums const& a, BlockSums const& b) {
+  bool equal = a.histories == b.histories && a.blocks == b.blocks && a.bounces == b.bounces && a.rays == b.rays &&
+               a.lost == b.lost && same(a.emitted, b.emitted) && a.arrived.size() == b.arrived.size() &&
+               a.classes.size() == b.classes.size();
+  for (std::size_t i = 0; i < fate_count; ++i) equal = equal && same(a.ledger[i], b.ledger[i]);
+  for (std::size_t i = 0; equal && i < a.arrived.size(); ++i) equal = same(a.arrived[i], b.arrived[i]);
+  for (auto const& [hash, sums] : a.classes)
+    equal = equal && b.classes.contains(hash) && same(sums, b.classes.at(hash));
+  return equal;
+}
+
+bool same(SumTree const& a, SumTree const& b) {
+  bool equal = a.nodes().size() == b.nodes().size();
+  for (auto const& [place, node] : a.nodes())
+    equal = equal && b.nodes().contains(place) && same(node, b.nodes().at(place));
+  return equal;
+}
+
+bool same(PathRecord const& a, PathRecord const& b) {
+  bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
+               same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
+               same_bits(a.path_length, b.path_length) && a.levers.size() == b.levers.size();
+  for (std::size_t i = 0; equal && i < a.levers.size(); ++i)
+    equal =
+        a.levers[i].body == b.levers[i].body && std::memcmp(a.levers[i].d, b.levers[i].d, sizeof a.levers[i].d) == 0;
+  return equal;
+}
+
+bool same(CouplingClass const& a, CouplingClass const& b) {
+  bool equal = a.hash == b.hash && a.port == b.port && a.steps == b.steps && same_bits(a.reverse, b.reverse) &&
+               same_bits(a.coupling.mean, b.coupling.mean) && same_bits(a.coupling.std_error, b.coupling.std_error) &&
+               same_bits(a.coupling.variance_of_variance, b.coupling.variance_of_variance) &&
+               same_bits(a.coupling.largest_share, b.coupling.largest_share) &&
+               same_bits(a.coupling.effective_scores, b.coupling.effective_scores) &&
+               a.coupling.scored == b.coupling.scored && a.coupling.trusted == b.coupling.trusted &&
+               a.coupling.why_not == b.coupling.why_not && a.replica_sum == b.replica_sum &&
+               a.records.size() == b.records.size();
+  for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
+  return equal;
+}
+
+bool same(CouplingTable const& a, CouplingTable const& b) {
+  bool equal = a.groups == b.groups && a.bodies == b.bodies && a.ports == b.ports && a.histories == b.histories &&
+               a.seed == b.seed && same_bits(a.wavelength, b.wavelength) && a.reverse_routes == b.reverse_routes &&
+               a.replica_histories == b.replica_histories && a.classes.size() == b.classes.size();
+  for (std::size_t i = 0; equal && i < a.classes.size(); ++i) equal = same(a.classes[i], b.classes[i]);
+  return equal;
+}
+
+bool same(NoiseTrace const& a, NoiseTrace const& b) {
+  return a.name == b.name && a.hash == b.hash && same_bits(a.asd, b.asd) && same_bits(a.sigma, b.sigma) &&
+         same_bits(a.phase_asd, b.phase_asd) && same_bits(a.amplitude_asd, b.amplitude_asd) &&
+         same_bits(a.mean_square_phase, b.mean_square_phase) && a.resolved == b.resolved && a.why_not == b.why_not;
+}
+
+bool same(NoiseBudget const& a, NoiseBudget const& b) {
+  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && a.routes.size() == b.routes.size() &&
+               a.unresolved == b.unresolved && same_bits(a.unresolved_hint, b.unresolved_hint) &&
+               a.design.size() == b.design.size() && same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
+  for (std::size_t i = 0; equal && i < a.routes.size(); ++i) equal = same(a.routes[i], b.routes[i]);
+  for (std::size_t i = 0; equal && i < a.design.size(); ++i)
+    equal = a.design[i].name == b.design[i].name && same_bits(a.design[i].asd, b.design[i].asd);
+  return equal;
+}
+
+class ReportRunFile : public ::testing::Test {
+ protected:
+  std::string written(std::string const& name = "run.h5") {
+    write_run(folder / name, content(trace, &noise));
+    return folder / name;
+  }
+  Folder folder;
+  TraceResult trace = trace_result();
+  NoiseBudget noise = noise_budget(trace.coupling);
+};
+
+TEST_F(ReportRunFile, ComesBackBitByBit) {
+  trace.coupling.classes[0].records[3].levers[0].d[4] = -0.0;
+  noise.design[0].asd[5] = not_a_number;
+  RunFile const back = read_run(written());
+  EXPECT_TRUE(same(trace.coupling, back.trace.coupling));
+  EXPECT_TRUE(same(trace.total, back.trace.total));
+  EXPECT_TRUE(same(noise, *back.noise));
+  EXPECT_TRUE(back.complete);
+  RunContent const was = content(trace, &noise);
+  EXPECT_EQ(back.about.files, was.files);
+  EXPECT_EQ(back.about.main_file, "arm.yaml");
+  EXPECT_EQ(back.about.overrides, was.overrides);
+  EXPECT_EQ(back.about.resolved, was.resolved);
+  EXPECT_EQ(back.about.model_hash, was.model_hash);
+  EXPECT_EQ(back.about.interferometer, was.interferometer);
+  EXPECT_EQ(back.about.provenance.build_flags, "g++ 12 -O3");
+  EXPECT_EQ(back.about.timing, was.timing);
+  EXPECT_EQ(back.about.warnings, was.warnings);
+  EXPECT_EQ(back.trace.warnings, trace.warnings);
+  EXPECT_EQ(back.trace.seconds, 12.5);
+}
+
+// The comparison itself sees one changed last bit, and -0 where 0 was.
+TEST_F(ReportRunFile, ComparisonSeesOneBit) {
+  CouplingTable other = trace.coupling;
+  double& lever = other.classes[2].records[7].levers[1].d[5];
+  lever = -lever;
+  EXPECT_FALSE(same(trace.coupling, other));
+  NoiseBudget louder = noise;
+  louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
+  EXPECT_FALSE(same(noise, louder));
+}
+
+TEST_F(ReportRunFile, ResumesToTheSameBits) {
+  RunFile half;
+  TraceResult first;
+  for (std::uint64_t i = 0; i < 20; ++i) first.tree.add(0, i, block(i));
+  first.total = first.tree.total();
+  first.coupling = coupling_table();
+  first.stopped = Stopped::by_time;
+  write_run(folder / "half.h5", content(first, nullptr));
+  half = read_run(folder / "half.h5");
+  EXPECT_FALSE(half.complete);
+  EXPECT_TRUE(half.trace.checkpointed());
+  EXPECT_FALSE(half.noise.has_value());
+  EXPECT_TRUE(same(first.tree, half.trace.tree));
+  for (std::uint64_t i = 20; i < 37; ++i) half.trace.tree.add(0, i, block(i));
+  EXPECT_TRUE(same(half.trace.tree, trace.tree));
+  EXPECT_TRUE(same(half.trace.tree.total(), trace.total));
+}
+
+TEST_F(ReportRunFile, ResumingWithASkippedBlockDiffers) {
+  SumTree tree;
+  for (std::uint64_t i = 0; i < 36; ++i) tree.add(0, i, block(i));
+  EXPECT_FALSE(same(tree.total(), trace.total));
+}
+
+TEST_F(ReportRunFile, CanBeWrittenAgainFromWhatWasRead) {
+  RunFile const back = read_run(written());
+  write_run(folder / "again.h5", back.content());
+  EXPECT_EQ(read_file(folder / "run.h5"), read_file(folder / "again.h5"));
+}
+
+TEST_F(ReportRunFile, HoldsAnEmptyResult) {
+  TraceResult nothing;
+  NoiseBudget quiet;
+  quiet.grid.edges = {10, 20};
+  quiet.total = {"total", 0, {0}, {0}, {0}, {0}, 0, true, ""};
+  RunContent c = content(nothing, &quiet);
+  c.files.clear();
+  c.overrides.clear();
+  c.warnings.clear();
+  write_run(folder / "empty.h5", c);
+  RunFile const back = read_run(folder / "empty.h5");
+  EXPECT_TRUE(back.trace.coupling.classes.empty());
+  EXPECT_TRUE(back.about.files.empty());
+  EXPECT_EQ(back.noise->total.asd.size(), 1u);
+}
+
+TEST_F(ReportRunFile, EqualContentGivesEqualBytesAndHash) {
+  std::string const one = written("one.h5"), two = written("two.h5");
+  EXPECT_EQ(read_file(one), read_file(two));
+  EXPECT_EQ(data_hash(one), data_hash(two));
+}
+
+TEST_F(ReportRunFile, HashIgnoresOnlyTimeAndTiming) {
+  std::string const before = data_hash(written());
+  RunContent later = content(trace, &noise);
+  later.provenance.created = "2031-01-01T00:00:00Z";
+  later.timing["scene"] = 99;
+  later.timing["extra"] = 1;
+  write_run(folder / "later.h5", later);
+  EXPECT_EQ(data_hash(folder / "later.h5"), before);
+  EXPECT_NE(read_file(folder / "later.h5"), read_file(folder / "run.h5"));
+}
+
+TEST_F(ReportRunFile, HashSeesOneChangedBitOrName) {
+  std::string const before = data_hash(written());
+  std::set<std::string> hashes = {before};
+  double& weight = trace.coupling.classes[1].records[2].weight;
+  weight = std::nextafter(weight, 1);
+  hashes.insert(data_hash(written()));
+  trace.coupling.groups[3] = "tubes";
+  hashes.insert(data_hash(written()));
+  noise.margin = 0.2;
+  hashes.insert(data_hash(written()));
+  EXPECT_EQ(hashes.size(), 4u);
+}
+
+TEST_F(ReportRunFile, NoObjectHasATimeStamp) {
+  hdf5::Reader const in(unsealed(read_file(written()), "run.h5"));
+  for (char const* path : {"/", "/classes", "/classes/mean", "/noise/total", "/records/lever", "/input/files/0"}) {
+    H5O_info_t info = {};
+    ASSERT_GE(H5Oget_info_by_name2(in.file().getId(), path, &info, H5O_INFO_TIME, H5P_DEFAULT), 0) << path;
+    EXPECT_EQ(info.mtime, 0) << path;
+    EXPECT_EQ(info.ctime, 0) << path;
+  }
+}
+
+// Every path of schema/run-1.txt stands in the file and the reverse; units agree.
+std::set<std::string> schema_paths() {
+  std::istringstream lines(read_file(std::string(STRAY_SOURCE_DIR) + "/schema/run-1.txt"));
+  std::set<std::string> paths;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("/") && !line.starts_with("@")) continue;
+    std::istringstream words(line);
+    std::string path, type;
+    words >> path >> type;
+    paths.insert(path + " " + type);
+  }
+  return paths;
+}
+
+std::string type_word(H5::DataType const& type) {
+  if (type.getClass() == H5T_STRING) return "text";
+  if (type.getClass() == H5T_FLOAT) return "f64";
+  return "u" + std::to_string(8 * type.getSize());
+}
+
+std::set<std::string> file_paths(H5::Group const& group, std::string const& path) {
+  std::set<std::string> found;
+  for (int i = 0; i < group.getNumAttrs(); ++i) {
+    H5::Attribute const a = group.openAttribute(unsigned(i));
+    if (a.getName() != "meaning") found.insert("@" + path + ":" + a.getName() + " " + type_word(a.getDataType()));
+  }
+  for (hsize_t i = 0; i < group.getNumObjs(); ++i) {
+    std::string const name = group.getObjnameByIdx(i);
+    std::string const full = (path == "/" ? "" : path) + "/" + name;
+    if (group.childObjType(name) == H5O_TYPE_GROUP) {
+      found.insert(full + " group");
+      found.merge(file_paths(group.openGroup(name), full));
+      continue;
+    }
+    H5::DataSet const set = group.openDataSet(name);
+    EXPECT_TRUE(set.attrExists("unit")) << full;
+    found.insert((full.starts_with("/input/files/") ? "/input/files/<n>" : full) + " " + type_word(set.getDataType()));
+  }
+  return found;
+}
+
+TEST_F(ReportRunFile, AgreesWithTheSchemaText) {
+  hdf5::Reader const in(unsealed(read_file(written()), "run.h5"));
+  EXPECT_THAT(file_paths(in.file().openGroup("/"), "/"), ::testing::ContainerEq(schema_paths()));
+}
+
+TEST_F(ReportRunFile, SchemaComparisonSeesAMissingPath) {
+  NoiseBudget const* none = nullptr;
+  write_run(folder / "short.h5", content(trace, none));
+  hdf5::Reader const in(unsealed(read_file(folder / "short.h5"), "short.h5"));
+  EXPECT_NE(file_paths(in.file().openGroup("/"), "/"), schema_paths());
+}
+
+TEST_F(ReportRunFile, RefusesWhatIsNotARun) {
+  write_file(folder / "text.h5", "hello");
+  write_file(folder / "none.h5", "");
+  { H5::H5File const other(folder / "other.h5", H5F_ACC_TRUNC); }
+  EXPECT_THAT(message_of([&] { read_run(folder / "text.h5"); }), HasSubstr("is not a straytrace run file"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "none.h5"); }), HasSubstr("the file is empty"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "other.h5"); }), HasSubstr("HDF5 file of another program"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "missing.h5"); }), HasSubstr("No such file"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "."); }), HasSubstr("directory"));
+}
+
+std::string made(std::string const& kind, std::uint64_t major) {
+  hdf5::Writer out;
+  out.attribute("/", "file_type", kind);
+  out.attribute("/", "schema", std::vector<std::uint64_t>{major, 0});
+  out.attribute("/", "program", "straytrace");
+  out.attribute("/", "version", "9.1");
+  return sealed(out.bytes());
+}
+
+TEST_F(ReportRunFile, RefusesOtherKindsAndNewerSchemas) {
+  write_file(folder / "kind.h5", made("straytrace-scan", 1));
+  write_file(folder / "new.h5", made("straytrace-run", 2));
+  write_file(folder / "bare.h5", made("straytrace-run", 1));
+  EXPECT_THAT(message_of([&] { read_run(folder / "kind.h5"); }), HasSubstr("its type is 'straytrace-scan'"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "new.h5"); }),
+              HasSubstr("format 2.0 and was written by straytrace 9.1"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "bare.h5"); }), HasSubstr("is damaged"));
+}
+
+TEST_F(ReportRunFile, RefusesTruncatedAndChangedFiles) {
+  std::string const good = read_file(written());
+  for (std::size_t const length :
+       {std::size_t{10}, std::size_t{100}, std::size_t{512}, good.size() / 2, good.size() - 1}) {
+    write_file(folder / "cut.h5", good.substr(0, length));
+    EXPECT_THAT(message_of([&] { read_run(folder / "cut.h5"); }),
+                HasSubstr(length > 21 ? "damaged" : "not a straytrace"));
+  }
+  for (std::size_t place = 3; place < good.size(); place += good.size() / 23) {
+    std::string bad = good;
+    bad[place] = char(bad[place] ^ 4);
+    write_file(folder / "bad.h5", bad);
+    std::string const message = message_of([&] { read_run(folder / "bad.h5"); });
+    // Behind the line of the checksum the first block is empty and has no meaning.
+    bool const padding = place > 110 && place < 512;
+    EXPECT_EQ(message == "no error", padding) << place << message;
+  }
+}
+
+TEST_F(ReportRunFile, LeavesNothingBehindWhenItCannotWrite) {
+  EXPECT_THAT(message_of([&] { write_run(folder / "missing/run.h5", content(trace, &noise)); }),
+              HasSubstr("cannot write"));
+  std::filesystem::create_directory(folder / "taken");
+  EXPECT_THAT(message_of([&] { write_run(folder / "taken", content(trace, &noise)); }), HasSubstr("cannot write"));
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+// A full disk, played by a limit on the size of files: the old file stays, no part of the new one.
+TEST_F(ReportRunFile, KeepsTheOldFileWhenTheDiskIsFull) {
+  std::string const old = read_file(written());
+  rlimit before = {};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  auto const handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit const small = {4096, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  std::string const message = message_of([&] { write_run(folder / "run.h5", content(trace, nullptr)); });
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(message, HasSubstr("cannot write"));
+  EXPECT_EQ(read_file(folder / "run.h5"), old);
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST_F(ReportRunFile, HoldsNoPathsOfThisMachine) {
+  std::string const bytes = read_file(written());
+  EXPECT_EQ(bytes.find(folder / ""), std::string::npos);
+  EXPECT_EQ(bytes.find("/tmp"), std::string::npos);
+  EXPECT_EQ(bytes.find("/home"), std::string::npos);
+}
+
+TEST(ReportHash, IsThePublishedOne) {
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2
+  EXPECT_NE(sha256("abd"), sha256("abc"));
+}
+
+TEST(ReportHash, ModelHashKeepsTextsApart) {
+  EXPECT_NE(model_hash(std::vector<std::string>{"ab", "c"}), model_hash(std::vector<std::string>{"a", "bc"}));
+  EXPECT_EQ(model_hash(std::vector<std::string>{"ab", "c"}), model_hash(std::vector<std::string>{"ab", "c"}));
+}
+
+}  // namespace
+}  // namespace straytrace::test

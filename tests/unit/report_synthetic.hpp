@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A made-up run with plausible numbers: five resolved routes, one unresolved, one `other`, 37 blocks in three nodes.
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+
+#include "report/report.hpp"
+
+namespace straytrace::test {
+
+// A folder of its own, removed at the end.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "straytrace-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  Folder(Folder const&) = delete;
+  Folder& operator=(Folder const&) = delete;
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string operator/(std::string const& file) const { return (path_ / file).string(); }
+  std::size_t files() const {
+    return std::size_t(
+        std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+constexpr std::size_t route_count = 7, bin_count = 120;
+
+// A number in (0, 1) that is different for each argument.
+inline double spread(std::size_t i) { return std::fmod(0.5 + 0.6180339887498949 * double(i + 1), 1.0); }
+
+inline BlockSums block(std::uint64_t index) {
+  BlockSums b;
+  b.histories = block_size;
+  b.blocks = 1;
+  b.bounces = 3 * block_size + index;
+  b.rays = 9 * block_size;
+  b.arrived.resize(4);
+  for (std::size_t k = 0; k < 8; ++k) {
+    std::uint64_t const history = index * block_size + k;
+    double const x = spread(history);
+    b.emitted.add(1, history);
+    double const shares[fate_count] = {0.61, 0.35 + 1e-3 * (x - 0.5), 0.04 - 1e-3 * (x - 0.5), 0, 0};
+    for (std::size_t f = 0; f < fate_count; ++f) b.ledger[f].add(shares[f], history);
+    for (std::size_t g = 0; g < 3; ++g) b.arrived[g].add(0.1 * double(g + 1) * x, history);
+  }
+  for (std::size_t c = 0; c < route_count; ++c) {
+    ClassSums& sums = b.classes[1000 + c];
+    std::uint64_t const history = index * block_size + c;
+    double const coupling = 1e-20 * spread(history + c);
+    sums.moments.add(coupling, history);
+    sums.moments.block_sum2 = coupling * coupling;
+    sums.replica_sum[index % replica_count] += coupling;
+    sums.kept.push_back({history, 2, 1, coupling, coupling / spread(history + 7)});
+  }
+  return b;
+}
+
+inline PathRecord record(std::size_t c, std::size_t k) {
+  PathRecord r;
+  r.history = 100 * c + k;
+  r.event = std::uint32_t(k % 3);
+  r.connection = 1;
+  r.coupling = 1e-20 * spread(k);
+  r.weight = 1e-22 * (1 + spread(k + c));
+  r.path_length = 200.0 * double(c + 1) + 3 * spread(k);
+  r.levers.push_back({{0}, {1e5 * spread(k), 2e5 * spread(k + 1), 1.18e7, 0, 3, 4}});
+  if (c % 2 == 0) r.levers.push_back({{1}, {1e4, 2e4, -1.18e7 * spread(k), 1, 2, 0}});
+  return r;
+}
+
+inline CouplingTable coupling_table() {
+  CouplingTable t;
+  t.groups = {"ITM", "baffles", "ETM", "tube"};
+  t.bodies = {"tube", "ITM"};
+  t.ports = {"arm"};
+  t.histories = 37 * block_size;
+  t.seed = 7;
+  t.wavelength = 1064e-9;
+  t.replica_histories.fill(4736);
+  for (std::size_t c = 0; c < route_count; ++c) {
+    CouplingClass k;
+    k.hash = 1000 + c;
+    k.port = {0};
+    if (c + 1 < route_count)
+      k.steps = {{{0}, Event::scatter},
+                 {{std::uint32_t(1 + c % 3)}, c % 2 ? Event::reflect : Event::scatter},
+                 {{std::uint32_t(2 * (c / 3))}, Event::scatter}};
+    double const mean = 1.2345e-20 * std::pow(0.35, double(c));
+    k.coupling = {mean, mean * 0.02 * double(c + 1), 0.01, 0.004, 1.2e4, 54321 - c, true, ""};
+    k.reverse = c % 2 ? 2 : 1;
+    k.replica_sum.fill(mean * 4736);
+    for (std::size_t r = 0; r < 20; ++r) k.records.push_back(record(c, r));
+    t.classes.push_back(k);
+  }
+  t.classes[4].coupling.trusted = false;
+  t.classes[4].coupling.why_not = "one history carries 31 % of the sum";
+  return t;
+}
+
+// Fit of the Advanced Virgo design, physics.md eq. 12.1.
+inline double design_asd(double hz) {
+  double const x = std::log(hz / 300);
+  return 1.259e-24 *
+         (0.07 * std::exp(-0.142 - 1.437 * x + 0.407 * x * x) + 3.1 * std::exp(-0.466 - 1.043 * x - 0.548 * x * x) +
+          0.4 * std::exp(-0.304 + 2.896 * x - 0.293 * x * x) + 0.09 * std::exp(1.466 + 3.722 * x - 0.984 * x * x));
+}
+
+inline NoiseTrace noise_trace(std::string const& name, FrequencyGrid const& grid, double size, double slope,
+                              double error) {
+  NoiseTrace t;
+  t.name = name;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    double const f = std::sqrt(grid.edges[i] * grid.edges[i + 1]);
+    double const h = size * std::pow(f / 10, slope) * (1 + 2 / (1 + std::pow((f - 35 * (1 - slope / 9)) / 2, 2)));
+    t.asd.push_back(h);
+    t.sigma.push_back(error * h);
+    t.phase_asd.push_back(0.98 * h);
+    t.amplitude_asd.push_back(std::sqrt(1 - 0.98 * 0.98) * h);
+  }
+  t.mean_square_phase = 0.2 + 0.1 * -slope;
+  return t;
+}
+
+inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24) {
+  NoiseBudget b;
+  for (std::size_t i = 0; i <= bin_count; ++i) b.grid.edges.push_back(5 * std::pow(200.0, double(i) / bin_count));
+  b.total = noise_trace("total", b.grid, 0, -2, 0);
+  for (std::size_t c = 0; c < table.classes.size(); ++c) {
+    NoiseTrace t = noise_trace(route_name(table, table.classes[c]), b.grid, size * std::pow(0.6, double(c)),
+                               -2 - 0.2 * double(c), 0.01 * double(c + 1));
+    t.hash = table.classes[c].hash;
+    t.resolved = table.classes[c].coupling.trusted;
+    t.why_not = table.classes[c].coupling.why_not;
+    if (c == 1) t.mean_square_phase = 9;
+    for (std::size_t i = 0; i < bin_count && t.resolved; ++i) {
+      b.total.sigma[i] =
+          std::hypot(b.total.asd[i] * b.total.sigma[i], t.asd[i] * t.sigma[i]) / std::hypot(b.total.asd[i], t.asd[i]);
+      b.total.asd[i] = std::hypot(b.total.asd[i], t.asd[i]);
+      b.total.phase_asd[i] = 0.98 * b.total.asd[i];
+      b.total.amplitude_asd[i] = std::sqrt(1 - 0.98 * 0.98) * b.total.asd[i];
+    }
+    b.routes.push_back(t);
+  }
+  b.unresolved = {b.routes[4].name + ": " + b.routes[4].why_not};
+  b.unresolved_hint = 0.013;
+  DesignCurve design{"adv-lal", {}};
+  for (std::size_t i = 0; i < bin_count; ++i)
+    design.asd.push_back(design_asd(std::sqrt(b.grid.edges[i] * b.grid.edges[i + 1])));
+  b.design.push_back(design);
+  b.seconds = 0.5;
+  return b;
+}
+
+inline TraceResult trace_result() {
+  TraceResult t;
+  for (std::uint64_t i = 0; i < 37; ++i) t.tree.add(0, i, block(i));
+  t.total = t.tree.total();
+  t.coupling = coupling_table();
+  t.seconds = 12.5;
+  t.warnings = {"4 % of port arm comes from 'flange_17'"};
+  return t;
+}
+
+inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
+  RunContent c;
+  c.files = {{"arm.yaml", "straytrace: 1\nunits: µm\n"}, {"empty.txt", ""}, {"data/steel.csv", "1, 2\r\n3, 4"}};
+  c.main_file = "arm.yaml";
+  c.title = "Arm with baffles, a made-up run";
+  c.overrides = {"aperture=60cm", "n=40"};
+  c.resolved = "straytrace: 1\n";
+  c.model_hash = model_hash(std::vector<std::string>{"arm", "steel"});
+  c.interferometer = "arm cavity, L = 3000 m, F = 450, copies 2";
+  c.warnings = {"steel: measured 10 to 70 deg"};
+  c.provenance = {"straytrace", "0.1.0", "abc1234", "g++ 12 -O3", "2024-05-01T12:00:00Z"};
+  c.timing = {{"scene", 0.25}};
+  c.trace = &trace;
+  c.noise = noise;
+  return c;
+}
+
+inline MotionSet motion() {
+  MotionSet m;
+  m.bodies = {"tube", "ITM"};
+  Spectrum const shake({0.1, 1, 10, 100, 1000}, {1e-12, 1e-14, 1e-18, 1e-22, 1e-26});
+  m.inputs.push_back({"tube z", shake, 0, {{{0}, 2, {1, 0}}}});
+  m.inputs.push_back({"ITM z", shake.scaled(1e-6), 0, {{{1}, 2, {1, 0}}}});
+  return m;
+}
+
+}  // namespace straytrace::test
