@@ -23,10 +23,9 @@ struct Sphere {
     Vec3 const q = o - b * r.dir;  // point nearest the centre
     double const square = radius * radius - length2(q);
     if (square < 0) return infinity;
-    double const far = -(b + std::copysign(std::sqrt(square), b));
-    double const near = (length2(o) - radius * radius) / far;
-    double const first = accept(far < near ? far : near, r);
-    return first < infinity ? first : accept(far < near ? near : far, r);
+    double const half_chord = std::sqrt(square);  // both roots from q: a tangent at the origin has no other
+    double const first = accept(-b - half_chord, r);
+    return first < infinity ? first : accept(-b + half_chord, r);
   }
   STRAY_HD double accept(double t, Ray const& r) const { return t > 0 && t < r.t_max ? t : infinity; }
   STRAY_HD Vec3 normal(Vec3 p) const { return unit(p - centre); }  // outward

@@ -12,14 +12,16 @@ namespace {
 using Strengths = std::vector<std::vector<std::vector<double>>>;  // kappa per coupling class, record, motion class
 using Address = std::vector<int>;                                 // of a cell: rounded logarithm per motion class
 
-constexpr int weak_address = -1000000;
+constexpr int none = -2000000, weak_origin = -1000000;
 
 Address address_of(std::vector<double> const& kappa, std::vector<MotionClass> const& classes, double step) {
   double const weak = PhaseSpectra::weak / static_cast<double>(classes.size());
   Address a;
-  for (std::size_t c = 0; c < classes.size(); ++c)
-    a.push_back(kappa[c] * classes[c].variance() < weak ? weak_address
-                                                        : static_cast<int>(std::floor(std::log(kappa[c]) / step)));
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    bool const is_weak = kappa[c] * classes[c].variance() < weak;
+    double const position = std::log(kappa[c]) / (is_weak ? 2 * step : step);
+    a.push_back(kappa[c] == 0 ? none : static_cast<int>(std::floor(position)) + (is_weak ? weak_origin : 0));
+  }
   return a;
 }
 

@@ -10,9 +10,9 @@
 
 namespace straytrace {
 
-// A cell holds the records whose strengths kappa agree within a step of their logarithm, and is represented by their
-// weighted mean: first order in the spread inside a cell is exact, second order leaves about 2e-4 at a step of 0.1.
-// Strengths that are weak (linear) need no step at all.
+// A cell holds the records whose strengths kappa agree within a step of their logarithm in every motion class (two
+// steps where the class is weak, so that coupling is linear; exactly zero stands apart), and is represented by their
+// weighted mean. First order in the spread inside a cell is exact; second order leaves about 2e-4 at a step of 0.1.
 struct Cells {
   std::vector<std::vector<double>> kappa;      // per cell and motion class
   std::vector<std::vector<std::uint32_t>> of;  // per coupling class and record: its cell

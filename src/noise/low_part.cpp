@@ -92,7 +92,13 @@ double norm2(std::vector<double> const& v) {
   return std::sqrt(sum);
 }
 
-// One transform at n samples; empty when the sampling rate was too low.
+double norm1(std::vector<double> const& v) {
+  double sum = 0;
+  for (double x : v) sum += std::fabs(x);
+  return sum;
+}
+
+// One transform at n samples; false when the sampling rate was too low.
 bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& low) {
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
@@ -104,9 +110,12 @@ bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& l
   Lines lines;
   fft.fwd(lines, c);
   double const step = 1 / (static_cast<double>(n) * spacing);
-  // Rounding of R enters C relative to R(0); of the transform relative to the norm of C; of the constant part directly.
-  double const cancelled = p.tones.empty() ? 0 : unmoved * std::sqrt(static_cast<double>(n));
-  double const floor = 64 * 2.2e-16 * (1 + r0) * (norm2(c) + cancelled) * step;
+  // Rounding of R enters C relative to R(0) and at random, like that of the transform; that of the tones repeats with
+  // their period and adds up; the constant part leaves its own.
+  double rounding = 64 * (1 + r0) * norm2(c), peaks = 0;
+  for (PhaseTone const& t : p.tones) peaks += 1 + t.peak;
+  if (peaks > 0) rounding += 8 * peaks * (norm1(c) + unmoved * std::sqrt(static_cast<double>(n)));
+  double const floor = 2.2e-16 * rounding * step;
   low = {spacing, std::vector<double>(n / 2 + 1), unmoved / 2, n};
   bool clean = true;
   for (std::size_t k = 0; k <= n / 2; ++k) {

@@ -13,6 +13,14 @@ namespace {
 
 bool is_tone(MotionClass const& c) { return c.tone_frequency > 0; }
 
+// Phase power of all Gaussian motion between two frequencies [rad^2].
+double gaussian_power(std::span<MotionClass const> classes, std::span<double const> kappa, double low, double high) {
+  double sum = 0;
+  for (std::size_t c = 0; c < classes.size(); ++c)
+    if (!is_tone(classes[c]) && kappa[c] > 0) sum += kappa[c] * classes[c].reference.power(low, high);
+  return sum;
+}
+
 // Power of the low part in each bin of the grid, its lines taken as wide as their spacing.
 void add_lines(LowPart const& low, FrequencyGrid const& grid, std::span<double> bin_power) {
   std::size_t bin = 0;
@@ -24,33 +32,50 @@ void add_lines(LowPart const& low, FrequencyGrid const& grid, std::span<double> 
   }
 }
 
-// The low part in bins 3 % wide; all that lies within a small part of the first bin of the grid is at f = 0.
-Kernel condensed(LowPart const& low, double nil) {
-  constexpr double ratio = 1.03;
-  Kernel kernel{{0}, {low.constant + low.density[0] * low.spacing / 2}};
-  double end = 0, power = 0, moment = 0;
+// The low part in steps of `width`, each at its centre of power; without what is at f = 0 within half a step.
+Kernel condensed(LowPart const& low, double width) {
+  Kernel kernel;
+  double step = 0, power = 0, moment = 0;
   auto const flush = [&] {
-    if (power > 0) {
+    if (power > 0 && step > 0) {
       kernel.hz.push_back(moment / power);
       kernel.power.push_back(power);
     }
     power = moment = 0;
   };
-  for (std::size_t k = 1; k < low.density.size(); ++k) {
-    double const f = static_cast<double>(k) * low.spacing, p = low.density[k] * low.spacing;
-    if (f < nil) {
-      kernel.power[0] += p;
-      continue;
-    }
-    if (f > end) {
-      flush();
-      end = f * ratio;
-    }
-    power += p;
-    moment += p * f;
+  for (std::size_t k = 0; k < low.density.size(); ++k) {
+    if (low.density[k] == 0) continue;
+    double const f = static_cast<double>(k) * low.spacing, now = std::floor(f / width + 0.5);
+    if (now != step) flush();
+    step = now;
+    power += low.density[k] * low.spacing;
+    moment += low.density[k] * low.spacing * f;
   }
   flush();
   return kernel;
+}
+
+double power_at_zero(LowPart const& low, double width) {
+  double power = low.constant + low.density[0] * low.spacing / 2;
+  for (std::size_t k = 1; k < low.density.size(); ++k) {
+    if (std::floor(static_cast<double>(k) * low.spacing / width + 0.5) > 0) break;
+    power += low.density[k] * low.spacing;
+  }
+  return power;
+}
+
+// The low part as a density that a tone can shift.
+Steps as_steps(LowPart const& low) {
+  Steps steps{{0}, low.density};
+  for (std::size_t k = 0; k < low.density.size(); ++k)
+    steps.edges.push_back((static_cast<double>(k) + 0.5) * low.spacing);
+  return steps;
+}
+
+double total(LowPart const& low) {
+  double sum = low.constant + low.density[0] * low.spacing / 2;
+  for (std::size_t k = 1; k < low.density.size(); ++k) sum += low.density[k] * low.spacing;
+  return sum;
 }
 
 }  // namespace
@@ -60,11 +85,7 @@ struct PhaseSpectra::Slow : SlowPhase {
   std::span<double const> kappa;
 
   double power(double low, double high) const override {
-    double sum = 0;
-    for (std::size_t c = 0; c < classes.size(); ++c)
-      if (!is_tone(classes[c]) && kappa[c] > 0)
-        sum += kappa[c] * classes[c].reference.power(low, std::min(high, highest));
-    return sum;
+    return gaussian_power(classes, kappa, low, std::min(high, highest));
   }
 };
 
@@ -112,15 +133,28 @@ std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
   return edge;
 }
 
-Kernel PhaseSpectra::slow_part(Slow const& slow, std::span<double> bin_power, double& constant) const {
-  if (slow.highest == 0 && slow.tones.empty()) {
-    constant = 0.5;
-    return {{0}, {0.5}};
+LowPart PhaseSpectra::slow_part(Slow const& slow) const {
+  if (slow.highest == 0 && slow.tones.empty()) return {resolution_, {0}, 0.5, 0};  // unmoved light
+  return transform(slow, resolution_);
+}
+
+// Octave by octave: the low part need not be known finer than a fraction of the bins it is moved into.
+void PhaseSpectra::modulate(LowPart const& low, Steps const& fast, std::span<double const> unshifted,
+                            std::span<double> bin_power) const {
+  for (std::size_t first = 0, next = 0; first < grid_.size(); first = next) {
+    double narrowest = grid_.width(first);
+    while (next < grid_.size() && grid_.width(next) < 2 * grid_.width(first) &&
+           grid_.width(next) > 0.5 * grid_.width(first)) {
+      narrowest = std::min(narrowest, grid_.width(next));
+      ++next;
+    }
+    double const step = narrowest / 4;
+    std::span<double const> const edges = std::span(grid_.edges).subspan(first, next - first + 1);
+    std::span<double> const bins = bin_power.subspan(first, next - first);
+    double const at_zero = power_at_zero(low, step);
+    for (std::size_t i = first; i < next; ++i) bin_power[i] += at_zero * unshifted[i];
+    add_sidebands(condensed(low, step), fast, edges, bins);
   }
-  LowPart const low = transform(slow, resolution_);
-  constant = low.constant;
-  add_lines(low, grid_, bin_power);
-  return condensed(low, grid_.width(0) / 20);
 }
 
 Steps PhaseSpectra::fast_part(std::span<double const> kappa, std::size_t from) const {
@@ -154,29 +188,26 @@ PhaseSpectrum PhaseSpectra::operator()(std::span<double const> kappa) const {
   slow.fringe_rate = std::sqrt(rate) / (2 * pi);
 
   PhaseSpectrum out;
-  std::vector<double> power(grid_.size()), moved(grid_.size());
-  Kernel kernel = slow_part(slow, power, out.constant);
-  double slow_total = 0;
-  for (double p : kernel.power) slow_total += p;
+  LowPart const low = slow_part(slow);
+  std::vector<double> power(grid_.size());
+  add_lines(low, grid_, power);
   for (PhaseTone const& t : weak_tones) {
-    constexpr double narrow = 1e-9;
-    double const z2 = t.peak * t.peak / 2, width = 2 * narrow * t.frequency;
-    add_sidebands(kernel, {{t.frequency - width / 2, t.frequency + width / 2}, {z2 / width}}, grid_, moved);
+    double const z2 = t.peak * t.peak / 2;
+    Kernel const line{{t.frequency}, {z2}};
+    add_sidebands(line, as_steps(low), grid_.edges, power);
+    for (std::size_t i = 0; i < grid_.size(); ++i)
+      if (t.frequency >= grid_.edges[i] && t.frequency < grid_.edges[i + 1]) power[i] += low.constant * z2;
     weak_power += z2;
   }
-  // At g = 0 the exact integrals of the spectra; elsewhere their averages in fine bins.
-  for (std::size_t c = 0; c < classes_.size(); ++c)
-    for (std::size_t i = 0; i < grid_.size() && kappa[c] > 0; ++i)
-      moved[i] += kernel.power[0] * kappa[c] *
-                  classes_[c].reference.power(std::max(grid_.edges[i], slow.highest), grid_.edges[i + 1]);
-  kernel.hz.erase(kernel.hz.begin());
-  kernel.power.erase(kernel.power.begin());
-  if (!kernel.hz.empty()) add_sidebands(kernel, fast_part(kappa, edge), grid_, moved);
+  std::vector<double> unshifted(grid_.size());
+  for (std::size_t i = 0; i < grid_.size(); ++i)
+    unshifted[i] = gaussian_power(classes_, kappa, std::max(grid_.edges[i], slow.highest), grid_.edges[i + 1]);
+  modulate(low, fast_part(kappa, edge), unshifted, power);
 
   double const kept = std::exp(-weak_power);
-  for (std::size_t i = 0; i < grid_.size(); ++i) out.psd.push_back(kept * (power[i] + moved[i]) / grid_.width(i));
-  out.constant *= kept;
-  out.total = slow_total * kept * (1 + weak_power);
+  for (std::size_t i = 0; i < grid_.size(); ++i) out.psd.push_back(kept * power[i] / grid_.width(i));
+  out.constant = kept * low.constant;
+  out.total = total(low) * kept * (1 + weak_power);
   out.split = slow.highest;
   if (!(std::fabs(out.total - 0.5) < 0.5e-3))
     throw NumericalError(fmt::format("power of a fringe spectrum is {:.6g}, not 1/2 (physics.md eq. 7.10)", out.total));

@@ -46,8 +46,11 @@ class PhaseSpectra {
  private:
   struct Slow;
   std::size_t split(std::span<double const> kappa) const;  // edge of fine bins
-  Kernel slow_part(Slow const&, std::span<double> bin_power, double& constant) const;
+  LowPart slow_part(Slow const&) const;
   Steps fast_part(std::span<double const> kappa, std::size_t from) const;
+  // `unshifted`: exact power of the fast part in each bin.
+  void modulate(LowPart const&, Steps const& fast, std::span<double const> unshifted,
+                std::span<double> bin_power) const;
 
   std::vector<MotionClass> classes_;
   FrequencyGrid grid_;

@@ -5,23 +5,20 @@
 #include <span>
 #include <vector>
 
-#include "noise/noise.hpp"
-
 namespace straytrace {
 
-// Power of Im s of the slow part per unit of recoupled power, concentrated at a few hundred frequencies.
+// Power concentrated at frequencies.
 struct Kernel {
   std::vector<double> hz, power;
 };
 
-// One-sided PSD [rad^2/Hz] constant in bins; edges increase.
+// One-sided PSD that is constant in bins; edges increase.
 struct Steps {
   std::vector<double> edges, psd;
 };
 
-// Adds to `bin_power` the power that the modulation moves into each bin: every line of the kernel at g gives
-// 1/2 [S(|f - g|) + S(f + g)] times its power; the mean over the static phase is in the kernel. No transform: relative
-// precision is kept however small S is.
-void add_sidebands(Kernel const&, Steps const&, FrequencyGrid const&, std::span<double> bin_power);
+// Adds to `bin_power` the power that appears between each two edges when a line of power p at frequency g is modulated
+// by S: 1/2 p [S(|f - g|) + S(f + g)]. No transform: relative precision is kept however small S is.
+void add_sidebands(Kernel const&, Steps const&, std::span<double const> edges, std::span<double> bin_power);
 
 }  // namespace straytrace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/message.hpp"
@@ -18,7 +19,9 @@ std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash);
 
 std::string header(RunContent const& run) {
   Provenance const& p = run.provenance;
-  return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", run.title, p.program,
+  std::string title = run.title;
+  std::replace(title.begin(), title.end(), '\n', ' ');  // a second line would not be a comment
+  return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", title, p.program,
                      p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
                      run.trace->coupling.histories);
 }

@@ -123,7 +123,8 @@ std::string last_line(std::string text) {
 
 }  // namespace
 
-bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message) {
+bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz,
+                  double high_hz) {
   std::string const python = interpreter(), folder = package_folder();
   if (folder.empty()) {
     message =
@@ -131,8 +132,10 @@ bool draw_picture(std::string const& run_file, std::string const& png_file, std:
         "folder that holds it";
     return false;
   }
-  Finished const child =
-      run_child({python, "-m", "straytrace.plot", run_file, "-o", png_file}, child_environment(folder));
+  std::vector<std::string> arguments = {python, "-m", "straytrace.plot", run_file, "-o", png_file};
+  if (high_hz > low_hz)
+    arguments.insert(arguments.end(), {"--band", fmt::format("{}", low_hz), fmt::format("{}", high_hz)});
+  Finished const child = run_child(arguments, child_environment(folder));
   std::error_code ignored;
   if (child.start_error == 0 && child.status == 0 && fs::exists(png_file, ignored)) return true;
   if (child.start_error != 0)

@@ -12,6 +12,9 @@
 namespace straytrace {
 namespace {
 
+// Three digits, never in powers of ten.
+std::string hertz(double hz) { return fmt::format("{:.10g}", std::stod(fmt::format("{:.2e}", hz))); }
+
 struct Comparison {
   std::size_t bins = 0, worst = 0;
   double low = 0, high = 0;                      // Hz, edges of what was compared
@@ -43,7 +46,7 @@ Comparison compare(NoiseBudget const& b, DesignCurve const& design, double low, 
 std::string bands(std::vector<std::pair<double, double>> const& all) {
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 3); ++i)
-    text += fmt::format("{}{:.3g} to {:.3g} Hz", i > 0 ? ", " : "", all[i].first, all[i].second);
+    text += fmt::format("{}{} to {} Hz", i > 0 ? ", " : "", hertz(all[i].first), hertz(all[i].second));
   return all.size() > 3 ? text + fmt::format(" and {} more bands", all.size() - 3) : text;
 }
 
@@ -53,19 +56,20 @@ std::string compared(NoiseBudget const& b, double low, double high) {
   DesignCurve const& design = b.design.front();
   Comparison const c = compare(b, design, low, high);
   if (c.bins == 0)
-    return fmt::format("The design curve {} has no values between {:.3g} and {:.3g} Hz.", design.name, low, high);
+    return fmt::format("The design curve {} has no values between {} and {} Hz.", design.name, hertz(low), hertz(high));
   std::string const line = fmt::format("the margin line {:g} x {}", b.margin, design.name);
   double const f = b.grid.centre(c.worst);
   if (!(c.ratio > 0))
-    return fmt::format("{} makes no strain noise between {:.3g} and {:.3g} Hz: nothing it touches moves there.",
-                       subject, c.low, c.high);
+    return fmt::format("{} makes no strain noise between {} and {} Hz: nothing it touches moves there.", subject,
+                       hertz(c.low), hertz(c.high));
   std::string text;
   if (c.ratio <= 1)
-    text = fmt::format("{} stays a factor {} below {} between {:.3g} and {:.3g} Hz; closest at {:.3g} Hz.", subject,
-                       with_error(1 / c.ratio, c.sigma / (c.ratio * c.ratio)), line, c.low, c.high, f);
+    text = fmt::format("{} stays a factor {} below {} between {} and {} Hz; closest at {} Hz.", subject,
+                       with_error(1 / c.ratio, c.sigma / (c.ratio * c.ratio)), line, hertz(c.low), hertz(c.high),
+                       hertz(f));
   else
-    text = fmt::format("{} exceeds {} at {} (compared: {:.3g} to {:.3g} Hz), by up to a factor {} at {:.3g} Hz.",
-                       subject, line, bands(c.above), c.low, c.high, with_error(c.ratio, c.sigma), f);
+    text = fmt::format("{} exceeds {} at {} (compared: {} to {} Hz), by up to a factor {} at {} Hz.", subject, line,
+                       bands(c.above), hertz(c.low), hertz(c.high), with_error(c.ratio, c.sigma), hertz(f));
   if (std::fabs(c.ratio - 1) < 2 * c.sigma) text += " This is within two standard errors of the line.";
   return text;
 }
@@ -101,6 +105,8 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
   return text;
 }
 
+constexpr double closed = 1e-9;  // relative; rounding of long sums stays below
+
 std::string books(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   Columns c;
@@ -109,15 +115,15 @@ std::string books(RunContent const& run) {
   double fates = 0;
   auto add = [&](std::string const& name, Moments const& m) {
     Estimate const e = estimate(m, total.histories, total.blocks);
-    c.rows.push_back({name, with_error(e.mean, e.std_error)});
+    c.rows.push_back({name, e.scored == 0 ? "none seen" : with_error(e.mean, e.std_error)});
     return e.mean;
   };
   double const emitted = add("emitted", total.emitted);
   for (int i = 0; i < fate_count; ++i) fates += add(name_of(Fate(i)), total.ledger[std::size_t(i)]);
   std::string text = section("Where the light went") + aligned(c);
   double const open = emitted > 0 ? std::fabs(emitted - fates) / emitted : 0;
-  text += fmt::format(
-      "\nClosure: emitted and the sum of the fates differ by {:.1e} of the emitted power (rounding only).\n", open);
+  text += fmt::format("\nClosure: emitted and the sum of the fates differ by {:.1e} of the emitted power ({}).\n", open,
+                      open < closed ? "rounding" : "MORE THAN ROUNDING: the books do not close");
   text += "'window' (roulette) and 'sampling' are zero on average.\n";
   text += fmt::format("{} surface events, {} rays, {} histories lost to geometry errors.\n", total.bounces, total.rays,
                       total.lost);

@@ -90,7 +90,8 @@ class Parser {
   [[noreturn]] void leftover() {
     std::size_t const begin = at_;
     if (text_[at_] == ',') refuse("a comma inside a number", "write a decimal point: 1.5, not 1,5", begin, begin + 1);
-    if (is_digit(text_[at_]) || text_[at_] == '.')
+    bool const point = text_[at_] == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]);
+    if (is_digit(text_[at_]) || point)
       refuse("two numbers stand next to each other", "write one number without spaces, or an operator between them",
              begin, text_.size());
     std::string_view const next = word();

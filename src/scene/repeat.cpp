@@ -58,6 +58,21 @@ std::vector<double> by_ends(Node const& repeat, std::size_t count) {
   return offsets;
 }
 
+// Distances from `origin` in geometric progression: the shadow rule of baffles (physics.md eq. 8.16).
+std::vector<double> by_ratio(Node const& repeat, std::size_t count) {
+  double const origin = repeat.number("origin", dim::length, 0), from = repeat.number("from", dim::length);
+  double const ratio = repeat.number("ratio", dim::plain, required, 1e-3, 1e3);
+  if (from == origin) {
+    repeat["from"].problem("the progression starts at its own origin", "write another position as 'from'");
+    return {};
+  }
+  if (std::isnan(origin) || std::isnan(from) || std::isnan(ratio)) return {};
+  std::vector<double> offsets(count);
+  for (std::size_t i = 0; i < count; ++i)
+    offsets[i] = origin + (from - origin) * std::pow(ratio, static_cast<double>(i));
+  return offsets;
+}
+
 std::vector<double> by_list(Node const& repeat) {
   std::vector<Node> const positions = repeat.list("at");
   if (positions.empty() || positions.size() > most_instances) {
@@ -85,7 +100,9 @@ Repeat read_repeat(Node const& entry) {
     if (repeat.has("at")) {
       result.offsets = by_list(repeat);
     } else if (std::size_t const count = read_count(repeat); count > 0) {
-      result.offsets = repeat.has("pitch") ? by_pitch(repeat, count) : by_ends(repeat, count);
+      result.offsets = repeat.has("ratio")   ? by_ratio(repeat, count)
+                       : repeat.has("pitch") ? by_pitch(repeat, count)
+                                             : by_ends(repeat, count);
     }
     if (result.axis < 0) result.offsets.clear();
   }

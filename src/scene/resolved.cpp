@@ -16,17 +16,17 @@ constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
 
 // Plain where YAML reads it back as the same text, double-quoted otherwise.
 std::string yaml_text(std::string const& text) {
-  constexpr std::string_view not_first = "-?:,[]{}#&*!|>'\"%@`~=<. ", nowhere = ":#,[]{}\"'\n\r";
-  bool const special = text.empty() || not_first.find(text.front()) != std::string_view::npos || text.back() == ' ' ||
-                       text.find_first_of(nowhere) != std::string::npos || text.starts_with("null") ||
-                       text.starts_with("Null") || text.starts_with("NULL");
+  constexpr std::string_view not_first = "-?:,[]{}#&*!|>'\"%@`~=<. ", nowhere = ":#,[]{}\"'";
+  bool const control =
+      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  bool const special = text.empty() || control || not_first.find(text.front()) != std::string_view::npos ||
+                       text.back() == ' ' || text.find_first_of(nowhere) != std::string::npos || text == "null" ||
+                       text == "Null" || text == "NULL";
   if (!special) return text;
   std::string out = "\"";
   for (char const c : text) {
-    if (c == '\n')
-      out += "\\n";
-    else if (c == '\r')
-      out += "\\r";
+    if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
     else if (c == '"' || c == '\\')
       out += {'\\', c};
     else

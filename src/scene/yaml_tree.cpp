@@ -8,9 +8,9 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
-#include <array>
 #include <sstream>
 
+#include "scene/syntax_error.hpp"
 #include "scene/text_check.hpp"
 
 namespace straytrace {
@@ -26,24 +26,26 @@ class TreeBuilder : public YAML::EventHandler {
       : document_(document), source_(document.source(file)), file_(file) {}
 
   std::shared_ptr<NodeData> root() const { return root_; }
-  bool cause_reported() const { return cause_reported_; }
-  // Where the innermost list or table in brackets begins.
-  std::optional<Place> open_bracket() const {
-    for (auto it = stack_.rbegin(); it != stack_.rend(); ++it)
-      if (it->bracket) return it->node->place;
-    return {};
+  // What may be a consequence of broken syntax is recorded only when the document turns out to be whole.
+  void OnDocumentEnd() override {
+    for (Problem& p : guesses_) document_.add(std::move(p));
+    for (Problem& p : broken_lines_) document_.add(std::move(p));
+    guesses_.clear();
+    broken_lines_.clear();
   }
+  // Causes that explain a complaint of the parser better than the complaint itself.
+  std::vector<Problem> const& broken_lines() const { return broken_lines_; }
+  bool quote_is_open() const { return quote_is_open_; }
 
   void OnDocumentStart(YAML::Mark const& mark) override {
     if (++documents_ == 1) return;
     problem(place(mark), "a second document begins here", "one file holds one model: remove the line '---' above");
     throw StopReading{};
   }
-  void OnDocumentEnd() override {}
 
   void OnNull(YAML::Mark const& mark, YAML::anchor_t) override {
     if (awaits_key()) {
-      problem(place(mark), "a key is missing before ':'", "write 'key: value'");
+      guess(place(mark), "a key is missing before ':'", "write 'key: value'");
       set_discarded_key();
       return;
     }
@@ -53,11 +55,11 @@ class TreeBuilder : public YAML::EventHandler {
     Frame const& top = stack_.back();
     if (top.node->kind == Node::Kind::table) {
       if (!top.discard)
-        problem(top.key_place, fmt::format("'{}' has no value", shortened(top.key)), "write a value, or remove the key",
-                top.key_width);
+        guess(top.key_place, fmt::format("'{}' has no value", shortened(top.key)), "write a value, or remove the key",
+              top.key_width);
       node->place = top.key_place;
     } else {
-      problem(node->place, "an empty element in a list", "write a value, or remove it");
+      guess(node->place, "an empty element in a list", "write a value, or remove it");
     }
     attach(std::move(node));
   }
@@ -84,12 +86,12 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void OnSequenceStart(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value style) override {
-    begin(mark, tag, anchor, style, Node::Kind::list);
+                       YAML::EmitterStyle::value) override {
+    begin(mark, tag, anchor, Node::Kind::list);
   }
   void OnMapStart(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value style) override {
-    begin(mark, tag, anchor, style, Node::Kind::table);
+                  YAML::EmitterStyle::value) override {
+    begin(mark, tag, anchor, Node::Kind::table);
   }
   void OnSequenceEnd() override { end(); }
   void OnMapEnd() override { end(); }
@@ -97,7 +99,7 @@ class TreeBuilder : public YAML::EventHandler {
  private:
   struct Frame {
     std::shared_ptr<NodeData> node;
-    bool bracket = false, is_key = false, has_key = false, discard = false;
+    bool is_key = false, has_key = false, discard = false;
     std::string key{};
     Place key_place{};
     std::uint32_t key_width = 1;
@@ -105,6 +107,10 @@ class TreeBuilder : public YAML::EventHandler {
 
   void problem(Place where, std::string what, std::string suggestion, std::uint32_t width = 1) {
     document_.add({where, std::move(what), std::move(suggestion), Severity::error, width});
+  }
+
+  void guess(Place where, std::string what, std::string suggestion, std::uint32_t width = 1) {
+    guesses_.push_back({where, std::move(what), std::move(suggestion), Severity::error, width});
   }
 
   // Marks count bytes; a byte order mark is not counted.
@@ -150,14 +156,14 @@ class TreeBuilder : public YAML::EventHandler {
       node.width = code_points(node.text) + 2;
     } else if (quoted) {
       if (!quote_closes(node.place.line, rest, quote[0])) {
-        cause_reported_ = true;
+        quote_is_open_ = true;
         problem(node.place, "this quote is not closed", fmt::format("add {} where the text ends", quote));
       }
     } else if (plain && !rest.starts_with('&') && !rest.starts_with('!')) {
-      cause_reported_ = true;
       node.kind = Node::Kind::none;
-      problem(node.place, "a value without quotes continues on the next line",
-              "put quotes around it, or close the bracket, quote or line before", code_points(rest));
+      broken_lines_.push_back({node.place, "a value without quotes continues on the next line",
+                               "put quotes around it, or close the bracket, quote or line before", Severity::error,
+                               code_points(rest)});
     }
   }
 
@@ -218,8 +224,7 @@ class TreeBuilder : public YAML::EventHandler {
     top.has_key = top.discard = false;
   }
 
-  void begin(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value style,
-             Node::Kind kind) {
+  void begin(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor, Node::Kind kind) {
     if (stack_.size() >= deepest) {
       problem(place(mark), fmt::format("tables and lists are nested more than {} deep", deepest), "check the brackets");
       throw StopReading{};
@@ -230,10 +235,10 @@ class TreeBuilder : public YAML::EventHandler {
     node->place = place(mark);
     bool const is_key = awaits_key();
     if (is_key)
-      problem(node->place, "a key must be plain text", "write 'key: value'");
+      guess(node->place, "a key must be plain text", "write 'key: value'");
     else
       attach(node);
-    stack_.push_back({std::move(node), style == YAML::EmitterStyle::Flow, is_key});
+    stack_.push_back({std::move(node), is_key});
   }
 
   void end() {
@@ -250,42 +255,9 @@ class TreeBuilder : public YAML::EventHandler {
   int documents_ = 0, counted_line_ = -1;
   std::size_t counted_bytes_ = 0;
   std::uint32_t counted_points_ = 0;
-  bool cause_reported_ = false;
+  bool quote_is_open_ = false;
+  std::vector<Problem> guesses_, broken_lines_;
 };
-
-struct Syntax {
-  std::string_view parser, what, suggestion;
-};
-constexpr std::array syntax_messages{
-    Syntax{"illegal flow end", "brackets of different kinds do not match", "close '[' with ']' and '{' with '}'"},
-    Syntax{"illegal map value", "a second ': ' in one value",
-           "put quotes around text that contains ': ', or begin a new line"},
-    Syntax{"end of sequence not found", "the indentation does not fit the list above",
-           "align the keys of one entry in one column"},
-    Syntax{"end of map not found", "the indentation does not fit the table above",
-           "align the keys of one table in one column"},
-};
-
-void report(SceneDocument& document, std::uint32_t file, TreeBuilder const& builder, YAML::ParserException const& e) {
-  if (builder.cause_reported()) return;
-  std::uint32_t const line = static_cast<std::uint32_t>(std::max(0, e.mark.line) + 1);
-  auto const bytes = static_cast<std::size_t>(std::max(0, e.mark.column));
-  Place place{file, line, code_points(document.source(file).line(line).substr(0, bytes)) + 1};
-  std::string const why = e.msg;
-  auto const open = builder.open_bracket();
-  if (why == "bad file") {  // the parser's own limit of depth
-    document.add({place, fmt::format("tables and lists are nested more than {} deep", deepest), "check the brackets"});
-  } else if (open && (why.find("flow not found") != std::string::npos || open->line < line)) {
-    document.add(
-        {*open, "this bracket is not closed", "add ']' or '}' where it ends; look for a missing comma or quote too"});
-  } else {
-    auto const hit =
-        std::find_if(syntax_messages.begin(), syntax_messages.end(), [&](Syntax const& s) { return s.parser == why; });
-    bool const known = hit != syntax_messages.end();
-    document.add({place, known ? std::string(hit->what) : fmt::format("this is not valid YAML ({})", why),
-                  known ? std::string(hit->suggestion) : "check indentation, brackets, quotes and ': ' near here"});
-  }
-}
 
 }  // namespace
 
@@ -301,7 +273,8 @@ std::shared_ptr<NodeData> read_yaml(SceneDocument& document, std::uint32_t file)
   } catch (StopReading const&) {
     return nullptr;
   } catch (YAML::ParserException const& e) {
-    report(document, file, builder, e);
+    if (!builder.quote_is_open())
+      report_syntax(document, file, builder.broken_lines(), {e.mark.line, e.mark.column, e.msg});
     return nullptr;
   }
   auto const root = builder.root();

@@ -114,6 +114,12 @@ void check_books(BlockSums const& total) {
   if (total.lost > 0) throw NumericalError(std::to_string(total.lost) + " paths were lost (NaN or no surface side)");
   double sum = 0;
   for (Moments const& column : total.ledger) sum += column.sum;
+  for (Fate fate : {Fate::window, Fate::sampling}) {  // zero on average (estimators.md 4)
+    Estimate const e = estimate(total.ledger[static_cast<int>(fate)], total.histories, total.blocks);
+    if (total.blocks >= 32 && std::fabs(e.mean) > 5 * e.std_error && e.effective_scores > 0)
+      throw NumericalError(std::string("the mean of the column '") + name_of(fate) +
+                           "' of the books lies more than five standard errors from zero");
+  }
   if (std::fabs(sum - total.emitted.sum) > 1e-9 * total.emitted.sum)
     throw NumericalError("the books of the light do not close: fates sum to " +
                          std::to_string(sum / total.emitted.sum) + " of what was emitted");

@@ -38,9 +38,8 @@ std::optional<PoolRef> read_power_law(Node const& law, World& world) {
 std::optional<PoolRef> read_abg(Node const& law, World& world) {
   Abg p;
   p.a = law.number("a", dim::brdf, required, 0, 1e6);
-  p.b = law.number("b", dim::plain, required, 0, 1e6);
+  p.b = law.number("b", dim::plain, required, 1e-12, 1e6);
   p.g = law.number("g", dim::plain, required, 0, 8);
-  if (p.b == 0 && p.g >= 2) law.problem("with b = 0 and g of 2 or more the total is infinite", "give b > 0");
   if (!(p.a >= 0 && p.b > 0)) return {};
   p.prepare();
   return world.add_law(p);

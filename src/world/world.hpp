@@ -59,7 +59,8 @@ struct WorldView {
       bounded.t_max = infinity;
       double const t =
           shapes.visit(surfaces[id].shape, [&](auto const& s) { return s.distance(bounded, id == from.value); });
-      if (t < best.distance || (t == best.distance && t < infinity && id < best.surface.value)) best = {{id}, t};
+      if (t < best.distance || (t == best.distance && best.surface.valid() && id < best.surface.value))
+        best = {{id}, t};
       limit = best.distance;
       return false;
     };
@@ -135,6 +136,8 @@ class World {
   std::vector<std::string> const& groups() const { return groups_; }
   std::vector<std::string> const& ports() const { return ports_; }
   std::vector<std::string> body_names() const;
+  // Bytes of everything that can change a trace, and of nothing else (not of motion, not of the search structure).
+  std::string fingerprint() const;
 
   WalkLimits limits;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <vector>
 
 #include "base/rng.hpp"
@@ -127,6 +128,7 @@ class Exact {
 
 struct Tally {
   long long bounces = 0, lost = 0, wrong = 0, self = 0;
+  std::set<std::uint32_t> seen;  // surfaces hit
   double worst_error = 0;  // distance of the hit from the exact surface in units of `resolution`
 };
 
@@ -157,6 +159,7 @@ Tally walk(Scene const& scene, long long bounces, std::uint64_t seed, Tracer tra
         break;
       }
       if (hit.surface == from && hit.distance < 1e-9) ++tally.self;
+      tally.seen.insert(hit.surface.value);
       Real const same = exact.distance(hit.surface.value, ray, from.value);  // the 80-bit answer for the surface found
       if (hit.surface.value != truth.surface && !(same - truth.t < 1e-11L)) ++tally.wrong;
       Vec3 const at = ray.origin + hit.distance * ray.dir;
@@ -172,14 +175,15 @@ Tally walk(Scene const& scene, long long bounces, std::uint64_t seed, Tracer tra
 }
 
 // The claim: nothing lost, nothing wrong, no surface hit again where it was left, and hits off the exact surface by no
-// more than two spacings of doubles at the place (physics: 1.8e-11 m at 40 km, 1e-5 of a wavelength).
-bool exact_to_rounding(Tally const& t) { return t.lost == 0 && t.wrong == 0 && t.self == 0 && t.worst_error < 2; }
+// more than one spacing of doubles at the place (9e-12 m at 40 km, 1e-5 of a wavelength).
+bool exact_to_rounding(Tally const& t) { return t.lost == 0 && t.wrong == 0 && t.self == 0 && t.worst_error < 1; }
 
 void expect_exact(Tube const& tube, long long bounces, std::uint64_t seed) {
   Scene const scene(tube);
   WorldView const view = scene.world.view();
   Tally const t = walk(scene, bounces, seed, [&](Ray const& r, SurfaceId from) { return view.closest(r, from); });
   EXPECT_EQ(t.bounces, bounces);
+  EXPECT_GT(t.seen.size(), 0.95 * view.surfaces.size);  // nearly every baffle was met
   EXPECT_TRUE(exact_to_rounding(t)) << "lost " << t.lost << ", wrong " << t.wrong << ", self " << t.self
                                     << ", worst error " << t.worst_error;
   ::testing::Test::RecordProperty("worst_error", std::to_string(t.worst_error));
@@ -199,21 +203,28 @@ TEST(diffuse_tube, twin_that_forgets_the_start_surface_is_rejected) {
   }
 }
 
-// Broken twin: a search structure whose clear apertures are 1 % too wide skips the inner edges of the baffles.
+// A walk through a search structure built here, with clear apertures `widening` times the true ones.
+Tally walk_with_apertures(Tube const& tube, double widening) {
+  Scene const scene(tube);
+  double const reach = 1.01 * tube.radius;
+  std::vector<AxialTree::Item> items{{{0, tube.length, 0, reach}, 0}, {{0, 0, 0, reach}, 1}};
+  items.push_back({{tube.length, tube.length, 0, reach}, 2});
+  for (std::uint32_t k = 0; k < std::uint32_t(tube.baffles); ++k)
+    items.push_back({{scene.low[k], scene.high[k], widening * tube.aperture, reach}, 3 + k});
+  AxialTree tree;
+  tree.build(items);
+  WorldView view = scene.world.view();
+  view.tree = tree.view();
+  return walk(scene, 200'000, 4, [&](Ray const& r, SurfaceId from) { return view.closest(r, from); });
+}
+
+// Broken twin: apertures 1 % too wide skip the inner edges of the baffles.
 TEST(diffuse_tube, twin_with_wider_apertures_is_rejected) {
   for (Tube const& tube : {tube3, tube40}) {
-    Scene const scene(tube);
-    std::vector<AxialTree::Item> items{
-        {0, tube.length, tube.radius, 0}, {0, 0, 0, 1}, {tube.length, tube.length, 0, 2}};
-    for (std::uint32_t k = 0; k < std::uint32_t(tube.baffles); ++k)
-      items.push_back({scene.low[k], scene.high[k], 1.01 * tube.aperture, 3 + k});
-    AxialTree tree;
-    tree.build(items);
-    WorldView view = scene.world.view();
-    view.tree = tree.view();
-    Tally const t = walk(scene, 200'000, 4, [&](Ray const& r, SurfaceId from) { return view.closest(r, from); });
+    EXPECT_TRUE(exact_to_rounding(walk_with_apertures(tube, 0.999999)));
+    Tally const t = walk_with_apertures(tube, 1.01);
     EXPECT_FALSE(exact_to_rounding(t));
-    EXPECT_GT(t.wrong, 100);
+    EXPECT_GT(t.wrong, 10);
   }
 }
 

@@ -6,7 +6,6 @@
 
 #include <H5Cpp.h>
 #include <csignal>
-#include <cstring>
 #include <functional>
 #include <set>
 #include <sstream>
@@ -14,6 +13,7 @@
 #include "base/message.hpp"
 #include "report/hdf5_io.hpp"
 #include "report/seal.hpp"
+#include "unit/report_same.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {
@@ -28,93 +28,6 @@ std::string message_of(std::function<void()> const& action) {
     return e.what();
   }
   return "no error";
-}
-
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
-  return a.size() == b.size() &&
-         std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return same_bits(x, y); });
-}
-
-bool same(Moments const& a, Moments const& b) {
-  return same_bits(a.sum, b.sum) && same_bits(a.sum2, b.sum2) && same_bits(a.sum3, b.sum3) &&
-         same_bits(a.sum4, b.sum4) && same_bits(a.block_sum2, b.block_sum2) && same_bits(a.largest, b.largest) &&
-         a.largest_history == b.largest_history && a.scored == b.scored;
-}
-
-bool same(ClassSums const& a, ClassSums const& b) {
-  bool equal = a.port == b.port && same(a.moments, b.moments) && a.replica_sum == b.replica_sum &&
-               same_bits(a.threshold, b.threshold) && a.kept.size() == b.kept.size();
-  for (std::size_t i = 0; equal && i < a.kept.size(); ++i)
-    equal = a.kept[i].history == b.kept[i].history && a.kept[i].event == b.kept[i].event &&
-            a.kept[i].connection == b.kept[i].connection && same_bits(a.kept[i].coupling, b.kept[i].coupling) &&
-            same_bits(a.kept[i].priority, b.kept[i].priority);
-  return equal;
-}
-
-bool same(BlockSums const& a, BlockSums const& b) {
-  bool equal = a.histories == b.histories && a.blocks == b.blocks && a.bounces == b.bounces && a.rays == b.rays &&
-               a.lost == b.lost && same(a.emitted, b.emitted) && a.arrived.size() == b.arrived.size() &&
-               a.classes.size() == b.classes.size();
-  for (std::size_t i = 0; i < fate_count; ++i) equal = equal && same(a.ledger[i], b.ledger[i]);
-  for (std::size_t i = 0; equal && i < a.arrived.size(); ++i) equal = same(a.arrived[i], b.arrived[i]);
-  for (auto const& [hash, sums] : a.classes)
-    equal = equal && b.classes.contains(hash) && same(sums, b.classes.at(hash));
-  return equal;
-}
-
-bool same(SumTree const& a, SumTree const& b) {
-  bool equal = a.nodes().size() == b.nodes().size();
-  for (auto const& [place, node] : a.nodes())
-    equal = equal && b.nodes().contains(place) && same(node, b.nodes().at(place));
-  return equal;
-}
-
-bool same(PathRecord const& a, PathRecord const& b) {
-  bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
-               same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
-               same_bits(a.path_length, b.path_length) && a.levers.size() == b.levers.size();
-  for (std::size_t i = 0; equal && i < a.levers.size(); ++i)
-    equal =
-        a.levers[i].body == b.levers[i].body && std::memcmp(a.levers[i].d, b.levers[i].d, sizeof a.levers[i].d) == 0;
-  return equal;
-}
-
-bool same(CouplingClass const& a, CouplingClass const& b) {
-  bool equal = a.hash == b.hash && a.port == b.port && a.steps == b.steps && same_bits(a.reverse, b.reverse) &&
-               same_bits(a.coupling.mean, b.coupling.mean) && same_bits(a.coupling.std_error, b.coupling.std_error) &&
-               same_bits(a.coupling.variance_of_variance, b.coupling.variance_of_variance) &&
-               same_bits(a.coupling.largest_share, b.coupling.largest_share) &&
-               same_bits(a.coupling.effective_scores, b.coupling.effective_scores) &&
-               a.coupling.scored == b.coupling.scored && a.coupling.trusted == b.coupling.trusted &&
-               a.coupling.why_not == b.coupling.why_not && a.replica_sum == b.replica_sum &&
-               a.records.size() == b.records.size();
-  for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
-  return equal;
-}
-
-bool same(CouplingTable const& a, CouplingTable const& b) {
-  bool equal = a.groups == b.groups && a.bodies == b.bodies && a.ports == b.ports && a.histories == b.histories &&
-               a.seed == b.seed && same_bits(a.wavelength, b.wavelength) && a.reverse_routes == b.reverse_routes &&
-               a.replica_histories == b.replica_histories && a.classes.size() == b.classes.size();
-  for (std::size_t i = 0; equal && i < a.classes.size(); ++i) equal = same(a.classes[i], b.classes[i]);
-  return equal;
-}
-
-bool same(NoiseTrace const& a, NoiseTrace const& b) {
-  return a.name == b.name && a.hash == b.hash && same_bits(a.asd, b.asd) && same_bits(a.sigma, b.sigma) &&
-         same_bits(a.phase_asd, b.phase_asd) && same_bits(a.amplitude_asd, b.amplitude_asd) &&
-         same_bits(a.mean_square_phase, b.mean_square_phase) && a.resolved == b.resolved && a.why_not == b.why_not;
-}
-
-bool same(NoiseBudget const& a, NoiseBudget const& b) {
-  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && a.routes.size() == b.routes.size() &&
-               a.unresolved == b.unresolved && same_bits(a.unresolved_hint, b.unresolved_hint) &&
-               a.design.size() == b.design.size() && same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
-  for (std::size_t i = 0; equal && i < a.routes.size(); ++i) equal = same(a.routes[i], b.routes[i]);
-  for (std::size_t i = 0; equal && i < a.design.size(); ++i)
-    equal = a.design[i].name == b.design[i].name && same_bits(a.design[i].asd, b.design[i].asd);
-  return equal;
 }
 
 class ReportRunFile : public ::testing::Test {
@@ -245,59 +158,6 @@ TEST_F(ReportRunFile, NoObjectHasATimeStamp) {
     EXPECT_EQ(info.mtime, 0) << path;
     EXPECT_EQ(info.ctime, 0) << path;
   }
-}
-
-// Every path of schema/run-1.txt stands in the file and the reverse; units agree.
-std::set<std::string> schema_paths() {
-  std::istringstream lines(read_file(std::string(STRAY_SOURCE_DIR) + "/schema/run-1.txt"));
-  std::set<std::string> paths;
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("/") && !line.starts_with("@")) continue;
-    std::istringstream words(line);
-    std::string path, type;
-    words >> path >> type;
-    paths.insert(path + " " + type);
-  }
-  return paths;
-}
-
-std::string type_word(H5::DataType const& type) {
-  if (type.getClass() == H5T_STRING) return "text";
-  if (type.getClass() == H5T_FLOAT) return "f64";
-  return "u" + std::to_string(8 * type.getSize());
-}
-
-std::set<std::string> file_paths(H5::Group const& group, std::string const& path) {
-  std::set<std::string> found;
-  for (int i = 0; i < group.getNumAttrs(); ++i) {
-    H5::Attribute const a = group.openAttribute(unsigned(i));
-    if (a.getName() != "meaning") found.insert("@" + path + ":" + a.getName() + " " + type_word(a.getDataType()));
-  }
-  for (hsize_t i = 0; i < group.getNumObjs(); ++i) {
-    std::string const name = group.getObjnameByIdx(i);
-    std::string const full = (path == "/" ? "" : path) + "/" + name;
-    if (group.childObjType(name) == H5O_TYPE_GROUP) {
-      found.insert(full + " group");
-      found.merge(file_paths(group.openGroup(name), full));
-      continue;
-    }
-    H5::DataSet const set = group.openDataSet(name);
-    EXPECT_TRUE(set.attrExists("unit")) << full;
-    found.insert((full.starts_with("/input/files/") ? "/input/files/<n>" : full) + " " + type_word(set.getDataType()));
-  }
-  return found;
-}
-
-TEST_F(ReportRunFile, AgreesWithTheSchemaText) {
-  hdf5::Reader const in(unsealed(read_file(written()), "run.h5"));
-  EXPECT_THAT(file_paths(in.file().openGroup("/"), "/"), ::testing::ContainerEq(schema_paths()));
-}
-
-TEST_F(ReportRunFile, SchemaComparisonSeesAMissingPath) {
-  NoiseBudget const* none = nullptr;
-  write_run(folder / "short.h5", content(trace, none));
-  hdf5::Reader const in(unsealed(read_file(folder / "short.h5"), "short.h5"));
-  EXPECT_NE(file_paths(in.file().openGroup("/"), "/"), schema_paths());
 }
 
 TEST_F(ReportRunFile, RefusesWhatIsNotARun) {

@@ -43,14 +43,20 @@ inline BlockSums block(std::uint64_t index) {
   b.bounces = 3 * block_size + index;
   b.rays = 9 * block_size;
   b.arrived.resize(4);
-  for (std::size_t k = 0; k < 8; ++k) {
+  constexpr std::size_t bright = 8;  // histories that carry the power of all
+  constexpr double power = double(block_size) / bright;
+  for (std::size_t k = 0; k < bright; ++k) {
     std::uint64_t const history = index * block_size + k;
     double const x = spread(history);
-    b.emitted.add(1, history);
-    double const shares[fate_count] = {0.61, 0.35 + 1e-3 * (x - 0.5), 0.04 - 1e-3 * (x - 0.5), 0, 0};
-    for (std::size_t f = 0; f < fate_count; ++f) b.ledger[f].add(shares[f], history);
-    for (std::size_t g = 0; g < 3; ++g) b.arrived[g].add(0.1 * double(g + 1) * x, history);
+    b.emitted.add(power, history);
+    double const shares[] = {0.61, 0.35 + 0.02 * (x - 0.5), 0.04 - 0.02 * (x - 0.5)};
+    for (std::size_t f = 0; f < 3; ++f) b.ledger[f].add(power * shares[f], history);
+    for (std::size_t g = 0; g < 3; ++g) b.arrived[g].add(power * 0.1 * double(g + 1) * x, history);
   }
+  auto close = [](Moments& m) { m.block_sum2 = m.sum * m.sum; };
+  close(b.emitted);
+  for (Moments& m : b.ledger) close(m);
+  for (Moments& m : b.arrived) close(m);
   for (std::size_t c = 0; c < route_count; ++c) {
     ClassSums& sums = b.classes[1000 + c];
     std::uint64_t const history = index * block_size + c;

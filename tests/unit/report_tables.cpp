@@ -130,7 +130,7 @@ TEST_F(ReportTables, NamesTheBodyThatShakesThePhase) {
 
 TEST_F(ReportTables, TextSaysUnresolvedAndSums) {
   std::string const text = path_text(table(), 3);
-  EXPECT_THAT(text, HasSubstr("2 further routes"));
+  EXPECT_THAT(text, HasSubstr("3 further routes"));
   EXPECT_THAT(text, HasSubstr("sum of resolved routes (lower bound)"));
   EXPECT_THAT(text, HasSubstr("unresolved: " + noise.routes[4].name + ": one history carries 31 % of the sum"));
   EXPECT_THAT(text, HasSubstr("wrapped"));

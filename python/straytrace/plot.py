@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the picture of a run: python3 -m straytrace.plot RUN_FILE_OR_FOLDER -o report.png"""
+
+import argparse
+import os
+import pathlib
+import sys
+import tempfile
+import textwrap
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
+
+from .run import RunError, open_run  # noqa: E402
+from .words import hertz, plain, power_of_ten, shortened  # noqa: E402
+
+# Okabe and Ito: told apart by every common kind of colour vision. Black is the total, grey the design curve.
+ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+DESIGN_STYLES = ("-", (0, (8, 1.5)), (0, (3, 1, 1, 1)))
+GREY = "#6b6b6b"
+LIGHT = "#d9d9d9"
+FATE_COLOURS = {"absorbed": "#0072B2", "escaped": "#56B4E9", "limit": "#E69F00"}
+TOP = 6
+SIZE = (16.0, 10.0)  # inches at 100 dpi: 1600 x 1000 pixels
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11,
+    "axes.titlesize": 12,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "legend.frameon": False,
+    "legend.fontsize": 10,
+}
+
+
+def plain_number(x, _position=None):
+    return f"{x:g}"
+
+
+def ranked(run, band):
+    """Indices of resolved routes, loudest first, and their shares with errors."""
+    share, error = run.noise.shares(*band)
+    order = [i for i in np.argsort(-np.nan_to_num(share, nan=-1.0)) if np.isfinite(share[i])]
+    return order, share, error
+
+
+def limits(curves):
+    """Range of a logarithmic axis: all of what matters, but not more than 8 decades below the top."""
+    values = np.concatenate([c[np.isfinite(c) & (c > 0)] for c in curves] or [np.array([])])
+    if values.size == 0:
+        return 1e-26, 1e-20
+    top = values.max() * 3
+    return max(values.min() / 2, top * 1e-8), top
+
+
+def draw_budget(axes, run, band):
+    noise, total = run.noise, run.noise.total
+    f = noise.frequency
+    shown = [total.mean, total.amplitude]
+    bound = " (lower bound)" if noise.unresolved else ""
+    axes.plot(f, total.mean, color="black", lw=2.2, label="stray light, total" + bound, zorder=5)
+    low = np.maximum(total.mean - total.sigma, 1e-300)
+    axes.fill_between(f, low, total.mean + total.sigma, color="black", alpha=0.25, lw=0, label="± one standard error")
+    axes.plot(f, total.phase, color="black", lw=1.1, ls=(0, (4, 3)), label="phase quadrature alone", zorder=4)
+    axes.plot(f, total.amplitude, color="black", lw=1.1, ls=(0, (1, 1.5)), label="amplitude quadrature alone", zorder=4)
+    for k, (name, design) in enumerate(noise.design.items()):
+        axes.plot(f, design, color=GREY, lw=2.2, ls=DESIGN_STYLES[k % len(DESIGN_STYLES)], label=name)
+        shown.append(design)
+        if k == 0:
+            margin = f"{name} × {noise.margin:g} (margin)"
+            axes.plot(f, noise.margin * design, color=GREY, lw=1.5, ls=(0, (6, 2)), label=margin)
+            shown.append(noise.margin * design)
+    order, _, _ = ranked(run, band)
+    for k, i in enumerate(order[:TOP]):
+        route = noise.routes[i]
+        axes.plot(f, route.mean, color=ROUTE_COLOURS[k], lw=1.5, label=shortened(route.name, 54))
+    shown += [noise.routes[i].mean for i in order[:3]]
+    axes.set(xscale="log", yscale="log", xlim=(noise.edges[0], noise.edges[-1]), ylim=limits(shown))
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel(r"strain $h$ [1/$\sqrt{\mathrm{Hz}}$]")
+    axes.set_title("Strain noise: one-sided amplitude spectral density, mean over static phases")
+    axes.xaxis.set_major_formatter(FuncFormatter(plain_number))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_major_locator(LogLocator(base=10, numticks=12))
+    axes.grid(True, which="major", color=LIGHT, lw=0.7)
+    axes.grid(True, which="minor", axis="x", color=LIGHT, lw=0.3)
+    axes.set_axisbelow(True)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0, handlelength=2.4, labelspacing=0.55)
+
+
+def draw_shares(axes, run, band):
+    """Bars of the share of noise power, with the coupling of each route in words."""
+    order, share, error = ranked(run, band)
+    rows = [(run.noise.routes[i].name, share[i], error[i], ROUTE_COLOURS[k], i) for k, i in enumerate(order[:TOP])]
+    rest = order[TOP:]
+    if rest:
+        plural = "s" if len(rest) > 1 else ""
+        rows.append((f"{len(rest)} further route{plural}", share[rest].sum(), np.sqrt(np.sum(error[rest] ** 2)), GREY, None))
+    place = np.arange(len(rows))[::-1]
+    axes.barh(place, [100 * r[1] for r in rows], height=0.52, color=[r[3] for r in rows],
+              xerr=[100 * r[2] for r in rows], error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
+    for y, (name, value, sigma, _, i) in zip(place, rows):
+        words = plain(100 * value, 100 * sigma, " %")
+        if i is not None:
+            words += f"   coupling {power_of_ten(run.routes.coupling[i], run.routes.sigma[i])}"
+        axes.annotate(words, (100 * (value + sigma), y), xytext=(6, 0), textcoords="offset points", va="center", fontsize=9.5)
+        axes.annotate(shortened(name, 84), (0, y + 0.28), xytext=(2, 0), textcoords="offset points", va="bottom", fontsize=9.5)
+    widest = max([100 * (r[1] + r[2]) for r in rows], default=100)
+    axes.set_xlim(0, 1.75 * widest)
+    axes.set_ylim(-0.6, max(len(rows) - 0.15, 1))
+    axes.set_yticks([])
+    axes.spines["left"].set_visible(False)
+    ticks = [t for t in axes.get_xticks() if t <= min(1.1 * widest, 100)]
+    axes.set_xticks(ticks)
+    axes.spines["bottom"].set_bounds(0, ticks[-1])
+    axes.set_xlabel("share of strain noise power [%]", x=0.5 * ticks[-1] / axes.get_xlim()[1])
+    axes.set_title(f"Routes by share of noise, {hertz(band[0])} to {hertz(band[1])} Hz")
+    if not rows:
+        axes.text(0.5, 0.5, "no resolved route", ha="center", va="center", transform=axes.transAxes)
+
+
+def draw_books(axes, run):
+    """Where the emitted light went: shares of the emitted power."""
+    emitted = run.ledger.get("emitted", (0.0, 0.0))[0]
+    fates = [(name, *value) for name, value in run.ledger.items() if name != "emitted"]
+    place = np.arange(len(fates))[::-1]
+    if emitted <= 0:
+        axes.text(0.5, 0.5, "no light was emitted", ha="center", va="center", transform=axes.transAxes)
+        emitted = 1.0
+    seen = [bool(np.isfinite(s)) for _, _, s in fates]
+    values = np.array([v if ok else 0.0 for (_, v, _), ok in zip(fates, seen)]) / emitted
+    errors = np.array([s if ok else 0.0 for (_, _, s), ok in zip(fates, seen)]) / emitted
+    axes.barh(place, 100 * values, height=0.6, color=[FATE_COLOURS.get(n, GREY) for n, _, _ in fates],
+              xerr=100 * errors, error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
+    for y, value, error, ok in zip(place, values, errors, seen):
+        words = plain(100 * value, 100 * error, " %") if ok else "none seen"
+        axes.annotate(words, (100 * max(value + error, 0), y), xytext=(6, 0), textcoords="offset points", va="center",
+                      fontsize=9.5)
+    axes.set_yticks(place, [n for n, _, _ in fates])
+    axes.tick_params(axis="y", length=0)
+    widest = 100 * max(values.max(initial=0.0), 0.01)
+    axes.set_xlim(min(0.0, 100 * float(np.min(values - errors, initial=0.0))), 1.5 * widest)
+    axes.set_xticks([t for t in axes.get_xticks() if 0 <= t <= min(1.2 * widest, 100)])
+    axes.set_ylim(-0.6, len(fates) - 0.4)
+    axes.set_xlabel("share of emitted power [%]")
+    axes.set_title("Where the light went")
+
+
+def draw_couplings(axes, run):
+    """Without noise: couplings of the strongest routes on a logarithmic axis."""
+    routes = run.routes
+    trusted = np.flatnonzero(routes.trusted & (routes.coupling > 0))
+    order = trusted[np.argsort(-routes.coupling[trusted])][:12]
+    place = np.arange(len(order))[::-1]
+    axes.set_title("Routes by coupling (noise not computed)")
+    axes.set_xlabel("recoupled power fraction, ordered paths")
+    if len(order) == 0:
+        axes.text(0.5, 0.5, "no resolved route", ha="center", va="center", transform=axes.transAxes)
+        return
+    coupling, sigma = routes.coupling[order], routes.sigma[order]
+    axes.errorbar(coupling, place, xerr=sigma, fmt="o", color=ROUTE_COLOURS[0], capsize=3)
+    axes.set(xscale="log", xlim=(coupling.min() / 3, coupling.max() * 30), ylim=(-0.5, len(order) - 0.3))
+    for y, i in zip(place, order):
+        name = shortened(routes.name[i], 90)
+        axes.annotate(name, (0, y + 0.22), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
+                      va="bottom", fontsize=9.5)
+        axes.annotate(power_of_ten(routes.coupling[i], routes.sigma[i]), (routes.coupling[i] + routes.sigma[i], y),
+                      xytext=(8, 0), textcoords="offset points", va="center", fontsize=9.5)
+    axes.set_yticks([])
+    axes.grid(True, axis="x", color=LIGHT, lw=0.7)
+    axes.set_axisbelow(True)
+
+
+def notes(run):
+    """What is not in the curves, and whether it matters."""
+    lines = []
+    unresolved = [name for name, ok in zip(run.routes.name, run.routes.trusted) if not ok]
+    if run.noise is not None:
+        unresolved = run.noise.unresolved
+    if unresolved:
+        lines.append(f"unresolved, not in the total ({len(unresolved)}):")
+        for name in unresolved[:3]:
+            lines += textwrap.wrap(name, 62, initial_indent="  ", subsequent_indent="    ", max_lines=2, placeholder=" …")
+        if len(unresolved) > 3:
+            lines.append(f"  and {len(unresolved) - 3} more")
+    else:
+        lines.append("unresolved: none")
+    if not run.complete:
+        lines.append("checkpoint: the run is not finished")
+    return "\n".join(lines), bool(unresolved) or not run.complete
+
+
+def footer(run):
+    a = run.attributes
+    return (f"{a['program']} {a['version']} ({a['commit']})    model {a['model_hash'][:12]}    seed {int(a['seed'])}"
+            f"    {int(a['histories']):,} histories    {a['created']}").replace(",", " ")
+
+
+def draw(run, band=None):
+    """The picture of a run; `band`: Hz, for the shares of the routes (default: all frequencies)."""
+    figure = plt.figure(figsize=SIZE, dpi=100)
+    figure.text(0.055, 0.962, shortened(run.attributes.get("title") or "Stray light", 110), fontsize=16, weight="bold")
+    figure.text(0.055, 0.012, footer(run), fontsize=9, color=GREY)
+    place = (0.70, 0.90)
+    if run.noise is None:
+        draw_couplings(figure.add_axes((0.055, 0.085, 0.56, 0.825)), run)
+    else:
+        band = band or tuple(run.noise.edges[[0, -1]])
+        top = figure.add_axes((0.055, 0.455, 0.595, 0.465))
+        draw_budget(top, run, band)
+        figure.canvas.draw()
+        legend = top.get_legend().get_window_extent().transformed(figure.transFigure.inverted())
+        place = (legend.x0 + 0.005, legend.y0 - 0.012)
+        draw_shares(figure.add_axes((0.055, 0.085, 0.56, 0.295)), run, band)
+    text, alarming = notes(run)
+    figure.text(*place, text, fontsize=9.5, va="top", color="#a23b00" if alarming else GREY, linespacing=1.35)
+    draw_books(figure.add_axes((0.72, 0.085, 0.25, 0.295)), run)
+    return figure
+
+
+def save(figure, path):
+    """Appears complete or not at all."""
+    path = pathlib.Path(path)
+    handle, name = tempfile.mkstemp(prefix=path.name + ".part-", dir=path.parent or ".")
+    os.close(handle)
+    try:
+        figure.savefig(name, format=path.suffix[1:] or "png", metadata={"Software": None} if path.suffix == ".png" else None)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    finally:
+        pathlib.Path(name).unlink(missing_ok=True)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="straytrace.plot", description="Draws the picture of a run.")
+    parser.add_argument("run", help="run file, or the folder that holds run.h5")
+    parser.add_argument("-o", "--out", default="report.png", help="picture to write (png, pdf or svg)")
+    parser.add_argument("--band", nargs=2, type=float, metavar=("LOW", "HIGH"), help="Hz, for the shares of the routes")
+    options = parser.parse_args(arguments)
+    try:
+        run = open_run(options.run)
+    except RunError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    with plt.rc_context(STYLE):
+        figure = draw(run, options.band)
+        try:
+            save(figure, options.out)
+        except OSError as error:
+            print(f"error: cannot write '{options.out}': {error.strerror}", file=sys.stderr)
+            return 2
+        finally:
+            plt.close(figure)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

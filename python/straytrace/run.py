@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A run file as numpy arrays. Layout: schema/run-1.txt. All strains are one-sided ASDs in 1/sqrt(Hz)."""
+
+import pathlib
+from dataclasses import dataclass, field
+
+import h5py
+import numpy as np
+
+SCHEMA_MAJOR = 1
+
+
+class RunError(Exception):
+    """The file is not a run file that can be read; the message says why."""
+
+
+def _text(value):
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    return str(value)
+
+
+def _texts(dataset):
+    return [_text(value) for value in dataset[()]]
+
+
+@dataclass
+class Curve:
+    """One strain noise curve on the frequencies of the run."""
+
+    name: str
+    mean: np.ndarray
+    sigma: np.ndarray                 # one standard error, Monte Carlo
+    phase: np.ndarray
+    amplitude: np.ndarray
+    resolved: bool = True
+    why_not: str = ""
+    mean_square_phase: float = 0.0    # rad^2
+
+
+@dataclass
+class Noise:
+    frequency: np.ndarray             # Hz, geometric centres
+    edges: np.ndarray                 # Hz
+    total: Curve                      # a lower bound when `unresolved` is not empty
+    routes: list                      # of Curve, one per route of the run
+    unresolved: list                  # names with reason
+    design: dict                      # name: ASD
+    margin: float                     # of the first design curve
+
+    def power(self, curve, low=0.0, high=np.inf):
+        """Integral of the PSD over the band, strain^2, with its error (errors of bins add)."""
+        inside = (self.frequency >= low) & (self.frequency <= high)
+        width = np.diff(self.edges)[inside]
+        mean, sigma = curve.mean[inside], curve.sigma[inside]
+        return float(np.sum(mean**2 * width)), float(np.sum(2 * mean * sigma * width))
+
+    def shares(self, low=0.0, high=np.inf):
+        """Share of each route in the resolved noise power of the band, and its error; NaN where unresolved."""
+        powers = np.array([self.power(r, low, high) for r in self.routes]).reshape(-1, 2)
+        resolved = np.array([r.resolved for r in self.routes], dtype=bool)
+        value, sigma = np.where(resolved[:, None], powers, 0.0).T
+        total, variance = value.sum(), np.sum(sigma**2)
+        if total <= 0:
+            return np.full(len(value), np.nan), np.full(len(value), np.nan)
+        share = value / total
+        others = np.maximum(variance - sigma**2, 0)
+        error = np.sqrt((1 - share) ** 2 * sigma**2 + share**2 * others) / total
+        return np.where(resolved, share, np.nan), np.where(resolved, error, np.nan)
+
+
+@dataclass
+class Routes:
+    """Columns of the coupling table: one entry per ordered route."""
+
+    hash: np.ndarray
+    name: list
+    port: list
+    coupling: np.ndarray              # recoupled power fraction; only a hint where not `trusted`
+    sigma: np.ndarray
+    reverse: np.ndarray               # C_rev, not multiplied into `coupling`
+    trusted: np.ndarray
+    why_not: list
+
+
+@dataclass
+class Run:
+    """A run file, read whole; the file is closed again."""
+
+    path: pathlib.Path
+    attributes: dict                  # of the root: version, model_hash, seed, histories ...
+    routes: Routes
+    ledger: dict                      # name: (mean, standard error) of the power per history
+    arrived: dict                     # group: (mean, standard error)
+    groups: list
+    bodies: list
+    ports: list
+    warnings: list
+    noise: Noise | None = None
+    files: dict = field(default_factory=dict)   # input texts by name
+
+    @property
+    def complete(self):
+        return bool(self.attributes["complete"])
+
+
+def _attributes(file):
+    values = {}
+    for name, value in file.attrs.items():
+        values[name] = _text(value) if isinstance(value, (bytes, str)) else value
+    return values
+
+
+def _routes(file, ports):
+    group = file["classes"]
+    return Routes(
+        hash=group["hash"][()],
+        name=_texts(group["name"]),
+        port=[ports[i] for i in group["port"][()]],
+        coupling=group["mean"][()],
+        sigma=group["std_error"][()],
+        reverse=group["reverse"][()],
+        trusted=group["trusted"][()].astype(bool),
+        why_not=_texts(group["why_not"]),
+    )
+
+
+def _noise(file):
+    if "noise" not in file:
+        return None
+    group, total, routes = file["noise"], file["noise/total"], file["noise/routes"]
+    columns = ("mean", "sigma", "phase", "amplitude")
+    arrays = {name: routes[name][()] for name in columns}
+    names, why = _texts(routes["name"]), _texts(routes["why_not"])
+    resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
+    design = group["design"]
+    return Noise(
+        frequency=group["frequency"][()],
+        edges=group["frequency_edges"][()],
+        total=Curve("total", *(total[name][()] for name in columns)),
+        routes=[
+            Curve(names[i], *(arrays[c][i] for c in columns), bool(resolved[i]), why[i], float(phase[i]))
+            for i in range(len(names))
+        ],
+        unresolved=_texts(group["unresolved"]),
+        design=dict(zip(_texts(design["name"]), design["asd"][()])),
+        margin=float(group.attrs["margin"]),
+    )
+
+
+def _pairs(names, group):
+    return dict(zip(names, zip(group["mean"][()].tolist(), group["std_error"][()].tolist())))
+
+
+def _read(file, path):
+    attributes = _attributes(file)
+    if attributes.get("file_type") != "straytrace-run":
+        raise RunError(f"'{path}' is not a straytrace run file")
+    if int(attributes["schema"][0]) != SCHEMA_MAJOR:
+        version = ".".join(str(n) for n in attributes["schema"])
+        raise RunError(f"'{path}' has format {version}; this program reads format {SCHEMA_MAJOR}")
+    groups, ports = _texts(file["names/groups"]), _texts(file["names/ports"])
+    inputs = file["input/files"]
+    return Run(
+        path=pathlib.Path(path),
+        attributes=attributes,
+        routes=_routes(file, ports),
+        ledger=_pairs(_texts(file["ledger/name"]), file["ledger"]),
+        arrived=_pairs(groups, file["arrived"]),
+        groups=groups,
+        bodies=_texts(file["names/bodies"]),
+        ports=ports,
+        warnings=_texts(file["warnings/scene"]) + _texts(file["warnings/trace"]),
+        noise=_noise(file),
+        files={_text(text.attrs["name"]): _text(text[()]) for text in inputs.values()},
+    )
+
+
+def open_run(path):
+    """Reads the run file at `path`, or `run.h5` in the folder `path`."""
+    path = pathlib.Path(path)
+    if path.is_dir():
+        path = path / "run.h5"
+    try:
+        with h5py.File(path, "r") as file:
+            return _read(file, path)
+    except (OSError, KeyError, ValueError) as error:
+        raise RunError(f"cannot read '{path}': {error}") from error

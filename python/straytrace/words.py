@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Numbers and names as text."""
+
+import numpy as np
+
+
+def shortened(text, length):
+    """Keeps both ends of a long name: they tell where light leaves and rejoins the beam."""
+    if len(text) <= length:
+        return text
+    head = (length - 1) // 2
+    return text[:head] + "…" + text[-(length - 1 - head):]
+
+
+def _last_digit(sigma):
+    """Decimal place of the last digit that the error allows: one digit of it, two when it begins with 1."""
+    top = int(np.floor(np.log10(sigma)))
+    return top - 1 if sigma / 10.0**top < 1.95 else top
+
+
+def plain(value, sigma, unit=""):
+    """6.1 ± 0.2, with the digits that the error allows."""
+    if not (np.isfinite(value) and np.isfinite(sigma)):
+        return "unresolved"
+    if sigma == 0:
+        return f"{value:.4g} ± 0{unit}"
+    digits = min(6, max(0, -_last_digit(sigma)))
+    return f"{value:.{digits}f} ± {sigma:.{digits}f}{unit}"
+
+
+def power_of_ten(value, sigma):
+    """(1.23 ± 0.04) x 10^-24."""
+    if not (np.isfinite(value) and np.isfinite(sigma)):
+        return "unresolved"
+    if max(abs(value), sigma) == 0:
+        return "0"
+    exponent = int(np.floor(np.log10(max(abs(value), sigma))))
+    if -2 <= exponent <= 3:
+        return plain(value, sigma)
+    scale = 10.0**exponent
+    return rf"({plain(value / scale, sigma / scale)})$\times 10^{{{exponent}}}$"
+
+
+def hertz(value):
+    """Three digits, never in powers of ten."""
+    return f"{float(f'{value:.3g}'):.10g}"

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace check: everything knowable without tracing.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "app/common_options.hpp"
+#include "app/model.hpp"
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+int check(Options const& options) {
+  Model const model = read_model(options.input, options.overrides);
+  std::string const warnings = model.scene.warnings();
+  if (!options.quiet || options.strict) std::cerr << warnings;
+  if (options.strict && !warnings.empty()) return input_error;
+  if (options.resolved) {
+    std::cout << model.scene.resolved();
+    return done;
+  }
+  if (options.json()) {
+    std::cout << fmt::format(
+        "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"model_hash\": \"{}\"}}\n",
+        model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
+        model.world.ports().size(), model.hash());
+    return done;
+  }
+  std::cout << fmt::format("{}: {} surfaces in {} groups, {} bodies, {} ports\n", options.input,
+                           model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
+                           model.world.ports().size());
+  for (std::string const& note : model.world.notes) std::cout << note << '\n';
+  if (model.detector) std::cout << model.detector->description() << '\n';
+  std::cout << "no errors\n";
+  return done;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("check", "find every error that can be found without tracing");
+  add_scene_options(*command, options);
+  command->add_flag("--resolved", options.resolved, "print the scene with every parameter evaluated, in SI");
+  command->add_flag("--strict", options.strict, "warnings count as errors");
+  command->footer(
+      "Examples:\n"
+      "  straytrace check examples/virgo_arm.yaml\n"
+      "  straytrace check examples/virgo_arm.yaml -p aperture=1.1m --format json");
+  command->callback([&] { exit_code = check(options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Options that several commands share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "app/options.hpp"
+
+namespace straytrace {
+
+void add_scene_options(CLI::App&, Options&);  // SCENE, -p, --quiet, --format
+void add_trace_options(CLI::App&, Options&);  // --histories, --until, --seed, --threads, --max-time, --force
+void add_format_option(CLI::App&, Options&);
+
+}  // namespace straytrace

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/model.hpp"
+
+#include <fmt/format.h>
+
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double most_histories = 1e12;
+
+void read_orders(Model& model) {
+  Node const t = model.scene.table("trace");
+  if (t) {
+    model.seed = std::uint64_t(t.number("seed", dim::plain, 1, 0, 9e15));
+    model.histories = std::uint64_t(t.number("histories", dim::plain, 0, 0, most_histories));
+    if (Node const until = t["until"]) try {
+        model.until = parse_stop_rule(until.as_word());
+      } catch (InputError const& e) {
+        until.problem(e.what(), "write for example until: \"h_total < 5 %\"");
+      }
+    t.refuse_unknown("'trace'");
+  }
+  if (model.histories == 0) model.histories = model.until.of == StopRule::Of::nothing ? 1 << 20 : 1ull << 36;
+  if (Node const r = model.scene.table("report")) {
+    model.paths_shown = std::size_t(r.number("paths", dim::plain, 12, 1, 1e6));
+    r.refuse_unknown("'report'");
+  }
+}
+
+void read_noise(Model& model, Scene const& scene) {
+  Node const table = scene.table("noise");
+  model.noise = read_noise_settings(table);
+  model.design = read_design_curves(table, model.noise);
+  if (table) table.refuse_unknown("'noise'");
+}
+
+}  // namespace
+
+Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
+  Model model;
+  model.scene = read_scene(file, overrides, texts);
+  model.world = build_world(model.scene);
+  model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
+  model.detector =
+      make_interferometer(model.scene.table("interferometer"), model.world.ports(), model.world.wavelength);
+  read_noise(model, model.scene);
+  read_orders(model);
+  model.scene.throw_if_problems();
+  return model;
+}
+
+void replace_motion(Model& model, std::string const& file, FileTexts const* texts) {
+  Scene const other = read_scene(file, {}, texts);
+  if (Node const bodies = other.table("bodies")) model.motion = read_motion(bodies, model.world.body_names());
+  if (Node const table = other.table("interferometer"))
+    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength);
+  if (other.table("noise")) read_noise(model, other);
+  other.throw_if_problems();
+}
+
+std::string Model::hash() const {
+  std::string const parts[] = {world.fingerprint()};
+  return model_hash(parts);
+}
+
+NoiseBudget Model::project(CouplingTable const& coupling) const {
+  NoiseBudget budget = project_noise(coupling, motion, *detector, noise);
+  budget.design = design;
+  budget.margin = noise.margin;
+  return budget;
+}
+
+std::vector<std::string> Model::assumptions() const {
+  std::vector<std::string> lines = world.notes;
+  lines.push_back("frozen geometry: paths do not move while the surfaces shake (physics.md eq. 2.6)");
+  lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
+  lines.push_back("no diffraction at rims, no ghost beams: this release has neither");
+  for (auto const& [name, material] : scene.table("materials").items())
+    if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
+  return lines;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A scene file read by all rooms, and the orders of its `trace` and `report` tables.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ifo/interferometer.hpp"
+#include "motion/motion.hpp"
+#include "noise/noise.hpp"
+#include "scene/scene.hpp"
+#include "world/world.hpp"
+
+namespace straytrace {
+
+// When a trace ends: by error, by number, by clock; whichever comes first.
+struct StopRule {
+  enum class Of { nothing, total, routes } of = Of::nothing;  // largest relative error in the band; of which curves
+  double relative_error = 0;
+  double max_seconds = std::numeric_limits<double>::infinity();
+  std::string text;
+};
+// "h_total < 5 %", "routes < 10 %", "10 min", or several with commas. Throws InputError.
+StopRule parse_stop_rule(std::string const&);
+
+struct Model {
+  Scene scene;
+  World world;
+  MotionSet motion;
+  std::unique_ptr<Interferometer> detector;
+  NoiseSettings noise;
+  std::vector<DesignCurve> design;
+  std::uint64_t seed = 1, histories = 0;
+  StopRule until;
+  std::size_t paths_shown = 12;
+
+  std::string hash() const;  // of what decides the trace
+  NoiseBudget project(CouplingTable const&) const;
+  std::vector<std::string> assumptions() const;  // lines for reports
+};
+
+// Reads the scene and everything in it; throws one InputError with all problems. `texts`: of a run file, instead of
+// disk.
+Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
+// The same with motion, noise and interferometer taken from another file where it gives them.
+void replace_motion(Model&, std::string const& file, FileTexts const* texts = nullptr);
+
+}  // namespace straytrace

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace noise: run file -> h(f), with its own motion or another one, without tracing.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "app/common_options.hpp"
+#include "app/session.hpp"
+
+namespace straytrace {
+namespace {
+
+int noise(Options const& options) {
+  auto const start = std::chrono::steady_clock::now();
+  RunFile const file = read_run(options.input);
+  Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
+  if (!options.motion.empty()) replace_motion(model, options.motion);
+  NoiseBudget const budget = model.project(file.trace.coupling);
+  double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  PathTable const paths = table_for(file.trace.coupling, &budget, model);
+  RunContent content = file.content();
+  content.noise = &budget;
+  content.interferometer = model.detector->description();
+  if (!options.motion.empty())
+    content.warnings.push_back("motion replaced by " + std::filesystem::path(options.motion).filename().string());
+  if (options.json()) {
+    std::cout << summary_json(content, paths) << '\n';
+  } else {
+    std::cout << path_text(paths, options.show ? options.show : model.paths_shown) << '\n'
+              << headline(budget, paths) << '\n';
+    if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
+  }
+  if (options.out.empty()) return done;
+  std::filesystem::create_directories(options.out);
+  std::string const undrawn = write_results(options.out, content, paths, model);
+  if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
+  return done;
+}
+
+}  // namespace
+
+void add_noise(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("noise", "project motion through a traced run: h(f) in about a second");
+  command->add_option("run", options.input, "run file (HDF5)")->required();
+  command->add_option("--motion", options.motion,
+                      "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
+  command->add_option("-o,--out", options.out, "folder for curves, tables and picture");
+  command->add_option("--show", options.show, "rows of the path table");
+  command->add_flag("--quiet", options.quiet, "results only");
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace noise out/run.h5\n"
+      "  straytrace noise out/run.h5 --motion examples/storm.yaml -o storm/");
+  command->callback([&] { exit_code = noise(options); });
+}
+
+}  // namespace straytrace

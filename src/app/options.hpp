@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the command line says, and the commands.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace straytrace {
+
+struct Options {
+  std::string input, out, motion;
+  std::vector<std::string> overrides;  // "aperture=60cm"
+  std::string format = "text", until;
+  std::optional<std::uint64_t> seed, histories;
+  unsigned threads = 0;
+  double max_seconds = 0;  // 0: no limit
+  bool force = false, quiet = false, strict = false, resolved = false;
+  std::string where;
+  std::size_t show = 0;  // 0: as the scene says
+  bool csv = false;
+
+  bool json() const { return format == "json"; }
+};
+
+enum ExitCode { done = 0, input_error = 2, numerical_failure = 3, checkpointed = 85 };
+
+// Each adds its sub-command; the chosen one runs when the command line has been parsed and sets `exit_code`.
+void add_check(CLI::App&, Options&, int& exit_code);
+void add_trace(CLI::App&, Options&, int& exit_code);
+void add_run(CLI::App&, Options&, int& exit_code);
+void add_noise(CLI::App&, Options&, int& exit_code);
+void add_paths(CLI::App&, Options&, int& exit_code);
+
+}  // namespace straytrace

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "app/build_info.hpp"
+#include "app/session.hpp"
+#include "report/picture.hpp"
+
+namespace straytrace {
+
+PathTable table_for(CouplingTable const& coupling, NoiseBudget const* budget, Model const& model) {
+  return path_table(coupling, budget, budget ? &model.motion : nullptr, {});
+}
+
+RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget const* budget) {
+  RunContent content;
+  content.files = model.scene.files();
+  content.main_file = model.scene.main_file();
+  content.title = model.scene.title();
+  content.overrides = model.scene.overrides();
+  content.resolved = model.scene.resolved();
+  content.model_hash = model.hash();
+  content.interferometer = model.detector ? model.detector->description() : "";
+  if (std::string const warnings = model.scene.warnings(); !warnings.empty()) content.warnings.push_back(warnings);
+  content.provenance.version = build_info::version;
+  content.provenance.commit = build_info::commit;
+  content.provenance.build_flags = build_info::flags;
+  content.provenance.created = utc_now();
+  content.trace = &traced;
+  content.noise = budget;
+  return content;
+}
+
+std::string write_results(std::string const& folder, RunContent const& content, PathTable const& paths,
+                          Model const& model) {
+  write_run(folder + "/run.h5", content);
+  write_file(folder + "/h_asd.txt", asd_text(content));
+  write_file(folder + "/paths.csv", path_csv(paths, content));
+  write_file(folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions()));
+  std::string message;
+  return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
+}
+
+std::string headline(NoiseBudget const& budget, PathTable const& paths) {
+  std::string values, at, ratios;
+  for (std::size_t i = 0; i < paths.frequencies.size(); ++i) {
+    double const f = paths.frequencies[i];
+    char const* const comma = i ? ", " : "";
+    at += fmt::format("{}{:g}", comma, f);
+    values += comma + with_error(paths.total_strain[i].value, paths.total_strain[i].sigma);
+    if (budget.design.empty()) continue;
+    for (std::size_t b = 0; b < budget.grid.size(); ++b)
+      if (f >= budget.grid.edges[b] && f < budget.grid.edges[b + 1]) {
+        double const design = budget.design.front().asd[b];
+        ratios += comma + with_error(paths.total_strain[i].value / design, paths.total_strain[i].sigma / design);
+      }
+  }
+  std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
+  if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
+  if (paths.unresolved > 0) line += fmt::format("  (lower bound: {} routes unresolved)", paths.unresolved);
+  return line;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace run: the whole program in one function. Start reading here.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "app/common_options.hpp"
+#include "app/session.hpp"
+
+namespace straytrace {
+namespace {
+
+int run(Options const& options) {
+  Model model = read_model(options.input, options.overrides);  // input file -> world, motion, detector
+  apply(options, model);
+  std::string const warnings = model.scene.warnings();
+  if (!options.quiet) std::cerr << warnings;
+
+  std::filesystem::create_directories(options.out);
+  TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
+  NoiseBudget const budget = model.project(traced.coupling);                        // from here on nothing is expensive
+  PathTable const paths = table_for(traced.coupling, &budget, model);
+  RunContent const content = content_of(model, traced, &budget);
+  std::string const undrawn = write_results(options.out, content, paths, model);
+
+  if (options.json()) {
+    std::cout << summary_json(content, paths) << '\n';
+  } else {
+    std::cout << path_text(paths, model.paths_shown) << '\n'
+              << verdict_sentence(budget, budget.grid.edges.front(), budget.grid.edges.back()) << "\n\n"
+              << headline(budget, paths) << '\n';
+    if (!options.quiet)
+      std::cerr << fmt::format("results in {}: report.png report.txt h_asd.txt paths.csv run.h5\n", options.out);
+  }
+  if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
+  return traced.checkpointed() ? checkpointed : done;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("run", "check, trace, noise and report in one go");
+  add_scene_options(*command, options);
+  add_trace_options(*command, options);
+  command->add_option("-o,--out", options.out, "folder for the results")->required();
+  command->footer(
+      "Examples:\n"
+      "  straytrace run examples/virgo_arm.yaml -o out/\n"
+      "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p aperture=60cm\n"
+      "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
+  command->callback([&] { exit_code = run(options); });
+}
+
+}  // namespace straytrace

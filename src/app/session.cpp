@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <unistd.h>
+
+#include "base/message.hpp"
+#include "report/picture.hpp"
+#include "trace/trace.hpp"
+
+namespace straytrace {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+
+// Ctrl-C asks for a stop; a second one ends the program at once.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { stop_requested = true; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, &before_int_);
+    sigaction(SIGTERM, &action, &before_term_);
+  }
+  ~InterruptGuard() {
+    sigaction(SIGINT, &before_int_, nullptr);
+    sigaction(SIGTERM, &before_term_, nullptr);
+  }
+  InterruptGuard(InterruptGuard const&) = delete;
+  InterruptGuard& operator=(InterruptGuard const&) = delete;
+
+ private:
+  struct sigaction before_int_ {
+  }, before_term_{};
+};
+
+// Largest relative error over the band of what the rule names; infinite while anything needed is unresolved.
+double rule_error(StopRule const& rule, NoiseBudget const& budget) {
+  auto const worst = [](NoiseTrace const& trace) {
+    double largest = 0;
+    for (std::size_t i = 0; i < trace.asd.size(); ++i)
+      if (trace.asd[i] > 0) largest = std::max(largest, trace.sigma[i] / trace.asd[i]);
+    return largest;
+  };
+  double error = worst(budget.total);
+  if (rule.of == StopRule::Of::routes) {
+    double total = 0;
+    for (double x : budget.total.asd) total += x * x;
+    for (NoiseTrace const& route : budget.routes) {
+      double share = 0;
+      for (double x : route.asd) share += x * x;
+      if (route.resolved && share > 0.01 * total) error = std::max(error, worst(route));
+    }
+  }
+  if (budget.unresolved_hint > 0.01) error = std::max(error, budget.unresolved_hint);
+  return error > 0 ? error : infinity;
+}
+
+std::string duration(double seconds) {
+  if (!(seconds < 1e6)) return "days";
+  return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
+std::string progress_line(TraceProgress const& p, StopRule const& rule) {
+  double left = double(p.wanted_histories - std::min(p.wanted_histories, p.histories)) / p.histories_per_s;
+  std::string goal = fmt::format("{:.3g} of {:.3g} histories", double(p.histories), double(p.wanted_histories));
+  if (rule.of != StopRule::Of::nothing) {
+    double const want = p.wanted_error, ratio = p.error / want;
+    goal = std::isfinite(p.error) ? fmt::format("error {:.1f} %  (want {:g} %)", 100 * p.error, 100 * want)
+                                  : fmt::format("(want {:g} %)", 100 * want);
+    if (std::isfinite(ratio)) left = std::min(left, p.seconds * std::max(ratio * ratio * 1.4 - 1, 0.2));
+    if (std::isnan(p.error)) left = infinity;
+  }
+  std::string const time = std::isfinite(left) ? "about " + duration(left) + " left" : "";
+  return fmt::format("trace  {}  {:.3g} histories  {:.2g} histories/s  {:.2g} rays/s  {}", goal, double(p.histories),
+                     p.histories_per_s, p.rays_per_s, time);
+}
+
+// A moving line on a terminal; elsewhere a line every ten seconds.
+class Progress {
+ public:
+  Progress(Options const& options, StopRule const& rule) : quiet_(options.quiet), rule_(rule) {}
+  ~Progress() {
+    if (drawn_) std::cerr << '\n';
+  }
+  Progress(Progress const&) = delete;
+  Progress& operator=(Progress const&) = delete;
+  void operator()(TraceProgress const& p) {
+    if (quiet_ || p.seconds < 0.5) return;
+    if (terminal_) {
+      std::cerr << "\r\x1b[K" << progress_line(p, rule_) << std::flush;
+      drawn_ = true;
+    } else if (p.seconds >= next_) {
+      std::cerr << progress_line(p, rule_) << '\n';
+      next_ = p.seconds + 10;
+    }
+  }
+
+ private:
+  bool const quiet_, terminal_ = isatty(STDERR_FILENO) != 0;
+  StopRule const& rule_;
+  double next_ = 0;
+  bool drawn_ = false;
+};
+
+// The blocks already traced for this model and seed; refuses to overwrite another model's run.
+SumTree earlier_blocks(Model const& model, Options const& options, std::string const& run_file) {
+  if (options.force || !std::filesystem::exists(run_file)) return {};
+  RunFile earlier = read_run(run_file);
+  if (earlier.about.model_hash != model.hash() || earlier.trace.coupling.seed != model.seed)
+    throw InputError(
+        fmt::format("error: '{}' holds a run of another model or seed; nothing was run\n"
+                    "  choose another folder with -o, or overwrite it with --force",
+                    run_file));
+  if (!options.quiet)
+    std::cerr << fmt::format("going on from {:.3g} histories in '{}'\n", double(earlier.trace.total.histories),
+                             run_file);
+  return std::move(earlier.trace.tree);
+}
+
+}  // namespace
+
+void apply(Options const& options, Model& model) {
+  if (options.seed) model.seed = *options.seed;
+  if (!options.until.empty()) {
+    model.until = parse_stop_rule(options.until);
+    if (model.until.of != StopRule::Of::nothing) model.histories = 1ull << 36;
+  }
+  if (options.histories) {
+    model.histories = *options.histories;
+    if (options.until.empty()) model.until = {};
+  }
+  if (options.max_seconds > 0) model.until.max_seconds = std::min(model.until.max_seconds, options.max_seconds);
+}
+
+TraceResult trace_model(Model const& model, Options const& options, std::string const& run_file) {
+  TraceSettings settings;
+  settings.resume = earlier_blocks(model, options, run_file);
+  settings.seed = model.seed;
+  settings.histories = model.histories;
+  settings.threads = options.threads;
+  settings.max_seconds = model.until.max_seconds;
+  if (model.until.of != StopRule::Of::nothing) {
+    settings.wanted_error = model.until.relative_error;
+    settings.error = [&](CouplingTable const& table) { return rule_error(model.until, model.project(table)); };
+  }
+  Progress progress(options, model.until);
+  settings.progress = [&](TraceProgress const& p) { progress(p); };
+  stop_requested = false;
+  InterruptGuard const guard;
+  settings.stop = &stop_requested;
+  return trace(model.world, settings, *make_backend("cpu"));
+}
+
+}  // namespace straytrace

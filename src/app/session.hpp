@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the commands share: tracing with progress and interruption, and the files of a result.
+#pragma once
+
+#include <string>
+
+#include "app/model.hpp"
+#include "app/options.hpp"
+#include "report/report.hpp"
+#include "trace/result.hpp"
+
+namespace straytrace {
+
+// Lets the command line overrule the scene: seed, histories, stop rule.
+void apply(Options const&, Model&);
+
+// Traces, or goes on with the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
+// finishes the blocks under way. Throws InputError when another model's run would be overwritten without --force.
+TraceResult trace_model(Model const&, Options const&, std::string const& run_file);
+
+RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
+// run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.
+std::string write_results(std::string const& folder, RunContent const&, PathTable const&, Model const&);
+
+// The line that matters: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
+std::string headline(NoiseBudget const&, PathTable const&);
+
+PathTable table_for(CouplingTable const&, NoiseBudget const*, Model const&);
+
+}  // namespace straytrace

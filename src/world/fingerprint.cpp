@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <bit>
+#include <cstring>
+
+#include "world/world.hpp"
+
+namespace straytrace {
+namespace {
+
+// Appends plain numbers as bytes and texts with their length in front.
+class Bytes {
+ public:
+  void add(double x) { append(&x, sizeof x); }
+  void add(std::uint64_t x) { append(&x, sizeof x); }
+  void add(Vec3 v) {
+    add(v.x);
+    add(v.y);
+    add(v.z);
+  }
+  void add(std::string const& s) {
+    add(std::uint64_t(s.size()));
+    text += s;
+  }
+  template <class T>
+  void add_doubles(T const& t) {  // a struct of nothing but doubles
+    static_assert(sizeof(T) % sizeof(double) == 0 && std::is_trivially_copyable_v<T>);
+    append(&t, sizeof t);
+  }
+  std::string text;
+
+ private:
+  void append(void const* data, std::size_t size) { text.append(static_cast<char const*>(data), size); }
+};
+
+void add(Bytes& out, Footprint const& f) {
+  out.add(std::uint64_t(f.surface.value));
+  out.add(f.centre);
+  out.add(f.travel);
+  out.add(std::uint64_t(f.profile));
+  for (double x : {f.radius, f.curvature, f.share}) out.add(x);
+  for (std::uint64_t x : {std::uint64_t(f.port.value), std::uint64_t(f.beam), std::uint64_t(f.standing),
+                          std::uint64_t(f.emits), std::uint64_t(f.receives)})
+    out.add(x);
+}
+
+}  // namespace
+
+std::string World::fingerprint() const {
+  static_assert(std::endian::native == std::endian::little);
+  Bytes out;
+  WorldView const v = view();
+  out.add(std::string("straytrace world 1"));
+  for (Surface const& s : surfaces_) {
+    out.add(std::uint64_t(s.shape.kind));
+    v.shapes.visit(s.shape, [&](auto const& shape) { out.add_doubles(shape); });
+    for (std::uint32_t x : {s.front, s.back, s.body.value, s.group.value}) out.add(std::uint64_t(x));
+  }
+  for (Optic const& o : optics_) {
+    out.add(o.reflect);
+    for (int i = 0; i < o.laws; ++i) {
+      out.add(std::uint64_t(o.law[i].kind));
+      v.laws.visit(o.law[i], [&](auto const& law) { out.add_doubles(law); });
+    }
+  }
+  for (Footprint const& f : lit_) add(out, f);
+  for (Body const& b : bodies_) {
+    out.add(b.name);
+    out.add(b.pivot);
+  }
+  for (auto const* names : {&groups_, &ports_})
+    for (std::string const& name : *names) out.add(name);
+  out.add(std::uint64_t(limits.max_order));
+  out.add(limits.roulette_below);
+  out.add(std::uint64_t(limits.route_vertices));
+  out.add(std::uint64_t(reverse_routes));
+  out.add(wavelength);
+  return std::move(out.text);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Design sensitivities in closed form (physics.md eq. 12.1, table of 12.2; cases A22, B12).
+#include "noise/design.hpp"
+#include "noise_support.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+double worst(std::string_view name, std::vector<std::pair<double, double>> const& table) {
+  double d = 0;
+  for (auto const& [hz, asd] : table) d = std::max(d, deviation(design_asd(name, hz), asd));
+  return d;
+}
+
+std::vector<std::pair<double, double>> const adv = {{10, 1.124e-21}, {100, 4.595e-24}, {1000, 1.870e-23}};
+std::vector<std::pair<double, double>> const kagra = {{10, 2.809e-22}, {100, 3.018e-24}, {1000, 1.459e-23}};
+
+TEST(TargetCurves, FitsAndTables) {  // tolerance 1e-3
+  EXPECT_LT(worst("adv-lal", adv), 1e-3);
+  EXPECT_LT(worst("kagra-lal", kagra), 1e-3);
+  EXPECT_LT(worst("et-d-points", {{1, 3.50e-17}, {10, 1.16e-24}, {1000, 5.78e-25}}), 1e-12);
+  EXPECT_LT(deviation(design_asd("et-d-points", std::sqrt(200.0)), std::sqrt(1.16e-24 * 9.39e-25)), 1e-9);
+  EXPECT_GT(worst("adv-lal", kagra), 0.1);  // twin: the curve of another detector
+}
+
+TEST(TargetCurves, NothingOutsideATable) {
+  EXPECT_TRUE(std::isnan(design_asd("et-d-points", 0.9)));
+  EXPECT_TRUE(std::isnan(design_asd("et-d-points", 2000)));
+  EXPECT_TRUE(std::isnan(design_asd("unknown", 100)));
+}
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ground noise models (physics.md eq. 11.1 and the table of section 11; case A21).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "signal/shapes.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Row {
+  double hz, low, high;  // m/sqrt(Hz)
+};
+constexpr Row table[] = {{0.1, 1.65e-8, 4.11e-6}, {0.2, 5.58e-8, 8.26e-6}, {0.3, 1.70e-8, 2.86e-6},
+                         {1, 1.21e-10, 3.64e-8},  {2, 2.67e-11, 1.11e-8},  {5, 4.69e-12, 1.48e-8},
+                         {10, 1.01e-12, 6.75e-9}};
+
+double worst(GroundModel model, double Row::*column) {
+  double d = 0;
+  for (Row const& r : table) d = std::max(d, std::fabs(peterson_asd(model, r.hz) / (r.*column) - 1));
+  return d;
+}
+
+TEST(Peterson, TableOfDisplacement) {  // three printed digits: 0.5 %
+  EXPECT_LT(worst(GroundModel::low, &Row::low), 5e-3);
+  EXPECT_LT(worst(GroundModel::high, &Row::high), 5e-3);
+  EXPECT_GT(worst(GroundModel::typical, &Row::low), 1);  // twin
+}
+
+TEST(Peterson, TypicalIsTheGeometricMean) {
+  EXPECT_NEAR(peterson_asd(GroundModel::typical, 0.2), 6.8e-7, 0.05e-7);
+  EXPECT_NEAR(peterson_asd(GroundModel::typical, 1), 2.1e-9, 0.05e-9);
+  EXPECT_NEAR(peterson_asd(GroundModel::typical, 10), 8.3e-11, 0.05e-11);
+}
+
+TEST(Peterson, SpectrumFollowsTheModelAndItsContinuation) {
+  Spectrum const s = peterson(GroundModel::high, 0.05, 1000);
+  for (double hz : {0.07, 0.19, 0.33, 3.0, 9.9, 40.0, 900.0})
+    EXPECT_NEAR(std::sqrt(s.at(hz)) / peterson_asd(GroundModel::high, hz), 1, 2e-3) << hz;
+  EXPECT_NEAR(s.at(400) / s.at(40), 1e-4, 1e-7);  // displacement ASD 1/f^2 above 10 Hz
+  EXPECT_EQ(s.at(0.04), 0);
+}
+
+}  // namespace
+}  // namespace straytrace

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads a run file and an exported curve as users do. Usage: test_plot.py [RUN_FILE [H_ASD_TXT]]
+
+Without arguments a small run file is made here, from the paths of schema/run-1.txt.
+"""
+import pathlib
+import sys
+import tempfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "python"))
+sys.dont_write_bytecode = True
+
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+
+import straytrace  # noqa: E402
+from straytrace import plot, words  # noqa: E402
+
+
+def made_run(path, routes=9, bins=60, noise=True):
+    """A run file with made-up numbers."""
+    edges = np.geomspace(5, 1000, bins + 1)
+    centre = np.sqrt(edges[:-1] * edges[1:])
+    names = [f"ITM·S > baffles[{i}]·S > vacuum_tube_section_{i}·R > ITM·S" for i in range(routes)]
+    mean = 1e-21 * (centre / 5) ** -2.5 * 0.6 ** np.arange(routes)[:, None]
+    with h5py.File(path, "w") as f:
+        f.attrs.update(file_type=np.bytes_("straytrace-run"), schema=[1, 0], program="straytrace", version="0.1.0",
+                       commit="abc", created="2024-05-01T12:00:00Z", title="Made up", model_hash="0" * 64, seed=1,
+                       histories=1000000, complete=1)
+        text = lambda values: np.array([v.encode() for v in values], dtype="S80")  # noqa: E731
+        for name, values in {"groups": ["ITM"], "bodies": ["tube"], "ports": ["arm"]}.items():
+            f[f"names/{name}"] = text(values)
+        for name, value in {"hash": np.arange(routes), "port": np.zeros(routes, int), "mean": mean[:, 0],
+                            "std_error": 0.01 * mean[:, 0], "reverse": np.ones(routes),
+                            "trusted": np.ones(routes, int)}.items():
+            f[f"classes/{name}"] = value
+        f["classes/name"] = text(names)
+        f["classes/why_not"] = text([""] * routes)
+        f["ledger/name"] = text(["emitted", "absorbed", "escaped", "limit", "window", "sampling"])
+        f["ledger/mean"] = [1, 0.7, 0.3, 0, 0, 0]
+        f["ledger/std_error"] = [0, 0.001, 0.001, 0, 0.0002, 0]
+        f["arrived/mean"], f["arrived/std_error"] = [0.3], [0.01]
+        f["warnings/scene"] = f["warnings/trace"] = text([])
+        f["input/files/0"] = np.bytes_("a: 1\n")
+        f["input/files/0"].attrs["name"] = np.bytes_("arm.yaml")
+        if not noise:
+            return
+        total = np.sqrt(np.sum(mean**2, axis=0))
+        for group, value in (("total", total), ("routes", mean)):
+            for column, factor in (("mean", 1), ("sigma", 0.05), ("phase", 0.9), ("amplitude", 0.4)):
+                f[f"noise/{group}/{column}"] = factor * value
+        f["noise/routes/name"], f["noise/routes/why_not"] = text(names), text([""] * routes)
+        f["noise/routes/resolved"], f["noise/routes/mean_square_phase"] = np.ones(routes, int), np.ones(routes)
+        f["noise/frequency"], f["noise/frequency_edges"] = centre, edges
+        f["noise/unresolved"] = text([])
+        f["noise/design/name"], f["noise/design/asd"] = text(["adv-lal"]), [1e-20 * (centre / 5) ** -2]
+        f["noise"].attrs["margin"] = 0.1
+
+
+def check_run(path):
+    run = straytrace.open(path)
+    assert run.attributes["file_type"] == "straytrace-run"
+    assert len(run.routes.name) == len(run.routes.coupling) == len(run.noise.routes)
+    assert run.noise.total.mean.shape == run.noise.frequency.shape
+    assert np.all(np.diff(run.noise.edges) > 0)
+    resolved = [r for r in run.noise.routes if r.resolved]
+    total = np.sqrt(sum(r.mean**2 for r in resolved))
+    np.testing.assert_allclose(total, run.noise.total.mean, rtol=1e-9)   # powers of routes add (interface.md 10.6)
+    share, error = run.noise.shares()
+    assert abs(np.nansum(share) - 1) < 1e-9 and np.all(error[np.isfinite(error)] >= 0)
+    twin = [straytrace.run.Curve(r.name, 2 * r.mean, r.sigma, r.phase, r.amplitude) for r in resolved[:1]] + resolved[1:]
+    assert not np.allclose(np.sqrt(sum(r.mean**2 for r in twin)), run.noise.total.mean, rtol=1e-3, atol=0)
+    return run
+
+
+def check_picture(run, out):
+    assert plot.main([str(run), "-o", str(out)]) == 0
+    image = plot.plt.imread(out)
+    assert image.shape[:2] == (1000, 1600), image.shape
+    assert image[..., :3].std() > 0.05, "the picture is empty"
+    assert not list(out.parent.glob("*.part-*"))
+
+
+def check_labels_fit(path):
+    """No text of the picture leaves the canvas, and no label of a bar meets another."""
+    with plot.plt.rc_context(plot.STYLE):
+        figure = plot.draw(straytrace.open(path))
+        figure.canvas.draw()
+        renderer = figure.canvas.get_renderer()
+        for axes in figure.axes:
+            boxes = [t.get_window_extent(renderer) for t in axes.texts if t.get_text()]
+            for i, a in enumerate(boxes):
+                assert 0 <= a.x0 and a.x1 <= 1600, a
+                assert not any(a.overlaps(b) for b in boxes[i + 1:]), axes.get_title(loc="left")
+        for t in figure.texts:
+            box = t.get_window_extent(renderer)
+            assert 0 <= box.x0 and box.x1 <= 1600 and 0 <= box.y0 and box.y1 <= 1000, t.get_text()
+        plot.plt.close(figure)
+
+
+def check_curves(path):
+    """Loads with numpy as gwpy does: two columns of nine."""
+    table = np.loadtxt(path)
+    frequency, h = np.loadtxt(path, usecols=(0, 1), unpack=True)
+    assert table.shape[1] == 9 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
+    np.testing.assert_allclose(table[:, 3], np.maximum(h - table[:, 2], 0), rtol=1e-3, atol=0)
+    np.testing.assert_allclose(table[:, 8], h / table[:, 7], rtol=1e-5)
+
+
+def check_refusals(folder):
+    other = folder / "other.h5"
+    with h5py.File(other, "w") as f:
+        f.attrs["file_type"] = "something else"
+    newer = folder / "newer.h5"
+    made_run(newer)
+    with h5py.File(newer, "r+") as f:
+        f.attrs["schema"] = [2, 0]
+    (folder / "text.h5").write_text("hello")
+    for path, reason in ((other, "not a straytrace run"), (newer, "format 2.0"), (folder / "text.h5", "cannot read"),
+                        (folder / "none.h5", "cannot read")):
+        try:
+            straytrace.open(path)
+        except straytrace.RunError as error:
+            assert reason in str(error), error
+        else:
+            raise AssertionError(f"{path} was accepted")
+        assert plot.main([str(path), "-o", str(folder / "no.png")]) == 2
+        assert not (folder / "no.png").exists()
+
+
+def check_numbers():
+    assert words.power_of_ten(1.2345e-24, 0.04e-24) == r"(1.23 ± 0.04)$\times 10^{-24}$"
+    assert words.plain(61.0001, 0.3, " %") == "61.0 ± 0.3 %"
+    assert words.hertz(999.9) == "1000" and words.hertz(5.0) == "5"
+    assert words.power_of_ten(6.1234, 0.012) == "6.123 ± 0.012"
+    assert words.power_of_ten(np.nan, 1) == "unresolved"
+    assert words.shortened("abcdefghij", 5) == "ab…ij"
+
+
+with tempfile.TemporaryDirectory() as name:
+    here = pathlib.Path(name)
+    made_run(here / "run.h5")
+    given = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "run.h5"
+    check_numbers()
+    check_refusals(here)
+    for file in {given, here / "run.h5"}:
+        check_run(file)
+        check_labels_fit(file)
+    check_picture(given, here / "report.png")
+    made_run(here / "bare.h5", noise=False)
+    check_labels_fit(here / "bare.h5")
+    check_picture(here / "bare.h5", here / "bare.png")
+    if len(sys.argv) > 2:
+        check_curves(sys.argv[2])
+print("ok")

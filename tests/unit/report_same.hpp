@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Equality of results to the last bit: -0 is not 0, and NaN equals itself.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "report/report.hpp"
+
+namespace straytrace::test {
+
+inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+inline bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return same_bits(x, y); });
+}
+
+inline bool same(Moments const& a, Moments const& b) {
+  return same_bits(a.sum, b.sum) && same_bits(a.sum2, b.sum2) && same_bits(a.sum3, b.sum3) &&
+         same_bits(a.sum4, b.sum4) && same_bits(a.block_sum2, b.block_sum2) && same_bits(a.largest, b.largest) &&
+         a.largest_history == b.largest_history && a.scored == b.scored;
+}
+
+inline bool same(ClassSums const& a, ClassSums const& b) {
+  bool equal = a.port == b.port && same(a.moments, b.moments) && a.replica_sum == b.replica_sum &&
+               same_bits(a.threshold, b.threshold) && a.kept.size() == b.kept.size();
+  for (std::size_t i = 0; equal && i < a.kept.size(); ++i)
+    equal = a.kept[i].history == b.kept[i].history && a.kept[i].event == b.kept[i].event &&
+            a.kept[i].connection == b.kept[i].connection && same_bits(a.kept[i].coupling, b.kept[i].coupling) &&
+            same_bits(a.kept[i].priority, b.kept[i].priority);
+  return equal;
+}
+
+inline bool same(BlockSums const& a, BlockSums const& b) {
+  bool equal = a.histories == b.histories && a.blocks == b.blocks && a.bounces == b.bounces && a.rays == b.rays &&
+               a.lost == b.lost && same(a.emitted, b.emitted) && a.arrived.size() == b.arrived.size() &&
+               a.classes.size() == b.classes.size();
+  for (std::size_t i = 0; i < fate_count; ++i) equal = equal && same(a.ledger[i], b.ledger[i]);
+  for (std::size_t i = 0; equal && i < a.arrived.size(); ++i) equal = same(a.arrived[i], b.arrived[i]);
+  for (auto const& [hash, sums] : a.classes)
+    equal = equal && b.classes.contains(hash) && same(sums, b.classes.at(hash));
+  return equal;
+}
+
+inline bool same(SumTree const& a, SumTree const& b) {
+  bool equal = a.nodes().size() == b.nodes().size();
+  for (auto const& [place, node] : a.nodes())
+    equal = equal && b.nodes().contains(place) && same(node, b.nodes().at(place));
+  return equal;
+}
+
+inline bool same(PathRecord const& a, PathRecord const& b) {
+  bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
+               same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
+               same_bits(a.path_length, b.path_length) && a.levers.size() == b.levers.size();
+  for (std::size_t i = 0; equal && i < a.levers.size(); ++i)
+    equal =
+        a.levers[i].body == b.levers[i].body && std::memcmp(a.levers[i].d, b.levers[i].d, sizeof a.levers[i].d) == 0;
+  return equal;
+}
+
+inline bool same(CouplingClass const& a, CouplingClass const& b) {
+  bool equal = a.hash == b.hash && a.port == b.port && a.steps == b.steps && same_bits(a.reverse, b.reverse) &&
+               same_bits(a.coupling.mean, b.coupling.mean) && same_bits(a.coupling.std_error, b.coupling.std_error) &&
+               same_bits(a.coupling.variance_of_variance, b.coupling.variance_of_variance) &&
+               same_bits(a.coupling.largest_share, b.coupling.largest_share) &&
+               same_bits(a.coupling.effective_scores, b.coupling.effective_scores) &&
+               a.coupling.scored == b.coupling.scored && a.coupling.trusted == b.coupling.trusted &&
+               a.coupling.why_not == b.coupling.why_not && a.replica_sum == b.replica_sum &&
+               a.records.size() == b.records.size();
+  for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
+  return equal;
+}
+
+inline bool same(CouplingTable const& a, CouplingTable const& b) {
+  bool equal = a.groups == b.groups && a.bodies == b.bodies && a.ports == b.ports && a.histories == b.histories &&
+               a.seed == b.seed && same_bits(a.wavelength, b.wavelength) && a.reverse_routes == b.reverse_routes &&
+               a.replica_histories == b.replica_histories && a.classes.size() == b.classes.size();
+  for (std::size_t i = 0; equal && i < a.classes.size(); ++i) equal = same(a.classes[i], b.classes[i]);
+  return equal;
+}
+
+inline bool same(NoiseTrace const& a, NoiseTrace const& b) {
+  return a.name == b.name && a.hash == b.hash && same_bits(a.asd, b.asd) && same_bits(a.sigma, b.sigma) &&
+         same_bits(a.phase_asd, b.phase_asd) && same_bits(a.amplitude_asd, b.amplitude_asd) &&
+         same_bits(a.mean_square_phase, b.mean_square_phase) && a.resolved == b.resolved && a.why_not == b.why_not;
+}
+
+inline bool same(NoiseBudget const& a, NoiseBudget const& b) {
+  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && a.routes.size() == b.routes.size() &&
+               a.unresolved == b.unresolved && same_bits(a.unresolved_hint, b.unresolved_hint) &&
+               a.design.size() == b.design.size() && same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
+  for (std::size_t i = 0; equal && i < a.routes.size(); ++i) equal = same(a.routes[i], b.routes[i]);
+  for (std::size_t i = 0; equal && i < a.design.size(); ++i)
+    equal = a.design[i].name == b.design[i].name && same_bits(a.design[i].asd, b.design[i].asd);
+  return equal;
+}
+
+}  // namespace straytrace::test

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reads models from texts in memory and collects what was said about them.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "base/message.hpp"
+#include "scene/scene.hpp"
+
+namespace straytrace::test {
+
+inline Scene scene_of(FileTexts const& texts, std::vector<std::string> const& overrides = {}) {
+  return read_scene("arm.yaml", overrides, &texts);
+}
+
+inline Scene scene_of(std::string const& body, std::vector<std::string> const& overrides = {}) {
+  return scene_of(FileTexts{{"arm.yaml", "straytrace: 1\n" + body}}, overrides);
+}
+
+// The rendered errors, empty when there are none.
+inline std::string errors_of(FileTexts const& texts, std::vector<std::string> const& overrides = {}) {
+  try {
+    scene_of(texts, overrides).throw_if_problems();
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return {};
+}
+
+inline std::string errors_of(std::string const& body, std::vector<std::string> const& overrides = {}) {
+  return errors_of(FileTexts{{"arm.yaml", "straytrace: 1\n" + body}}, overrides);
+}
+
+// The value of `x` as a parameter, read with a dimension; NaN and errors in `said` when refused.
+inline double value_of(std::string const& expression, Dimension d, std::string const& params = "",
+                       std::string* said = nullptr) {
+  Scene const scene = scene_of("params: {" + params + "}\ntrace: {x: " + expression + "}\n");
+  double const value = scene.table("trace").number("x", d);
+  try {
+    scene.throw_if_problems();
+  } catch (InputError const& e) {
+    if (said) *said = e.what();
+    return not_a_number;
+  }
+  return value;
+}
+
+inline std::string refusal_of(std::string const& expression, Dimension d, std::string const& params = "") {
+  std::string said;
+  value_of(expression, d, params, &said);
+  return said;
+}
+
+}  // namespace straytrace::test
