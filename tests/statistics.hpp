@@ -13,6 +13,13 @@ struct SampleMean {
   long long n;
 };
 
+inline SampleMean scaled(SampleMean s, double factor) {
+  return {s.mean * factor, s.std_error * std::fabs(factor), s.n};
+}
+inline SampleMean difference(SampleMean a, SampleMean b) {  // of independent samples
+  return {a.mean - b.mean, std::hypot(a.std_error, b.std_error), a.n + b.n};
+}
+
 // A comparison that can neither flake nor sleep.
 //   z_false = 5: correct code misses by chance once in 1.7 million (the seed is fixed anyway);
 //   z_power = 3: code that is wrong by `smallest_effect` is caught 99.87 % of the time, or the test refuses to run.
@@ -27,5 +34,28 @@ inline void expect_mean(char const* what, SampleMean s, double expected, double 
   EXPECT_LE(std::abs(s.mean - expected), z_false * s.std_error)
       << what << ": " << s.mean << " +- " << s.std_error << ", expected " << expected;
 }
+
+// The broken twin of expect_mean: a wrong trace against the right number, or a right trace against a wrong one.
+inline void expect_rejected(char const* what, SampleMean s, double expected, double z_false = 5) {
+  ASSERT_TRUE(std::isfinite(s.mean) && s.std_error > 0) << what;
+  EXPECT_GT(std::abs(s.mean - expected), z_false * s.std_error)
+      << what << ": the broken twin passed, " << s.mean << " +- " << s.std_error << " against " << expected;
+}
+
+// Mean of independent values.
+class Sampler {
+ public:
+  void add(double x) {
+    ++n_;
+    double const step = x - mean_;
+    mean_ += step / double(n_);
+    square_ += step * (x - mean_);
+  }
+  SampleMean mean() const { return {mean_, std::sqrt(square_ / (double(n_) * double(n_ - 1))), n_}; }
+
+ private:
+  long long n_ = 0;
+  double mean_ = 0, square_ = 0;
+};
 
 }  // namespace straytrace::testing

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "statistics.hpp"
+#include "trace/history/step.hpp"
 #include "trace/trace.hpp"
 
 namespace straytrace::testing {
@@ -56,8 +57,46 @@ inline TraceResult run_histories(World const& world, std::uint64_t histories, st
   return trace(world, settings, *make_backend("cpu"));
 }
 
+// A sink that listens to nothing; tests overrule what they want to hear.
+struct Silent {
+  void emitted(PathState const&, Vertex const&) {}
+  void visit(PathState const&, Vertex const&) {}
+  void score(PathState const&, Vertex const&, std::uint32_t, std::uint32_t, Vertex const&, double) {}
+  void book(Fate, double) {}
+};
+// Histories 0 to n - 1 one after the other; `after` closes each.
+template <class Sink, class After>
+void walk(World const& world, std::uint64_t histories, Sink& sink, After&& after, std::uint64_t seed = 1) {
+  WorldView const view = world.view();
+  for (std::uint64_t h = 0; h < histories; ++h) {
+    trace_history(view, seed, h, sink);
+    after();
+  }
+}
+
+// Starts a path by hand at a point of a surface, scattered as if light of power 1 had come in along `travel`.
+template <class Sink>
+bool launch(WorldView const& view, std::uint64_t seed, std::uint64_t history, SurfaceId from, Vec3 point, Vec3 travel,
+            PathState& path, Sink& sink) {
+  Vertex const vertex = make_vertex(view, from, point, travel);
+  path.history = history;
+  path.power = 1;
+  path.emitted = vertex.albedo;
+  return scatter(view, seed, path, vertex, sink, true);
+}
+
+inline CouplingClass const* find_route(TraceResult const& r, std::string const& name) {
+  for (CouplingClass const& c : r.coupling.classes)
+    if (route_name(r.coupling, c) == name) return &c;
+  return nullptr;
+}
 inline SampleMean sample_mean(Estimate const& e, std::uint64_t n, double scale = 1) {
   return {e.mean * scale, e.std_error * scale, (long long)n};
+}
+// Ordered paths of one route, nothing when it was never found.
+inline SampleMean route_coupling(TraceResult const& r, std::string const& name) {
+  CouplingClass const* c = find_route(r, name);
+  return c ? SampleMean{c->coupling.mean, c->coupling.std_error, (long long)r.total.histories} : SampleMean{};
 }
 // Power arriving on a group, relative to what was emitted per history (all histories emit the same in these worlds).
 inline SampleMean arrived(World& world, TraceResult const& r, std::string const& group) {

@@ -23,7 +23,7 @@ constexpr std::size_t fewest = std::size_t{1} << 14, usual_most = std::size_t{1}
 // Frequency beyond which the spectrum is below 1e-17: Gaussian tail of the fringe rate (8.9 sigma), products of the
 // motion with itself, Bessel tails of the tones.
 double reach(SlowPhase const& p) {
-  double hz = 9 * p.fringe_rate + 6 * p.highest;
+  double hz = 9 * p.fringe_rate + 3 * p.highest;
   for (PhaseTone const& t : p.tones) hz += t.frequency * (t.peak + 8 * std::cbrt(t.peak) + 10);
   return hz;
 }

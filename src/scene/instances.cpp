@@ -4,18 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
+#include "scene/parts.hpp"
 #include "scene/repeat.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr std::size_t deepest_part = 8;
-// Keys of an entry that a parameter of a part may not be called.
-constexpr std::array<std::string_view, 12> entry_keys{"name", "use",    "shape",  "file", "repeat",   "split",
-                                                      "at",   "facing", "rotate", "body", "material", "side"};
 
 bool holds_position(Node const& n) {
   bool const at = n.has("at"), facing = n.has("facing"), rotate = n.has("rotate");
@@ -33,10 +28,10 @@ struct Unfolding {
 
 class Expander {
  public:
-  Expander(SceneDocument& document, Node root) : document_(document), root_(std::move(root)) {}
+  Expander(SceneDocument& document, Node root) : document_(document), root_(std::move(root)), faces_(root_["parts"]) {}
 
   std::vector<Scene::Instance> run() {
-    check_parts();
+    check_parts(document_, root_["parts"]);
     for (Node const& entry : root_.list("scene")) {
       if (entry.kind() == Node::Kind::table)
         expand_entry(entry);
@@ -47,62 +42,21 @@ class Expander {
   }
 
  private:
-  static bool name_allowed(Node const& at, std::string const& name) {
-    bool const bad =
-        name.empty() || std::any_of(name.begin(), name.end(), [](char c) {
-          return static_cast<unsigned char>(c) < 0x20 || std::string_view("/*[]>\"'").find(c) != std::string_view::npos;
-        });
-    if (bad)
-      at.problem(fmt::format("'{}' cannot be a name", shortened(name)),
-                 "leave out the characters / * [ ] > and quotes");
-    return !bad;
-  }
-
-  void check_parts() {
-    for (auto const& [name, part] : root_["parts"].items()) {
-      if (part.kind() != Node::Kind::table) {
-        if (part)
-          part.problem(fmt::format("part '{}' needs a table with 'faces'", name),
-                       "write '{faces: {front: {shape: ...}}}'");
-        continue;
-      }
-      bool const named = name_allowed(part, name);
-      Node const faces = part.table("faces"), params = part.table("params");
-      if (named && !part.has("faces"))
-        part.problem(fmt::format("part '{}' has no faces", name),
-                     "add 'faces: {front: {shape: {disk: {outer_radius: 10 cm}}}}'");
-      else if (faces.kind() == Node::Kind::table && faces.items().empty())
-        faces.problem(fmt::format("part '{}' has no faces", name), "add 'front: {shape: ...}'");
-      for (auto const& [face, data] : faces.items()) {
-        if (!name_allowed(data, face)) continue;
-        if (data.kind() != Node::Kind::table && data)
-          data.problem(fmt::format("face '{}' needs a table of keys", face), "write '{shape: {...}, material: ...}'");
-      }
-      if (params.kind() == Node::Kind::table)
-        for (NodeData::Entry const& p : params.data()->entries)
-          if (std::find(entry_keys.begin(), entry_keys.end(), p.key) != entry_keys.end())
-            document_.add(
-                {p.place,
-                 fmt::format("'{}' is a key of every scene entry and cannot name a parameter of a part", p.key),
-                 "choose another name", Severity::error, p.width});
-      part.refuse_unknown(fmt::format("part '{}'", name));
-    }
-  }
-
   void expand_entry(Node const& entry) {
     std::string const name = entry.word("name");
     bool const split = entry.flag("split", false);
     bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
     Repeat const repeat = read_repeat(entry);
     if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
-    if (repeat.offsets.size() > most_instances - std::min(most_instances, out_.size())) return refuse_total(entry);
     Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
     if (entry.has("use") && !part) return;
+    std::size_t const faces = part ? faces_.count(entry["use"], most_instances) : 1;
+    if (faces == 0) return;
+    if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
     GivenParameters given = given_by(entry, part);
     if (!check_columns(entry, part, repeat)) return;
     std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
     for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
-      if (full_) return;
       std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
       Unfolding u{split ? instance : name, instance, entry, {}, repeat.offsets[i], repeat.axis};
       if (holds_position(entry)) u.frames.push_back(entry);
@@ -115,7 +69,7 @@ class Expander {
           given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
         scope = part_scope(part, given);
       }
-      unfold(part, scope, u, {entry["use"].text()});
+      unfold(part, scope, u);
     }
   }
 
@@ -140,7 +94,6 @@ class Expander {
   }
 
   void refuse_total(Node const& entry) {
-    full_ = true;
     entry.problem(fmt::format("the scene has more than {} instances", most_instances),
                   "repeat less, or describe the row by one larger shape");
   }
@@ -167,7 +120,7 @@ class Expander {
     Node const params = part ? part.table("params") : Node();
     if (params.kind() != Node::Kind::table) return given;
     for (NodeData::Entry const& p : params.data()->entries) {
-      if (std::find(entry_keys.begin(), entry_keys.end(), p.key) != entry_keys.end() || !entry.has(p.key)) continue;
+      if (is_entry_key(p.key) || !entry.has(p.key)) continue;
       Node const value = entry[p.key];
       std::optional<Value> v;
       if (value.kind() == Node::Kind::scalar)
@@ -218,15 +171,12 @@ class Expander {
     return make_scope(document_, table ? params.data().get() : nullptr, root_.scope(), given);
   }
 
-  void unfold(Node const& part, std::shared_ptr<Scope const> const& scope, Unfolding const& u,
-              std::vector<std::string> const& chain) {
+  void unfold(Node const& part, std::shared_ptr<Scope const> const& scope, Unfolding const& u) {
     Node const faces = part.table("faces");
     if (faces.kind() != Node::Kind::table) return;
     bool const single = faces.data()->entries.size() == 1;
     for (NodeData::Entry const& e : faces.data()->entries) {
-      if (full_) return;
       if (e.value->kind != Node::Kind::table) continue;
-      if (++faces_seen_ > 4 * most_instances || out_.size() >= most_instances) return refuse_total(u.placement);
       Node const face(e.value, scope, &document_);
       if (!check_what(face, fmt::format("face '{}'", e.key))) continue;
       Unfolding inner = u;
@@ -236,32 +186,24 @@ class Expander {
       }
       if (holds_position(face)) inner.frames.push_back(face);
       if (face.has("use"))
-        unfold_inner(face, inner, chain);
+        unfold_inner(face, inner);
       else
         emit(inner, face);
     }
   }
 
   // A face that is itself a part, placed in the frame of its parent.
-  void unfold_inner(Node const& face, Unfolding u, std::vector<std::string> chain) {
+  void unfold_inner(Node const& face, Unfolding u) {
     Node const part = find_part(face["use"]);
     if (!part) return;
-    std::string const name = face["use"].text();
-    if (std::find(chain.begin(), chain.end(), name) != chain.end() || chain.size() >= deepest_part) {
-      face["use"].problem(chain.size() >= deepest_part ? fmt::format("parts are nested more than {} deep", deepest_part)
-                                                       : fmt::format("part '{}' contains itself", name),
-                          "use another part here");
-      return;
-    }
     for (char const* key : {"repeat", "split"})
       if (face.has(key))
         face[key].problem(fmt::format("'{}' inside a part is not supported", key),
                           "repeat the whole part in 'scene', or write one face per position");
     auto const scope = part_scope(part, given_by(face, part));
     u.placement = placed_in(u.placement, face);
-    face.refuse_unknown(fmt::format("a face that uses part '{}'", name));
-    chain.push_back(name);
-    unfold(part, scope, u, chain);
+    face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
+    unfold(part, scope, u);
   }
 
   // The outer placement, with body, material and side replaced where the inner one says them.
@@ -283,10 +225,9 @@ class Expander {
 
   SceneDocument& document_;
   Node root_;
+  FaceCounter faces_;
   std::vector<Scene::Instance> out_;
   std::map<std::string, Place> lines_;  // names and where they are written
-  std::size_t faces_seen_ = 0;          // bounds the work that parts of parts can ask for
-  bool full_ = false;
 };
 
 }  // namespace

@@ -37,11 +37,12 @@ struct Estimate {
 // One kept path: its address and what replaying it told us.
 struct PathRecord {
   std::uint64_t history = 0;
-  std::uint32_t event = 0, connection = 0;  // vertex number; 0 = arrived by itself, i + 1 = connected to footprint i
-  double coupling = 0;                      // recoupled power fraction of this score times the number of histories [1]
-  double weight = 0;          // share of the class mean it stands for; the weights of a class sum to the mean
-  double path_length = 0;     // optical, m
-  std::vector<Lever> levers;  // relative to the main mode; one entry per body touched
+  std::uint32_t event = 0;       // vertex number
+  std::uint32_t connection = 0;  // 2 i: arrived by itself at footprint i, 2 i + 1: connected to it
+  double coupling = 0;           // recoupled power fraction of this score times the number of histories [1]
+  double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
+  double path_length = 0;        // optical, m
+  std::vector<Lever> levers;     // relative to the main mode; one entry per body touched
 };
 
 // All ordered paths of one route. Couplings are of ORDERED paths; `reverse` (C_rev) is multiplied in by the projection.

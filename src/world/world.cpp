@@ -98,7 +98,8 @@ void World::finish() {
   lit_of_surface_.assign(surfaces_.size(), WorldView::none);
   emitters_.clear();
   for (std::uint32_t i = 0; i < lit_.size(); ++i) {
-    if (lit_[i].receives) lit_of_surface_[lit_[i].surface.value] = i;
+    if (std::uint32_t& first = lit_of_surface_[lit_[i].surface.value]; lit_[i].receives && first == WorldView::none)
+      first = i;
     if (lit_[i].emits) emitters_.push_back(i);
   }
 }

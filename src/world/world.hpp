@@ -44,7 +44,7 @@ struct WorldView {
   View<Surface const> surfaces;
   View<Optic const> optics;
   View<Footprint const> lit;                 // all footprints
-  View<std::uint32_t const> lit_of_surface;  // footprint lit by a mode on this surface, or none
+  View<std::uint32_t const> lit_of_surface;  // first receiving footprint on this surface, or none
   View<std::uint32_t const> emitters;        // footprints that emit
   AxialTree::View tree;
   WalkLimits limits;

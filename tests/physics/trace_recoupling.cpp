@@ -42,14 +42,15 @@ SampleMean traced_sum(BaffleSum const& b, std::uint64_t histories, double mode_r
   BodyId const body = world.add_body("all", {});
   PortId const port = world.add_port("mirror");
   std::uint32_t const black = black_optic(world);
-  SurfaceId const mirror = world.add_surface(Disk{{}, {0, 0, 1}, 0, 0.1}, power_law_optic(world, b.kappa, b.exponent, 5e-5),
-                                             black, body, world.add_group("mirror"));
+  SurfaceId const mirror =
+      world.add_surface(Disk{{}, {0, 0, 1}, 0, 0.1}, power_law_optic(world, b.kappa, b.exponent, 5e-5), black, body,
+                        world.add_group("mirror"));
   std::uint32_t const baffle = lambertian_optic(world, pi * b.beta);
   double const near = b.length / 2, far = b.length - b.first, ratio = std::pow(far / near, 1.0 / b.rings);
   for (int i = 0; i < b.rings; ++i) {
     double const z = near * std::pow(ratio, i + 0.5);
-    world.add_surface(Disk{{0, 0, z}, {0, 0, -1}, b.tube / std::sqrt(ratio), b.tube * std::sqrt(ratio)}, baffle, black, body,
-                      world.add_group("baffles"));
+    world.add_surface(Disk{{0, 0, z}, {0, 0, -1}, b.tube / std::sqrt(ratio), b.tube * std::sqrt(ratio)}, baffle, black,
+                      body, world.add_group("baffles"));
   }
   world.add_footprint(spot(mirror, {}, {0, 0, -1}, Profile::gaussian, mode_radius, port));
   world.limits.route_vertices = 3;

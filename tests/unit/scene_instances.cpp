@@ -275,6 +275,13 @@ TEST(Instances, NumbersOfInstancesAreBounded) {
   EXPECT_THAT(errors_of(parts + "scene: [{name: x, use: p7}]\n"),
               HasSubstr("the scene has more than 1000000 instances"))
       << "20^7 faces";
+  std::string circle = "parts:\n";
+  for (int i = 0; i < 7; ++i) {
+    circle += "  p" + std::to_string(i) + ":\n    faces:\n";
+    for (int f = 0; f < 70; ++f)
+      circle += "      f" + std::to_string(f) + ": {use: p" + std::to_string((f + i) % 7) + "}\n";
+  }
+  EXPECT_THAT(errors_of(circle + "scene: [{name: x, use: p0}, {name: y, use: p1}]\n"), HasSubstr("contains itself"));
 }
 
 TEST(Instances, ResolvedTextIsTrueAndReadable) {

@@ -10,7 +10,10 @@
 
 namespace straytrace {
 
-constexpr std::uint32_t by_itself = 0;  // connection number of analog arrivals; footprint i is connection i + 1
+// Number of a score within its vertex: even for light that reached footprint i by itself, odd for a connection to it.
+STRAY_HD std::uint32_t arrival_number(std::uint32_t footprint) { return 2 * footprint; }
+STRAY_HD std::uint32_t connection_number(std::uint32_t footprint) { return 2 * footprint + 1; }
+STRAY_HD bool by_itself(std::uint32_t number) { return number % 2 == 0; }
 
 // Density per area of the lit surface with which a connection draws the point y: |u|^2 |cos| (eq. 1.1 over q), 1/m^2.
 STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
@@ -24,9 +27,8 @@ STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint 
 }
 
 template <class Sink>
-STRAY_HD void arrive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
-  std::uint32_t const index = world.lit_of_surface[vertex.surface.value];
-  if (index == WorldView::none) return;
+STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
+                        Sink& sink) {
   Footprint const& lit = world.lit[index];
   double const density = connection_density(lit, vertex.point, vertex.frame.e3);
   if (!(density > 0)) return;
@@ -35,7 +37,16 @@ STRAY_HD void arrive(WorldView const& world, PathState const& path, Vertex const
   // A walk over a specular hop has no density: no connection can have made this path.
   double const walk = path.hop.pdf * vertex.wi.z / (vertex.leg * vertex.leg);
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
-  if (coupling * weight > 0) sink.score(path, vertex, index, by_itself, vertex, coupling * weight);
+  if (coupling * weight > 0) sink.score(path, vertex, index, arrival_number(index), vertex, coupling * weight);
+}
+
+// Several beams may light one surface: the light rejoins each of them.
+template <class Sink>
+STRAY_HD void arrive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
+  std::uint32_t const first = world.lit_of_surface[vertex.surface.value];
+  if (first == WorldView::none) return;
+  for (std::uint32_t i = first; i < world.lit.size; ++i)
+    if (world.lit[i].receives && world.lit[i].surface == vertex.surface) arrive_at(world, path, vertex, i, sink);
 }
 
 // One connection from the vertex to one lit surface.
@@ -67,7 +78,7 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
     weight = density / (density + walk);
   }
   if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, vertex.surface)) return;
-  sink.score(path, vertex, index, index + 1, y, coupling * weight);
+  sink.score(path, vertex, index, connection_number(index), y, coupling * weight);
 }
 
 template <class Sink>
@@ -89,7 +100,7 @@ STRAY_HD void score_single(WorldView const& world, PathState const& path, Vertex
   if (!lit.receives || !lit.port.valid()) return;
   double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength *
                           lit.share * connection_density(lit, vertex.point, vertex.frame.e3);
-  if (coupling > 0) sink.score(path, vertex, path.source, by_itself, vertex, coupling);
+  if (coupling > 0) sink.score(path, vertex, path.source, arrival_number(path.source), vertex, coupling);
 }
 
 }  // namespace straytrace

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "base/message.hpp"
 #include "trace/tally/replay.hpp"
@@ -40,6 +42,38 @@ CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const
   return c;
 }
 
+// Routes that are not resolved on their own, of one port: one row whose error comes from the replicas, so that scores
+// of one history in several of them are not taken for independent.
+class Leftover {
+ public:
+  void take(CouplingClass const& c, Moments const& moments) {
+    if (merged_.records.empty()) merged_ = {c.hash, c.port, {}, {}, c.reverse, {}, {}};
+    merged_.hash = std::min(merged_.hash, c.hash);
+    moments_ = merged(moments_, moments);
+    for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
+    merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
+    ++classes_;
+  }
+  CouplingClass row(BlockSums const& total, std::array<std::uint64_t, replica_count> const& histories) {
+    merged_.coupling = estimate(moments_, total.histories, total.blocks);
+    if (classes_ > 1 && total.blocks >= replica_count) {
+      double const n = double(total.histories);
+      double between = 0;
+      for (int r = 0; r < replica_count; ++r) {
+        double const off = merged_.replica_sum[r] - merged_.coupling.mean * double(histories[r]);
+        between += off * off;
+      }
+      merged_.coupling.std_error = std::sqrt(between * replica_count / (replica_count - 1)) / n;
+    }
+    return std::move(merged_);
+  }
+
+ private:
+  CouplingClass merged_;
+  Moments moments_;
+  int classes_ = 0;
+};
+
 }  // namespace
 
 CouplingTable make_coupling_table(World const& world, BlockSums const& total, std::uint64_t seed) {
@@ -52,7 +86,17 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   table.wavelength = world.wavelength;
   table.reverse_routes = world.reverse_routes;
   for (std::uint64_t b = 0; b < total.blocks; ++b) table.replica_histories[b % replica_count] += block_size;
-  for (auto const& [hash, sums] : total.classes) table.classes.push_back(make_class(world, hash, sums, total, seed));
+  std::map<std::pair<std::uint32_t, double>, Leftover> others;  // by port and C_rev
+  for (auto const& [hash, sums] : total.classes) {
+    CouplingClass c = make_class(world, hash, sums, total, seed);
+    bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // a matter of its own: mirror to mirror
+    if (direct || (c.coupling.trusted && !c.steps.empty()))
+      table.classes.push_back(std::move(c));
+    else
+      others[{c.port.value, c.reverse}].take(c, sums.moments);
+  }
+  for (auto& [place, leftover] : others) table.classes.push_back(leftover.row(total, table.replica_histories));
+  std::sort(table.classes.begin(), table.classes.end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
   return table;
 }
 

@@ -25,7 +25,7 @@ class ReplaySink {
     if (found || path.event != event_ || connection != connection_) return;
     auto const before = passed_;
     double const length_before = length_;
-    if (connection != by_itself) {
+    if (!by_itself(connection)) {
       leave_towards(y.point, Event::scatter);
       passed_.push_back({y.surface, y.point, passed_.back().out, {}, Event::couple});
     }

@@ -18,14 +18,15 @@ inline Route route_of(WorldView const& world, PathState const& path, Vertex cons
   std::uint64_t name = path.route;
   Route route;
   route.vertices = path.event + 1;
-  if (connection != by_itself) {
+  if (!by_itself(connection)) {
     name = extended(name, world.surfaces[vertex.surface.value].group, Event::scatter);
     ++route.vertices;
   }
   route.other = route.vertices > world.limits.route_vertices;
-  name = route.other ? world.lit[path.source].beam + 1
-                     : extended(name, world.surfaces[end.surface.value].group, Event::couple);
-  route.hash = mixed(name + (std::uint64_t(end.port.value) + 1) * 0xd1342543de82ef95ull);
+  name = route.other ? 0 : extended(name, world.surfaces[end.surface.value].group, Event::couple);
+  // C_rev depends on the beams at the two ends, so paths of different source beams are never one class.
+  std::uint64_t const beam = std::uint64_t(world.lit[path.source].beam) + 1;
+  route.hash = mixed(mixed(name + beam) + (std::uint64_t(end.port.value) + 1) * 0xd1342543de82ef95ull);
   return route;
 }
 

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What enters the total, and what is said about the rest.
+#include "base/message.hpp"
+#include "physics/noise_support.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+std::vector<double> const band = {10, 10.4, 20, 21};
+Spectrum const weak = power_law_asd(1e-13, 10, -2, 1, 100);
+
+CouplingClass route(std::uint64_t hash, double mean) {
+  return known_class(hash, mean, {record(0, mean, {lever(0, 2, two_k)})});
+}
+
+NoiseBudget budget(std::vector<CouplingClass> classes) {
+  CouplingTable table = known_table(std::move(classes));
+  table.groups = {"baffle"};
+  for (CouplingClass& c : table.classes) c.steps = {{GroupId{0}, Event::scatter}};
+  return project_noise(table, moving({weak}), UnitDetector(), on(band));
+}
+
+TEST(Project, UnresolvedRoutesAreNamedAndLeftOut) {
+  CouplingClass rare = route(2, 5);
+  rare.coupling.trusted = false;
+  rare.coupling.why_not = "3 effective paths";
+  CouplingClass lost = route(3, 1);
+  lost.records.clear();
+  CouplingClass never = route(4, 0);
+  never.records.clear();
+  never.coupling = {};
+  NoiseBudget const b = budget({route(1, 1), rare, lost, never}), alone = budget({route(1, 1)});
+  EXPECT_EQ(b.total.asd, alone.total.asd);
+  EXPECT_FALSE(b.total.resolved);
+  EXPECT_TRUE(alone.total.resolved);
+  ASSERT_EQ(b.unresolved.size(), 2u);
+  EXPECT_NE(b.unresolved[0].find("3 effective paths"), std::string::npos);
+  EXPECT_NE(b.unresolved[1].find("no path of it was kept"), std::string::npos);
+  EXPECT_NEAR(b.unresolved_hint, 5, 1e-9);
+  ASSERT_EQ(b.routes.size(), 4u);
+  EXPECT_EQ(b.routes[1].hash, 2u);
+  EXPECT_FALSE(b.routes[1].resolved);
+  EXPECT_FALSE(b.routes[3].resolved);
+}
+
+TEST(Project, OneReplicaGivesNoError) {
+  CouplingTable table = known_table({route(1, 1)});
+  table.groups = {"baffle"};
+  table.classes[0].steps = {{GroupId{0}, Event::scatter}};
+  table.replica_histories = {4096};
+  table.histories = 4096;
+  NoiseBudget const b = project_noise(table, moving({weak}), UnitDetector(), on(band));
+  EXPECT_TRUE(std::isnan(b.routes[0].sigma[0]));
+  EXPECT_FALSE(b.routes[0].resolved);
+  EXPECT_EQ(b.unresolved.size(), 1u);
+}
+
+TEST(Project, EqualReplicasAgreeExactly) {
+  NoiseBudget const b = budget({route(1, 1), route(2, 3)});
+  EXPECT_LT(b.total.sigma[0], 1e-12 * b.total.asd[0]);
+  EXPECT_NEAR(b.total.mean_square_phase, two_k * two_k * weak.total(), 1e-9 * two_k * two_k * weak.total());
+}
+
+TEST(Project, ReverseAndCopiesMultiplyPower) {
+  CouplingClass pair = route(1, 1);
+  pair.reverse = 2;
+  EXPECT_NEAR(budget({pair}).total.asd[0] / budget({route(1, 1)}).total.asd[0], std::sqrt(2), 1e-12);
+}
+
+TEST(Project, StillBodiesAreQuiet) {
+  CouplingTable table = known_table({route(1, 1)});
+  table.groups = {"baffle"};
+  table.classes[0].steps = {{GroupId{0}, Event::scatter}};
+  NoiseBudget const b = project_noise(table, MotionSet(), UnitDetector(), on(band));
+  EXPECT_EQ(b.total.asd[0], 0);
+  EXPECT_TRUE(b.total.resolved);
+}
+
+TEST(Project, WithoutRoutesThereIsNothing) {
+  NoiseBudget const b = budget({});
+  EXPECT_TRUE(b.routes.empty());
+  EXPECT_EQ(b.total.asd.size(), band.size() - 1);
+}
+
+class BrokenDetector final : public Interferometer {
+ public:
+  std::complex<double> strain_per_phase(PortId, double) const override { return not_a_number; }
+  std::complex<double> strain_per_amplitude(PortId, double) const override { return 0; }
+  double copies() const override { return 1; }
+  std::string description() const override { return {}; }
+};
+
+TEST(Project, RefusesWhatIsNotFinite) {
+  CouplingTable table = known_table({route(1, 1)});
+  table.groups = {"baffle"};
+  table.classes[0].steps = {{GroupId{0}, Event::scatter}};
+  EXPECT_THROW(project_noise(table, moving({weak}), BrokenDetector(), on(band)), NumericalError);
+}
+
+TEST(Project, MotionBeyondReachIsRefused) {  // 1 m rms at 100 Hz: fringes at GHz
+  CouplingTable table = known_table({route(1, 1)});
+  table.groups = {"baffle"};
+  table.classes[0].steps = {{GroupId{0}, Event::scatter}};
+  EXPECT_THROW(project_noise(table, moving({gaussian_line(100, 1, 1)}), UnitDetector(), on(band)), NumericalError);
+}
+
+}  // namespace
+}  // namespace straytrace::testing
