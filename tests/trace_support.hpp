@@ -85,6 +85,36 @@ bool launch(WorldView const& view, std::uint64_t seed, std::uint64_t history, Su
   return scatter(view, seed, path, vertex, sink, true);
 }
 
+inline bool same(Moments const& a, Moments const& b) {
+  return a.sum == b.sum && a.sum2 == b.sum2 && a.sum3 == b.sum3 && a.sum4 == b.sum4 && a.block_sum2 == b.block_sum2 &&
+         a.largest == b.largest && a.largest_history == b.largest_history && a.scored == b.scored;
+}
+inline bool same(ClassSums const& a, ClassSums const& b) {
+  if (a.port != b.port || !same(a.moments, b.moments) || a.replica_sum != b.replica_sum || a.threshold != b.threshold ||
+      a.kept.size() != b.kept.size())
+    return false;
+  for (std::size_t i = 0; i < a.kept.size(); ++i) {
+    ScoreAddress const &x = a.kept[i], &y = b.kept[i];
+    if (x.history != y.history || x.event != y.event || x.connection != y.connection || x.coupling != y.coupling ||
+        x.priority != y.priority)
+      return false;
+  }
+  return true;
+}
+// Bit by bit.
+inline bool same(BlockSums const& a, BlockSums const& b) {
+  if (a.histories != b.histories || a.blocks != b.blocks || a.bounces != b.bounces || a.lost != b.lost ||
+      !same(a.emitted, b.emitted) || a.classes.size() != b.classes.size() || a.arrived.size() != b.arrived.size())
+    return false;
+  for (int f = 0; f < fate_count; ++f)
+    if (!same(a.ledger[f], b.ledger[f])) return false;
+  for (std::size_t g = 0; g < a.arrived.size(); ++g)
+    if (!same(a.arrived[g], b.arrived[g])) return false;
+  for (auto x = a.classes.begin(), y = b.classes.begin(); x != a.classes.end(); ++x, ++y)
+    if (x->first != y->first || !same(x->second, y->second)) return false;
+  return true;
+}
+
 inline CouplingClass const* find_route(TraceResult const& r, std::string const& name) {
   for (CouplingClass const& c : r.coupling.classes)
     if (route_name(r.coupling, c) == name) return &c;

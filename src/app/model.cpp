@@ -43,21 +43,23 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
   model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
-  model.detector =
-      make_interferometer(model.scene.table("interferometer"), model.world.ports(), model.world.wavelength);
+  model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(), model.world.wavelength,
+                                       model.world.beam_power);
   read_noise(model, model.scene);
   read_orders(model);
   model.scene.throw_if_problems();
   return model;
 }
 
-void replace_motion(Model& model, std::string const& file, FileTexts const* texts) {
+void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read) {
   Scene const other = read_scene(file, {}, texts);
   if (Node const bodies = other.table("bodies")) model.motion = read_motion(bodies, model.world.body_names());
   if (Node const table = other.table("interferometer"))
-    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength);
+    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength, model.world.beam_power);
   if (other.table("noise")) read_noise(model, other);
   other.throw_if_problems();
+  if (read)
+    for (auto const& [name, text] : other.files()) (*read)[name] = text;
 }
 
 std::string Model::hash() const {

@@ -20,7 +20,7 @@ struct StopRule {
   enum class Of { nothing, total, routes } of = Of::nothing;  // largest relative error in the band; of which curves
   double relative_error = 0;
   double max_seconds = std::numeric_limits<double>::infinity();
-  std::string text;
+  std::string error_rule;  // the part about errors, in words
 };
 // "h_total < 5 %", "routes < 10 %", "10 min", or several with commas. Throws InputError.
 StopRule parse_stop_rule(std::string const&);
@@ -45,6 +45,7 @@ struct Model {
 // disk.
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
 // The same with motion, noise and interferometer taken from another file where it gives them.
-void replace_motion(Model&, std::string const& file, FileTexts const* texts = nullptr);
+// `texts`: of a run file, instead of disk; `read`: gets the texts that were read.
+void replace_motion(Model&, std::string const& file, FileTexts const* texts, FileTexts* read);
 
 }  // namespace straytrace

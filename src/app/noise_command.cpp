@@ -17,15 +17,21 @@ int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
   RunFile const file = read_run(options.input);
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
-  if (!options.motion.empty()) replace_motion(model, options.motion);
+  std::string const earlier_motion = file.about.motion_file;
+  FileTexts files = file.about.files;
+  if (!options.motion.empty()) {
+    replace_motion(model, options.motion, nullptr, &files);
+  } else if (!earlier_motion.empty()) {
+    replace_motion(model, earlier_motion, &files, nullptr);
+  }
   NoiseBudget const budget = model.project(file.trace.coupling);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PathTable const paths = table_for(file.trace.coupling, &budget, model);
   RunContent content = file.content();
   content.noise = &budget;
   content.interferometer = model.detector->description();
-  if (!options.motion.empty())
-    content.warnings.push_back("motion replaced by " + std::filesystem::path(options.motion).filename().string());
+  content.files = files;
+  if (!options.motion.empty()) content.motion_file = std::filesystem::path(options.motion).filename().string();
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
   } else {

@@ -59,7 +59,7 @@ std::string headline(NoiseBudget const& budget, PathTable const& paths) {
   }
   std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
   if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
-  if (paths.unresolved > 0) line += fmt::format("  (lower bound: {} routes unresolved)", paths.unresolved);
+  if (paths.lower_bound()) line += fmt::format("  (lower bound: {} routes unresolved)", paths.unresolved - paths.faint);
   return line;
 }
 

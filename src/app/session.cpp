@@ -111,8 +111,8 @@ class Progress {
 };
 
 // The blocks already traced for this model and seed; refuses to overwrite another model's run.
-SumTree earlier_blocks(Model const& model, Options const& options, std::string const& run_file) {
-  if (options.force || !std::filesystem::exists(run_file)) return {};
+void resume_earlier(Model const& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
+  if (options.force || !std::filesystem::exists(run_file)) return;
   RunFile earlier = read_run(run_file);
   if (earlier.about.model_hash != model.hash() || earlier.trace.coupling.seed != model.seed)
     throw InputError(
@@ -122,7 +122,8 @@ SumTree earlier_blocks(Model const& model, Options const& options, std::string c
   if (!options.quiet)
     std::cerr << fmt::format("going on from {:.3g} histories in '{}'\n", double(earlier.trace.total.histories),
                              run_file);
-  return std::move(earlier.trace.tree);
+  if (earlier.trace.stop_rule == settings.stop_rule) settings.good_looks = earlier.trace.good_looks;
+  settings.resume = std::move(earlier.trace.tree);
 }
 
 }  // namespace
@@ -142,7 +143,8 @@ void apply(Options const& options, Model& model) {
 
 TraceResult trace_model(Model const& model, Options const& options, std::string const& run_file) {
   TraceSettings settings;
-  settings.resume = earlier_blocks(model, options, run_file);
+  settings.stop_rule = model.until.error_rule;
+  resume_earlier(model, options, run_file, settings);
   settings.seed = model.seed;
   settings.histories = model.histories;
   settings.threads = options.threads;

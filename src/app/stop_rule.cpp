@@ -19,6 +19,7 @@ void parse_one(std::string const& text, StopRule& rule) {
     if (std::regex_match(text, m, by_error)) {
       rule.of = m[1] == "routes" ? StopRule::Of::routes : StopRule::Of::total;
       rule.relative_error = std::stod(m[2]) * (m[3].length() ? 0.01 : 1);
+      rule.error_rule = fmt::format("{} < {:g}", m[1].str(), rule.relative_error);
       if (rule.relative_error > 0 && rule.relative_error < 1) return;
     } else if (std::regex_match(text, m, by_time)) {
       rule.max_seconds = std::stod(m[1]) * seconds_in(m[2]);
@@ -33,7 +34,6 @@ void parse_one(std::string const& text, StopRule& rule) {
 
 StopRule parse_stop_rule(std::string const& text) {
   StopRule rule;
-  rule.text = text;
   for (std::size_t at = 0; at <= text.size();) {
     std::size_t const comma = std::min(text.find(',', at), text.size());
     parse_one(text.substr(at, comma - at), rule);

@@ -38,10 +38,14 @@ STRAY_HD SinCos sincos_turn(double turns) {
   c = c * y - 0.5;
   c = 1 + y * c;
   switch (static_cast<std::int64_t>(quarter) & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 

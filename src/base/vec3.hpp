@@ -17,17 +17,13 @@ STRAY_HD Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.
 STRAY_HD Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
 STRAY_HD Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 STRAY_HD double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-STRAY_HD Vec3 cross(Vec3 a, Vec3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+STRAY_HD Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 STRAY_HD double length2(Vec3 a) { return dot(a, a); }
 STRAY_HD double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 STRAY_HD Vec3 unit(Vec3 a) { return (1 / std::sqrt(dot(a, a))) * a; }
 
 // A unit vector at right angles to the unit vector a.
-STRAY_HD Vec3 any_normal(Vec3 a) {
-  return unit(std::fabs(a.x) < 0.5 ? Vec3{0, -a.z, a.y} : Vec3{-a.y, a.x, 0});
-}
+STRAY_HD Vec3 any_normal(Vec3 a) { return unit(std::fabs(a.x) < 0.5 ? Vec3{0, -a.z, a.y} : Vec3{-a.y, a.x, 0}); }
 
 // Mirror image of a direction at a plane with unit normal n (requirements.md R3.22).
 STRAY_HD Vec3 reflected(Vec3 d, Vec3 n) { return d - (2 * dot(d, n)) * n; }
@@ -37,8 +33,8 @@ struct Box {
 };
 
 struct Ray {
-  Vec3 origin, dir;          // m, unit vector
-  double t_max = infinity;   // m; hits beyond it do not count
+  Vec3 origin, dir;         // m, unit vector
+  double t_max = infinity;  // m; hits beyond it do not count
 };
 
 // Right-handed orthonormal frame whose third axis is given (proper rotation also for -z: requirements.md R3.21).

@@ -22,8 +22,8 @@ constexpr Key<K> keys[] = {
     {"arms", &K::arms, dim::plain, 2, 1, 1000, "equal arms, of which one is traced; powers add"},
 };
 
-// Circulating power of one arm: given, or from the power at the recycling mirror by eq. 6.11.
-double read_arm_power(Node const& t, ArmCavity const& arm) {
+// Circulating power of one arm: given here or with the beam, or from the power at the recycling mirror by eq. 6.11.
+double read_arm_power(Node const& t, ArmCavity const& arm, double beam_power) {
   if (t.has("arm_power")) {
     if (t.has("input_power"))
       t["input_power"].problem("'arm_power' and 'input_power' are both given",
@@ -31,8 +31,10 @@ double read_arm_power(Node const& t, ArmCavity const& arm) {
     return t.number("arm_power", dim::power, required, 0);
   }
   if (!t.has("input_power")) {
+    if (beam_power > 0) return beam_power;
     t.problem("the power in the arms is missing",
-              "add 'arm_power: 650 kW', or 'input_power' and 'power_recycling_transmission'");
+              "give the beam a 'power', or add 'arm_power: 650 kW' here, or 'input_power' and "
+              "'power_recycling_transmission'");
     return not_a_number;
   }
   return arm_power(arm, t.number("input_power", dim::power, required, 0),
@@ -44,7 +46,7 @@ double read_arm_power(Node const& t, ArmCavity const& arm) {
 
 std::span<Key<K> const> fabry_perot_michelson_keys() { return keys; }
 
-FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength) {
+FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength, double beam_power) {
   K k{};
   read_keys<K>(table, keys, k);
   FabryPerotMichelson::Parameters p;
@@ -52,7 +54,7 @@ FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, do
   p.wavelength = wavelength;
   p.mass = k.mirror_mass;
   p.arms = k.arms;
-  p.power = read_arm_power(table, p.arm);
+  p.power = read_arm_power(table, p.arm, beam_power);
   p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
   if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least);
   if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least);
@@ -77,10 +79,10 @@ std::string FabryPerotMichelson::description() const {
 }
 
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<std::string> const&,
-                                                    double wavelength) {
+                                                    double wavelength, double beam_power) {
   constexpr std::array<std::string_view, 1> presets = {"fabry-perot-michelson"};
   table.choice("preset", presets);
-  return std::make_unique<FabryPerotMichelson>(read_fabry_perot_michelson(table, wavelength));
+  return std::make_unique<FabryPerotMichelson>(read_fabry_perot_michelson(table, wavelength, beam_power));
 }
 
 }  // namespace straytrace

@@ -29,7 +29,7 @@ class FabryPerotMichelson final : public Interferometer {
   Parameters p_;
 };
 
-FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength);
+FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength, double beam_power = 0);
 
 // What the table may hold, for the reader and the reference page.
 struct FabryPerotMichelsonKeys {

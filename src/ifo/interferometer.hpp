@@ -24,8 +24,9 @@ class Interferometer {
   virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
 };
 
-// Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m.
+// Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m; beam_power in W is the power in an
+// arm where the table gives none, 0 when unknown.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<std::string> const& ports,
-                                                    double wavelength);
+                                                    double wavelength, double beam_power = 0);
 
 }  // namespace straytrace

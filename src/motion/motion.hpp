@@ -24,9 +24,9 @@ struct Gain {
 
 // One independent source of motion. Either a one-sided displacement spectrum, stationary and Gaussian, or a tone.
 struct MotionInput {
-  std::string name;                // "ground z", "tube x", for messages
-  Spectrum spectrum;               // m^2/Hz (rad^2/Hz for rotations); unused for a tone
-  double tone_frequency = 0;       // Hz; > 0: deterministic sine of unit PEAK amplitude, gains carry the amplitudes
+  std::string name;           // "ground z", "tube x", for messages
+  Spectrum spectrum;          // m^2/Hz (rad^2/Hz for rotations); unused for a tone
+  double tone_frequency = 0;  // Hz; > 0: deterministic sine of unit PEAK amplitude, gains carry the amplitudes
   std::vector<Gain> gains;
 };
 

@@ -28,10 +28,14 @@ struct NoiseTrace {
   std::vector<double> asd;                       // 1/sqrt(Hz)
   std::vector<double> sigma;                     // one standard error of asd, Monte Carlo only
   std::vector<double> phase_asd, amplitude_asd;  // the two quadratures alone (eq. 9.1 and 9.2)
-  double mean_square_phase = 0;                  // rad^2, of the strongest input-weighted motion: regime
+  double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
   bool resolved = true;
   std::string why_not;
+  bool faint = false;  // unresolved, but what was seen of it is below `faint_limit`
 };
+// An unresolved route whose noise, as far as seen, is below this share of the total PSD in every bin cannot move the
+// total by 1 % even if ten times more of it was missed.
+constexpr double faint_limit = 1e-3;
 
 struct DesignCurve {
   std::string name;         // "adv-lal" or file name; always printed with the curve
@@ -48,7 +52,9 @@ struct NoiseBudget {
   FrequencyGrid grid;
   NoiseTrace total;                     // all resolved classes; a lower bound when `unresolved` is not empty
   std::vector<NoiseTrace> routes;       // one per coupling class, same order as the table
-  std::vector<std::string> unresolved;  // names, with reason
+  std::vector<std::string> unresolved;  // names, with reason, of those that could matter
+  std::vector<std::string> faint;       // names, with reason, of the faint ones
+  double faint_share = 0;               // largest ratio, over bins, of what was seen of the faint to the total
   double unresolved_hint = 0;           // largest ratio unresolved / total in PSD over the band, as a hint
   std::vector<DesignCurve> design;
   double margin = 0.1;

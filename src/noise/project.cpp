@@ -53,6 +53,12 @@ struct Sum {
     mean_square_phase += coupling * route.mean_square_phase;
     power += coupling;
   }
+  void add(Sum const& other) {  // as hints only: without the replicas
+    for (std::size_t i = 0; i < phase.size(); ++i) {
+      phase[i] += other.phase[i];
+      amplitude[i] += other.amplitude[i];
+    }
+  }
 };
 
 // Root, with the standard error sigma_asd = sigma_psd / (2 asd).
@@ -118,7 +124,8 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   NoiseBudget budget;
   budget.grid = settings.grid;
   budget.margin = settings.margin;
-  Sum total(bins), unresolved(bins);
+  Sum total(bins), unresolved(bins), faint(bins);
+  std::vector<std::pair<std::size_t, Sum>> doubtful;
   for (std::size_t r = 0; r < table.classes.size(); ++r) {
     CouplingClass const& c = table.classes[r];
     std::string const name = route_name(table, c), why_not = objection(table, c);
@@ -126,19 +133,28 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     route.psd.resize(bins);
     Sum own(bins);
     double const factor = c.reverse * ifo.copies();
-    for (Sum* sum : {&own, why_not.empty() ? &total : &unresolved})
-      sum->add(route, response.at(c.port.value), factor, c.coupling.mean);
+    own.add(route, response.at(c.port.value), factor, c.coupling.mean);
+    if (why_not.empty())
+      total.add(route, response.at(c.port.value), factor, c.coupling.mean);
+    else if (!never_scored(c))
+      doubtful.emplace_back(r, own);
     budget.routes.push_back(finished(name, own));
     NoiseTrace& trace = budget.routes.back();
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
     trace.why_not = why_not;
-    if (!trace.resolved && !never_scored(c)) budget.unresolved.push_back(name + ": " + why_not);
+  }
+  for (auto const& [r, own] : doubtful) {
+    NoiseTrace& trace = budget.routes[r];
+    trace.faint = largest_ratio(own, total) < faint_limit;
+    (trace.faint ? budget.faint : budget.unresolved).push_back(trace.name + ": " + trace.why_not);
+    (trace.faint ? faint : unresolved).add(own);
   }
   budget.total = finished("total", total);
   budget.total.resolved = budget.unresolved.empty();
   if (!budget.total.resolved) budget.total.why_not = "a lower bound: some routes are unresolved";
   budget.unresolved_hint = largest_ratio(unresolved, total);
+  budget.faint_share = largest_ratio(faint, total);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return budget;
 }

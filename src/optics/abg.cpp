@@ -6,11 +6,20 @@
 namespace straytrace {
 namespace {
 
-// Share of the circle of radius `rho` about a point at distance `centre` < 1 that lies inside the unit circle.
-double share_inside(double rho, double centre) {
-  if (rho + centre <= 1) return 1;
-  if (rho - centre >= 1) return 0;
-  return std::acos((rho * rho + centre * centre - 1) / (2 * rho * centre)) / pi;
+// Integral of the law over the part of the unit circle of direction cosines between radii low and high about the
+// specular point, which lies at `centre`; midpoint rule in the square of the radius. Up to 1 - centre the circles are
+// whole, beyond they are cut by the horizon.
+double ring_power(Abg const& law, double low, double high, double centre) {
+  if (!(low < high)) return 0;
+  constexpr int steps = 64;
+  double const first = low * low, step = (high * high - first) / steps;
+  double sum = 0;
+  for (int j = 0; j < steps; ++j) {
+    double const rho2 = first + (j + 0.5) * step, rho = std::sqrt(rho2);
+    bool const whole = high <= 1 - centre;
+    sum += law.value(rho) * (whole ? 1 : std::acos((rho2 + centre * centre - 1) / (2 * rho * centre)) / pi);
+  }
+  return pi * step * sum;
 }
 
 }  // namespace
@@ -30,17 +39,13 @@ void Abg::prepare() {
   for (double& c : cumulative) c /= total;
   cumulative[rings] = 1;
 
-  constexpr int steps = 64;  // midpoint rule per ring, in the square of the offset
   for (int k = 0; k < AlbedoTable::size; ++k) {
-    double const cos_i = double(k) / (AlbedoTable::size - 1), centre = std::sqrt(1 - cos_i * cos_i);
+    double const cos_i = AlbedoTable::cosine(k), centre = std::sqrt(1 - cos_i * cos_i);
+    double const whole = 1 - centre, last = 1 + centre;
     double sum = 0;
-    for (int i = 0; i < rings; ++i) {
-      double const low = edge[i] * edge[i], step = (edge[i + 1] * edge[i + 1] - low) / steps;
-      for (int j = 0; j < steps; ++j) {
-        double const rho = std::sqrt(low + (j + 0.5) * step);
-        sum += pi * step * value(rho) * share_inside(rho, centre);
-      }
-    }
+    for (int i = 0; i < rings; ++i)
+      sum += ring_power(*this, edge[i], std::fmin(edge[i + 1], whole), centre) +
+             ring_power(*this, std::fmax(edge[i], whole), std::fmin(edge[i + 1], last), centre);
     table.value[k] = sum;
   }
 }

@@ -20,13 +20,15 @@ struct BsdfSample {
 // Direction of specular reflection in the local frame.
 STRAY_HD Vec3 specular(Vec3 wi) { return {-wi.x, -wi.y, wi.z}; }
 
-// Albedo of a law against the cosine of incidence, tabulated once by quadrature.
+// Albedo of a law against the cosine of incidence, tabulated once by quadrature at evenly spaced roots of the cosine: a
+// narrow lobe is cut off by the horizon within a few degrees of grazing.
 struct AlbedoTable {
   static constexpr int size = 129;
   double value[size] = {};
 
+  static double cosine(int i) { return double(i) * i / ((size - 1) * (size - 1)); }
   STRAY_HD double at(double cosine) const {
-    double const x = (size - 1) * (cosine < 0 ? 0 : cosine > 1 ? 1 : cosine);
+    double const x = (size - 1) * std::sqrt(cosine < 0 ? 0 : cosine > 1 ? 1 : cosine);
     int const i = x < size - 1 ? static_cast<int>(x) : size - 2;
     return value[i] + (x - i) * (value[i + 1] - value[i]);
   }

@@ -30,7 +30,7 @@ void PowerLaw::prepare() {
   constexpr int steps = 2048;  // Simpson's rule in ln(theta)
   double const span = std::log(pi / above);
   for (int i = 0; i < AlbedoTable::size; ++i) {
-    double const cos_i = double(i) / (AlbedoTable::size - 1), sin_i = std::sqrt(1 - cos_i * cos_i);
+    double const cos_i = AlbedoTable::cosine(i), sin_i = std::sqrt(1 - cos_i * cos_i);
     double sum = 0;
     for (int j = 0; j <= steps; ++j) {
       double const theta = above * std::exp(span * j / steps);
@@ -40,7 +40,6 @@ void PowerLaw::prepare() {
     }
     table.value[i] = sum * span / steps / 3;
   }
-  table.value[0] = table.value[1];  // at grazing incidence half of a narrow lobe is cut off within no angle at all
 }
 
 double statistical_integral(double a, double b) {

@@ -181,7 +181,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   j["run"] = origin(run);
   j["complete"] = !run.trace->checkpointed();
   if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
-  j["lower_bound"] = table.unresolved > 0;
+  j["lower_bound"] = table.lower_bound();
   j["total_strain"] = Json::array();
   for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
     Json h = json_of(table.total_strain[i]);

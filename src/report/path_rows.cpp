@@ -104,6 +104,7 @@ PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
 
 void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid, std::vector<double> const& hz) {
   row.resolved = row.resolved && trace.resolved;
+  row.faint = !row.resolved && trace.faint;
   if (row.why_not.empty()) row.why_not = trace.why_not;
   row.rms_phase = std::sqrt(trace.mean_square_phase);
   for (double const f : hz)
@@ -125,6 +126,7 @@ void finish(PathTable& table) {
     row.rank = i + 1;
     if (!row.resolved) {
       ++table.unresolved;
+      table.faint += row.faint;
       continue;
     }
     table.total_coupling.value += row.coupling.mean;

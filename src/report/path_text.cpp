@@ -83,7 +83,7 @@ Cells rest_of(PathTable const& table, std::size_t first) {
 }
 
 Cells sum_of(PathTable const& table) {
-  Cells c = {"", table.unresolved > 0 ? "sum of resolved routes (lower bound)" : "sum", ""};
+  Cells c = {"", table.lower_bound() ? "sum of resolved routes (lower bound)" : "sum", ""};
   if (table.has_noise) c.push_back("100");
   c.push_back(with_brackets(table.total_coupling.value, table.total_coupling.sigma));
   c.push_back("");
@@ -107,8 +107,8 @@ std::string reasons(PathTable const& table) {
   std::string text;
   for (PathRow const& row : table.rows)
     if (!row.resolved)
-      text += fmt::format("unresolved: {}: {} (hint: coupling about {:.1g})\n", row.sequence, row.why_not,
-                          row.coupling.mean);
+      text += fmt::format("unresolved{}: {}: {} (hint: coupling about {:.1g})\n",
+                          row.faint ? ", too faint to matter" : "", row.sequence, row.why_not, row.coupling.mean);
   return text.empty() ? text : "\n" + text;
 }
 

@@ -33,6 +33,7 @@ struct RunContent {
   std::string main_file, title;
   std::vector<std::string> overrides;  // as written on the command line
   std::string resolved;
+  std::string motion_file;  // of `files`, whose bodies replace those of the scene; empty: none
   std::string model_hash;
   std::string interferometer;         // Interferometer::description()
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
@@ -90,6 +91,7 @@ struct PathRow {
   Estimate coupling;         // of ordered paths; C_rev not multiplied in
   double reverse = 1;        // C_rev
   bool resolved = false;
+  bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
   std::vector<Measured> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
   Measured share;                // of the resolved strain noise power in the band [1]; NaN without a budget
@@ -104,9 +106,10 @@ struct PathTable {
   std::vector<double> frequencies;  // Hz
   double low = 0, high = 0;         // Hz
   bool has_noise = false, reverse_routes = true;
-  std::vector<Measured> total_strain;  // 1/sqrt(Hz); a lower bound when a row is unresolved
-  Measured total_coupling;             // resolved rows
-  std::size_t unresolved = 0;
+  std::vector<Measured> total_strain;     // 1/sqrt(Hz); a lower bound when a row is unresolved
+  Measured total_coupling;                // resolved rows
+  std::size_t unresolved = 0, faint = 0;  // rows; `faint` of them cannot move the total
+  bool lower_bound() const { return unresolved > faint; }
 };
 
 // `budget` and `motion` may be null; columns that need them are then absent.

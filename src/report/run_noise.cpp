@@ -31,19 +31,21 @@ void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std:
   }
   std::vector<std::string> names, why;
   std::vector<std::uint64_t> hash;
-  std::vector<std::uint8_t> resolved;
+  std::vector<std::uint8_t> resolved, faint;
   Doubles phase;
   for (NoiseTrace const& t : routes) {
     names.push_back(t.name);
     why.push_back(t.why_not);
     hash.push_back(t.hash);
     resolved.push_back(t.resolved);
+    faint.push_back(t.faint);
     phase.push_back(t.mean_square_phase);
   }
   out.strings("/noise/routes/name", names);
   out.array("/noise/routes/hash", hash, "1");
   out.array("/noise/routes/mean_square_phase", phase, "rad^2");
   out.array("/noise/routes/resolved", resolved, "0 or 1");
+  out.array("/noise/routes/faint", faint, "0 or 1");
   out.strings("/noise/routes/why_not", why);
 }
 
@@ -68,6 +70,7 @@ void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
   std::size_t const n = hash.size(), bins = b.grid.size();
   auto const names = in.strings("/noise/routes/name", n), why = in.strings("/noise/routes/why_not", n);
   auto const resolved = in.rows<std::uint8_t>("/noise/routes/resolved", n);
+  auto const faint = in.rows<std::uint8_t>("/noise/routes/faint", n);
   auto const phase = in.rows<double>("/noise/routes/mean_square_phase", n);
   b.routes.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -76,6 +79,7 @@ void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
     t.hash = hash[i];
     t.mean_square_phase = phase[i];
     t.resolved = resolved[i] != 0;
+    t.faint = faint[i] != 0;
     t.why_not = why[i];
   }
   for (CurveColumn const& curve : curves) {
@@ -100,11 +104,13 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.group("/noise", "one-sided strain amplitude spectral densities, mean over static phases");
   out.attribute("/noise", "margin", b.margin);
   out.attribute("/noise", "unresolved_hint", b.unresolved_hint);
+  out.attribute("/noise", "faint_share", b.faint_share);
   Doubles centres;
   for (std::size_t i = 0; i < bins; ++i) centres.push_back(b.grid.centre(i));
   out.array("/noise/frequency_edges", b.grid.edges, "Hz");
   out.array("/noise/frequency", centres, "Hz");
   out.strings("/noise/unresolved", b.unresolved);
+  out.strings("/noise/faint", b.faint);
   out.group("/noise/total", "all resolved routes; a lower bound when /noise/unresolved is not empty");
   out.attribute("/noise/total", "name", b.total.name);
   out.attribute("/noise/total", "mean_square_phase", b.total.mean_square_phase);
@@ -128,6 +134,8 @@ NoiseBudget read_noise(hdf5::Reader const& in) {
   b.margin = in.attribute_number("/noise", "margin");
   b.unresolved_hint = in.attribute_number("/noise", "unresolved_hint");
   b.unresolved = in.strings("/noise/unresolved");
+  b.faint_share = in.attribute_number("/noise", "faint_share");
+  b.faint = in.strings("/noise/faint");
   read_total(in, b.total, bins);
   read_routes(in, b);
   std::vector<std::string> const names = in.strings("/noise/design/name");

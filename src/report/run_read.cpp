@@ -108,6 +108,9 @@ RunFile read_run(std::string const& file) {
     run.trace.tree = read_nodes(in);
     run.trace.total = run.trace.tree.total();
     run.trace.stopped = read_stop(in);
+    run.trace.stop_rule = in.attribute_text("/", "stop_rule");
+    run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));
+    run.about.motion_file = in.attribute_text("/", "motion_file");
     run.trace.warnings = in.strings("/warnings/trace");
     run.about.warnings = in.strings("/warnings/scene");
     if (in.has("/noise")) run.noise = read_noise(in);

@@ -23,6 +23,9 @@ void write_about(hdf5::Writer& out, RunContent const& run) {
   out.attribute("/", "model_hash", run.model_hash);
   out.attribute("/", "interferometer", run.interferometer);
   out.attribute("/", "stopped_by", stop_words[std::size_t(run.trace->stopped)]);
+  out.attribute("/", "stop_rule", run.trace->stop_rule);
+  count("good_looks", {run.trace->good_looks});
+  out.attribute("/", "motion_file", run.motion_file);
   count("seed", {run.trace->coupling.seed});
   count("histories", {run.trace->coupling.histories});
   count("block_size", {block_size});

@@ -181,10 +181,14 @@ std::string warnings(RunContent const& run) {
 std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz) {
   auto const [low, high] = band_of(b.grid, low_hz, high_hz);
   std::string text = compared(b, low, high);
-  if (b.unresolved.empty()) return text + " Unresolved: none.";
+  if (!b.faint.empty())
+    text += fmt::format(" {} unresolved route{} too faint to matter (seen: {:.1g} of the noise power at most).",
+                        b.faint.size(), b.faint.size() == 1 ? " is" : "s are", b.faint_share);
+  if (b.unresolved.empty()) return text + (b.faint.empty() ? " Unresolved: none." : " Otherwise unresolved: none.");
   text += fmt::format(" This is a lower bound; unresolved ({}):", b.unresolved.size());
-  for (std::size_t i = 0; i < b.unresolved.size(); ++i) text += (i > 0 ? "; " : " ") + b.unresolved[i];
-  return text + ".";
+  std::size_t const named = std::min<std::size_t>(b.unresolved.size(), 5);
+  for (std::size_t i = 0; i < named; ++i) text += (i > 0 ? "; " : " ") + b.unresolved[i];
+  return text + (named < b.unresolved.size() ? "; and more in the path table." : ".");
 }
 
 std::string text_report(RunContent const& run, PathTable const& table, std::size_t show,

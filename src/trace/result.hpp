@@ -80,7 +80,9 @@ struct TraceResult {
   BlockSums total;
   CouplingTable coupling;  // with replayed records
   Stopped stopped = Stopped::by_histories;
-  double seconds = 0;  // wall clock; goes to /timing only
+  std::string stop_rule;         // as the user wrote it
+  std::uint32_t good_looks = 0;  // looks in a row at which the rule held
+  double seconds = 0;            // wall clock; goes to /timing only
   std::vector<std::string> warnings;
   bool checkpointed() const { return stopped == Stopped::by_signal || stopped == Stopped::by_time; }
 };

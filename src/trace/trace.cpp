@@ -139,8 +139,11 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
   Runner runner(world, settings, backend);
   TraceResult result;
   std::uint64_t const limit = (settings.histories + block_size - 1) / block_size;
-  int good_looks = 0;
+  std::uint32_t& good_looks = result.good_looks;
+  good_looks = settings.good_looks;
+  result.stop_rule = settings.stop_rule;
   while (runner.blocks() < limit) {
+    if (good_looks >= 2) break;
     std::uint64_t const look = settings.error ? std::min(next_look(runner.blocks()), limit) : limit;
     if (!runner.run_to(look)) {
       result.stopped = runner.interrupted() ? Stopped::by_signal : Stopped::by_time;
@@ -149,11 +152,8 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
     if (!settings.error) continue;
     runner.error = settings.error(make_coupling_table(world, runner.tree().total(), settings.seed));
     good_looks = runner.error < settings.wanted_error ? good_looks + 1 : 0;
-    if (good_looks == 2) {
-      result.stopped = Stopped::by_error;
-      break;
-    }
   }
+  if (good_looks >= 2) result.stopped = Stopped::by_error;
   result.tree = runner.tree();
   result.total = result.tree.total();
   check_books(result.total);

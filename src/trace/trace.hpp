@@ -28,6 +28,8 @@ struct TraceSettings {
   // moment.
   std::function<double(CouplingTable const&)> error;
   double wanted_error = 0;
+  std::string stop_rule;         // in words, kept with the result
+  std::uint32_t good_looks = 0;  // looks in a row at which the same rule held before a resumed run was stopped
   std::function<void(TraceProgress const&)> progress;
   std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
   SumTree resume;                           // blocks done before

@@ -163,7 +163,8 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
     first = false;
     auto const number = std::uint32_t(beams.size());
     beams.push_back(name);
-    node.has("power");
+    if (node.has("power") && world.beam_power == 0)
+      world.beam_power = node.number("power", dim::power, required, 1e-9, 1e9);
     if (Node const cavity = node["cavity"])
       read_cavity(name, node, cavity, names, world, number);
     else if (node.has("on"))

@@ -66,7 +66,7 @@ std::optional<PoolRef> read_law(Node const& law, World& world) {
 // physics.md eq. 3.1, at every incidence of the albedo table.
 void check_energy(std::string const& name, Node const& node, Optic const& optic, double transmit, LawPool const& laws) {
   for (int i = AlbedoTable::size - 1; i >= 0; --i) {
-    double const cosine = double(i) / (AlbedoTable::size - 1);
+    double const cosine = AlbedoTable::cosine(i);
     double const scattered = scatter_albedo(laws, optic, cosine);
     if (optic.reflect + transmit + scattered <= 1 + 1e-9) continue;
     node.problem(

@@ -142,6 +142,7 @@ class World {
   WalkLimits limits;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
   double wavelength = 1.064e-6;
+  double beam_power = 0;  // W, of the first beam that states one; 0: none does. For the interferometer, not the trace
   std::vector<std::string> notes;  // what was assumed or computed on the way, for reports
 
  private:

@@ -27,7 +27,7 @@ std::string const arm =
     "end_transmission: 5 ppm, ";
 
 TEST(ReadInterferometer, PowerGivenOrComputed) {
-  Detector const given = detector(arm + "arm_power: 3.0593 MW"),
+  Detector const given = detector(arm + "arm_power: 3059.3 kW"),
                  computed = detector(
                      arm + "input_power: 500 W, power_recycling_transmission: 4.5 %, beam_splitter_loss: 1e-3");
   ASSERT_EQ(given.problems + computed.problems, "");
@@ -40,7 +40,7 @@ TEST(ReadInterferometer, PowerGivenOrComputed) {
 }
 
 TEST(ReadInterferometer, OverridesOfGainAndPole) {
-  Detector const d = detector(arm + "arm_power: 3 MW, gain: 15.7, cavity_pole: 50 Hz, arms: 1");
+  Detector const d = detector(arm + "arm_power: 3000 kW, gain: 15.7, cavity_pole: 50 Hz, arms: 1");
   ASSERT_EQ(d.problems, "");
   std::complex<double> const t = d.ifo->strain_per_amplitude(PortId{0}, 50);
   EXPECT_NEAR(std::arg(t) / (-pi / 4), 1, 1e-12);
@@ -51,10 +51,11 @@ TEST(ReadInterferometer, OverridesOfGainAndPole) {
 
 TEST(ReadInterferometer, Problems) {
   EXPECT_THAT(detector(arm + "arms: 2").problems, HasSubstr("the power in the arms is missing"));
-  EXPECT_THAT(detector(arm + "arm_power: 1 MW, input_power: 1 W").problems, HasSubstr("both given"));
-  EXPECT_THAT(detector(arm + "arm_power: 1 MW, mirror_mas: 1 kg").problems, HasSubstr("did you mean 'mirror_mass'?"));
+  EXPECT_THAT(detector(arm + "arm_power: 1000 kW, input_power: 1 W").problems, HasSubstr("both given"));
+  EXPECT_THAT(detector(arm + "arm_power: 1000 kW, mirror_mas: 1 kg").problems,
+              HasSubstr("did you mean 'mirror_mass'?"));
   EXPECT_THAT(detector("preset: fabry-perot-michelsen").problems, HasSubstr("did you mean 'fabry-perot-michelson'?"));
-  EXPECT_THAT(detector(arm + "arm_power: 1 MW, round_trip_loss: 2").problems, HasSubstr("round_trip_loss"));
+  EXPECT_THAT(detector(arm + "arm_power: 1000 kW, round_trip_loss: 2").problems, HasSubstr("round_trip_loss"));
 }
 
 struct Settings {

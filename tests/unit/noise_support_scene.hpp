@@ -5,13 +5,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <deque>
+
 #include "scene/scene.hpp"
 
 namespace straytrace::testing {
 
 inline Scene scene_of(std::string const& text, FileTexts files = {}) {
+  static std::deque<FileTexts> kept;  // a scene reads data files from its texts when they are asked for
   files["scene.yaml"] = "straytrace: 1\n" + text;
-  return read_scene("scene.yaml", {}, &files);
+  return read_scene("scene.yaml", {}, &kept.emplace_back(std::move(files)));
 }
 
 // All problems of a scene as text; empty when there are none.

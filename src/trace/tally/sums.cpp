@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "trace/result.hpp"
@@ -54,10 +55,17 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
 }
 
 void SumTree::add(unsigned level, std::uint64_t index, BlockSums sums) {
+  std::uint64_t const first = index << level, end = (index + 1) << level;
+  auto const next = nodes_.lower_bound({first, 0});
+  bool twice = next != nodes_.end() && next->first.first < end;
+  if (next != nodes_.begin()) {
+    auto const [start, height] = std::prev(next)->first;
+    twice = twice || start + (std::uint64_t(1) << height) > first;
+  }
+  if (twice) throw std::logic_error("block counted twice");
   auto const sibling = nodes_.find({(index ^ 1) << level, level});
   if (sibling == nodes_.end()) {
-    if (!nodes_.emplace(std::pair{index << level, level}, std::move(sums)).second)
-      throw std::logic_error("block counted twice");
+    nodes_.emplace(std::pair{first, level}, std::move(sums));
     return;
   }
   BlockSums other = std::move(sibling->second);

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The books of the light (estimators.md 4): absorbed + escaped + limit + window + sampling = emitted, and the columns
+// `window` and `sampling` are zero on average.
+#include <random>
+
+#include "base/message.hpp"
+#include "trace_support.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+constexpr std::uint64_t histories = 1 << 15;
+
+// A random choice of surfaces between two lit mirrors; reflection, power law, ABg and Lambert mixed on the same optics.
+class Lottery {
+ public:
+  explicit Lottery(std::uint64_t seed) : engine_(seed) {}
+  double between(double a, double b) { return a + (b - a) * uniform_(engine_); }
+
+  std::uint32_t optic(World& world) {
+    Optic o;
+    o.reflect = between(0, 0.4);
+    o.laws = 3;
+    o.law[0] = world.add_law(Lambertian{between(0, 0.3)});
+    PowerLaw power{between(1e-4, 1e-2), between(1.2, 2.4), between(1e-3, 1e-2), {}};
+    power.prepare();
+    o.law[1] = world.add_law(power);
+    Abg abg{};
+    abg.a = between(1e-4, 1e-3);
+    abg.b = between(1e-3, 1e-1);
+    abg.g = between(1, 2.5);
+    abg.prepare();
+    o.law[2] = world.add_law(abg);
+    return world.add_optic(o);
+  }
+  World world() {
+    World w;
+    BodyId const body = w.add_body("all", {});
+    GroupId const group = w.add_group("all");
+    std::uint32_t const rough = optic(w), smooth = optic(w);
+    SurfaceId const low = w.add_surface(Cap{{}, {0, 0, 1}, between(0, 0.2), 0, 1}, rough, smooth, body, group);
+    SurfaceId const high = w.add_surface(Cap{{0, 0, 3}, {0, 0, -1}, between(0, 0.2), 0, 1}, rough, smooth, body, group);
+    if (between(0, 1) < 0.7)
+      w.add_surface(Cylinder{{}, {0, 0, 1}, 1.1, -0.1, between(1, 3.1)}, rough, smooth, body, group);
+    w.add_surface(Sphere{{between(-0.5, 0.5), 0.4, 1.5}, {0, 0, 1}, between(0.1, 0.3)}, rough, smooth, body, group);
+    Vec3 const tilted = unit({between(-0.3, 0.3), between(-0.3, 0.3), 1});
+    w.add_surface(Disk{{0, 0, between(1, 2)}, tilted, 0.1, 0.9}, rough, smooth, body, group);
+    w.add_footprint(spot(low, {}, unit({0.1, 0, -1}), Profile::gaussian, 0.05, w.add_port("low")));
+    w.add_footprint(spot(high, {0, 0, 3}, {0, 0, 1}, Profile::even, 0.3, w.add_port("high"), 1));
+    w.limits.max_order = std::uint32_t(between(5, 40));
+    w.limits.roulette_below = between(0.01, 0.5);
+    w.finish();
+    return w;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+  std::uniform_real_distribution<double> uniform_;
+};
+
+double gap(BlockSums const& total) {  // of the ledger, relative to what was emitted
+  double sum = 0;
+  for (Moments const& column : total.ledger) sum += column.sum;
+  return std::fabs(sum - total.emitted.sum) / total.emitted.sum;
+}
+SampleMean column(BlockSums const& total, Fate fate) {  // relative to what was emitted
+  Estimate const e = estimate(total.ledger[int(fate)], total.histories, total.blocks);
+  return sample_mean(e, total.histories, double(total.histories) / total.emitted.sum);
+}
+
+TEST(Books, CloseInRandomScenes) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    World const world = Lottery(seed).world();
+    BlockSums const total = run_histories(world, histories).total;
+    EXPECT_LT(gap(total), 1e-12) << "scene " << seed;
+    expect_mean("window", column(total, Fate::window), 0, 2e-2);
+    expect_mean("sampling", column(total, Fate::sampling), 0, 5e-2);
+    BlockSums forgetful = total;  // twin: a column is left out
+    forgetful.ledger[int(Fate::window)] = {};
+    EXPECT_GT(gap(forgetful), 1e-12) << "scene " << seed;
+  }
+}
+
+// Every single history closes, not only the sum.
+struct Ledger : Silent {
+  double out = 0, in = 0, worst = 0;
+  void emitted(PathState const& path, Vertex const&) { in = path.emitted; }
+  void book(Fate, double p) { out += p; }
+  void close() {
+    worst = std::fmax(worst, std::fabs(out - in) / in);
+    out = 0;
+  }
+};
+TEST(Books, CloseInEveryHistory) {
+  World const world = Lottery(1).world();
+  Ledger ledger;
+  walk(world, 20000, ledger, [&] { ledger.close(); });
+  EXPECT_LT(ledger.worst, 1e-12);
+}
+
+// A pdf that is wrong by 1 %: the albedo that the ledger expects is not what the samples carry.
+TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
+  for (double const wrong : {1.0, 1.01}) {
+    World world;
+    BodyId const body = world.add_body("all", {});
+    PowerLaw law{1e-3, 2, 1e-2, {}};
+    law.prepare();
+    for (double& a : law.table.value) a *= wrong;
+    Optic optic;
+    optic.laws = 1;
+    optic.law[0] = world.add_law(law);
+    SurfaceId const s =
+        world.add_surface(Disk{{}, {0, 0, 1}, 0, 1}, world.add_optic(optic), 0, body, world.add_group("plate"));
+    world.add_footprint(spot(s, {}, {0, 0, -1}, Profile::gaussian, 0.1, world.add_port("plate")));
+    world.finish();
+    if (wrong == 1) {
+      expect_mean("sampling", column(run_histories(world, 1 << 19).total, Fate::sampling), 0, 1e-2);
+    } else {
+      EXPECT_THROW(run_histories(world, 1 << 19), NumericalError);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A result is a function of scene, seed and number of histories (architecture.md 7); and when a trace stops.
+#include <atomic>
+
+#include "trace_support.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+// Baffled tube with a cavity's two spots: specular, diffuse and power-law events, several routes.
+World baffled_tube() {
+  World world;
+  BodyId const mirrors = world.add_body("mirrors", {}), pipe = world.add_body("pipe", {});
+  std::uint32_t const mirror = power_law_optic(world, 1e-3, 1.8, 1e-3, 0.3), black = black_optic(world),
+                      grey = lambertian_optic(world, 0.4);
+  SurfaceId const one = world.add_surface(Disk{{}, {0, 0, 1}, 0, 0.3}, mirror, black, mirrors, world.add_group("one"));
+  SurfaceId const two =
+      world.add_surface(Disk{{0, 0, 20}, {0, 0, -1}, 0, 0.3}, mirror, black, mirrors, world.add_group("two"));
+  world.add_surface(Cylinder{{}, {0, 0, 1}, 0.6, 0, 20}, black, grey, pipe, world.add_group("wall"));
+  for (int i = 1; i < 20; ++i)
+    world.add_surface(Disk{{0, 0, double(i)}, {0, 0, 1}, 0.4, 0.6}, grey, grey, pipe, world.add_group("baffles"));
+  world.add_footprint(spot(one, {}, {0, 0, -1}, Profile::gaussian, 0.05, world.add_port("one")));
+  world.add_footprint(spot(two, {0, 0, 20}, {0, 0, 1}, Profile::even, 0.1, world.add_port("two")));
+  world.limits.max_order = 10;
+  world.finish();
+  return world;
+}
+constexpr std::uint64_t blocks = 5;
+
+BlockSums total(World const& world, std::uint64_t seed, unsigned threads) {
+  return run_histories(world, blocks * block_size, seed, threads).total;
+}
+
+TEST(Determinism, ThreadsSeedAndBruteForce) {
+  World world = baffled_tube();
+  BlockSums const one = total(world, 1, 1);
+  EXPECT_TRUE(same(one, total(world, 1, 2)));
+  EXPECT_TRUE(same(one, total(world, 1, 3)));
+  EXPECT_FALSE(same(one, total(world, 2, 2)));  // twin
+  world.limits.brute_force = true;
+  EXPECT_TRUE(same(one, total(world, 1, 2)));
+  EXPECT_GT(one.classes.size(), 10u);
+}
+
+// The cpu backend, with the stop flag raised after some blocks.
+class Interrupting final : public Backend {
+ public:
+  Interrupting(std::uint64_t after, std::atomic<bool>& stop) : after_(after), stop_(stop) {}
+  std::string_view name() const override { return "interrupting"; }
+  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+    if (++done_ >= after_) stop_ = true;
+    return cpu_->run_block(world, seed, block);
+  }
+
+ private:
+  std::uint64_t after_;
+  std::atomic<bool>& stop_;
+  mutable std::atomic<std::uint64_t> done_{0};
+  std::unique_ptr<Backend> cpu_ = make_backend("cpu");
+};
+
+TEST(Determinism, InterruptedAndResumed) {
+  World const world = baffled_tube();
+  std::atomic<bool> stop = false;
+  TraceSettings settings;
+  settings.histories = blocks * block_size;
+  settings.threads = 2;
+  settings.stop = &stop;
+  TraceResult const part = trace(world, settings, Interrupting(2, stop));
+  EXPECT_EQ(part.stopped, Stopped::by_signal);
+  EXPECT_TRUE(part.checkpointed());
+  EXPECT_GE(part.total.blocks, 2u);
+  EXPECT_LT(part.total.blocks, blocks);
+  stop = false;
+  settings.resume = part.tree;
+  TraceResult const whole = trace(world, settings, *make_backend("cpu"));
+  EXPECT_EQ(whole.stopped, Stopped::by_histories);
+  EXPECT_TRUE(same(whole.total, total(world, 1, 1)));
+  EXPECT_FALSE(same(part.total, whole.total));
+  EXPECT_EQ(whole.coupling.histories, blocks * block_size);
+}
+
+TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
+  TraceSettings settings;
+  settings.histories = blocks * block_size;
+  settings.threads = 1;
+  settings.max_seconds = 0;
+  TraceResult const r = trace(baffled_tube(), settings, *make_backend("cpu"));
+  EXPECT_EQ(r.stopped, Stopped::by_time);
+  EXPECT_TRUE(r.checkpointed());
+}
+
+World one_plate() {
+  World world;
+  SurfaceId const s = world.add_surface(Disk{}, lambertian_optic(world, 0.5), black_optic(world),
+                                        world.add_body("plate", {}), world.add_group("plate"));
+  world.add_footprint(spot(s, {}, {0, 0, -1}, Profile::gaussian, 0.1, world.add_port("plate")));
+  world.finish();
+  return world;
+}
+// Blocks after which a rule with these errors is looked at, wanted: below 1.
+std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why) {
+  std::vector<std::uint64_t> seen;
+  TraceSettings settings;
+  settings.histories = 200 * block_size;
+  settings.threads = 2;
+  settings.wanted_error = 1;
+  settings.error = [&](CouplingTable const& table) {
+    seen.push_back(table.histories / block_size);
+    return seen.size() <= errors.size() ? errors[seen.size() - 1] : 2;
+  };
+  why = trace(one_plate(), settings, *make_backend("cpu")).stopped;
+  return seen;
+}
+
+TEST(StopRule, LooksAtFixedBlockCounts) {
+  std::vector<std::uint64_t> counts;
+  for (std::uint64_t b = 0; counts.size() < 8; counts.push_back(b)) b = next_look(b);
+  EXPECT_EQ(counts, (std::vector<std::uint64_t>{64, 91, 128, 181, 256, 362, 512, 724}));
+  EXPECT_EQ(next_look(63), 64u);
+  EXPECT_EQ(next_look(64), 91u);
+}
+
+TEST(StopRule, NeedsTwoGoodLooksInARow) {
+  Stopped why;
+  EXPECT_EQ(looks({0.5, 0.5}, why), (std::vector<std::uint64_t>{64, 91}));
+  EXPECT_EQ(why, Stopped::by_error);
+  EXPECT_EQ(looks({0.5, 2, 0.5, 0.5}, why), (std::vector<std::uint64_t>{64, 91, 128, 181}));
+  EXPECT_EQ(why, Stopped::by_error);
+  EXPECT_EQ(looks({0.5, 2, 0.5, 2}, why).back(), 200u);  // a rule that stops at the first good moment would end at 64
+  EXPECT_EQ(why, Stopped::by_histories);
+}
+
+}  // namespace
+}  // namespace straytrace::testing
