@@ -38,12 +38,16 @@ Columns head(PathTable const& table) {
 
 Cells cells_of(PathTable const& table, PathRow const& row) {
   Cells c = {fmt::format("{}", row.rank), row.sequence, row.port};
-  std::string const unresolved = "unresolved";
+  std::string const unresolved = "unresolved", still = "still";
+  bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
   if (table.has_noise)
-    c.push_back(row.resolved ? with_brackets(100 * row.share.value, 100 * row.share.sigma) : unresolved);
+    c.push_back(!row.resolved ? unresolved
+                : moves       ? with_brackets(100 * row.share.value, 100 * row.share.sigma)
+                              : still);
   c.push_back(row.resolved ? with_brackets(row.coupling.mean, row.coupling.std_error) : unresolved);
   c.push_back(fmt::format("{:g}", row.reverse));
-  for (Measured const& h : row.strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
+  for (Measured const& h : row.strain)
+    c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h.value, h.sigma) : still);
   c.push_back(row.body.empty() ? "-" : row.body);
   c.push_back(row.body.empty() ? "-" : number(row.lever, "{:.3g}"));
   c.push_back(number(row.rms_phase, "{:.2g}"));

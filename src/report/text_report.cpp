@@ -182,8 +182,10 @@ std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz
   auto const [low, high] = band_of(b.grid, low_hz, high_hz);
   std::string text = compared(b, low, high);
   if (!b.faint.empty())
-    text += fmt::format(" {} unresolved route{} too faint to matter (seen: {:.1g} of the noise power at most).",
-                        b.faint.size(), b.faint.size() == 1 ? " is" : "s are", b.faint_share);
+    text += fmt::format(" {} unresolved route{} too faint to matter ({}).", b.faint.size(),
+                        b.faint.size() == 1 ? " is" : "s are",
+                        b.faint_share > 0 ? fmt::format("seen: {:.1g} of the noise power at most", b.faint_share)
+                                          : std::string("nothing on them moves"));
   if (b.unresolved.empty()) return text + (b.faint.empty() ? " Unresolved: none." : " Otherwise unresolved: none.");
   text += fmt::format(" This is a lower bound; unresolved ({}):", b.unresolved.size());
   std::size_t const named = std::min<std::size_t>(b.unresolved.size(), 5);

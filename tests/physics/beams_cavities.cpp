@@ -170,7 +170,7 @@ TEST(beams, clipping_at_centred_apertures_a8_b8) {
 }
 
 // The same share as the lines of a Gaussian footprint that pass outside the aperture.
-testing::SampleMean outside(double aperture, double w) {
+testing::SampleMean outside(double aperture, double w, double offset = 0) {
   constexpr int n = 400000;
   Footprint f;
   f.travel = {0, 0, 1};
@@ -179,7 +179,7 @@ testing::SampleMean outside(double aperture, double w) {
   for (int i = 0; i < n; ++i) {
     Rng rng(1, std::uint64_t(i), 0, Stream::source);
     double const u = rng.uniform(), v = rng.uniform();
-    sum += length2(f.offset(f.sample(u, v).origin)) > aperture * aperture;
+    sum += length2(f.sample(u, v).origin - Vec3{offset, 0, 0}) > aperture * aperture;
   }
   double const mean = sum / n;
   return {mean, std::sqrt(mean * (1 - mean) / n), n};
@@ -191,6 +191,28 @@ TEST(beams, clipping_agrees_with_the_sampled_footprint) {
     testing::expect_mean("clipped", outside(aperture, 0.058), exact, 0.1 * exact);
     testing::SampleMean const twin = outside(aperture, 0.058 * 1.05);
     EXPECT_GT(std::fabs(twin.mean - exact), 5 * twin.std_error);
+  }
+}
+
+// eq. 5.6 (A8): aperture off the beam by d loses the Marcum function Q_1(2d/w, 2a/w), here by Simpson's rule.
+double marcum_q(double a, double b) {
+  constexpr int steps = 4000;
+  double const step = 20.0 / steps;
+  double sum = 0;
+  for (int i = 0; i <= steps; ++i) {
+    double const x = b + i * step, weight = i == 0 || i == steps ? 1 : i % 2 ? 4 : 2;
+    sum += weight * x * std::exp(-(x * x + a * a) / 2) * std::cyl_bessel_i(0, a * x);
+  }
+  return sum * step / 3;
+}
+
+TEST(beams, clipping_at_an_aperture_off_the_beam_a8) {
+  double const w = 0.058, a = 0.06;
+  EXPECT_LT(relative(marcum_q(0, 2 * a / w), clipped_share(a, w)), 1e-8);
+  for (double d : {0.01, 0.03}) {
+    double const exact = marcum_q(2 * d / w, 2 * a / w);
+    testing::expect_mean("clipped", outside(a, w, d), exact, 0.1 * exact);
+    EXPECT_GT(std::fabs(outside(a, w, 0).mean - exact), 0.1 * exact);  // the offset forgotten
   }
 }
 
