@@ -1,7 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/common_options.hpp"
 
+#include <fmt/format.h>
+
 namespace straytrace {
+namespace {
+
+// Numbers as people write them, 1e6 as well.
+CLI::Validator number_between(double low, double high, std::string const& example) {
+  return {[=](std::string const& text) -> std::string {
+            double value = 0;
+            if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+            return fmt::format("'{}' is not a number from {:g} to {:g}; write for example {}", text, low, high,
+                               example);
+          },
+          ""};
+}
+
+CLI::Validator whole_between(double low, double high, std::string const& example) {
+  return {[=](std::string const& text) -> std::string {
+            bool const digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+            if (digits && text.size() < 17 && std::stod(text) >= low && std::stod(text) <= high) return {};
+            return fmt::format("'{}' is not a whole number from {:g} to {:g}; write for example {}", text, low, high,
+                               example);
+          },
+          ""};
+}
+
+}  // namespace
 
 void add_format_option(CLI::App& command, Options& options) {
   command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));
@@ -9,7 +35,7 @@ void add_format_option(CLI::App& command, Options& options) {
 
 void add_scene_options(CLI::App& command, Options& options) {
   command.add_option("scene", options.input, "scene file (YAML)")->required();
-  command.add_option("-p,--param", options.overrides, "set a parameter, for example -p aperture=60cm")
+  command.add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
   command.add_flag("--quiet", options.quiet, "no progress, no warnings");
   add_format_option(command, options);
@@ -20,15 +46,20 @@ void add_trace_options(CLI::App& command, Options& options) {
       .add_option_function<double>(
           "--histories", [&](double n) { options.histories = std::uint64_t(n); },
           "at most so many histories, rounded up to whole blocks of 4096")
-      ->check(CLI::Range(1.0, 1e12));
+      ->check(number_between(1, 1e12, "1e6"));
   command.add_option("--until", options.until,
                      "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"10 min\", or a list");
-  command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits");
+  command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
+      ->check(whole_between(0, 9e15, "7"));
   command.add_option("--threads", options.threads, "default: all cores; does not change the result")
-      ->check(CLI::Range(1u, 1024u));
+      ->check(whole_between(1, 1024, "4"));
   command
       .add_option("--max-time", options.max_seconds, "stop after so many seconds with a result that can be continued")
-      ->check(CLI::PositiveNumber);
+      ->check(number_between(1e-3, 1e9, "3000"));
+  add_force_option(command, options);
+}
+
+void add_force_option(CLI::App& command, Options& options) {
   command.add_flag("--force", options.force, "overwrite the results of another model");
 }
 

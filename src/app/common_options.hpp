@@ -10,6 +10,7 @@ namespace straytrace {
 
 void add_scene_options(CLI::App&, Options&);  // SCENE, -p, --quiet, --format
 void add_trace_options(CLI::App&, Options&);  // --histories, --until, --seed, --threads, --max-time, --force
+void add_force_option(CLI::App&, Options&);
 void add_format_option(CLI::App&, Options&);
 
 }  // namespace straytrace

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/message.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {
@@ -13,8 +14,8 @@ constexpr double most_histories = 1e12;
 void read_orders(Model& model) {
   Node const t = model.scene.table("trace");
   if (t) {
-    model.seed = std::uint64_t(t.number("seed", dim::plain, 1, 0, 9e15));
-    model.histories = std::uint64_t(t.number("histories", dim::plain, 0, 0, most_histories));
+    model.seed = t.whole("seed", 1, 0, 9e15);
+    model.histories = t.whole("histories", 0, 0, most_histories);
     if (Node const until = t["until"]) try {
         model.until = parse_stop_rule(until.as_word());
       } catch (InputError const& e) {
@@ -24,7 +25,7 @@ void read_orders(Model& model) {
   }
   if (model.histories == 0) model.histories = model.until.of == StopRule::Of::nothing ? 1 << 20 : 1ull << 36;
   if (Node const r = model.scene.table("report")) {
-    model.paths_shown = std::size_t(r.number("paths", dim::plain, 12, 1, 1e6));
+    model.paths_shown = r.whole("paths", 12, 1, 1e6);
     r.refuse_unknown("'report'");
   }
 }
@@ -57,9 +58,16 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
   if (Node const table = other.table("interferometer"))
     model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength, model.world.beam_power);
   if (other.table("noise")) read_noise(model, other);
+  if (!other.table("bodies") && !other.table("interferometer") && !other.table("noise"))
+    other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
-  if (read)
-    for (auto const& [name, text] : other.files()) (*read)[name] = text;
+  if (!read) return;
+  for (auto const& [name, text] : other.files())
+    if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
+      throw InputError(
+          fmt::format("error: the run already holds a file '{}' with other content\n"
+                      "  give the file of the new motion another name",
+                      name));
 }
 
 std::string Model::hash() const {

@@ -17,6 +17,8 @@ int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
   RunFile const file = read_run(options.input);
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
+  if (!options.out.empty() && std::filesystem::exists(options.out))
+    earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
   std::string const earlier_motion = file.about.motion_file;
   FileTexts files = file.about.files;
   if (!options.motion.empty()) {
@@ -54,6 +56,7 @@ void add_noise(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--motion", options.motion,
                       "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
   command->add_option("-o,--out", options.out, "folder for curves, tables and picture");
+  add_force_option(*command, options);
   command->add_option("--show", options.show, "rows of the path table");
   command->add_flag("--quiet", options.quiet, "results only");
   add_format_option(*command, options);

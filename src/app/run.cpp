@@ -48,7 +48,7 @@ void add_run(CLI::App& app, Options& options, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace run examples/virgo_arm.yaml -o out/\n"
-      "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p aperture=60cm\n"
+      "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p rim=48cm\n"
       "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
   command->callback([&] { exit_code = run(options); });
 }

@@ -110,23 +110,46 @@ class Progress {
   bool drawn_ = false;
 };
 
-// The blocks already traced for this model and seed; refuses to overwrite another model's run.
+// The blocks already traced for this model and seed.
 void resume_earlier(Model const& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
-  if (options.force || !std::filesystem::exists(run_file)) return;
-  RunFile earlier = read_run(run_file);
-  if (earlier.about.model_hash != model.hash() || earlier.trace.coupling.seed != model.seed)
-    throw InputError(
-        fmt::format("error: '{}' holds a run of another model or seed; nothing was run\n"
-                    "  choose another folder with -o, or overwrite it with --force",
-                    run_file));
+  auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
+  if (!found) return;
+  RunFile const& earlier = *found;
   if (!options.quiet)
     std::cerr << fmt::format("going on from {:.3g} histories in '{}'\n", double(earlier.trace.total.histories),
                              run_file);
-  if (earlier.trace.stop_rule == settings.stop_rule) settings.good_looks = earlier.trace.good_looks;
-  settings.resume = std::move(earlier.trace.tree);
+  // Looks count only when they were at the same noise: a rule about h_total depends on motion and detector as well.
+  if (earlier.trace.stop_rule == settings.stop_rule && earlier.about.files == model.scene.files() &&
+      earlier.about.overrides == model.scene.overrides())
+    settings.good_looks = earlier.trace.good_looks;
+  settings.resume = earlier.trace.tree;
 }
 
 }  // namespace
+
+std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
+                                   bool force) {
+  std::filesystem::path const folder = std::filesystem::path(run_file).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    throw InputError(fmt::format(
+        "error: there is no folder '{}' to write to\n  make it first, or choose another one with -o", folder.string()));
+  if (std::filesystem::is_directory(run_file))
+    throw InputError(fmt::format("error: '{}' is a folder\n  name a file with -o, for example -o {}", run_file,
+                                 (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
+  if (force || !std::filesystem::exists(run_file)) return {};
+  RunFile earlier;
+  try {
+    earlier = read_run(run_file);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("error: {}\n  choose another place with -o, or overwrite it with --force", e.what()));
+  }
+  if (earlier.about.model_hash != model_hash || earlier.trace.coupling.seed != seed)
+    throw InputError(
+        fmt::format("error: '{}' holds a run of another model or seed; nothing was run\n"
+                    "  choose another place with -o, or overwrite it with --force",
+                    run_file));
+  return earlier;
+}
 
 void apply(Options const& options, Model& model) {
   if (options.seed) model.seed = *options.seed;

@@ -2,6 +2,8 @@
 // What the commands share: tracing with progress and interruption, and the files of a result.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "app/model.hpp"
@@ -17,6 +19,11 @@ void apply(Options const&, Model&);
 // Traces, or goes on with the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
 // finishes the blocks under way. Throws InputError when another model's run would be overwritten without --force.
 TraceResult trace_model(Model const&, Options const&, std::string const& run_file);
+
+// The run that stands where this one will be written, if any. Throws InputError when it is of another model or seed and
+// may not be overwritten (`force`), or when nothing can be written there.
+std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
+                                   bool force);
 
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.

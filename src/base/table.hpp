@@ -58,6 +58,8 @@ class Node {
   // A number with the dimension; `fallback` NaN means required. Out of range or wrong: a problem and NaN.
   double number(std::string_view key, Dimension, double fallback = required, double low = -infinity,
                 double high = infinity) const;
+  // A whole number in [low, high]; 0 and a problem when wrong, or missing without a fallback.
+  std::uint64_t whole(std::string_view key, double fallback, double low, double high) const;
   // A length-like amplitude that must say peak, pp or rms.
   Quantity amplitude(std::string_view key, Dimension) const;
   std::string word(std::string_view key,

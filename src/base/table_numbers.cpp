@@ -109,6 +109,15 @@ double Node::as_number(Dimension d, double low, double high) const {
   return within(q->si, d, low, high) ? q->si : not_a_number;
 }
 
+std::uint64_t Node::whole(std::string_view key, double fallback, double low, double high) const {
+  double const x = number(key, dim::plain, fallback, low, high);
+  if (std::isnan(x)) return 0;
+  if (x == std::round(x)) return static_cast<std::uint64_t>(x);
+  (*this)[key].problem(fmt::format("'{}' must be a whole number, got \"{}\"", key, shortened((*this)[key].text())),
+                       fmt::format("write {:.0f} or {:.0f}", std::floor(x), std::ceil(x)));
+  return 0;
+}
+
 Quantity Node::amplitude(std::string_view key, Dimension d) const {
   Quantity const nothing{not_a_number, d, Amplitude::none};
   Node const value = (*this)[key];

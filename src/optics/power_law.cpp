@@ -27,6 +27,7 @@ double cosine_integral_series(double t) {
 }  // namespace
 
 void PowerLaw::prepare() {
+  total = integral(pi);
   constexpr int steps = 2048;  // Simpson's rule in ln(theta)
   double const span = std::log(pi / above);
   for (int i = 0; i < AlbedoTable::size; ++i) {

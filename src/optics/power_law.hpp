@@ -13,9 +13,10 @@ struct PowerLaw {
   double exponent = 2;  // n
   double above = 5e-5;  // rad
   AlbedoTable table;    // set by prepare()
+  double total = 1;     // integral(pi), set by prepare()
   static constexpr char const* key = "power-law";
 
-  void prepare();  // host: fills the albedo table by quadrature
+  void prepare();  // host: normalises the sampling and fills the albedo table by quadrature
 
   STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
     if (!(wi.z > 0 && wo.z > 0)) return 0;
@@ -40,7 +41,7 @@ struct PowerLaw {
   }
 
   STRAY_HD double density(double theta) const {  // 1/sr
-    return power_positive(theta, 1 - exponent) / (integral(pi) * 2 * pi * sincos_turn(theta / (2 * pi)).sin);
+    return power_positive(theta, 1 - exponent) / (total * 2 * pi * sincos_turn(theta / (2 * pi)).sin);
   }
   // Integral of theta^(1-n) from `above` to theta, and the angle below which a share u of it lies.
   STRAY_HD double integral(double theta) const {

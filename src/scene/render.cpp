@@ -14,13 +14,15 @@ constexpr std::uint32_t widest = 200;  // code points of a source line that are 
 // One printable element per code point; control characters and broken bytes become harmless.
 std::vector<std::string> printable(std::string_view text) {
   std::vector<std::string> out;
-  for (char const c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    char const c = text[i];
     auto const byte = static_cast<unsigned char>(c);
-    if ((byte & 0xc0) == 0x80 && !out.empty())
+    bool const lead = byte >= 0xc0, continued = i + 1 < text.size() && (text[i + 1] & 0xc0) == 0x80;
+    if ((byte & 0xc0) == 0x80 && !out.empty() && static_cast<unsigned char>(out.back()[0]) >= 0xc0)
       out.back() += c;
     else if (byte == '\t')
       out.emplace_back(" ");
-    else if (byte < 0x20 || byte == 0x7f || (byte & 0xc0) == 0x80)
+    else if (byte < 0x20 || byte == 0x7f || (byte & 0xc0) == 0x80 || (lead && !continued))
       out.emplace_back("?");
     else
       out.emplace_back(1, c);

@@ -18,16 +18,6 @@ int read_axis(Node const& repeat) {
   return hit == axes.end() ? -1 : static_cast<int>(hit - axes.begin());
 }
 
-// 0 when the count is wrong.
-std::size_t read_count(Node const& repeat) {
-  double const count = repeat.number("count", dim::plain, required, 1, most_instances);
-  if (std::isnan(count)) return 0;
-  if (count == std::round(count)) return static_cast<std::size_t>(count);
-  repeat["count"].problem(fmt::format("'count' must be a whole number, got \"{}\"", shortened(repeat["count"].text())),
-                          fmt::format("write {:.0f} or {:.0f}", std::floor(count), std::ceil(count)));
-  return 0;
-}
-
 std::vector<double> by_pitch(Node const& repeat, std::size_t count) {
   double const from = repeat.number("from", dim::length, 0), pitch = repeat.number("pitch", dim::length);
   if (pitch <= 0) {
@@ -99,7 +89,8 @@ Repeat read_repeat(Node const& entry) {
     result.axis = read_axis(repeat);
     if (repeat.has("at")) {
       result.offsets = by_list(repeat);
-    } else if (std::size_t const count = read_count(repeat); count > 0) {
+    } else {
+      std::size_t const count = repeat.whole("count", required, 1, most_instances);
       result.offsets = repeat.has("ratio")   ? by_ratio(repeat, count)
                        : repeat.has("pitch") ? by_pitch(repeat, count)
                                              : by_ends(repeat, count);

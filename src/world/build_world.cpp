@@ -8,10 +8,9 @@ namespace straytrace {
 void read_trace_limits(Scene const& scene, World& world) {
   Node const t = scene.table("trace");
   if (!t) return;
-  world.limits.max_order = std::uint32_t(t.number("order_limit", dim::plain, world.limits.max_order, 1, 1e6));
+  world.limits.max_order = std::uint32_t(t.whole("order_limit", world.limits.max_order, 1, 1e6));
   world.limits.roulette_below = t.number("roulette_below", dim::plain, world.limits.roulette_below, 0, 1);
-  world.limits.route_vertices =
-      std::uint32_t(t.number("route_vertices", dim::plain, world.limits.route_vertices, 2, 8));
+  world.limits.route_vertices = std::uint32_t(t.whole("route_vertices", world.limits.route_vertices, 2, 8));
   world.reverse_routes = t.flag("reverse_routes", true);
   static constexpr std::string_view structures[] = {"axial", "none"};
   world.limits.brute_force = t.choice("structure", structures, "axial") == "none";

@@ -130,30 +130,36 @@ void read_spot(Node const& beam, Registry const& names, World& world, std::uint3
   world.add_footprint(f);
 }
 
-void read_ports(Scene const& scene, World& world, Registry const& names, std::vector<std::string> const& beams) {
+// Beams as far as they were read; `broken` ones have a problem of their own, which ports need not repeat.
+struct Beams {
+  std::vector<std::string> names;
+  std::vector<bool> broken;
+};
+
+void read_ports(Scene const& scene, World& world, Registry const& names, Beams const& beams) {
   for (auto const& [name, node] : scene.table("ports").items()) {
     std::string const beam = node.word("beam");
     std::uint32_t number = WorldView::none;
-    for (std::uint32_t i = 0; i < beams.size(); ++i)
-      if (beams[i] == beam) number = i;
-    if (number == WorldView::none) {
-      std::string const near = nearest_word(beam, beams);
-      node.problem(fmt::format("beam '{}' is not defined", beam),
-                   near.empty() ? "name one of 'beams'" : fmt::format("did you mean '{}'?", near));
+    for (std::uint32_t i = 0; i < beams.names.size(); ++i)
+      if (beams.names[i] == beam) number = i;
+    if (number == WorldView::none && !beams.names.empty() && node.has("beam")) {
+      std::string const near = nearest_word(beam, beams.names);
+      node["beam"].problem(fmt::format("beam '{}' is not defined", beam),
+                           near.empty() ? "name one of 'beams'" : fmt::format("did you mean '{}'?", near));
     }
     SurfaceId const at = find_surface(node["at"], names);
     node.refuse_unknown(fmt::format("port '{}'", name));
     if (number == WorldView::none || !at.valid()) continue;
-    if (!world.open_port(at, number, name))
-      node.problem(fmt::format("beam '{}' does not light '{}'", beam, node.word("at")),
-                   "ports lie where their beam meets a surface");
+    if (!world.open_port(at, number, name) && !beams.broken[number])
+      node["at"].problem(fmt::format("beam '{}' does not light '{}'", beam, node.word("at")),
+                         "ports lie where their beam meets a surface");
   }
 }
 
 }  // namespace
 
 void read_beams(Scene const& scene, World& world, Registry const& names) {
-  std::vector<std::string> beams;
+  Beams beams;
   bool first = true;
   for (auto const& [name, node] : scene.table("beams").items()) {
     double const wavelength = node.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
@@ -161,10 +167,12 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
       node.problem("all beams of a scene share one wavelength", "trace other wavelengths in scenes of their own");
     world.wavelength = wavelength;
     first = false;
-    auto const number = std::uint32_t(beams.size());
-    beams.push_back(name);
-    if (node.has("power") && world.beam_power == 0)
-      world.beam_power = node.number("power", dim::power, required, 1e-9, 1e9);
+    auto const number = std::uint32_t(beams.names.size());
+    std::size_t const spots = world.footprints().size();
+    if (node.has("power") && world.beam_power == 0) {
+      double const power = node.number("power", dim::power, required, 1e-9, 1e9);
+      world.beam_power = std::isnan(power) ? 1 : power;  // a wrong power is not also a missing one
+    }
     if (Node const cavity = node["cavity"])
       read_cavity(name, node, cavity, names, world, number);
     else if (node.has("on"))
@@ -172,11 +180,13 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
     else
       node.problem(fmt::format("beam '{}' lights nothing", name), "give 'cavity: [MIRROR, MIRROR]' or 'on: SURFACE'");
     node.refuse_unknown(fmt::format("beam '{}'", name));
+    beams.names.push_back(name);
+    beams.broken.push_back(world.footprints().size() == spots);
   }
   read_ports(scene, world, names, beams);
-  if (beams.empty())
+  if (beams.names.empty())
     scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
-  else if (world.ports().empty())
+  else if (scene.table("ports").items().empty())
     scene.root().problem("there is no port where light could rejoin", "add 'ports: {ITM: {beam: arm, at: ITM}}'");
 }
 

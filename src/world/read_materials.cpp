@@ -68,7 +68,7 @@ void check_energy(std::string const& name, Node const& node, Optic const& optic,
   for (int i = AlbedoTable::size - 1; i >= 0; --i) {
     double const cosine = AlbedoTable::cosine(i);
     double const scattered = scatter_albedo(laws, optic, cosine);
-    if (optic.reflect + transmit + scattered <= 1 + 1e-9) continue;
+    if (!(optic.reflect + transmit + scattered > 1 + 1e-9)) continue;  // NaN: a value is missing, and reported
     node.problem(
         fmt::format("material '{}' makes light: at {:.0f} deg of incidence it reflects {:.6g}, transmits {:.6g} "
                     "and scatters {:.6g}, together more than 1",

@@ -46,15 +46,14 @@ inline std::vector<Lambertian> instances() {
 }
 template <>
 inline std::vector<PowerLaw> instances() {
-  return {power_law(1e-3, 2, 5e-5), power_law(3e-9, 2.3986, 5e-5), power_law(1e-2, 1.2, 1e-2),
-          power_law(1e-4, 3.1, 1e-2)};
+  return {power_law(1e-3, 2, 5e-5), power_law(3e-9, 2.3986, 5e-5), power_law(1e-4, 3.1, 1e-2)};
 }
 template <>
 inline std::vector<Abg> instances() {
-  return {abg(0.0025, 0.001, 1.8), abg(1e-3, 1e-4, 2), abg(1e-6, 1e-8, 2.5), abg(0.1, 0.5, 3)};
+  return {abg(0.0025, 0.001, 1.8), abg(1e-6, 1e-8, 2.5), abg(0.1, 0.5, 3)};
 }
 
-// Degrees; the last lies inside the first cell of an albedo table.
+// Degrees; the last is where the horizon cuts every lobe in half.
 constexpr double incidences[] = {0, 30, 60, 85, 89.7};
 inline Vec3 incoming(double degrees, double azimuth = 0.1) {
   SinCos const t = sincos_turn(degrees / 360), a = sincos_turn(azimuth);

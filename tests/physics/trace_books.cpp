@@ -22,7 +22,7 @@ class Lottery {
     o.reflect = between(0, 0.4);
     o.laws = 3;
     o.law[0] = world.add_law(Lambertian{between(0, 0.3)});
-    PowerLaw power{between(1e-4, 1e-2), between(1.2, 2.4), between(1e-3, 1e-2), {}};
+    PowerLaw power{between(1e-4, 1e-3), between(1.2, 2.4), between(1e-3, 1e-2), {}};  // scatters 25 % at most
     power.prepare();
     o.law[1] = world.add_law(power);
     Abg abg{};

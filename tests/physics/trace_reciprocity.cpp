@@ -41,9 +41,9 @@ SampleMean coupling(Law mirror, Law baffle, bool from_mirror, Vec3 mirror_spot =
   two.emits = one.receives = !from_mirror;
   world.add_footprint(one);
   world.add_footprint(two);
-  world.limits.max_order = 1;
+  world.limits.max_order = 2;
   world.finish();
-  TraceResult const r = run_histories(world, 1 << 20);
+  TraceResult const r = run_histories(world, 3 << 18);
   return route_coupling(r, from_mirror ? "mirror·S > baffle·S > plate·S" : "plate·S > baffle·S > mirror·S");
 }
 
@@ -52,12 +52,12 @@ TEST(Reciprocity, SwapOfEmitterAndReceiverA25) {
     Law mirror, baffle;
     double effect;
   };
-  for (Case const c : {Case{Law::power_law, Law::lambertian, 2.5e-2}, {Law::lambertian, Law::power_law, 2.5e-2}}) {
+  for (Case const c : {Case{Law::power_law, Law::lambertian, 3e-2}, {Law::lambertian, Law::power_law, 3e-2}}) {
     SampleMean const there = coupling(c.mirror, c.baffle, true), back = coupling(c.mirror, c.baffle, false);
     expect_mean("A25", difference(there, back), 0, c.effect * there.mean);
   }
   SampleMean const there = coupling(Law::abg, Law::abg, true), back = coupling(Law::abg, Law::abg, false);
-  expect_mean("A25", difference(there, back), 0, 2.5e-2 * there.mean);
+  expect_mean("A25", difference(there, back), 0, 3e-2 * there.mean);
   // twin: the emitting spot is 10 cm beside the receiving one
   expect_rejected("moved spot", difference(coupling(Law::abg, Law::abg, true, {-0.1, 0.05, 0}), back), 0);
 }

@@ -28,7 +28,7 @@ World tube() {
   receiver.emits = false;
   world.add_footprint(source);
   world.add_footprint(receiver);
-  world.limits.max_order = 1;
+  world.limits.max_order = 2;
   world.finish();
   return world;
 }

@@ -129,7 +129,7 @@ class Exact {
 struct Tally {
   long long bounces = 0, lost = 0, wrong = 0, self = 0;
   std::set<std::uint32_t> seen;  // surfaces hit
-  double worst_error = 0;  // distance of the hit from the exact surface in units of `resolution`
+  double worst_error = 0;        // distance of the hit from the exact surface in units of `resolution`
 };
 
 // Spacing of doubles where it matters: heights up to the tube's length, radii, and the distance flown.

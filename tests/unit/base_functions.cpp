@@ -11,7 +11,7 @@ namespace straytrace {
 namespace {
 
 constexpr long double pi_l = 3.141592653589793238462643383279502884L;
-constexpr int draws = 200000;
+constexpr int draws = 100000;
 
 double ulps(double value, long double exact) {
   double const rounded = static_cast<double>(exact);

@@ -25,7 +25,7 @@ std::vector<Vec3> headings() { return {{0, 0, 1}, {0, 0, -1}, unit({0.2, -0.6, 0
 // Integral of the intensity over the plane across the beam, midpoint rule on a square of 8 radii; 1 by eq. 0.6.
 template <class Density>
 double integral(Footprint const& f, Density density) {
-  constexpr int n = 800;
+  constexpr int n = 500;
   Frame const plane = Frame::around(f.travel);
   double const side = 8 * f.radius, step = side / n;
   double sum = 0;
@@ -54,7 +54,7 @@ TEST(footprint, intensity_is_normalised) {
 // quadrature (the edge of an even profile runs through cells, so these are split finely).
 template <class Draw>
 testing::ChiSquare against_intensity(Footprint const& f, Draw draw) {
-  constexpr int side = 12, sub = 120, n = 100000;
+  constexpr int side = 12, sub = 60, n = 100000;
   double const width = (f.profile == Profile::gaussian ? 4.0 : 2.4) * f.radius, cell = width / side;
   Frame const plane = Frame::around(f.travel);
   std::vector<double> observed(side * side + 1), expected = observed;

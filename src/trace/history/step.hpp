@@ -28,13 +28,13 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, PathState& path, 
   vertex.leg = hit.distance;
   ++path.event;
   sink.visit(path, vertex);
-  arrive(world, path, vertex, sink);         // light that reached a lit surface by itself, eq. 1.7
-  connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
-  double const kept = vertex.albedo + vertex.optic->reflect;
-  if (path.event >= world.limits.max_order) {
+  arrive(world, path, vertex, sink);           // light that reached a lit surface by itself, eq. 1.7
+  if (path.event >= world.limits.max_order) {  // a connection is one more event: its weight counts on the walk's share
     sink.book(Fate::limit, path.power);
     return false;
   }
+  connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
+  double const kept = vertex.albedo + vertex.optic->reflect;
   if (!survives(world, seed, path, sink)) return false;
   sink.book(Fate::absorbed, path.power * (1 - kept));
   return scatter(world, seed, path, vertex, sink);
