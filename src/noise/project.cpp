@@ -146,7 +146,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   }
   for (auto const& [r, own] : doubtful) {
     NoiseTrace& trace = budget.routes[r];
-    trace.faint = largest_ratio(own, total) < faint_limit;
+    trace.faint = !table.classes[r].records.empty() && largest_ratio(own, total) < faint_limit;
     (trace.faint ? budget.faint : budget.unresolved).push_back(trace.name + ": " + trace.why_not);
     (trace.faint ? faint : unresolved).add(own);
   }

@@ -43,6 +43,24 @@ TEST(Project, UnresolvedRoutesAreNamedAndLeftOut) {
   EXPECT_FALSE(b.routes[3].resolved);
 }
 
+// What was seen of an unresolved route decides whether it could matter: 1e-4 of the total cannot, 1e-2 can.
+TEST(Project, FaintUnresolvedRoutesDoNotMakeALowerBound) {
+  CouplingClass faint = route(2, 1e-4), strong = route(2, 1e-2);
+  for (CouplingClass* c : {&faint, &strong}) {
+    c->coupling.trusted = false;
+    c->coupling.why_not = "3 effective paths";
+  }
+  NoiseBudget const b = budget({route(1, 1), faint}), twin = budget({route(1, 1), strong});
+  EXPECT_TRUE(b.total.resolved);
+  EXPECT_TRUE(b.unresolved.empty());
+  ASSERT_EQ(b.faint.size(), 1u);
+  EXPECT_TRUE(b.routes[1].faint);
+  EXPECT_NEAR(b.faint_share, 1e-4, 1e-8);
+  EXPECT_FALSE(twin.total.resolved);
+  EXPECT_EQ(twin.unresolved.size(), 1u);
+  EXPECT_TRUE(twin.faint.empty());
+}
+
 TEST(Project, OneReplicaGivesNoError) {
   CouplingTable table = known_table({route(1, 1)});
   table.groups = {"baffle"};
