@@ -110,7 +110,7 @@ def draw_shares(axes, run, band):
     axes.barh(place, [100 * r[1] for r in rows], height=0.52, color=[r[3] for r in rows],
               xerr=[100 * r[2] for r in rows], error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
     for y, (name, value, sigma, _, i) in zip(place, rows):
-        words = plain(100 * value, 100 * sigma, " %")
+        words = plain(100 * value, 100 * sigma, " %") if value > 0 else "nothing moves on them"
         if i is not None:
             words += f"   coupling {power_of_ten(run.routes.coupling[i], run.routes.sigma[i])}"
         axes.annotate(words, (100 * (value + sigma), y), xytext=(6, 0), textcoords="offset points", va="center", fontsize=9.5)
@@ -194,7 +194,8 @@ def notes(run):
         if len(unresolved) > 3:
             lines.append(f"  and {len(unresolved) - 3} more")
     else:
-        lines.append("unresolved: none")
+        faint = len(run.noise.faint) if run.noise is not None else 0
+        lines.append(f"unresolved: {faint}, too faint to matter" if faint else "unresolved: none")
     if not run.complete:
         lines.append("checkpoint: the run is not finished")
     return "\n".join(lines), bool(unresolved) or not run.complete

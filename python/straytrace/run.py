@@ -45,6 +45,7 @@ class Noise:
     total: Curve                      # a lower bound when `unresolved` is not empty
     routes: list                      # of Curve, one per route of the run
     unresolved: list                  # names with reason
+    faint: list                       # unresolved too, but too faint to move the total
     design: dict                      # name: ASD
     margin: float                     # of the first design curve
 
@@ -143,6 +144,7 @@ def _noise(file):
             for i in range(len(names))
         ],
         unresolved=_texts(group["unresolved"]),
+        faint=_texts(group["faint"]),
         design=dict(zip(_texts(design["name"]), design["asd"][()])),
         margin=float(group.attrs["margin"]),
     )

@@ -47,8 +47,9 @@ void add_trace_options(CLI::App& command, Options& options) {
           "--histories", [&](double n) { options.histories = std::uint64_t(n); },
           "at most so many histories, rounded up to whole blocks of 4096")
       ->check(number_between(1, 1e12, "1e6"));
-  command.add_option("--until", options.until,
-                     "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"10 min\", or a list");
+  command
+      .add_option("--until", options.until, "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"10 min\", or a list")
+      ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
   command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
       ->check(whole_between(0, 9e15, "7"));
   command.add_option("--threads", options.threads, "default: all cores; does not change the result")

@@ -17,7 +17,7 @@ int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
   RunFile const file = read_run(options.input);
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
-  if (!options.out.empty() && std::filesystem::exists(options.out))
+  if (!options.out.empty() && std::filesystem::is_directory(options.out))
     earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
   std::string const earlier_motion = file.about.motion_file;
   FileTexts files = file.about.files;
@@ -42,7 +42,7 @@ int noise(Options const& options) {
     if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
   }
   if (options.out.empty()) return done;
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   std::string const undrawn = write_results(options.out, content, paths, model);
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
   return done;

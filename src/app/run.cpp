@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "app/common_options.hpp"
@@ -18,7 +17,7 @@ int run(Options const& options) {
   std::string const warnings = model.scene.warnings();
   if (!options.quiet) std::cerr << warnings;
 
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
   NoiseBudget const budget = model.project(traced.coupling);                        // from here on nothing is expensive
   PathTable const paths = table_for(traced.coupling, &budget, model);
@@ -34,6 +33,7 @@ int run(Options const& options) {
     if (!options.quiet)
       std::cerr << fmt::format("results in {}: report.png report.txt h_asd.txt paths.csv run.h5\n", options.out);
   }
+  if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
   return traced.checkpointed() ? checkpointed : done;
 }

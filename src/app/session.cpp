@@ -127,6 +127,14 @@ void resume_earlier(Model const& model, Options const& options, std::string cons
 
 }  // namespace
 
+void make_folder(std::string const& name) {
+  std::error_code code;
+  std::filesystem::create_directories(name, code);
+  if (code || !std::filesystem::is_directory(name, code))
+    throw InputError(fmt::format("error: cannot make the folder '{}': {}\n  choose another one with -o", name,
+                                 code ? code.message() : "a file has this name"));
+}
+
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
                                    bool force) {
   std::filesystem::path const folder = std::filesystem::path(run_file).parent_path();

@@ -25,6 +25,10 @@ TraceResult trace_model(Model const&, Options const&, std::string const& run_fil
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
                                    bool force);
 
+void make_folder(std::string const&);  // with its parents; throws InputError
+
+inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command goes on from here\n";
+
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.
 std::string write_results(std::string const& folder, RunContent const&, PathTable const&, Model const&);

@@ -23,6 +23,7 @@ int trace_only(Options const& options) {
   if (!options.quiet)
     std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
                              options.out);
+  if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   return traced.checkpointed() ? checkpointed : done;
 }
 

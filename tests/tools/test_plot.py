@@ -55,6 +55,7 @@ def made_run(path, routes=9, bins=60, noise=True):
         f["noise/routes/resolved"], f["noise/routes/mean_square_phase"] = np.ones(routes, int), np.ones(routes)
         f["noise/frequency"], f["noise/frequency_edges"] = centre, edges
         f["noise/unresolved"] = text([])
+        f["noise/faint"] = text([])
         f["noise/design/name"], f["noise/design/asd"] = text(["adv-lal"]), [1e-20 * (centre / 5) ** -2]
         f["noise"].attrs["margin"] = 0.1
 

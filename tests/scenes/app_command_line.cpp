@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command line: help that is true, and one clear sentence when it is wrong (interface.md 2).
+#include <sstream>
+
+#include "scenes/program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+char const* const commands[] = {"check", "trace", "run", "noise", "paths"};
+
+// Words of a line as a shell would split them, without wildcards; a redirection ends it.
+Words split(std::string const& line) {
+  Words words;
+  std::istringstream in(line);
+  for (std::string word; in >> word && word != ">";) {
+    if (word.starts_with('"')) {
+      std::string rest;
+      if (!word.ends_with('"') || word.size() == 1) std::getline(in, rest, '"');
+      word = word.substr(1) + rest;
+      if (word.ends_with('"')) word.pop_back();
+    }
+    words.push_back(word);
+  }
+  return words;
+}
+
+// The commands under 'Examples:' of a help text.
+std::vector<Words> examples_in(std::string const& help) {
+  std::vector<Words> found;
+  std::istringstream in(help.substr(std::min(help.find("Examples:"), help.size())));
+  for (std::string line; std::getline(in, line);)
+    if (Words words = split(line); words.size() > 2 && words[0] == "straytrace" && words[1] != "--help")
+      found.emplace_back(words.begin() + 1, words.end());
+  return found;
+}
+
+TEST(CommandLine, SplitsLikeAShell) {
+  EXPECT_EQ(split(R"(a -u "h < 1 %" -p b=1 > c)"), (Words{"a", "-u", "h < 1 %", "-p", "b=1"}));
+  EXPECT_EQ(split(R"(a "b" c)"), (Words{"a", "b", "c"}));
+  EXPECT_EQ(examples_in("no such section\n  straytrace run x y").size(), 0u);
+}
+
+// As printed, in a folder that holds examples/ and a run in out/; the only change: a stop rule becomes a small number.
+TEST(CommandLine, ExamplesOfTheHelpRun) {
+  Folder const folder;
+  fs::create_directory_symlink(source_folder + "/examples", folder / "examples");
+  Launch const how{folder.path()};
+  ASSERT_EQ(straytrace({"run", "examples/virgo_arm.yaml", "-o", "out", "--histories", "8192"}, how).code, 0);
+  for (std::string const command : commands) {
+    Finished const help = straytrace({command, "--help"});
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_EQ(help.err, "");
+    auto const examples = examples_in(help.out);
+    EXPECT_GE(examples.size(), 2u) << command;
+    for (Words words : examples) {
+      EXPECT_EQ(words[0], command);
+      if (command == "run" || command == "trace") {
+        fs::remove_all(folder / "out.h5");
+        words.insert(words.end(), {"--force", "--histories", "4096"});
+        if (auto const given = std::find(words.begin(), words.end(), "1e6"); given != words.end())
+          words.erase(given - 1, given + 1);
+      }
+      Finished const r = straytrace(words, how);
+      EXPECT_TRUE(r.code == 0 || r.code == 85) << ::testing::PrintToString(words) << r.err;
+      EXPECT_GT(r.out.size(), 20u);
+    }
+  }
+  EXPECT_TRUE(fs::exists(folder / "fine/report.txt"));
+  EXPECT_TRUE(fs::exists(folder / "storm/h_asd.txt"));
+  EXPECT_TRUE(fs::exists(folder / "virgo.h5"));
+}
+
+TEST(CommandLine, HelpAndVersion) {
+  Finished const help = straytrace({"--help"});
+  EXPECT_EQ(help.code, 0);
+  for (std::string const command : commands) EXPECT_THAT(help.out, HasSubstr("\n  " + command + " "));
+  EXPECT_THAT(straytrace({"--version"}).out, ::testing::StartsWith("straytrace 0."));
+}
+
+struct Wrong {
+  Words words;
+  std::string reason, suggestion;
+};
+
+// One sentence and a remedy, at most three lines; nothing on stdout, nothing written.
+std::string fault(Finished const& r, Wrong const& w) {
+  if (r.code != 2) return "exit code " + std::to_string(r.code);
+  if (!r.out.empty()) return "something on stdout";
+  if (r.err.find("error: ") == r.err.npos) return "no error";
+  if (r.err.find("error: ") != r.err.rfind("error: ")) return "more than one error";
+  if (r.err.find(w.reason) == r.err.npos) return "wrong reason";
+  return r.err.find(w.suggestion) == r.err.npos ? "wrong suggestion" : "";
+}
+
+TEST(CommandLine, MistakesAreExplained) {
+  Folder const folder;
+  std::string const out = folder / "out";
+  write_text(folder / "file", "");
+  Wrong const all[] = {
+      {{}, "A subcommand is required", "straytrace --help"},
+      {{"chek", virgo_arm}, "'chek' is not a command", "did you mean 'check'?"},
+      {{"run"}, "scene is required", "straytrace run --help"},
+      {{"run", virgo_arm}, "--out is required", "straytrace run --help"},
+      {{"run", virgo_arm, "-o", out, "--histores", "9"},
+       "'--histores' is not an option",
+       "did you mean '--histories'?"},
+      {{"check", virgo_arm, "twice"}, "'twice' is not expected", "straytrace check --help"},
+      {{"noise"}, "run is required", "straytrace noise --help"},
+      {{"run", virgo_arm, "-o", out, "--until", "5%"}, "'5%' is not a stop rule", "write 'h_total < 5 %'"},
+      {{"run", virgo_arm, "-o", out, "--until", "h_total < 5"}, "is not a stop rule", "'10 min'"},
+      {{"run", virgo_arm, "-o", out, "--until", ""}, "is not a stop rule", "straytrace run --help"},
+      {{"run", virgo_arm, "-o", out, "-p", "rimm=1 m"}, "'rimm' is not defined", "did you mean 'rim'?"},
+      {{"run", virgo_arm, "-o", out, "-p", "rim"}, "'rim' does not set a parameter", "write 'name=value'"},
+      {{"run", virgo_arm, "-o", out, "--histories", "many"}, "'many' is not a number", "write for example 1e6"},
+      {{"run", virgo_arm, "-o", out, "--histories", "-5"}, "'-5' is not a number", "write for example 1e6"},
+      {{"run", virgo_arm, "-o", out, "--seed", "-1"}, "'-1' is not a whole number", "write for example 7"},
+      {{"run", virgo_arm, "-o", out, "--threads", "0"}, "'0' is not a whole number", "write for example 4"},
+      {{"check", virgo_arm, "--format", "xml"}, "xml", "json"},
+      {{"run", virgo_arm, "-o", folder / "file"}, "cannot make the folder", "choose another one"},
+      {{"trace", virgo_arm, "-o", folder / "none/a.h5"}, "there is no folder", "make it first"},
+      {{"trace", virgo_arm, "-o", folder.path()}, "is a folder", "name a file with -o"},
+      {{"noise", folder / "none.h5"}, "No such file", ""},
+      {{"paths", virgo_arm}, "is not a straytrace run file", ""},
+  };
+  for (Wrong const& w : all) {
+    Finished const r = straytrace(w.words);
+    EXPECT_EQ(fault(r, w), "") << ::testing::PrintToString(w.words) << "\n" << r.err;
+    EXPECT_LE(std::count(r.err.begin(), r.err.end(), '\n'), 5) << r.err;
+    EXPECT_FALSE(fs::exists(out));
+  }
+  EXPECT_EQ(fault(straytrace({"check", virgo_arm}), all[0]), "exit code 0");
+  EXPECT_EQ(fault(straytrace({"run"}), all[3]), "wrong reason");
+}
+
+}  // namespace
+}  // namespace straytrace::testing

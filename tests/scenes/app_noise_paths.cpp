@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is made from a run without tracing again: noise with its own or other motion, and the table of routes.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+#include "report/report.hpp"
+#include "scenes/program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+using Curve = std::vector<std::vector<double>>;  // rows of h_asd.txt
+Curve curve_in(std::string const& file) {
+  Curve curve;
+  std::istringstream in(text_of(file));
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream words(line);
+    curve.emplace_back();
+    for (std::string word; words >> word;) curve.back().push_back(std::stod(word));
+  }
+  return curve;
+}
+
+// Largest relative difference of h_mean; infinite for curves that cannot be compared.
+double difference(Curve const& a, Curve const& b) {
+  if (a.empty() || a.size() != b.size()) return infinity;
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].size() != 9 || a[i][0] != b[i][0] || !(a[i][1] > 0)) return infinity;
+    largest = std::max(largest, std::fabs(a[i][1] / b[i][1] - 1));
+  }
+  return largest;
+}
+
+// Fields of a CSV line; quoted fields may hold commas.
+Words fields(std::string const& line) {
+  Words all{""};
+  bool quoted = false;
+  for (char const c : line)
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      all.emplace_back();
+    else
+      all.back() += c;
+  return all;
+}
+
+// Sum of a column of paths.csv over the resolved rows.
+double column_sum(std::string const& csv, std::string const& title) {
+  std::istringstream in(csv);
+  std::string line;
+  while (std::getline(in, line) && line.starts_with('#')) {
+  }
+  Words const titles = fields(line);
+  auto const at = std::size_t(std::find(titles.begin(), titles.end(), title) - titles.begin());
+  if (at == titles.size()) return not_a_number;
+  double sum = 0;
+  while (std::getline(in, line)) {
+    Words const row = fields(line);
+    if (row.size() != titles.size()) return not_a_number;
+    if (double const x = std::stod(row[at]); !std::isnan(x)) sum += x;
+  }
+  return sum;
+}
+
+void expect_shares(std::string const& run_file) {
+  Finished const csv = straytrace({"paths", run_file, "--csv"});
+  EXPECT_EQ(csv.code, 0);
+  EXPECT_NEAR(column_sum(csv.out, "share_percent"), 100, 1e-9);
+  EXPECT_GT(std::fabs(column_sum(csv.out, "effective_scores") - 100), 1);  // twin: another column
+  Finished const text = straytrace({"paths", run_file, "--format", "json"});
+  auto const json = nlohmann::json::parse(text.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << text.out;
+  double sum = 0;
+  for (auto const& route : json["routes"])
+    if (route["resolved"]) sum += route["share"]["value"].get<double>();
+  EXPECT_NEAR(sum, 1, 1e-12);
+  EXPECT_GE(json["routes"].size(), 4u);
+  EXPECT_EQ(straytrace({"paths", run_file, "--show", "1"}).code, 0);
+}
+
+void expect_other_motion(Folder const& folder, Curve const& own) {
+  std::string const run = folder / "run/run.h5";
+  ASSERT_EQ(straytrace({"noise", run, "--motion", storm, "-o", folder / "storm"}).code, 0);
+  Curve const loud = curve_in(folder / "storm/h_asd.txt");
+  EXPECT_GT(difference(loud, own), 0.5);  // also the twin of the equality of curves
+  // The file that was written remembers its motion.
+  ASSERT_EQ(straytrace({"noise", folder / "storm/run.h5", "-o", folder / "again"}).code, 0);
+  EXPECT_LT(difference(curve_in(folder / "again/h_asd.txt"), loud), 1e-12);
+  EXPECT_EQ(data_hash(folder / "again/run.h5"), data_hash(folder / "storm/run.h5"));
+
+  struct {
+    std::string from, to, says;
+  } const wrong[] = {{"  towers: {motion: still}\n", "", "body 'towers' has no motion"},
+                     {"width: 0.08 Hz", "width: 0.08", "without a unit"},
+                     {"exponent: -2", "exponnent: -2", "did you mean 'exponent'?"}};
+  for (auto const& w : wrong) {
+    write_text(folder / "m.yaml", edited(text_of(storm), w.from, w.to));
+    Finished const r = straytrace({"noise", run, "--motion", folder / "m.yaml", "-o", folder / "none"});
+    EXPECT_EQ(r.code, 2);
+    EXPECT_THAT(r.err, HasSubstr(w.says));
+    EXPECT_FALSE(fs::exists(folder / "none"));
+  }
+  write_text(folder / "m.yaml", "straytrace: 1\ntitle: nothing\n");
+  EXPECT_THAT(straytrace({"noise", run, "--motion", folder / "m.yaml"}).err, HasSubstr("this file replaces nothing"));
+  EXPECT_EQ(straytrace({"noise", run, "--motion", folder / "absent.yaml"}).code, 2);
+  // A file with the name of one the run holds would take its place.
+  write_text(folder / "virgo_arm.yaml", text_of(storm));
+  Finished const clash = straytrace({"noise", run, "--motion", folder / "virgo_arm.yaml", "-o", folder / "none"});
+  EXPECT_EQ(clash.code, 2);
+  EXPECT_THAT(clash.err, HasSubstr("another name"));
+}
+
+TEST(NoiseAndPaths, OfOneRun) {
+  Folder const folder;
+  std::string const run = folder / "run/run.h5";
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "280000"}).code, 0);
+  Curve const own = curve_in(folder / "run/h_asd.txt");
+  EXPECT_EQ(own.size(), 138u);  // 60 per decade from 5 Hz to 1 kHz
+
+  Finished const r = straytrace({"noise", run, "-o", folder / "noise"});
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(r.err, HasSubstr("nothing was traced"));
+  EXPECT_LT(difference(curve_in(folder / "noise/h_asd.txt"), own), 1e-12);
+  EXPECT_EQ(data_hash(folder / "noise/run.h5"), data_hash(run));
+  auto const json = nlohmann::json::parse(straytrace({"noise", run, "--format", "json"}).out, nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["total_strain"].size(), 3u);
+
+  expect_other_motion(folder, own);
+  expect_shares(run);
+}
+
+// A coupling table alone, and noise from it: the same as both at once.
+TEST(NoiseAndPaths, TraceThenNoiseIsRun) {
+  Folder const folder;
+  Words const how{"-p", "rings=40", "--histories", "200000"};
+  auto const with = [&](Words words) {
+    words.insert(words.end(), how.begin(), how.end());
+    return straytrace(words);
+  };
+  ASSERT_EQ(with({"run", et_hf, "-o", folder / "run"}).code, 0);
+  ASSERT_EQ(with({"trace", et_hf, "-o", folder / "table.h5"}).code, 0);
+  EXPECT_FALSE(read_run(folder / "table.h5").noise);
+  EXPECT_EQ(straytrace({"paths", folder / "table.h5"}).code, 0);
+  ASSERT_EQ(straytrace({"noise", folder / "table.h5", "-o", folder / "noise"}).code, 0);
+  EXPECT_EQ(data_hash(folder / "noise/run.h5"), data_hash(folder / "run/run.h5"));
+  EXPECT_NE(data_hash(folder / "table.h5"), data_hash(folder / "run/run.h5"));
+}
+
+}  // namespace
+}  // namespace straytrace::testing

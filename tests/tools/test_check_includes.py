@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The guard of the include graph must be able to fail."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+
+def verdict(src):
+    r = subprocess.run([sys.executable, SOURCE / "tools/check_includes.py", src], capture_output=True, text=True)
+    return r.returncode, r.stdout
+
+
+def with_file(name, text):
+    """The verdict on a tree of one good file and this one."""
+    with tempfile.TemporaryDirectory() as folder:
+        for where, content in {"world/a.hpp": '#include "base/vec3.hpp"\n', name: text}.items():
+            path = pathlib.Path(folder, where)
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(content)
+        return verdict(folder)
+
+
+def expect(got, code, words):
+    assert got[0] == code and words in got[1], f"wanted {code} and '{words}', got {got}"
+
+
+expect(verdict(SOURCE / "src"), 0, "all includes allowed")
+expect(with_file("trace/b.cpp", '#include "world/world.hpp"\n'), 0, "all includes allowed")
+expect(with_file("trace/b.cpp", '#include "motion/motion.hpp"\n'), 1, "b.cpp:1: trace may not include motion")
+expect(with_file("world/b.cpp", '\n#  include "motion/motion.hpp"\n'), 1, "b.cpp:2: world may not include motion")
+expect(with_file("noise/b.cpp", '#include "trace/trace.hpp"\n'), 1, "noise may not include trace/trace.hpp")
+expect(with_file("noise/b.cpp", '#include "trace/coupling.hpp"\n'), 0, "all includes allowed")
+expect(with_file("attic/b.cpp", '#include "base/vec3.hpp"\n'), 1, "room 'attic' is not in the map")
+with tempfile.TemporaryDirectory() as empty:
+    expect(verdict(empty), 1, "no project includes found")
+print("check_includes: all cases as expected")
