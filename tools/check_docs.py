@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Fail for a dead link in the documentation, or a shape or scatter law without its page. Usage: check_docs.py [ROOT]"""
+"""Fail for a dead link in the documents, a named file or test that does not exist, or a shape or scatter law without
+its page. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
 import sys
@@ -7,6 +8,10 @@ import sys
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 KEY = re.compile(r'static constexpr char const\* key = "([a-z-]+)";')
+NAMED_FILE = re.compile(r"`((?:\.ci|docs|examples|python|schema|scripts|src|tests|tools)/[\w./-]+)`")
+WITH_TESTS = ("docs/develop/conventions.md", "docs/theory/validation.md")   # pages that name tests, as `Suite.name`
+NAMED_TEST = re.compile(r"`([A-Za-z_]+\.[A-Za-z]\w+)`")
+TEST = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
 PAGES = {"geometry": "shapes", "optics": "scatter"}     # room of src/ : folder of docs/reference/
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
@@ -33,6 +38,31 @@ def dead_links(root, pages):
                 yield f"{page.relative_to(root)}: no such heading: {target}"
 
 
+def missing_files(root, pages):
+    for page in pages:
+        for name in NAMED_FILE.findall(text_of(page)):
+            if "NAME" not in name and not (root / name).exists():
+                yield f"{page.relative_to(root)}: there is no {name}"
+
+
+def tests_of(root):
+    for source in (root / "tests").rglob("*.cpp"):
+        yield from (f"{suite}.{name}" for suite, name in TEST.findall(source.read_text(encoding="utf-8")))
+    for listing in (root / "tests").glob("CMakeLists.txt"):
+        yield from re.findall(r"NAME ([a-z]+\.[a-z]+)", listing.read_text(encoding="utf-8"))
+
+
+def missing_tests(root):
+    known = set(tests_of(root))
+    for page in WITH_TESTS:
+        named = NAMED_TEST.findall(text_of(root / page)) if (root / page).exists() else []
+        for name in named:
+            if name not in known:
+                yield f"{page}: there is no test {name}"
+        if not named:
+            yield f"{page}: no tests named; is the path right?"
+
+
 def missing_pages(root):
     for room, folder in PAGES.items():
         keys = [k for header in sorted((root / "src" / room).glob("*.hpp")) for k in KEY.findall(header.read_text())]
@@ -48,7 +78,7 @@ def main(root):
     if not pages:
         print(f"{root}: no pages found; is the path right?")
         return 1
-    found = list(dead_links(root, pages)) + list(missing_pages(root))
+    found = [*dead_links(root, pages), *missing_files(root, pages), *missing_tests(root), *missing_pages(root)]
     print("\n".join(found) or f"{len(pages)} pages are in order")
     return 1 if found else 0
 

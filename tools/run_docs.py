@@ -3,7 +3,8 @@
 
 Usage: run_docs.py [--write] PROGRAM [ROOT]
 
-Pages are read in the order README, guide, commands, in one temporary folder that holds examples/ and build/straytrace.
+Pages are read in the order README, guide, commands, in one temporary folder that holds examples/, python/
+and build/straytrace.
 In a ```console block each line `$ command` is run. It must exit with 0, or with N where the line ends in `# exit N`.
 The lines below it, if any, are what it prints, all and in this order; a line `...` stands for anything left out.
 On every page a ```yaml block that begins with `straytrace:` is complete and must pass `straytrace check --strict`.
@@ -134,8 +135,9 @@ def main(program, root, write):
         folder = pathlib.Path(place)
         (folder / "build").mkdir()
         (folder / "build" / "straytrace").symlink_to(program.resolve())
-        if (root / "examples").is_dir():
-            shutil.copytree(root / "examples", folder / "examples")
+        for name in ("examples", "python"):
+            if (root / name).is_dir():
+                shutil.copytree(root / name, folder / name)
         for page in pages:
             corrected = {}
             found += problems_of(page, root, folder, corrected)

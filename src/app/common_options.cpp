@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "app/model.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -54,9 +56,9 @@ void add_trace_options(CLI::App& command, Options& options) {
       ->check(whole_between(0, 9e15, "7"));
   command.add_option("--threads", options.threads, "default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
-  command
-      .add_option("--max-time", options.max_seconds, "stop after so many seconds with a result that can be continued")
-      ->check(number_between(1e-3, 1e9, "3000"));
+  command.add_option_function<std::string>(
+      "--max-time", [&](std::string const& text) { options.max_seconds = parse_duration(text); },
+      "stop after this time, for example 50min, with a result that can be continued");
   add_force_option(command, options);
 }
 

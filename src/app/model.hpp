@@ -24,6 +24,8 @@ struct StopRule {
 };
 // "h_total < 5 %", "routes < 10 %", "10 min", or several with commas. Throws InputError.
 StopRule parse_stop_rule(std::string const&);
+// "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
+double parse_duration(std::string const&);
 
 struct Model {
   Scene scene;

@@ -6,13 +6,15 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
+#include "app/earlier.hpp"
 #include "app/session.hpp"
 
 namespace straytrace {
 namespace {
 
 int run(Options const& options) {
-  Model model = read_model(options.input, options.overrides);  // input file -> world, motion, detector
+  Earlier const earlier(options.input);           // a run file is made again from its own content
+  Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
   std::string const warnings = model.scene.warnings();
   if (!options.quiet) std::cerr << warnings;
@@ -21,7 +23,7 @@ int run(Options const& options) {
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
   NoiseBudget const budget = model.project(traced.coupling);                        // from here on nothing is expensive
   PathTable const paths = table_for(traced.coupling, &budget, model);
-  RunContent const content = content_of(model, traced, &budget);
+  RunContent const content = earlier.completed(content_of(model, traced, &budget));
   std::string const undrawn = write_results(options.out, content, paths, model);
 
   if (options.json()) {
@@ -49,6 +51,8 @@ void add_run(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace run examples/virgo_arm.yaml -o out/\n"
       "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p rim=48cm\n"
+      "  straytrace run out/run.h5 -o again/\n"
+      "A run file is made again from its own content, with the same numbers.\n"
       "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
   command->callback([&] { exit_code = run(options); });
 }

@@ -32,6 +32,15 @@ void parse_one(std::string const& text, StopRule& rule) {
 
 }  // namespace
 
+double parse_duration(std::string const& text) {
+  static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h|)\s*)");
+  std::smatch m;
+  double const seconds = std::regex_match(text, m, duration) ? std::stod(m[1]) * seconds_in(m[2]) : 0;
+  if (!(seconds > 0))
+    throw InputError(fmt::format("error: '{}' is not a time\n  write for example 90s, 50min or 1h", text));
+  return seconds;
+}
+
 StopRule parse_stop_rule(std::string const& text) {
   StopRule rule;
   for (std::size_t at = 0; at <= text.size();) {

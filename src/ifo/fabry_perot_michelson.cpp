@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
 namespace straytrace {
 namespace {
@@ -54,6 +55,7 @@ FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, do
   p.wavelength = wavelength;
   p.mass = k.mirror_mass;
   p.arms = k.arms;
+  if (k.arms != std::floor(k.arms)) table["arms"].problem("'arms' counts arms", "write a whole number, for example 2");
   p.power = read_arm_power(table, p.arm, beam_power);
   p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
   if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least);

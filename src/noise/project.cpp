@@ -152,6 +152,12 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   }
   budget.total = finished("total", total);
   budget.total.resolved = budget.unresolved.empty();
+  bool const nothing =
+      std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
+  if (nothing && !budget.unresolved.empty())  // no answer is not zero
+    for (Bins NoiseTrace::*curve :
+         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd})
+      (budget.total.*curve).assign(bins, not_a_number);
   if (!budget.total.resolved) budget.total.why_not = "a lower bound: some routes are unresolved";
   budget.unresolved_hint = largest_ratio(unresolved, total);
   budget.faint_share = largest_ratio(faint, total);

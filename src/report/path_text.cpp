@@ -88,8 +88,9 @@ Cells rest_of(PathTable const& table, std::size_t first) {
 
 Cells sum_of(PathTable const& table) {
   Cells c = {"", table.lower_bound() ? "sum of resolved routes (lower bound)" : "sum", ""};
-  if (table.has_noise) c.push_back("100");
-  c.push_back(with_brackets(table.total_coupling.value, table.total_coupling.sigma));
+  bool const nothing = table.unresolved == table.rows.size();
+  if (table.has_noise) c.push_back(nothing ? "unresolved" : "100");
+  c.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling.value, table.total_coupling.sigma));
   c.push_back("");
   for (Measured const& h : table.total_strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
   c.insert(c.end(), 5, "");

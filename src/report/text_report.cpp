@@ -55,10 +55,13 @@ std::string compared(NoiseBudget const& b, double low, double high) {
   if (b.design.empty()) return subject + " was not compared with a design curve; name one under 'noise: compare'.";
   DesignCurve const& design = b.design.front();
   Comparison const c = compare(b, design, low, high);
+  if (c.bins == 0 && !b.total.asd.empty() && std::isnan(b.total.asd.front()))
+    return "No route is resolved: there is no answer yet.";
   if (c.bins == 0)
     return fmt::format("The design curve {} has no values between {} and {} Hz.", design.name, hertz(low), hertz(high));
   std::string const line = fmt::format("the margin line {:g} x {}", b.margin, design.name);
   double const f = b.grid.centre(c.worst);
+  if (!b.unresolved.empty() && !(c.ratio > 0)) return "No route is resolved: there is no answer yet.";
   if (!(c.ratio > 0))
     return fmt::format("{} makes no strain noise between {} and {} Hz: nothing it touches moves there.", subject,
                        hertz(c.low), hertz(c.high));

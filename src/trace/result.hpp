@@ -50,7 +50,7 @@ char const* name_of(Fate);
 
 struct BlockSums {
   std::uint64_t histories = 0, blocks = 0;
-  std::uint64_t bounces = 0, rays = 0;         // surface events; closest-hit and visibility queries
+  std::uint64_t bounces = 0, rays = 0;         // surface events; closest-hit queries
   std::uint64_t lost = 0;                      // geometry errors (NaN, no surface where one must be), never silent
   std::map<std::uint64_t, ClassSums> classes;  // by route hash
   Moments emitted;

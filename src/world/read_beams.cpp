@@ -156,6 +156,16 @@ void read_ports(Scene const& scene, World& world, Registry const& names, Beams c
   }
 }
 
+// A route and its reverse are one coherent pair: C_rev counts on both ends being ports (physics.md eq. 1.5).
+void warn_of_closed_ends(Scene const& scene, World const& world) {
+  for (Footprint const& f : world.footprints())
+    if (f.standing && !f.receives && !world.ports().empty())
+      scene.table("ports").warning(
+          fmt::format("no port is open at '{}', a mirror of a cavity: light that rejoins there is not counted",
+                      world.groups()[world.surfaces()[f.surface.value].group.value]),
+          "open a port at each mirror of the cavity");
+}
+
 }  // namespace
 
 void read_beams(Scene const& scene, World& world, Registry const& names) {
@@ -184,6 +194,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
     beams.broken.push_back(world.footprints().size() == spots);
   }
   read_ports(scene, world, names, beams);
+  warn_of_closed_ends(scene, world);
   if (beams.names.empty())
     scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
   else if (scene.table("ports").items().empty())

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/earlier.hpp"
+
+namespace straytrace {
+
+Earlier::Earlier(std::string input) : input_(std::move(input)) {
+  if (input_.ends_with(".h5")) file_ = read_run(input_);
+}
+
+Model Earlier::read(std::vector<std::string> const& overrides) const {
+  if (!file_) return read_model(input_, overrides);
+  std::vector<std::string> all = file_->about.overrides;
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  Model model = read_model(file_->about.main_file, all, &file_->about.files);
+  if (!file_->about.motion_file.empty()) replace_motion(model, file_->about.motion_file, &file_->about.files, nullptr);
+  model.seed = file_->trace.coupling.seed;
+  if (file_->trace.stop_rule.empty()) {
+    model.until = {};
+    model.histories = file_->trace.coupling.histories;
+  } else {
+    model.until = parse_stop_rule(file_->trace.stop_rule);
+  }
+  return model;
+}
+
+RunContent Earlier::completed(RunContent content) const {
+  if (!file_ || file_->about.motion_file.empty()) return content;
+  content.files = file_->about.files;
+  content.motion_file = file_->about.motion_file;
+  return content;
+}
+
+}  // namespace straytrace
