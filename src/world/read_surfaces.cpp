@@ -105,13 +105,14 @@ Node given(Scene::Instance const& instance, std::string_view key) {
 
 template <class Map>
 auto find_named(Node const& node, Map const& map, std::string_view what) -> typename Map::mapped_type {
-  std::vector<std::string> known;
-  for (auto const& [name, value] : map) known.push_back(name);
-  std::string const all = known.empty() ? "none is defined" : fmt::format("defined: {}", fmt::join(known, ", "));
   if (!node) return {};
   std::string const name = node.as_word();
   auto const found = map.find(name);
   if (found != map.end()) return found->second;
+  std::vector<std::string> known;
+  known.reserve(map.size());
+  for (auto const& entry : map) known.push_back(entry.first);
+  std::string const all = known.empty() ? "none is defined" : fmt::format("defined: {}", fmt::join(known, ", "));
   std::string const near = nearest_word(name, known);
   node.problem(fmt::format("{} '{}' is not defined", what, name),
                near.empty() ? all : fmt::format("did you mean '{}'?", near));
