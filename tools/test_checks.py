@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Each check of this folder must pass a good tree and refuse a bad one. Usage: test_checks.py"""
+import json
 import pathlib
 import subprocess
 import sys
@@ -10,15 +11,18 @@ TOOLS = pathlib.Path(__file__).parent
 HEAD = "// SPDX-License-Identifier: BSD-3-Clause\n"
 
 
-def verdict(tool, files, folder=""):
-    """Exit status and output of a tool run on a tree made of {path: text}."""
-    with tempfile.TemporaryDirectory() as root:
+def verdict(tool, files, *folders, read=None):
+    """Exit status and output of a tool run on a tree made of {path: text}; `read`: a file to see afterwards."""
+    with tempfile.TemporaryDirectory() as place:
+        root = pathlib.Path(place)
         for name, text in files.items():
-            path = pathlib.Path(root) / name
+            path = root / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
-        done = subprocess.run([sys.executable, TOOLS / tool, pathlib.Path(root) / folder], capture_output=True, text=True)
-        return done.returncode, done.stdout
+            path.chmod(0o755)
+        words = [folder if str(folder).startswith("--") else root / folder for folder in folders or ("",)]
+        done = subprocess.run([sys.executable, TOOLS / tool, *words], capture_output=True, text=True)
+        return done.returncode, done.stdout + ((root / read).read_text() if read else "")
 
 
 class CheckFiles(unittest.TestCase):
@@ -64,11 +68,32 @@ class CheckIncludes(unittest.TestCase):
         self.expect("int a;", 1)
 
 
+class CheckHeaders(unittest.TestCase):
+    def expect(self, header, status, part):
+        with tempfile.TemporaryDirectory() as place:
+            src = pathlib.Path(place) / "src"
+            src.mkdir()
+            (src / "a.hpp").write_text(header)
+            call = {"directory": place, "file": str(src / "a.cpp"), "command": f"ccache c++ -I{src} -std=c++20 -c a.cpp"}
+            (pathlib.Path(place) / "compile_commands.json").write_text(json.dumps([call]))
+            done = subprocess.run([sys.executable, TOOLS / "check_headers.py", place, src], capture_output=True, text=True)
+            self.assertEqual(done.returncode, status, done.stdout)
+            self.assertIn(part, done.stdout)
+
+    def test_header_alone_passes(self):
+        self.expect("#include <vector>\ninline std::vector<int> a;\n", 0, "1 headers")
+
+    def test_header_that_needs_another_fails(self):
+        self.expect("inline std::vector<int> a;\n", 1, "a.hpp does not compile on its own")
+
+
 class CheckDocs(unittest.TestCase):
     def expect(self, page, status, part, **more):
         key = 'static constexpr char const* key = "cap";'
         files = {"src/geometry/cap.hpp": key, "src/optics/abg.hpp": key.replace("cap", "abg"), "README.md": page,
-                 "docs/reference/shapes/cap.md": "# cap\n\n## Size of it\n", "docs/reference/scatter/abg.md": "# abg\n"}
+                 "docs/reference/shapes/cap.md": "# cap\n\n## Size of it\n", "docs/reference/scatter/abg.md": "# abg\n",
+                 "docs/develop/conventions.md": "`Levers.a1`\n", "docs/theory/validation.md": "`docs.run`\n",
+                 "tests/physics/a.cpp": "TEST(Levers, a1) {}\n", "tests/CMakeLists.txt": "add_test(NAME docs.run x)\n"}
         found, output = verdict("check_docs.py", {**files, **more})
         self.assertEqual(found, status, output)
         self.assertIn(part, output)
@@ -80,11 +105,68 @@ class CheckDocs(unittest.TestCase):
         self.expect("[a](docs/nowhere.md)", 1, "no such file")
         self.expect("[a](docs/reference/shapes/cap.md#weight)", 1, "no such heading")
 
+    def test_file_that_does_not_exist_fails(self):
+        self.expect("`src/geometry/cap.hpp`", 0, "in order")
+        self.expect("`src/geometry/cup.hpp`", 1, "there is no src/geometry/cup.hpp")
+
+    def test_test_that_does_not_exist_fails(self):
+        self.expect("", 1, "there is no test Levers.a2", **{"docs/theory/validation.md": "`Levers.a2`\n"})
+        self.expect("", 1, "no tests named", **{"docs/theory/validation.md": "words\n"})
+
     def test_shape_without_page_fails(self):
         self.expect("", 1, "'cone'", **{"src/geometry/cone.hpp": 'static constexpr char const* key = "cone";'})
 
     def test_nothing_found_fails(self):
         self.assertEqual(verdict("check_docs.py", {"a.txt": ""})[0], 1)
+
+
+class RunDocs(unittest.TestCase):
+    PROGRAM = """#!/bin/sh
+case "$*" in
+  *--help) echo '  -o,--out TEXT   where' ;;
+  check*) ! grep -q wrong "$3" ;;
+  *) printf 'one\\ntwo\\nprojected in 0.4 s; done\\nh = 1.25e-24\\n'; exit 3 ;;
+esac
+"""
+    OPTIONS = "## Options\n\n| option | commands | |\n| --- | --- | --- |\n| `--out` | run | where |\n"
+
+    def expect(self, block, status, part, kind="console", options=OPTIONS, page="README.md", write=False):
+        files = {"program": self.PROGRAM, page: f"```{kind}\n{block}\n```\n", "docs/reference/commands.md": options}
+        found, output = verdict("run_docs.py", files, *(["--write"] if write else []), "program", "",
+                                read=page if write else None)
+        self.assertEqual(found, status, output)
+        self.assertIn(part, output)
+
+    def test_what_is_printed_passes(self):
+        for lines in ("one\ntwo\nprojected in 0.9 s; done\nh = 1.25e-24", "one\n...\nh = 1.25e-24", "...\ntwo\n...", ""):
+            with self.subTest(lines):
+                self.expect(f"$ build/straytrace run  # exit 3\n{lines}", 0, "do what they say")
+
+    def test_what_is_not_printed_fails(self):
+        for lines, part in (("...\nh = 1.26e-24", "does not print 'h = 1.26e-24'"), ("two\n...", "does not print 'two'"),
+                            ("...\ntwo\none\n...", "does not print 'one'"), ("one\ntwo", "prints more"),
+                            ("one\nh = 1.25e-24\n...", "does not print 'h = 1.25e-24'")):
+            with self.subTest(lines):
+                self.expect(f"$ build/straytrace run  # exit 3\n{lines}", 1, part)
+
+    def test_wrong_exit_code_fails(self):
+        self.expect("$ build/straytrace run", 1, "exits with 3, not 0")
+        self.expect("$ true  # exit 2", 1, "exits with 0, not 2")
+
+    def test_installing_is_left_out(self):
+        self.expect("$ scripts/setup", 0, "do what they say")
+
+    def test_scene_that_is_refused_fails(self):
+        self.expect("straytrace: 1\nok: 1", 0, "do what they say", "yaml", page="docs/reference/scene.md")
+        self.expect("straytrace: 1\nwrong: 1", 1, "does not pass", "yaml", page="docs/reference/scene.md")
+
+    def test_options_that_differ_fail(self):
+        self.expect("", 1, "differ: --in", options=self.OPTIONS.replace("--out", "--out`, `--in"))
+        self.expect("", 1, "differ: --out", options=self.OPTIONS.replace("--out", "-o"))
+        self.expect("", 1, "no table of options", options="")
+
+    def test_new_lines_are_written(self):
+        self.expect("$ build/straytrace run  # exit 3\n...\nh = 1.24e-24", 1, "\nh = 1.25e-24\n```", write=True)
 
 
 if __name__ == "__main__":
