@@ -35,8 +35,8 @@ void add_format_option(CLI::App& command, Options& options) {
   command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));
 }
 
-void add_scene_options(CLI::App& command, Options& options) {
-  command.add_option("scene", options.input, "scene file (YAML)")->required();
+void add_scene_options(CLI::App& command, Options& options, char const* input) {
+  command.add_option("scene", options.input, input)->required();
   command.add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
   command.add_flag("--quiet", options.quiet, "no progress, no warnings");

@@ -8,7 +8,7 @@
 
 namespace straytrace {
 
-void add_scene_options(CLI::App&, Options&);  // SCENE, -p, --quiet, --format
+void add_scene_options(CLI::App&, Options&, char const* input = "scene file (YAML)");  // SCENE, -p, --quiet, --format
 void add_trace_options(CLI::App&, Options&);  // --histories, --until, --seed, --threads, --max-time, --force
 void add_force_option(CLI::App&, Options&);
 void add_format_option(CLI::App&, Options&);

@@ -80,5 +80,9 @@ int main(int argc, char** argv) {
     std::cerr << "error: " << e.what() << '\n';
     return numerical_failure;
   }
+  if (!std::cout.flush()) {
+    std::cerr << "error: the results could not be written to the standard output\n";
+    return input_error;
+  }
   return exit_code;
 }

@@ -48,8 +48,13 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
   model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(), model.world.wavelength,
                                        model.world.beam_power);
+  if (model.motion.inputs.empty() && model.scene.table("bodies"))
+    model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
   read_noise(model, model.scene);
   read_orders(model);
+  for (char const* later : {"receivers", "scan"})
+    if (Node const table = model.scene.root()[later])
+      table.problem(fmt::format("this version has no '{}'", later), "leave it out");
   model.scene.throw_if_problems();
   return model;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -51,12 +52,12 @@ std::string headline(NoiseBudget const& budget, PathTable const& paths) {
     at += fmt::format("{}{:g}", comma, f);
     values += comma + with_error(paths.total_strain[i].value, paths.total_strain[i].sigma);
     if (budget.design.empty()) continue;
-    for (std::size_t b = 0; b < budget.grid.size(); ++b)
-      if (f >= budget.grid.edges[b] && f < budget.grid.edges[b + 1]) {
-        double const design = budget.design.front().asd[b];
-        ratios += comma + with_error(paths.total_strain[i].value / design, paths.total_strain[i].sigma / design);
-      }
+    double const design = design_at(budget.design.front(), budget.grid, f);
+    ratios += comma + with_error(paths.total_strain[i].value / design, paths.total_strain[i].sigma / design);
   }
+  if (budget.total.resolved &&
+      std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; }))
+    return "stray light makes no strain noise here: nothing on its routes moves";
   std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
   if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
   if (paths.lower_bound()) line += fmt::format("  (lower bound: {} routes unresolved)", paths.unresolved - paths.faint);

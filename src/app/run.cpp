@@ -20,6 +20,7 @@ int run(Options const& options) {
   if (!options.quiet) std::cerr << warnings;
 
   make_folder(options.out);
+  FolderLock const lock(options.out);
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
   NoiseBudget const budget = model.project(traced.coupling);                        // from here on nothing is expensive
   PathTable const paths = table_for(traced.coupling, &budget, model);
@@ -44,7 +45,7 @@ int run(Options const& options) {
 
 void add_run(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand("run", "check, trace, noise and report in one go");
-  add_scene_options(*command, options);
+  add_scene_options(*command, options, "scene file (YAML), or run file (HDF5) to make again");
   add_trace_options(*command, options);
   command->add_option("-o,--out", options.out, "folder for the results")->required();
   command->footer(
@@ -54,7 +55,10 @@ void add_run(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace run out/run.h5 -o again/\n"
       "A run file is made again from its own content, with the same numbers.\n"
       "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
-  command->callback([&] { exit_code = run(options); });
+  command->callback([&] {
+    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
+    exit_code = run(options);
+  });
 }
 
 }  // namespace straytrace

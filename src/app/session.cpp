@@ -2,14 +2,18 @@
 #include "app/session.hpp"
 
 #include <fmt/format.h>
+#include <sys/file.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <fcntl.h>
 #include <filesystem>
 #include <iostream>
 #include <unistd.h>
 
+#include "app/build_info.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "trace/trace.hpp"
@@ -49,6 +53,9 @@ double rule_error(StopRule const& rule, NoiseBudget const& budget) {
       if (trace.asd[i] > 0) largest = std::max(largest, trace.sigma[i] / trace.asd[i]);
     return largest;
   };
+  bool const any = std::any_of(budget.routes.begin(), budget.routes.end(), [](auto const& r) { return r.resolved; });
+  bool const still = std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; });
+  if (any && still && budget.unresolved.empty()) return 0;  // nothing moves: no error is left to lower
   double error = worst(budget.total);
   if (rule.of == StopRule::Of::routes) {
     double total = 0;
@@ -77,6 +84,10 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
                                   : fmt::format("(want {:g} %)", 100 * want);
     if (std::isfinite(ratio)) left = std::min(left, p.seconds * std::max(ratio * ratio * 1.4 - 1, 0.2));
     if (std::isnan(p.error)) left = infinity;
+  }
+  if (std::isfinite(rule.max_seconds)) {
+    if (rule.of == StopRule::Of::nothing) goal = fmt::format("{} asked for", duration(rule.max_seconds));
+    left = std::fmin(left, std::fmax(rule.max_seconds - p.seconds, 0));
   }
   std::string const time = std::isfinite(left) ? "about " + duration(left) + " left" : "";
   return fmt::format("trace  {}  {:.3g} histories  {:.2g} histories/s  {:.2g} rays/s  {}", goal, double(p.histories),
@@ -115,6 +126,12 @@ void resume_earlier(Model const& model, Options const& options, std::string cons
   auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
   if (!found) return;
   RunFile const& earlier = *found;
+  if (earlier.about.provenance.version != build_info::version || earlier.about.provenance.commit != build_info::commit)
+    throw InputError(
+        fmt::format("error: '{}' was traced by straytrace {} ({}), this is {} ({}): their histories are not mixed\n"
+                    "  choose another place with -o, or trace it anew with --force",
+                    run_file, earlier.about.provenance.version, earlier.about.provenance.commit, build_info::version,
+                    build_info::commit));
   if (!options.quiet)
     std::cerr << fmt::format("going on from {:.3g} histories in '{}'\n", double(earlier.trace.total.histories),
                              run_file);
@@ -133,6 +150,18 @@ void make_folder(std::string const& name) {
   if (code || !std::filesystem::is_directory(name, code))
     throw InputError(fmt::format("error: cannot make the folder '{}': {}\n  choose another one with -o", name,
                                  code ? code.message() : "a file has this name"));
+}
+
+FolderLock::FolderLock(std::string const& folder) : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY)) {
+  if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(descriptor_);
+    throw InputError(
+        fmt::format("error: another run is writing to '{}'\n  wait for it, or choose another one with -o", folder));
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) close(descriptor_);
 }
 
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,

@@ -26,6 +26,17 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
                                    bool force);
 
 void make_folder(std::string const&);  // with its parents; throws InputError
+// Holds a folder as long as it lives, so that two runs cannot write into one. Throws InputError when another holds it.
+class FolderLock {
+ public:
+  explicit FolderLock(std::string const& folder);
+  ~FolderLock();
+  FolderLock(FolderLock const&) = delete;
+  FolderLock& operator=(FolderLock const&) = delete;
+
+ private:
+  int descriptor_;
+};
 
 inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command goes on from here\n";
 

@@ -142,11 +142,26 @@ std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double 
   return {grid.edges.front(), grid.edges.back()};
 }
 
+// Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log.
+Measured curve_at(std::vector<double> const& mean, std::vector<double> const& sigma, FrequencyGrid const& grid,
+                  double hz) {
+  std::size_t const n = grid.size();
+  if (n == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return {not_a_number, not_a_number};
+  std::size_t low = 0;
+  while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
+  if (n < 2 || !(mean.at(low) > 0) || !(mean.at(low + 1) > 0)) return {mean.at(low), sigma.at(low)};
+  double const x = std::log(hz / grid.centre(low)) / std::log(grid.centre(low + 1) / grid.centre(low));
+  double const value = mean[low] * std::pow(mean[low + 1] / mean[low], x);
+  double const relative = (1 - x) * sigma.at(low) / mean[low] + x * sigma.at(low + 1) / mean[low + 1];
+  return {value, value * std::fabs(relative)};
+}
+
 Measured strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
-  auto const above = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
-  if (above == grid.edges.begin() || above == grid.edges.end()) return {not_a_number, not_a_number};
-  std::size_t const i = std::size_t(above - grid.edges.begin()) - 1;
-  return {trace.asd.at(i), trace.sigma.at(i)};
+  return curve_at(trace.asd, trace.sigma, grid, hz);
+}
+
+double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz) {
+  return curve_at(curve.asd, std::vector<double>(curve.asd.size(), 0.0), grid, hz).value;
 }
 
 Measured band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {

@@ -17,7 +17,7 @@ using Cells = std::vector<std::string>;
 std::string number(double x, char const* form) { return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-"; }
 
 std::string regime(double rms_phase) {
-  if (!std::isfinite(rms_phase)) return "-";
+  if (!(rms_phase > 0)) return "-";
   return rms_phase > wrapped_from ? "wrapped" : "linear";
 }
 
@@ -75,12 +75,13 @@ Cells rest_of(PathTable const& table, std::size_t first) {
       add(strain[k], row.strain[k].value * row.strain[k].value, row.strain[k].value * row.strain[k].sigma);
   }
   Cells c = {"", fmt::format("{} further route{}", count, count == 1 ? "" : "s"), ""};
-  if (table.has_noise) c.push_back(with_brackets(100 * share.value, 100 * share.sigma));
+  bool const moves = share.value > 0;
+  if (table.has_noise) c.push_back(moves ? with_brackets(100 * share.value, 100 * share.sigma) : "still");
   c.push_back(with_brackets(coupling.value, coupling.sigma));
   c.push_back("");
   for (Measured const& s : strain) {
     double const h = std::sqrt(s.value);
-    c.push_back(std::isnan(h) ? "-" : with_brackets(h, h > 0 ? s.sigma / h : 0));
+    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets(h, h > 0 ? s.sigma / h : 0) : "still");
   }
   c.insert(c.end(), 5, "");
   return count == 0 ? Cells{} : c;

@@ -131,6 +131,9 @@ std::string text_report(RunContent const&, PathTable const&, std::size_t show,
 // "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
 std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
 
+// A design curve at a frequency, 1/sqrt(Hz); NaN outside the grid.
+double design_at(DesignCurve const&, FrequencyGrid const&, double hz);
+
 // "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite.
 std::string with_error(double value, double sigma);
 // "1.23(4)e-24": the error in units of the last digit, for tables.

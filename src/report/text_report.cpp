@@ -95,8 +95,7 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
     std::vector<std::string> row = {fmt::format("{:g}", table.frequencies[i])};
     row.push_back(std::isnan(h.value) ? "outside the grid" : with_error(h.value, h.sigma));
     for (DesignCurve const& d : b.design) {
-      double const design =
-          strain_at(NoiseTrace{"", 0, d.asd, d.asd, {}, {}, 0, true, ""}, b.grid, table.frequencies[i]).value;
+      double const design = design_at(d, b.grid, table.frequencies[i]);
       row.push_back(std::isnan(h.value / design) ? "-" : with_error(h.value / design, h.sigma / design));
     }
     c.rows.push_back(std::move(row));

@@ -67,10 +67,12 @@ struct WorldView {
     search(ray, best.distance, test);
     return best;
   }
-  // Whether anything lies between the origin and ray.t_max.
-  STRAY_HD bool occluded(Ray const& ray, SurfaceId from) const {
+  // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on,
+  // whose only other root is that end: rounding of a grazing root must not hide it.
+  STRAY_HD bool occluded(Ray const& ray, SurfaceId from, bool to_itself = false) const {
     bool hidden = false;
     auto const test = [&](std::uint32_t id, double&) {
+      if (to_itself && id == from.value) return false;
       hidden =
           shapes.visit(surfaces[id].shape, [&](auto const& s) { return s.distance(ray, id == from.value) < infinity; });
       return hidden;

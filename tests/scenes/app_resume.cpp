@@ -127,5 +127,34 @@ TEST(Resume, DamagedRunsAreNotContinued) {
   EXPECT_EQ(straytrace({"noise", folder / "a/run.h5"}).code, 2);
 }
 
+// Two runs cannot write into one folder at the same time; the first is not disturbed.
+TEST(Resume, AFolderBelongsToOneRunAtATime) {
+  Folder const folder;
+  Program running(run_into(folder / "a", {"--until", never}));
+  ASSERT_TRUE(traces(running));
+  Finished const second = Program(run_into(folder / "a", {"--histories", "4096"})).wait();
+  EXPECT_EQ(second.code, 2);
+  EXPECT_THAT(second.err, HasSubstr("another run is writing"));
+  running.interrupt();
+  EXPECT_EQ(running.wait().code, 85);
+  EXPECT_NO_THROW(read_run(folder / "a/run.h5"));
+}
+
+// Where nothing moves there is no error to lower: the run says so and ends.
+TEST(Resume, AStillSceneEnds) {
+  Folder const folder;
+  write_text(
+      folder / "still.yaml",
+      "straytrace: 1\nbodies: {plate: {motion: still}}\nmaterials: {m: {scatter: {model: lambertian, tis: 1 %}}}\n"
+      "scene:\n  - {name: plate, shape: {disk: {outer_radius: 5 cm}}, body: plate, material: m}\n"
+      "beams: {b: {on: plate, radius: 1 mm}}\nports: {p: {beam: b, at: plate}}\n"
+      "interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, arm_power: 1 kW, mirror_mass: 42 kg, "
+      "input_transmission: 1.4 %}\ntrace: {until: h_total < 5 %}\n");
+  Finished const r = Program({"run", folder / "still.yaml", "-o", folder / "a"}).wait();
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("nothing on its routes moves"));
+  EXPECT_THAT(r.err, HasSubstr("no body moves"));
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -102,6 +102,23 @@ TEST_F(ReportTables, BandPowerIntegratesThePsd) {
   EXPECT_EQ(strain_at(flat, grid, 10).value, 2);
 }
 
+// A steep h = 1/f^3 is printed at the frequency asked for, not at the centre of the bin that holds it.
+TEST_F(ReportTables, StrainIsReadAtTheFrequencyItself) {
+  FrequencyGrid const grid = logarithmic_grid(5, 500, 10);
+  NoiseTrace steep;
+  double nearest = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    steep.asd.push_back(std::pow(grid.centre(i), -3));
+    steep.sigma.push_back(0.01 * steep.asd.back());
+    if (grid.edges[i] <= 30 && 30 < grid.edges[i + 1]) nearest = steep.asd.back();
+  }
+  for (double const f : {10.0, 30.0, 100.0}) {
+    EXPECT_NEAR(strain_at(steep, grid, f).value * f * f * f, 1, 1e-12);
+    EXPECT_NEAR(strain_at(steep, grid, f).sigma * f * f * f, 0.01, 1e-12);
+  }
+  EXPECT_GT(std::fabs(nearest * 27000 - 1), 0.01);  // the twin: the value of the bin
+}
+
 TEST_F(ReportTables, RanksByShareAndUnresolvedLast) {
   PathTable const t = table();
   ASSERT_EQ(t.rows.size(), route_count);

@@ -77,7 +77,7 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
     double const density = connection_density(lit, y.point, y.frame.e3);
     weight = density / (density + walk);
   }
-  if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, vertex.surface)) return;
+  if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, vertex.surface, vertex.surface == lit.surface)) return;
   sink.score(path, vertex, index, connection_number(index), y, coupling * weight);
 }
 
