@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Vectors, boxes, rays and local frames. Lengths in metres.
+// Vectors, rays and local frames. Lengths in metres.
 #pragma once
 
 #include <cmath>
@@ -27,10 +27,6 @@ STRAY_HD Vec3 any_normal(Vec3 a) { return unit(std::fabs(a.x) < 0.5 ? Vec3{0, -a
 
 // Mirror image of a direction at a plane with unit normal n (requirements.md R3.22).
 STRAY_HD Vec3 reflected(Vec3 d, Vec3 n) { return d - (2 * dot(d, n)) * n; }
-
-struct Box {
-  Vec3 lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
-};
 
 struct Ray {
   Vec3 origin, dir;         // m, unit vector

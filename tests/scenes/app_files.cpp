@@ -25,7 +25,7 @@ bool is_picture(std::string const& bytes) {  // PNG at least 1000 px wide
 std::string machine_in(std::string const& text, Folder const& folder) {
   char host[256] = "";
   ::gethostname(host, sizeof host - 1);
-  Words words{host, folder.path(), "/tmp/", "/work/", "/root/", "/home/", source_folder + "/"};
+  Words words{host, folder.path(), "/tmp/", "/root/", "/home/", source_folder + "/"};
   if (passwd const* user = ::getpwuid(::getuid())) words.push_back(user->pw_name + std::string("@"));
   for (std::string const& w : words)
     if (w.size() > 3 && text.find(w) != text.npos) return w;
