@@ -12,7 +12,7 @@ struct Placement {
 
 template <class Shape>
 Shape placed(Shape shape, Placement where) {
-  shape.place(where.at, where.along);
+  shape.place(facing_along(where.at, where.along));
   return shape;
 }
 

@@ -44,4 +44,45 @@ struct Frame {
   STRAY_HD Vec3 to_world(Vec3 v) const { return v.x * e1 + v.y * e2 + v.z * e3; }
 };
 
+// Where a part stands in the frame around it: origin, and its axes as unit vectors of that frame (a proper rotation).
+struct Pose {
+  Vec3 origin, e1{1, 0, 0}, e2{0, 1, 0}, e3{0, 0, 1};
+  STRAY_HD Vec3 direction(Vec3 v) const { return v.x * e1 + v.y * e2 + v.z * e3; }
+  STRAY_HD Vec3 point(Vec3 p) const { return origin + direction(p); }
+  STRAY_HD Vec3 local_direction(Vec3 v) const { return {dot(v, e1), dot(v, e2), dot(v, e3)}; }
+  STRAY_HD Vec3 local_point(Vec3 p) const { return local_direction(p - origin); }
+};
+// Pose in the outermost frame of `inner`, which is given in the frame of `outer`.
+STRAY_HD Pose nested(Pose const& outer, Pose const& inner) {
+  return {outer.point(inner.origin), outer.direction(inner.e1), outer.direction(inner.e2), outer.direction(inner.e3)};
+}
+// Third axis given, the others somehow.
+STRAY_HD Pose facing_along(Vec3 origin, Vec3 e3) {
+  Frame const f = Frame::around(e3);
+  return {origin, f.e1, f.e2, f.e3};
+}
+
+// Axis-parallel box, closed. Empty until something is put in.
+struct Box {
+  Vec3 lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
+  STRAY_HD void add(Vec3 p) {
+    lower = {p.x < lower.x ? p.x : lower.x, p.y < lower.y ? p.y : lower.y, p.z < lower.z ? p.z : lower.z};
+    upper = {p.x > upper.x ? p.x : upper.x, p.y > upper.y ? p.y : upper.y, p.z > upper.z ? p.z : upper.z};
+  }
+  STRAY_HD void add(Box const& b) {
+    add(b.lower);
+    add(b.upper);
+  }
+};
+// Box of everything between two heights along a unit axis through `origin` and within `radius` of that axis.
+STRAY_HD Box box_about_axis(Vec3 origin, Vec3 axis, double low, double high, double radius) {
+  Vec3 const side{radius * std::sqrt(std::fmax(0.0, 1 - axis.x * axis.x)),
+                  radius * std::sqrt(std::fmax(0.0, 1 - axis.y * axis.y)),
+                  radius * std::sqrt(std::fmax(0.0, 1 - axis.z * axis.z))};
+  Box box;
+  box.add(Box{origin + low * axis - side, origin + low * axis + side});
+  box.add(Box{origin + high * axis - side, origin + high * axis + side});
+  return box;
+}
+
 }  // namespace straytrace

@@ -14,9 +14,9 @@ struct Cap {
   double curvature = 0, inner_radius = 0, outer_radius = 1;  // 1/m, m, m
   static constexpr char const* key = "cap";
 
-  STRAY_HD void place(Vec3 origin, Vec3 along) {
-    vertex = origin;
-    axis = along;
+  STRAY_HD void place(Pose const& pose) {
+    vertex = pose.origin;
+    axis = pose.e3;
   }
   STRAY_HD double distance(Ray const& r, bool leaving) const {
     Vec3 const o = r.origin - vertex;
@@ -70,6 +70,11 @@ struct Cap {
     r_max = outer_radius;
   }
   STRAY_HD Vec3 reference() const { return vertex; }
+  STRAY_HD Box bounds() const {
+    double low, high, r_min, r_max;
+    extent(low, high, r_min, r_max);
+    return box_about_axis(reference(), axis, low, high, r_max);
+  }
 };
 
 }  // namespace straytrace

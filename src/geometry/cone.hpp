@@ -16,9 +16,9 @@ struct Cone {
   Vec3 apex;                                                       // set by place()
   static constexpr char const* key = "cone";
 
-  STRAY_HD void place(Vec3 at, Vec3 along) {
-    origin = at;
-    axis = along;
+  STRAY_HD void place(Pose const& pose) {
+    origin = pose.origin;
+    axis = pose.e3;
     SinCos const a = sincos_turn(half_angle / (2 * pi));
     sine = a.sin;
     cosine = a.cos;
@@ -83,6 +83,7 @@ struct Cone {
     r_max = outer_radius;
   }
   STRAY_HD Vec3 reference() const { return origin; }
+  STRAY_HD Box bounds() const { return box_about_axis(origin, axis, 0, height(), outer_radius); }
 };
 
 }  // namespace straytrace

@@ -13,9 +13,9 @@ struct Cylinder {
   double radius = 1, from = 0, to = 1;  // m; ends along the axis, measured from the origin
   static constexpr char const* key = "cylinder";
 
-  STRAY_HD void place(Vec3 at, Vec3 along) {
-    origin = at;
-    axis = along;
+  STRAY_HD void place(Pose const& pose) {
+    origin = pose.origin;
+    axis = pose.e3;
   }
   STRAY_HD double distance(Ray const& r, bool leaving) const {
     Vec3 o = r.origin - origin;
@@ -70,6 +70,7 @@ struct Cylinder {
     r_min = r_max = radius;
   }
   STRAY_HD Vec3 reference() const { return origin; }
+  STRAY_HD Box bounds() const { return box_about_axis(origin, axis, from, to, radius); }
 };
 
 }  // namespace straytrace

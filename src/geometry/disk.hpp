@@ -12,9 +12,9 @@ struct Disk {
   double inner_radius = 0, outer_radius = 1;  // m
   static constexpr char const* key = "disk";
 
-  STRAY_HD void place(Vec3 origin, Vec3 along) {
-    centre = origin;
-    axis = along;
+  STRAY_HD void place(Pose const& pose) {
+    centre = pose.origin;
+    axis = pose.e3;
   }
   // m along the ray; infinity: no hit. `leaving`: the ray starts ON this surface.
   STRAY_HD double distance(Ray const& r, bool leaving) const {
@@ -44,6 +44,7 @@ struct Disk {
     r_max = outer_radius;
   }
   STRAY_HD Vec3 reference() const { return centre; }
+  STRAY_HD Box bounds() const { return box_about_axis(centre, axis, 0, 0, outer_radius); }
 };
 
 }  // namespace straytrace

@@ -1,5 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE list of shapes. A new shape is one header, its keys, its page and its name here.
+// THE list of shapes. A new shape is one header, its keys, its page and its name here. A shape is a trivially copyable
+// struct with `axis`, `key` and
+//   place(pose)                 puts it into the world: origin of the shape, e3 its axis, e1 and e2 across
+//   distance(ray, leaving)      m along the ray to the first hit in (0, t_max), infinity: none. `leaving`: the ray
+//   starts
+//                               ON this surface, so the root at zero is not a hit; no epsilon anywhere
+//   normal(p)                   unit normal of the front side; the page of the shape says which side that is
+//   project(p)                  a computed hit put back on the surface (one Newton step)
+//   area()                      m^2
+//   sample(u, v)                a point uniform in area
+//   extent(low, high, r_min, r_max)  heights along `axis` from reference(), and distances from that axis, that contain
+//                               the surface; r_min > 0 promises that nothing of it is nearer to the axis
+//   bounds()                    box in the world that contains it
+//   reference()                 the point its equations are written about
+// Shapes made of many flat pieces: pieces.hpp.
 #pragma once
 
 #include <tuple>
@@ -8,6 +22,7 @@
 #include "geometry/cone.hpp"
 #include "geometry/cylinder.hpp"
 #include "geometry/disk.hpp"
+#include "geometry/pieces.hpp"
 #include "geometry/sphere.hpp"
 
 namespace straytrace {

@@ -12,9 +12,9 @@ struct Sphere {
   double radius = 1;           // m
   static constexpr char const* key = "sphere";
 
-  STRAY_HD void place(Vec3 at, Vec3 along) {
-    centre = at;
-    axis = along;
+  STRAY_HD void place(Pose const& pose) {
+    centre = pose.origin;
+    axis = pose.e3;
   }
   STRAY_HD double distance(Ray const& r, bool leaving) const {
     Vec3 const o = r.origin - centre;
@@ -43,6 +43,10 @@ struct Sphere {
     r_max = radius;
   }
   STRAY_HD Vec3 reference() const { return centre; }
+  STRAY_HD Box bounds() const {
+    Vec3 const r{radius, radius, radius};
+    return {centre - r, centre + r};
+  }
 };
 
 }  // namespace straytrace

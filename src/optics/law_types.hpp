@@ -1,27 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE list of scatter laws, and the optic that a side of a surface carries: one specular reflectance plus a sum of
-// laws. A new law is one header, its reader, its page and its name here.
+// THE list of scatter laws, and their sum on one side of a surface. A new law is one header, its reader, its page and
+// its name here.
 #pragma once
 
 #include <tuple>
 
-#include "base/pool.hpp"
 #include "optics/abg.hpp"
 #include "optics/lambertian.hpp"
+#include "optics/optic.hpp"
 #include "optics/power_law.hpp"
 
 namespace straytrace {
 
 using LawTypes = std::tuple<Lambertian, PowerLaw, Abg>;
 using LawPool = Pool<LawTypes>;
-
-struct Optic {
-  static constexpr int most_laws = 4;
-  double reflect =
-      0;  // specular power reflectance, same at every angle; what neither reflects nor scatters is absorbed
-  int laws = 0;
-  PoolRef law[most_laws];
-};
 
 STRAY_HD double scatter_albedo(LawPool const& pool, Optic const& optic, double cos_i) {
   double sum = 0;

@@ -23,13 +23,6 @@ void read_surfaces(Scene const&, World&, Registry&);
 void read_beams(Scene const&, World&, Registry const&);
 void read_trace_limits(Scene const&, World&);
 
-// Position and axis in the world of a local frame nested in `frames` (outermost first).
-struct Pose {
-  Vec3 origin, e1{1, 0, 0}, e2{0, 1, 0}, e3{0, 0, 1};
-  Vec3 direction(Vec3 v) const { return v.x * e1 + v.y * e2 + v.z * e3; }
-  Vec3 point(Vec3 p) const { return origin + direction(p); }
-};
-Pose nested(Pose const& outer, Pose const& inner);
 Pose read_pose(Node const& table);  // keys at, facing or rotate
 Vec3 read_vector(Node const& list, Dimension);
 

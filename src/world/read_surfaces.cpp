@@ -15,10 +15,6 @@ Vec3 read_vector(Node const& list, Dimension dimension) {
   return v.size() == 3 ? Vec3{v[0], v[1], v[2]} : Vec3{not_a_number, not_a_number, not_a_number};
 }
 
-Pose nested(Pose const& outer, Pose const& inner) {
-  return {outer.point(inner.origin), outer.direction(inner.e1), outer.direction(inner.e2), outer.direction(inner.e3)};
-}
-
 namespace {
 
 // Turns by `angle` about the unit vector `axis` (Rodrigues).
@@ -73,7 +69,7 @@ SurfaceId add_shape(Node const& keys, Pose const& pose, std::uint32_t front, std
   keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
   auto const complaint = impossible(shape);
   if (!complaint.what.empty()) keys.problem(complaint.what, complaint.suggestion);
-  shape.place(pose.origin, pose.e3);
+  shape.place(pose);
   return world.add_surface(shape, front, back, body, group);
 }
 

@@ -40,6 +40,12 @@ std::uint32_t World::add_optic(Optic const& optic) {
   return std::uint32_t(optics_.size() - 1);
 }
 
+std::uint32_t World::add_volume(Medium const& medium) {
+  media_.push_back(medium);
+  volumes_.push_back({std::uint32_t(media_.size() - 1)});
+  return std::uint32_t(volumes_.size() - 1);
+}
+
 BodyId World::add_body(std::string name, Vec3 pivot) {
   bodies_.push_back({std::move(name), pivot, !std::isnan(pivot.x)});
   return {std::uint32_t(bodies_.size() - 1)};
@@ -108,6 +114,9 @@ WorldView World::view() const {
   WorldView v;
   v.shapes = pool_of<ShapeTypes>(shapes_, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
   v.laws = pool_of<LawTypes>(laws_, std::make_index_sequence<std::tuple_size_v<LawTypes>>());
+  v.interfaces = pool_of<SpecularTypes>(interfaces_, std::make_index_sequence<std::tuple_size_v<SpecularTypes>>());
+  v.volumes = {volumes_.data(), volumes_.size()};
+  v.media = {media_.data(), media_.size()};
   v.surfaces = {surfaces_.data(), surfaces_.size()};
   v.optics = {optics_.data(), optics_.size()};
   v.lit = {lit_.data(), lit_.size()};

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "base/pool.hpp"
+#include "base/storage.hpp"
 #include "base/vec3.hpp"
 #include "beams/footprint.hpp"
 #include "geometry/shape_types.hpp"
 #include "optics/law_types.hpp"
+#include "optics/specular_types.hpp"
 #include "scene/scene.hpp"
 #include "world/axial_tree.hpp"
 
@@ -20,14 +22,37 @@ using ShapePool = Pool<ShapeTypes>;
 
 struct Surface {
   PoolRef shape;
+  static constexpr std::uint32_t none = 0xffffffffu;
   std::uint32_t front = 0, back = 0;  // optic on the side the normal points to, and on the other
   BodyId body;
   GroupId group;
+  std::uint32_t volume = none;  // filled volume behind it: the normal points out of it
+};
+
+// A filled volume: glass of one lens. Volumes of instances of one part are different.
+struct Volume {
+  std::uint32_t medium = 0;
+};
+
+struct Medium {
+  double index = 1;
+  double absorption = 0;  // of power, 1/m
 };
 
 struct Hit {
   SurfaceId surface;
   double distance = infinity;  // m
+  std::uint32_t piece = 0;     // of a surface made of pieces
+};
+
+// What a ray starts on: there the root at zero is not a hit.
+struct Departure {
+  SurfaceId surface;
+  std::uint32_t piece = 0;
+  SurfaceId contact;  // a second surface in contact with the first at this point (cemented, touching lenses)
+  STRAY_HD Departure() = default;
+  STRAY_HD Departure(SurfaceId s, std::uint32_t p = 0, SurfaceId c = {}) : surface(s), piece(p), contact(c) {}
+  STRAY_HD bool on(std::uint32_t id) const { return id == surface.value || id == contact.value; }
 };
 
 // How the walk is bounded and whether the search structure is used; part of what decides a result.
@@ -41,6 +66,9 @@ struct WalkLimits {
 struct WorldView {
   ShapePool shapes;
   LawPool laws;
+  SpecularPool interfaces;
+  View<Volume const> volumes;
+  View<Medium const> media;
   View<Surface const> surfaces;
   View<Optic const> optics;
   View<Footprint const> lit;                 // all footprints
@@ -52,15 +80,15 @@ struct WorldView {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   // The smallest positive double distance, ties to the lower SurfaceId; `from` is the surface the ray starts on.
-  STRAY_HD Hit closest(Ray const& ray, SurfaceId from) const {
+  STRAY_HD Hit closest(Ray const& ray, Departure from) const {
     Hit best{{}, ray.t_max};
     auto const test = [&](std::uint32_t id, double& limit) {
       Ray bounded = ray;
       bounded.t_max = infinity;
-      double const t =
-          shapes.visit(surfaces[id].shape, [&](auto const& s) { return s.distance(bounded, id == from.value); });
+      Crossing const c = cross(id, bounded, from);
+      double const t = c.distance;
       if (t < best.distance || (t == best.distance && best.surface.valid() && id < best.surface.value))
-        best = {{id}, t};
+        best = {{id}, t, c.piece};
       limit = best.distance;
       return false;
     };
@@ -69,22 +97,25 @@ struct WorldView {
   }
   // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on,
   // whose only other root is that end: rounding of a grazing root must not hide it.
-  STRAY_HD bool occluded(Ray const& ray, SurfaceId from, bool to_itself = false) const {
+  STRAY_HD bool occluded(Ray const& ray, Departure from, bool to_itself = false) const {
     bool hidden = false;
     auto const test = [&](std::uint32_t id, double&) {
-      if (to_itself && id == from.value) return false;
-      hidden =
-          shapes.visit(surfaces[id].shape, [&](auto const& s) { return s.distance(ray, id == from.value) < infinity; });
+      if (to_itself && from.on(id)) return false;
+      hidden = cross(id, ray, from).distance < infinity;
       return hidden;
     };
     search(ray, ray.t_max, test);
     return hidden;
   }
-  STRAY_HD Vec3 normal(SurfaceId id, Vec3 p) const {
-    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return s.normal(p); });
+  STRAY_HD Crossing cross(std::uint32_t id, Ray const& ray, Departure from) const {
+    return shapes.visit(surfaces[id].shape,
+                        [&](auto const& s) { return crossing_of(s, ray, from.on(id), from.piece); });
   }
-  STRAY_HD Vec3 project(SurfaceId id, Vec3 p) const {
-    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return s.project(p); });
+  STRAY_HD Vec3 normal(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
+    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return normal_of(s, p, piece); });
+  }
+  STRAY_HD Vec3 project(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
+    return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return projected_on(s, p, piece); });
   }
 
  private:
@@ -109,6 +140,13 @@ struct Body {
 class World {
  public:
   std::uint32_t add_optic(Optic const&);
+  std::uint32_t add_volume(Medium const&);
+  template <class T>
+  PoolRef add_interface(T const& coating) {
+    auto& list = std::get<std::vector<T>>(interfaces_);
+    list.push_back(coating);
+    return {kind_of<T, SpecularTypes>(), std::uint32_t(list.size() - 1)};
+  }
   template <class Law>
   PoolRef add_law(Law const& law) {
     auto& list = std::get<std::vector<Law>>(laws_);
@@ -116,10 +154,12 @@ class World {
     return {kind_of<Law, LawTypes>(), std::uint32_t(list.size() - 1)};
   }
   template <class Shape>
-  SurfaceId add_surface(Shape const& shape, std::uint32_t front, std::uint32_t back, BodyId body, GroupId group) {
+  SurfaceId add_surface(Shape const& shape, std::uint32_t front, std::uint32_t back, BodyId body, GroupId group,
+                        std::uint32_t volume = Surface::none) {
     auto& list = std::get<std::vector<Shape>>(shapes_);
     list.push_back(shape);
-    surfaces_.push_back({{kind_of<Shape, ShapeTypes>(), std::uint32_t(list.size() - 1)}, front, back, body, group});
+    surfaces_.push_back(
+        {{kind_of<Shape, ShapeTypes>(), std::uint32_t(list.size() - 1)}, front, back, body, group, volume});
     return {std::uint32_t(surfaces_.size() - 1)};
   }
   BodyId add_body(std::string name, Vec3 pivot);
@@ -141,6 +181,7 @@ class World {
   // Bytes of everything that can change a trace, and of nothing else (not of motion, not of the search structure).
   std::string fingerprint() const;
 
+  Storage storage;  // tables that shapes, laws and coatings point into
   WalkLimits limits;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
   double wavelength = 1.064e-6;
@@ -164,7 +205,10 @@ class World {
 
   Vectors<void, ShapeTypes>::type shapes_;
   Vectors<void, LawTypes>::type laws_;
+  Vectors<void, SpecularTypes>::type interfaces_;
   std::vector<Surface> surfaces_;
+  std::vector<Volume> volumes_;
+  std::vector<Medium> media_;
   std::vector<Optic> optics_;
   std::vector<Footprint> lit_;
   std::vector<std::uint32_t> lit_of_surface_, emitters_;

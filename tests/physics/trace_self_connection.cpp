@@ -15,7 +15,7 @@ SampleMean self_exchange(double z) {
   Cap cap;
   cap.curvature = 1 / roc;
   cap.outer_radius = 0.3;
-  cap.place({0, 0, z}, {0, 0, -1});
+  cap.place(facing_along({0, 0, z}, {0, 0, -1}));
   SurfaceId const s =
       world.add_surface(cap, lambertian_optic(world, pi * beta), black_optic(world), body, world.add_group("mirror"));
   Footprint lit = spot(s, {0, 0, z}, {0, 0, 1}, Profile::gaussian, 0.05, port);

@@ -112,7 +112,7 @@ double worst_misfit(double curvature, double roc) {
   Cap mirror;
   mirror.curvature = 1 / roc;
   mirror.outer_radius = 0.17;
-  mirror.place({0, 0, 3000}, {0, 0, -1});
+  mirror.place(facing_along({0, 0, 3000}, {0, 0, -1}));
   Footprint f = footprint(Profile::gaussian, {0, 0, 1});
   f.centre = mirror.vertex;
   f.curvature = curvature;

@@ -55,15 +55,15 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
                          double u, double v, Sink& sink) {
   Footprint const& lit = world.lit[index];
   Ray const line = lit.sample(u, v);
-  double const t = world.shapes.visit(world.surfaces[lit.surface.value].shape,
-                                      [&](auto const& s) { return s.distance(line, false); });
+  Crossing const met = world.cross(lit.surface.value, line, {});
+  double const t = met.distance;
   if (!(t < infinity)) return;
   Vec3 const span = line.origin + t * line.dir - vertex.point;
   double const d2 = length2(span), d = std::sqrt(d2);
   if (!(d > 0)) return;
   Vec3 const out = (1 / d) * span, wo = vertex.frame.to_local(out);
   if (!(wo.z > 0)) return;
-  Vertex const y = make_vertex(world, lit.surface, line.origin + t * line.dir, out);
+  Vertex const y = make_vertex(world, lit.surface, line.origin + t * line.dir, out, met.piece);
   if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return;  // lit from the other side
   double const bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, wo);
   double const coupling = path.power * bsdf * wo.z * y.wi.z / d2 * rejoin_bsdf(world, y, lit) * world.wavelength *
@@ -77,7 +77,9 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
     double const density = connection_density(lit, y.point, y.frame.e3);
     weight = density / (density + walk);
   }
-  if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, vertex.surface, vertex.surface == lit.surface)) return;
+  if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, {vertex.surface, vertex.piece},
+                     vertex.surface == lit.surface))
+    return;
   sink.score(path, vertex, index, connection_number(index), y, coupling * weight);
 }
 

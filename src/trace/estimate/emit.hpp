@@ -19,11 +19,11 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, std::uint64_t his
   Footprint const& lit = world.lit[path.source];
   double const u = rng.uniform(), v = rng.uniform();
   Ray const line = lit.sample(u, v);
-  double const t = world.shapes.visit(world.surfaces[lit.surface.value].shape,
-                                      [&](auto const& s) { return s.distance(line, false); });
-  if (!(t < infinity)) return false;  // beside the clear aperture: that share of the mode is clipped, not scattered
-  Vec3 const point = line.origin + t * line.dir;
-  Vertex const vertex = make_vertex(world, lit.surface, point, lit.direction(point));
+  Crossing const met = world.cross(lit.surface.value, line, {});
+  if (!(met.distance < infinity))
+    return false;  // beside the clear aperture: that share of the mode is clipped, not scattered
+  Vec3 const point = line.origin + met.distance * line.dir;
+  Vertex const vertex = make_vertex(world, lit.surface, point, lit.direction(point), met.piece);
   path.power = lit.share * n;
   path.emitted = path.power * vertex.albedo;
   sink.emitted(path, vertex);

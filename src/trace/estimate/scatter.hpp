@@ -15,7 +15,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   double const reflect = source ? 0 : vertex.optic->reflect, kept = vertex.albedo + reflect;
   if (!(kept > 0)) return false;
   GroupId const group = world.surfaces[vertex.surface.value].group;
-  path.from = vertex.surface;
+  path.from = {vertex.surface, vertex.piece};
   path.ray.origin = vertex.point;
   path.ray.t_max = infinity;
   double choice = Rng(seed, path.history, path.event, Stream::lobe).uniform() * kept;

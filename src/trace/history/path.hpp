@@ -17,7 +17,7 @@ struct PathState {
   std::uint64_t history = 0;
   std::uint32_t event = 0;  // number of the vertex in its history; the source is 0
   Ray ray;
-  SurfaceId from;      // surface the ray starts on
+  Departure from;      // surface the ray starts on
   double power = 0;    // carried, relative to the main mode
   double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
   Hop hop;
@@ -28,6 +28,7 @@ struct PathState {
 // A point on a surface that light has reached.
 struct Vertex {
   SurfaceId surface;
+  std::uint32_t piece = 0;
   Vec3 point;      // put back on its surface
   Frame frame;     // e3 = normal on the lit side
   Vec3 wi;         // towards where the light came from, local
@@ -36,11 +37,12 @@ struct Vertex {
   double albedo = 0;  // scattered share for this incidence; specular share is optic->reflect
 };
 
-STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel) {
+STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel, std::uint32_t piece = 0) {
   Vertex v;
   v.surface = id;
-  v.point = world.project(id, point);
-  Vec3 const normal = world.normal(id, v.point);
+  v.piece = piece;
+  v.point = world.project(id, point, piece);
+  Vec3 const normal = world.normal(id, v.point, piece);
   bool const front = dot(travel, normal) < 0;
   v.frame = Frame::around(front ? normal : -normal);
   v.wi = v.frame.to_local(-travel);

@@ -24,7 +24,8 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, PathState& path, 
     sink.book(Fate::escaped, path.power);
     return false;
   }
-  Vertex vertex = make_vertex(world, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir);
+  Vertex vertex =
+      make_vertex(world, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir, hit.piece);
   vertex.leg = hit.distance;
   ++path.event;
   sink.visit(path, vertex);

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one side of a surface does to light: a specular interface plus a sum of scatter laws. What neither is reflected,
+// transmitted nor scattered is absorbed.
+#pragma once
+
+#include "base/pool.hpp"
+
+namespace straytrace {
+
+struct Optic {
+  static constexpr int most_laws = 4;
+  double reflect = 0, transmit = 0;  // fixed coating: power, the same at every angle; unused with an interface
+  bool has_interface = false;
+  PoolRef interface;  // in SpecularTypes
+  int laws = 0;
+  PoolRef law[most_laws];  // in LawTypes
+};
+
+}  // namespace straytrace

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// THE list of specular interfaces: what a smooth surface reflects and transmits. A new one is one header, its reader,
+// its page and its name here. An interface has
+//   amplitudes(cos_i, n_in, n_out, front)   field coefficients for light that meets the surface at cos_i in a medium of
+//                               index n_in, with n_out behind it; `front`: it comes from the side the normal points to
+#pragma once
+
+#include <tuple>
+
+#include "base/pool.hpp"
+#include "optics/fresnel.hpp"
+
+namespace straytrace {
+
+using SpecularTypes = std::tuple<Fresnel>;
+using SpecularPool = Pool<SpecularTypes>;
+
+}  // namespace straytrace
