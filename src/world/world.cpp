@@ -123,6 +123,7 @@ WorldView World::view() const {
   v.lit_of_surface = {lit_of_surface_.data(), lit_of_surface_.size()};
   v.emitters = {emitters_.data(), emitters_.size()};
   v.tree = tree_.view();
+  v.steering = steering_.view();
   v.limits = limits;
   v.wavelength = wavelength;
   return v;

@@ -15,6 +15,7 @@
 #include "optics/specular_types.hpp"
 #include "scene/scene.hpp"
 #include "world/axial_tree.hpp"
+#include "world/steering.hpp"
 
 namespace straytrace {
 
@@ -75,6 +76,7 @@ struct WorldView {
   View<std::uint32_t const> lit_of_surface;  // first receiving footprint on this surface, or none
   View<std::uint32_t const> emitters;        // footprints that emit
   AxialTree::View tree;
+  Steering steering;  // empty: the scatter law alone
   WalkLimits limits;
   double wavelength = 0;  // m
   static constexpr std::uint32_t none = 0xffffffffu;
@@ -170,6 +172,8 @@ class World {
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void settle_pivots();  // bodies without a given pivot turn about the place of their first surface
   void finish();         // builds the search structure; call last
+  void steer(SteeringTables tables) { steering_ = std::move(tables); }
+  SteeringTables const& steering() const { return steering_; }
 
   WorldView view() const;
   std::vector<Surface> const& surfaces() const { return surfaces_; }
@@ -215,6 +219,7 @@ class World {
   std::vector<Body> bodies_;
   std::vector<std::string> groups_, ports_;
   AxialTree tree_;
+  SteeringTables steering_;
 };
 
 // Reads materials, bodies (pivots), parts, beams, ports and trace limits; problems go to the scene's document.

@@ -63,15 +63,15 @@ struct Orders : Silent {
     passed.push_back({v.surface, v.point, passed.back().out, {}, Event::reflect});
     Vec3 const d = path.ray.dir, n = v.frame.e3;
     passed.back().out = d - (2 * dot(d, n)) * n;
-    if (v.surface.value == 1 && path.event <= 4) share[path.event - 1] += path.power;
+    if (v.surface.value == 1 && path.order <= 4) share[path.order - 1] += path.power;
   }
   void score(PathState const& path, Vertex const&, std::uint32_t lit, std::uint32_t number, Vertex const&, double f) {
-    if (!by_itself(number) || path.event > 4 || passed.back().surface.value != 1) return;
+    if (!by_itself(number) || path.order > 4 || passed.back().surface.value != 1) return;
     auto vertices = passed;
     vertices.back().out = {0, 0, -1};
     for (Lever const& l : levers_of(world, vertices, 0, lit))
       if (world.bodies()[l.body.value].name == "pipe")  // h = (lambda/4 pi L) sqrt(f) sin(phi), phi small
-        line2[path.event - 1] += f * std::pow(lambda / (4 * pi * arm), 2) * (l.d[0] * l.d[0] + l.d[1] * l.d[1]) *
+        line2[path.order - 1] += f * std::pow(lambda / (4 * pi * arm), 2) * (l.d[0] * l.d[0] + l.d[1] * l.d[1]) *
                                  wall_motion * wall_motion / 2;
   }
 };
@@ -87,14 +87,15 @@ Orders quadrature(World const& world) {
     double const azimuth = std::fmod(0.618033988749895 * i, 1.0);
     BsdfSample const s = law.sample({0, 0, 1}, (i + 0.5) / n, azimuth);
     if (!(s.pdf > 0)) continue;
-    PathState path;
-    path.from = {0};
+    History history;
+    PathState& path = history.path;
+    path.from = SurfaceId{0};
     path.ray.dir = s.wo;
     path.power = law.eval({0, 0, 1}, s.wo) * s.wo.z / s.pdf / n;
     path.emitted = loss / n;
-    path.hop.pdf = s.pdf;
+    path.hop.law_pdf = path.hop.value = s.pdf;
     orders.start(s.wo);
-    while (path.event < 4 && step(view, 1, path, orders) && orders.passed.back().surface.value != 1) {
+    while (path.order < 4 && step(view, 1, history, orders) && orders.passed.back().surface.value != 1) {
     }
   }
   return orders;
@@ -149,12 +150,13 @@ double path_constant(Profile profile, double theta) {
     void score(PathState const&, Vertex const&, std::uint32_t, std::uint32_t, Vertex const&, double c) { f = c; }
   } caught;
   World const world = arm_tube(profile);
-  PathState path;
-  path.from = {2};
+  History history;
+  PathState& path = history.path;
+  path.from = SurfaceId{2};
   path.ray.origin = {-theta * 1, 0, arm - 1};
   path.ray.dir = unit({theta, 0, 1});
   path.power = path.emitted = loss;
-  step(world.view(), 1, path, caught);
+  step(world.view(), 1, history, caught);
   double const b = statistical_kappa(above) / std::pow(std::atan(theta), 2);
   return lambda / (4 * pi * arm) * std::sqrt(caught.f) /
          (lambda * lambda * loss / (arm * mirror_radius) * std::sqrt(b));

@@ -119,10 +119,11 @@ double arriving(World const& world, bool divide) {
     for (bool alive = true; alive;) {
       Hit const hit = view.closest(path.ray, path.from);
       Vertex const v = make_vertex(view, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir);
+      path.power *= complete(view, path, &v);
       ++path.event;
       sum += path.power;
       double const before = path.power;
-      alive = survives(view, 1, path, sink);
+      alive = control(view, 1, path, v, 0, sink) > 0;
       if (alive && !divide) path.power = before;
       alive = alive && scatter(view, 1, path, v, sink);
     }

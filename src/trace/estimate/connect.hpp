@@ -6,7 +6,7 @@
 #pragma once
 
 #include "base/rng.hpp"
-#include "trace/history/path.hpp"
+#include "trace/estimate/mixture.hpp"
 
 namespace straytrace {
 
@@ -35,7 +35,7 @@ STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex co
   double const coupling =
       path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength * lit.share * density;
   // A walk over a specular hop has no density: no connection can have made this path.
-  double const walk = path.hop.pdf * vertex.wi.z / (vertex.leg * vertex.leg);
+  double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
   if (coupling * weight > 0) sink.score(path, vertex, index, arrival_number(index), vertex, coupling * weight);
 }
@@ -71,9 +71,9 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   if (!(coupling > 0)) return;
   double weight = 1;
   if (lit.profile != Profile::point) {  // a walk cannot hit a point
-    bool const source = path.event == 0;
-    double const lobe = source ? 1 : vertex.albedo / (vertex.albedo + vertex.optic->reflect);
-    double const walk = lobe * scatter_pdf(world.laws, *vertex.optic, vertex.wi, wo) * y.wi.z / d2;
+    double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
+    double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, wo);
+    double const walk = lobe * per_area(mixture_pdf(world, vertex.side(), law, y.strip, d, y.wi.z), d, y.wi.z);
     double const density = connection_density(lit, y.point, y.frame.e3);
     weight = density / (density + walk);
   }

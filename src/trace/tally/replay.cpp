@@ -8,53 +8,55 @@
 namespace straytrace {
 namespace {
 
+// Siblings are followed depth first, so the vertices before the one that a path stands on are always its own.
 class ReplaySink {
  public:
   ReplaySink(World const& world, WorldView const& view, std::uint32_t event, std::uint32_t connection)
       : world_(world), view_(view), event_(event), connection_(connection) {}
 
   void emitted(PathState const& path, Vertex const& vertex) {
-    passed_.push_back({vertex.surface, vertex.point, view_.lit[path.source].direction(vertex.point), {}, Event::emit});
+    passed_ = {{vertex.surface, vertex.point, view_.lit[path.source].direction(vertex.point), {}, Event::emit}};
+    length_ = {0};
   }
   void visit(PathState const& path, Vertex const& vertex) {
-    leave_towards(vertex.point, path.hop.pdf > 0 ? Event::scatter : Event::reflect);
+    passed_.resize(path.order);
+    length_.resize(path.order);
+    leave_towards(passed_, vertex.point, path.hop.left_by);
+    length_.push_back(length_.back() + vertex.leg);
     passed_.push_back({vertex.surface, vertex.point, passed_.back().out, {}, Event::scatter});
   }
   void score(PathState const& path, Vertex const& vertex, std::uint32_t lit, std::uint32_t connection, Vertex const& y,
              double coupling) {
     if (found || path.event != event_ || connection != connection_) return;
-    auto const before = passed_;
-    double const length_before = length_;
+    auto vertices = passed_;
+    double path_length = length_.back();
     if (!by_itself(connection)) {
-      leave_towards(y.point, Event::scatter);
-      passed_.push_back({y.surface, y.point, passed_.back().out, {}, Event::couple});
+      leave_towards(vertices, y.point, Event::scatter);
+      path_length += length(y.point - vertex.point);
+      vertices.push_back({y.surface, y.point, vertices.back().out, {}, Event::couple});
     }
-    passed_.back().event = Event::couple;
-    passed_.back().out = -view_.lit[lit].direction(passed_.back().point);
+    vertices.back().event = Event::couple;
+    vertices.back().out = -view_.lit[lit].direction(vertices.back().point);
     bool const other = route_of(view_, path, vertex, lit, connection).other;
-    found =
-        ReplayedPath{passed_, path.source, lit, other, coupling, length_, levers_of(world_, passed_, path.source, lit)};
-    passed_ = before;
-    length_ = length_before;
+    found = ReplayedPath{
+        vertices, path.source, lit, other, coupling, path_length, levers_of(world_, vertices, path.source, lit)};
   }
   void book(Fate, double) {}
 
   std::optional<ReplayedPath> found;
 
  private:
-  void leave_towards(Vec3 point, Event event) {
-    PassedVertex& last = passed_.back();
-    Vec3 const span = point - last.point;
-    last.out = unit(span);
+  static void leave_towards(std::vector<PassedVertex>& vertices, Vec3 point, Event event) {
+    PassedVertex& last = vertices.back();
+    last.out = unit(point - last.point);
     if (last.event != Event::emit) last.event = event;
-    length_ += length(span);
   }
 
   World const& world_;
   WorldView const& view_;
   std::uint32_t event_, connection_;
   std::vector<PassedVertex> passed_;
-  double length_ = 0;
+  std::vector<double> length_;  // m, from the source to each vertex
 };
 
 }  // namespace
@@ -86,10 +88,12 @@ std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::
                                    std::uint32_t connection) {
   WorldView const view = world.view();
   ReplaySink sink(world, view, event, connection);
-  PathState path;
-  if (!emit(view, seed, history, path, sink)) return sink.found;
-  while (!sink.found && path.event <= event && step(view, seed, path, sink)) {
-  }
+  History again;
+  if (!emit(view, seed, history, again.path, sink)) return sink.found;
+  do {
+    while (!sink.found && step(view, seed, again, sink)) {
+    }
+  } while (!sink.found && again.next_sibling());
   return sink.found;
 }
 

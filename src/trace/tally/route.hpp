@@ -17,7 +17,7 @@ inline Route route_of(WorldView const& world, PathState const& path, Vertex cons
   Footprint const& end = world.lit[lit];
   std::uint64_t name = path.route;
   Route route;
-  route.vertices = path.event + 1;
+  route.vertices = path.order + 1;
   if (!by_itself(connection)) {
     name = extended(name, world.surfaces[vertex.surface.value].group, Event::scatter);
     ++route.vertices;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The mixture from which directions are drawn, in solid angle at the vertex left (estimators.md 6):
+//   p(w) = alpha p_law(w) + (1 - alpha) q_k d^2/(A_k cos_y)      k: the strip that is hit first along w
+// One sample, one division, whichever component drew it. The scatter law always takes part (alpha >= 0.1), so no light
+// is missed because no target was listed for it.
+#pragma once
+
+#include "trace/history/path.hpp"
+
+namespace straytrace {
+
+// Density per area becomes density per solid angle and back: the only places where d^2 stands.
+STRAY_HD double per_solid_angle(double per_area, double distance, double cosine) {
+  return cosine > 0 ? per_area * distance * distance / cosine : 0;
+}
+STRAY_HD double per_area(double per_solid_angle, double distance, double cosine) {
+  return per_solid_angle * cosine / (distance * distance);
+}
+
+// Density 1/sr of the mixture for a direction whose law density is `law_pdf` and that meets `strip` at `distance`
+// under `cosine`.
+STRAY_HD double mixture_pdf(WorldView const& world, std::uint32_t side, double law_pdf, std::uint32_t strip,
+                            double distance, double cosine) {
+  if (side == WorldView::none) return law_pdf;
+  StripSide const& from = world.steering.sides[side];
+  if (!(from.alpha < 1)) return law_pdf;
+  double const aimed =
+      strip == WorldView::none ? 0 : per_solid_angle(world.steering.density(from, strip), distance, cosine);
+  return from.alpha * law_pdf + (1 - from.alpha) * aimed;
+}
+
+// Weight of the hop now that its end is known; 0 when something hides the target that was aimed at. Sets hop.pdf.
+// `vertex`: where the ray arrived; null when it escaped.
+STRAY_HD double complete(WorldView const& world, PathState& path, Vertex const* vertex) {
+  Hop& hop = path.hop;
+  if (!(hop.law_pdf > 0) && !hop.aim.valid()) {  // specular
+    hop.pdf = 0;
+    return hop.value / hop.lobe;
+  }
+  if (hop.aim.valid() && (!vertex || vertex->surface != hop.aim || vertex->leg < hop.aim_distance * (1 - 1e-9))) {
+    hop.pdf = 0;
+    return 0;
+  }
+  double const mixture = vertex ? mixture_pdf(world, hop.side, hop.law_pdf, vertex->strip, vertex->leg, vertex->wi.z)
+                                : mixture_pdf(world, hop.side, hop.law_pdf, WorldView::none, 1, 1);
+  hop.pdf = hop.lobe * mixture;
+  return hop.pdf > 0 ? hop.value / hop.pdf : 0;
+}
+
+// A direction towards a point drawn on one of the targets of `side`; hop.aim says which.
+STRAY_HD Vec3 aimed_direction(WorldView const& world, Vertex const& vertex, double choice, double u, double v,
+                              Hop& hop) {
+  Steering const& steering = world.steering;
+  Strip const& strip = steering.strips[steering.targets[steering.draw(steering.sides[vertex.side()], choice)].strip];
+  Vec3 const y =
+      world.shapes
+          .visit(world.surfaces[strip.surface.value].shape,
+                 [&](auto const& s) { return sample_of(s, strip.u_low + u * (strip.u_high - strip.u_low), v); })
+          .point;
+  Vec3 const span = y - vertex.point;
+  hop.aim = strip.surface;
+  hop.aim_distance = length(span);
+  return hop.aim_distance > 0 ? (1 / hop.aim_distance) * span : vertex.frame.e3;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What steers the walk towards light that will count: strips of all surfaces, the adjoint of each side of a strip, and
+// the list of strips worth aiming at from there (estimators.md 6 to 8). Any table gives the right answer; a good one
+// gives it soon. Made by trace/estimate/importance.hpp.
+#pragma once
+
+#include <vector>
+
+#include "base/ids.hpp"
+
+namespace straytrace {
+
+struct Strip {
+  SurfaceId surface;
+  double u_low = 0, u_high = 1;  // first sample coordinate (geometry/strips.hpp)
+  double area = 0;               // m^2
+};
+
+// One side of a strip. `adjoint`: mean score that one unit of power arriving there will still make, all receivers in
+// units of their own total.
+struct StripSide {
+  double adjoint = 0;
+  double alpha = 1;                    // share of directions drawn from the scatter law; 1: no targets
+  std::uint32_t first = 0, count = 0;  // its targets
+};
+
+struct Target {
+  std::uint32_t strip = 0;
+  double share = 0;       // probability, given that a target is drawn
+  double cumulative = 0;  // of the shares up to and including this one
+};
+
+struct Steering {
+  View<Strip const> strips;
+  View<StripSide const> sides;                 // two per strip: front, back
+  View<std::uint32_t const> first_of_surface;  // strips of surface i: [first_of_surface[i], first_of_surface[i + 1])
+  View<Target const> targets;
+  double level = 0;  // mean of power x adjoint at first vertices; 0: no weight window
+
+  STRAY_HD bool on() const { return strips.size > 0; }
+  // Strip of a surface at the first sample coordinate u.
+  STRAY_HD std::uint32_t strip_at(SurfaceId surface, double u) const {
+    std::uint32_t low = first_of_surface[surface.value], high = first_of_surface[surface.value + 1];
+    while (high - low > 1) {
+      std::uint32_t const mid = low + (high - low) / 2;
+      (strips[mid].u_low <= u ? low : high) = mid;
+    }
+    return low;
+  }
+  // Density per area on the strip with which the targets of `side` are drawn, 1/m^2.
+  STRAY_HD double density(StripSide const& side, std::uint32_t strip) const {
+    std::uint32_t low = side.first, high = side.first + side.count;  // targets are sorted by strip
+    while (low < high) {
+      std::uint32_t const mid = low + (high - low) / 2;
+      if (targets[mid].strip < strip)
+        low = mid + 1;
+      else
+        high = mid;
+    }
+    return low < side.first + side.count && targets[low].strip == strip ? targets[low].share / strips[strip].area : 0;
+  }
+  // The target whose interval of cumulative shares holds x in (0, 1).
+  STRAY_HD std::uint32_t draw(StripSide const& side, double x) const {
+    std::uint32_t low = side.first, high = side.first + side.count - 1;
+    while (low < high) {
+      std::uint32_t const mid = low + (high - low) / 2;
+      if (targets[mid].cumulative < x)
+        low = mid + 1;
+      else
+        high = mid;
+    }
+    return low;
+  }
+};
+
+// Owner of the arrays of a Steering.
+struct SteeringTables {
+  std::vector<Strip> strips;
+  std::vector<StripSide> sides;
+  std::vector<std::uint32_t> first_of_surface;
+  std::vector<Target> targets;
+  double level = 0;
+  Steering view() const {
+    return {{strips.data(), strips.size()},
+            {sides.data(), sides.size()},
+            {first_of_surface.data(), first_of_surface.size()},
+            {targets.data(), targets.size()},
+            level};
+  }
+};
+
+}  // namespace straytrace
