@@ -78,8 +78,10 @@ void walk(World const& world, std::uint64_t histories, Sink& sink, After&& after
 template <class Sink>
 bool launch(WorldView const& view, std::uint64_t seed, std::uint64_t history, SurfaceId from, Vec3 point, Vec3 travel,
             PathState& path, Sink& sink) {
-  Vertex const vertex = make_vertex(view, from, point, travel);
+  Vertex vertex = make_vertex(view, from, point, travel);
   path.history = history;
+  path.ray.dir = travel;
+  look(view, path, travel, vertex);
   path.power = 1;
   path.emitted = vertex.albedo;
   return scatter(view, seed, path, vertex, sink, true);

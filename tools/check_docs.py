@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Fail for a dead link in the documents, a named file or test that does not exist, or a shape or scatter law without
-its page. Usage: check_docs.py [ROOT]"""
+"""Fail for a dead link in the documents, a named file or test that does not exist, or a shape, scatter law or
+interface without its page. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
 import sys
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
-KEY = re.compile(r'static constexpr char const\* key = "([a-z-]+)";')
+KEY = re.compile(r'static constexpr char const\* key = "([a-z_-]+)";')
 NAMED_FILE = re.compile(r"`((?:\.ci|docs|examples|python|schema|scripts|src|tests|tools)/[\w./-]+)`")
 WITH_TESTS = ("docs/develop/conventions.md", "docs/theory/validation.md")   # pages that name tests, as `Suite.name`
 NAMED_TEST = re.compile(r"`([A-Za-z_]+\.[A-Za-z]\w+)`")
 TEST = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
-PAGES = {"geometry": "shapes", "optics": "scatter"}     # room of src/ : folder of docs/reference/
+PAGES = {"geometry": ("shapes",), "optics": ("scatter", "interfaces")}  # room of src/: folders of docs/reference/
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
@@ -64,13 +64,13 @@ def missing_tests(root):
 
 
 def missing_pages(root):
-    for room, folder in PAGES.items():
+    for room, folders in PAGES.items():
         keys = [k for header in sorted((root / "src" / room).glob("*.hpp")) for k in KEY.findall(header.read_text())]
         if not keys:
             yield f"src/{room}: no keys found; is the path right?"
         for key in keys:
-            if not (root / "docs" / "reference" / folder / f"{key}.md").exists():
-                yield f"docs/reference/{folder}/{key}.md is missing: the page of '{key}'"
+            if not any((root / "docs" / "reference" / folder / f"{key}.md").exists() for folder in folders):
+                yield f"docs/reference/{' or '.join(folders)}/{key}.md is missing: the page of '{key}'"
 
 
 def main(root):

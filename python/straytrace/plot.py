@@ -157,25 +157,29 @@ def draw_books(axes, run):
 
 
 def draw_couplings(axes, run):
-    """Without noise: couplings of the strongest routes on a logarithmic axis."""
+    """Without noise: couplings of the strongest routes, or the light on receivers, on a logarithmic axis."""
     routes = run.routes
-    trusted = np.flatnonzero(routes.trusted & (routes.coupling > 0))
-    order = trusted[np.argsort(-routes.coupling[trusted])][:12]
-    place = np.arange(len(order))[::-1]
-    axes.set_title("Routes by coupling (noise not computed)")
-    axes.set_xlabel("recoupled power fraction, ordered paths")
-    if len(order) == 0:
-        axes.text(0.5, 0.5, "no resolved route", ha="center", va="center", transform=axes.transAxes)
+    rows = [(routes.name[i], routes.coupling[i], routes.sigma[i]) for i in np.flatnonzero(routes.trusted)]
+    title, label = "Routes by coupling (noise not computed)", "recoupled power fraction, ordered paths"
+    if not run.ports and run.receivers:
+        rows = [(r.name, r.power, r.sigma) for r in run.receivers if r.trusted]
+        title, label = "Light on receivers", "power over that of the main mode"
+    rows = sorted((row for row in rows if row[1] > 0), key=lambda row: -row[1])[:12]
+    axes.set_title(title)
+    axes.set_xlabel(label)
+    if not rows:
+        nothing = "no resolved route" if run.ports or not run.receivers else "no resolved receiver"
+        axes.text(0.5, 0.5, nothing, ha="center", va="center", transform=axes.transAxes)
         return
-    coupling, sigma = routes.coupling[order], routes.sigma[order]
+    names, coupling, sigma = [r[0] for r in rows], np.array([r[1] for r in rows]), np.array([r[2] for r in rows])
+    place = np.arange(len(rows))[::-1]
     axes.errorbar(coupling, place, xerr=sigma, fmt="o", color=ROUTE_COLOURS[0], capsize=3)
-    axes.set(xscale="log", xlim=(coupling.min() / 3, coupling.max() * 30), ylim=(-0.5, len(order) - 0.3))
-    for y, i in zip(place, order):
-        name = shortened(routes.name[i], 90)
-        axes.annotate(name, (0, y + 0.22), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
-                      va="bottom", fontsize=9.5)
-        axes.annotate(power_of_ten(routes.coupling[i], routes.sigma[i]), (routes.coupling[i] + routes.sigma[i], y),
-                      xytext=(8, 0), textcoords="offset points", va="center", fontsize=9.5)
+    axes.set(xscale="log", xlim=(coupling.min() / 3, coupling.max() * 30), ylim=(-0.5, len(rows) - 0.3))
+    for y, name, value, error in zip(place, names, coupling, sigma):
+        axes.annotate(shortened(name, 90), (0, y + 0.22), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                      textcoords="offset points", va="bottom", fontsize=9.5)
+        axes.annotate(power_of_ten(value, error), (value + error, y), xytext=(8, 0), textcoords="offset points",
+                      va="center", fontsize=9.5)
     axes.set_yticks([])
     axes.grid(True, axis="x", color=LIGHT, lw=0.7)
     axes.set_axisbelow(True)

@@ -15,6 +15,8 @@ class RunError(Exception):
 
 
 def _text(value):
+    if isinstance(value, np.ndarray):           # a binary or large input file
+        value = value.tobytes()
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     return str(value)
@@ -85,6 +87,26 @@ class Routes:
 
 
 @dataclass
+class Receiver:
+    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was seen."""
+
+    name: str
+    power: float                      # only a hint where not `trusted`
+    sigma: float
+    trusted: bool
+    why_not: str
+    half: tuple                       # m, half width and height of the image
+    angle_sine: float                 # half width of the map of directions
+    image: np.ndarray | None = None   # power per pixel
+    image_error: np.ndarray | None = None
+    angles: np.ndarray | None = None
+    angles_error: np.ndarray | None = None
+    quadrants: np.ndarray | None = None   # lower left, lower right, upper left, upper right, gap
+    quadrants_error: np.ndarray | None = None
+    field: np.ndarray | None = None   # complex, of free beams, sqrt(W)/m per sqrt(W) of the main mode
+
+
+@dataclass
 class Run:
     """A run file, read whole; the file is closed again."""
 
@@ -99,6 +121,8 @@ class Run:
     warnings: list
     noise: Noise | None = None
     files: dict = field(default_factory=dict)   # input texts by name
+    receivers: list = field(default_factory=list)
+    beam_power: float = 0.0           # W, 0: not stated
 
     @property
     def complete(self):
@@ -154,6 +178,39 @@ def _pairs(names, group):
     return dict(zip(names, zip(group["mean"][()].tolist(), group["std_error"][()].tolist())))
 
 
+def _coherent(maps, number, shape, area):
+    """Sum over routes of sqrt(P/area) e^(i phase)."""
+    total = None
+    for i in np.flatnonzero(maps["field_receiver"][()] == number):
+        part = slice(*maps["field_offset"][i:i + 2])
+        mean = maps["field_real"][part] + 1j * maps["field_imaginary"][part]
+        size = np.abs(mean)
+        phase = np.divide(mean, size, out=np.zeros_like(mean), where=size > 0)
+        wave = np.sqrt(maps["field_power"][part] / area) * phase
+        total = wave if total is None else total + wave
+    return None if total is None else total.reshape(shape)
+
+
+def _receivers(file):
+    if "receivers" not in file:
+        return []
+    about, maps, found = file["receivers"], file["maps"], []
+    for i, name in enumerate(_texts(file["names/receivers"])):
+        receiver = Receiver(name, float(about["mean"][i]), float(about["std_error"][i]), bool(about["trusted"][i]),
+                            _text(about["why_not"][i]), tuple(0.5 * about["size"][i]), float(about["angle_sine"][i]))
+        columns, rows = (int(n) for n in about["pixels"][i])
+        bins = int(about["angle_bins"][i])
+        for key, shape in (("image", (rows, columns)), ("angles", (bins, bins)), ("quadrants", (-1,))):
+            part = slice(*maps[key + "_offset"][i:i + 2])
+            if part.stop > part.start:
+                setattr(receiver, key, maps[key][part].reshape(shape))
+                setattr(receiver, key + "_error", maps[key + "_error"][part].reshape(shape))
+        if receiver.image is not None:
+            receiver.field = _coherent(maps, i, (rows, columns), 4 * np.prod(receiver.half) / receiver.image.size)
+        found.append(receiver)
+    return found
+
+
 def _read(file, path):
     attributes = _attributes(file)
     if attributes.get("file_type") != "straytrace-run":
@@ -174,6 +231,8 @@ def _read(file, path):
         ports=ports,
         warnings=_texts(file["warnings/scene"]) + _texts(file["warnings/trace"]),
         noise=_noise(file),
+        receivers=_receivers(file),
+        beam_power=float(file["receivers"].attrs["beam_power"]) if "receivers" in file else 0.0,
         files={_text(text.attrs["name"]): _text(text[()]) for text in inputs.values()},
     )
 

@@ -46,14 +46,17 @@ int check(Options const& options) {
   }
   if (options.json()) {
     std::cout << fmt::format(
-        "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"model_hash\": \"{}\"}}\n",
+        "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"receivers\": {}, "
+        "\"model_hash\": \"{}\"}}\n",
         model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
-        model.world.ports().size(), model.hash());
+        model.world.ports().size(), model.world.receivers().size(), model.hash());
     return done;
   }
-  std::cout << fmt::format("{}: {} surfaces in {} groups, {} bodies, {} ports\n", options.input,
+  std::size_t const count = model.world.receivers().size();
+  std::string const receivers = count == 0 ? "" : fmt::format(", {} receiver{}", count, count == 1 ? "" : "s");
+  std::cout << fmt::format("{}: {} surfaces in {} groups, {} bodies, {} ports{}\n", options.input,
                            model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
-                           model.world.ports().size());
+                           model.world.ports().size(), receivers);
   for (std::string const& note : model.world.notes) std::cout << note << '\n';
   if (model.detector) std::cout << model.detector->description() << '\n';
   std::cout << "no errors\n";

@@ -20,12 +20,14 @@ void read_orders(Model& model) {
     model.histories = t.whole("histories", 0, 0, most_histories);
     if (Node const until = t["until"]) try {
         model.until = parse_stop_rule(until.as_word());
+        if (auto const complaint = complaint_about(model.until, model); complaint && until.healthy())
+          until.problem(complaint->what, complaint->suggestion);
       } catch (InputError const& e) {
         until.problem(e.what(), "write for example until: \"h_total < 5 %\"");
       }
     t.refuse_unknown("'trace'");
   }
-  if (model.histories == 0) model.histories = model.until.of == StopRule::Of::nothing ? 1 << 20 : 1ull << 36;
+  if (model.histories == 0) model.histories = model.until.by_error() ? 1ull << 36 : 1 << 20;
   if (Node const r = model.scene.table("report")) {
     model.paths_shown = r.whole("paths", 12, 1, 1e6);
     r.refuse_unknown("'report'");
@@ -46,15 +48,16 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
   model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
-  model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(), model.world.wavelength,
-                                       model.world.beam_power);
-  if (model.motion.inputs.empty() && model.scene.table("bodies"))
+  bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
+                         !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
+  if (!noiseless)
+    model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(),
+                                         model.world.wavelength, model.world.beam_power);
+  if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
   read_noise(model, model.scene);
   read_orders(model);
-  for (char const* later : {"receivers", "scan"})
-    if (Node const table = model.scene.root()[later])
-      table.problem(fmt::format("this version has no '{}'", later), "leave it out");
+  if (Node const table = model.scene.root()["scan"]) table.problem("this version has no 'scan'", "leave it out");
   model.scene.throw_if_problems();
   return model;
 }
@@ -93,6 +96,10 @@ std::string Model::hash() const {
 }
 
 NoiseBudget Model::project(CouplingTable const& coupling) const {
+  if (!detector)
+    throw InputError(
+        "error: without an interferometer there is no noise to project\n  add 'ports' and 'interferometer' to the "
+        "scene, or look at the receivers: straytrace paths RUN --by receiver");
   NoiseBudget budget = project_noise(coupling, motion, *detector, noise);
   budget.design = design;
   budget.margin = noise.margin;
@@ -101,8 +108,9 @@ NoiseBudget Model::project(CouplingTable const& coupling) const {
 
 std::vector<std::string> Model::assumptions() const {
   std::vector<std::string> lines = world.notes;
-  lines.push_back("frozen geometry: paths do not move while the surfaces shake (physics.md eq. 2.6)");
-  lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
+  if (detector) lines.push_back("frozen geometry: paths do not move while the surfaces shake (physics.md eq. 2.6)");
+  if (detector)
+    lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
   lines.push_back("no diffraction at rims, no ghost beams: this release has neither");
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,23 @@ namespace straytrace {
 
 // When a trace ends: by error, by number, by clock; whichever comes first.
 struct StopRule {
-  enum class Of { nothing, total, routes } of = Of::nothing;  // largest relative error in the band; of which curves
-  double relative_error = 0;
+  // total, routes: largest relative error of these curves in the band; receiver: of its power; route: of its coupling.
+  struct Goal {
+    enum class Of { total, routes, receiver, route } of = Of::total;
+    std::string name;  // of the receiver or route; "*": all, of the routes those with more than 1 % of their end
+    double relative_error = 0;
+  };
+  struct Complaint {
+    std::string what, suggestion;
+  };
+  std::vector<Goal> goals;  // all must hold
   double max_seconds = std::numeric_limits<double>::infinity();
   std::string error_rule;  // the part about errors, in words
+  bool by_error() const { return !goals.empty(); }
+  double wanted_error() const;  // the smallest of the goals
 };
-// "h_total < 5 %", "routes < 10 %", "10 min", or several with commas. Throws InputError.
+// "h_total < 5 %", "routes < 10 %", "receiver:PD1 < 5 %", "class:* < 10 %", "10 min", or several with commas. Throws
+// InputError.
 StopRule parse_stop_rule(std::string const&);
 // "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
 double parse_duration(std::string const&);
@@ -31,7 +43,7 @@ struct Model {
   Scene scene;
   World world;
   MotionSet motion;
-  std::unique_ptr<Interferometer> detector;
+  std::unique_ptr<Interferometer> detector;  // none: light on receivers only, no noise
   NoiseSettings noise;
   std::vector<DesignCurve> design;
   std::uint64_t seed = 1, histories = 0;
@@ -42,6 +54,11 @@ struct Model {
   NoiseBudget project(CouplingTable const&) const;
   std::vector<std::string> assumptions() const;  // lines for reports
 };
+
+// Worst error over the goals, scaled so that all hold when it is below wanted_error().
+double stop_rule_error(StopRule const&, Model const&, CouplingTable const&);
+// What the model has not, of what the rule names.
+std::optional<StopRule::Complaint> complaint_about(StopRule const&, Model const&);
 
 // Reads the scene and everything in it; throws one InputError with all problems. `texts`: of a run file, instead of
 // disk.

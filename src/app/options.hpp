@@ -23,7 +23,8 @@ struct Options {
   bool force = false, quiet = false, strict = false, resolved = false;
   std::string where;
   std::size_t show = 0;  // 0: as the scene says
-  bool csv = false;
+  bool csv = false, first_order = false, census = false;
+  std::string by;  // what `paths` is about: "port", "receiver"; empty: ports where the run has any
 
   bool json() const { return format == "json"; }
 };
@@ -36,5 +37,9 @@ void add_trace(CLI::App&, Options&, int& exit_code);
 void add_run(CLI::App&, Options&, int& exit_code);
 void add_noise(CLI::App&, Options&, int& exit_code);
 void add_paths(CLI::App&, Options&, int& exit_code);
+void add_maps(CLI::App&, Options&, int& exit_code);
+void add_inspect(CLI::App&, Options&, int& exit_code);
+void add_render(CLI::App&, Options&, int& exit_code);
+void add_importance(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

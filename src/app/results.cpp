@@ -8,6 +8,7 @@
 #include "app/build_info.hpp"
 #include "app/session.hpp"
 #include "report/picture.hpp"
+#include "report/receivers.hpp"
 
 namespace straytrace {
 
@@ -25,6 +26,8 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   content.model_hash = model.hash();
   content.interferometer = model.detector ? model.detector->description() : "";
   if (std::string const warnings = model.scene.warnings(); !warnings.empty()) content.warnings.push_back(warnings);
+  content.receivers = model.world.receivers();
+  content.beam_power = model.world.beam_power;
   content.provenance.version = build_info::version;
   content.provenance.commit = build_info::commit;
   content.provenance.build_flags = build_info::flags;
@@ -37,8 +40,9 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
 std::string write_results(std::string const& folder, RunContent const& content, PathTable const& paths,
                           Model const& model) {
   write_run(folder + "/run.h5", content);
-  write_file(folder + "/h_asd.txt", asd_text(content));
+  if (content.noise) write_file(folder + "/h_asd.txt", asd_text(content));
   write_file(folder + "/paths.csv", path_csv(paths, content));
+  if (!content.receivers.empty()) write_file(folder + "/receivers.csv", receiver_csv(receiver_table(content), content));
   write_file(folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions()));
   std::string message;
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;

@@ -8,6 +8,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "report/receivers.hpp"
 
 namespace straytrace {
 namespace {
@@ -22,19 +23,24 @@ int run(Options const& options) {
   make_folder(options.out);
   FolderLock const lock(options.out);
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
-  NoiseBudget const budget = model.project(traced.coupling);                        // from here on nothing is expensive
-  PathTable const paths = table_for(traced.coupling, &budget, model);
-  RunContent const content = earlier.completed(content_of(model, traced, &budget));
+  std::optional<NoiseBudget> budget;                                                // from here on nothing is expensive
+  if (model.detector) budget = model.project(traced.coupling);
+  PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
+  RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
   std::string const undrawn = write_results(options.out, content, paths, model);
 
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
   } else {
-    std::cout << path_text(paths, model.paths_shown) << '\n'
-              << verdict_sentence(budget, budget.grid.edges.front(), budget.grid.edges.back()) << "\n\n"
-              << headline(budget, paths) << '\n';
+    if (budget)
+      std::cout << path_text(paths, model.paths_shown) << '\n'
+                << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
+                << headline(*budget, paths) << '\n';
+    if (!content.receivers.empty())
+      std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
     if (!options.quiet)
-      std::cerr << fmt::format("results in {}: report.png report.txt h_asd.txt paths.csv run.h5\n", options.out);
+      std::cerr << fmt::format("results in {}: report.png report.txt{} paths.csv{} run.h5\n", options.out,
+                               budget ? " h_asd.txt" : "", content.receivers.empty() ? "" : " receivers.csv");
   }
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';

@@ -16,6 +16,7 @@
 #include "app/build_info.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
+#include "trace/estimate/importance.hpp"
 #include "trace/trace.hpp"
 
 namespace straytrace {
@@ -45,31 +46,6 @@ class InterruptGuard {
   }, before_term_{};
 };
 
-// Largest relative error over the band of what the rule names; infinite while anything needed is unresolved.
-double rule_error(StopRule const& rule, NoiseBudget const& budget) {
-  auto const worst = [](NoiseTrace const& trace) {
-    double largest = 0;
-    for (std::size_t i = 0; i < trace.asd.size(); ++i)
-      if (trace.asd[i] > 0) largest = std::max(largest, trace.sigma[i] / trace.asd[i]);
-    return largest;
-  };
-  bool const any = std::any_of(budget.routes.begin(), budget.routes.end(), [](auto const& r) { return r.resolved; });
-  bool const still = std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; });
-  if (any && still && budget.unresolved.empty()) return 0;  // nothing moves: no error is left to lower
-  double error = worst(budget.total);
-  if (rule.of == StopRule::Of::routes) {
-    double total = 0;
-    for (double x : budget.total.asd) total += x * x;
-    for (NoiseTrace const& route : budget.routes) {
-      double share = 0;
-      for (double x : route.asd) share += x * x;
-      if (route.resolved && share > 0.01 * total) error = std::max(error, worst(route));
-    }
-  }
-  if (budget.unresolved_hint > 0.01) error = std::max(error, budget.unresolved_hint);
-  return error > 0 ? error : infinity;
-}
-
 std::string duration(double seconds) {
   if (!(seconds < 1e6)) return "days";
   return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
@@ -78,7 +54,7 @@ std::string duration(double seconds) {
 std::string progress_line(TraceProgress const& p, StopRule const& rule) {
   double left = double(p.wanted_histories - std::min(p.wanted_histories, p.histories)) / p.histories_per_s;
   std::string goal = fmt::format("{:.3g} of {:.3g} histories", double(p.histories), double(p.wanted_histories));
-  if (rule.of != StopRule::Of::nothing) {
+  if (rule.by_error()) {
     double const want = p.wanted_error, ratio = p.error / want;
     goal = std::isfinite(p.error) ? fmt::format("error {:.1f} %  (want {:g} %)", 100 * p.error, 100 * want)
                                   : fmt::format("(want {:g} %)", 100 * want);
@@ -86,7 +62,7 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
     if (std::isnan(p.error)) left = infinity;
   }
   if (std::isfinite(rule.max_seconds)) {
-    if (rule.of == StopRule::Of::nothing) goal = fmt::format("{} asked for", duration(rule.max_seconds));
+    if (!rule.by_error()) goal = fmt::format("{} asked for", duration(rule.max_seconds));
     left = std::fmin(left, std::fmax(rule.max_seconds - p.seconds, 0));
   }
   std::string const time = std::isfinite(left) ? "about " + duration(left) + " left" : "";
@@ -192,7 +168,9 @@ void apply(Options const& options, Model& model) {
   if (options.seed) model.seed = *options.seed;
   if (!options.until.empty()) {
     model.until = parse_stop_rule(options.until);
-    if (model.until.of != StopRule::Of::nothing) model.histories = 1ull << 36;
+    if (auto const complaint = complaint_about(model.until, model))
+      throw InputError(fmt::format("error: --until: {}\n  {}", complaint->what, complaint->suggestion));
+    if (model.until.by_error()) model.histories = 1ull << 36;
   }
   if (options.histories) {
     model.histories = *options.histories;
@@ -201,7 +179,7 @@ void apply(Options const& options, Model& model) {
   if (options.max_seconds > 0) model.until.max_seconds = std::min(model.until.max_seconds, options.max_seconds);
 }
 
-TraceResult trace_model(Model const& model, Options const& options, std::string const& run_file) {
+TraceResult trace_model(Model& model, Options const& options, std::string const& run_file) {
   TraceSettings settings;
   settings.stop_rule = model.until.error_rule;
   resume_earlier(model, options, run_file, settings);
@@ -209,16 +187,24 @@ TraceResult trace_model(Model const& model, Options const& options, std::string 
   settings.histories = model.histories;
   settings.threads = options.threads;
   settings.max_seconds = model.until.max_seconds;
-  if (model.until.of != StopRule::Of::nothing) {
-    settings.wanted_error = model.until.relative_error;
-    settings.error = [&](CouplingTable const& table) { return rule_error(model.until, model.project(table)); };
+  if (model.until.by_error()) {
+    settings.wanted_error = model.until.wanted_error();
+    settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
+  WalkLimits const& limits = model.world.limits;
+  find_covered_receivers(model.world);
+  if (limits.targets)
+    model.world.steer(
+        make_importance(model.world, ImportanceSettings{.alpha = limits.law_share, .window = limits.window}));
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };
   stop_requested = false;
   InterruptGuard const guard;
   settings.stop = &stop_requested;
-  return trace(model.world, settings, *make_backend("cpu"));
+  TraceResult result = trace(model.world, settings, *make_backend("cpu"));
+  if (!options.quiet)
+    for (std::string const& warning : result.warnings) std::cerr << "warning: " << warning << '\n';
+  return result;
 }
 
 }  // namespace straytrace

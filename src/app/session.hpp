@@ -18,7 +18,7 @@ void apply(Options const&, Model&);
 
 // Traces, or goes on with the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
 // finishes the blocks under way. Throws InputError when another model's run would be overwritten without --force.
-TraceResult trace_model(Model const&, Options const&, std::string const& run_file);
+TraceResult trace_model(Model&, Options const&, std::string const& run_file);
 
 // The run that stands where this one will be written, if any. Throws InputError when it is of another model or seed and
 // may not be overwritten (`force`), or when nothing can be written there.

@@ -7,6 +7,7 @@
 
 #include "app/common_options.hpp"
 #include "app/session.hpp"
+#include "report/receivers.hpp"
 
 namespace straytrace {
 namespace {
@@ -19,9 +20,18 @@ int trace_only(Options const& options) {
   RunContent const content = content_of(model, traced, nullptr);
   write_run(options.out, content);
   PathTable const paths = table_for(traced.coupling, nullptr, model);
-  std::cout << (options.json() ? path_json(paths, content) : path_text(paths, model.paths_shown)) << '\n';
-  if (!options.quiet)
+  bool const received = !content.receivers.empty();
+  if (options.json()) {
+    std::cout << path_json(paths, content) << '\n';
+  } else {
+    if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
+    if (received) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
+  }
+  if (!options.quiet && model.detector)
     std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
+                             options.out);
+  else if (!options.quiet)
+    std::cerr << fmt::format("light on receivers in {}; more with: straytrace paths {} --census\n", options.out,
                              options.out);
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   return traced.checkpointed() ? checkpointed : done;

@@ -97,6 +97,15 @@ STRAY_HD double atan_positive(double x) {
   return inverse ? pi / 2 - angle : angle;
 }
 
+// Azimuth of the point (x, y) in turns, from 0 to 1; 0 at the origin.
+STRAY_HD double turn_of(double x, double y) {
+  double const a = std::fabs(x), b = std::fabs(y);
+  if (a == 0 && b == 0) return 0;
+  double const eighth = b <= a ? atan_positive(b / a) / (2 * pi) : 0.25 - atan_positive(a / b) / (2 * pi);
+  double const half = x < 0 ? 0.5 - eighth : eighth;
+  return y < 0 ? 1 - half : half;
+}
+
 // Angle between two unit vectors, exact to rounding for small angles too.
 STRAY_HD double angle_between(Vec3 a, Vec3 b) {
   double const sum = length(a + b);

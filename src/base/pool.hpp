@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "base/ids.hpp"
@@ -14,6 +15,15 @@ namespace straytrace {
 struct PoolRef {
   std::uint32_t kind = 0, index = 0;
 };
+
+// Position of a type in a list of types.
+template <class T, class List, std::uint32_t I = 0>
+constexpr std::uint32_t kind_of() {
+  if constexpr (std::is_same_v<T, std::tuple_element_t<I, List>>)
+    return I;
+  else
+    return kind_of<T, List, I + 1>();
+}
 
 template <class List>
 struct Pool;

@@ -70,8 +70,10 @@ struct Box {
     upper = {p.x > upper.x ? p.x : upper.x, p.y > upper.y ? p.y : upper.y, p.z > upper.z ? p.z : upper.z};
   }
   STRAY_HD void add(Box const& b) {
-    add(b.lower);
-    add(b.upper);
+    lower = {b.lower.x < lower.x ? b.lower.x : lower.x, b.lower.y < lower.y ? b.lower.y : lower.y,
+             b.lower.z < lower.z ? b.lower.z : lower.z};
+    upper = {b.upper.x > upper.x ? b.upper.x : upper.x, b.upper.y > upper.y ? b.upper.y : upper.y,
+             b.upper.z > upper.z ? b.upper.z : upper.z};
   }
 };
 // Box of everything between two heights along a unit axis through `origin` and within `radius` of that axis.

@@ -7,6 +7,7 @@
 #include "base/functions.hpp"
 #include "base/ids.hpp"
 #include "base/vec3.hpp"
+#include "optics/polarisation.hpp"
 
 namespace straytrace {
 
@@ -26,6 +27,9 @@ struct Footprint {
   std::uint32_t beam = 0;  // footprints of one beam are visited by one and the same main mode
   bool standing = false;   // standing wave of a cavity: its own mirror image is the mode itself
   bool emits = true, receives = true;
+  bool free = false;          // a beam that starts in empty space: it touches no surface until it meets one
+  GroupId origin;             // name of a free beam in routes
+  Polarisation polarisation;  // of the incoming wave
 
   STRAY_HD Vec3 offset(Vec3 p) const {  // of p from the chief ray, across it, m
     Vec3 const o = p - centre;

@@ -28,6 +28,12 @@ struct Cone {
 
   // Relative to the apex, points obey cos^2 |p_perp|^2 = sin^2 p_z^2 with p_z >= 0.
   STRAY_HD double distance(Ray const& r, bool leaving) const {
+    return first(r, leaving, [](Vec3) { return true; });
+  }
+  // First hit between the rims for which keep(offset from the axis) holds. Hits are accepted by their radius, so that
+  // ring and wall of equal radius meet without a gap.
+  template <class Keep>
+  STRAY_HD double first(Ray const& r, bool leaving, Keep const& keep) const {
     Vec3 o = r.origin - apex;
     double shift = 0;
     double const size = outer_radius / sine;  // farthest point from the apex
@@ -40,22 +46,22 @@ struct Cone {
     double const c2 = cosine * cosine, s2 = sine * sine;
     double const a = c2 * length2(dp) - s2 * dz * dz;
     double const b = c2 * dot(op, dp) - s2 * oz * dz;
-    if (leaving) return a == 0 ? infinity : accept(-2 * b / a, 0, op, dp, oz, dz, r);
+    auto const accept = [&](double s) {
+      double const t = shift + s;
+      if (!(t > 0 && t < r.t_max && oz + s * dz >= 0)) return infinity;
+      Vec3 const across = op + s * dp;
+      double const rho2 = length2(across);
+      bool const between = rho2 >= inner_radius * inner_radius && rho2 <= outer_radius * outer_radius;
+      return between && keep(across) ? t : infinity;
+    };
+    if (leaving) return a == 0 ? infinity : accept(-2 * b / a);
     double const c = c2 * length2(op) - s2 * oz * oz;
     double const square = b * b - a * c;
     if (square < 0) return infinity;
     double const q = -(b + std::copysign(std::sqrt(square), b));
     double const one = a == 0 ? infinity : q / a, two = q == 0 ? infinity : c / q;
-    double const first = accept(one < two ? one : two, shift, op, dp, oz, dz, r);
-    return first < infinity ? first : accept(one < two ? two : one, shift, op, dp, oz, dz, r);
-  }
-  // Accepts by the radius of the hit, so that ring and wall of equal radius meet without a gap.
-  STRAY_HD double accept(double s, double shift, Vec3 op, Vec3 dp, double oz, double dz, Ray const& r) const {
-    double const t = shift + s;
-    if (!(t > 0 && t < r.t_max)) return infinity;
-    double const z = oz + s * dz;
-    double const rho2 = length2(op + s * dp);
-    return z >= 0 && rho2 >= inner_radius * inner_radius && rho2 <= outer_radius * outer_radius ? t : infinity;
+    double const near = accept(one < two ? one : two);
+    return near < infinity ? near : accept(one < two ? two : one);
   }
   STRAY_HD Vec3 outward(Vec3 p) const {  // unit vector from the axis to p
     Vec3 const o = p - apex;

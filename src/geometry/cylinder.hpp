@@ -18,6 +18,11 @@ struct Cylinder {
     axis = pose.e3;
   }
   STRAY_HD double distance(Ray const& r, bool leaving) const {
+    return first(r, leaving, [](Vec3, double) { return true; });
+  }
+  // First hit between the ends for which keep(offset from the axis, height) holds.
+  template <class Keep>
+  STRAY_HD double first(Ray const& r, bool leaving, Keep const& keep) const {
     Vec3 o = r.origin - origin;
     double const dz = dot(r.dir, axis);
     Vec3 const dp = r.dir - dz * axis;
@@ -25,9 +30,12 @@ struct Cylinder {
     if (a == 0) return infinity;
     double oz = dot(o, axis);
     Vec3 op = o - oz * axis;
-    double b = dot(op, dp);
-    if (leaving) return accept(-2 * b / a, 0, oz, dz, r);  // the other root of a quadric whose constant term is 0
-    double shift = 0;
+    double b = dot(op, dp), shift = 0;
+    auto const accept = [&](double s) {
+      double const t = shift + s, z = oz + s * dz;
+      return t > 0 && t < r.t_max && z >= from && z <= to && keep(op + s * dp, z) ? t : infinity;
+    };
+    if (leaving) return accept(-2 * b / a);   // the other root of a quadric whose constant term is 0
     if (length2(op) > 4 * radius * radius) {  // far outside: solve from the point nearest the axis
       shift = -b / a;
       op = op + shift * dp;
@@ -39,14 +47,8 @@ struct Cylinder {
     if (square < 0) return infinity;
     double const q = -(b + std::copysign(std::sqrt(square), b));
     double const one = q / a, two = c / q;
-    double const first = accept(one < two ? one : two, shift, oz, dz, r);
-    return first < infinity ? first : accept(one < two ? two : one, shift, oz, dz, r);
-  }
-  STRAY_HD double accept(double s, double shift, double oz, double dz, Ray const& r) const {
-    double const t = shift + s;
-    if (!(t > 0 && t < r.t_max)) return infinity;
-    double const z = oz + s * dz;
-    return z >= from && z <= to ? t : infinity;
+    double const near = accept(one < two ? one : two);
+    return near < infinity ? near : accept(one < two ? two : one);
   }
   STRAY_HD Vec3 across(Vec3 p) const {
     Vec3 const o = p - origin;

@@ -20,13 +20,25 @@
 
 #include "geometry/cap.hpp"
 #include "geometry/cone.hpp"
+#include "geometry/conic.hpp"
+#include "geometry/cuboid.hpp"
+#include "geometry/cut_cylinder.hpp"
 #include "geometry/cylinder.hpp"
 #include "geometry/disk.hpp"
+#include "geometry/ellipse.hpp"
 #include "geometry/pieces.hpp"
+#include "geometry/pierced_cylinder.hpp"
+#include "geometry/polygon.hpp"
+#include "geometry/rectangle.hpp"
+#include "geometry/serrated_cone.hpp"
 #include "geometry/sphere.hpp"
+#include "geometry/torus.hpp"
+#include "geometry/triangle_mesh.hpp"
+#include "geometry/zone.hpp"
 
 namespace straytrace {
 
-using ShapeTypes = std::tuple<Disk, Cap, Cylinder, Cone, Sphere>;
+using ShapeTypes = std::tuple<Disk, Cap, Cylinder, Cone, Sphere, Conic, Rectangle, Ellipse, Polygon, Cuboid, Torus,
+                              PiercedCylinder, SerratedCone, Zone, CutCylinder, TriangleMesh>;
 
 }  // namespace straytrace

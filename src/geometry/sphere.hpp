@@ -17,17 +17,22 @@ struct Sphere {
     axis = pose.e3;
   }
   STRAY_HD double distance(Ray const& r, bool leaving) const {
+    return first(r, leaving, [](Vec3) { return true; });
+  }
+  // First hit whose place relative to the centre is one to keep.
+  template <class Keep>
+  STRAY_HD double first(Ray const& r, bool leaving, Keep const& keep) const {
     Vec3 const o = r.origin - centre;
     double const b = dot(o, r.dir);
-    if (leaving) return accept(-2 * b, r);
+    auto const accept = [&](double t) { return t > 0 && t < r.t_max && keep(o + t * r.dir) ? t : infinity; };
+    if (leaving) return accept(-2 * b);
     Vec3 const q = o - b * r.dir;  // point nearest the centre
     double const square = radius * radius - length2(q);
     if (square < 0) return infinity;
     double const half_chord = std::sqrt(square);  // both roots from q: a tangent at the origin has no other
-    double const first = accept(-b - half_chord, r);
-    return first < infinity ? first : accept(-b + half_chord, r);
+    double const near = accept(-b - half_chord);
+    return near < infinity ? near : accept(-b + half_chord);
   }
-  STRAY_HD double accept(double t, Ray const& r) const { return t > 0 && t < r.t_max ? t : infinity; }
   STRAY_HD Vec3 normal(Vec3 p) const { return unit(p - centre); }  // outward
   STRAY_HD Vec3 project(Vec3 p) const { return centre + radius * unit(p - centre); }
   STRAY_HD double area() const { return 4 * pi * radius * radius; }

@@ -20,17 +20,21 @@ struct BsdfSample {
 // Direction of specular reflection in the local frame.
 STRAY_HD Vec3 specular(Vec3 wi) { return {-wi.x, -wi.y, wi.z}; }
 
-// Albedo of a law against the cosine of incidence, tabulated once by quadrature at evenly spaced roots of the cosine: a
-// narrow lobe is cut off by the horizon within a few degrees of grazing.
+// A quantity against the cosine of incidence, linear between nodes that crowd towards grazing, where a narrow lobe is
+// cut off by the horizon: cosine = (i/128)^4.
 struct AlbedoTable {
   static constexpr int size = 129;
   double value[size] = {};
 
-  static double cosine(int i) { return double(i) * i / ((size - 1) * (size - 1)); }
-  STRAY_HD double at(double cosine) const {
-    double const x = (size - 1) * std::sqrt(cosine < 0 ? 0 : cosine > 1 ? 1 : cosine);
+  STRAY_HD static double cosine(int i) {
+    double const root = double(i) * i / ((size - 1) * (size - 1));
+    return root * root;
+  }
+  STRAY_HD double at(double cos_i) const {
+    double const x = (size - 1) * std::sqrt(std::sqrt(cos_i < 0 ? 0 : cos_i > 1 ? 1 : cos_i));
     int const i = x < size - 1 ? static_cast<int>(x) : size - 2;
-    return value[i] + (x - i) * (value[i + 1] - value[i]);
+    double const low = cosine(i), share = (cos_i - low) / (cosine(i + 1) - low);
+    return value[i] + (share < 0 ? 0 : share > 1 ? 1 : share) * (value[i + 1] - value[i]);
   }
 };
 

@@ -4,16 +4,20 @@
 #pragma once
 
 #include "base/pool.hpp"
+#include "optics/angle_weight.hpp"
 
 namespace straytrace {
 
 struct Optic {
-  static constexpr int most_laws = 4;
+  static constexpr int most_laws = 8;
   double reflect = 0, transmit = 0;  // fixed coating: power, the same at every angle; unused with an interface
   bool has_interface = false;
-  PoolRef interface;  // in SpecularTypes
+  PoolRef interface;      // in SpecularTypes
+  double depolarise = 1;  // share of scattered light that loses its polarisation
   int laws = 0;
-  PoolRef law[most_laws];  // in LawTypes
+  PoolRef law[most_laws];                     // in LawTypes
+  bool through[most_laws] = {};               // the law scatters to the other side (optics/through.hpp)
+  View<AngleWeight const> weight[most_laws];  // none, or one
 };
 
 }  // namespace straytrace

@@ -3,16 +3,10 @@
 
 #include <cmath>
 
+#include "optics/lobe_prepare.hpp"
+
 namespace straytrace {
 namespace {
-
-// Integral over azimuth of max(0, a + b cos(phi)), b >= 0: the cosine of scatter around a tilted specular direction.
-double azimuth_integral(double a, double b) {
-  if (a >= b) return 2 * pi * a;
-  if (a <= -b) return 0;
-  double const edge = std::acos(-a / b);
-  return 2 * (a * edge + b * std::sin(edge));
-}
 
 // Ci(t) - gamma - ln(t) as its power series, for t up to pi.
 double cosine_integral_series(double t) {
@@ -26,22 +20,7 @@ double cosine_integral_series(double t) {
 
 }  // namespace
 
-void PowerLaw::prepare() {
-  total = integral(pi);
-  constexpr int steps = 2048;  // Simpson's rule in ln(theta)
-  double const span = std::log(pi / above);
-  for (int i = 0; i < AlbedoTable::size; ++i) {
-    double const cos_i = AlbedoTable::cosine(i), sin_i = std::sqrt(1 - cos_i * cos_i);
-    double sum = 0;
-    for (int j = 0; j <= steps; ++j) {
-      double const theta = above * std::exp(span * j / steps);
-      double const ring = azimuth_integral(std::cos(theta) * cos_i, std::sin(theta) * sin_i);
-      double const weight = j == 0 || j == steps ? 1 : j % 2 ? 4 : 2;
-      sum += weight * kappa * std::pow(theta, 1 - exponent) * std::sin(theta) * ring;
-    }
-    table.value[i] = sum * span / steps / 3;
-  }
-}
+void PowerLaw::prepare() { lobe.prepare(*this, above, 2 * sincos_turn(above / (4 * pi)).sin * (1 - 1e-12)); }
 
 double statistical_integral(double a, double b) {
   return std::sin(a) / a - std::sin(b) / b + std::log(b / a) + cosine_integral_series(b) - cosine_integral_series(a);

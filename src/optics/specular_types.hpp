@@ -3,16 +3,22 @@
 // its page and its name here. An interface has
 //   amplitudes(cos_i, n_in, n_out, front)   field coefficients for light that meets the surface at cos_i in a medium of
 //                               index n_in, with n_out behind it; `front`: it comes from the side the normal points to
+//   scattered(cos_i)            share it says is scattered; negative: it says nothing, the laws of the material do
+//   yields_to_scatter           true: what the laws scatter is missing from the amplitudes' powers
+//   (optics/specular.hpp) numbers(f)                  calls f(double) with everything that decides the above, tables
+//   included
 #pragma once
 
 #include <tuple>
 
 #include "base/pool.hpp"
+#include "optics/coating.hpp"
+#include "optics/film.hpp"
 #include "optics/fresnel.hpp"
 
 namespace straytrace {
 
-using SpecularTypes = std::tuple<Fresnel>;
+using SpecularTypes = std::tuple<Fresnel, Film, Coating>;
 using SpecularPool = Pool<SpecularTypes>;
 
 }  // namespace straytrace

@@ -8,27 +8,20 @@
 
 #include "base/message.hpp"
 #include "report/band.hpp"
-#include "report/report.hpp"
+#include "report/csv.hpp"
+#include "report/receivers.hpp"
 
 namespace straytrace {
-namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
-std::string header(RunContent const& run) {
+std::string file_header(RunContent const& run) {
   Provenance const& p = run.provenance;
   std::string title = run.title;
   std::replace(title.begin(), title.end(), '\n', ' ');  // a second line would not be a comment
   return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", title, p.program,
                      p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
                      run.trace->coupling.histories);
-}
-
-std::string reverse_words(bool on) {
-  return on ? "C_rev on: a route and its reverse add in amplitude"
-            : "C_rev off: reverse routes are not added in amplitude";
 }
 
 std::string csv_text(std::string const& text) {
@@ -39,6 +32,15 @@ std::string csv_text(std::string const& text) {
 
 std::string csv_number(bool known, double value) {
   return known && !std::isnan(value) ? fmt::format("{}", value) : "nan";
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string reverse_words(bool on) {
+  return on ? "C_rev on: a route and its reverse add in amplitude"
+            : "C_rev off: reverse routes are not added in amplitude";
 }
 
 std::string regime(double rms_phase) {
@@ -61,7 +63,7 @@ std::string csv_row(PathRow const& row) {
                                  csv_text(row.sequence), row.vertices, csv_number(ok, row.coupling.mean),
                                  csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
                                  csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
-  for (Measured const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
+  for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
   return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
                             number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
                             number(row.rms_phase), regime(row.rms_phase), number(row.length_mean),
@@ -69,7 +71,7 @@ std::string csv_row(PathRow const& row) {
                             number(row.coupling.largest_share), number(row.coupling.effective_scores));
 }
 
-Json json_of(Measured const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
+Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
 
 Json json_of(PathTable const& table, PathRow const& row) {
   Json j;
@@ -126,6 +128,13 @@ Json books(RunContent const& run) {
   return ledger;
 }
 
+void add_receivers(Json& j, RunContent const& run) {
+  if (run.trace->coupling.receivers.empty()) return;
+  Json const table = Json::parse(receiver_json(receiver_table(run), run));
+  j["beam_power_W"] = table["beam_power_W"];
+  j["receivers"] = table["receivers"];
+}
+
 // Names may hold bytes that are not UTF-8; they are replaced, never thrown at.
 std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
@@ -134,7 +143,7 @@ std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_han
 std::string asd_text(RunContent const& run) {
   if (!run.noise) throw InputError("this run has no noise yet; write: straytrace noise RUN_FILE");
   NoiseBudget const& b = *run.noise;
-  std::string text = header(run) + "# one-sided strain ASD, mean over static phases\n# " +
+  std::string text = file_header(run) + "# one-sided strain ASD, mean over static phases\n# " +
                      reverse_words(run.trace->coupling.reverse_routes) + "\n";
   text += "# sigma, h_low, h_high: one standard error of the Monte Carlo\n";
   text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
@@ -155,7 +164,7 @@ std::string asd_text(RunContent const& run) {
 
 std::string path_csv(PathTable const& table, RunContent const& run) {
   std::string text =
-      header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
+      file_header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
   text +=
       "# h: one-sided strain ASD [1/sqrt(Hz)], mean over static phases; " + reverse_words(table.reverse_routes) + "\n";
   text +=
@@ -172,6 +181,7 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   j["band_Hz"] = {table.low, table.high};
   j["routes"] = Json::array();
   for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  add_receivers(j, run);
   return dumped(j);
 }
 
@@ -196,6 +206,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
   j["routes"] = Json::array();
   for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  add_receivers(j, run);
   return dumped(j);
 }
 

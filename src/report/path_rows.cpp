@@ -71,7 +71,7 @@ void find_lengths(PathRow& row, CouplingClass const& c) {
 
 // Share of each route in the resolved noise power of the band. Routes are taken as independent for the error:
 // d(p_i/P) = ((1 - s_i) dp_i - s_i dP_others)/P.
-void find_shares(std::vector<PathRow>& rows, std::vector<Measured> const& powers) {
+void find_shares(std::vector<PathRow>& rows, std::vector<WithError> const& powers) {
   double total = 0, variance = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!rows[i].resolved) continue;
@@ -108,7 +108,7 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
   if (row.why_not.empty()) row.why_not = trace.why_not;
   row.rms_phase = std::sqrt(trace.mean_square_phase);
   for (double const f : hz)
-    row.strain.push_back(row.resolved ? strain_at(trace, grid, f) : Measured{not_a_number, not_a_number});
+    row.strain.push_back(row.resolved ? strain_at(trace, grid, f) : WithError{not_a_number, not_a_number});
 }
 
 bool before(PathRow const& a, PathRow const& b) {
@@ -143,7 +143,7 @@ std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double 
 }
 
 // Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log.
-Measured curve_at(std::vector<double> const& mean, std::vector<double> const& sigma, FrequencyGrid const& grid,
+WithError curve_at(std::vector<double> const& mean, std::vector<double> const& sigma, FrequencyGrid const& grid,
                   double hz) {
   std::size_t const n = grid.size();
   if (n == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return {not_a_number, not_a_number};
@@ -156,7 +156,7 @@ Measured curve_at(std::vector<double> const& mean, std::vector<double> const& si
   return {value, value * std::fabs(relative)};
 }
 
-Measured strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
+WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
   return curve_at(trace.asd, trace.sigma, grid, hz);
 }
 
@@ -164,8 +164,8 @@ double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz)
   return curve_at(curve.asd, std::vector<double>(curve.asd.size(), 0.0), grid, hz).value;
 }
 
-Measured band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
-  Measured power;
+WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
+  WithError power;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.centre(i) < low || grid.centre(i) > high) continue;
     power.value += trace.asd.at(i) * trace.asd.at(i) * grid.width(i);
@@ -190,7 +190,7 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
     in_band = input_powers(*motion, table.low, table.high);
     all = input_powers(*motion, 0, 0);
   }
-  std::vector<Measured> powers;
+  std::vector<WithError> powers;
   for (std::size_t i = 0; i < coupling.classes.size(); ++i) {
     CouplingClass const& c = coupling.classes[i];
     PathRow row = row_of(coupling, c);

@@ -46,7 +46,7 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
                               : still);
   c.push_back(row.resolved ? with_brackets(row.coupling.mean, row.coupling.std_error) : unresolved);
   c.push_back(fmt::format("{:g}", row.reverse));
-  for (Measured const& h : row.strain)
+  for (WithError const& h : row.strain)
     c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h.value, h.sigma) : still);
   c.push_back(row.body.empty() ? "-" : row.body);
   c.push_back(row.body.empty() ? "-" : number(row.lever, "{:.3g}"));
@@ -58,10 +58,10 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
 
 // Sum of resolved rows from `first` on: shares and couplings add, strains add in power.
 Cells rest_of(PathTable const& table, std::size_t first) {
-  Measured share, coupling;
-  std::vector<Measured> strain(table.frequencies.size());  // value: h^2; sigma: sum of (h sigma)^2
+  WithError share, coupling;
+  std::vector<WithError> strain(table.frequencies.size());  // value: h^2; sigma: sum of (h sigma)^2
   std::size_t count = 0;
-  auto add = [](Measured& m, double value, double sigma) {
+  auto add = [](WithError& m, double value, double sigma) {
     m.value += value;
     m.sigma = std::hypot(m.sigma, sigma);
   };
@@ -79,7 +79,7 @@ Cells rest_of(PathTable const& table, std::size_t first) {
   if (table.has_noise) c.push_back(moves ? with_brackets(100 * share.value, 100 * share.sigma) : "still");
   c.push_back(with_brackets(coupling.value, coupling.sigma));
   c.push_back("");
-  for (Measured const& s : strain) {
+  for (WithError const& s : strain) {
     double const h = std::sqrt(s.value);
     c.push_back(std::isnan(h) ? "-" : moves ? with_brackets(h, h > 0 ? s.sigma / h : 0) : "still");
   }
@@ -93,7 +93,7 @@ Cells sum_of(PathTable const& table) {
   if (table.has_noise) c.push_back(nothing ? "unresolved" : "100");
   c.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling.value, table.total_coupling.sigma));
   c.push_back("");
-  for (Measured const& h : table.total_strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
+  for (WithError const& h : table.total_strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
   c.insert(c.end(), 5, "");
   return c;
 }

@@ -121,10 +121,8 @@ std::string last_line(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-}  // namespace
-
-bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz,
-                  double high_hz) {
+// Runs a module of the package that draws `png_file`.
+bool draw(std::vector<std::string> words, std::string const& png_file, std::string& message) {
   std::string const python = interpreter(), folder = package_folder();
   if (folder.empty()) {
     message =
@@ -132,10 +130,8 @@ bool draw_picture(std::string const& run_file, std::string const& png_file, std:
         "folder that holds it";
     return false;
   }
-  std::vector<std::string> arguments = {python, "-m", "straytrace.plot", run_file, "-o", png_file};
-  if (high_hz > low_hz)
-    arguments.insert(arguments.end(), {"--band", fmt::format("{}", low_hz), fmt::format("{}", high_hz)});
-  Finished const child = run_child(arguments, child_environment(folder));
+  words.insert(words.begin(), {python, "-m"});
+  Finished const child = run_child(words, child_environment(folder));
   std::error_code ignored;
   if (child.start_error == 0 && child.status == 0 && fs::exists(png_file, ignored)) return true;
   if (child.start_error != 0)
@@ -145,6 +141,24 @@ bool draw_picture(std::string const& run_file, std::string const& png_file, std:
   else
     message = fmt::format("no picture: {} says '{}'", python, last_line(child.output));
   return false;
+}
+
+}  // namespace
+
+bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz,
+                  double high_hz) {
+  std::vector<std::string> words = {"straytrace.plot", run_file, "-o", png_file};
+  if (high_hz > low_hz) words.insert(words.end(), {"--band", fmt::format("{}", low_hz), fmt::format("{}", high_hz)});
+  return draw(std::move(words), png_file, message);
+}
+
+bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
+                       std::string& message) {
+  return draw({"straytrace.plot_maps", run_file, "-o", folder}, one_of_them, message);
+}
+
+bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
+  return draw({"straytrace.plot_law", json_file, "-o", png_file}, png_file, message);
 }
 
 }  // namespace straytrace

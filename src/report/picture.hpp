@@ -13,4 +13,11 @@ namespace straytrace {
 bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz = 0,
                   double high_hz = 0);
 
+// Maps of all receivers of a run, one picture each, into a folder; `one_of_them` must be there afterwards.
+bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
+                       std::string& message);
+
+// The same for a scatter law, from the JSON that `straytrace inspect --format json` prints.
+bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message);
+
 }  // namespace straytrace

@@ -14,13 +14,14 @@
 #include "noise/noise.hpp"
 #include "scene/scene.hpp"
 #include "trace/result.hpp"
+#include "world/receiver.hpp"
 
 namespace straytrace {
 
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 0;
+constexpr int run_schema_major = 1, run_schema_minor = 1;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -37,6 +38,8 @@ struct RunContent {
   std::string model_hash;
   std::string interferometer;         // Interferometer::description()
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
+  std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
+  double beam_power = 0;              // W, of the main mode; 0: not stated
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise
   TraceResult const* trace = nullptr;
@@ -73,7 +76,7 @@ std::string read_file(std::string const& file);
 // --- path table
 // -------------------------------------------------------------------------------------------------------
 
-struct Measured {
+struct WithError {
   double value = 0, sigma = 0;  // one standard error
 };
 
@@ -93,8 +96,8 @@ struct PathRow {
   bool resolved = false;
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
-  std::vector<Measured> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
-  Measured share;                // of the resolved strain noise power in the band [1]; NaN without a budget
+  std::vector<WithError> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
+  WithError share;                // of the resolved strain noise power in the band [1]; NaN without a budget
   std::string body;              // whose motion contributes most; empty without motion
   double lever = 0;              // rad/m, rms over the paths of that body's translations
   double rms_phase = 0;          // rad, of the strongest independent motion; above 1: fringes wrap
@@ -106,8 +109,8 @@ struct PathTable {
   std::vector<double> frequencies;  // Hz
   double low = 0, high = 0;         // Hz
   bool has_noise = false, reverse_routes = true;
-  std::vector<Measured> total_strain;     // 1/sqrt(Hz); a lower bound when a row is unresolved
-  Measured total_coupling;                // resolved rows
+  std::vector<WithError> total_strain;     // 1/sqrt(Hz); a lower bound when a row is unresolved
+  WithError total_coupling;                // resolved rows
   std::size_t unresolved = 0, faint = 0;  // rows; `faint` of them cannot move the total
   bool lower_bound() const { return unresolved > faint; }
 };

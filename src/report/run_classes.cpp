@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// /names, /classes, /records: the coupling table.
+// /names, /classes, /records: the coupling table; /received and /received_records: the same for receivers.
 #include <algorithm>
 
 #include "base/message.hpp"
@@ -27,47 +27,59 @@ void check_ids(Small const& ids, std::size_t names, char const* what) {
     if (id >= names) damaged_run(std::string(what) + " without a name");
 }
 
-void write_steps(hdf5::Writer& out, CouplingTable const& table) {
+// Where a list of routes stands in the file, and what its routes end on.
+struct Section {
+  std::string classes, records, end;  // groups, column
+  std::vector<CouplingClass> CouplingTable::*list;
+  std::vector<std::string> CouplingTable::*ends;
+};
+Section const to_ports{"/classes", "/records", "port", &CouplingTable::classes, &CouplingTable::ports};
+Section const to_receivers{"/received", "/received_records", "receiver", &CouplingTable::received,
+                           &CouplingTable::receivers};
+
+void write_steps(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
   Counts offset = {0};
   Small group;
   Bytes event;
-  for (CouplingClass const& c : table.classes) {
+  for (CouplingClass const& c : table.*at.list) {
     for (PathStep const& s : c.steps) {
       group.push_back(s.group.value);
       event.push_back(std::uint8_t(s.event));
     }
     offset.push_back(group.size());
   }
-  out.array("/classes/step_offset", offset, "1");
-  out.array("/classes/step_group", group, "row of /names/groups");
-  out.array("/classes/step_event", event, "0 emit, 1 scatter, 2 reflect, 3 couple");
+  out.array(at.classes + "/step_offset", offset, "1");
+  out.array(at.classes + "/step_group", group, "row of /names/groups");
+  out.array(at.classes + "/step_event", event,
+            "0 emit, 1 scatter, 2 reflect, 3 couple, 4 transmit, 5 receive, 6 start of a free beam");
 }
 
-void write_class_columns(hdf5::Writer& out, CouplingTable const& table) {
-  std::vector<CouplingClass> const& rows = table.classes;
-  auto number = [&](char const* name, auto const& get) {
-    out.array(std::string("/classes/") + name, column<double>(rows, get), "1");
-  };
-  out.array("/classes/hash", column<std::uint64_t>(rows, [](auto& c) { return c.hash; }), "1");
-  out.strings("/classes/name", column<std::string>(rows, [&](auto& c) { return route_name(table, c); }));
-  out.array("/classes/port", column<std::uint32_t>(rows, [](auto& c) { return c.port.value; }), "row of /names/ports");
-  write_steps(out, table);
+void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
+  std::vector<CouplingClass> const& rows = table.*at.list;
+  std::string const place = at.classes + "/";
+  auto number = [&](char const* name, auto const& get) { out.array(place + name, column<double>(rows, get), "1"); };
+  out.array(place + "hash", column<std::uint64_t>(rows, [](auto& c) { return c.hash; }), "1");
+  out.strings(place + "name", column<std::string>(rows, [&](auto& c) {
+                return at.list == to_ports.list ? route_name(table, c) : received_name(table, c);
+              }));
+  out.array(place + at.end, column<std::uint32_t>(rows, [](auto& c) { return c.port.value; }),
+            "row of /names/" + at.end + "s");
+  write_steps(out, at, table);
   number("reverse", [](auto& c) { return c.reverse; });
   number("mean", [](auto& c) { return c.coupling.mean; });
   number("std_error", [](auto& c) { return c.coupling.std_error; });
   number("variance_of_variance", [](auto& c) { return c.coupling.variance_of_variance; });
   number("largest_share", [](auto& c) { return c.coupling.largest_share; });
   number("effective_scores", [](auto& c) { return c.coupling.effective_scores; });
-  out.array("/classes/scored", column<std::uint64_t>(rows, [](auto& c) { return c.coupling.scored; }), "1");
-  out.array("/classes/trusted", column<std::uint8_t>(rows, [](auto& c) { return c.coupling.trusted; }), "0 or 1");
-  out.strings("/classes/why_not", column<std::string>(rows, [](auto& c) { return c.coupling.why_not; }));
+  out.array(place + "scored", column<std::uint64_t>(rows, [](auto& c) { return c.coupling.scored; }), "1");
+  out.array(place + "trusted", column<std::uint8_t>(rows, [](auto& c) { return c.coupling.trusted; }), "0 or 1");
+  out.strings(place + "why_not", column<std::string>(rows, [](auto& c) { return c.coupling.why_not; }));
   Doubles replicas;
   for (CouplingClass const& c : rows) replicas.insert(replicas.end(), c.replica_sum.begin(), c.replica_sum.end());
-  out.array("/classes/replica_sum", replicas, "1", {rows.size(), replica_count});
-  out.array("/classes/replica_histories", Counts(table.replica_histories.begin(), table.replica_histories.end()), "1");
+  out.array(place + "replica_sum", replicas, "1", {rows.size(), replica_count});
 }
 
-void write_levers(hdf5::Writer& out, std::vector<PathRecord> const& rows) {
+void write_levers(hdf5::Writer& out, std::string const& place, std::vector<PathRecord> const& rows) {
   Counts offset = {0};
   Small body;
   Doubles d;
@@ -78,81 +90,82 @@ void write_levers(hdf5::Writer& out, std::vector<PathRecord> const& rows) {
     }
     offset.push_back(body.size());
   }
-  out.array("/records/lever_offset", offset, "1");
-  out.array("/records/lever_body", body, "row of /names/bodies");
-  out.array("/records/lever", d, "3 x rad/m, 3 x rad/rad", {body.size(), 6});
+  out.array(place + "/lever_offset", offset, "1");
+  out.array(place + "/lever_body", body, "row of /names/bodies");
+  out.array(place + "/lever", d, "3 x rad/m, 3 x rad/rad", {body.size(), 6});
 }
 
-void write_records(hdf5::Writer& out, CouplingTable const& table) {
+void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
+  std::vector<CouplingClass> const& classes = table.*at.list;
+  std::string const place = at.records;
   Small owner;
   std::vector<PathRecord> rows;
-  for (std::size_t i = 0; i < table.classes.size(); ++i)
-    for (PathRecord const& r : table.classes[i].records) {
+  for (std::size_t i = 0; i < classes.size(); ++i)
+    for (PathRecord const& r : classes[i].records) {
       owner.push_back(std::uint32_t(i));
       rows.push_back(r);
     }
-  out.group("/records", "kept paths with address, weight and levers");
-  out.array("/records/class", owner, "row of /classes");
-  out.array("/records/history", column<std::uint64_t>(rows, [](auto& r) { return r.history; }), "1");
-  out.array("/records/event", column<std::uint32_t>(rows, [](auto& r) { return r.event; }), "1");
-  out.array("/records/connection", column<std::uint32_t>(rows, [](auto& r) { return r.connection; }), "1");
-  out.array("/records/coupling", column<double>(rows, [](auto& r) { return r.coupling; }), "1");
-  out.array("/records/weight", column<double>(rows, [](auto& r) { return r.weight; }), "1");
-  out.array("/records/path_length", column<double>(rows, [](auto& r) { return r.path_length; }), "m");
-  write_levers(out, rows);
+  out.group(place, "kept paths with address, weight and levers");
+  out.array(place + "/class", owner, "row of " + at.classes);
+  out.array(place + "/history", column<std::uint64_t>(rows, [](auto& r) { return r.history; }), "1");
+  out.array(place + "/event", column<std::uint32_t>(rows, [](auto& r) { return r.event; }), "1");
+  out.array(place + "/connection", column<std::uint32_t>(rows, [](auto& r) { return r.connection; }), "1");
+  out.array(place + "/coupling", column<double>(rows, [](auto& r) { return r.coupling; }), "1");
+  out.array(place + "/weight", column<double>(rows, [](auto& r) { return r.weight; }), "1");
+  out.array(place + "/path_length", column<double>(rows, [](auto& r) { return r.path_length; }), "m");
+  write_levers(out, place, rows);
 }
 
-void read_steps(hdf5::Reader const& in, CouplingTable& table) {
-  Small const group = in.array<std::uint32_t>("/classes/step_group");
-  Bytes const event = in.rows<std::uint8_t>("/classes/step_event", group.size());
-  Counts const offset = read_offsets(in, "/classes/step_offset", table.classes.size(), group.size());
+void read_steps(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
+  Small const group = in.array<std::uint32_t>(at.classes + "/step_group");
+  Bytes const event = in.rows<std::uint8_t>(at.classes + "/step_event", group.size());
+  Counts const offset = read_offsets(in, at.classes + "/step_offset", (table.*at.list).size(), group.size());
   check_ids(group, table.groups.size(), "a group");
-  for (std::size_t i = 0; i < table.classes.size(); ++i)
+  for (std::size_t i = 0; i < (table.*at.list).size(); ++i)
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
-      if (event[k] > std::uint8_t(Event::couple)) damaged_run("a step of unknown kind");
-      table.classes[i].steps.push_back({{group[k]}, Event(event[k])});
+      if (event[k] > std::uint8_t(Event::start)) damaged_run("a step of unknown kind");
+      (table.*at.list)[i].steps.push_back({{group[k]}, Event(event[k])});
     }
 }
 
-void read_class_columns(hdf5::Reader const& in, CouplingTable& table) {
-  Counts const hash = in.array<std::uint64_t>("/classes/hash");
+void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
+  Counts const hash = in.array<std::uint64_t>(at.classes + "/hash");
   std::size_t const n = hash.size();
-  table.classes.resize(n);
-  auto number = [&](char const* name) { return in.rows<double>(std::string("/classes/") + name, n); };
-  Small const port = in.rows<std::uint32_t>("/classes/port", n);
-  check_ids(port, table.ports.size(), "a port");
+  (table.*at.list).resize(n);
+  auto number = [&](char const* name) { return in.rows<double>(at.classes + "/" + name, n); };
+  Small const port = in.rows<std::uint32_t>(at.classes + "/" + at.end, n);
+  check_ids(port, (table.*at.ends).size(), "the end of a route");
   Doubles const reverse = number("reverse"), mean = number("mean"), error = number("std_error"),
                 vov = number("variance_of_variance"), largest = number("largest_share"),
                 effective = number("effective_scores"),
-                replicas = in.rows<double>("/classes/replica_sum", n, replica_count);
-  Counts const scored = in.rows<std::uint64_t>("/classes/scored", n);
-  Bytes const trusted = in.rows<std::uint8_t>("/classes/trusted", n);
-  std::vector<std::string> const why = in.strings("/classes/why_not", n);
+                replicas = in.rows<double>(at.classes + "/replica_sum", n, replica_count);
+  Counts const scored = in.rows<std::uint64_t>(at.classes + "/scored", n);
+  Bytes const trusted = in.rows<std::uint8_t>(at.classes + "/trusted", n);
+  std::vector<std::string> const why = in.strings(at.classes + "/why_not", n);
   for (std::size_t i = 0; i < n; ++i) {
-    CouplingClass& c = table.classes[i];
+    CouplingClass& c = (table.*at.list)[i];
     c.hash = hash[i];
     c.port = {port[i]};
     c.reverse = reverse[i];
     c.coupling = {mean[i], error[i], vov[i], largest[i], effective[i], scored[i], trusted[i] != 0, why[i]};
     std::copy_n(replicas.begin() + std::ptrdiff_t(i * replica_count), replica_count, c.replica_sum.begin());
   }
-  Counts const histories = in.rows<std::uint64_t>("/classes/replica_histories", replica_count);
-  std::copy(histories.begin(), histories.end(), table.replica_histories.begin());
 }
 
-void read_records(hdf5::Reader const& in, CouplingTable& table) {
-  Small const owner = in.array<std::uint32_t>("/records/class");
+void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
+  Small const owner = in.array<std::uint32_t>(at.records + "/class");
   std::size_t const n = owner.size();
-  check_ids(owner, table.classes.size(), "a path of a route");
-  Counts const history = in.rows<std::uint64_t>("/records/history", n);
-  Small const event = in.rows<std::uint32_t>("/records/event", n);
-  Small const connection = in.rows<std::uint32_t>("/records/connection", n);
-  Doubles const coupling = in.rows<double>("/records/coupling", n), weight = in.rows<double>("/records/weight", n),
-                length = in.rows<double>("/records/path_length", n);
-  Small const body = in.array<std::uint32_t>("/records/lever_body");
+  check_ids(owner, (table.*at.list).size(), "a path of a route");
+  Counts const history = in.rows<std::uint64_t>(at.records + "/history", n);
+  Small const event = in.rows<std::uint32_t>(at.records + "/event", n);
+  Small const connection = in.rows<std::uint32_t>(at.records + "/connection", n);
+  Doubles const coupling = in.rows<double>(at.records + "/coupling", n),
+                weight = in.rows<double>(at.records + "/weight", n),
+                length = in.rows<double>(at.records + "/path_length", n);
+  Small const body = in.array<std::uint32_t>(at.records + "/lever_body");
   check_ids(body, table.bodies.size(), "a body");
-  Counts const offset = read_offsets(in, "/records/lever_offset", n, body.size());
-  Doubles const lever = in.rows<double>("/records/lever", body.size(), 6);
+  Counts const offset = read_offsets(in, at.records + "/lever_offset", n, body.size());
+  Doubles const lever = in.rows<double>(at.records + "/lever", body.size(), 6);
   for (std::size_t i = 0; i < n; ++i) {
     PathRecord r{history[i], event[i], connection[i], coupling[i], weight[i], length[i], {}};
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
@@ -160,7 +173,7 @@ void read_records(hdf5::Reader const& in, CouplingTable& table) {
       std::copy_n(lever.begin() + std::ptrdiff_t(6 * k), 6, std::begin(l.d));
       r.levers.push_back(l);
     }
-    table.classes[owner[i]].records.push_back(std::move(r));
+    (table.*at.list)[owner[i]].records.push_back(std::move(r));
   }
 }
 
@@ -175,8 +188,13 @@ void write_classes(hdf5::Writer& out, CouplingTable const& table) {
             "one row per route of stray light; couplings of ordered paths, power fraction rejoining the port");
   out.attribute("/classes", "wavelength", table.wavelength);
   out.attribute("/classes", "reverse_routes", std::vector<std::uint64_t>{table.reverse_routes});
-  write_class_columns(out, table);
-  write_records(out, table);
+  out.array("/classes/replica_histories", Counts(table.replica_histories.begin(), table.replica_histories.end()), "1");
+  write_class_columns(out, to_ports, table);
+  write_records(out, to_ports, table);
+  out.strings("/names/receivers", table.receivers);
+  out.group("/received", "one row per route of light that ends on a receiver; power over that of the main mode");
+  write_class_columns(out, to_receivers, table);
+  write_records(out, to_receivers, table);
 }
 
 CouplingTable read_classes(hdf5::Reader const& in) {
@@ -188,9 +206,15 @@ CouplingTable read_classes(hdf5::Reader const& in) {
   table.reverse_routes = in.attribute_count("/classes", "reverse_routes") != 0;
   table.seed = in.attribute_count("/", "seed");
   table.histories = in.attribute_count("/", "histories");
-  read_class_columns(in, table);
-  read_steps(in, table);
-  read_records(in, table);
+  Counts const histories = in.rows<std::uint64_t>("/classes/replica_histories", replica_count);
+  std::copy(histories.begin(), histories.end(), table.replica_histories.begin());
+  if (in.has("/names/receivers")) table.receivers = in.strings("/names/receivers");
+  for (Section const& at : {to_ports, to_receivers}) {
+    if (!in.has(at.classes)) continue;
+    read_class_columns(in, at, table);
+    read_steps(in, at, table);
+    read_records(in, at, table);
+  }
   return table;
 }
 

@@ -131,7 +131,7 @@ void write_counters(hdf5::Writer& out, SumTree const& tree) {
 void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   Counts first, arrived_offset = {0};
   std::vector<std::uint32_t> level;
-  MomentColumns emitted, ledger, arrived;
+  MomentColumns emitted, ledger, arrived, received;
   ClassColumns classes;
   for (auto const& [place, node] : tree.nodes()) {
     first.push_back(place.first);
@@ -140,6 +140,7 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
     for (Moments const& m : node.ledger) ledger.add(m);
     for (Moments const& m : node.arrived) arrived.add(m);
     arrived_offset.push_back(arrived.numbers.size() / counts);
+    for (ReceiverSums const& r : node.receivers) received.add(r.power);
     for (auto const& [hash, c] : node.classes) classes.add(hash, c);
     classes.offset.push_back(classes.hash.size());
   }
@@ -152,6 +153,8 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   out.array("/nodes/arrived_offset", arrived_offset, "1");
   arrived.write(out, "/nodes/arrived", {arrived_offset.back()});
   classes.write(out);
+  received.write(out, "/nodes/received", {received.numbers.size() / counts});
+  write_node_maps(out, tree);
 }
 
 SumTree read_nodes(hdf5::Reader const& in) {
@@ -169,6 +172,13 @@ SumTree read_nodes(hdf5::Reader const& in) {
     Counts const column = in.rows<std::uint64_t>(fmt::format("/nodes/{}", counter.name), n);
     for (std::size_t i = 0; i < n; ++i) nodes[i].*(counter.member) = column[i];
   }
+  read_node_maps(in, nodes);
+  std::size_t receivers = 0, next = 0;
+  for (BlockSums const& node : nodes) receivers += node.receivers.size();
+  MomentColumns const received =
+      receivers > 0 ? MomentColumns::read(in, "/nodes/received", receivers) : MomentColumns{};
+  for (BlockSums& node : nodes)
+    for (ReceiverSums& r : node.receivers) r.power = received.at(next++);
   SumTree tree;
   for (std::size_t i = 0; i < n; ++i) {
     BlockSums& node = nodes[i];

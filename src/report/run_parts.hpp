@@ -13,6 +13,13 @@ CouplingTable read_classes(hdf5::Reader const&);
 void write_nodes(hdf5::Writer&, SumTree const&);  // /nodes
 SumTree read_nodes(hdf5::Reader const&);
 
+void write_node_maps(hdf5::Writer&, SumTree const&);  // what /nodes holds of receivers
+void read_node_maps(hdf5::Reader const&, std::vector<BlockSums>&);
+
+void write_receivers(hdf5::Writer&, RunContent const&);  // /receivers
+void read_receivers(hdf5::Reader const&, std::size_t count, RunContent&);
+void write_maps_of(hdf5::Writer&, BlockSums const& total);  // /maps
+
 void write_ledger(hdf5::Writer&, TraceResult const&);  // /ledger, /arrived
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise

@@ -52,9 +52,14 @@ void read_about(hdf5::Reader const& in, RunFile& run) {
 void read_input(hdf5::Reader const& in, RunContent& run) {
   for (std::size_t i = 0; in.has(fmt::format("/input/files/{}", i)); ++i) {
     std::string const path = fmt::format("/input/files/{}", i);
-    std::string text = in.text(path);
+    std::string text;
+    if (in.shape(path).empty()) {
+      text = in.text(path);
+    } else {
+      std::vector<std::uint8_t> const bytes = in.array<std::uint8_t>(path);
+      text.assign(bytes.begin(), bytes.end());
+    }
     std::string const name = in.attribute_text(path, "name");
-    // Zeros at the very end cannot be told from padding and are not part of any text.
     if (in.attribute_text(path, "sha256") != sha256(text))
       damaged_run(fmt::format("input file '{}' has changed", name));
     run.files.emplace(name, std::move(text));
@@ -107,6 +112,10 @@ RunFile read_run(std::string const& file) {
     run.trace.coupling = read_classes(in);
     run.trace.tree = read_nodes(in);
     run.trace.total = run.trace.tree.total();
+    BlockSums const& total = run.trace.total;
+    for (ReceiverSums const& r : total.receivers)
+      run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
+    read_receivers(in, run.trace.coupling.receivers.size(), run.about);
     run.trace.stopped = read_stop(in);
     run.trace.stop_rule = in.attribute_text("/", "stop_rule");
     run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));

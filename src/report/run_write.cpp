@@ -32,13 +32,32 @@ void write_about(hdf5::Writer& out, RunContent const& run) {
   count("complete", {!run.trace->checkpointed()});
 }
 
+// Whether a fixed-length text holds the content: UTF-8 without zeros. Large ones are better off compressed.
+bool stored_as_text(std::string const& content) {
+  if (content.size() > std::size_t{1} << 20) return false;
+  int following = 0;
+  for (char const byte : content) {
+    auto const c = static_cast<unsigned char>(byte);
+    bool const continues = (c & 0xc0) == 0x80;
+    if (c == 0 || c > 0xf4 || continues != (following > 0)) return false;
+    if (continues)
+      --following;
+    else
+      following = c < 0x80 ? 0 : c < 0xe0 ? 1 : c < 0xf0 ? 2 : 3;
+  }
+  return following == 0;
+}
+
 void write_input(hdf5::Writer& out, RunContent const& run) {
   out.group("/input", "everything the run was made from");
   out.group("/input/files", "texts as read, by number");
   std::size_t number = 0;
   for (auto const& [name, text] : run.files) {
     std::string const path = fmt::format("/input/files/{}", number++);
-    out.text(path, text);
+    if (stored_as_text(text))
+      out.text(path, text);
+    else
+      out.array(path, std::vector<std::uint8_t>(text.begin(), text.end()), "bytes");
     out.attribute(path, "name", name);
     out.attribute(path, "sha256", sha256(text));
   }
@@ -108,7 +127,9 @@ void write_run(std::string const& file, RunContent const& run) {
     write_about(out, run);
     write_input(out, run);
     write_classes(out, run.trace->coupling);
+    write_receivers(out, run);
     write_ledger(out, *run.trace);
+    write_maps_of(out, run.trace->total);
     write_nodes(out, run.trace->tree);
     if (run.noise) write_noise(out, *run.noise);
     write_warnings(out, run);

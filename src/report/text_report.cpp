@@ -7,7 +7,7 @@
 
 #include "report/band.hpp"
 #include "report/columns.hpp"
-#include "report/report.hpp"
+#include "report/receivers.hpp"
 
 namespace straytrace {
 namespace {
@@ -91,7 +91,7 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
   c.titles = {"frequency/Hz", "h/(1/sqrt(Hz))"};
   for (DesignCurve const& d : b.design) c.titles.push_back("h/" + d.name);
   for (std::size_t i = 0; i < table.frequencies.size(); ++i) {
-    Measured const h = table.total_strain[i];
+    WithError const h = table.total_strain[i];
     std::vector<std::string> row = {fmt::format("{:g}", table.frequencies[i])};
     row.push_back(std::isnan(h.value) ? "outside the grid" : with_error(h.value, h.sigma));
     for (DesignCurve const& d : b.design) {
@@ -107,17 +107,27 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
   return text;
 }
 
-constexpr double closed = 1e-9;  // relative; rounding of long sums stays below
+constexpr double closed = 1e-12;  // relative; rounding of long sums stays below
+
+// Over the main mode, and in watts where its power is known.
+std::vector<std::string> power_cells(RunContent const& run, std::string const& name, Estimate const& e,
+                                     std::string const& nothing) {
+  std::vector<std::string> row = {name, e.scored == 0 ? nothing : with_error(e.mean, e.std_error)};
+  if (run.beam_power > 0)
+    row.push_back(e.scored == 0 ? "" : with_error(run.beam_power * e.mean, run.beam_power * e.std_error));
+  return row;
+}
 
 std::string books(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   Columns c;
   c.titles = {"light", "power per history"};
   c.left = {true};
+  if (run.beam_power > 0) c.titles.push_back("power/W");
   double fates = 0;
   auto add = [&](std::string const& name, Moments const& m) {
     Estimate const e = estimate(m, total.histories, total.blocks);
-    c.rows.push_back({name, e.scored == 0 ? "none seen" : with_error(e.mean, e.std_error)});
+    c.rows.push_back(power_cells(run, name, e, "none seen"));
     return e.mean;
   };
   double const emitted = add("emitted", total.emitted);
@@ -138,15 +148,20 @@ std::string arrivals(RunContent const& run) {
   Columns c;
   c.titles = {"group", "power arriving per history"};
   c.left = {true};
+  if (run.beam_power > 0) c.titles.push_back("power/W");
   for (std::size_t i = 0; i < std::min(groups.size(), total.arrived.size()); ++i) {
     Estimate const e = estimate(total.arrived[i], total.histories, total.blocks);
-    c.rows.push_back({groups[i], e.scored == 0 ? "no light arrived" : with_error(e.mean, e.std_error)});
+    c.rows.push_back(power_cells(run, groups[i], e, "no light arrived"));
   }
   return c.rows.empty() ? "" : section("Light arriving") + aligned(c);
 }
 
 std::string assumed(RunContent const& run, std::vector<std::string> const& more) {
   std::string text = section("Assumptions");
+  if (run.trace->coupling.ports.empty()) {
+    for (std::string const& line : more) text += bullet(line);
+    return text;
+  }
   text += bullet(run.trace->coupling.reverse_routes
                      ? "A route and its reverse add in amplitude (C_rev on); all other routes add in power."
                      : "Reverse routes are not added in amplitude (C_rev off); routes add in power.");
@@ -199,10 +214,16 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
                         std::vector<std::string> const& assumptions) {
   std::string const title = run.title.empty() ? "Stray light" : run.title;
   std::string text = title + "\n" + std::string(width_of(title), '#') + "\n\n";
-  text += run.noise ? verdict_sentence(*run.noise, table.low, table.high) + "\n"
-                    : std::string("Couplings only: the noise was not computed.\n");
-  text += strain_table(run, table);
-  text += section("Routes") + path_text(table, show);
+  bool const received = !run.trace->coupling.receivers.empty();
+  if (received && run.trace->coupling.ports.empty()) {
+    text += "Light on receivers; the scene has no ports, so there is no strain noise.\n";
+  } else {
+    text += run.noise ? verdict_sentence(*run.noise, table.low, table.high) + "\n"
+                      : std::string("Couplings only: the noise was not computed.\n");
+    text += strain_table(run, table);
+    text += section("Routes") + path_text(table, show);
+  }
+  if (received) text += section("Receivers") + receiver_text(receiver_table(run), show);
   text += books(run) + arrivals(run) + assumed(run, assumptions) + provenance(run) + warnings(run);
   return text;
 }

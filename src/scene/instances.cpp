@@ -20,7 +20,7 @@ bool holds_position(Node const& n) {
 // What the instances of one entry share while its parts are unfolded.
 struct Unfolding {
   std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
-  Node placement;            // where body, material and side are looked up
+  Node placement;            // where body, material, side and medium are looked up
   std::vector<Node> frames;  // outermost first
   double offset = 0;
   int axis = -1;
@@ -206,11 +206,11 @@ class Expander {
     unfold(part, scope, u);
   }
 
-  // The outer placement, with body, material and side replaced where the inner one says them.
+  // The outer placement, with body, material, side and medium replaced where the inner one says them.
   Node placed_in(Node const& outer, Node const& inner) {
     auto merged = std::make_shared<NodeData>(*outer.data());
     bool changed = false;
-    for (char const* key : {"body", "material", "side"}) {
+    for (char const* key : {"body", "material", "side", "medium"}) {
       if (!inner.has(key)) continue;
       changed = true;
       NodeData::Entry const entry = *inner.data()->find(key);

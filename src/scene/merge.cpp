@@ -20,13 +20,21 @@ struct TopKey {
   Section kind;
 };
 constexpr std::array top_keys{
-    TopKey{"title", "title", Section::text},       TopKey{"notes", "notes", Section::text},
-    TopKey{"params", "parameter", Section::named}, TopKey{"materials", "material", Section::named},
-    TopKey{"bodies", "body", Section::named},      TopKey{"parts", "part", Section::named},
-    TopKey{"scene", "scene", Section::list},       TopKey{"beams", "beam", Section::named},
-    TopKey{"ports", "port", Section::named},       TopKey{"receivers", "receiver", Section::named},
-    TopKey{"interferometer", "", Section::single}, TopKey{"trace", "", Section::single},
-    TopKey{"noise", "", Section::single},          TopKey{"scan", "", Section::single},
+    TopKey{"title", "title", Section::text},
+    TopKey{"notes", "notes", Section::text},
+    TopKey{"params", "parameter", Section::named},
+    TopKey{"materials", "material", Section::named},
+    TopKey{"media", "medium", Section::named},
+    TopKey{"bodies", "body", Section::named},
+    TopKey{"parts", "part", Section::named},
+    TopKey{"scene", "scene", Section::list},
+    TopKey{"beams", "beam", Section::named},
+    TopKey{"ports", "port", Section::named},
+    TopKey{"receivers", "receiver", Section::named},
+    TopKey{"interferometer", "", Section::single},
+    TopKey{"trace", "", Section::single},
+    TopKey{"noise", "", Section::single},
+    TopKey{"scan", "", Section::single},
     TopKey{"report", "", Section::single},
 };
 

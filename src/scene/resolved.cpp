@@ -7,6 +7,7 @@
 #include <array>
 
 #include "base/document.hpp"
+#include "scene/merge.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {
@@ -99,7 +100,11 @@ std::string resolved_text(Node const& root, std::vector<Scene::Instance> const& 
   std::stable_sort(entries.begin(), entries.end(), [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
   for (NodeData::Entry const& e : entries) {
     if (e.key != "params") {
-      out += section(e.key, *e.value);
+      NodeData own = *e.value;
+      if (e.key == "parts")
+        std::erase_if(own.entries,
+                      [&](auto const& part) { return part.place.file == builtin_source(root.place().file); });
+      if (e.key != "parts" || !own.entries.empty()) out += section(e.key, own);
       continue;
     }
     out += "params:\n";

@@ -14,8 +14,9 @@ namespace straytrace {
 
 constexpr int replica_count = 32;  // blocks with number = r modulo 32 share replica r (jackknife of the noise bands)
 
-enum class Event : std::uint8_t { emit, scatter, reflect, couple };
-char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'
+enum class Event : std::uint8_t { emit, scatter, reflect, couple, transmit, receive, start };
+char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T'; receive: 'D' (detected); start of a
+                     // free beam: 'B'
 
 struct PathStep {
   GroupId group;
@@ -51,21 +52,28 @@ struct CouplingClass {
   PortId port;
   std::vector<PathStep> steps;  // empty for the class `other` (routes longer than the limit)
   Estimate coupling;
+  double off_list = 0;                                 // part of coupling.mean that no target was aimed at
   double reverse = 1;                                  // C_rev, physics.md eq. 1.5
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
 };
 
 struct CouplingTable {
-  std::vector<CouplingClass> classes;              // by hash
-  std::vector<std::string> groups, bodies, ports;  // names; ids are positions
+  std::vector<CouplingClass> classes;   // light that rejoins ports, by hash
+  std::vector<CouplingClass> received;  // light that ends on receivers [W per W of the main mode]; `port`: its number
+  std::vector<std::string> groups, bodies, ports, receivers;  // names; ids are positions
+  std::vector<Estimate> received_power;                       // by receiver, all routes together
   std::array<std::uint64_t, replica_count> replica_histories = {};
   std::uint64_t histories = 0, seed = 0;
   double wavelength = 0;       // m
+  // One sentence for each surface from which more than 1 % of an end's light comes although no target was aimed at it
+  // (estimators.md 13, 15).
+  std::vector<std::string> warnings;
   bool reverse_routes = true;  // whether C_rev was applied (physics.md 1.3)
 };
 
 // "ITM·S > baffles·S > ITM·S", or "other" for routes beyond the length limit.
 std::string route_name(CouplingTable const&, CouplingClass const&);
+std::string received_name(CouplingTable const&, CouplingClass const&);  // of a route that ends on a receiver
 
 }  // namespace straytrace

@@ -27,6 +27,24 @@ Moments merged(Moments const& left, Moments const& right);
 // Blocks are the independent units from 32 blocks on (estimators.md 13); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
 
+// Light that ends on a receiver is summed like light that rejoins a port; this tells the two apart in ClassSums::port.
+constexpr std::uint32_t first_receiver_end = 0x80000000u;
+
+// Sums over blocks of each cell's block total, and of its square: the error of a cell comes from the blocks.
+struct MapSums {
+  std::vector<double> sum, sum2;
+};
+// Coherent light of one route on a receiver: per pixel the power, and the power times cos and sin of its phase
+// (requirements.md R4.02).
+struct FieldSums {
+  std::vector<double> power, real, imaginary;
+};
+struct ReceiverSums {
+  Moments power;                              // of all that is received, whatever its route
+  MapSums image, angles, quadrants;           // W per W of the main mode and history; rows from the lower left
+  std::map<std::uint64_t, FieldSums> fields;  // by route
+};
+
 struct ScoreAddress {
   std::uint64_t history = 0;
   std::uint32_t event = 0, connection = 0;
@@ -39,6 +57,7 @@ struct ClassSums {
   Moments moments;
   std::array<double, replica_count> replica_sum = {};
   std::vector<ScoreAddress> kept;  // descending priority, ties by address
+  double off_list = 0;             // part of the sum whose last walked hop met nothing on a list of targets
   double threshold = 0;            // largest priority not kept; a kept score counts as max(coupling, threshold)
 };
 
@@ -55,6 +74,7 @@ struct BlockSums {
   std::map<std::uint64_t, ClassSums> classes;  // by route hash
   Moments emitted;
   std::array<Moments, fate_count> ledger = {};
+  std::vector<ReceiverSums> receivers;
   std::vector<Moments> arrived;  // power arriving on each group, per emitted history
 };
 BlockSums merged(BlockSums left, BlockSums const& right);

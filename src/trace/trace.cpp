@@ -117,7 +117,8 @@ void check_books(BlockSums const& total) {
   for (Fate fate : {Fate::window, Fate::sampling}) {  // zero on average (estimators.md 4)
     Estimate const e = estimate(total.ledger[static_cast<int>(fate)], total.histories, total.blocks);
     double const rounding = 1e-12 * total.emitted.sum / double(total.histories);
-    if (total.blocks >= 32 && e.scored > 0 && std::fabs(e.mean) > 5 * e.std_error + rounding)
+    bool const sound = total.blocks >= 32 && e.scored >= 100 && e.variance_of_variance < 0.1;
+    if (sound && std::fabs(e.mean) > 5 * e.std_error + rounding)
       throw NumericalError(std::string("the mean of the column '") + name_of(fate) +
                            "' of the books lies more than five standard errors from zero");
   }
@@ -158,6 +159,7 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
   result.total = result.tree.total();
   check_books(result.total);
   result.coupling = make_coupling_table(world, result.total, settings.seed);
+  result.warnings = result.coupling.warnings;
   result.seconds = runner.seconds();
   return result;
 }

@@ -11,6 +11,9 @@ void read_trace_limits(Scene const& scene, World& world) {
   world.limits.max_order = std::uint32_t(t.whole("order_limit", world.limits.max_order, 1, 1e6));
   world.limits.roulette_below = t.number("roulette_below", dim::plain, world.limits.roulette_below, 0, 1);
   world.limits.route_vertices = std::uint32_t(t.whole("route_vertices", world.limits.route_vertices, 2, 8));
+  world.limits.targets = t.flag("targets", true);
+  world.limits.law_share = t.number("law_share", dim::plain, world.limits.law_share, 0.1, 1);
+  world.limits.window = t.flag("window", true);
   world.reverse_routes = t.flag("reverse_routes", true);
   static constexpr std::string_view structures[] = {"axial", "none"};
   world.limits.brute_force = t.choice("structure", structures, "axial") == "none";
@@ -19,10 +22,12 @@ void read_trace_limits(Scene const& scene, World& world) {
 World build_world(Scene const& scene) {
   World world;
   Registry names;
+  read_media(scene, world, names);
   read_materials(scene, world, names);
   read_bodies(scene, world, names);
   read_surfaces(scene, world, names);
   world.settle_pivots();
+  read_receivers(scene, world, names);
   read_beams(scene, world, names);
   read_trace_limits(scene, world);
   world.finish();

@@ -39,8 +39,30 @@ void add(Bytes& out, Footprint const& f) {
   out.add(std::uint64_t(f.profile));
   for (double x : {f.radius, f.curvature, f.share}) out.add(x);
   for (std::uint64_t x : {std::uint64_t(f.port.value), std::uint64_t(f.beam), std::uint64_t(f.standing),
-                          std::uint64_t(f.emits), std::uint64_t(f.receives)})
+                          std::uint64_t(f.emits), std::uint64_t(f.receives), std::uint64_t(f.free)})
     out.add(x);
+  if (f.free) out.add(std::uint64_t(f.origin.value));
+  out.add_doubles(f.polarisation);
+}
+
+void add(Bytes& out, Receiver const& r) {
+  for (std::uint64_t x :
+       {std::uint64_t(r.surface.value), std::uint64_t(r.front), std::uint64_t(r.back), std::uint64_t(r.clear),
+        std::uint64_t(r.columns), std::uint64_t(r.rows), std::uint64_t(r.angle_bins), std::uint64_t(r.quadrants)})
+    out.add(x);
+  for (double x : {r.half_width, r.half_height, r.half_angle_sine, r.gap}) out.add(x);
+  out.add_doubles(r.frame);
+  out.add_doubles(r.quadrant_frame);
+}
+
+template <class Shape>
+void add(Bytes& out, Shape const& shape) {
+  out.add_doubles(shape);
+}
+void add(Bytes& out, TriangleMesh const& mesh) {
+  out.add_doubles(mesh.pose);
+  out.add(mesh.unit);
+  for (std::uint64_t x : mesh.content.digest) out.add(x);
 }
 
 }  // namespace
@@ -52,27 +74,41 @@ std::string World::fingerprint() const {
   out.add(std::string("straytrace world 1"));
   for (Surface const& s : surfaces_) {
     out.add(std::uint64_t(s.shape.kind));
-    v.shapes.visit(s.shape, [&](auto const& shape) { out.add_doubles(shape); });
-    for (std::uint32_t x : {s.front, s.back, s.body.value, s.group.value}) out.add(std::uint64_t(x));
+    v.shapes.visit(s.shape, [&](auto const& shape) { add(out, shape); });
+    for (std::uint32_t x : {s.front, s.back, s.body.value, s.group.value, s.volume}) out.add(std::uint64_t(x));
   }
   for (Optic const& o : optics_) {
     out.add(o.reflect);
+    out.add(o.transmit);
+    if (o.has_interface) {
+      out.add(std::uint64_t(o.interface.kind));
+      v.interfaces.visit(o.interface, [&](auto const& i) { i.numbers([&](double x) { out.add(x); }); });
+    }
     for (int i = 0; i < o.laws; ++i) {
       out.add(std::uint64_t(o.law[i].kind));
       v.laws.visit(o.law[i], [&](auto const& law) { out.add_doubles(law); });
+      out.add(std::uint64_t(o.through[i]));
+      if (o.weight[i].size) out.add_doubles(o.weight[i][0]);
     }
   }
+  for (Volume const& volume : volumes_) {
+    out.add(media_[volume.medium].index);
+    out.add(media_[volume.medium].absorption);
+  }
   for (Footprint const& f : lit_) add(out, f);
+  for (Receiver const& r : receivers_) add(out, r);
   for (Body const& b : bodies_) {
     out.add(b.name);
     out.add(b.pivot);
   }
-  for (auto const* names : {&groups_, &ports_})
+  for (auto const* names : {&groups_, &ports_, &receiver_names_})
     for (std::string const& name : *names) out.add(name);
   out.add(std::uint64_t(limits.max_order));
   out.add(limits.roulette_below);
   out.add(std::uint64_t(limits.route_vertices));
+  for (double x : {double(limits.targets), limits.law_share, double(limits.window)}) out.add(x);
   out.add(std::uint64_t(reverse_routes));
+  out.add(std::uint64_t(polarised));
   out.add(wavelength);
   return std::move(out.text);
 }

@@ -2,6 +2,7 @@
 // Beams of the interferometer -> lit surfaces. Modes of cavities are computed, not typed (physics.md eq. 6.3).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,18 +12,6 @@
 
 namespace straytrace {
 namespace {
-
-SurfaceId find_surface(Node const& node, Registry const& names) {
-  std::string const name = node.as_word();
-  auto const found = names.surfaces.find(name);
-  if (found != names.surfaces.end()) return found->second;
-  std::vector<std::string> known;
-  for (auto const& [n, id] : names.surfaces) known.push_back(n);
-  std::string const near = nearest_word(name, known);
-  node.problem(fmt::format("'{}' is not a surface of the scene", name),
-               near.empty() ? "name an entry of 'scene'" : fmt::format("did you mean '{}'?", near));
-  return {};
-}
 
 struct Mirror {
   SurfaceId id;
@@ -48,21 +37,29 @@ bool read_mirror(Node const& node, Registry const& names, World const& world, Mi
   });
 }
 
-Footprint cavity_spot(Mirror const& m, double w, std::uint32_t beam) {
+// What a beam hands to all its footprints.
+struct Lighting {
+  std::string name;
+  std::uint32_t number = 0;
+  double power = 1;  // over that of the first beam that states one (q of eq. 1.1)
+};
+
+Footprint cavity_spot(Mirror const& m, double w, Lighting const& beam) {
   Footprint f;
   f.surface = m.id;
   f.centre = m.vertex;
   f.travel = -m.axis;
   f.radius = w;
   f.curvature = m.curvature;  // the wavefront fits the mirror; arriving there it diverges
-  f.beam = beam;
+  f.share = beam.power;
+  f.beam = beam.number;
   f.standing = true;
   f.receives = false;
   return f;
 }
 
-void read_cavity(std::string const& name, Node const& beam, Node const& cavity, Registry const& names, World& world,
-                 std::uint32_t number) {
+void read_cavity(Node const& beam, Node const& cavity, Registry const& names, World& world, Lighting const& light) {
+  std::string const& name = light.name;
   auto const mirrors = cavity.as_list();
   Mirror one, two;
   if (mirrors.size() != 2) {
@@ -81,8 +78,8 @@ void read_cavity(std::string const& name, Node const& beam, Node const& cavity, 
   }
   try {
     CavityMode const mode = cavity_mode(distance, 1 / one.curvature, 1 / two.curvature, world.wavelength);
-    world.add_footprint(cavity_spot(one, mode.w1, number));
-    world.add_footprint(cavity_spot(two, mode.w2, number));
+    world.add_footprint(cavity_spot(one, mode.w1, light));
+    world.add_footprint(cavity_spot(two, mode.w2, light));
     world.notes.push_back(fmt::format(
         "beam {}: cavity of {:.6g} m, radius {:.4g} mm and {:.4g} mm on the mirrors, waist {:.4g} mm; light beyond the "
         "clear apertures: {:.3g} and {:.3g} (eq. 5.5)",
@@ -100,28 +97,86 @@ void read_cavity(std::string const& name, Node const& beam, Node const& cavity, 
   WorldView const view = world.view();
   Ray const chief{one.vertex, (1 / distance) * span, distance * (1 - 1e-9)};
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
-    if (id != one.id.value && id != two.id.value && view.shapes.visit(world.surfaces()[id].shape, [&](auto const& s) {
-          return s.distance(chief, false);
-        }) < infinity) {
+    if (id != one.id.value && id != two.id.value && !world.surfaces()[id].clear &&
+        view.shapes.visit(world.surfaces()[id].shape,
+                          [&](auto const& s) { return crossing_of(s, chief, false, 0).distance; }) < infinity) {
       beam.problem(fmt::format("'{}' stands in the beam '{}'", world.groups()[world.surfaces()[id].group.value], name),
                    "give it a hole or move it");
       return;
     }
 }
 
-void read_spot(Node const& beam, Registry const& names, World& world, std::uint32_t number) {
+Profile read_profile(Node const& beam) {
   static constexpr std::array<std::string_view, 3> profiles = {"gaussian", "even", "point"};
+  std::string const profile = beam.choice("profile", profiles, "gaussian");
+  return profile == "even" ? Profile::even : profile == "point" ? Profile::point : Profile::gaussian;
+}
+
+// Linear, along the part of the vector that lies across the travel.
+void read_polarisation(Node const& beam, Vec3 travel, World& world, Footprint& f) {
+  Node const given = beam["polarisation"];
+  if (!given) return;
+  Vec3 const vector = read_vector(given, dim::plain), across = vector - dot(vector, travel) * travel;
+  if (!(length(across) > 1e-6 * length(vector)))
+    return given.problem("the polarisation lies along the beam", "give a direction across it");
+  f.polarisation = {unit(across), 1, 0, 0};
+  world.polarised = true;
+}
+
+// Radius and curvature of the wavefront where the beam starts; of a Gaussian also from its waist:
+// w^2 = w0^2 (1 + z^2/zR^2), 1/R = z/(z^2 + zR^2), zR = pi w0^2/lambda, at z behind the waist (physics.md eq. 0.6).
+void read_wavefront(Node const& beam, World const& world, Footprint& f) {
+  Node const waist = beam.table("waist");
+  if (!waist) {
+    f.radius = f.profile == Profile::point ? 0 : beam.number("radius", dim::length, required, 1e-6, 10);
+    f.curvature = beam.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3);
+    return;
+  }
+  for (char const* key : {"radius", "wavefront_curvature"})
+    if (Node const other = beam[key]) other.problem(fmt::format("'waist' and '{}' are both given", key), "keep one");
+  if (f.profile != Profile::gaussian) waist.problem("only a Gaussian beam has a waist", "give 'radius' instead");
+  double const w0 = waist.number("radius", dim::length, required, 1e-7, 10);
+  double const z = -waist.number("ahead", dim::length, 0, -1e6, 1e6);
+  waist.refuse_unknown("'waist'");
+  double const rayleigh = pi * w0 * w0 / world.wavelength;
+  f.radius = w0 * std::hypot(1, z / rayleigh);
+  f.curvature = z / (z * z + rayleigh * rayleigh);
+}
+
+// A beam that starts in empty space, at the plane through `from` across `facing`.
+void read_free(Node const& beam, World& world, Lighting const& light) {
+  Footprint f;
+  f.free = true;
+  f.receives = false;
+  f.beam = light.number;
+  f.profile = read_profile(beam);
+  f.centre = read_vector(beam["from"], dim::length);
+  Vec3 const facing = beam.has("facing") ? read_vector(beam["facing"], dim::plain) : Vec3{};
+  if (!(length(facing) > 0))
+    return beam.problem(fmt::format("beam '{}' goes nowhere", light.name), "give 'facing', for example [0, 0, 1]");
+  f.travel = unit(facing);
+  read_wavefront(beam, world, f);
+  f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
+  read_polarisation(beam, f.travel, world, f);
+  if (std::find(world.groups().begin(), world.groups().end(), light.name) != world.groups().end())
+    return beam.problem(fmt::format("an entry of 'scene' is called '{}' already", light.name),
+                        "routes begin with the name of the beam: choose another");
+  f.origin = world.add_group(light.name);
+  world.add_footprint(f);
+}
+
+void read_spot(Node const& beam, Registry const& names, World& world, Lighting const& light) {
   Footprint f;
   f.surface = find_surface(beam["on"], names);
-  std::string const profile = beam.choice("profile", profiles, "gaussian");
-  f.profile = profile == "even" ? Profile::even : profile == "point" ? Profile::point : Profile::gaussian;
+  f.profile = read_profile(beam);
   f.radius = f.profile == Profile::point ? 0 : beam.number("radius", dim::length, required, 1e-6, 10);
   Vec3 const travel = beam.has("travel") ? read_vector(beam["travel"], dim::plain) : Vec3{0, 0, -1};
   f.travel = length(travel) > 0 ? unit(travel) : Vec3{0, 0, -1};
   f.curvature = beam.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3);
-  f.share = beam.number("share", dim::plain, 1, 0, 1);
+  f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
+  read_polarisation(beam, f.travel, world, f);
   f.emits = beam.flag("emits", true);
-  f.beam = number;
+  f.beam = light.number;
   f.receives = false;
   if (!f.surface.valid()) return;
   f.centre = beam.has("centre") ? read_vector(beam["centre"], dim::length)
@@ -177,18 +232,23 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
       node.problem("all beams of a scene share one wavelength", "trace other wavelengths in scenes of their own");
     world.wavelength = wavelength;
     first = false;
-    auto const number = std::uint32_t(beams.names.size());
+    Lighting light{name, std::uint32_t(beams.names.size())};
     std::size_t const spots = world.footprints().size();
-    if (node.has("power") && world.beam_power == 0) {
-      double const power = node.number("power", dim::power, required, 1e-9, 1e9);
-      world.beam_power = std::isnan(power) ? 1 : power;  // a wrong power is not also a missing one
+    if (node.has("power")) {
+      double const power = node.number("power", dim::power, required, 1e-12, 1e9);
+      bool const wrong = std::isnan(power);  // then it is not also a missing one
+      if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
+      if (!wrong) light.power = power / world.beam_power;
     }
     if (Node const cavity = node["cavity"])
-      read_cavity(name, node, cavity, names, world, number);
+      read_cavity(node, cavity, names, world, light);
     else if (node.has("on"))
-      read_spot(node, names, world, number);
+      read_spot(node, names, world, light);
+    else if (node.has("from"))
+      read_free(node, world, light);
     else
-      node.problem(fmt::format("beam '{}' lights nothing", name), "give 'cavity: [MIRROR, MIRROR]' or 'on: SURFACE'");
+      node.problem(fmt::format("beam '{}' lights nothing", name),
+                   "give 'cavity: [MIRROR, MIRROR]', 'on: SURFACE', or 'from' and 'facing'");
     node.refuse_unknown(fmt::format("beam '{}'", name));
     beams.names.push_back(name);
     beams.broken.push_back(world.footprints().size() == spots);
@@ -197,8 +257,9 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
   warn_of_closed_ends(scene, world);
   if (beams.names.empty())
     scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
-  else if (scene.table("ports").items().empty())
-    scene.root().problem("there is no port where light could rejoin", "add 'ports: {ITM: {beam: arm, at: ITM}}'");
+  else if (scene.table("ports").items().empty() && scene.table("receivers").items().empty())
+    scene.root().problem("there is no port where light could rejoin, and no receiver",
+                         "add 'ports: {ITM: {beam: arm, at: ITM}}', or 'receivers: {PD: {on: SURFACE}}'");
 }
 
 }  // namespace straytrace

@@ -1,78 +1,123 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
-#include "world/read_parts.hpp"
+#include "optics/angle_weight.hpp"
+#include "optics/coating_table.hpp"
+#include "optics/scatter_share.hpp"
+#include "optics/specular.hpp"
+#include "world/material_presets.hpp"
+#include "world/read_laws.hpp"
 
 namespace straytrace {
 namespace {
 
-std::optional<PoolRef> read_lambertian(Node const& law, World& world) {
-  bool const by_brdf = law.has("brdf");
-  if (by_brdf && law.has("tis")) law.problem("'tis' and 'brdf' say the same thing twice", "keep one of them");
-  double const reflectance =
-      by_brdf ? pi * law.number("brdf", dim::brdf, required, 0, 1 / pi) : law.number("tis", dim::plain, required, 0, 1);
-  return world.add_law(Lambertian{reflectance});
-}
+struct Model {
+  std::string_view name;
+  void (*read)(Node const&, LawReading&);
+};
+constexpr std::array models{Model{"lambertian", read_lambertian},
+                            Model{"power-law", read_power_law},
+                            Model{"abg", read_abg},
+                            Model{"harvey", read_harvey},
+                            Model{"gaussian", read_gaussian},
+                            Model{"polynomial", read_polynomial},
+                            Model{"k-correlation", read_k_correlation},
+                            Model{"psd", read_psd},
+                            Model{"harvey-shack", read_harvey_shack},
+                            Model{"table", read_measured},
+                            Model{"dust", read_dust},
+                            Model{"defects", read_defects}};
 
-std::optional<PoolRef> read_power_law(Node const& law, World& world) {
-  PowerLaw p;
-  p.exponent = law.number("exponent", dim::plain, 2, 0, 8);
-  p.above = law.number("above", dim::angle, required, 1e-9, 1.5);
-  if (law.has("tis")) {
-    if (law.has("kappa")) law.problem("'tis' and 'kappa' say the same thing twice", "keep one of them");
-    if (p.exponent != 2) law.problem("a total is defined for exponent 2 only (physics.md eq. 3.19)", "give 'kappa'");
-    double const tis = law.number("tis", dim::plain, required, 0, 1);
-    p.kappa = p.above > 0 ? tis * statistical_kappa(p.above) / (2 * pi) : 0;
-  } else {
-    p.kappa = law.number("kappa", dim::brdf, required, 0, 1e3);
+// Pairs [angle, weight], linear in the angle between them and constant outside.
+View<AngleWeight const> read_weight(Node const& law, World& world, PoolRef ref) {
+  std::vector<std::pair<double, double>> points;
+  bool whole = true;
+  for (Node const& pair : law.list("weight")) {
+    auto const parts = pair.as_list();
+    if (pair.kind() != Node::Kind::list || parts.size() != 2) {
+      pair.problem("'weight' is a list of pairs of angle and weight", "write [[0 deg, 1], [80 deg, 3]]");
+      return {};
+    }
+    double const angle = parts[0].as_number(dim::angle, 0, pi / 2), value = parts[1].as_number(dim::plain, 0, 1e6);
+    whole = whole && std::isfinite(angle) && std::isfinite(value);
+    if (whole && !points.empty() && angle <= points.back().first) {
+      pair.problem("the angles of 'weight' do not increase", "sort the pairs");
+      return {};
+    }
+    points.emplace_back(angle, value);
   }
-  if (!(p.above > 0 && p.kappa >= 0 && std::isfinite(p.exponent))) return {};
-  p.prepare();
-  return world.add_law(p);
+  if (!whole || points.empty()) return {};
+  auto const at = [&](double cosine) {
+    double const angle = 2 * atan_positive(std::sqrt((1 - cosine) / (1 + cosine)));
+    std::size_t i = 0;
+    while (i < points.size() && points[i].first <= angle) ++i;
+    if (i == 0) return points.front().second;
+    if (i == points.size()) return points.back().second;
+    double const share = (angle - points[i - 1].first) / (points[i].first - points[i - 1].first);
+    return points[i - 1].second + share * (points[i].second - points[i - 1].second);
+  };
+  std::vector<AngleWeight> one{weight_of(world.view().laws, ref, at)};
+  return world.storage.keep(std::move(one));
 }
 
-std::optional<PoolRef> read_abg(Node const& law, World& world) {
-  Abg p;
-  p.a = law.number("a", dim::brdf, required, 0, 1e6);
-  p.b = law.number("b", dim::plain, required, 1e-12, 1e6);
-  p.g = law.number("g", dim::plain, required, 0, 8);
-  if (!(p.a >= 0 && p.b > 0)) return {};
-  p.prepare();
-  return world.add_law(p);
-}
-
-std::optional<PoolRef> read_law(Node const& law, World& world) {
-  static constexpr std::array<std::string_view, std::tuple_size_v<LawTypes>> models = {Lambertian::key, PowerLaw::key,
-                                                                                       Abg::key};
-  static constexpr std::array<std::optional<PoolRef> (*)(Node const&, World&), models.size()> readers = {
-      read_lambertian, read_power_law, read_abg};
-  if (law.kind() != Node::Kind::table) {
-    law.problem("a scatter law is a table", "write {model: lambertian, tis: 1 %}");
-    return {};
+void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info) {
+  if (law.kind() != Node::Kind::table)
+    return law.problem("a scatter law is a table", "write {model: lambertian, tis: 1 %}");
+  static std::vector<std::string_view> const names = [] {
+    std::vector<std::string_view> all;
+    for (Model const& m : models) all.push_back(m.name);
+    return all;
+  }();
+  std::string const model = law.choice("model", names);
+  std::size_t const before = out.laws.size();
+  for (Model const& m : models)
+    if (model == m.name) m.read(law, out);
+  bool const through = law.flag("through", false);
+  LawInfo about{model, law.word("source", "not given"),
+                law.has("wavelength") ? law["wavelength"].as_word() : "not given"};
+  for (std::size_t i = before; i < out.laws.size() && i < std::size_t(Optic::most_laws); ++i) {
+    optic.law[i] = out.laws[i];
+    optic.through[i] = through;
+    optic.weight[i] = {};
+    if (law.has("weight")) optic.weight[i] = read_weight(law, out.world, out.laws[i]);
+    info.laws.push_back(about);
   }
-  std::string const model = law.choice("model", models);
-  std::optional<PoolRef> ref;
-  for (std::size_t i = 0; i < models.size(); ++i)
-    if (model == models[i]) ref = readers[i](law, world);
-  law.has("source");
   if (!model.empty()) law.refuse_unknown(fmt::format("scatter law '{}'", model));
-  return ref;
 }
 
-// physics.md eq. 3.1, at every incidence of the albedo table.
-void check_energy(std::string const& name, Node const& node, Optic const& optic, double transmit, LawPool const& laws) {
+// Dust scatters all light at grazing: stated shares become a coating, which never sends out more than is left.
+void yield_to_dust(MaterialInfo const& info, World& world, Optic& optic) {
+  bool dusty = false;
+  for (LawInfo const& law : info.laws) dusty = dusty || law.model == "dust";
+  if (!dusty || optic.has_interface || !(optic.reflect + optic.transmit > 0)) return;
+  double const r = optic.reflect, t = optic.transmit;
+  CoatingRow const rows[] = {{0, r, r, t, t, 0}, {pi / 2, r, r, t, t, 0}};
+  optic.interface = world.add_interface(make_coating(rows, false, world.storage));
+  optic.has_interface = true;
+}
+
+LawInfo provenance_of(std::string const& preset) {
+  for (MaterialPreset const& p : material_presets())
+    if (p.name == preset)
+      return {"preset " + preset, fmt::format("{}, {}", p.status, p.source), std::string(p.wavelength)};
+  return {};
+}
+
+// physics.md eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum.
+void check_energy(std::string const& name, Node const& node, Optic const& optic, WorldView const& world) {
   for (int i = AlbedoTable::size - 1; i >= 0; --i) {
     double const cosine = AlbedoTable::cosine(i);
-    double const scattered = scatter_albedo(laws, optic, cosine);
-    if (!(optic.reflect + transmit + scattered > 1 + 1e-9)) continue;  // NaN: a value is missing, and reported
+    double const scattered = scatter_albedo(world.laws, optic, cosine);
+    SpecularShares const s = specular_shares(world.interfaces, optic, cosine, 1, 1, true, scattered);
+    if (!(s.reflect + s.transmit + scattered > 1 + 1e-9)) continue;  // NaN: a value is missing, and reported
     node.problem(
         fmt::format("material '{}' makes light: at {:.0f} deg of incidence it reflects {:.6g}, transmits {:.6g} "
                     "and scatters {:.6g}, together more than 1",
-                    name, std::acos(cosine) * 180 / pi, optic.reflect, transmit, scattered),
+                    name, std::acos(cosine) * 180 / pi, s.reflect, s.transmit, scattered),
         "lower one of them; what is left over is absorbed");
     return;
   }
@@ -84,23 +129,27 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
   names.black = world.add_optic({});
   for (auto const& [name, node] : scene.table("materials").items()) {
     Optic optic;
-    double transmit = 0;
-    if (Node const s = node.table("specular")) {
-      optic.reflect = s.number("reflect", dim::plain, 0, 0, 1);
-      transmit = s.number("transmit", dim::plain, 0, 0, 1);  // leaves the scene: booked as absorbed
-      s.refuse_unknown("'specular'");
+    MaterialInfo info{name, node.word("source", "not given"), {}, 0};
+    read_specular(node, world, names, optic);
+    LawReading reading{world, name, {}};
+    if (node.has("preset")) {
+      read_preset(node, reading, optic);
+      for (std::size_t i = 0; i < reading.laws.size(); ++i) {
+        optic.law[i] = reading.laws[i];
+        info.laws.push_back(provenance_of(node["preset"].text()));
+      }
     }
-    auto const laws = node.list("scatter");
-    if (laws.size() > Optic::most_laws)
-      node.problem(fmt::format("more than {} scatter laws in one material", Optic::most_laws), "join some of them");
-    for (Node const& law : laws) {
-      auto const ref = read_law(law, world);
-      if (ref && optic.laws < Optic::most_laws) optic.law[optic.laws++] = *ref;
-    }
-    node.has("source");
+    for (Node const& law : node.list("scatter")) read_law(law, reading, optic, info);
+    if (reading.laws.size() > std::size_t(Optic::most_laws))
+      node.problem(fmt::format("more than {} scatter laws in one material", int(Optic::most_laws)),
+                   "join some of them");
+    optic.laws = std::min(int(reading.laws.size()), Optic::most_laws);
+    yield_to_dust(info, world, optic);
+    prescribe_scatter(node, world, optic);
     node.refuse_unknown(fmt::format("material '{}'", name));
-    check_energy(name, node, optic, transmit, world.view().laws);
-    names.materials[name] = world.add_optic(optic);
+    check_energy(name, node, optic, world.view());
+    info.optic = names.materials[name] = world.add_optic(optic);
+    world.materials.push_back(std::move(info));
   }
 }
 

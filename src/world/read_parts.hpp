@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "world/world.hpp"
@@ -14,16 +15,34 @@ struct Registry {
   std::map<std::string, std::uint32_t> materials;  // optic index
   std::map<std::string, BodyId> bodies;
   std::map<std::string, SurfaceId> surfaces;  // by instance name, and by entry name when there is only one
+  std::map<std::string, Medium> media;        // of the scene; presets are found by find_medium
+  std::map<std::uint32_t, Pose> frames;       // own frame of a surface, by its number; those of meshes are not here
   std::uint32_t black = 0;                    // optic that absorbs everything
 };
 
+// Wavelength and media: before everything else.
+void read_media(Scene const&, World&, Registry&);
+// The medium a scalar names: one of the scene, a preset, or vacuum; nothing, and a problem, when there is none.
+std::optional<Medium> find_medium(Node const& name, World const&, Registry const&);
+bool is_medium(std::string_view name, Registry const&);
+// `specular` of a material, before its laws are read; and what the interface says about their total, after.
+void read_specular(Node const& material, World&, Registry const&, Optic&);
+void prescribe_scatter(Node const& material, World&, Optic&);
 void read_materials(Scene const&, World&, Registry&);
 void read_bodies(Scene const&, World&, Registry&);
 void read_surfaces(Scene const&, World&, Registry&);
+void read_receivers(Scene const&, World&, Registry const&);  // before the beams: with receivers no port is needed
 void read_beams(Scene const&, World&, Registry const&);
 void read_trace_limits(Scene const&, World&);
 
-Pose read_pose(Node const& table);  // keys at, facing or rotate
+// What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
+std::string volume_fault(World const&, std::uint32_t volume);
+
+SurfaceId read_shape(Node const& shape, Surface const& as, Pose const&, World&);  // invalid: a problem was recorded
+// Finds a surface by name; invalid, and a problem with the nearest name, when there is none.
+SurfaceId find_surface(Node const& name, Registry const&);
+Pose turned_about_normal(Pose const&, double angle);  // rad, from e1 towards e2
+Pose read_pose(Node const& table);                    // keys at, facing or rotate
 Vec3 read_vector(Node const& list, Dimension);
 
 }  // namespace straytrace

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/keys.hpp"
+#include "world/read_mesh.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {
@@ -62,28 +63,31 @@ namespace {
 
 // Reads one shape from its table and adds the surface.
 template <class Shape>
-SurfaceId add_shape(Node const& keys, Pose const& pose, std::uint32_t front, std::uint32_t back, BodyId body,
-                    GroupId group, World& world) {
-  Shape shape;
-  read_keys(keys, keys_of<Shape>(), shape);
-  keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
-  auto const complaint = impossible(shape);
-  if (!complaint.what.empty()) keys.problem(complaint.what, complaint.suggestion);
-  shape.place(pose);
-  return world.add_surface(shape, front, back, body, group);
+SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World& world) {
+  if constexpr (std::is_same_v<Shape, TriangleMesh>) {
+    keys.problem("a mesh is read from a file", "write 'file: bench.obj, units: mm' in place of 'shape'");
+    return {};
+  } else {
+    Shape shape;
+    read_keys(keys, keys_of<Shape>(), shape);
+    keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
+    auto const complaint = impossible(shape);
+    if (!complaint.what.empty()) keys.problem(complaint.what, complaint.suggestion);
+    shape.place(pose);
+    return world.add_surface(shape, as.front, as.back, as.body, as.group, as.volume);
+  }
 }
 
-using Adder = SurfaceId (*)(Node const&, Pose const&, std::uint32_t, std::uint32_t, BodyId, GroupId, World&);
+using Adder = SurfaceId (*)(Node const&, Surface const&, Pose const&, World&);
 
 template <std::size_t... I>
-SurfaceId add_by_name(Node const& shape, Pose const& pose, std::uint32_t front, std::uint32_t back, BodyId body,
-                      GroupId group, World& world, std::index_sequence<I...>) {
+SurfaceId add_by_name(Node const& shape, Surface const& as, Pose const& pose, World& world, std::index_sequence<I...>) {
   static constexpr std::string_view names[] = {std::tuple_element_t<I, ShapeTypes>::key...};
   static constexpr Adder adders[] = {add_shape<std::tuple_element_t<I, ShapeTypes>>...};
   auto const items = shape.items();
   for (auto const& [name, keys] : items)
     for (std::size_t i = 0; i < sizeof...(I); ++i)
-      if (items.size() == 1 && name == names[i]) return adders[i](keys, pose, front, back, body, group, world);
+      if (items.size() == 1 && name == names[i]) return adders[i](keys, as, pose, world);
   std::string const given = items.size() == 1 ? items[0].first : "";
   std::vector<std::string> const known(std::begin(names), std::end(names));
   std::string const near = nearest_word(given, known);
@@ -115,37 +119,83 @@ auto find_named(Node const& node, Map const& map, std::string_view what) -> type
   return {};
 }
 
-void add_instance(Scene::Instance const& instance, World& world, Registry& names, std::set<std::string>& complained) {
+// The material of a face: as `surfaces` of the entry says, otherwise of the face, otherwise of the entry. Faces are
+// named there without the name of the entry: "barrel", "lens/barrel".
+Node material_of(Scene::Instance const& instance) {
+  std::size_t const slash = instance.name.find('/');
+  if (Node const by_face = instance.placement["surfaces"]; by_face && slash != std::string::npos) {
+    if (by_face.kind() != Node::Kind::table)
+      by_face.problem("'surfaces' names a material for each face", "write {barrel: NAME, back: NAME}");
+    else if (Node const own = by_face[instance.name.substr(slash + 1)])
+      return own;
+  }
+  return given(instance, "material");
+}
+
+// What is read once for several instances, by name.
+struct Shared {
+  std::set<std::string> complained;
+  std::map<std::string, std::uint32_t> volumes;  // by part that it fills and medium
+  std::map<std::uint32_t, Node> volume_places;
+  MeshLibrary meshes;
+};
+
+// Faces of one placed part that name the same medium enclose one volume; `none`: the face encloses nothing.
+std::uint32_t volume_of(Scene::Instance const& instance, World& world, Registry const& names, Shared& shared) {
+  Node const node = given(instance, "medium");
+  if (!node || node.as_word() == "none") return Surface::none;
+  std::string const part = instance.name.substr(0, instance.name.rfind('/')) + '/' + node.as_word();
+  if (auto const known = shared.volumes.find(part); known != shared.volumes.end()) return known->second;
+  auto const medium = find_medium(node, world, names);
+  if (!medium) return Surface::none;
+  std::uint32_t const id = world.add_volume(*medium);
+  shared.volume_places[id] = node;
+  return shared.volumes[part] = id;
+}
+
+void add_instance(Scene::Instance const& instance, World& world, Registry& names, Shared& shared) {
   Pose pose;
   if (instance.repeat_axis >= 0) (&pose.origin.x)[instance.repeat_axis] = instance.offset;
   for (Node const& frame : instance.frames) pose = nested(pose, read_pose(frame));
-  Node const shape = given(instance, "shape"), material = given(instance, "material"), body = given(instance, "body");
+  Node const shape = given(instance, "shape"), file = given(instance, "file"), body = given(instance, "body");
+  Node const material = file ? Node() : material_of(instance);
   Node const side_node = given(instance, "side");
-  bool const first_time = complained.insert(instance.group).second;
+  bool const first_time = shared.complained.insert(instance.group).second;
   auto const demand = [&](Node const& node, std::string const& key, std::string const& example) {
     if (!node && first_time)
       instance.placement.problem(fmt::format("'{}' has no '{}'", instance.group, key),
                                  fmt::format("write {}", example));
   };
-  demand(shape, "shape", "shape: {disk: {outer_radius: 10 cm}}");
-  demand(material, "material", "material: NAME, one of 'materials'");
+  if (!file) {
+    demand(shape, "shape", "shape: {disk: {outer_radius: 10 cm}}");
+    demand(material, "material", "material: NAME, one of 'materials'");
+  }
   demand(body, "body", "body: NAME, one of 'bodies': what it moves with");
   std::uint32_t const optic = find_named(material, names.materials, "material");
   BodyId const body_id = find_named(body, names.bodies, "body");
   static constexpr std::array<std::string_view, 5> sides = {"both", "front", "back", "outer", "inner"};
   Node const& owner = instance.node.has("side") ? instance.node : instance.placement;
   std::string const side = side_node ? owner.choice("side", sides) : "both";
-  std::uint32_t const front = side == "back" || side == "inner" ? names.black : optic;
-  std::uint32_t const back = side == "front" || side == "outer" ? names.black : optic;
-  if (!shape) return;
-  SurfaceId const id = add_by_name(shape, pose, front, back, body_id, world.add_group(instance.group), world,
-                                   std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
+  if (!shape && !file) return;
+  Surface as;
+  as.front = side == "back" || side == "inner" ? names.black : optic;
+  as.back = side == "front" || side == "outer" ? names.black : optic;
+  as.body = body_id;
+  as.volume = volume_of(instance, world, names, shared);
+  if (file) return add_mesh(instance, file, pose, as, side, first_time, world, names, shared.meshes);
+  as.group = world.add_group(instance.group);
+  SurfaceId const id = add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
   if (!id.valid()) return;
+  names.frames[id.value] = pose;
   names.surfaces[instance.name] = id;
   names.surfaces.try_emplace(instance.group, id);
 }
 
 }  // namespace
+
+SurfaceId read_shape(Node const& shape, Surface const& as, Pose const& pose, World& world) {
+  return add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
+}
 
 void read_bodies(Scene const& scene, World& world, Registry& names) {
   for (auto const& [name, node] : scene.table("bodies").items()) {
@@ -157,13 +207,25 @@ void read_bodies(Scene const& scene, World& world, Registry& names) {
 }
 
 void read_surfaces(Scene const& scene, World& world, Registry& names) {
-  std::set<std::string> complained;
+  Shared shared;
   for (Scene::Instance const& instance : scene.instances()) {
-    add_instance(instance, world, names, complained);
-    if (complained.insert("keys of " + instance.group).second) {
+    add_instance(instance, world, names, shared);
+    if (shared.complained.insert("keys of " + instance.group).second) {
       instance.node.refuse_unknown(fmt::format("'{}'", instance.group));
       instance.placement.refuse_unknown(fmt::format("scene entry '{}'", instance.group));
     }
+  }
+  for (Scene::Instance const& instance : scene.instances())
+    if (shared.complained.insert("surfaces of " + instance.group.substr(0, instance.group.find('/'))).second)
+      if (Node const by_face = instance.placement["surfaces"]; by_face.kind() == Node::Kind::table)
+        by_face.refuse_unknown("'surfaces'");
+  for (auto const& [id, place] : shared.volume_places) {
+    if (!place.healthy()) break;
+    std::string const fault = volume_fault(world, id);
+    if (!fault.empty())
+      place.problem(fault,
+                    "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "
+                    "along 'facing', cylinder away from its axis, sphere and box outwards");
   }
 }
 

@@ -7,22 +7,28 @@
 namespace straytrace {
 namespace {
 
-// Heights along z and clear aperture about the z axis of a placed shape. A shape that is not coaxial with z gets its
-// bounding heights and no clear aperture.
+bool is_z_axis(Vec3 at, Vec3 axis) {
+  return at.x == 0 && at.y == 0 && axis.x == 0 && axis.y == 0 && std::fabs(axis.z) == 1;
+}
+void set_plain(Disk const& s, SearchItem& item) {
+  if (!is_z_axis(s.centre, s.axis)) return;
+  item.plain_kind = TubeArrays::plain_disk;
+  item.plain = {s.centre.z, s.inner_radius * s.inner_radius, s.outer_radius * s.outer_radius, 0};
+}
+void set_plain(Cylinder const& s, SearchItem& item) {
+  if (!is_z_axis(s.origin, s.axis) || s.axis.z < 0) return;
+  item.plain_kind = TubeArrays::plain_wall;
+  item.plain = {s.origin.z, s.radius * s.radius, s.from, s.to};
+}
+
 template <class Shape>
-AxialTree::Item axial_item(Shape const& shape) {
-  double low, high, r_min, r_max;
-  shape.extent(low, high, r_min, r_max);
-  Vec3 const at = shape.reference(), along = shape.axis;
-  double const tilt = std::sqrt(along.x * along.x + along.y * along.y);
-  bool const coaxial = tilt == 0 && at.x == 0 && at.y == 0;
-  double const z1 = at.z + low * along.z, z2 = at.z + high * along.z;
-  AxialTree::Item item;
-  item.low = std::min(z1, z2) - r_max * tilt;
-  item.high = std::max(z1, z2) + r_max * tilt;
-  item.clear = coaxial ? r_min * (1 - 1e-9) : 0;
-  double const longest = std::max(std::fabs(low), std::fabs(high));
-  item.reach = (std::sqrt(at.x * at.x + at.y * at.y) + longest * tilt + r_max) * (1 + 1e-9);
+SearchItem search_item(Shape const& shape) {
+  SearchItem item;
+  item.box = shape.bounds();
+  item.reference = shape.reference();
+  item.axis = shape.axis;
+  shape.extent(item.low, item.high, item.r_min, item.r_max);
+  if constexpr (requires { set_plain(shape, item); }) set_plain(shape, item);
   return item;
 }
 
@@ -64,12 +70,19 @@ PortId World::add_port(std::string name) {
 }
 
 void World::add_footprint(Footprint f) {
+  if (f.free) return lit_.push_back(f);
   PoolRef const ref = surfaces_[f.surface.value].shape;
   double low = 0, high = 0, r_min = 0, r_max = 0;
   WorldView const now = view();
   now.shapes.visit(ref, [&](auto const& shape) { shape.extent(low, high, r_min, r_max); });
   f.backoff = r_max + (high - low);
   lit_.push_back(f);
+}
+
+void World::add_receiver(std::string name, Receiver receiver) {
+  surfaces_[receiver.surface.value].clear = receiver.clear;
+  receivers_.push_back(receiver);
+  receiver_names_.push_back(std::move(name));
 }
 
 bool World::open_port(SurfaceId surface, std::uint32_t beam, std::string const& name) {
@@ -94,18 +107,22 @@ void World::settle_pivots() {
 }
 
 void World::finish() {
-  std::vector<AxialTree::Item> items;
+  std::vector<SearchItem> items;
   WorldView const now = view();
   for (std::uint32_t id = 0; id < surfaces_.size(); ++id) {
-    items.push_back(now.shapes.visit(surfaces_[id].shape, [](auto const& shape) { return axial_item(shape); }));
-    items.back().surface = id;
+    if (surfaces_[id].clear) continue;
+    items.push_back(now.shapes.visit(surfaces_[id].shape, [](auto const& shape) { return search_item(shape); }));
+    items.back().ref = SurfaceRef::of(id, surfaces_[id].shape);
   }
-  tree_.build(std::move(items));
+  tree_.build(items);
+  receiver_of_surface_.assign(surfaces_.size(), WorldView::none);
+  for (std::size_t i = receivers_.size(); i-- > 0;)
+    if (!receivers_[i].clear) receiver_of_surface_[receivers_[i].surface.value] = std::uint32_t(i);
   lit_of_surface_.assign(surfaces_.size(), WorldView::none);
   emitters_.clear();
   for (std::uint32_t i = 0; i < lit_.size(); ++i) {
-    if (std::uint32_t& first = lit_of_surface_[lit_[i].surface.value]; lit_[i].receives && first == WorldView::none)
-      first = i;
+    if (lit_[i].receives)
+      if (std::uint32_t& first = lit_of_surface_[lit_[i].surface.value]; first == WorldView::none) first = i;
     if (lit_[i].emits) emitters_.push_back(i);
   }
 }
@@ -122,6 +139,9 @@ WorldView World::view() const {
   v.lit = {lit_.data(), lit_.size()};
   v.lit_of_surface = {lit_of_surface_.data(), lit_of_surface_.size()};
   v.emitters = {emitters_.data(), emitters_.size()};
+  v.receivers = {receivers_.data(), receivers_.size()};
+  v.receiver_of_surface = {receiver_of_surface_.data(), receiver_of_surface_.size()};
+  v.polarised = polarised;
   v.tree = tree_.view();
   v.steering = steering_.view();
   v.limits = limits;

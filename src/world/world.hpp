@@ -14,7 +14,10 @@
 #include "optics/law_types.hpp"
 #include "optics/specular_types.hpp"
 #include "scene/scene.hpp"
-#include "world/axial_tree.hpp"
+#include "world/hit.hpp"
+#include "world/receiver.hpp"
+#include "world/search.hpp"
+#include "world/search_kernels.hpp"
 #include "world/steering.hpp"
 
 namespace straytrace {
@@ -28,6 +31,7 @@ struct Surface {
   BodyId body;
   GroupId group;
   std::uint32_t volume = none;  // filled volume behind it: the normal points out of it
+  bool clear = false;           // a measuring plane: neither hit nor hiding anything
 };
 
 // A filled volume: glass of one lens. Volumes of instances of one part are different.
@@ -40,27 +44,14 @@ struct Medium {
   double absorption = 0;  // of power, 1/m
 };
 
-struct Hit {
-  SurfaceId surface;
-  double distance = infinity;  // m
-  std::uint32_t piece = 0;     // of a surface made of pieces
-};
-
-// What a ray starts on: there the root at zero is not a hit.
-struct Departure {
-  SurfaceId surface;
-  std::uint32_t piece = 0;
-  SurfaceId contact;  // a second surface in contact with the first at this point (cemented, touching lenses)
-  STRAY_HD Departure() = default;
-  STRAY_HD Departure(SurfaceId s, std::uint32_t p = 0, SurfaceId c = {}) : surface(s), piece(p), contact(c) {}
-  STRAY_HD bool on(std::uint32_t id) const { return id == surface.value || id == contact.value; }
-};
-
 // How the walk is bounded and whether the search structure is used; part of what decides a result.
 struct WalkLimits {
   std::uint32_t max_order = 64;      // surface events after the source; light beyond is booked as `limit`
   double roulette_below = 0.1;       // of the power first scattered: below it paths survive by chance (unbiased)
   std::uint32_t route_vertices = 5;  // routes with more vertices than this are summed in the class `other`
+  bool targets = true;               // aim at what the adjoint tables call important (estimators.md 6)
+  double law_share = 0.25;           // of directions, that the scatter law keeps beside the targets (alpha)
+  bool window = true;                // split and weed paths by power x adjoint (estimators.md 8)
   bool brute_force = false;          // test every surface: must give the same bits
 };
 
@@ -75,7 +66,10 @@ struct WorldView {
   View<Footprint const> lit;                 // all footprints
   View<std::uint32_t const> lit_of_surface;  // first receiving footprint on this surface, or none
   View<std::uint32_t const> emitters;        // footprints that emit
-  AxialTree::View tree;
+  View<Receiver const> receivers;
+  View<std::uint32_t const> receiver_of_surface;  // the first, or none; measuring planes are not listed
+  bool polarised = false;                         // the walk carries the state of polarisation
+  SearchView tree;
   Steering steering;  // empty: the scatter law alone
   WalkLimits limits;
   double wavelength = 0;  // m
@@ -83,31 +77,28 @@ struct WorldView {
 
   // The smallest positive double distance, ties to the lower SurfaceId; `from` is the surface the ray starts on.
   STRAY_HD Hit closest(Ray const& ray, Departure from) const {
-    Hit best{{}, ray.t_max};
-    auto const test = [&](std::uint32_t id, double& limit) {
-      Ray bounded = ray;
-      bounded.t_max = infinity;
-      Crossing const c = cross(id, bounded, from);
-      double const t = c.distance;
-      if (t < best.distance || (t == best.distance && best.surface.valid() && id < best.surface.value))
-        best = {{id}, t, c.piece};
-      limit = best.distance;
-      return false;
+#if defined(__CUDA_ARCH__)
+    auto const cross_one = [this](SurfaceRef r, Ray const& bounded, Departure const& f) {
+      return cross(r.surface, bounded, f);
     };
-    search(ray, best.distance, test);
-    return best;
+    NearestQuery<decltype(cross_one)> query(ray, from, cross_one, {{}, ray.t_max});
+    search(ray, query);
+    return query.best();
+#else
+    return search_kernels->closest(*this, ray, from);
+#endif
   }
   // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on,
   // whose only other root is that end: rounding of a grazing root must not hide it.
   STRAY_HD bool occluded(Ray const& ray, Departure from, bool to_itself = false) const {
-    bool hidden = false;
-    auto const test = [&](std::uint32_t id, double&) {
-      if (to_itself && from.on(id)) return false;
-      hidden = cross(id, ray, from).distance < infinity;
-      return hidden;
+#if defined(__CUDA_ARCH__)
+    auto const cross_one = [this](SurfaceRef r, Ray const& bounded, Departure const& f) {
+      return cross(r.surface, bounded, f);
     };
-    search(ray, ray.t_max, test);
-    return hidden;
+    return search(ray, AnyQuery<decltype(cross_one)>{cross_one, from, ray, to_itself});
+#else
+    return search_kernels->occluded(*this, ray, from, to_itself);
+#endif
   }
   STRAY_HD Crossing cross(std::uint32_t id, Ray const& ray, Departure from) const {
     return shapes.visit(surfaces[id].shape,
@@ -120,15 +111,17 @@ struct WorldView {
     return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return projected_on(s, p, piece); });
   }
 
- private:
-  template <class Test>
-  STRAY_HD void search(Ray const& ray, double limit, Test&& test) const {
-    if (limits.brute_force) {
-      for (std::uint32_t id = 0; id < surfaces.size; ++id)
-        if (test(id, limit)) return;
-    } else {
-      tree.traverse(ray, limit, test);
-    }
+  // Asks about all that the ray may hit, until the answer is true; says whether it was.
+  template <class Query>
+  STRAY_INLINE bool search(Ray const& ray, Query&& query) const {
+    return limits.brute_force ? search_all(ray, query) : tree.traverse(ray, ray.t_max, query);
+  }
+  template <class Query>
+  STRAY_INLINE bool search_all(Ray const& ray, Query&& query) const {
+    double limit = ray.t_max;
+    for (std::uint32_t id = 0; id < surfaces.size; ++id)
+      if (!surfaces[id].clear && query.cross(SurfaceRef::of(id, surfaces[id].shape), limit)) return true;
+    return false;
   }
 };
 
@@ -136,6 +129,16 @@ struct Body {
   std::string name;
   Vec3 pivot;               // m, rotations are about it
   bool pivot_given = true;  // NaN given: the place of the body's first surface
+};
+
+// Where the numbers of a material come from.
+struct LawInfo {
+  std::string model, source, wavelength;
+};
+struct MaterialInfo {
+  std::string name, source;
+  std::vector<LawInfo> laws;
+  std::uint32_t optic = 0;
 };
 
 // Owns all arrays. Built from a scene by build_world, or piece by piece by tests.
@@ -168,6 +171,8 @@ class World {
   GroupId add_group(std::string const& name);  // the same id for the same name
   PortId add_port(std::string name);
   void add_footprint(Footprint);  // needs its surface to exist; sets backoff
+  void add_receiver(std::string name, Receiver);
+  void cover_receiver(std::uint32_t receiver, bool behind_glass) { receivers_[receiver].behind_glass = behind_glass; }
   // Lets light rejoin at every footprint of a beam on a surface; false when there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void settle_pivots();  // bodies without a given pivot turn about the place of their first surface
@@ -181,16 +186,20 @@ class World {
   std::vector<Body> const& bodies() const { return bodies_; }
   std::vector<std::string> const& groups() const { return groups_; }
   std::vector<std::string> const& ports() const { return ports_; }
+  std::vector<Receiver> const& receivers() const { return receivers_; }
+  std::vector<std::string> const& receiver_names() const { return receiver_names_; }
   std::vector<std::string> body_names() const;
   // Bytes of everything that can change a trace, and of nothing else (not of motion, not of the search structure).
   std::string fingerprint() const;
 
   Storage storage;  // tables that shapes, laws and coatings point into
   WalkLimits limits;
+  bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
   double wavelength = 1.064e-6;
   double beam_power = 0;  // W, of the first beam that states one; 0: none does. For the interferometer, not the trace
-  std::vector<std::string> notes;  // what was assumed or computed on the way, for reports
+  std::vector<MaterialInfo> materials;  // in the order of the scene
+  std::vector<std::string> notes;       // what was assumed or computed on the way, for reports
 
  private:
   template <class T, class List>
@@ -199,14 +208,6 @@ class World {
   struct Vectors<void, std::tuple<T...>> {
     using type = std::tuple<std::vector<T>...>;
   };
-  template <class T, class List, std::uint32_t I = 0>
-  static constexpr std::uint32_t kind_of() {
-    if constexpr (std::is_same_v<T, std::tuple_element_t<I, List>>)
-      return I;
-    else
-      return kind_of<T, List, I + 1>();
-  }
-
   Vectors<void, ShapeTypes>::type shapes_;
   Vectors<void, LawTypes>::type laws_;
   Vectors<void, SpecularTypes>::type interfaces_;
@@ -215,10 +216,12 @@ class World {
   std::vector<Medium> media_;
   std::vector<Optic> optics_;
   std::vector<Footprint> lit_;
-  std::vector<std::uint32_t> lit_of_surface_, emitters_;
+  std::vector<std::uint32_t> lit_of_surface_, emitters_, receiver_of_surface_;
+  std::vector<Receiver> receivers_;
+  std::vector<std::string> receiver_names_;
   std::vector<Body> bodies_;
   std::vector<std::string> groups_, ports_;
-  AxialTree tree_;
+  SearchTree tree_;
   SteeringTables steering_;
 };
 

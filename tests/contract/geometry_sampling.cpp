@@ -23,12 +23,32 @@ Axial profile(Cone const& c, double s) {
 }
 Axial profile(Sphere const& b, double s) { return {-b.radius * std::cos(pi * s), b.radius * std::sin(pi * s)}; }
 
+Axial profile(Conic const& c, double s) {
+  double const rho = c.inner_radius + s * (c.outer_radius - c.inner_radius);
+  return {c.sag(rho * rho), rho};
+}
+Axial profile(Torus const& t, double s) {
+  return {t.minor_radius * std::sin(2 * pi * s), t.major_radius + t.minor_radius * std::cos(2 * pi * s)};
+}
+double lowest_angle(Zone const& z) { return std::asin(z.from / z.radius); }
+double angles(Zone const& z) { return std::asin(z.to / z.radius) - lowest_angle(z); }
+Axial profile(Zone const& z, double s) {
+  double const angle = lowest_angle(z) + s * angles(z);
+  return {z.radius * std::sin(angle), z.radius * std::cos(angle)};
+}
+
 // The inverse: s of a point with this height and radius.
 double position(Disk const& d, Axial a) { return (a.radius - d.inner_radius) / (d.outer_radius - d.inner_radius); }
 double position(Cap const& c, Axial a) { return (a.radius - c.inner_radius) / (c.outer_radius - c.inner_radius); }
 double position(Cylinder const& c, Axial a) { return (a.height - c.from) / (c.to - c.from); }
 double position(Cone const& c, Axial a) { return (a.radius - c.inner_radius) / (c.outer_radius - c.inner_radius); }
 double position(Sphere const&, Axial a) { return std::atan2(a.radius, -a.height) / pi; }
+double position(Conic const& c, Axial a) { return (a.radius - c.inner_radius) / (c.outer_radius - c.inner_radius); }
+double position(Torus const& t, Axial a) {
+  double const turn = std::atan2(a.height, a.radius - t.major_radius) / (2 * pi);
+  return turn < 0 ? turn + 1 : turn;
+}
+double position(Zone const& z, Axial a) { return (std::atan2(a.height, a.radius) - lowest_angle(z)) / angles(z); }
 
 // Area of the shape between two places of its profile: frusta of fine steps, finer where the profile is steep.
 template <class Shape>
@@ -47,7 +67,22 @@ double ring_area(Shape const& shape, double from, double to) {
 
 template <class T>
 class ShapeArea : public ::testing::Test {};
-TYPED_TEST_SUITE(ShapeArea, AllShapes);
+using Revolved = ::testing::Types<Disk, Cap, Cylinder, Cone, Sphere, Conic, Torus, Zone>;
+TYPED_TEST_SUITE(ShapeArea, Revolved);
+
+// Those that are their profile turned about the axis, at the first and the last placement.
+template <class Shape>
+std::vector<Shape> round_instances() {
+  std::vector<Shape> found, all = instances<Shape>();
+  std::size_t const n = all.size() / placements().size();
+  all.erase(all.begin() + std::ptrdiff_t(n), all.end() - std::ptrdiff_t(n));
+  for (Shape const& s : all) {
+    if constexpr (std::is_same_v<Shape, Conic>)
+      if (s.decentre() > 0) continue;
+    found.push_back(s);
+  }
+  return found;
+}
 
 template <class Shape>
 double area_error(Shape const& s, double area) {
@@ -55,7 +90,7 @@ double area_error(Shape const& s, double area) {
 }
 
 TYPED_TEST(ShapeArea, equals_quadrature) {
-  for (TypeParam const& s : instances<TypeParam>()) {
+  for (TypeParam const& s : round_instances<TypeParam>()) {
     EXPECT_LT(area_error(s, s.area()), 2e-5);
     EXPECT_GT(area_error(s, s.area() * 1.001), 2e-5);
   }
@@ -88,8 +123,8 @@ auto const squared = [](auto const& shape, double u, double v) { return shape.sa
 auto const lopsided = [](auto const& shape, double u, double v) { return shape.sample(u, v * (0.9 + 0.1 * v)); };
 
 TYPED_TEST(ShapeArea, samples_are_uniform) {
-  int const checks = 20 * 5;  // at most 20 instances of 5 shapes
-  for (TypeParam const& s : instances<TypeParam>()) {
+  int const checks = 12 * 8;  // at most 12 instances of 8 shapes
+  for (TypeParam const& s : round_instances<TypeParam>()) {
     EXPECT_TRUE(passes(evenness(s, as_is), checks));
     EXPECT_FALSE(passes(evenness(s, squared), checks));
     EXPECT_FALSE(passes(evenness(s, lopsided), checks));

@@ -38,19 +38,135 @@ inline Abg abg(double a, double b, double g) {
   return law;
 }
 
+inline Harvey harvey(double b0, double l, double s, double across = 0) {
+  Harvey law;
+  law.b0 = b0;
+  law.width = l;
+  law.slope = s;
+  law.across = across;
+  law.prepare();
+  return law;
+}
+inline Gaussian gaussian(double peak, double width) {
+  Gaussian law;
+  law.peak = peak;
+  law.width = width;
+  law.prepare();
+  return law;
+}
+inline Polynomial polynomial(double c00, double c01, double c11, double peak, double width, double rise) {
+  Polynomial law;
+  law.c[0][0] = c00;
+  law.c[0][1] = law.c[1][0] = c01;
+  law.c[1][1] = c11;
+  law.peak = peak;
+  law.width = width;
+  law.rise = rise;
+  law.prepare();
+  return law;
+}
+
+enum class Theory { rayleigh_rice, harvey_shack };
+// k-correlation spectrum of this rms roughness over wavelength (infinite band), knee b in direction cosines: 1/b.
+inline Roughness k_correlation(Theory theory, double rms, double b, double c, PolarisationFactor factor = {}) {
+  Roughness law;
+  law.a = rms * rms * (c - 1) * b * b / (2 * pi);
+  law.b = b;
+  law.c = c;
+  law.harvey_shack = theory == Theory::harvey_shack;
+  law.factor = factor;
+  law.prepare();
+  return law;
+}
+// Table of S2/lambda^4 = a rho^-m between two offsets, extended by its own slope.
+inline Roughness tabulated(Theory theory, double a, double m, double first, double last, bool cut) {
+  Roughness law;
+  law.first = first;
+  law.last = last;
+  law.slope = -m;
+  law.cut_above = cut;
+  for (int i = 0; i < Roughness::points; ++i)
+    law.log_value[i] = std::log(a) - m * (std::log(first) + std::log(last / first) * i / (Roughness::points - 1));
+  law.harvey_shack = theory == Theory::harvey_shack;
+  law.prepare();
+  return law;
+}
+inline Dust dust(double level, double reflectance, double index, double extinction) {
+  Dust law;
+  Cleanliness size;
+  size.level = level;
+  law.reflectance = reflectance;
+  add_grains(law, grains(size, 60), 1.064e-6, index, extinction);
+  law.prepare();
+  return law;
+}
+// Harvey-like curves at three incidences, rising towards grazing.
+inline Measured measured(double knee, double rise, Beyond beyond) {
+  std::vector<MeasuredPoint> points;
+  for (double degrees : {5.0, 30.0, 60.0})
+    for (int i = 0; i < 30; ++i) {
+      double const sine = std::sin(degrees * pi / 180), offset = 1e-3 * std::pow(1500, i / 29.0);
+      points.push_back({sine, offset, 0.3 * (1 + rise * sine) * std::pow(1 + offset * offset / knee / knee, -1)});
+    }
+  Measured law;
+  fit_measured(law, points, beyond);
+  law.prepare();
+  return law;
+}
+
 template <class Law>
-std::vector<Law> instances();
+std::vector<Law> const& instances();
 template <>
-inline std::vector<Lambertian> instances() {
-  return {lambertian(0.1), lambertian(0.95)};
+inline std::vector<Lambertian> const& instances() {
+  static std::vector<Lambertian> const all{lambertian(0.1), lambertian(0.95)};
+  return all;
 }
 template <>
-inline std::vector<PowerLaw> instances() {
-  return {power_law(1e-3, 2, 5e-5), power_law(3e-9, 2.3986, 5e-5), power_law(1e-4, 3.1, 1e-2)};
+inline std::vector<PowerLaw> const& instances() {
+  static std::vector<PowerLaw> const all{power_law(1e-3, 2, 5e-5), power_law(3e-9, 2.3986, 5e-5),
+                                         power_law(1e-4, 3.1, 1e-2)};
+  return all;
 }
 template <>
-inline std::vector<Abg> instances() {
-  return {abg(0.0025, 0.001, 1.8), abg(1e-6, 1e-8, 2.5), abg(0.1, 0.5, 3)};
+inline std::vector<Abg> const& instances() {
+  static std::vector<Abg> const all{abg(0.0025, 0.001, 1.8), abg(1e-6, 1e-8, 2.5), abg(0.1, 0.5, 3)};
+  return all;
+}
+
+template <>
+inline std::vector<Harvey> const& instances() {
+  static std::vector<Harvey> const all{harvey(1, 0.01, -1.5), harvey(20, 1e-3, -2.7), harvey(0.5, 0.05, -2, 0.02)};
+  return all;
+}
+template <>
+inline std::vector<Gaussian> const& instances() {
+  static std::vector<Gaussian> const all{gaussian(50, 0.02), gaussian(0.2, 0.5)};
+  return all;
+}
+template <>
+inline std::vector<Polynomial> const& instances() {
+  static std::vector<Polynomial> const all{polynomial(0.005, 0.001, 0.002, 0, 0.2, 1),
+                                           polynomial(0.01, 0, -0.005, 3, 0.1, 2)};
+  return all;
+}
+
+template <>
+inline std::vector<Roughness> const& instances() {
+  PolarisationFactor const silicon{12.1, 0.01, 1};
+  static std::vector<Roughness> const all{tabulated(Theory::harvey_shack, 1e-6, 2.1, 1e-3, 0.9, false),
+                                          k_correlation(Theory::harvey_shack, 0.08, 20, 2.5),
+                                          k_correlation(Theory::rayleigh_rice, 5e-3, 50, 2.2, silicon)};
+  return all;
+}
+template <>
+inline std::vector<Dust> const& instances() {
+  static std::vector<Dust> const all{dust(500, 1, 1.55, 0.01), dust(200, 0.1, 1.5, 0.02)};
+  return all;
+}
+template <>
+inline std::vector<Measured> const& instances() {
+  static std::vector<Measured> const all{measured(0.02, 1, Beyond::power), measured(0.1, 0.5, Beyond::constant)};
+  return all;
 }
 
 // Degrees; the last is where the horizon cuts every lobe in half.
@@ -74,10 +190,11 @@ inline Vec3 direction_at(Frame const& about, Polar p) {
   return s * std::cos(azimuth) * about.e1 + s * std::sin(azimuth) * about.e2 + c * about.e3;
 }
 
-// Integral of f(wo) over a cell of angle and azimuth, midpoint rule with n by n points, even in ln(theta) where it can
-// be.
+// Integral of f(wo) over a cell of angle and azimuth, midpoint rule with n by m points (m = 0: n), even in ln(theta)
+// where it can be.
 template <class F>
-double cell_integral(Vec3 wi, F f, double theta1, double theta2, double turn1, double turn2, int n) {
+double cell_integral(Vec3 wi, F f, double theta1, double theta2, double turn1, double turn2, int n, int m = 0) {
+  if (m == 0) m = n;
   Frame const about = Frame::around(specular(wi));
   double const ratio = theta1 > 0 ? std::log(theta2 / theta1) / n : 0;
   double sum = 0, low = theta1;
@@ -85,51 +202,95 @@ double cell_integral(Vec3 wi, F f, double theta1, double theta2, double turn1, d
     double const high = theta1 > 0 ? theta1 * std::exp(ratio * (i + 1)) : theta2 * (i + 1) / n;
     double const theta = 0.5 * (low + high), ring = std::cos(low) - std::cos(high);
     double const solid = low < 1e-3 ? (high - low) * std::sin(theta) : ring;
-    for (int j = 0; j < n; ++j) sum += solid * f(direction_at(about, {theta, turn1 + (j + 0.5) / n * (turn2 - turn1)}));
+    for (int j = 0; j < m; ++j) sum += solid * f(direction_at(about, {theta, turn1 + (j + 0.5) / m * (turn2 - turn1)}));
     low = high;
   }
-  return sum * 2 * pi * (turn2 - turn1) / n;
+  return sum * 2 * pi * (turn2 - turn1) / m;
 }
 
-// Integral of f(wo) over the hemisphere; `finest` is the angle where the lobe begins (nothing of weight inside it).
-template <class F>
-double hemisphere(Vec3 wi, F f, double finest) {
-  constexpr int decades_cells = 12;
-  double sum = cell_integral(wi, f, 0, finest, 0, 1, 100), low = finest;
-  for (int i = 1; i <= decades_cells; ++i) {
-    double const high = finest * std::pow(pi / finest, double(i) / decades_cells);
-    sum += cell_integral(wi, f, low, high, 0, 1, 100);
-    low = high;
-  }
-  return sum;
-}
+// The angle, or offset, inside which a lobe is flat.
 inline double finest(Lambertian const&) { return 0.1; }
 inline double finest(PowerLaw const& l) { return l.above; }
 inline double finest(Abg const& l) { return 1e-2 * std::pow(l.b, 1 / l.g); }
+inline double finest(Harvey const& l) { return 0.1 * std::fmin(l.width, l.across > 0 ? l.across : l.width); }
+inline double finest(Gaussian const& l) { return 0.1 * l.width; }
+inline double finest(Polynomial const& l) { return 0.1 * l.width; }
+inline double finest(Roughness const& l) { return 0.1 * (l.b > 0 ? 1 / l.b : l.first); }
+inline double finest(Dust const& l) { return 0.3 * l.smallest; }
+inline double finest(Measured const& l) { return l.first; }
 
+// Angles from the specular direction between which samples are counted; where the pdf has steps at normal incidence.
 template <class Law>
-double albedo_by_quadrature(Law const& law, Vec3 wi) {
-  return hemisphere(
-      wi, [&](Vec3 wo) { return law.eval(wi, wo) * std::fmax(wo.z, 0); }, finest(law));
+std::vector<double> cell_edges(Law const& law) {
+  std::vector<double> edges{0};
+  if constexpr (std::is_base_of_v<Lambertian, Law>) {
+    for (int i = 1; i <= 30; ++i) edges.push_back(pi * i / 30);
+  } else {
+    bool const chords = !std::is_same_v<decltype(law.lobe), LobeTable<OffsetRings>>;
+    for (std::size_t i = law.lobe.edge[0] > 0 ? 0 : 1; i <= 96; ++i) {
+      double const angle = chords ? 2 * std::asin(std::fmin(1, law.lobe.edge[i] / 2)) : std::asin(law.lobe.edge[i]);
+      if (angle < 1.5) edges.push_back(angle);
+    }
+    for (int i = 1; i <= 4; ++i) edges.push_back(pi / 2 + (i - 1) * pi / 6);
+  }
+  return edges;
 }
 
-// The lobe of ABg is round in direction cosines (eval cos dOmega = eval dA), not in angle: rings about the specular
-// point.
-inline double albedo_by_quadrature(Abg const& law, Vec3 wi) {
-  constexpr int rings = 4000, sectors = 90;
-  double sum = 0, low = 0;
-  for (int i = 0; i <= rings; ++i) {
-    double const high = finest(law) * std::pow(2 / finest(law), double(i) / rings), rho = 0.5 * (low + high);
-    double share = 0, shift = std::fmod(0.618034 * i, 1);  // so that the cuts at the horizon do not repeat
-    for (int j = 0; j < sectors; ++j) {
-      double const azimuth = 2 * pi * (j + shift) / sectors;
-      double const x = -wi.x + rho * std::cos(azimuth), y = -wi.y + rho * std::sin(azimuth), z2 = 1 - x * x - y * y;
-      if (z2 > 0) share += law.eval(wi, {x, y, std::sqrt(z2)}) / sectors;
+// Integral of eval cos over the hemisphere along rays from the specular point in the plane of direction cosines
+// (cos dOmega = dA), each up to the horizon, midpoints even in the logarithm of the offset.
+template <class Law>
+double albedo_by_rays(Law const& law, Vec3 wi, double flat_inside) {
+  constexpr int rays = 360, steps = 300;
+  double const sine = std::hypot(wi.x, wi.y), toward = std::atan2(-wi.y, -wi.x);
+  double sum = 0;
+  for (int j = 0; j < rays; ++j) {
+    double const phi = 2 * pi * (j + 0.5) / rays, c = std::cos(phi + toward), s = std::sin(phi + toward);
+    double const last = -sine * std::cos(phi) + std::sqrt(1 - std::pow(sine * std::sin(phi), 2));
+    double const first = std::fmin(flat_inside / 10, 0.01 * last), decades = std::log(last / first);
+    auto const value = [&](double rho) {
+      double const x = -wi.x + rho * c, y = -wi.y + rho * s;
+      return law.eval(wi, {x, y, std::sqrt(std::fmax(1 - x * x - y * y, 1e-300))});
+    };
+    sum += 0.5 * first * first * value(0.7 * first);
+    for (int i = 0; i < steps; ++i) {
+      double const q = (i + 0.5) / steps, rho = last * std::exp(-decades * q * q);  // dense at the horizon
+      sum += value(rho) * rho * rho * 2 * decades * q / steps;
     }
-    sum += pi * (high * high - low * low) * share;
-    low = high;
+  }
+  return sum * 2 * pi / rays;
+}
+// The same for lobes that are round in angle: cones about the specular direction, each as far as it is above the
+// horizon.
+template <class Law>
+double albedo_by_cones(Law const& law, Vec3 wi) {
+  constexpr int cones = 1000, steps = 64;
+  Frame const about = Frame::around(specular(wi));
+  double const sine = std::hypot(wi.x, wi.y), top = std::atan2(about.e2.z, about.e1.z);  // azimuth that points up
+  double const last = pi / 2 + std::asin(sine), first = finest(law), ratio = std::log(last / first) / cones;
+  double sum = 0;
+  for (int i = -1; i < cones; ++i) {
+    double const theta = i < 0 ? 0.7 * first : first * std::exp((i + 0.5) * ratio);
+    double const width = i < 0 ? 0.5 * first * first / theta : theta * ratio;
+    double const level = std::cos(theta) * wi.z / (std::sin(theta) * sine + 1e-300);  // cos_s = 0 where cos = -level
+    double const half = level >= 1 ? pi : level <= -1 ? 0 : std::acos(-level);
+    double ring = 0;
+    for (int j = 0; j < steps; ++j) {
+      double const azimuth = top + half * (2 * (j + 0.5) / steps - 1);
+      Vec3 const wo = direction_at(about, {theta, azimuth / (2 * pi) + 0.5});
+      ring += law.eval(wi, wo) * std::fmax(wo.z, 0);
+    }
+    sum += ring / steps * 2 * half * std::sin(theta) * width;
   }
   return sum;
+}
+template <class Law>
+double albedo_by_quadrature(Law const& law, Vec3 wi) {
+  constexpr bool round_in_angle =
+      std::is_same_v<Law, Lambertian> || std::is_same_v<Law, PowerLaw> || std::is_same_v<Law, Dust>;
+  if constexpr (round_in_angle)
+    return albedo_by_cones(law, wi);
+  else
+    return albedo_by_rays(law, wi, finest(law));
 }
 
 }  // namespace straytrace::testing

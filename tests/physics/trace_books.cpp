@@ -105,7 +105,7 @@ TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
     BodyId const body = world.add_body("all", {});
     PowerLaw law{1e-3, 2, 1e-2, {}};
     law.prepare();
-    for (double& a : law.table.value) a *= wrong;
+    for (double& a : law.lobe.albedo.value) a *= wrong;
     Optic optic;
     optic.laws = 1;
     optic.law[0] = world.add_law(law);

@@ -114,11 +114,13 @@ double arriving(World const& world, bool divide) {
   Silent sink;
   for (std::uint64_t h = 0; h < 20000; ++h) {
     PathState path;
-    if (!emit(view, 1, h, path, sink)) continue;
+    path.history = h;
+    if (!emit(view, 1, path, sink)) continue;
     emitted_power += path.emitted;
     for (bool alive = true; alive;) {
       Hit const hit = view.closest(path.ray, path.from);
-      Vertex const v = make_vertex(view, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir);
+      Vertex v = make_vertex(view, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir);
+      look(view, path, path.ray.dir, v);
       path.power *= complete(view, path, &v);
       ++path.event;
       sum += path.power;

@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-char const* const commands[] = {"check", "trace", "run", "noise", "paths"};
+char const* const commands[] = {"check", "trace", "run", "noise", "paths", "inspect"};
 
 // Words of a line as a shell would split them, without wildcards; a redirection ends it.
 Words split(std::string const& line) {

@@ -166,6 +166,25 @@ TEST(vectors, reflection_keeps_the_angle) {
   EXPECT_GT(twin, 1e-3);
 }
 
+// Azimuth against atan2; tolerance 4 units in the last place of a turn. The twin takes the wrong half of the plane.
+TEST(functions, turn_of_is_the_azimuth) {
+  Rng rng(8, 0, 0, Stream::source);
+  double most = 0, twin = 0;
+  for (int i = 0; i < 20000; ++i) {
+    double const x = rng.uniform() - 0.5, y = (rng.uniform() - 0.5) * std::pow(10, -6 * rng.uniform());
+    double const exact = std::atan2(y, x) / (2 * pi);
+    most = std::fmax(most, std::fabs(turn_of(x, y) - (exact < 0 ? exact + 1 : exact)));
+    twin = std::fmax(twin, std::fabs(turn_of(-x, y) - (exact < 0 ? exact + 1 : exact)));
+  }
+  EXPECT_LT(most, 4 * 0x1p-53);
+  EXPECT_GT(twin, 0.4);
+  EXPECT_EQ(turn_of(1, 0), 0);
+  EXPECT_EQ(turn_of(0, 1), 0.25);
+  EXPECT_EQ(turn_of(-1, 0), 0.5);
+  EXPECT_EQ(turn_of(0, -1), 0.75);
+  EXPECT_EQ(turn_of(0, 0), 0);
+}
+
 // Upper tails of chi-square against published tables (Abramowitz and Stegun, table 26.8), which the contracts rest on.
 TEST(statistics, chi_square_tail) {
   EXPECT_NEAR(testing::chi_square_tail(3.841458821, 1), 0.05, 1e-9);

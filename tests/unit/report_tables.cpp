@@ -94,7 +94,7 @@ TEST_F(ReportTables, SharesWithAnUnresolvedRouteWouldNot) {
 TEST_F(ReportTables, BandPowerIntegratesThePsd) {
   FrequencyGrid const grid{{10, 20, 40, 80}};
   NoiseTrace const flat{"", 0, {2, 2, 2}, {0.1, 0.1, 0.1}, {}, {}, 0, true, ""};
-  Measured const p = band_power(flat, grid, 10, 50);
+  WithError const p = band_power(flat, grid, 10, 50);
   EXPECT_DOUBLE_EQ(p.value, 4 * 30);
   EXPECT_DOUBLE_EQ(p.sigma, 2 * 2 * 0.1 * 30);
   EXPECT_TRUE(std::isnan(strain_at(flat, grid, 80).value));

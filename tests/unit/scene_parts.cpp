@@ -33,13 +33,13 @@ TEST(Parts, InsideParts) {
   std::string const bench =
       "params: {d: 1 m}\n"
       "parts:\n"
-      "  dump: {params: {r: 1 cm}, faces: {front: {shape: {disk: {outer_radius: r}}}, back: {shape: {disk: "
+      "  trap: {params: {r: 1 cm}, faces: {front: {shape: {disk: {outer_radius: r}}}, back: {shape: {disk: "
       "{outer_radius: 2*r}}}}}\n"
       "  bench:\n"
       "    params: {size: 5 cm}\n"
       "    faces:\n"
       "      board: {shape: {disk: {outer_radius: d}}, at: [0, 0, 1 m]}\n"
-      "      dump_3: {use: dump, r: size*2, at: [1 m, 0, 0], facing: [1, 0, 0], material: black}\n"
+      "      trap_3: {use: trap, r: size*2, at: [1 m, 0, 0], facing: [1, 0, 0], material: black}\n"
       "      m1: {use: mirror, at: [0, 1 m, 0]}\n"
       "scene:\n";
   Scene const s =
@@ -47,7 +47,7 @@ TEST(Parts, InsideParts) {
   ASSERT_NO_THROW(s.throw_if_problems());
   std::vector<std::string> names;
   for (auto const& i : s.instances()) names.push_back(i.name);
-  EXPECT_THAT(names, ElementsAre("NE/board", "NE/dump_3/front", "NE/dump_3/back", "NE/m1"));
+  EXPECT_THAT(names, ElementsAre("NE/board", "NE/trap_3/front", "NE/trap_3/back", "NE/m1"));
   auto const& front = s.instances()[1];
   EXPECT_EQ(front.node.table("shape").table("disk").number("outer_radius", dim::length), 1);
   ASSERT_EQ(front.frames.size(), 2u);

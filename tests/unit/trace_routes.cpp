@@ -119,8 +119,8 @@ struct Score {
 struct Scores : Silent {
   WorldView view;
   std::vector<Score> all;
-  void score(PathState const& p, Vertex const& v, std::uint32_t lit, std::uint32_t number, Vertex const&, double f) {
-    all.push_back({p.history, p.event, number, lit, route_of(view, p, v, lit, number).vertices, f});
+  void score(PathState const& p, Vertex const& v, std::uint32_t lit, std::uint32_t number, Vertex const& y, double f) {
+    all.push_back({p.history, p.event, number, lit, route_of(view, p, v, lit, number, y.surface).vertices, f});
   }
 };
 TEST(Replay, MakesEveryScoreAgain) {
@@ -136,7 +136,7 @@ TEST(Replay, MakesEveryScoreAgain) {
     auto const path = replay(world, 1, s.history, s.event, s.number);
     ASSERT_TRUE(path);
     EXPECT_EQ(path->coupling, s.coupling);
-    EXPECT_EQ(path->lit, s.lit);
+    EXPECT_EQ(path->goal, s.lit);
     ASSERT_EQ(path->vertices.size(), s.vertices);
     double length_sum = 0;
     for (std::size_t i = 1; i < path->vertices.size(); ++i) {

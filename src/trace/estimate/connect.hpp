@@ -2,7 +2,7 @@
 // How light rejoins a mode: by reaching a lit surface itself (eq. 1.7), by connection to a point drawn on it (eq. 1.8),
 // and by a single scatter at the source (eq. 1.4). The first two are the same paths sampled twice and are combined by
 // the balance heuristic in area measure (eq. 1.9). A score is the mean over speckle, for ORDERED paths: C_rev is
-// applied later (eq. 1.5).
+// applied later (eq. 1.5). Receivers that count watts: receive.hpp.
 #pragma once
 
 #include "base/rng.hpp"
@@ -10,9 +10,10 @@
 
 namespace straytrace {
 
-// Number of a score within its vertex: even for light that reached footprint i by itself, odd for a connection to it.
-STRAY_HD std::uint32_t arrival_number(std::uint32_t footprint) { return 2 * footprint; }
-STRAY_HD std::uint32_t connection_number(std::uint32_t footprint) { return 2 * footprint + 1; }
+// Goals are numbered: footprints first, then receivers. Number of a score within its vertex: even for light that
+// reached the goal by itself, odd for a connection to it.
+STRAY_HD std::uint32_t arrival_number(std::uint32_t goal) { return 2 * goal; }
+STRAY_HD std::uint32_t connection_number(std::uint32_t goal) { return 2 * goal + 1; }
 STRAY_HD bool by_itself(std::uint32_t number) { return number % 2 == 0; }
 
 // Density per area of the lit surface with which a connection draws the point y: |u|^2 |cos| (eq. 1.1 over q), 1/m^2.
@@ -26,14 +27,24 @@ STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint 
   return scatter_eval(world.laws, *at.optic, at.wi, reversed);
 }
 
+// Share of light of this polarisation, travelling along `out`, that the mode can take after the scatter at `y`; 1 when
+// polarisation is not followed (physics.md 0.7: laws then speak of the main polarisation alone).
+STRAY_HD double mode_share(WorldView const& world, Polarisation const& light, Vec3 out, Vertex const& y,
+                           Footprint const& lit) {
+  if (!world.polarised) return 1;
+  Vec3 const reversed = -lit.direction(y.point);
+  Polarisation const after = scattered(light, out, reversed, false, y.optic->depolarise);
+  return polarisation_overlap(after, lit.polarisation, reversed);
+}
+
 template <class Sink>
 STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
                         Sink& sink) {
   Footprint const& lit = world.lit[index];
   double const density = connection_density(lit, vertex.point, vertex.frame.e3);
   if (!(density > 0)) return;
-  double const coupling =
-      path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength * lit.share * density;
+  double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength *
+                          lit.share * density * mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   // A walk over a specular hop has no density: no connection can have made this path.
   double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
@@ -49,6 +60,35 @@ STRAY_HD void arrive(WorldView const& world, PathState const& path, Vertex const
     if (world.lit[i].receives && world.lit[i].surface == vertex.surface) arrive_at(world, path, vertex, i, sink);
 }
 
+// The straight way from a vertex to a point: direction, length, and the BSDF at the vertex that opens it.
+struct Way {
+  Vec3 out;           // unit vector from the vertex
+  Vec3 wo;            // the same, local
+  double length = 0;  // m
+  double bsdf = 0;    // 1/sr; 0: no light goes there
+};
+STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
+  Way way;
+  Vec3 const span = y - vertex.point;
+  way.length = length(span);
+  if (!(way.length > 0)) return way;
+  way.out = (1 / way.length) * span;
+  way.wo = vertex.frame.to_local(way.out);
+  way.bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
+  return way;
+}
+// Density per area with which the walk itself would have gone there, its lobe included.
+STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
+                             std::uint32_t strip, double cosine) {
+  double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
+  double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
+  return lobe * per_area(mixture_pdf(world, vertex.side(), law, strip, way.length, cosine), way.length, cosine);
+}
+STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, SurfaceId end) {
+  return world.occluded({vertex.point, way.out, way.length * (1 - 1e-9)},
+                        {vertex.surface, vertex.piece, vertex.contact}, vertex.surface == end);
+}
+
 // One connection from the vertex to one lit surface.
 template <class Sink>
 STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t index,
@@ -56,30 +96,27 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   Footprint const& lit = world.lit[index];
   Ray const line = lit.sample(u, v);
   Crossing const met = world.cross(lit.surface.value, line, {});
-  double const t = met.distance;
-  if (!(t < infinity)) return;
-  Vec3 const span = line.origin + t * line.dir - vertex.point;
-  double const d2 = length2(span), d = std::sqrt(d2);
-  if (!(d > 0)) return;
-  Vec3 const out = (1 / d) * span, wo = vertex.frame.to_local(out);
-  if (!(wo.z > 0)) return;
-  Vertex const y = make_vertex(world, lit.surface, line.origin + t * line.dir, out, met.piece);
+  if (!(met.distance < infinity)) return;
+  Vec3 const point = line.origin + met.distance * line.dir;
+  Way const way = way_to(world, vertex, point);
+  if (!(way.bsdf > 0)) return;
+  Vertex const y = make_vertex(world, lit.surface, point, way.out, met.piece);
   if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return;  // lit from the other side
-  double const bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, wo);
-  double const coupling = path.power * bsdf * wo.z * y.wi.z / d2 * rejoin_bsdf(world, y, lit) * world.wavelength *
-                          world.wavelength * lit.share;  // |u|^2 cos over the density of y is 1
+  double coupling = path.power * way.bsdf * std::fabs(way.wo.z) * y.wi.z / (way.length * way.length) *
+                    rejoin_bsdf(world, y, lit) * world.wavelength * world.wavelength *
+                    lit.share;  // |u|^2 cos over the density of y is 1
+  if (world.polarised)
+    coupling *=
+        mode_share(world, scattered(path.polarisation, path.ray.dir, way.out, way.wo.z < 0, vertex.optic->depolarise),
+                   way.out, y, lit);
   if (!(coupling > 0)) return;
   double weight = 1;
   if (lit.profile != Profile::point) {  // a walk cannot hit a point
-    double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
-    double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, wo);
-    double const walk = lobe * per_area(mixture_pdf(world, vertex.side(), law, y.strip, d, y.wi.z), d, y.wi.z);
+    double const walk = walk_density(world, path, vertex, way, y.strip, y.wi.z);
     double const density = connection_density(lit, y.point, y.frame.e3);
     weight = density / (density + walk);
   }
-  if (world.occluded({vertex.point, out, d * (1 - 1e-9)}, {vertex.surface, vertex.piece},
-                     vertex.surface == lit.surface))
-    return;
+  if (blocked(world, vertex, way, lit.surface)) return;
   sink.score(path, vertex, index, connection_number(index), y, coupling * weight);
 }
 
@@ -101,7 +138,8 @@ STRAY_HD void score_single(WorldView const& world, PathState const& path, Vertex
                            Sink& sink) {
   if (!lit.receives || !lit.port.valid()) return;
   double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength *
-                          lit.share * connection_density(lit, vertex.point, vertex.frame.e3);
+                          lit.share * connection_density(lit, vertex.point, vertex.frame.e3) *
+                          mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   if (coupling > 0) sink.score(path, vertex, path.source, arrival_number(path.source), vertex, coupling);
 }
 

@@ -11,6 +11,12 @@ namespace straytrace {
 constexpr double window_width = 5;  // paths within this factor of the target are left alone
 constexpr std::uint32_t most_copies = 16;
 
+// What a path is kept at: power x adjoint at its first vertex, so that routes through a rare first target are followed
+// with the effort that the target was given; a path that nothing aimed at has to be worth an average one.
+STRAY_HD double level_of(WorldView const& world, PathState const& path, double adjoint) {
+  return path.hop.off_list || !path.hop.aimed ? world.steering.level : path.power * adjoint;
+}
+
 // Copies to follow from here on, 0: the path has lost; path.power is that of each copy. Without an adjoint, plain
 // roulette below a share of the power first scattered.
 template <class Sink>
@@ -19,7 +25,9 @@ STRAY_HD std::uint32_t control(WorldView const& world, std::uint64_t seed, PathS
   std::uint32_t const side = vertex.side();
   double const adjoint =
       side == WorldView::none || !(world.steering.level > 0) ? 0 : world.steering.sides[side].adjoint;
-  double const target = adjoint > 0 ? world.steering.level / adjoint : world.limits.roulette_below * path.emitted;
+  if (adjoint > 0 && path.level == 0) path.level = level_of(world, path, adjoint);
+  double target = adjoint > 0 ? path.level / adjoint : world.limits.roulette_below * path.emitted;
+  if (target > path.emitted) target = path.emitted;  // no path is ever worth more than its history gave
   double const lowest = adjoint > 0 ? target / window_width : target;
   if (path.power < lowest) {
     bool const lucky = Rng(seed, path.history, path.event, Stream::window).uniform() * target < path.power;

@@ -3,32 +3,66 @@
 // where light is scattered out of the mode. Specular reflection of the mode is the mode itself, not stray light.
 #pragma once
 
-#include "trace/estimate/connect.hpp"
 #include "trace/estimate/scatter.hpp"
+#include "trace/estimate/through_glass.hpp"
 
 namespace straytrace {
 
+// A beam that starts in empty space: from its plane along the local normal of its wavefront.
 template <class Sink>
-STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, std::uint64_t history, PathState& path, Sink& sink) {
-  Rng rng(seed, history, 0, Stream::source);
+STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path, Sink& sink) {
+  Vertex start;  // on no surface
+  start.point = line.origin + beam.backoff * beam.travel;
+  path.emitted = path.power;
+  path.ray = {start.point, beam.direction(start.point)};
+  path.hop.left_by = Event::emit;
+  path.coherent = true;
+  // Lag of a spherical wavefront on the plane: sqrt(R^2 + rho^2) - R (requirements.md R3.10).
+  double const rho2 = length2(beam.offset(start.point)), c = beam.curvature;
+  path.path_length = c * rho2 / (std::sqrt(1 + c * c * rho2) + 1);
+  path.route = extended(path.route, beam.origin, Event::emit);
+  sink.emitted(path, start);
+  return true;
+}
+
+// Histories of a block are dealt to sources and first targets by systematic sampling (estimators.md 11): evenly spaced
+// numbers in (0, 1) with one random shift per block.
+STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history) {
+  std::uint64_t const place = history % block_size;
+  double const shift = Rng(seed, history - place, 0xffffffffu, Stream::source).uniform();
+  double const x = (double(place) + shift) / double(block_size);
+  return x < 1 ? x : x - 1;
+}
+
+// Starts a history: its source, first vertex and first direction.
+template <class Sink>
+STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink) {
+  Rng rng(seed, path.history, 0, Stream::source);
   auto const n = static_cast<std::uint32_t>(world.emitters.size);
-  auto pick = static_cast<std::uint32_t>(rng.uniform() * n);
+  double const place = stratum(seed, path.history) * n;
+  auto pick = static_cast<std::uint32_t>(place);
   if (pick >= n) pick = n - 1;
-  path.history = history;
+  path.stratum = place - pick;
   path.source = world.emitters[pick];
   Footprint const& lit = world.lit[path.source];
+  path.polarisation = lit.polarisation;
+  path.power = lit.share * n;
   double const u = rng.uniform(), v = rng.uniform();
   Ray const line = lit.sample(u, v);
+  if (lit.free) return emit_free(lit, line, path, sink);
   Crossing const met = world.cross(lit.surface.value, line, {});
   if (!(met.distance < infinity))
     return false;  // beside the clear aperture: that share of the mode is clipped, not scattered
   Vec3 const point = line.origin + met.distance * line.dir;
-  Vertex const vertex = make_vertex(world, lit.surface, point, lit.direction(point), met.piece);
-  path.power = lit.share * n;
+  path.ray.dir = lit.direction(point);
+  Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
+  look(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
   sink.emitted(path, vertex);
   if (!lit.standing) score_single(world, path, vertex, lit, sink);
   connect(world, seed, path, vertex, sink);
+  connect_receivers(world, seed, path, vertex, sink);
+  connect_behind_glass(world, seed, path, vertex, sink);
   return scatter(world, seed, path, vertex, sink, true);
 }
 

@@ -17,16 +17,20 @@ STRAY_HD double per_area(double per_solid_angle, double distance, double cosine)
   return per_solid_angle * cosine / (distance * distance);
 }
 
-// Density 1/sr of the mixture for a direction whose law density is `law_pdf` and that meets `strip` at `distance`
-// under `cosine`.
+// The part of the targets in that: density 1/sr of aiming from `side` at what lies on `strip`, at `distance` under
+// `cosine`.
+STRAY_HD double aimed_pdf(WorldView const& world, std::uint32_t side, std::uint32_t strip, double distance,
+                          double cosine) {
+  if (side == WorldView::none || strip == WorldView::none) return 0;
+  return per_solid_angle(world.steering.density(world.steering.sides[side], strip), distance, cosine);
+}
+STRAY_HD double law_share(WorldView const& world, std::uint32_t side) {
+  return side == WorldView::none ? 1 : world.steering.sides[side].alpha;
+}
 STRAY_HD double mixture_pdf(WorldView const& world, std::uint32_t side, double law_pdf, std::uint32_t strip,
                             double distance, double cosine) {
-  if (side == WorldView::none) return law_pdf;
-  StripSide const& from = world.steering.sides[side];
-  if (!(from.alpha < 1)) return law_pdf;
-  double const aimed =
-      strip == WorldView::none ? 0 : per_solid_angle(world.steering.density(from, strip), distance, cosine);
-  return from.alpha * law_pdf + (1 - from.alpha) * aimed;
+  double const alpha = law_share(world, side);
+  return alpha < 1 ? alpha * law_pdf + (1 - alpha) * aimed_pdf(world, side, strip, distance, cosine) : law_pdf;
 }
 
 // Weight of the hop now that its end is known; 0 when something hides the target that was aimed at. Sets hop.pdf.
@@ -41,9 +45,12 @@ STRAY_HD double complete(WorldView const& world, PathState& path, Vertex const* 
     hop.pdf = 0;
     return 0;
   }
-  double const mixture = vertex ? mixture_pdf(world, hop.side, hop.law_pdf, vertex->strip, vertex->leg, vertex->wi.z)
-                                : mixture_pdf(world, hop.side, hop.law_pdf, WorldView::none, 1, 1);
-  hop.pdf = hop.lobe * mixture;
+  double const alpha = law_share(world, hop.side);
+  double const aimed = vertex && alpha < 1 ? aimed_pdf(world, hop.side, vertex->strip, vertex->leg, vertex->wi.z) : 0;
+  hop.aimed = alpha < 1;
+  hop.off_list = vertex && alpha < 1 && aimed == 0;
+  hop.pdf = hop.lobe * (alpha * hop.law_pdf + (1 - alpha) * aimed);
+  path.left_pdf = hop.pdf / hop.cosine;
   return hop.pdf > 0 ? hop.value / hop.pdf : 0;
 }
 

@@ -3,6 +3,10 @@
 #pragma once
 
 #include "geometry/strips.hpp"
+#include "optics/media_stack.hpp"
+#include "optics/polarisation.hpp"
+#include "optics/refraction.hpp"
+#include "optics/specular.hpp"
 #include "trace/result.hpp"
 #include "world/world.hpp"
 
@@ -12,12 +16,15 @@ namespace straytrace {
 // completed on arrival (trace/estimate/mixture.hpp).
 struct Hop {
   double kept = 1;                       // share of the power at the vertex left that travels on, on average
+  double cosine = 1;                     // of a scattered direction with the normal left
   double value = 1;                      // f |cos| [1/sr]; specular: 1
   double lobe = 1;                       // probability with which the lobe was chosen
   double law_pdf = 0;                    // 1/sr, of the scatter law; 0 marks a specular hop, which has no density
   double pdf = 0;                        // 1/sr, of the whole mixture with its lobe; set on arrival
   Event left_by = Event::emit;           // what happened at the vertex left
   std::uint32_t side = WorldView::none;  // whose targets take part in the mixture
+  bool aimed = false;                    // some target could have been drawn
+  bool off_list = false;                 // drawn by the law, and it met nothing that was on the list of targets
   SurfaceId aim;                         // surface of the target drawn; invalid: the scatter law chose the direction
   double aim_distance = 0;               // m to the point drawn on it: anything hit earlier hides it
 };
@@ -31,8 +38,16 @@ struct PathState {
   double power = 0;    // carried, relative to the main mode
   double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
   Hop hop;
+  double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was reached; 0: not by a direct hop
+  double left_pdf = 0;     // 1/sr over the cosine, with which it was left
+  bool coherent = false;   // a free beam that has met specular surfaces only
+  double path_length = 0;  // optical, sum of n d since the source, m
+  MediaStack media;        // filled volumes the ray runs in
+  Polarisation polarisation;
   std::uint64_t route = 0;   // rolling hash of (group, event) of all vertices left so far
   std::uint32_t source = 0;  // footprint it started from
+  double level = 0;          // power x adjoint that the weight window keeps; 0 before the first vertex with an adjoint
+  double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
 };
 
 // One history: its path and the siblings that wait, depth first.
@@ -42,6 +57,11 @@ struct History {
   std::uint32_t events = 0;  // vertices numbered so far
   std::uint32_t waiting = 0;
   PathState sibling[most_waiting];
+  STRAY_HD void begin(std::uint64_t number) {
+    path = {};
+    path.history = number;
+    events = waiting = 0;
+  }
   STRAY_HD std::uint32_t new_event() { return ++events; }
   STRAY_HD bool next_sibling() {
     if (waiting == 0) return false;
@@ -54,11 +74,14 @@ struct History {
 struct Vertex {
   SurfaceId surface;
   std::uint32_t piece = 0;
-  bool front = true;  // lit on the side its normal points to
-  Vec3 point;         // put back on its surface
-  Frame frame;        // e3 = normal on the lit side
-  Vec3 wi;            // towards where the light came from, local
-  double leg = 0;     // m from the previous vertex
+  bool front = true;           // lit on the side its normal points to
+  Vec3 point;                  // put back on its surface
+  Frame frame;                 // e3 = normal on the lit side
+  Vec3 wi;                     // towards where the light came from, local
+  double leg = 0;              // m from the previous vertex
+  double n_in = 1, n_out = 1;  // indices on the lit side and behind it
+  MediaStack before, after;    // volumes there
+  SurfaceId contact;           // a second surface that touches this one here
   Optic const* optic = nullptr;
   double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted for this incidence
   std::uint32_t strip = WorldView::none;         // of the steering tables
@@ -86,10 +109,71 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
   v.wi = v.frame.to_local(-travel);
   Surface const& surface = world.surfaces[id.value];
   v.optic = &world.optics[v.front ? surface.front : surface.back];
-  v.albedo = v.wi.z > 0 ? scatter_albedo(world.laws, *v.optic, v.wi.z) : 0;
-  v.reflect = v.optic->reflect;
   v.strip = strip_of(world, id, v.point);
   return v;
+}
+
+STRAY_HD double index_of(WorldView const& world, std::uint32_t volume) {
+  return volume == Passage::none ? 1 : world.media[world.volumes[volume].medium].index;
+}
+
+// Media on both sides of the vertex; a surface within a nanometre counts as in contact with it.
+STRAY_HD void find_media(WorldView const& world, MediaStack const& media, Vec3 travel, Vertex& v) {
+  if (world.volumes.size == 0) return;
+  Passage const here{world.surfaces[v.surface.value].volume, v.front};
+  MediumSides found = sides(media, here);
+  if (here.volume != Passage::none && world.volumes.size > 1) {
+    Ray const probe{v.point - contact_distance * travel, travel, 2 * contact_distance};
+    Hit const other = world.closest(probe, {v.surface, v.piece});
+    if (other.surface.valid() && world.surfaces[other.surface.value].volume != Passage::none) {
+      Vec3 const normal = world.normal(other.surface, v.point, other.piece);
+      found = sides(media, here, {world.surfaces[other.surface.value].volume, dot(travel, normal) < 0});
+      v.contact = other.surface;
+    }
+  }
+  v.before = found.before;
+  v.after = found.after;
+  v.n_in = index_of(world, found.in);
+  v.n_out = index_of(world, found.out);
+}
+
+// What the vertex does to light: media on both sides, then shares scattered, reflected and transmitted.
+STRAY_HD void look(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
+  if (!(v.wi.z > 0)) return;
+  find_media(world, path.media, travel, v);
+  v.albedo = scatter_albedo(world.laws, *v.optic, v.wi.z, v.n_in, v.n_out);
+  if (world.polarised && v.optic->has_interface) {
+    Amplitudes const a = specular_amplitudes(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front);
+    double const r = reflected(path.polarisation, travel, v.frame.e3, a).power;
+    double const t = transmitted(path.polarisation, travel, v.frame.e3, a).power;
+    double const left = specular_remainder(world.interfaces, *v.optic, r + t, v.albedo);
+    v.reflect = left * r;
+    v.transmit = left * t;
+    return;
+  }
+  SpecularShares const s = specular_shares(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front, v.albedo);
+  v.reflect = s.reflect;
+  v.transmit = s.transmit;
+}
+
+STRAY_HD Vertex vertex_at(WorldView const& world, PathState const& path, Hit const& hit) {
+  Vertex v = make_vertex(world, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir, hit.piece);
+  v.leg = hit.distance;
+  return v;
+}
+
+// Absorption on a leg (Beer-Lambert) and its optical length; returns the power lost.
+STRAY_HD double lost_in_medium(WorldView const& world, PathState& path, double leg) {
+  if (path.media.depth == 0) {
+    path.path_length += leg;
+    return 0;
+  }
+  Medium const& medium = world.media[world.volumes[path.media.current()].medium];
+  path.path_length += medium.index * leg;
+  double const left = medium.absorption > 0 ? path.power * exp_number(-medium.absorption * leg) : path.power;
+  double const lost = path.power - left;
+  path.power = left;
+  return lost;
 }
 
 // Routes are named by what they visit: the hash of a route does not depend on ids of other routes or on order of

@@ -6,6 +6,7 @@
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex
 //   visit(path, vertex)                       light has reached a vertex, with path.power
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
+//   score_through(path, vertex, z, chain, hops, receiver, end, power)  optional: power on a receiver by x -> z -> glass
 //   book(fate, power)                         the ledger
 #pragma once
 
@@ -13,6 +14,7 @@
 #include "trace/estimate/control.hpp"
 #include "trace/estimate/emit.hpp"
 #include "trace/estimate/scatter.hpp"
+#include "trace/estimate/through_glass.hpp"
 
 namespace straytrace {
 
@@ -22,45 +24,55 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   PathState& path = history.path;
   Hit const hit = world.closest(path.ray, path.from);
   Vertex vertex;
-  if (hit.surface.valid()) {
-    vertex = make_vertex(world, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir, hit.piece);
-    vertex.leg = hit.distance;
-  }
+  if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
   double const weight = complete(world, path, hit.surface.valid() ? &vertex : nullptr);
   sink.book(Fate::sampling, path.power * (path.hop.kept - weight));  // zero on average: that is a test
   path.power *= weight;
-  if (!(path.power != 0)) return false;
+  if (path.power == 0) return false;
+  pass_planes(world, path, hit.distance, sink);
+  sink.book(Fate::absorbed, lost_in_medium(world, path, hit.distance));
   if (!hit.surface.valid()) {
     sink.book(Fate::escaped, path.power);
     return false;
   }
   path.event = history.new_event();
   ++path.order;
+  look(world, path, path.ray.dir, vertex);
   sink.visit(path, vertex);
-  arrive(world, path, vertex, sink);           // light that reached a lit surface by itself, eq. 1.7
+  arrive(world, path, vertex, sink);  // light that reached a lit surface by itself, eq. 1.7
+  receive(world, path, vertex, sink);
   if (path.order >= world.limits.max_order) {  // a connection is one more event: its weight counts on the walk's share
     sink.book(Fate::limit, path.power);
     return false;
   }
   connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
+  connect_receivers(world, seed, path, vertex, sink);
+  connect_behind_glass(world, seed, path, vertex, sink);
   std::uint32_t const copies = control(world, seed, path, vertex, History::most_waiting - history.waiting, sink);
   sink.book(Fate::absorbed, copies * path.power * (1 - vertex.kept()));
   for (std::uint32_t i = 1; i < copies; ++i) {
-    PathState copy = path;
+    PathState& copy = history.sibling[history.waiting];
+    copy = path;
     copy.event = history.new_event();
-    if (scatter(world, seed, copy, vertex, sink)) history.sibling[history.waiting++] = copy;
+    if (scatter(world, seed, copy, vertex, sink)) ++history.waiting;
   }
   return copies > 0 && scatter(world, seed, path, vertex, sink);
 }
 
 template <class Sink>
-STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uint64_t number, Sink& sink) {
-  History history;
-  if (!emit(world, seed, number, history.path, sink)) return;
+STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uint64_t number, History& history,
+                            Sink& sink) {
+  history.begin(number);
+  if (!emit(world, seed, history.path, sink)) return;
   do {
     while (step(world, seed, history, sink)) {
     }
   } while (history.next_sibling());
+}
+template <class Sink>
+STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uint64_t number, Sink& sink) {
+  History history;
+  trace_history(world, seed, number, history, sink);
 }
 
 }  // namespace straytrace

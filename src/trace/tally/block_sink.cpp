@@ -8,9 +8,17 @@
 namespace straytrace {
 
 BlockSink::BlockSink(WorldView const& world, std::uint64_t seed, std::size_t groups, int replica)
-    : world_(world), seed_(seed), replica_(replica) {
+    : world_(world), seed_(seed), replica_(replica), received_(world.receivers.size) {
   sums_.blocks = 1;
   sums_.arrived.resize(groups);
+  for (std::size_t i = 0; i < world.receivers.size; ++i) {
+    Receiver const& r = world.receivers[i];
+    ReceiverSums sums;
+    sums.image.sum.resize(std::size_t(r.columns) * r.rows);
+    sums.angles.sum.resize(std::size_t(r.angle_bins) * r.angle_bins);
+    sums.quadrants.sum.resize(r.quadrants ? Receiver::quadrant_cells : 0);
+    sums_.receivers.push_back(std::move(sums));
+  }
 }
 
 void BlockSink::begin(std::uint64_t history) {
@@ -34,14 +42,28 @@ void BlockSink::visit(PathState const& path, Vertex const& vertex) {
   arrivals_.push_back({group, path.power});
 }
 
-void BlockSink::score(PathState const& path, Vertex const& vertex, std::uint32_t lit, std::uint32_t connection,
-                      Vertex const&, double coupling) {
+void BlockSink::score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,
+                      Vertex const& y, double coupling) {
+  Route const route = route_of(world_, path, vertex, goal, number, y.surface);
+  if (goal >= world_.lit.size)
+    add_to_maps(path, goal - std::uint32_t(world_.lit.size), y, route.hash, by_itself(number), coupling);
+  add(path, route, number, coupling);
+}
+
+void BlockSink::score_through(PathState const& path, Vertex const& vertex, Vertex const& z, std::uint64_t const* chain,
+                              std::uint32_t hops, std::uint32_t receiver, Vertex const& end, double power) {
+  Route const route = route_through(world_, path, vertex, z, chain, hops, receiver);
+  add_to_maps(path, receiver, end, route.hash, false, power);
+  add(path, route, number_through(world_, receiver), power);
+}
+
+void BlockSink::add(PathState const& path, Route const& named, std::uint32_t number, double coupling) {
   if (!std::isfinite(coupling)) {
     ++sums_.lost;
     return;
   }
-  std::uint64_t const route = route_of(world_, path, vertex, lit, connection).hash;
-  std::uint32_t const port = world_.lit[lit].port.value;
+  std::uint64_t const route = named.hash;
+  std::uint32_t const port = named.end;
   bool known = false;
   for (Total& t : totals_)
     if (t.route == route) {
@@ -53,12 +75,34 @@ void BlockSink::score(PathState const& path, Vertex const& vertex, std::uint32_t
 
   Rng rng(seed_, path.history, path.event, Stream::record);
   double u = rng.uniform();
-  for (std::uint32_t i = 0; i < connection; ++i) u = rng.uniform();
+  for (std::uint32_t i = 0; i < number; ++i) u = rng.uniform();
   ClassSums& sums = classes_[route];
+  if (path.hop.off_list) sums.off_list += coupling;
   double const priority = coupling / u;
   if (priority <= sums.threshold) return;
-  sums.kept.push_back({path.history, path.event, connection, coupling, priority});
+  sums.kept.push_back({path.history, path.event, number, coupling, priority});
   if (sums.kept.size() >= 4 * records_per_class) keep_largest(sums);
+}
+
+void BlockSink::add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route,
+                            bool by_itself, double power) {
+  Receiver const& r = world_.receivers[receiver];
+  ReceiverSums& sums = sums_.receivers[receiver];
+  Vec3 const travel = y.frame.to_world(-y.wi);
+  if (std::uint32_t const bin = r.angle_pixel(travel); bin != Receiver::outside) sums.angles.sum[bin] += power;
+  if (r.quadrants) sums.quadrants.sum[r.quadrant(y.point)] += power;
+  std::uint32_t const pixel = r.pixel(y.point);
+  if (pixel == Receiver::outside) return;
+  sums.image.sum[pixel] += power;
+  if (!path.coherent || !by_itself) return;
+  FieldSums& field = sums.fields[route];
+  if (field.power.empty()) field.power = field.real = field.imaginary = std::vector<double>(sums.image.sum.size());
+  double const length = path.path_length + (r.clear ? y.leg : 0);  // a plane is met before the leg is over
+  double const turns = length / world_.wavelength;
+  SinCos const phase = sincos_turn(turns - std::floor(turns));
+  field.power[pixel] += power;
+  field.real[pixel] += power * phase.cos;
+  field.imaginary[pixel] += power * phase.sin;
 }
 
 void BlockSink::end() {
@@ -67,6 +111,11 @@ void BlockSink::end() {
     ClassSums& sums = classes_[t.route];
     sums.port = t.port;
     sums.moments.add(t.sum, history_);
+    if (t.port >= first_receiver_end) received_[t.port - first_receiver_end] += t.sum;
+  }
+  for (std::size_t i = 0; i < received_.size(); ++i) {
+    sums_.receivers[i].power.add(received_[i], history_);
+    received_[i] = 0;
   }
   sums_.emitted.add(emitted_, history_);
   for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(ledger_[f], history_);
@@ -80,6 +129,13 @@ BlockSums BlockSink::finish() {
     sums.replica_sum[replica_] = sums.moments.sum;
     close(sums.moments);
     sums_.classes.emplace(route, std::move(sums));
+  }
+  for (ReceiverSums& r : sums_.receivers) {
+    close(r.power);
+    for (MapSums* map : {&r.image, &r.angles, &r.quadrants}) {
+      map->sum2.reserve(map->sum.size());
+      for (double const x : map->sum) map->sum2.push_back(x * x);
+    }
   }
   close(sums_.emitted);
   for (Moments& m : sums_.ledger) close(m);

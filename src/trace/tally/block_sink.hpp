@@ -8,6 +8,7 @@
 
 #include "trace/history/path.hpp"
 #include "trace/result.hpp"
+#include "trace/tally/route.hpp"
 
 namespace straytrace {
 
@@ -24,12 +25,18 @@ class BlockSink {
   BlockSums finish();  // closes the block
 
   void emitted(PathState const& path, Vertex const&) { emitted_ = path.emitted; }
+  // Every score: a mode (goal < world.lit.size) or a receiver.
   void visit(PathState const& path, Vertex const& vertex);
-  void score(PathState const& path, Vertex const& vertex, std::uint32_t lit, std::uint32_t connection, Vertex const& y,
+  void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number, Vertex const& y,
              double coupling);
+  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, std::uint64_t const* chain,
+                     std::uint32_t hops, std::uint32_t receiver, Vertex const& end, double power);
   void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
 
  private:
+  void add(PathState const& path, Route const& route, std::uint32_t number, double coupling);
+  void add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route, bool by_itself,
+                   double power);
   struct Total {
     std::uint64_t route;
     std::uint32_t port;
@@ -46,6 +53,7 @@ class BlockSink {
   double emitted_ = 0;
   double ledger_[fate_count] = {};
   std::vector<Total> totals_;
+  std::vector<double> received_;  // by receiver, of this history
   std::vector<Arrival> arrivals_;
   std::unordered_map<std::uint64_t, ClassSums> classes_;
   BlockSums sums_;

@@ -19,6 +19,7 @@ CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const
   c.hash = hash;
   c.port = {sums.port};
   c.coupling = estimate(sums.moments, total.histories, total.blocks);
+  c.off_list = sums.off_list / double(total.histories);
   c.replica_sum = sums.replica_sum;
   double weights = 0;
   for (ScoreAddress const& kept : sums.kept) weights += std::max(kept.coupling, sums.threshold);
@@ -28,12 +29,13 @@ CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const
       throw NumericalError(
           fmt::format("history {} event {} does not replay to the same score", kept.history, kept.event));
     if (c.records.empty()) {  // what all paths of a route have in common
-      Footprint const &source = world.footprints()[path->source], &end = world.footprints()[path->lit];
-      bool const two_ways = path->vertices.size() > 1 && source.beam == end.beam;
+      auto const& beams = world.footprints();
+      bool const two_ways =
+          path->vertices.size() > 1 && path->goal < beams.size() && beams[path->source].beam == beams[path->goal].beam;
       c.reverse = world.reverse_routes && two_ways ? 2 : 1;
       if (!path->other)
-        for (PassedVertex const& v : path->vertices)
-          c.steps.push_back({world.surfaces()[v.surface.value].group, v.event});
+        for (PassedVertex const& v : path->vertices) c.steps.push_back({v.group, v.event});
+      if (!c.steps.empty() && beams[path->source].free) c.steps.front().event = Event::start;
     }
     c.records.push_back({kept.history, kept.event, kept.connection, kept.coupling,
                          std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
@@ -47,7 +49,8 @@ CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const
 class Leftover {
  public:
   void take(CouplingClass const& c, Moments const& moments) {
-    if (merged_.records.empty()) merged_ = {c.hash, c.port, {}, {}, c.reverse, {}, {}};
+    if (merged_.records.empty()) merged_ = {c.hash, c.port, {}, {}, 0, c.reverse, {}, {}};
+    merged_.off_list += c.off_list;
     merged_.hash = std::min(merged_.hash, c.hash);
     moments_ = merged(moments_, moments);
     for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
@@ -76,6 +79,39 @@ class Leftover {
 
 }  // namespace
 
+namespace {
+
+// Light that no target was aimed at, by the end it reaches and the surface it came from last.
+class OffList {
+ public:
+  void take(CouplingClass const& c, CouplingTable const& table) {
+    total_[c.port.value] += c.coupling.mean;
+    std::size_t const n = c.steps.size();
+    missed_[{c.port.value, n < 2 ? "long routes" : table.groups[c.steps[n - 2].group.value]}] += c.off_list;
+  }
+  std::vector<std::string> warnings(CouplingTable const& table) const {
+    std::vector<std::string> list;
+    for (auto const& [place, power] : missed_) {
+      double const share = power / total_.at(place.first);
+      if (!(share > 0.01)) continue;
+      bool const port = place.first < first_receiver_end;
+      list.push_back(fmt::format(
+          "{:.0f} % of {} comes from '{}', which is on no list of targets: its error falls slowly, "
+          "and more histories are needed",
+          100 * share,
+          port ? "port " + table.ports[place.first] : "receiver " + table.receivers[place.first - first_receiver_end],
+          place.second));
+    }
+    return list;
+  }
+
+ private:
+  std::map<std::uint32_t, double> total_;
+  std::map<std::pair<std::uint32_t, std::string>, double> missed_;
+};
+
+}  // namespace
+
 CouplingTable make_coupling_table(World const& world, BlockSums const& total, std::uint64_t seed) {
   CouplingTable table;
   table.groups = world.groups();
@@ -86,21 +122,52 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   table.wavelength = world.wavelength;
   table.reverse_routes = world.reverse_routes;
   for (std::uint64_t b = 0; b < total.blocks; ++b) table.replica_histories[b % replica_count] += block_size;
-  std::map<std::pair<std::uint32_t, double>, Leftover> others;  // by port and C_rev
+  table.receivers = world.receiver_names();
+  for (ReceiverSums const& r : total.receivers)
+    table.received_power.push_back(estimate(r.power, total.histories, total.blocks));
+  std::map<std::pair<std::uint32_t, double>, Leftover> others;  // by end and C_rev
+  OffList off_list;
+  auto const list_of = [&](CouplingClass const& c) -> std::vector<CouplingClass>& {
+    return c.port.value < first_receiver_end ? table.classes : table.received;
+  };
   for (auto const& [hash, sums] : total.classes) {
     CouplingClass c = make_class(world, hash, sums, total, seed);
+    off_list.take(c, table);
     bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // a matter of its own: mirror to mirror
     if (direct || (c.coupling.trusted && !c.steps.empty()))
-      table.classes.push_back(std::move(c));
+      list_of(c).push_back(std::move(c));
     else
       others[{c.port.value, c.reverse}].take(c, sums.moments);
   }
-  for (auto& [place, leftover] : others) table.classes.push_back(leftover.row(total, table.replica_histories));
-  std::sort(table.classes.begin(), table.classes.end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
+  for (auto& [place, leftover] : others) {
+    CouplingClass c = leftover.row(total, table.replica_histories);
+    list_of(c).push_back(std::move(c));
+  }
+  for (auto* list : {&table.classes, &table.received})
+    std::sort(list->begin(), list->end(), [](auto const& a, auto const& b) { return a.hash < b.hash; });
+  for (CouplingClass& c : table.received) c.port.value -= first_receiver_end;
+  table.warnings = off_list.warnings(table);
   return table;
 }
 
-char letter(Event event) { return event == Event::reflect ? 'R' : 'S'; }
+char letter(Event event) {
+  switch (event) {
+    case Event::reflect:
+      return 'R';
+    case Event::transmit:
+      return 'T';
+    case Event::receive:
+      return 'D';
+    case Event::start:
+      return 'B';
+    default:
+      return 'S';
+  }
+}
+
+std::string received_name(CouplingTable const& table, CouplingClass const& c) {
+  return c.steps.empty() ? fmt::format("other > {}", table.receivers[c.port.value]) : route_name(table, c);
+}
 
 std::string route_name(CouplingTable const& table, CouplingClass const& c) {
   if (c.steps.empty()) return fmt::format("other > {}", table.ports[c.port.value]);

@@ -70,7 +70,7 @@ Estimate estimate(Moments const& m, std::uint64_t histories, std::uint64_t block
   } else {
     e.std_error = history_error;
   }
-  if (spread > 0) {
+  if (spread * spread > 1e-10 * m.sum4) {  // below, equal totals: what is left is rounding
     double const mean = e.mean;
     double const fourth = m.sum4 - 4 * mean * m.sum3 + 6 * mean * mean * m.sum2 - 3 * n * mean * mean * mean * mean;
     e.variance_of_variance = std::fmax(fourth / (spread * spread) - 1 / n, 0);

@@ -11,50 +11,109 @@ namespace {
 // Siblings are followed depth first, so the vertices before the one that a path stands on are always its own.
 class ReplaySink {
  public:
-  ReplaySink(World const& world, WorldView const& view, std::uint32_t event, std::uint32_t connection)
-      : world_(world), view_(view), event_(event), connection_(connection) {}
+  ReplaySink(World const& world, WorldView const& view, std::uint64_t seed, std::uint32_t event, std::uint32_t number)
+      : world_(world), view_(view), seed_(seed), event_(event), number_(number) {}
 
   void emitted(PathState const& path, Vertex const& vertex) {
-    passed_ = {{vertex.surface, vertex.point, view_.lit[path.source].direction(vertex.point), {}, Event::emit}};
-    length_ = {0};
+    Footprint const& source = view_.lit[path.source];
+    GroupId const group = source.free ? source.origin : group_of(vertex.surface);
+    Vec3 const in = source.free ? path.ray.dir : source.direction(vertex.point);
+    passed_ = {{vertex.surface, vertex.point, in, {}, Event::emit, 1, 1, group}};
+    length_ = {path.path_length};
   }
   void visit(PathState const& path, Vertex const& vertex) {
     passed_.resize(path.order);
     length_.resize(path.order);
-    leave_towards(passed_, vertex.point, path.hop.left_by);
-    length_.push_back(length_.back() + vertex.leg);
-    passed_.push_back({vertex.surface, vertex.point, passed_.back().out, {}, Event::scatter});
+    leave_towards(passed_, vertex.point, path.hop.left_by, vertex.n_in);
+    length_.push_back(path.path_length);
+    passed_.push_back({vertex.surface,
+                       vertex.point,
+                       passed_.back().out,
+                       {},
+                       Event::scatter,
+                       vertex.n_in,
+                       vertex.n_in,
+                       group_of(vertex.surface)});
   }
-  void score(PathState const& path, Vertex const& vertex, std::uint32_t lit, std::uint32_t connection, Vertex const& y,
+  void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number, Vertex const& y,
              double coupling) {
-    if (found || path.event != event_ || connection != connection_) return;
+    if (found || path.event != event_ || number != number_) return;
+    Route const route = route_of(view_, path, vertex, goal, number, y.surface);
     auto vertices = passed_;
-    double path_length = length_.back();
-    if (!by_itself(connection)) {
-      leave_towards(vertices, y.point, Event::scatter);
-      path_length += length(y.point - vertex.point);
-      vertices.push_back({y.surface, y.point, vertices.back().out, {}, Event::couple});
+    vertices.resize(path.order + 1);
+    double path_length = length_[path.order];
+    bool const mode = goal < view_.lit.size;
+    if (!by_itself(number) || view_.surfaces[y.surface.value].clear) {
+      bool const through = dot(y.point - vertex.point, vertex.frame.e3) < 0;
+      double const index = by_itself(number) ? 1 : through ? vertex.n_out : vertex.n_in;
+      leave_towards(vertices, y.point, by_itself(number) ? path.hop.left_by : Event::scatter, index);
+      path_length += index * length(y.point - vertices.back().point);
+      vertices.push_back(
+          {y.surface, y.point, vertices.back().out, {}, Event::scatter, index, index, group_of(y.surface)});
     }
-    vertices.back().event = Event::couple;
-    vertices.back().out = -view_.lit[lit].direction(vertices.back().point);
-    bool const other = route_of(view_, path, vertex, lit, connection).other;
-    found = ReplayedPath{
-        vertices, path.source, lit, other, coupling, path_length, levers_of(world_, vertices, path.source, lit)};
+    vertices.back().event = mode ? Event::couple : Event::receive;
+    vertices.back().out = mode ? -view_.lit[goal].direction(vertices.back().point) : Vec3{};
+    found = ReplayedPath{vertices,
+                         path.source,
+                         goal,
+                         route.other,
+                         coupling,
+                         path_length,
+                         levers_of(world_, vertices, path.source, goal)};
+  }
+  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, std::uint64_t const* chain,
+                     std::uint32_t hops, std::uint32_t receiver, Vertex const& end, double power) {
+    if (found || path.event != event_ || number_ != number_through(view_, receiver)) return;
+    Rng rng = backward_numbers(seed_, path, receiver);
+    std::vector<std::pair<Vertex, Event>> specular;
+    backward_from(view_, view_.receivers[receiver], rng, [&](Vertex const& at, bool through) {
+      specular.emplace_back(at, through ? Event::transmit : Event::reflect);
+    });
+    auto vertices = passed_;
+    vertices.resize(path.order + 1);
+    double path_length = length_[path.order];
+    auto const go_to = [&](Vertex const& v, Event left_by, double index) {
+      leave_towards(vertices, v.point, left_by, index);
+      path_length += index * length(v.point - vertices.back().point);
+      PassedVertex const here{v.surface, v.point, vertices.back().out, {}, Event::scatter,
+                              index,     index,   group_of(v.surface)};
+      vertices.push_back(here);
+    };
+    go_to(z, Event::scatter, dot(z.point - vertex.point, vertex.frame.e3) < 0 ? vertex.n_out : vertex.n_in);
+    Event left_by = Event::scatter;
+    for (auto at = specular.rbegin(); at != specular.rend(); ++at) {  // seen backwards: `behind` is where the light is
+      go_to(at->first, left_by, at->second == Event::transmit ? at->first.n_out : at->first.n_in);
+      left_by = at->second;
+    }
+    go_to(end, left_by, specular.front().first.n_in);
+    vertices.back().event = Event::receive;
+    vertices.back().out = {};
+    bool const other = route_through(view_, path, vertex, z, chain, hops, receiver).other;
+    found = ReplayedPath{vertices,
+                         path.source,
+                         goal_of_receiver(view_, receiver),
+                         other,
+                         power,
+                         path_length,
+                         levers_of(world_, vertices, path.source, goal_of_receiver(view_, receiver))};
   }
   void book(Fate, double) {}
 
   std::optional<ReplayedPath> found;
 
  private:
-  static void leave_towards(std::vector<PassedVertex>& vertices, Vec3 point, Event event) {
+  GroupId group_of(SurfaceId id) const { return view_.surfaces[id.value].group; }
+  static void leave_towards(std::vector<PassedVertex>& vertices, Vec3 point, Event event, double index) {
     PassedVertex& last = vertices.back();
     last.out = unit(point - last.point);
+    last.n_out = index;
     if (last.event != Event::emit) last.event = event;
   }
 
   World const& world_;
   WorldView const& view_;
-  std::uint32_t event_, connection_;
+  std::uint64_t seed_;
+  std::uint32_t event_, number_;
   std::vector<PassedVertex> passed_;
   std::vector<double> length_;  // m, from the source to each vertex
 };
@@ -62,24 +121,26 @@ class ReplaySink {
 }  // namespace
 
 std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
-                             std::uint32_t lit) {
+                             std::uint32_t goal) {
   double const k = 2 * pi / world.wavelength;
   std::vector<Lever> levers;
   auto const add = [&](SurfaceId surface, Vec3 point, Vec3 kappa) {  // kappa: rad/m
     BodyId const body = world.surfaces()[surface.value].body;
+    if (!body.valid()) return;  // a measuring plane belongs to no body
     auto at = std::find_if(levers.begin(), levers.end(), [&](Lever const& l) { return l.body == body; });
     if (at == levers.end()) at = levers.insert(levers.end(), Lever{body, {}});
     Vec3 const turn = cross(point - world.bodies()[body.value].pivot, kappa);
     double const add_up[6] = {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z};
     for (int i = 0; i < 6; ++i) at->d[i] += add_up[i];
   };
-  for (PassedVertex const& v : vertices) add(v.surface, v.point, k * (v.in - v.out));
+  for (PassedVertex const& v : vertices)
+    if (v.surface.valid()) add(v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
   // The main mode itself bounces on the mirrors of a cavity: only what differs from it counts (eq. 2.5).
   auto const subtract_main = [&](Footprint const& f) {
     if (f.standing) add(f.surface, f.centre, -2 * k * f.travel);
   };
   subtract_main(world.footprints()[source]);
-  if (lit != source) subtract_main(world.footprints()[lit]);
+  if (goal != source && goal < world.footprints().size()) subtract_main(world.footprints()[goal]);
   std::sort(levers.begin(), levers.end(), [](Lever const& a, Lever const& b) { return a.body < b.body; });
   return levers;
 }
@@ -87,9 +148,10 @@ std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const
 std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t event,
                                    std::uint32_t connection) {
   WorldView const view = world.view();
-  ReplaySink sink(world, view, event, connection);
+  ReplaySink sink(world, view, seed, event, connection);
   History again;
-  if (!emit(view, seed, history, again.path, sink)) return sink.found;
+  again.begin(history);
+  if (!emit(view, seed, again.path, sink)) return sink.found;
   do {
     while (!sink.found && step(view, seed, again, sink)) {
     }

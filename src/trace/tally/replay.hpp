@@ -10,20 +10,24 @@
 
 namespace straytrace {
 
-// One vertex as it was passed: what happened there and the unit vectors of the light before and after it.
+// One vertex as it was passed: what happened there, the unit vectors of the light before and after it, and the indices
+// of the media it ran in. A free beam starts on no surface. On a receiver the outgoing leg is zero
+// (requirements.md C3.7).
 struct PassedVertex {
   SurfaceId surface;
   Vec3 point, in, out;
   Event event = Event::scatter;
+  double n_in = 1, n_out = 1;
+  GroupId group{};
 };
 
 struct ReplayedPath {
   std::vector<PassedVertex> vertices;
-  std::uint32_t source = 0, lit = 0;  // footprints at the two ends
-  bool other = false;                 // route longer than the limit of route names
-  double coupling = 0;                // of the score
-  double path_length = 0;             // optical, m
-  std::vector<Lever> levers;          // relative to the main mode, by body
+  std::uint32_t source = 0, goal = 0;  // footprint it started from; footprint, or receiver after them, it ends on
+  bool other = false;                  // route longer than the limit of route names
+  double coupling = 0;                 // of the score
+  double path_length = 0;              // optical, m
+  std::vector<Lever> levers;           // relative to the main mode, by body
 };
 
 // The score (history, event, connection) made again; empty when this history makes no such score.
@@ -32,6 +36,6 @@ std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::
 
 // Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5). k in rad/m.
 std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
-                             std::uint32_t lit);
+                             std::uint32_t goal);
 
 }  // namespace straytrace

@@ -1,32 +1,60 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The route of a score: how many vertices it has, and its hash.
+// The route of a score: how many vertices it has, where it ends, and its hash.
 #pragma once
 
-#include "trace/estimate/connect.hpp"
+#include "trace/estimate/through_glass.hpp"
 
 namespace straytrace {
 
 struct Route {
   std::uint64_t hash = 0;
   std::uint32_t vertices = 0;
-  bool other = false;  // longer than the limit: summed in one class per port and source beam
+  std::uint32_t end = 0;  // port, or receiver + first_receiver_end
+  bool other = false;     // longer than the limit: summed in one class per end and source beam
 };
 
-inline Route route_of(WorldView const& world, PathState const& path, Vertex const& vertex, std::uint32_t lit,
-                      std::uint32_t connection) {
-  Footprint const& end = world.lit[lit];
-  std::uint64_t name = path.route;
-  Route route;
-  route.vertices = path.order + 1;
-  if (!by_itself(connection)) {
-    name = extended(name, world.surfaces[vertex.surface.value].group, Event::scatter);
-    ++route.vertices;
-  }
-  route.other = route.vertices > world.limits.route_vertices;
-  name = route.other ? 0 : extended(name, world.surfaces[end.surface.value].group, Event::couple);
-  // C_rev depends on the beams at the two ends, so paths of different source beams are never one class.
+// C_rev depends on the beams at the two ends, so paths of different source beams are never one class.
+inline std::uint64_t hash_of_ends(WorldView const& world, PathState const& path, std::uint64_t name,
+                                  std::uint32_t end) {
   std::uint64_t const beam = std::uint64_t(world.lit[path.source].beam) + 1;
-  route.hash = mixed(mixed(name + beam) + (std::uint64_t(end.port.value) + 1) * 0xd1342543de82ef95ull);
+  return mixed(mixed(name + beam) + (std::uint64_t(end) + 1) * 0xd1342543de82ef95ull);
+}
+
+// `at`: the vertex scored from; `y`: the point on the goal.
+inline Route route_of(WorldView const& world, PathState const& path, Vertex const& at, std::uint32_t goal,
+                      std::uint32_t number, SurfaceId y) {
+  bool const receiver = goal >= world.lit.size;
+  Route route;
+  route.end = receiver ? first_receiver_end + (goal - std::uint32_t(world.lit.size)) : world.lit[goal].port.value;
+  std::uint64_t name = path.route;
+  route.vertices = path.order + 1;
+  bool const plane = receiver && by_itself(number) && world.surfaces[y.value].clear;  // met on the way
+  if (!by_itself(number)) name = extended(name, world.surfaces[at.surface.value].group, Event::scatter);
+  if (!by_itself(number) || plane) ++route.vertices;
+  route.other = route.vertices > world.limits.route_vertices;
+  name = route.other ? 0 : extended(name, world.surfaces[y.value].group, receiver ? Event::receive : Event::couple);
+  route.hash = hash_of_ends(world, path, name, route.end);
+  return route;
+}
+
+// Number of the score that a sub-path behind glass makes: goals after all others.
+inline std::uint32_t number_through(WorldView const& world, std::uint32_t receiver) {
+  return connection_number(std::uint32_t(world.lit.size + world.receivers.size) + receiver);
+}
+// Route of x -> z -> glass -> receiver; `chain` holds the names of the specular surfaces, nearest the receiver first.
+inline Route route_through(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& z,
+                           std::uint64_t const* chain, std::uint32_t hops, std::uint32_t receiver) {
+  auto const group_of = [&](SurfaceId id) { return world.surfaces[id.value].group; };
+  Route route;
+  route.end = first_receiver_end + receiver;
+  route.vertices = path.order + 3 + hops;
+  route.other = route.vertices > world.limits.route_vertices;
+  std::uint64_t name = extended(path.route, group_of(x.surface), Event::scatter);
+  name = extended(name, group_of(z.surface), Event::scatter);
+  for (std::uint32_t i = hops; i-- > 0;)
+    name = extended(name, {std::uint32_t(chain[i] >> 8)}, static_cast<Event>(chain[i] & 0xff));
+  name = extended(name, group_of(world.receivers[receiver].surface), Event::receive);
+  route.hash = hash_of_ends(world, path, route.other ? 0 : name, route.end);
   return route;
 }
 

@@ -34,8 +34,25 @@ void merge_class(ClassSums& into, ClassSums const& from) {
   into.moments = merged(into.moments, from.moments);
   for (int r = 0; r < replica_count; ++r) into.replica_sum[r] += from.replica_sum[r];
   into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  into.off_list += from.off_list;
   into.threshold = std::max(into.threshold, from.threshold);
   keep_largest(into);
+}
+
+void add_to(std::vector<double>& into, std::vector<double> const& from) {
+  into.resize(std::max(into.size(), from.size()));
+  for (std::size_t i = 0; i < from.size(); ++i) into[i] += from[i];
+}
+
+void merge_receiver(ReceiverSums& into, ReceiverSums const& from) {
+  into.power = merged(into.power, from.power);
+  for (auto const map : {&ReceiverSums::image, &ReceiverSums::angles, &ReceiverSums::quadrants}) {
+    add_to((into.*map).sum, (from.*map).sum);
+    add_to((into.*map).sum2, (from.*map).sum2);
+  }
+  for (auto const& [route, field] : from.fields)
+    for (auto const part : {&FieldSums::power, &FieldSums::real, &FieldSums::imaginary})
+      add_to(into.fields[route].*part, field.*part);
 }
 
 }  // namespace
@@ -47,6 +64,8 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
   left.rays += right.rays;
   left.lost += right.lost;
   for (auto const& [route, sums] : right.classes) merge_class(left.classes[route], sums);
+  left.receivers.resize(std::max(left.receivers.size(), right.receivers.size()));
+  for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);
   left.emitted = merged(left.emitted, right.emitted);
   for (int f = 0; f < fate_count; ++f) left.ledger[f] = merged(left.ledger[f], right.ledger[f]);
   left.arrived.resize(std::max(left.arrived.size(), right.arrived.size()));

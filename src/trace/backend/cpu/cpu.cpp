@@ -15,9 +15,10 @@ class Cpu final : public Backend {
   BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
     WorldView const view = world.view();
     BlockSink sink(view, seed, world.groups().size(), int(block % replica_count));
+    History history;
     for (std::uint64_t h = block * block_size; h < (block + 1) * block_size; ++h) {
       sink.begin(h);
-      trace_history(view, seed, h, sink);
+      trace_history(view, seed, h, history, sink);
       sink.end();
     }
     return sink.finish();

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Long diffuse walks with every hit checked. Tubes: against 80-bit arithmetic. The bench: against a second tree over
+// the same surfaces in reverse order, and one hit in 100,000 against a test of every surface; the box is closed, so a
+// ray that hits nothing is lost. Ends with 1 when anything is wrong.
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "exact_tube.hpp"
+#include "scenes.hpp"
+
+namespace straytrace::bench {
+namespace {
+
+bool report(std::string const& name, long long bounces, long long lost, long long wrong, long long self, double error) {
+  std::printf("{\"name\":\"%s\",\"bounces\":%lld,\"lost\":%lld,\"wrong\":%lld,\"self\":%lld,\"worst_error\":%.3g}\n",
+              name.c_str(), bounces, lost, wrong, self, error);
+  std::fflush(stdout);
+  return lost == 0 && wrong == 0 && self == 0;
+}
+
+bool check_tube(std::string const& name, testing::Tube const& tube, long long bounces, std::uint64_t seed) {
+  testing::TubeScene const scene(tube);
+  WorldView const view = scene.world.view();
+  auto const tracer = [&](Ray const& r, SurfaceId from) { return view.closest(r, from); };
+  testing::Tally const t = testing::walk(scene, bounces, seed, tracer);
+  return report(name, t.bounces, t.lost, t.wrong, t.self, t.worst_error) && testing::exact_to_rounding(t);
+}
+
+World reversed_world(World const& world) {
+  World out;
+  out.add_optic({});
+  WorldView const view = world.view();
+  for (auto s = world.surfaces().rbegin(); s != world.surfaces().rend(); ++s)
+    view.shapes.visit(s->shape, [&](auto const& shape) { out.add_surface(shape, 0, 0, {}, {}); });
+  out.finish();
+  return out;
+}
+
+bool check_bench(long long bounces) {
+  BenchScene const scene = optical_bench();
+  World const other = reversed_world(scene.world);
+  WorldView const view = scene.world.view(), second = other.view();
+  WorldView every = view;
+  every.limits.brute_force = true;
+  auto const last = std::uint32_t(view.surfaces.size - 1);
+  long long done = 0, lost = 0, wrong = 0, self = 0;
+  for (std::uint64_t walk = 0; done < bounces; ++walk) {
+    for (BenchRay const& r : walk_rays(scene, std::size_t(std::min(bounces - done, 1000000ll)), 100 + walk)) {
+      Hit const hit = view.closest(r.ray, r.from);
+      lost += !hit.surface.valid();
+      self += hit.surface == r.from.surface && hit.distance < 1e-12;
+      Hit const again = second.closest(r.ray, SurfaceId{last - r.from.surface.value});
+      wrong += again.distance != hit.distance;
+      if (done++ % 100000 == 0) wrong += every.closest(r.ray, r.from).surface != hit.surface;
+    }
+  }
+  return report("bench", done, lost, wrong, self, 0);
+}
+
+}  // namespace
+}  // namespace straytrace::bench
+
+int main(int argc, char** argv) {
+  using namespace straytrace;
+  auto const bounces = static_cast<long long>(argc > 1 ? std::strtod(argv[1], nullptr) : 1e8);
+  if (bounces < 1) {
+    std::fputs("usage: bench_exact [BOUNCES]\n", stderr);
+    return 2;
+  }
+  bool right = bench::check_tube("tube3", testing::tube3, bounces, 11);
+  right = bench::check_tube("tube40", testing::tube40, bounces, 12) && right;
+  right = bench::check_bench(bounces) && right;
+  return right ? 0 : 1;
+}

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the maps of the receivers of a run: python3 -m straytrace.plot_maps RUN_FILE -o FOLDER, one NAME.png each."""
+
+import argparse
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.colors import LogNorm  # noqa: E402
+
+from .plot import GREY, footer, save  # noqa: E402
+from .run import RunError, open_run  # noqa: E402
+
+STYLE = {"font.size": 9, "axes.titlesize": 10, "axes.titleweight": "bold", "axes.titlelocation": "left"}
+
+
+def scaled(half):
+    """Length unit in which a map is drawn, and its factor."""
+    for factor, unit in ((1.0, "m"), (1e2, "cm"), (1e3, "mm"), (1e6, "um")):
+        if half * factor >= 1:
+            return factor, unit
+    return 1e6, "um"
+
+
+def norm_of(values):
+    """Logarithmic when the light spans more than two decades; at most six are shown."""
+    seen = values[np.isfinite(values) & (values > 0)]
+    if seen.size == 0 or seen.max() < 100 * seen.min():
+        return None
+    return LogNorm(max(seen.min(), 1e-6 * seen.max()), seen.max())
+
+
+def draw_panel(figure, axes, values, half, unit, title, label, **style):
+    if not np.isfinite(values).any():
+        axes.text(0.5, 0.5, "no light seen", ha="center", va="center", transform=axes.transAxes)
+    image = axes.imshow(values, origin="lower", extent=(-half[0], half[0], -half[1], half[1]), interpolation="nearest",
+                        **style)
+    axes.set_facecolor("#e6e6e6")                # where nothing was seen
+    axes.set_xlabel(f"x [{unit}]")
+    axes.set_ylabel(f"y [{unit}]")
+    axes.set_title(title)
+    figure.colorbar(image, ax=axes, label=label, shrink=0.85)
+
+
+def panels_of(receiver, watt):
+    """(values, half sizes, unit, title, label, style) of each panel."""
+    relative = "" if watt else " per W of the main mode"
+    power = watt or 1.0
+    found = []
+    if receiver.image is not None:
+        factor, unit = scaled(max(receiver.half))
+        half = [factor * h for h in receiver.half]
+        area = 4 * receiver.half[0] * receiver.half[1] / receiver.image.size
+        found.append((receiver.image * power / area, half, unit, "Irradiance", f"W/m²{relative}",
+                      {"cmap": "inferno", "norm": norm_of(receiver.image * power / area)}))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = 100 * receiver.image_error / receiver.image
+        found.append((error, half, unit, "One standard error", "% of the irradiance", {"cmap": "viridis", "vmin": 0}))
+        if receiver.field is not None:
+            field = receiver.field * np.sqrt(power)
+            found.append((np.abs(field) ** 2, half, unit, "Coherent irradiance", f"W/m²{relative}",
+                          {"cmap": "inferno"}))
+            found.append((np.angle(field), half, unit, "Phase", "rad",
+                          {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}))
+    if receiver.angles is not None:
+        sine = receiver.angle_sine
+        solid = (2 * sine) ** 2 / receiver.angles.size
+        values = receiver.angles * power / solid
+        found.append((values, [sine, sine], "direction cosine", "Directions of arrival",
+                      f"W per unit of direction cosine²{relative}", {"cmap": "inferno", "norm": norm_of(values)}))
+    return found
+
+
+def draw(run, receiver):
+    panels = panels_of(receiver, run.beam_power)
+    if not panels:
+        return None
+    columns = min(2, len(panels))
+    rows = -(-len(panels) // columns)
+    figure, grid = plt.subplots(rows, columns, figsize=(4.4 * columns, 3.6 * rows + 0.5), dpi=100, squeeze=False,
+                                layout="constrained")
+    for axes, panel in zip(grid.flat, panels):
+        draw_panel(figure, axes, *panel[:5], **panel[5])
+    for axes in grid.flat[len(panels):]:
+        axes.set_visible(False)
+    figure.suptitle(f"Receiver {receiver.name}, seen from the front", x=0.01, ha="left", fontweight="bold")
+    figure.supxlabel(footer(run), fontsize=7, color=GREY)
+    return figure
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="straytrace.plot_maps", description=__doc__)
+    parser.add_argument("run", help="run file")
+    parser.add_argument("-o", "--out", required=True, help="folder")
+    options = parser.parse_args(arguments)
+    try:
+        run = open_run(options.run)
+    except RunError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    with plt.rc_context(STYLE):
+        for receiver in run.receivers:
+            figure = draw(run, receiver)
+            if figure is None:
+                continue
+            try:
+                save(figure, pathlib.Path(options.out) / (receiver.name.replace("/", "_") + ".png"))
+            except OSError as error:
+                print(f"error: cannot write to '{options.out}': {error.strerror}", file=sys.stderr)
+                return 2
+            finally:
+                plt.close(figure)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

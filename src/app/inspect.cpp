@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace inspect: what a material, a preset or a BSDF file contains as understood.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "app/common_options.hpp"
+#include "base/message.hpp"
+#include "report/picture.hpp"
+#include "world/material_presets.hpp"
+#include "world/material_view.hpp"
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Inspected {
+  std::string what, scene, plot, beyond = "constant", angles = "from_normal", wavelength = "1064 nm";
+};
+
+constexpr double angles_shown[] = {0, 10, 20, 30, 40, 50, 60, 70, 80, 85, 89};  // deg
+constexpr double incidences_shown[] = {0, 30, 60, 80};
+
+bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
+
+// A scene that holds nothing but the preset or the file; it reads from `texts` as long as it lives.
+Scene scene_of(Inspected const& i, FileTexts& texts) {
+  for (MaterialPreset const& p : material_presets())
+    if (p.name == i.what) {
+      texts["preset"] = fmt::format("straytrace: 1\nmaterials: {{{0}: {{preset: {0}}}}}\n", i.what);
+      return read_scene("preset", {}, &texts);
+    }
+  std::ifstream in(i.what, std::ios::binary);
+  if (!in || std::filesystem::is_directory(i.what)) {
+    std::vector<std::string> names;
+    for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
+    std::string const near = nearest_word(i.what, names);
+    throw InputError(
+        fmt::format("error: '{}' is neither a file nor a preset\n  {}to see a material of a scene, name the "
+                    "scene after it: straytrace inspect steel arm.yaml",
+                    i.what, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
+  }
+  std::string const name = std::filesystem::path(i.what).filename().string();
+  std::string const yaml = fmt::format(
+      "straytrace: 1\nmaterials:\n  {}: {{scatter: {{model: table, file: \"{}\", beyond: {}, angles: {}, "
+      "wavelength: {}}}}}\n",
+      "measured", name, i.beyond, i.angles, i.wavelength);
+  texts["options of inspect"] = yaml;
+  texts[name] = std::string(std::istreambuf_iterator<char>(in), {});
+  return read_scene("options of inspect", {}, &texts);
+}
+
+std::vector<double> offsets(int per_decade, double low, double high) {
+  std::vector<double> all;
+  int const count = int(std::lround(std::log10(high / low) * per_decade));
+  for (int i = 0; i <= count; ++i) all.push_back(low * std::pow(10, double(i) / per_decade));
+  return all;
+}
+
+nlohmann::json as_json(WorldView const& world, MaterialInfo const& info, std::vector<std::string> const& notes) {
+  Optic const& optic = world.optics[info.optic];
+  nlohmann::json out{{"material", info.name}, {"source", info.source}, {"notes", notes}};
+  out["laws"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < info.laws.size(); ++i)
+    out["laws"].push_back({{"model", info.laws[i].model},
+                           {"source", info.laws[i].source},
+                           {"wavelength", info.laws[i].wavelength},
+                           {"through", optic.through[i]}});
+  out["tis"] = nlohmann::json::array();
+  for (double degrees : angles_shown) {
+    MaterialShares const r = shares_at(world, optic, degrees);
+    out["tis"].push_back({{"deg", degrees},
+                          {"scattered", r.scattered},
+                          {"laws", r.laws},
+                          {"reflect", r.reflect},
+                          {"transmit", r.transmit},
+                          {"absorbed", r.absorbed}});
+  }
+  out["bsdf"] = nlohmann::json::array();
+  for (int side : {1, -1})
+    for (double degrees : incidences_shown) {
+      nlohmann::json curve{
+          {"deg", degrees}, {"side", side}, {"offset", nlohmann::json::array()}, {"bsdf", nlohmann::json::array()}};
+      double most = 0;
+      for (double offset : offsets(30, 1e-5, 1.99)) {
+        double const value = bsdf_at(world, optic, degrees, offset, side);
+        if (value < 0) break;
+        curve["offset"].push_back(offset);
+        curve["bsdf"].push_back(value);
+        most = std::fmax(most, value);
+      }
+      if (most > 0) out["bsdf"].push_back(curve);
+    }
+  return out;
+}
+
+void print_bsdf(WorldView const& world, Optic const& optic, int side) {
+  double any = 0;
+  for (double offset : offsets(6, 1e-5, 1)) any = std::fmax(any, bsdf_at(world, optic, 0, offset, side));
+  if (!(any > 0)) return;
+  std::cout << fmt::format("\nBSDF [1/sr], {}, in the plane of incidence towards the normal\n{:>14}",
+                           side > 0 ? "reflected" : "transmitted", "|beta-beta0|");
+  for (double degrees : incidences_shown) std::cout << fmt::format("  {:>6.0f} deg", degrees);
+  std::cout << '\n';
+  for (double offset : offsets(2, 1e-5, 1)) {
+    std::cout << fmt::format("{:14.3e}", offset);
+    for (double degrees : incidences_shown) {
+      double const value = bsdf_at(world, optic, degrees, offset, side);
+      std::cout << (value < 0 ? fmt::format("  {:>10}", "-") : fmt::format("  {:10.3e}", value));
+    }
+    std::cout << '\n';
+  }
+}
+
+void print(WorldView const& world, MaterialInfo const& info, std::vector<std::string> const& notes) {
+  Optic const& optic = world.optics[info.optic];
+  std::cout << fmt::format("material {}, source: {}\n", info.name, info.source);
+  for (std::size_t i = 0; i < info.laws.size(); ++i)
+    std::cout << fmt::format("  law {}: {}{}, source: {}, wavelength: {}\n", i + 1, info.laws[i].model,
+                             optic.through[i] ? " (through)" : "", info.laws[i].source, info.laws[i].wavelength);
+  for (std::string const& note : notes) std::cout << "  " << note << '\n';
+  std::cout << fmt::format("\n{:>6}  {:>10}", "deg", "TIS");
+  for (int i = 0; i < optic.laws; ++i) std::cout << fmt::format("  {:>10}", fmt::format("law {}", i + 1));
+  std::cout << fmt::format("  {:>10}  {:>10}  {:>10}\n", "specular R", "T", "absorbed");
+  for (double degrees : angles_shown) {
+    MaterialShares const r = shares_at(world, optic, degrees);
+    std::cout << fmt::format("{:6.0f}  {:10.4e}", degrees, r.scattered);
+    for (double share : r.laws) std::cout << fmt::format("  {:10.4e}", share);
+    std::cout << fmt::format("  {:10.4e}  {:10.4e}  {:10.4e}\n", r.reflect, r.transmit, r.absorbed);
+  }
+  print_bsdf(world, optic, 1);
+  print_bsdf(world, optic, -1);
+}
+
+// Writes the data beside the picture for as long as it is drawn.
+void plot(nlohmann::json const& data, std::string const& png) {
+  std::string const file = png + ".json";
+  if (!(std::ofstream(file) << data.dump()))
+    throw InputError(
+        fmt::format("error: cannot write '{}'\n  name a picture in a folder that exists, with --plot", png));
+  std::string message;
+  bool const drawn = draw_law_picture(file, png, message);
+  std::filesystem::remove(file);
+  if (!drawn) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  std::cout << "\npicture: " << png << '\n';
+}
+
+int inspect(Inspected const& i, Options const& options) {
+  bool const whole = is_scene(i.what), own = !i.scene.empty();
+  if (whole && own)
+    throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
+  FileTexts texts;
+  Scene const scene = own || whole ? read_scene(own ? i.scene : i.what, options.overrides) : scene_of(i, texts);
+  World world;
+  Registry names;
+  read_media(scene, world, names);
+  read_materials(scene, world, names);
+  scene.throw_if_problems();
+  if (!options.quiet) std::cerr << scene.warnings();
+  bool found = false;
+  std::vector<std::string> known;
+  for (MaterialInfo const& info : world.materials) {
+    known.push_back(info.name);
+    if (own && info.name != i.what) continue;
+    std::vector<std::string> notes;
+    for (std::string const& note : world.notes)
+      if (note.starts_with("material " + info.name + ":")) notes.push_back(note.substr(11 + info.name.size()));
+    if (found && !options.json()) std::cout << '\n';
+    found = true;
+    nlohmann::json const data = as_json(world.view(), info, notes);
+    if (options.json())
+      std::cout << data.dump() << '\n';
+    else
+      print(world.view(), info, notes);
+    if (!i.plot.empty()) plot(data, i.plot);
+    if (!i.plot.empty()) break;
+  }
+  if (found) return done;
+  std::string const near = nearest_word(i.what, known);
+  throw InputError(fmt::format("error: '{}' has no material '{}'\n  {}", own ? i.scene : i.what, i.what,
+                               !near.empty() ? fmt::format("did you mean '{}'?", near)
+                                             : fmt::format("its materials: {}", fmt::join(known, ", "))));
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("inspect", "what a material, a preset or a BSDF file contains as understood");
+  static Inspected what;
+  command->add_option("what", what.what, "material of a scene, preset, BSDF file (CSV), or scene")->required();
+  command->add_option("scene", what.scene, "scene that holds the material");
+  command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
+      ->allow_extra_args(false);
+  command->add_option("--plot", what.plot, "draw BSDF against |beta - beta0| and TIS against angle into this PNG file");
+  command->add_option("--beyond", what.beyond, "of a BSDF file: constant, power or zero")
+      ->check(CLI::IsMember({"constant", "power", "zero"}));
+  command->add_option("--angles", what.angles, "of a BSDF file: from_normal or from_specular")
+      ->check(CLI::IsMember({"from_normal", "from_specular"}));
+  command->add_option("--wavelength", what.wavelength, "of a BSDF file, for example \"633 nm\"");
+  command->add_flag("--quiet", options.quiet, "no warnings");
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace inspect oxidised_steel\n"
+      "  straytrace inspect test_mass examples/virgo_arm.yaml --format json");
+  command->callback([&] { exit_code = inspect(what, options); });
+}
+
+}  // namespace straytrace

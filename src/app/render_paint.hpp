@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Colours of pictures, and what they mean.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trace/camera.hpp"
+
+namespace straytrace {
+
+struct LegendEntry {
+  std::string colour, name, what;  // "#1f77b4", "blue", "tube"
+};
+struct Drawn {
+  std::vector<std::uint8_t> rgb;  // three bytes per pixel, row by row
+  std::vector<LegendEntry> legend;
+  std::string scale;  // what shades mean, in words; empty: nothing to say
+};
+
+// Colours by object: the first part of a group's name, "lens_1" of "lens_1/front". The same name gets the same colour
+// in every scene, unless two names of a scene would share one.
+Drawn draw_shaded(World const&, Camera const&, LookSettings const&);
+Drawn draw_ids(World const&, Camera const&, LookSettings const&);      // one flat colour per group
+Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the frame of the camera
+Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
+// Adjoint of the steering tables (estimators.md 7): where light must not go.
+Drawn draw_importance(World&, Camera const&, LookSettings const&);
+
+std::string object_of(std::string const& group);
+
+}  // namespace straytrace

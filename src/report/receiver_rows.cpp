@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The numbers behind the tables and maps of receivers.
+#include <algorithm>
+#include <cmath>
+
+#include "report/receivers.hpp"
+
+namespace straytrace {
+namespace {
+
+std::vector<std::string> objects_of(CouplingTable const& table, CouplingClass const& c) {
+  std::vector<std::string> objects;
+  for (PathStep const& s : c.steps) {
+    if (s.event == Event::receive) continue;
+    std::string const& name = table.groups[s.group.value];
+    if (std::find(objects.begin(), objects.end(), name) == objects.end()) objects.push_back(name);
+  }
+  return objects;
+}
+
+// Sum of routes; its error from the replicas, so that one history in several of them is not taken for independent.
+class SumOfRoutes {
+ public:
+  void add(CouplingClass const& c) {
+    mean_ += c.coupling.mean;
+    for (int r = 0; r < replica_count; ++r) replica_[std::size_t(r)] += c.replica_sum[std::size_t(r)];
+  }
+  WithError sum(CouplingTable const& table) const {
+    double between = 0;
+    bool all = table.histories > 0;
+    for (std::size_t r = 0; r < replica_count; ++r) {
+      double const off = replica_[r] - mean_ * double(table.replica_histories[r]);
+      between += off * off;
+      all = all && table.replica_histories[r] > 0;
+    }
+    double const error = std::sqrt(between * replica_count / (replica_count - 1)) / double(table.histories);
+    return {mean_, all ? error : not_a_number};
+  }
+
+ private:
+  double mean_ = 0;
+  std::array<double, replica_count> replica_ = {};
+};
+
+bool before(ReceivedRoute const& a, ReceivedRoute const& b) {
+  if (a.power.trusted != b.power.trusted) return a.power.trusted;
+  return a.power.mean != b.power.mean ? a.power.mean > b.power.mean : a.hash < b.hash;
+}
+
+void take_census(ReceiverEntry& entry, CouplingTable const& table, std::vector<CouplingClass const*> const& classes) {
+  std::map<std::string, std::pair<SumOfRoutes, std::vector<std::size_t>>> objects;
+  for (ReceivedRoute const& route : entry.routes) {
+    auto const is = [&](CouplingClass const* c) { return c->hash == route.hash; };
+    CouplingClass const& c = **std::find_if(classes.begin(), classes.end(), is);
+    std::vector<std::string> names = route.objects;
+    if (c.steps.empty()) names = {""};
+    for (std::string const& name : names) {
+      objects[name].first.add(c);
+      objects[name].second.push_back(route.rank);
+    }
+  }
+  for (auto const& [name, found] : objects) entry.census.push_back({name, found.first.sum(table), found.second});
+  std::sort(entry.census.begin(), entry.census.end(), [](CensusRow const& a, CensusRow const& b) {
+    if (a.object.empty() != b.object.empty()) return b.object.empty();
+    return a.power.value != b.power.value ? a.power.value > b.power.value : a.object < b.object;
+  });
+}
+
+ReceiverEntry entry_of(CouplingTable const& table, std::size_t number, BlockSums const& total) {
+  ReceiverEntry entry;
+  entry.name = table.receivers[number];
+  entry.power = table.received_power.at(number);
+  std::vector<CouplingClass const*> classes;
+  for (CouplingClass const& c : table.received)
+    if (c.port.value == number) classes.push_back(&c);
+  for (CouplingClass const* c : classes) {
+    double const all = entry.power.mean;
+    ReceivedRoute route{0, c->hash, received_name(table, *c), c->coupling, {}, objects_of(table, *c)};
+    if (all > 0) route.share = {c->coupling.mean / all, c->coupling.std_error / all};
+    entry.routes.push_back(std::move(route));
+  }
+  std::sort(entry.routes.begin(), entry.routes.end(), before);
+  for (std::size_t i = 0; i < entry.routes.size(); ++i) entry.routes[i].rank = i + 1;
+  take_census(entry, table, classes);
+  entry.quadrants = cell_estimates(total.receivers.at(number).quadrants, total.histories, total.blocks);
+  return entry;
+}
+
+}  // namespace
+
+CellEstimates cell_estimates(MapSums const& map, std::uint64_t histories, std::uint64_t blocks) {
+  CellEstimates cells;
+  double const n = double(histories), b = double(blocks);
+  for (std::size_t i = 0; i < map.sum.size(); ++i) {
+    bool const seen = map.sum[i] > 0;
+    double const between = std::fmax(map.sum2[i] - map.sum[i] * map.sum[i] / b, 0);
+    cells.mean.push_back(seen ? map.sum[i] / n : not_a_number);
+    cells.error.push_back(seen && blocks > 1 ? std::sqrt(between * b / (b - 1)) / n : not_a_number);
+  }
+  return cells;
+}
+
+FieldMap field_map(Receiver const& r, ReceiverSums const& sums, std::uint64_t histories) {
+  FieldMap map;
+  std::size_t const pixels = std::size_t(r.columns) * r.rows;
+  if (sums.fields.empty() || pixels == 0) return map;
+  double const area = 4 * r.half_width * r.half_height / double(pixels), n = double(histories);
+  map.field.resize(pixels);
+  map.coherence.assign(pixels, not_a_number);
+  for (auto const& [route, f] : sums.fields)
+    for (std::size_t i = 0; i < pixels; ++i) {
+      std::complex<double> const mean(f.real[i], f.imaginary[i]);
+      double const in_phase = std::abs(mean);
+      if (!(in_phase > 0)) continue;
+      map.field[i] += std::sqrt(f.power[i] / (n * area)) * (mean / in_phase);
+      map.coherence[i] = std::fmin(map.coherence[i], in_phase / f.power[i]);  // fmin passes over NaN
+    }
+  return map;
+}
+
+ReceiverTable receiver_table(RunContent const& run) {
+  ReceiverTable table;
+  table.beam_power = run.beam_power;
+  CouplingTable const& coupling = run.trace->coupling;
+  for (std::size_t i = 0; i < coupling.receivers.size(); ++i)
+    table.receivers.push_back(entry_of(coupling, i, run.trace->total));
+  return table;
+}
+
+}  // namespace straytrace

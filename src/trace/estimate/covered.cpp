@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trace/estimate/importance.hpp"
+#include "trace/estimate/through_glass.hpp"
+
+namespace straytrace {
+
+void find_covered_receivers(World& world) {
+  constexpr std::uint64_t tries = 64, enough = 4;  // a share of a few per cent of what the receiver sees
+  WorldView const view = world.view();
+  for (std::uint32_t i = 0; i < view.receivers.size; ++i) {
+    if (view.receivers[i].clear) continue;
+    std::uint64_t found = 0;
+    for (std::uint64_t n = 0; n < tries; ++n) {
+      PathState path;
+      path.history = n;
+      Rng rng = backward_numbers(0, path, i);
+      if (backward_from(view, view.receivers[i], rng, [](Vertex const&, bool) {}).tau > 0) ++found;
+    }
+    world.cover_receiver(i, found >= enough);
+  }
+}
+
+}  // namespace straytrace

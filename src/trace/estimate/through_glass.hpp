@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Receivers behind lenses and mirrors (estimators.md 9): neither a connection nor, for a small receiver, chance reaches
+// them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering surface z,
+// and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
+// itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
+// the density 1/(area pi) of its start: etendue is the same at both ends.
+#pragma once
+
+#include "trace/estimate/receive.hpp"
+#include "trace/estimate/scatter.hpp"
+
+namespace straytrace {
+
+constexpr std::uint32_t most_specular_hops = 32;  // of a backward sub-path; what goes on is left to the walk
+
+// End of a backward sub-path.
+struct Backward {
+  Vec3 end, arriving;  // on the receiver; direction of the light there
+  std::uint32_t end_piece = 0;
+  SurfaceId z;
+  std::uint32_t piece = 0;
+  Vec3 point, towards;                    // on z; unit vector from there back into the glass
+  double tau = 0;                         // shares passed over the probabilities of choosing them; 0: nothing found
+  double distance = 0;                    // m from z to the next specular surface
+  double cosine = 1;                      // of incidence there, on the side of z
+  std::uint32_t strip = WorldView::none;  // of that surface
+};
+
+// `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first.
+template <class Passed>
+STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed) {
+  double const u = rng.uniform(), v = rng.uniform(), a = rng.uniform(), b = rng.uniform();
+  SurfacePoint const start =
+      world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
+  Vec3 const normal = world.normal(r.surface, start.point, start.piece);
+  Frame const frame = Frame::around(r.front ? normal : -normal);
+  SinCos const azimuth = sincos_turn(b);
+  double const rho = std::sqrt(a);
+  PathState path;
+  path.power = 1;
+  path.ray = {start.point, frame.to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)})};
+  path.from = {r.surface, start.piece};
+  Backward back;
+  back.end = start.point;
+  back.arriving = -path.ray.dir;
+  back.end_piece = start.piece;
+  for (std::uint32_t hops = 0; hops <= most_specular_hops; ++hops) {
+    Hit const hit = world.closest(path.ray, path.from);
+    if (!hit.surface.valid()) return {};
+    Vertex at = vertex_at(world, path, hit);
+    lost_in_medium(world, path, hit.distance);
+    look(world, path, path.ray.dir, at);
+    double const choice = rng.uniform() * at.kept();
+    if (choice >= at.reflect + at.transmit) {        // stops here, or is absorbed
+      if (hops == 0 || !(at.albedo > 0)) return {};  // seen directly: an ordinary connection
+      back.z = at.surface;
+      back.piece = at.piece;
+      back.point = at.point;
+      back.towards = -path.ray.dir;
+      back.distance = at.leg;
+      back.tau = path.power * at.kept() / at.albedo;
+      return back;
+    }
+    bool const through = choice >= at.reflect;
+    passed(at, through);
+    path.power *= at.kept();
+    path.from = {at.surface, at.piece, at.contact};
+    path.ray.origin = at.point;
+    path.media = at.before;
+    leave_specular(world, path, at, through);
+    back.strip = at.strip;
+    back.cosine = std::fabs(dot(path.ray.dir, at.frame.e3));
+  }
+  return {};
+}
+STRAY_HD Rng backward_numbers(std::uint64_t seed, PathState const& path, std::uint32_t receiver) {
+  return {seed, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::backward) + (receiver << 8))};
+}
+
+// Connects the vertex to the end of a sub-path of one receiver.
+template <class Sink>
+STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
+                              std::uint32_t receiver, Sink& sink) {
+  Receiver const& r = world.receivers[receiver];
+  Rng rng = backward_numbers(seed, path, receiver);
+  std::uint64_t chain[most_specular_hops + 1];
+  std::uint32_t hops = 0;
+  Backward const back = backward_from(world, r, rng, [&](Vertex const& at, bool through) {
+    chain[hops++] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 |
+                    std::uint64_t(through ? Event::transmit : Event::reflect);
+  });
+  if (!(back.tau > 0)) return;
+  Way const way = way_to(world, vertex, back.point);
+  if (!(way.bsdf > 0)) return;
+  Vertex z = make_vertex(world, back.z, back.point, way.out, back.piece);
+  if (!(z.wi.z > 0)) return;
+  PathState there;  // media at z: those of the way there
+  there.media = way.wo.z < 0 ? vertex.after : vertex.before;
+  there.polarisation = path.polarisation;
+  look(world, there, way.out, z);
+  Vec3 const wo = z.frame.to_local(back.towards);
+  double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  if (!(f > 0) || blocked(world, vertex, way, back.z)) return;
+  double const etendue = pi / receiver_density(world, r);
+  double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  double const leaving =
+      z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
+  double const walk = walk_density(world, path, vertex, way, z.strip, z.wi.z) * leaving;
+  double const power = path.power * way.bsdf * std::fabs(way.wo.z) * z.wi.z / (way.length * way.length) * f * back.tau *
+                       etendue / (1 + walk * etendue);
+  if (!(power > 0)) return;
+  Vertex const end = make_vertex(world, r.surface, back.end, back.arriving, back.end_piece);
+  if constexpr (requires { sink.score_through(path, vertex, z, chain, hops, receiver, end, power); })
+    sink.score_through(path, vertex, z, chain, hops, receiver, end, power);
+}
+
+template <class Sink>
+STRAY_HD void connect_behind_glass(WorldView const& world, std::uint64_t seed, PathState const& path,
+                                   Vertex const& vertex, Sink& sink) {
+  if (!(vertex.albedo > 0)) return;
+  for (std::uint32_t i = 0; i < world.receivers.size; ++i)
+    if (world.receivers[i].behind_glass) connect_through(world, seed, path, vertex, i, sink);
+}
+
+}  // namespace straytrace

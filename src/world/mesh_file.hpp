@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Mesh files: STL (text, binary), OBJ, PLY, glTF and GLB, read from bytes in memory. Polygons become triangles; names
+// of parts and materials are kept; normals, colours and textures of the file are not used.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "geometry/triangle.hpp"
+
+namespace straytrace {
+
+struct MeshPart {
+  std::string name, material;  // empty: the file names none
+  std::vector<MeshVertex> vertices;
+  std::vector<MeshTriangle> triangles;
+};
+
+struct MeshFile {
+  std::string name;             // as written in the scene
+  double stated_unit = 0;       // m, where the format states it (glTF: metres); 0: it does not
+  std::vector<MeshPart> parts;  // in file order; equal corners are one vertex
+  std::size_t left_out = 0;     // points and lines
+
+  std::size_t triangle_count() const;
+  Box box() const;  // in the unit of the file
+};
+
+// Bytes of another file that the mesh file names (buffers of glTF), relative to it; empty when there is none. Names
+// that leave the folder of the mesh file are never asked for.
+using CompanionFile = std::function<std::string(std::string const&)>;
+
+// What is wrong with the file, for the user.
+struct MeshFault {
+  std::string what, suggestion;  // empty: nothing
+};
+
+// Fills `out.parts` and what else the file says from `bytes`; the format follows from the ending of out.name.
+MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companion, MeshFile& out);
+
+}  // namespace straytrace

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Readers of the scatter laws of a material (docs/reference/scatter). Each records its problems in the scene and
+// appends the laws it made; most make one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+
+struct LawReading {
+  World& world;
+  std::string material;
+  std::vector<PoolRef> laws;  // what was read
+
+  template <class Law>
+  void add(Law const& law) {
+    laws.push_back(world.add_law(law));
+  }
+  void note(std::string text) { world.notes.push_back("material " + material + ": " + std::move(text)); }
+};
+
+void read_lambertian(Node const&, LawReading&);
+void read_power_law(Node const&, LawReading&);
+void read_abg(Node const&, LawReading&);
+void read_harvey(Node const&, LawReading&);
+void read_gaussian(Node const&, LawReading&);
+void read_polynomial(Node const&, LawReading&);
+void read_defects(Node const&, LawReading&);
+void read_dust(Node const&, LawReading&);
+void read_k_correlation(Node const&, LawReading&);
+void read_psd(Node const&, LawReading&);
+void read_harvey_shack(Node const&, LawReading&);
+void read_measured(Node const&, LawReading&);
+
+// Laws of a preset with its reflectance where the material gives no `specular` (docs/reference/scatter/presets.md).
+void read_preset(Node const& material, LawReading&, Optic&);
+
+// Wavelength at which a law is evaluated: the key `wavelength`, or that of the scene.
+double law_wavelength(Node const& law, World const&);
+
+// A text file of columns: header 'theta_i [deg], brdf [1/sr]', then rows; '#' starts a comment.
+struct ColumnFile {
+  struct Column {
+    std::string name;
+    Quantity unit;
+    std::uint32_t line, at;  // place of the name
+  };
+  struct Row {
+    std::vector<double> values;  // SI
+    std::uint32_t line;
+    std::vector<std::uint32_t> at;  // columns where the cells begin
+  };
+  std::string name;
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+  int find(std::string_view column) const;  // -1: none
+};
+// Problems go to the file's lines, and an empty file comes back. `example`: a header for messages.
+ColumnFile read_columns(Node const& owner, std::string const& file, std::string const& example);
+
+}  // namespace straytrace

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/search_kernels.hpp"
+
+#include <cstdlib>
+
+#include "world/world.hpp"
+
+namespace straytrace {
+namespace {
+
+template <class Shape>
+STRAY_INLINE Crossing meet(WorldView const& world, SurfaceRef ref, Ray const& ray, Departure const& from) {
+  return {std::get<View<Shape const>>(world.shapes.arrays)[ref.shape().index].distance(ray, from.on(ref.surface)), 0};
+}
+
+using CrossOne = Crossing (*)(WorldView const&, std::uint32_t, Ray const&, Departure const&);
+
+// Common shapes are tested in place, all others by a call: code that stays in the cache.
+template <CrossOne others>
+struct CrossHere {
+  WorldView const& world;
+  STRAY_INLINE Crossing operator()(SurfaceRef ref, Ray const& ray, Departure const& from) const {
+    switch (ref.shape().kind) {
+      case kind_of<Disk, ShapeTypes>():
+        return meet<Disk>(world, ref, ray, from);
+      case kind_of<Cylinder, ShapeTypes>():
+        return meet<Cylinder>(world, ref, ray, from);
+      case kind_of<Cap, ShapeTypes>():
+        return meet<Cap>(world, ref, ray, from);
+      default:
+        return others(world, ref.surface, ray, from);
+    }
+  }
+};
+// In tubes most is plain, and mirrors end them: the rest by a call, with copies, so that the caller's own numbers stay
+// in registers.
+template <CrossOne others>
+struct CrossCalled {
+  WorldView const& world;
+  STRAY_INLINE Crossing operator()(SurfaceRef ref, Ray const& ray, Departure const& from) const {
+    if (ref.shape().kind == kind_of<Cap, ShapeTypes>()) return meet<Cap>(world, ref, ray, from);
+    Ray const copy = ray;
+    return others(world, ref.surface, copy, from);
+  }
+};
+
+template <CrossOne others>
+STRAY_INLINE Hit closest_of_trees(WorldView const& world, Ray const& ray, Departure const& from, Hit const& known) {
+  CrossHere<others> const cross{world};
+  NearestQuery<CrossHere<others>> query(ray, from, cross, known);
+  double limit = known.distance;
+  if (world.limits.brute_force)
+    world.search_all(ray, query);
+  else
+    world.tree.traverse_trees(ray, limit, query);
+  return query.best();
+}
+
+using Trees = Hit (*)(WorldView const&, Ray const&, Departure const&, Hit const&);
+
+template <CrossOne others, Trees trees>
+STRAY_INLINE Hit closest_of_all(WorldView const& world, Ray const& ray, Departure const& from) {
+  if (world.limits.brute_force || world.tree.tubes.tubes.size == 0) return trees(world, ray, from, {{}, ray.t_max});
+  CrossCalled<others> const cross{world};
+  NearestQuery<CrossCalled<others>> query(ray, from, cross, {{}, ray.t_max});
+  double limit = ray.t_max;
+  world.tree.traverse_tubes(ray, limit, query);
+  if (world.tree.clusters.size > 0) return trees(world, ray, from, query.best());
+  return {{query.surface}, query.distance, query.piece};
+}
+
+template <CrossOne others>
+STRAY_INLINE bool any(WorldView const& world, Ray const& ray, Departure const& from, bool to_itself) {
+  CrossHere<others> const cross{world};
+  return world.search(ray, AnyQuery<CrossHere<others>>{cross, from, ray, to_itself});
+}
+
+// Functions that carry the instruction set; all above is inlined into them. Tubes in one, all else in others: each loop
+// keeps its numbers in registers.
+#define STRAY_KERNELS(isa, ...)                                                                                    \
+  __VA_ARGS__ __attribute__((noinline))                                                                            \
+  Crossing cross_##isa(WorldView const& world, std::uint32_t id, Ray const& ray, Departure const& from) {          \
+    return world.cross(id, ray, from);                                                                             \
+  }                                                                                                                \
+  __VA_ARGS__ __attribute__((noinline))                                                                            \
+  Hit trees_##isa(WorldView const& world, Ray const& ray, Departure const& from, Hit const& known) {               \
+    return closest_of_trees<cross_##isa>(world, ray, from, known);                                                 \
+  }                                                                                                                \
+  __VA_ARGS__ Hit closest_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                   \
+    return closest_of_all<cross_##isa, trees_##isa>(world, ray, from);                                             \
+  }                                                                                                                \
+  __VA_ARGS__ bool occluded_##isa(WorldView const& world, Ray const& ray, Departure const& from, bool to_itself) { \
+    return any<cross_##isa>(world, ray, from, to_itself);                                                          \
+  }                                                                                                                \
+  constexpr SearchKernels isa##_kernels{#isa, closest_##isa, occluded_##isa};
+
+STRAY_KERNELS(portable, __attribute__((flatten)))
+#if STRAY_VECTORS && defined(__x86_64__)
+STRAY_KERNELS(avx2, __attribute__((flatten, target("avx2,bmi,bmi2,lzcnt"))))
+STRAY_KERNELS(avx512, __attribute__((flatten, target("avx512f,avx512vl,avx512dq,avx512bw,bmi,bmi2,lzcnt"))))
+#endif
+#undef STRAY_KERNELS
+
+SearchKernels const* choose() {
+  if (char const* const wanted = std::getenv("STRAYTRACE_ISA"))
+    if (SearchKernels const* const found = find_search_kernels(wanted)) return found;
+  for (std::string_view const name : {"avx512", "avx2"})
+    if (SearchKernels const* const found = find_search_kernels(name)) return found;
+  return &portable_kernels;
+}
+
+}  // namespace
+
+SearchKernels const* find_search_kernels(std::string_view name) {
+  if (name == "portable") return &portable_kernels;
+#if STRAY_VECTORS && defined(__x86_64__)
+  __builtin_cpu_init();
+  bool const bits = __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (name == "avx2" && bits && __builtin_cpu_supports("avx2")) return &avx2_kernels;
+  if (name == "avx512" && bits && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
+    return &avx512_kernels;
+#endif
+  return nullptr;
+}
+
+SearchKernels const* search_kernels = choose();
+
+}  // namespace straytrace

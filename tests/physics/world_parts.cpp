@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The built-in composites (requirements.md R3.06 and 7.2): sizes, closed bodies of glass, normals that point out.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/message.hpp"
+#include "base/rng.hpp"
+#include "world/world.hpp"
+
+namespace straytrace {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string text_of(std::string const& entry, std::string const& parts = "") {
+  return "straytrace: 1\nmaterials: {m: {}, ground: {scatter: {model: lambertian, tis: 10 %}}}\n"
+         "bodies: {b: {motion: still}}\n" +
+         parts + "media: {glass: {index: 1.45}}\nscene:\n  - {name: x, body: b, material: m, " + entry + "}\n" +
+         "  - {name: lit, shape: {disk: {outer_radius: 1 mm}}, at: [0 m, 0 m, 900 m], body: b, material: m}\n" +
+         "beams: {s: {on: lit, radius: 1 mm}}\nports: {p: {beam: s, at: lit}}\n";
+}
+World world_of(std::string const& entry, std::string const& parts = "") {
+  FileTexts const texts{{"a.yaml", text_of(entry, parts)}};
+  Scene const scene = read_scene("a.yaml", {}, &texts);
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  return world;
+}
+std::string refusal_of(std::string const& entry, std::string const& parts = "") {
+  try {
+    world_of(entry, parts);
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return {};
+}
+
+// The barrel among the first three surfaces.
+struct Barrel {
+  double from = 0, to = 0;
+};
+Barrel barrel_of(World const& world) {
+  Barrel b;
+  WorldView const v = world.view();
+  for (std::uint32_t id = 0; id < 3; ++id)
+    v.shapes.visit(v.surfaces[id].shape, [&](auto const& s) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(s)>, Cylinder>) b = {s.from, s.to};
+    });
+  return b;
+}
+double sag(double r, double diameter) { return r - std::sqrt(r * r - diameter * diameter / 4); }
+
+// R3.06: RoC 0.1 m, diameter 0.09 m: sag 10.69714 mm. Barrels of 7.2: t - s1 - s2, t + s1 + s2, t - s1 + s2.
+TEST(WorldParts, LensSagsAndBarrels) {
+  Barrel const convex =
+      barrel_of(world_of("use: lens, radius_1: 0.1 m, radius_2: 0.1 m, diameter: 9 cm, thickness: 3 cm"));
+  EXPECT_NEAR(-convex.to, 10.69714e-3, 5e-9);
+  EXPECT_GT(std::fabs(0.045 * 0.045 / 0.2 - 10.69714e-3), 1e-4);  // twin: the parabola
+  EXPECT_NEAR(convex.to - convex.from, 0.03 - 2 * sag(0.1, 0.09), 1e-15);
+  Barrel const hollow =
+      barrel_of(world_of("use: lens, radius_1: -0.1 m, radius_2: -0.2 m, diameter: 9 cm, thickness: 1 cm"));
+  EXPECT_NEAR(hollow.to - hollow.from, 0.01 + sag(0.1, 0.09) + sag(0.2, 0.09), 1e-15);
+  Barrel const meniscus =
+      barrel_of(world_of("use: lens, radius_1: 0.1 m, radius_2: -0.2 m, diameter: 9 cm, thickness: 1 cm"));
+  EXPECT_NEAR(meniscus.to - meniscus.from, 0.01 - sag(0.1, 0.09) + sag(0.2, 0.09), 1e-15);
+  EXPECT_GT(std::fabs(meniscus.to - meniscus.from - (0.01 + sag(0.1, 0.09) - sag(0.2, 0.09))), 1e-3);  // twin
+}
+
+// Lines through the body: every one goes in and out in turn. False for the first that does not.
+bool left_as_often_as_entered(World const& world, int lines, double size, Vec3 middle) {
+  WorldView const v = world.view();
+  Rng rng(3, 0, 0, Stream::source);
+  auto const direction = [&] {
+    double const z = 2 * rng.uniform() - 1, r = std::sqrt(1 - z * z);
+    SinCos const a = sincos_turn(rng.uniform());
+    return Vec3{r * a.cos, r * a.sin, z};
+  };
+  for (int i = 0; i < lines; ++i) {
+    Vec3 const d = direction(), aim = middle + (size * rng.uniform()) * direction();
+    Ray ray{aim - (3 * size) * d, d};
+    Departure from;
+    bool inside = false;
+    for (int n = 0; n < 20; ++n) {
+      Hit const h = v.closest(ray, from);
+      if (!h.surface.valid() || h.distance > 10 * size) break;
+      Vec3 const p = ray.origin + h.distance * d;
+      bool const entering = dot(v.normal(h.surface, p, h.piece), d) < 0;
+      if (entering == inside) return false;
+      inside = entering;
+      ray.origin = v.project(h.surface, p, h.piece);
+      from = Departure(h.surface, h.piece);
+    }
+    if (inside) return false;
+  }
+  return true;
+}
+
+TEST(WorldParts, GlassIsLeftAsOftenAsEntered) {  // 1e5 lines each
+  struct Case {
+    char const* entry;
+    double size, middle;  // m: of a ball about the body, and where along z it is
+  };
+  Case const cases[] = {
+      {"use: lens, radius_1: 0.1 m, radius_2: 0.1 m, diameter: 9 cm, thickness: 3 cm", 0.05, -0.015},
+      {"use: lens, radius_1: -0.1 m, radius_2: -0.2 m, diameter: 9 cm, thickness: 1 cm", 0.05, -0.005},
+      {"use: lens, radius_1: 0.1 m, radius_2: -0.2 m, diameter: 9 cm, thickness: 1 cm", 0.05, -0.005},
+      {"use: lens, radius_1: 50 mm", 0.014, -0.0025},
+      {"use: thick_mirror, radius_of_curvature: 1683 m", 0.21, -0.1},
+      {"use: thick_mirror, radius_of_curvature: -2 m, wedge: 1.5 deg", 0.21, -0.1},
+      {"use: flat_mirror", 0.015, -0.003},
+      {"use: plate, wedge: 10 deg", 0.016, -0.0025},
+      {"use: plate, wedge: -0.3 deg", 0.016, -0.0025},
+      {"shape: {box: {width: 1 cm, height: 2 cm, depth: 3 cm}}", 0.02, 0},
+  };
+  for (Case const& c : cases)
+    for (char const* place : {", medium: glass", ", medium: glass, at: [1 m, 2 m, 3 m], facing: [0.3, -0.5, 0.7]"}) {
+      Vec3 const along = place[17] ? unit({0.3, -0.5, 0.7}) : Vec3{0, 0, 1};
+      Vec3 const at = place[17] ? Vec3{1, 2, 3} : Vec3{};
+      EXPECT_TRUE(
+          left_as_often_as_entered(world_of(std::string(c.entry) + place), 50000, c.size, at + c.middle * along))
+          << c.entry << place;
+    }
+}
+
+// Twin: the barrel ends 1 um before the rim of the first face.
+TEST(WorldParts, AGapOfOneMicrometreIsFound) {
+  auto const with = [](std::string const& gap) {
+    return "parts:\n  slab:\n    faces:\n      front: {shape: {disk: {outer_radius: 1 cm}}}\n"
+           "      barrel: {shape: {cylinder: {radius: 1 cm, from: -2 mm, to: 0 m - " +
+           gap + "}}}\n      back: {shape: {disk: {outer_radius: 1 cm}}, at: [0 m, 0 m, -2 mm], facing: [0, 0, -1]}\n";
+  };
+  EXPECT_TRUE(
+      left_as_often_as_entered(world_of("use: slab, medium: glass", with("0 m")), 100000, 0.01, {0, 0, -0.001}));
+  EXPECT_FALSE(
+      left_as_often_as_entered(world_of("use: slab, medium: glass", with("1 um")), 100000, 0.01, {0, 0, -0.001}));
+}
+
+TEST(WorldParts, OneVolumeForEachPlacedPart) {
+  World const world = world_of("use: lens, radius_1: 0.1 m, medium: glass, repeat: {count: 3, along: z, pitch: 1 m}");
+  for (std::uint32_t id = 0; id < 9; ++id) EXPECT_EQ(world.surfaces()[id].volume, id / 3);
+  EXPECT_EQ(world.surfaces()[9].volume, Surface::none);
+  EXPECT_EQ(world.view().volumes.size, 3u);
+  EXPECT_EQ(world.view().media[world.view().volumes[2].medium].index, 1.45);
+  World const diode = world_of("use: photodiode, medium: glass");
+  for (std::uint32_t id = 0; id < 7; ++id) EXPECT_EQ(diode.surfaces()[id].volume, id < 3 ? 0 : Surface::none);
+}
+
+TEST(WorldParts, MaterialsByFace) {
+  World const world = world_of("use: lens, radius_1: 0.1 m, surfaces: {barrel: ground}");
+  WorldView const v = world.view();
+  auto const scatters = [&](std::uint32_t id) { return v.optics[v.surfaces[id].front].laws > 0; };
+  EXPECT_TRUE(!scatters(0) && scatters(1) && !scatters(2));
+  EXPECT_THAT(refusal_of("use: lens, surfaces: {barel: ground}"), HasSubstr("unknown key 'barel'"));
+  EXPECT_THAT(refusal_of("use: lens, surfaces: {barrel: grond}"), HasSubstr("did you mean 'ground'?"));
+  EXPECT_THAT(refusal_of("use: lens, surfaces: ground"), HasSubstr("names a material for each face"));
+}
+
+TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
+  auto const slab = [](std::string const& front, std::string const& barrel, std::string const& back) {
+    return "parts:\n  slab:\n    faces:\n      front: {shape: {disk: {outer_radius: 1 cm}}" + front + "}\n" + barrel +
+           "      back: {shape: {disk: {outer_radius: 1 cm}}, at: [0 m, 0 m, -2 mm]" + back + "}\n";
+  };
+  std::string const barrel = "      barrel: {shape: {cylinder: {radius: 1 cm, from: -2 mm, to: 0 m}}}\n";
+  std::string const down = ", facing: [0, 0, -1]", open = "do not close";
+  std::string const entry = "use: slab, medium: glass";
+  EXPECT_EQ(refusal_of(entry, slab("", barrel, down)), "");
+  EXPECT_THAT(refusal_of(entry, slab("", barrel, "")), HasSubstr(open));    // the back looks into the glass
+  EXPECT_THAT(refusal_of(entry, slab(down, barrel, "")), HasSubstr(open));  // both do
+  EXPECT_THAT(refusal_of(entry, slab("", "", down)), HasSubstr(open));      // no barrel
+  EXPECT_THAT(refusal_of(entry, slab("",
+                                     "      cone: {shape: {cone: {inner_radius: 5 mm, outer_radius: 1 cm, half_angle: "
+                                     "35 deg}}}\n",
+                                     down)),
+              HasSubstr(open));
+  EXPECT_THAT(refusal_of("shape: {disk: {outer_radius: 1 cm}}, medium: glass"), HasSubstr(open));
+  EXPECT_EQ(refusal_of("shape: {sphere: {radius: 1 cm}}, medium: glass"), "");
+  EXPECT_THAT(refusal_of("use: lens, medium: glas"), HasSubstr("did you mean 'glass'?"));
+  EXPECT_EQ(refusal_of("use: lens, medium: none"), "");
+}
+
+TEST(WorldParts, AllAreAccepted) {
+  for (char const* part : {"mirror", "lens", "thick_mirror", "flat_mirror", "plate", "conical_baffle",
+                           "serrated_baffle", "chamber", "tube_section", "dump", "photodiode", "mount"})
+    EXPECT_EQ(refusal_of(std::string("use: ") + part), "") << part;
+}
+
+}  // namespace
+}  // namespace straytrace

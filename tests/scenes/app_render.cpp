@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace render, importance and paths --first-order: examples of the help, legends, and messages.
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <png.h>
+#include <set>
+
+#include "scenes/program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string const bench = source_folder + "/examples/bench.yaml";
+
+struct Picture {
+  unsigned columns = 0, rows = 0;
+  std::vector<std::uint8_t> rgb;
+  std::set<unsigned> colours() const {
+    std::set<unsigned> all;
+    for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) all.insert(rgb[i] << 16 | rgb[i + 1] << 8 | rgb[i + 2]);
+    return all;
+  }
+};
+Picture read_png(std::string const& file) {
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  EXPECT_TRUE(png_image_begin_read_from_file(&image, file.c_str())) << file;
+  image.format = PNG_FORMAT_RGB;
+  Picture p{image.width, image.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
+  EXPECT_TRUE(png_image_finish_read(&image, nullptr, p.rgb.data(), 0, nullptr));
+  return p;
+}
+
+nlohmann::json rendered(Words words) {
+  words.insert(words.begin(), "render");
+  words.insert(words.end(), {"--format", "json", "--pixels", "160x120"});
+  Finished const r = straytrace(words);
+  EXPECT_EQ(r.code, 0) << r.err;
+  return r.code == 0 ? nlohmann::json::parse(r.out) : nlohmann::json();
+}
+
+TEST(Render, ExamplesOfTheHelpRun) {
+  Folder const folder;
+  fs::create_directory_symlink(source_folder + "/examples", folder / "examples");
+  Finished const help = straytrace({"render", "--help"});
+  EXPECT_THAT(help.out, HasSubstr("straytrace render examples/bench.yaml -o bench.png"));
+  EXPECT_THAT(help.out, HasSubstr("straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg"));
+  Finished const one = straytrace({"render", "examples/bench.yaml", "-o", "bench.png"}, {folder.path()});
+  EXPECT_EQ(one.code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("lens_1"));
+  EXPECT_THAT(one.out, HasSubstr("photodiode"));
+  Picture const p = read_png(folder / "bench.png");
+  EXPECT_EQ(p.columns, 800u);
+  EXPECT_EQ(p.rows, 600u);
+  EXPECT_GT(p.colours().size(), 100u);
+  Finished const two = straytrace(
+      {"render", "examples/virgo_arm.yaml", "-o", "view.png", "--from", "ITM", "--fov", "2deg"}, {folder.path()});
+  EXPECT_EQ(two.code, 0) << two.err;
+  EXPECT_THAT(two.out, HasSubstr("baffles_in"));
+  EXPECT_EQ(two.out.find(" tube\n"), std::string::npos) << "the shadow rule hides the wall";
+}
+
+// Every colour of an id picture is in its legend. Twin: another picture's legend lacks some.
+TEST(Render, IdsAreInTheLegend) {
+  Folder const folder;
+  std::string const file = folder / "id.png";
+  auto const legend = [](nlohmann::json const& said) {
+    std::set<unsigned> colours{0};
+    for (auto const& e : said["legend"])
+      colours.insert(unsigned(std::stoul(e["colour"].get<std::string>().substr(1), nullptr, 16)));
+    return colours;
+  };
+  auto const whole = legend(rendered({bench, "-o", file, "--mode", "id"}));
+  auto const drawn = read_png(file).colours();
+  EXPECT_TRUE(std::includes(whole.begin(), whole.end(), drawn.begin(), drawn.end()));
+  EXPECT_GT(drawn.size(), 10u);
+  auto const one =
+      legend(rendered({bench, "-o", file, "--mode", "id", "--eye", "0,0,12cm", "--look", "0,0,30cm", "--fov", "5deg"}));
+  EXPECT_FALSE(std::includes(one.begin(), one.end(), drawn.begin(), drawn.end()));
+}
+
+// The same object has the same colour in every picture; the number of threads changes nothing.
+TEST(Render, ColoursAndBitsAreStable) {
+  Folder const folder;
+  std::string const file = folder / "a.png", other = folder / "b.png";
+  auto const colour = [](nlohmann::json const& said, std::string const& object) -> std::string {
+    for (auto const& e : said["legend"])
+      if (e["object"] == object) return e["colour"];
+    return "none";
+  };
+  auto const all = rendered({bench, "-o", file, "--threads", "1"}),
+             one = rendered({bench, "-o", other, "--at", "lens_1"});
+  EXPECT_EQ(colour(all, "lens_1"), colour(one, "lens_1"));
+  EXPECT_NE(colour(all, "lens_1"), "none");
+  rendered({bench, "-o", other, "--threads", "4"});
+  EXPECT_EQ(text_of(file), text_of(other));
+}
+
+TEST(Render, OtherModesDraw) {
+  Folder const folder;
+  std::string const file = folder / "a.png";
+  for (std::string const mode : {"depth", "normal", "importance"}) {
+    auto const said = rendered({virgo_arm, "-o", file, "--mode", mode});
+    EXPECT_FALSE(said["scale"].get<std::string>().empty()) << mode;
+    EXPECT_GT(read_png(file).colours().size(), 5u) << mode;
+  }
+  EXPECT_NEAR(rendered({bench, "-o", file, "--fov", "90deg"})["focal_length_pixels"].get<double>(), 60, 1e-9);
+  rendered({bench, "-o", file, "--cut", "x=0", "--cut", "y>10cm", "--whole", "--section"});
+}
+
+TEST(Render, BadOptionsSayWhatToWrite) {
+  Folder const folder;
+  std::string const file = folder / "a.png";
+  struct Case {
+    Words words;
+    std::string says;
+  };
+  for (Case const& c :
+       {Case{{"--eye", "0,0,1"}, "--eye 0,20cm,-1.5m"}, Case{{"--eye", "0,0"}, "--eye 0,20cm,-1.5m"},
+        Case{{"--fov", "200deg"}, "--fov 30deg"}, Case{{"--pixels", "800"}, "--pixels 800x600"},
+        Case{{"--cut", "w=0"}, "--cut x=0"}, Case{{"--at", "lens_9"}, "did you mean 'lens_1'"},
+        Case{{"--from", "PDD"}, "nothing in the scene is called"}, Case{{"--look", "0,0,0"}, "--eye"}}) {
+    Words words{"render", bench, "-o", file};
+    words.insert(words.end(), c.words.begin(), c.words.end());
+    Finished const r = straytrace(words);
+    EXPECT_EQ(r.code, 2) << c.words[1];
+    EXPECT_THAT(r.err, HasSubstr(c.says)) << c.words[1];
+  }
+  Finished const r = straytrace({"render", bench, "-o", folder / "no/such/folder.png"});
+  EXPECT_EQ(r.code, 2);
+  EXPECT_FALSE(fs::exists(file));
+}
+
+// A scene without problems of its beams: what is lit and seen on the bench. The fold mirror is lit by the lenses.
+TEST(FirstOrderLists, OfTheBench) {
+  Finished const text = straytrace({"paths", bench, "--first-order", "--histories", "20000"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("illuminated"));
+  EXPECT_THAT(text.out, HasSubstr("Seen from receiver PD"));
+  Finished const r = straytrace({"paths", bench, "--first-order", "--histories", "20000", "--format", "json"});
+  auto const lists = nlohmann::json::parse(r.out);
+  ASSERT_EQ(lists.size(), 1u);
+  bool fold = false;
+  for (auto const& row : lists[0]["surfaces"])
+    if (row["surface"] == "fold/front") {
+      fold = true;
+      EXPECT_GT(row["power"]["value"].get<double>(), 0.5);
+      EXPECT_GT(row["throughput"]["value"].get<double>(), 0);
+    }
+  EXPECT_TRUE(fold);
+  Finished const csv = straytrace({"paths", bench, "--first-order", "--histories", "20000", "--csv"});
+  EXPECT_EQ(csv.out.rfind("ending,surface,power", 0), 0u);
+}
+
+TEST(Importance, TableOfTheArm) {
+  Finished const text = straytrace({"importance", virgo_arm, "--show", "3"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("and "));
+  Finished const r = straytrace({"importance", virgo_arm, "--format", "json"});
+  double most = 0;
+  for (auto const& row : nlohmann::json::parse(r.out)) most = std::max(most, row["adjoint_front"].get<double>());
+  EXPECT_GT(most, 0);
+}
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `specular` and `media` of a scene: what is read, and what is refused and why (requirements R3.24, 8.1, C2.6).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "optics/specular.hpp"
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Built {
+  World world;
+  Registry names;
+  std::string problems;  // empty: none
+  Optic const& optic(std::string const& name) const { return world.view().optics[names.materials.at(name)]; }
+  Amplitudes amplitudes(std::string const& name, double cos_i, double n_in = 1, double n_out = 1) const {
+    return specular_amplitudes(world.view().interfaces, optic(name), cos_i, n_in, n_out, true);
+  }
+};
+
+// `text`: the top-level tables materials and media, and beams when they matter.
+Built built(std::string const& text, FileTexts files = {}) {
+  files["a.yaml"] = "straytrace: 1\n" + text;
+  Scene const scene = read_scene("a.yaml", {}, &files);
+  Built b;
+  read_media(scene, b.world, b.names);
+  read_materials(scene, b.world, b.names);
+  try {
+    scene.throw_if_problems();
+  } catch (InputError const& e) {
+    b.problems = e.what();
+  }
+  return b;
+}
+Built material(std::string const& text, std::string const& more = "", FileTexts const& files = {}) {
+  return built(more + "materials: {m: {" + text + "}}\n", files);
+}
+::testing::AssertionResult refused(Built const& b, std::string const& words) {
+  if (b.problems.find(words) != std::string::npos) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "'" << words << "' is not in: " << b.problems;
+}
+
+TEST(WorldInterfaces, FixedShares) {
+  Built const b = material("specular: {reflect: 30 %, transmit: 69 %}");
+  EXPECT_EQ(b.problems, "");
+  EXPECT_EQ(b.optic("m").reflect, 0.3);
+  EXPECT_EQ(b.optic("m").transmit, 0.69);
+  EXPECT_NEAR(b.amplitudes("m", 0.4).transmittance(), 0.69, 1e-15);
+}
+
+TEST(WorldInterfaces, WordsAndIndices) {
+  Built const b = built(
+      "materials:\n  glass: {specular: fresnel}\n  dump: {specular: absorber}\n  sic: {specular: {index: "
+      "silicon_carbide}}\n  metal: {specular: {index: 0.25, extinction: 7}}\n");
+  EXPECT_EQ(b.problems, "");
+  EXPECT_NEAR(b.amplitudes("glass", 1, 1, 1.45003).reflectance(), 0.033740, 1e-6);
+  EXPECT_EQ(b.amplitudes("dump", 1).reflectance(), 0);
+  EXPECT_NEAR(b.amplitudes("sic", 1).reflectance(), 0.19526, 1e-5);
+  EXPECT_NEAR(b.amplitudes("metal", 1).reflectance(), (0.5625 + 49) / (1.5625 + 49), 1e-14);
+}
+
+// (HL)^5 H on 1.45 in blocks; MgF2 on a body; at the wavelength of the beams; thickness in nm; a table between media.
+TEST(WorldInterfaces, Films) {
+  std::string const hr =
+      "specular: {film: {layers: [[2.07, quarter], {repeat: 5, layers: [[1.45, quarter], [2.07, "
+      "quarter]]}]}}";
+  EXPECT_NEAR(1 - material(hr).amplitudes("m", 1, 1, 1.45).reflectance(), 3.777e-2, 5e-6);
+  std::string const beams = "beams: {b: {wavelength: 1550 nm}}\n";
+  EXPECT_NEAR(1 - material(hr, beams).amplitudes("m", 1, 1, 1.45).reflectance(), 3.777e-2, 5e-6);
+  std::string detuned = hr;
+  detuned.insert(detuned.find("layers"), "design: 1064 nm, ");
+  EXPECT_GT(1 - material(detuned, beams).amplitudes("m", 1, 1, 1.45).reflectance(), 0.1);
+  EXPECT_NEAR(material("specular: {index: 1.52, film: {layers: [[1.38, quarter]]}}").amplitudes("m", 1).reflectance(),
+              0.012601, 5e-7);
+  EXPECT_NEAR(
+      material("specular: {index: 1.52, film: {layers: [[1.38, 192.7536 nm]]}}").amplitudes("m", 1).reflectance(),
+      0.012601, 5e-7);
+  Built const table = material("specular: {film: {between: [vacuum, fused_silica], layers: [[2.07, quarter, 1e-5]]}}");
+  EXPECT_EQ(table.problems, "");
+  double const n = table.world.view().interfaces.visit(table.optic("m").interface, [](auto const& i) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(i)>, Film>) {
+      EXPECT_GT(i.passing.size, 4u);
+      return i.back_index;
+    }
+    return 0.0;
+  });
+  EXPECT_NEAR(n, 1.44963, 1e-5);
+}
+
+TEST(WorldInterfaces, CoatingTables) {
+  Built const inline_table = material(
+      "specular: {coating: {angle: [0 deg, 45 deg, 90 deg], reflect_s: [1 %, 4 %, 1], reflect_p: [1 %, 5e-3, "
+      "1], transmit: [0.9, 0.9, 0]}}");
+  EXPECT_EQ(inline_table.problems, "");
+  EXPECT_NEAR(norm(inline_table.amplitudes("m", std::sqrt(0.5)).rs), 0.04, 1e-12);
+  EXPECT_NEAR(norm(inline_table.amplitudes("m", std::sqrt(0.5)).rp), 0.005, 1e-12);
+  EXPECT_EQ(inline_table.optic("m").laws, 0);
+  FileTexts const files{
+      {"ar.csv", "# measured\nangle [deg], reflect [%], absorb [%]\n8, 0.5, 60\n60, 1, 60\n90, 100, 0\n"}};
+  Built const file = material("specular: {coating: {file: ar.csv, source: me}}", "", files);
+  EXPECT_EQ(file.problems, "");
+  EXPECT_NEAR(file.amplitudes("m", 1).reflectance(), 0.005, 1e-12);  // held below 8 deg
+  ASSERT_EQ(file.optic("m").laws, 1);                                // Lambertian unless a law is given
+  EXPECT_NEAR(scatter_albedo(file.world.view().laws, file.optic("m"), 1), 0.395, 1e-6);
+}
+
+TEST(WorldInterfaces, SteelPreset) {
+  Built const b = material("specular: {coating: tube_steel}");
+  EXPECT_EQ(b.problems, "");
+  WorldView const v = b.world.view();
+  for (double degrees : {0.0, 45.0, 70.0, 80.0, 86.5, 89.977, 89.999}) {
+    double const cosine = std::cos(degrees * pi / 180), s = scatter_albedo(v.laws, b.optic("m"), cosine);
+    SpecularShares const share = specular_shares(v.interfaces, b.optic("m"), cosine, 1, 1, true, s);
+    EXPECT_LE(share.reflect + s, 1 + 1e-12) << degrees;
+    EXPECT_NEAR(s, prescribed_scatter(v.interfaces, b.optic("m"), cosine), 2e-3) << degrees;
+  }
+  Built const lobe = material("specular: {coating: tube_steel}, scatter: {model: lambertian, tis: 3 %}");
+  EXPECT_EQ(lobe.problems, "");
+  EXPECT_NEAR(scatter_albedo(lobe.world.view().laws, lobe.optic("m"), 1), 0.395, 1e-6);
+}
+
+// requirements 8.1: entries of the original whose shares exceed 1 are refused, the others are read.
+TEST(WorldInterfaces, MaterialsOfTheOriginal) {
+  struct Entry {
+    std::string reflect, transmit, scatter;
+    bool accepted;
+  };
+  for (Entry const& e : {Entry{"1", "0", "1e-6", false},        // Mirror
+                         Entry{"1 - 1e-6", "0", "1e-6", true},  // what it should be
+                         Entry{"0.5", "1", "5e-4", false},      // NBK7
+                         Entry{"0.5", "0.5", "0", true},        // BeamSplitter
+                         Entry{"0.95", "0", "0.05", true},      // Tube
+                         Entry{"0.71", "0", "0.247", true},     // Aluminium
+                         Entry{"0.999996", "4e-6", "0", true},  // end mirror
+                         Entry{"0.5", "0", "0.6", false}}) {    // steel at 87 deg with the offset: 1.0 and more
+    Built const b = material("specular: {reflect: " + e.reflect + ", transmit: " + e.transmit +
+                             "}, scatter: {model: lambertian, tis: " + e.scatter + "}");
+    if (e.accepted)
+      EXPECT_EQ(b.problems, "") << e.reflect;
+    else
+      EXPECT_TRUE(refused(b, "makes light")) << e.reflect;
+  }
+}
+
+TEST(WorldInterfaces, Media) {
+  Built const b = built(
+      "media:\n  a: {index: 1.5, absorption: 0.5 ppm/cm}\n  b: {preset: fused_silica, absorption: 1e-3 /m, source: x}\n"
+      "beams: {arm: {wavelength: 1550 nm}}\n");
+  EXPECT_EQ(b.problems, "");
+  EXPECT_EQ(b.names.media.at("a").index, 1.5);
+  EXPECT_NEAR(b.names.media.at("a").absorption, 5e-5, 1e-18);
+  EXPECT_NEAR(b.names.media.at("b").index, 1.4440, 1e-4);
+  EXPECT_EQ(b.names.media.at("b").absorption, 1e-3);
+}
+
+TEST(WorldInterfaces, Refusals) {
+  EXPECT_TRUE(refused(material("specular: fresnell"), "no interface is called 'fresnell'"));
+  EXPECT_TRUE(refused(material("specular: {reflect: 1 %, index: 1.5}"), "two descriptions"));
+  EXPECT_TRUE(refused(material("specular: {reflekt: 1 %}"), "reflekt"));
+  EXPECT_TRUE(refused(material("specular: {extinction: 2}"), "without 'index'"));
+  EXPECT_TRUE(refused(material("specular: {index: fused_silca}"), "fused_silca"));
+  EXPECT_TRUE(refused(material("specular: {film: {layers: [[1.38]]}}"), "a layer is a list"));
+  EXPECT_TRUE(refused(material("specular: {film: {}}"), "needs its layers"));
+  EXPECT_TRUE(refused(material("specular: {film: {layers: [[1.38, 200]]}}"), "is a length"));
+  EXPECT_TRUE(refused(material("specular: {coating: tube_stel}"), "did you mean 'tube_steel'"));
+  std::string const angles = "specular: {coating: {angle: [0 deg, 60 deg, 90 deg], ";
+  EXPECT_TRUE(
+      refused(material(angles + "reflect: [0.5, 0.5, 1], transmit: [0.4, 0.6, 0]}}"), "the coating makes light"));
+  EXPECT_TRUE(refused(material(angles + "reflect_s: [0.5, 0.5, 1]}}"), "one polarisation only"));
+  EXPECT_TRUE(refused(material(angles + "reflect: [0.5, 1]}}"), "needs 3 values"));
+  EXPECT_TRUE(refused(material("specular: {coating: {angle: [0 deg, 80 deg], reflect: [0, 1]}}"), "end at 90 deg"));
+  EXPECT_TRUE(refused(material("specular: {coating: {angle: [0 deg, 95 deg, 90 deg], reflect: [0, 1, 1]}}"),
+                      "does not come after"));
+  FileTexts const files{{"x.csv", "angle [deg], reflect\n0, 0.5\n60; 1\n90, 1\n"}, {"y.csv", "angle, reflect\n0, 1\n"}};
+  EXPECT_TRUE(refused(material("specular: {coating: {file: x.csv}}", "", files), "x.csv:3"));
+  EXPECT_TRUE(refused(material("specular: {coating: {file: y.csv}}", "", files), "needs its unit"));
+  EXPECT_TRUE(refused(material("specular: {coating: tube_steel}, scatter: [{model: lambertian, tis: 1 %}, {model: "
+                               "lambertian, tis: 1 %}]"),
+                      "how much is scattered in all"));
+  EXPECT_TRUE(refused(built("media: {a: {index: 1.5, preset: bk7}}\n"), "twice"));
+  EXPECT_TRUE(refused(built("media: {a: {preset: silicon}}\n"), "known from 1360 nm"));
+  EXPECT_TRUE(refused(built("media: {a: {preset: fused_silca}}\n"), "did you mean 'fused_silica'"));
+}
+
+}  // namespace
+}  // namespace straytrace

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scene entries with `file` (interface.md 3.3, 5) and material lists (requirements.md R3.35).
+#include "unit/mesh_texts.hpp"
+#include "unit/scene_support.hpp"
+#include "world/read_mesh.hpp"
+#include "world/read_newmtl.hpp"
+
+namespace straytrace::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string const head = R"(straytrace: 1
+materials:
+  black_glass: {scatter: {model: lambertian, tis: 1 ppm}}
+  aluminium: {scatter: {model: lambertian, tis: 30 %}}
+  steel: {scatter: {model: lambertian, tis: 20 %}}
+bodies: {bench: {motion: still}}
+beams: {spot: {on: mirror, radius: 1 cm}}
+ports: {mirror: {beam: spot, at: mirror}}
+scene:
+  - {name: mirror, shape: {disk: {outer_radius: 2 cm}}, at: [1 m, 0 m, 0 m], body: bench, material: steel}
+)";
+struct Built {
+  World world;
+  std::string errors, warnings;
+  FileTexts files;
+};
+Built built(std::string const& entry, FileTexts files = {}) {
+  files["arm.yaml"] = head + "  - {name: bench, body: bench, " + entry + "}\n";
+  files.try_emplace("cad/cube.obj", cube_obj);
+  Built out;
+  Scene const scene = scene_of(files);
+  out.world = build_world(scene);
+  out.warnings = scene.warnings();
+  out.files = scene.files();
+  try {
+    scene.throw_if_problems();
+  } catch (InputError const& e) {
+    out.errors = e.what();
+  }
+  return out;
+}
+constexpr char const* placed =
+    "file: cad/cube.obj, units: mm, at: [0 m, 0 m, 5 m], facing: [0, 0, -1], "
+    "surfaces: {\"dump*\": black_glass, steel: steel, default: aluminium}";
+
+TEST(mesh_entry, parts_become_surfaces_with_the_materials_chosen) {
+  Built const b = built(placed);
+  EXPECT_EQ(b.errors, "");
+  EXPECT_EQ(b.warnings, "");
+  ASSERT_EQ(b.world.surfaces().size(), 4u);
+  EXPECT_THAT(b.world.groups(), ::testing::ElementsAre("mirror", "bench/dump_1", "bench/wall"));
+  auto const& s = b.world.surfaces();
+  EXPECT_NE(s[1].front, s[2].front);
+  EXPECT_NE(s[2].front, s[3].front);
+  EXPECT_EQ(s[3].front, s[0].front);
+  EXPECT_EQ(s[2].front, s[2].back);
+  EXPECT_TRUE(b.files.contains("cad/cube.obj")) << "the run file holds it";
+  WorldView const v = b.world.view();
+  Hit const hit = v.closest({{0.0005, -0.0005, 0}, {0, 0, 1}}, {});
+  ASSERT_TRUE(hit.surface.valid());
+  EXPECT_EQ(hit.surface.value, 1u);
+  EXPECT_NEAR(hit.distance, 4.999, 1e-12);
+}
+
+TEST(mesh_entry, instances_share_their_arrays_and_differ_in_the_fingerprint) {
+  std::string const two =
+      "file: cad/cube.obj, units: mm, material: steel, repeat: {count: 2, along: z, from: 1 m, to: 2 m}";
+  Built const b = built(two);
+  EXPECT_EQ(b.errors, "");
+  WorldView const v = b.world.view();
+  View<TriangleMesh const> const meshes = std::get<View<TriangleMesh const>>(v.shapes.arrays);
+  ASSERT_EQ(meshes.size, 6u);
+  EXPECT_EQ(meshes[0].content.packs.data, meshes[3].content.packs.data);
+  EXPECT_NE(meshes[0].pose.origin.z, meshes[3].pose.origin.z);
+  std::string other = cube_obj;
+  other.replace(other.find("v 1 1 1"), 7, "v 1 1 2");
+  EXPECT_EQ(built(two).world.fingerprint(), b.world.fingerprint());
+  EXPECT_NE(built(two, {{"cad/cube.obj", other}}).world.fingerprint(), b.world.fingerprint());
+}
+
+TEST(mesh_entry, demands_a_unit_and_says_what_it_would_mean) {
+  EXPECT_THAT(built("file: cad/cube.obj, material: steel").errors,
+              HasSubstr("'bench' has no 'units': its bounding box would be 1 mm x 1 mm x 1 mm as mm and "
+                        "1 m x 1 m x 1 m as m"));
+  EXPECT_THAT(built("file: cad/cube.obj, material: steel").errors, HasSubstr("write units: mm"));
+  EXPECT_THAT(built("file: cad/cube.obj, units: kg, material: steel").errors,
+              HasSubstr("'kg' is not a unit of length"));
+  EXPECT_THAT(built("file: cad/cube.obj, units: from_file, material: steel").errors, HasSubstr("state no unit"));
+  FileTexts const files{{"a.gltf", gltf_with("a.bin")}, {"a.bin", triangle_buffer()}};
+  EXPECT_EQ(built("file: a.gltf, units: from_file, material: steel", files).errors, "");
+  EXPECT_THAT(built("file: a.gltf, material: steel", files).errors, HasSubstr("units: from_file"));
+  EXPECT_THAT(
+      built("file: cad/cube.obj, units: km, material: steel").warnings,
+      HasSubstr("cad/cube.obj: warning: bounding box 1 km x 1 km x 1 km; was it exported in mm and read as m?"));
+}
+
+TEST(mesh_entry, complains_about_choices_that_do_not_fit) {
+  EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {\"dump*\": black_glass}").errors,
+              HasSubstr("2 of 3 parts of 'cad/cube.obj' have no material, the first is 'wall'"));
+  EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {dumb_1: steel, default: steel}").warnings,
+              HasSubstr("did you mean 'dump_1'?"));
+  EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {default: stel}").errors,
+              HasSubstr("did you mean 'steel'?"));
+  EXPECT_THAT(built("file: cad/sphere.obj, units: mm, material: steel").errors, HasSubstr("cannot read file"));
+  EXPECT_THAT(built("file: cad/cube.obj, units: mm, material: steel, unit: mm").errors,
+              HasSubstr("unknown key 'unit'"));
+  EXPECT_THAT(built("file: a.obj, units: mm, material: steel", {{"a.obj", "garbage\n"}}).errors,
+              HasSubstr("a.obj: error:"));
+  EXPECT_THAT(built("shape: {mesh: {}}, material: steel").errors, HasSubstr("a mesh is read from a file"));
+}
+
+TEST(mesh_entry, patterns) {
+  EXPECT_TRUE(matches("dump*", "dump_3"));
+  EXPECT_TRUE(matches("*_3", "dump_3"));
+  EXPECT_TRUE(matches("d*p*3", "dump_3"));
+  EXPECT_TRUE(matches("*", ""));
+  EXPECT_FALSE(matches("dump", "dump_3"));
+  EXPECT_FALSE(matches("*_4", "dump_3"));
+}
+
+// R3.35: the materials of the iris scene.
+std::string const iris = R"(# four materials
+newmtl glass_a
+TR 0.5 0.3
+IOR 1.45 1064
+PPM 100 1
+newmtl glass_b
+TR 0.3 0.3
+IOR 1.5 1.064
+PPM 1 100
+newmtl splitter
+TR 0.5 0.3
+newmtl absorber
+TR 0 0
+)";
+
+TEST(newmtl, iris_file_has_four_materials) {
+  std::vector<Problem> problems;
+  auto const m = read_newmtl("newmtl broken\nTR 0.7 0.7\nnewmtl twice\nTR 0.1\nNs 3\n", problems);
+  EXPECT_EQ(problems.size(), 3u) << "a sum above 1, a missing number, an unknown word";
+  problems.clear();
+  auto const list = read_newmtl(iris, problems);
+  EXPECT_TRUE(problems.empty());
+  ASSERT_EQ(list.size(), 4u);
+  EXPECT_EQ(list[0].transmit, 0.5);
+  EXPECT_EQ(list[0].reflect, 0.3);
+  EXPECT_EQ(list[1].transmit, 0.3);
+  EXPECT_EQ(list[0].index, 1.45);
+  EXPECT_EQ(list[1].index, 1.5);
+  EXPECT_NEAR(list[0].wavelength, 1.064e-6, 1e-18);
+  EXPECT_NEAR(list[1].wavelength, 1.064e-6, 1e-18);
+  EXPECT_NEAR(list[0].scatter_transmit, 1e-4, 1e-18);
+  EXPECT_NEAR(list[0].scatter_reflect, 1e-6, 1e-18);
+  EXPECT_EQ(m.size(), 2u);
+}
+
+TEST(newmtl, sums_above_one_are_refused_and_tables_can_be_read) {
+  std::vector<Problem> problems;
+  read_newmtl("newmtl glass\nTR 0.5 0.5\nPPM 100 1\n", problems);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_THAT(problems[0].what, HasSubstr("makes light"));
+  problems.clear();
+  std::string const table = materials_table(read_newmtl("newmtl a\nTR 0.5 0.3\nIOR 1.45 1064\nPPM 100 1\n", problems));
+  Scene const scene = scene_of(FileTexts{
+      {"arm.yaml", "straytrace: 1\n" + table +
+                       "bodies: {b: {motion: still}}\nbeams: {s: {on: m, radius: 1 cm}}\nports: {m: {beam: s, at: m}}\n"
+                       "scene:\n  - {name: m, shape: {disk: {outer_radius: 2 cm}}, "
+                       "body: b, material: a}\n"}});
+  build_world(scene);
+  EXPECT_NO_THROW(scene.throw_if_problems());
+}
+
+}  // namespace
+}  // namespace straytrace::test
