@@ -49,11 +49,18 @@ int paths(Options const& options) {
 void add_paths(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("paths", "ranked table of the routes by which light rejoins the mode or reaches receivers");
-  command->add_option("run", options.input, "run file (HDF5)")->required();
+  command->add_option("run", options.input, "run file (HDF5); with --first-order also a scene")->required();
   command->add_option("--show", options.show, "rows");
   command->add_option("--by", options.by, "port or receiver")->check(CLI::IsMember({"port", "receiver"}));
   command->add_flag("--census", options.census, "objects that the light of each receiver has met, by watts");
   command->add_flag("--first-order", options.first_order, "what is lit, what is seen, and both; of a scene or a run");
+  command
+      ->add_option_function<double>(
+          "--histories", [&](double n) { options.histories = std::uint64_t(n); },
+          "of --first-order, forward and backward from each end; 131072 unless given")
+      ->check(CLI::Range(1.0, 1e12));
+  command->add_option("-p,--param", options.overrides, "set a parameter of the scene, for example -p rim=48cm")
+      ->allow_extra_args(false);
   command->add_flag("--csv", options.csv, "all rows, all columns, all digits");
   add_format_option(*command, options);
   command->footer(

@@ -74,15 +74,18 @@ struct AnyQuery {
   Cross const& cross_one;
   Departure const& from;
   Ray const& ray;
-  bool to_itself;  // what the ray starts on does not count
+  bool to_itself;  // the ray ends on the surface it starts on: there a millionth of its length is left to rounding
   STRAY_HD bool leaves(std::uint32_t surface) const { return from.on(surface); }
   STRAY_HD double end() const { return ray.t_max; }
+  STRAY_HD double end(std::uint32_t surface) const {
+    return to_itself && from.on(surface) ? ray.t_max * (1 - 1e-6) : ray.t_max;
+  }
   STRAY_INLINE bool cross(SurfaceRef ref, double&) {
-    return !(to_itself && from.on(ref.surface)) && cross_one(ref, ray, from).distance < infinity;
+    Ray bounded = ray;
+    bounded.t_max = end(ref.surface);
+    return cross_one(ref, bounded, from).distance < infinity;
   }
-  STRAY_INLINE bool offer(std::uint32_t surface, double t, double&) {
-    return t < infinity && !(to_itself && from.on(surface));
-  }
+  STRAY_INLINE bool offer(std::uint32_t surface, double t, double&) { return t < end(surface); }
 };
 
 }  // namespace straytrace

@@ -37,9 +37,10 @@ TEST(Inspect, ExamplesOfTheHelpRun) {
 // Harvey: BSDF at |beta - beta0| = l is b0 2^(s/2), TIS(0) is eq. 3.15. Case by parameter. Twin: another slope.
 TEST(Inspect, NumbersAreThoseOfTheLaw) {
   Folder const folder;
-  write_text(folder / "a.yaml", "params: {slope: -1.5, case: 0}\n" +
-                                    scene_with("  m: {scatter: {model: harvey, b0: 1 /sr, l: 0.01, s: slope}}\n"
-                                               "  p: {preset: steel_ebonol, take: case}\n"));
+  write_text(folder / "a.yaml",
+             "straytrace: 1\nparams: {slope: -1.5, case: 0}\nmaterials:\n"
+             "  m: {scatter: {model: harvey, b0: 1 /sr, l: 0.01, s: slope}}\n"
+             "  p: {preset: steel_ebonol, take: case}\n");
   auto const tis = [&](Words words) {
     words.insert(words.end(), {folder / "a.yaml", "--format", "json"});
     Finished const r = straytrace(words);

@@ -5,7 +5,7 @@
 namespace straytrace {
 
 void find_covered_receivers(World& world) {
-  constexpr std::uint64_t tries = 64, enough = 4;  // a share of a few per cent of what the receiver sees
+  constexpr std::uint64_t tries = 4096, enough = 4;  // one part in a thousand of what it sees
   WorldView const view = world.view();
   for (std::uint32_t i = 0; i < view.receivers.size; ++i) {
     if (view.receivers[i].clear) continue;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <thread>
 
+#include "trace/estimate/pilot.hpp"
 #include "trace/estimate/receive.hpp"
 #include "trace/estimate/targets.hpp"
 
@@ -41,7 +42,12 @@ class Builder {
     if (tables_.strips.size() > settings_.most_strips) return {};
     find_goals();
     fill_exchange();
+    for (std::size_t g = 0; g < goals_.size(); ++g) adjoints_.push_back(solved(g));
     choose_targets();
+    if (settings_.pilot_histories > 0 && !tables_.strips.empty()) {
+      learn();
+      choose_targets();
+    }
     return std::move(tables_);
   }
 
@@ -187,12 +193,11 @@ class Builder {
                 lit.share * value / settings_.samples);
   }
 
-  // One adjoint per goal that light reaches, in units of what that goal receives in all.
-  std::vector<std::vector<double>> adjoints() const {
+  // In units of what each goal receives in all; goals that no light reaches are left out.
+  std::vector<std::vector<double>> in_own_units() const {
     std::vector<std::vector<double>> all;
     bool const lit = std::any_of(sides_.begin(), sides_.end(), [](Exchange const& e) { return !e.by_law.empty(); });
-    for (std::size_t g = 0; g < goals_.size(); ++g) {
-      std::vector<double> adjoint = solved(g);
+    for (std::vector<double> adjoint : adjoints_) {
       double total = 0;
       for (std::size_t i = 0; i < sides_.size(); ++i)
         if (!sides_[i].by_law.empty()) total += forward_score(i, adjoint);
@@ -202,6 +207,17 @@ class Builder {
       all.push_back(std::move(adjoint));
     }
     return all;
+  }
+  // Where the pilot has seen enough paths it may raise an adjoint: the exchange knows no mirrors and no glass.
+  void learn() {
+    constexpr std::uint64_t enough = 64;
+    World steered = world_;
+    steered.steer(tables_);
+    Pilot const pilot = run_pilot(steered, settings_.pilot_histories);
+    for (std::size_t g = 0; g < goals_.size(); ++g)
+      for (std::size_t i = 0; i < sides_.size(); ++i)
+        if (pilot.visits[i] >= enough && pilot.arrived[i] > 0)
+          adjoints_[g][i] = std::max(adjoints_[g][i], pilot.scored[goals_[g]][i] / pilot.arrived[i]);
   }
   std::vector<double> solved(std::size_t goal) const {
     std::vector<double> adjoint(sides_.size()), next(sides_.size());
@@ -226,10 +242,11 @@ class Builder {
   }
 
   void choose_targets() {
-    std::vector<std::vector<double>> const adjoint = adjoints();
+    std::vector<std::vector<double>> const adjoint = in_own_units();
     double level = 0;
+    tables_.targets.clear();
     for (std::size_t i = 0; i < sides_.size(); ++i) {
-      StripSide& side = tables_.sides[i];
+      StripSide& side = tables_.sides[i] = {};
       for (auto const& of_goal : adjoint) side.adjoint += of_goal[i];
       Exchange const& exchange = sides_[i];
       for (auto const& of_goal : adjoint)
@@ -249,8 +266,9 @@ class Builder {
   ImportanceSettings const& settings_;
   SteeringTables tables_;
   WorldView view_;
-  std::vector<std::uint32_t> goals_;  // footprints where light rejoins, then receivers
-  std::vector<Exchange> sides_;       // two per strip
+  std::vector<std::uint32_t> goals_;           // footprints where light rejoins, then receivers
+  std::vector<Exchange> sides_;                // two per strip
+  std::vector<std::vector<double>> adjoints_;  // by goal, then by side; score per unit of power arriving
 };
 
 }  // namespace

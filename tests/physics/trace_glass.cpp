@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Light through glass: plates and ghosts (estimators.md 17 scene 7, physics.md eq. 3.25), plates in contact
+// (requirements.md R3.23), absorption, and receivers that are only seen through glass (estimators.md 9).
+#include <gtest/gtest.h>
+
+#include "shapes.hpp"
+#include "trace/estimate/importance.hpp"
+#include "trace_support.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+std::uint32_t glass_optic(World& world) {
+  Optic optic;
+  optic.has_interface = true;
+  optic.interface = world.add_interface(Fresnel{});
+  return world.add_optic(optic);
+}
+
+// Two faces from `below` to `above`, normals out of the glass; wide enough to need no barrel.
+void add_plate(World& world, std::string const& name, double index, double below, double above, double x = 0,
+               double radius = 0.5, double absorption = 0) {
+  std::uint32_t const optic = glass_optic(world), volume = world.add_volume({index, absorption});
+  BodyId const body = world.add_body(name, {});
+  world.add_surface(disk(0, radius, {{x, 0, below}, {0, 0, -1}}), optic, optic, body, world.add_group(name + " below"),
+                    volume);
+  world.add_surface(disk(0, radius, {{x, 0, above}, {0, 0, 1}}), optic, optic, body, world.add_group(name + " above"),
+                    volume);
+}
+
+// A thin beam along z from the origin, and a photodiode at z = 1 m.
+World beam_and_photodiode() {
+  World world;
+  std::uint32_t const black = black_optic(world);
+  Footprint beam;
+  beam.free = true;
+  beam.travel = {0, 0, 1};
+  beam.profile = Profile::even;
+  beam.radius = 1e-3;
+  beam.receives = false;
+  beam.origin = world.add_group("laser");
+  SurfaceId const end = world.add_surface(disk(0, 0.4, {{0, 0, 1}, {0, 0, -1}}), black, black,
+                                          world.add_body("photodiode", {}), world.add_group("photodiode"));
+  world.add_footprint(beam);
+  Receiver r;
+  r.surface = end;
+  world.add_receiver("photodiode", r);
+  world.limits.max_order = 40;
+  world.limits.route_vertices = 8;
+  world.limits.roulette_below = 0;
+  return world;
+}
+SampleMean received(TraceResult const& r, std::string const& route = {}) {
+  double mean = 0, variance = 0;
+  for (CouplingClass const& c : r.coupling.received) {
+    if (!route.empty() && route_name(r.coupling, c) != route) continue;
+    mean += c.coupling.mean;
+    variance += c.coupling.std_error * c.coupling.std_error;
+  }
+  return {mean, std::sqrt(variance), (long long)r.total.histories};
+}
+
+SampleMean ratio(SampleMean a, SampleMean b) {
+  double const mean = a.mean / b.mean;
+  return {mean, mean * std::hypot(a.std_error / a.mean, b.std_error / b.mean), a.n};
+}
+
+TEST(Glass, LosslessPlateAndItsGhostScene7) {
+  World world = beam_and_photodiode();
+  add_plate(world, "plate", 1.5, 0.1, 0.11);
+  world.finish();
+  TraceResult const r = run_histories(world, 1 << 18);
+  expect_mean("plate, (1 - R)/(1 + R)", received(r), 0.923077, 6e-3);
+  expect_mean("ghost, T^2 R^2",
+              received(r, "laser·B > plate below·T > plate above·R > plate below·R > plate above·T > photodiode·D"),
+              1.4746e-3, 7e-4);
+  expect_rejected("one face only, 1 - R", received(r), 0.96);
+  double sum = 0;
+  for (Moments const& column : r.total.ledger) sum += column.sum;
+  EXPECT_NEAR(sum / r.total.emitted.sum, 1, 1e-12);
+}
+
+TEST(Glass, AbsorptionBeerLambert) {
+  World world = beam_and_photodiode();
+  add_plate(world, "plate", 1.0, 0.1, 0.3, 0, 0.5, 2.0);
+  world.finish();
+  TraceResult const r = run_histories(world, 1 << 16);
+  EXPECT_NEAR(received(r).mean, std::exp(-2.0 * 0.2), 1e-12);
+}
+
+// Two plates that touch are one plate; 20 nm apart they are two (incoherent sum: (1 - R)/(1 + 3 R)).
+TEST(Glass, TouchingPlatesR3_23) {
+  for (double const gap : {0.0, 2e-8}) {
+    World world = beam_and_photodiode();
+    add_plate(world, "first", 1.5, 0.1, 0.11);
+    add_plate(world, "second", 1.5, 0.11 + gap, 0.12);
+    world.finish();
+    SampleMean const all = received(run_histories(world, 1 << 18));
+    expect_mean("touching or apart", all, gap == 0 ? 0.96 / 1.04 : 0.96 / 1.12, 8e-3);
+    expect_rejected("the other one", all, gap == 0 ? 0.96 / 1.12 : 0.96 / 1.04);
+  }
+}
+
+// A lit diffuse plate, a diffuse screen above it, and a small photodiode beside the plate that looks at the screen.
+World seen_through(double index, double radius, bool covered) {
+  World world;
+  std::uint32_t const white = lambertian_optic(world, 0.5), black = black_optic(world);
+  BodyId const body = world.add_body("all", {});
+  SurfaceId const plate =
+      world.add_surface(disk(0, 0.05, {{}, {0, 0, 1}}), white, black, body, world.add_group("target"));
+  world.add_surface(disk(0, 0.4, {{0, 0, 1}, {0, 0, -1}}), white, black, body, world.add_group("screen"));
+  SurfaceId const chip =
+      world.add_surface(disk(0, radius, {{0.4, 0, 0}, {0, 0, 1}}), black, black, body, world.add_group("photodiode"));
+  if (index > 0) add_plate(world, "window", index, 0.05, 0.06, 0.4, 0.1);  // too small to mirror the target
+  world.add_footprint(spot(plate, {}, {0, 0, -1}, Profile::gaussian, 0.01));
+  Receiver r;
+  r.surface = chip;
+  world.add_receiver("photodiode", r);
+  world.limits.max_order = 12;
+  world.limits.roulette_below = 0;
+  world.finish();
+  if (covered) find_covered_receivers(world);
+  EXPECT_EQ(world.receivers()[0].behind_glass, covered && index > 0);
+  return world;
+}
+
+TEST(Glass, PhotodiodeBehindAWindow) {
+  SampleMean const bare = received(run_histories(seen_through(0, 1e-3, true), 1 << 18));
+  SampleMean const empty = received(run_histories(seen_through(1.0, 1e-3, true), 1 << 18));
+  expect_mean("a window of index 1 is no window", ratio(empty, bare), 1, 6e-2);
+  double transmitted = 0;  // all inner reflections, at the angle of the centre of the screen
+  double const cos_i = 1 / std::sqrt(1.16);
+  Amplitudes const a = Fresnel{}.amplitudes(cos_i, 1, 1.5, true);
+  for (double const r : {norm(a.rs), norm(a.rp)}) transmitted += 0.5 * (1 - r) / (1 + r);
+  SampleMean const glass = received(run_histories(seen_through(1.5, 1e-3, true), 1 << 18));
+  expect_mean("window, (1 - R)/(1 + R)", ratio(glass, bare), transmitted, 6e-2);
+  expect_rejected("no window", ratio(glass, bare), 1);
+}
+
+// The walk alone, and the walk weighed against sub-paths, on a photodiode large enough for both.
+TEST(Glass, SubPathsShareWithTheWalk) {
+  SampleMean const walk = received(run_histories(seen_through(1.5, 0.1, false), 1 << 20));
+  SampleMean const both = received(run_histories(seen_through(1.5, 0.1, true), 1 << 18));
+  expect_mean("both techniques", ratio(both, walk), 1, 0.3);
+  EXPECT_LT(both.std_error, walk.std_error / 3);
+}
+
+}  // namespace
+}  // namespace straytrace::testing
