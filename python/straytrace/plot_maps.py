@@ -57,14 +57,14 @@ def panels_of(receiver, watt):
         half = [factor * h for h in receiver.half]
         area = 4 * receiver.half[0] * receiver.half[1] / receiver.image.size
         found.append((receiver.image * power / area, half, unit, "Irradiance", f"W/m²{relative}",
-                      {"cmap": "inferno", "norm": norm_of(receiver.image * power / area)}))
+                      {"cmap": "viridis", "norm": norm_of(receiver.image * power / area)}))
         with np.errstate(divide="ignore", invalid="ignore"):
             error = 100 * receiver.image_error / receiver.image
-        found.append((error, half, unit, "One standard error", "% of the irradiance", {"cmap": "viridis", "vmin": 0}))
+        found.append((error, half, unit, "One standard error", "% of the irradiance", {"cmap": "cividis", "vmin": 0}))
         if receiver.field is not None:
             field = receiver.field * np.sqrt(power)
             found.append((np.abs(field) ** 2, half, unit, "Coherent irradiance", f"W/m²{relative}",
-                          {"cmap": "inferno"}))
+                          {"cmap": "viridis"}))
             found.append((np.angle(field), half, unit, "Phase", "rad",
                           {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}))
     if receiver.angles is not None:
@@ -72,7 +72,7 @@ def panels_of(receiver, watt):
         solid = (2 * sine) ** 2 / receiver.angles.size
         values = receiver.angles * power / solid
         found.append((values, [sine, sine], "direction cosine", "Directions of arrival",
-                      f"W per unit of direction cosine²{relative}", {"cmap": "inferno", "norm": norm_of(values)}))
+                      f"W per unit of direction cosine²{relative}", {"cmap": "viridis", "norm": norm_of(values)}))
     return found
 
 

@@ -188,7 +188,10 @@ def _coherent(maps, number, shape, area):
         phase = np.divide(mean, size, out=np.zeros_like(mean), where=size > 0)
         wave = np.sqrt(maps["field_power"][part] / area) * phase
         total = wave if total is None else total + wave
-    return None if total is None else total.reshape(shape)
+    if total is None:
+        return None
+    total[total == 0] = np.nan                  # no light was seen there
+    return total.reshape(shape)
 
 
 def _receivers(file):

@@ -144,7 +144,7 @@ std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double 
 
 // Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log.
 WithError curve_at(std::vector<double> const& mean, std::vector<double> const& sigma, FrequencyGrid const& grid,
-                  double hz) {
+                   double hz) {
   std::size_t const n = grid.size();
   if (n == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return {not_a_number, not_a_number};
   std::size_t low = 0;

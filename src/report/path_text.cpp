@@ -93,7 +93,8 @@ Cells sum_of(PathTable const& table) {
   if (table.has_noise) c.push_back(nothing ? "unresolved" : "100");
   c.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling.value, table.total_coupling.sigma));
   c.push_back("");
-  for (WithError const& h : table.total_strain) c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
+  for (WithError const& h : table.total_strain)
+    c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
   c.insert(c.end(), 5, "");
   return c;
 }

@@ -98,9 +98,9 @@ struct PathRow {
   std::string why_not;
   std::vector<WithError> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
   WithError share;                // of the resolved strain noise power in the band [1]; NaN without a budget
-  std::string body;              // whose motion contributes most; empty without motion
-  double lever = 0;              // rad/m, rms over the paths of that body's translations
-  double rms_phase = 0;          // rad, of the strongest independent motion; above 1: fringes wrap
+  std::string body;               // whose motion contributes most; empty without motion
+  double lever = 0;               // rad/m, rms over the paths of that body's translations
+  double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
   double length_mean = 0, length_min = 0, length_max = 0;  // m, optical; NaN without records
 };
 
@@ -109,8 +109,8 @@ struct PathTable {
   std::vector<double> frequencies;  // Hz
   double low = 0, high = 0;         // Hz
   bool has_noise = false, reverse_routes = true;
-  std::vector<WithError> total_strain;     // 1/sqrt(Hz); a lower bound when a row is unresolved
-  WithError total_coupling;                // resolved rows
+  std::vector<WithError> total_strain;    // 1/sqrt(Hz); a lower bound when a row is unresolved
+  WithError total_coupling;               // resolved rows
   std::size_t unresolved = 0, faint = 0;  // rows; `faint` of them cannot move the total
   bool lower_bound() const { return unresolved > faint; }
 };

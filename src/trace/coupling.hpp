@@ -65,7 +65,7 @@ struct CouplingTable {
   std::vector<Estimate> received_power;                       // by receiver, all routes together
   std::array<std::uint64_t, replica_count> replica_histories = {};
   std::uint64_t histories = 0, seed = 0;
-  double wavelength = 0;       // m
+  double wavelength = 0;  // m
   // One sentence for each surface from which more than 1 % of an end's light comes although no target was aimed at it
   // (estimators.md 13, 15).
   std::vector<std::string> warnings;

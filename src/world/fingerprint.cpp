@@ -80,6 +80,7 @@ std::string World::fingerprint() const {
   for (Optic const& o : optics_) {
     out.add(o.reflect);
     out.add(o.transmit);
+    out.add(o.depolarise);
     if (o.has_interface) {
       out.add(std::uint64_t(o.interface.kind));
       v.interfaces.visit(o.interface, [&](auto const& i) { i.numbers([&](double x) { out.add(x); }); });

@@ -131,6 +131,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     Optic optic;
     MaterialInfo info{name, node.word("source", "not given"), {}, 0};
     read_specular(node, world, names, optic);
+    optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
     LawReading reading{world, name, {}};
     if (node.has("preset")) {
       read_preset(node, reading, optic);

@@ -210,15 +210,16 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
   Shared shared;
   for (Scene::Instance const& instance : scene.instances()) {
     add_instance(instance, world, names, shared);
-    if (shared.complained.insert("keys of " + instance.group).second) {
+    if (shared.complained.insert("keys of " + instance.group).second)
       instance.node.refuse_unknown(fmt::format("'{}'", instance.group));
-      instance.placement.refuse_unknown(fmt::format("scene entry '{}'", instance.group));
-    }
   }
-  for (Scene::Instance const& instance : scene.instances())
+  for (Scene::Instance const& instance : scene.instances()) {  // all faces have read what they share
+    if (shared.complained.insert("entry keys of " + instance.group).second)
+      instance.placement.refuse_unknown(fmt::format("scene entry '{}'", instance.group));
     if (shared.complained.insert("surfaces of " + instance.group.substr(0, instance.group.find('/'))).second)
       if (Node const by_face = instance.placement["surfaces"]; by_face.kind() == Node::Kind::table)
         by_face.refuse_unknown("'surfaces'");
+  }
   for (auto const& [id, place] : shared.volume_places) {
     if (!place.healthy()) break;
     std::string const fault = volume_fault(world, id);

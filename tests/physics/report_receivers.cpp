@@ -1,67 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light in watts from scene to map: enclosures, flatness, quadrants, interference, census, files
-// (requirements.md R2.24, R3.28 to R3.32, R4.02).
-#include <fmt/format.h>
+// Light in watts: enclosures, books, census, files (requirements.md R2.24, R3.28, R3.31, R3.32).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <cstring>
 
-#include "chi_square.hpp"
-#include "report/receivers.hpp"
+#include "physics/receiver_support.hpp"
 #include "statistics.hpp"
-#include "trace/trace.hpp"
 #include "unit/report_synthetic.hpp"
-#include "world/world.hpp"
 
 namespace straytrace::testing {
 namespace {
-
-constexpr char head[] =
-    "straytrace: 1\nmaterials:\n  black: {}\n  white: {scatter: {model: lambertian, tis: 100 %}}\n"
-    "  mirror: {specular: {reflect: 99 %}}\n  rough: {specular: {reflect: 50 %}, scatter: {model: lambertian, tis: 40 "
-    "%}}\n"
-    "bodies: {b: {motion: still}}\n";
-
-World world_of(std::string const& text) {
-  FileTexts const texts{{"a.yaml", head + text}};
-  Scene const scene = read_scene("a.yaml", {}, &texts);
-  World world = build_world(scene);
-  scene.throw_if_problems();
-  return world;
-}
-
-struct Traced {
-  World world;
-  TraceResult result;
-  RunContent content() const {
-    RunContent c;
-    c.receivers = world.receivers();
-    c.beam_power = world.beam_power;
-    c.main_file = "a.yaml";
-    c.provenance.created = "2024-05-01T12:00:00Z";
-    c.trace = &result;
-    return c;
-  }
-  Estimate const& power(std::size_t i) const { return result.coupling.received_power.at(i); }
-  double emitted() const { return result.total.emitted.sum / double(result.total.histories); }
-  double all_received() const {
-    double sum = 0;
-    for (Estimate const& e : result.coupling.received_power) sum += e.mean;
-    return sum;
-  }
-};
-Traced traced(std::string const& text, std::uint64_t blocks, unsigned threads = 2, SumTree resume = {}) {
-  Traced t{world_of(text), {}};
-  TraceSettings settings;
-  settings.histories = blocks * block_size;
-  settings.threads = threads;
-  settings.resume = std::move(resume);
-  t.result = trace(t.world, settings, *make_backend("cpu"));
-  return t;
-}
 
 std::string can(bool wall = true) {
   return std::string(
@@ -108,128 +58,6 @@ TEST(Receivers, BooksClose) {
   EXPECT_NEAR(fates / t.result.total.emitted.sum, 1, 1e-12);
   double const without = fates - t.result.total.ledger[int(Fate::absorbed)].sum;
   EXPECT_GT(std::fabs(without / t.result.total.emitted.sum - 1), 0.1);  // twin
-}
-
-std::string disc(std::string const& profile, std::string const& receiver) {
-  return "scene:\n  - {name: det, shape: {disk: {outer_radius: 20 cm}}, at: [0 m, 0 m, 1 m], facing: [0, 0, -1], body: "
-         "b, "
-         "material: black}\nbeams: {b: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], power: 3 W, radius: 10 cm, "
-         "profile: " +
-         profile + "}}\nreceivers: {PD: {on: det, " + receiver + "}}\n";
-}
-
-double two_sided(double statistic, double dof) {
-  double const p = chi_square_tail(statistic, dof);
-  return 2 * std::fmin(p, 1 - p);
-}
-
-// R3.29: a uniform disc is flat to sqrt(N), and the error of each pixel holds: chi-square of (value -
-// expectation)/error over 1024 pixels. With B blocks the square of such a ratio has the mean (B - 1)/(B - 3).
-TEST(Receivers, AUniformDiscIsFlatWithinItsErrors) {
-  std::string const map = "map: {pixels: [32, 32], width: 10 cm}";
-  auto const statistic = [](Traced const& t, double scale) {
-    BlockSums const& total = t.result.total;
-    CellEstimates const cells = cell_estimates(total.receivers[0].image, total.histories, total.blocks);
-    double const expected = 0.01 / 1024 / (pi * 0.01), b = double(total.blocks);
-    double sum = 0;
-    for (std::size_t i = 0; i < cells.mean.size(); ++i)
-      sum += std::pow((cells.mean[i] - expected) / (scale * cells.error[i]), 2);
-    return sum * (b - 3) / (b - 1);
-  };
-  Traced const flat = traced(disc("even", map), 256);
-  ASSERT_EQ(flat.result.total.receivers[0].image.sum.size(), 1024u);
-  EXPECT_GT(two_sided(statistic(flat, 1), 1024), 1e-6) << statistic(flat, 1);
-  EXPECT_LT(two_sided(statistic(flat, 1.25), 1024), 1e-6);  // twins: errors too large, too small, another profile
-  EXPECT_LT(two_sided(statistic(flat, 0.8), 1024), 1e-6);
-  EXPECT_LT(two_sided(statistic(traced(disc("gaussian", map), 64), 1), 1024), 1e-6);
-}
-
-// R3.30: a centred beam gives four equal quarters; a frame out of centre by d along x has F on one side of its axis,
-// F = 1/2 + (a sqrt(1 - a^2) + asin a)/pi with a = d/R; quadrants and gap together are the whole to rounding.
-TEST(Receivers, Quadrants) {
-  auto const cells = [](Traced const& t) {
-    BlockSums const& total = t.result.total;
-    return cell_estimates(total.receivers[0].quadrants, total.histories, total.blocks);
-  };
-  auto const of = [](CellEstimates const& c, std::size_t i) { return SampleMean{c.mean[i], c.error[i], 1 << 19}; };
-  CellEstimates const centred = cells(traced(disc("even", "quadrants: {}"), 128));
-  for (std::size_t i = 0; i < 4; ++i) expect_mean("quarter", of(centred, i), 0.25, 0.006);
-  EXPECT_TRUE(std::isnan(centred.mean[4]));  // no gap: no light seen there
-
-  Traced const shifted = traced(disc("even", "quadrants: {gap: 2 mm, centre: [2.5 cm, 0 m], turn: 90 deg}"), 128);
-  CellEstimates const c = cells(shifted);
-  double sum = 0;
-  for (double const x : c.mean) sum += x;
-  EXPECT_NEAR(sum / shifted.power(0).mean, 1, 1e-12);
-  expect_rejected("centred frame", of(c, 0), 0.25);
-  // Turned by 90 deg, "lower" (y < 0) is x > 2.5 cm on the disc, less half of the gap: x > 2.6 cm.
-  double const a = 0.26, share = 0.5 - (a * std::sqrt(1 - a * a) + std::asin(a)) / pi;
-  double const along =
-      4 * 0.1 * 1e-3 / (pi * 0.01) / 4;  // strip of half the gap's width along the other axis, a quarter
-  double const lower = c.mean[0] + c.mean[1];
-  EXPECT_NEAR(lower, share - 2 * along * (1 - a), 5 * std::hypot(c.error[0], c.error[1]) + 1e-3);
-  EXPECT_GT(std::fabs(c.mean[2] + c.mean[3] - share), 0.2);  // twin: the axis turned the other way
-}
-
-// R4.02: two plane waves cross at 2 theta: fringes lambda/(2 sin theta) apart, of contrast 2 sqrt(P1 P2)/(P1 + P2).
-struct Fringes {
-  double contrast, wave_number;  // rad/m
-};
-Fringes fringes_of(std::vector<double> const& irradiance, std::vector<double> const& x, double near) {
-  double mean = 0, width = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    mean += irradiance[i] / double(x.size());
-    width = std::max(width, x[i]);
-  }
-  auto const amplitude = [&](double k, bool windowed) {
-    std::complex<double> sum;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      sum += (irradiance[i] - mean) * std::polar(1.0, -k * x[i]) *
-             (windowed ? std::pow(std::sin(pi * x[i] / width), 2) : 1);
-    return 2 * std::abs(sum) / (mean * double(x.size()));
-  };
-  double best = near;
-  for (double k = 0.7 * near; k < 1.3 * near; k += 1e-3 * near)
-    if (amplitude(k, true) > amplitude(best, true)) best = k;
-  return {amplitude(near, false), best};
-}
-
-TEST(Receivers, CrossedPlaneWavesInterfere) {
-  // 4 fringes of 1 mm: a pixel is 1/16 of a fringe, whose averages over whole fringes are exact.
-  double const theta = std::asin(0.5 * 1.064e-6 / 1e-3);
-  auto const wave = [&](char const* name, double side, char const* power) {
-    return fmt::format(
-        "  {}: {{from: [{} m, 0 m, 0 m], facing: [{}, 0, {}], profile: even, radius: 8 mm, power: {}}}\n", name,
-        -side * std::tan(theta), side * std::sin(theta), std::cos(theta), power);
-  };
-  std::string const scene =
-      "scene:\n  - {name: det, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: [0, 0, -1], body: b, "
-      "material: black}\nbeams:\n" +
-      wave("one", 1, "1 W") + wave("two", -1, "250 mW") +
-      "receivers: {PD: {on: det, map: {pixels: [64, 2], width: 4 mm, height: 4 mm}}}\n";
-  Traced const t = traced(scene, 256);
-  FieldMap const map = field_map(t.world.receivers()[0], t.result.total.receivers[0], t.result.total.histories);
-  ASSERT_EQ(map.field.size(), 128u);
-  std::vector<double> x, right, wrong;
-  for (std::size_t i = 0; i < map.field.size(); ++i) {
-    x.push_back((double(i % 64) + 0.5) * 4e-3 / 64);
-    right.push_back(std::norm(map.field[i]));
-    EXPECT_GT(map.coherence[i], 0.98);
-    std::complex<double> twin;  // the power of a pixel taken as its amplitude
-    for (auto const& [route, f] : t.result.total.receivers[0].fields)
-      twin += std::complex<double>(f.real[i], f.imaginary[i]);
-    wrong.push_back(std::norm(twin));
-  }
-  double const k = 2 * pi / 1e-3;
-  Fringes const seen = fringes_of(right, x, k);
-  EXPECT_NEAR(seen.contrast, 0.8, 0.02);
-  EXPECT_NEAR(seen.wave_number, k, 0.02 * k);
-  EXPECT_GT(std::fabs(fringes_of(wrong, x, k).contrast - 0.8), 0.2);
-  EXPECT_GT(std::fabs(fringes_of(right, x, 0.5 * k).contrast - 0.8), 0.5);  // fringes lambda/sin(theta) apart
-  // Absolute: the mean irradiance is that of 1 W and 0.25 W over the discs.
-  double mean = 0;
-  for (double const i : right) mean += i / double(right.size());
-  EXPECT_NEAR(mean, 1.25 / (pi * 64e-6), 0.03 * 1.25 / (pi * 64e-6));
 }
 
 std::string two_mirrors(std::string const& material) {

@@ -16,7 +16,7 @@ void find_covered_receivers(World& world) {
       Rng rng = backward_numbers(0, path, i);
       if (backward_from(view, view.receivers[i], rng, [](Vertex const&, bool) {}).tau > 0) ++found;
     }
-    world.cover_receiver(i, found >= enough);
+    world.cover_receiver(i, view.receivers[i].behind_glass || found >= enough);
   }
 }
 
