@@ -12,7 +12,16 @@
 namespace straytrace {
 
 // What a random number is FOR. A new purpose gets a new number; old ones never change meaning.
-enum class Stream : std::uint32_t { source = 0, lobe = 1, direction = 2, connection = 3, window = 4, record = 5, receiver = 6, backward = 8 };
+enum class Stream : std::uint32_t {
+  source = 0,
+  lobe = 1,
+  direction = 2,
+  connection = 3,
+  window = 4,
+  record = 5,
+  receiver = 6,
+  backward = 8
+};
 
 class Rng {
  public:

@@ -32,6 +32,11 @@ concept HasPieces = requires {
   requires S::has_pieces;
 };
 
+// Whether a straight line between two points of the shape may cross it in between: other than for the quadrics, whose
+// lines meet them twice.
+template <class S>
+inline constexpr bool may_hide_itself = HasPieces<S>;
+
 template <class S>
 STRAY_HD Crossing crossing_of(S const& s, Ray const& ray, bool leaving, std::uint32_t piece) {
   if constexpr (HasPieces<S>)

@@ -41,4 +41,17 @@ namespace straytrace {
 using ShapeTypes = std::tuple<Disk, Cap, Cylinder, Cone, Sphere, Conic, Rectangle, Ellipse, Polygon, Cuboid, Torus,
                               PiercedCylinder, SerratedCone, Zone, CutCylinder, TriangleMesh>;
 
+template <>
+inline constexpr bool may_hide_itself<Torus> = true;
+template <>
+inline constexpr bool may_hide_itself<Conic> = true;  // with aspheric terms
+
+template <std::size_t... I>
+STRAY_HD bool kind_may_hide_itself(std::uint32_t kind, std::index_sequence<I...>) {
+  return ((kind == I && may_hide_itself<std::tuple_element_t<I, ShapeTypes>>) || ...);
+}
+STRAY_HD bool kind_may_hide_itself(std::uint32_t kind) {
+  return kind_may_hide_itself(kind, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
+}
+
 }  // namespace straytrace

@@ -14,8 +14,9 @@ namespace straytrace {
 constexpr std::size_t deepest_part = 8;
 
 // Keys of an entry that a parameter of a part may not be called.
-constexpr std::array<std::string_view, 14> entry_keys{"name", "use",    "shape",  "file", "repeat",   "split",
-                                                      "at",   "facing", "rotate", "body", "material", "side", "medium", "surfaces"};
+constexpr std::array<std::string_view, 14> entry_keys{"name",     "use",  "shape",  "file",    "repeat",
+                                                      "split",    "at",   "facing", "rotate",  "body",
+                                                      "material", "side", "medium", "surfaces"};
 bool is_entry_key(std::string_view);
 
 // False, with a problem, for a name that could not be used in paths like "bench/dump_3/front".

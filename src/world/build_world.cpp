@@ -30,7 +30,7 @@ World build_world(Scene const& scene) {
   read_receivers(scene, world, names);
   read_beams(scene, world, names);
   read_trace_limits(scene, world);
-  world.finish();
+  if (scene.root().healthy()) world.finish();  // shapes with missing numbers cannot be searched
   return world;
 }
 

@@ -2,7 +2,7 @@
 // What a ray finds, what it starts on, and what a search asks on its way.
 #pragma once
 
-#include "geometry/pieces.hpp"
+#include "geometry/shape_types.hpp"
 #include "world/tube.hpp"
 
 namespace straytrace {
@@ -74,18 +74,22 @@ struct AnyQuery {
   Cross const& cross_one;
   Departure const& from;
   Ray const& ray;
-  bool to_itself;  // the ray ends on the surface it starts on: there a millionth of its length is left to rounding
+  // The ray ends on the surface it starts on. Quadrics have nothing in between, and rounding of a grazing root must not
+  // hide the end; for other shapes a millionth of the length is left to rounding.
+  bool to_itself;
   STRAY_HD bool leaves(std::uint32_t surface) const { return from.on(surface); }
   STRAY_HD double end() const { return ray.t_max; }
-  STRAY_HD double end(std::uint32_t surface) const {
-    return to_itself && from.on(surface) ? ray.t_max * (1 - 1e-6) : ray.t_max;
-  }
   STRAY_INLINE bool cross(SurfaceRef ref, double&) {
     Ray bounded = ray;
-    bounded.t_max = end(ref.surface);
+    if (to_itself && from.on(ref.surface)) {
+      if (!kind_may_hide_itself(ref.shape().kind)) return false;
+      bounded.t_max *= 1 - 1e-6;
+    }
     return cross_one(ref, bounded, from).distance < infinity;
   }
-  STRAY_INLINE bool offer(std::uint32_t surface, double t, double&) { return t < end(surface); }
+  STRAY_INLINE bool offer(std::uint32_t surface, double t, double&) {
+    return t < infinity && !(to_itself && from.on(surface));
+  }
 };
 
 }  // namespace straytrace

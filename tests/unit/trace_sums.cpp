@@ -199,8 +199,10 @@ TEST(Records, WeightsOfATracedClass) {
   struct Split : Silent {
     WorldView view;
     double analog = 0, all = 0;
-    void score(PathState const& p, Vertex const& v, std::uint32_t lit, std::uint32_t number, Vertex const& y, double f) {
-      if (route_of(view, p, v, lit, number, y.surface).vertices != 2 || lit == p.source || view.lit[lit].surface.value != 1)
+    void score(PathState const& p, Vertex const& v, std::uint32_t lit, std::uint32_t number, Vertex const& y,
+               double f) {
+      if (route_of(view, p, v, lit, number, y.surface).vertices != 2 || lit == p.source ||
+          view.lit[lit].surface.value != 1)
         return;
       all += f;
       if (by_itself(number)) analog += f;
