@@ -193,9 +193,11 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   }
   WalkLimits const& limits = model.world.limits;
   find_covered_receivers(model.world);
+  // The pilot is for receivers behind mirrors and glass.
+  std::uint64_t const pilot = model.world.receivers().empty() ? 0 : 1 << 14;
   if (limits.targets)
-    model.world.steer(
-        make_importance(model.world, ImportanceSettings{.alpha = limits.law_share, .window = limits.window}));
+    model.world.steer(make_importance(
+        model.world, ImportanceSettings{.alpha = limits.law_share, .window = limits.window, .pilot_histories = pilot}));
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };
   stop_requested = false;

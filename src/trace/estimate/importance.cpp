@@ -251,9 +251,9 @@ class Builder {
       Exchange const& exchange = sides_[i];
       for (auto const& of_goal : adjoint)
         if (!exchange.by_law.empty()) level += forward_score(i, of_goal);
-      std::vector<Target> const list =
-          targets_of(world_, tables_, exchange.by_law.empty() ? exchange.diffuse : exchange.by_law, adjoint,
-                     settings_.most_targets);
+      bool const emits = !exchange.by_law.empty();  // few sides do: they get whole lists
+      std::vector<Target> const list = targets_of(world_, tables_, emits ? exchange.by_law : exchange.diffuse, adjoint,
+                                                  emits ? tables_.strips.size() : settings_.most_targets);
       side.first = std::uint32_t(tables_.targets.size());
       side.count = std::uint32_t(list.size());
       if (side.count > 0) side.alpha = std::max(settings_.alpha, 0.1);

@@ -13,7 +13,7 @@ struct ImportanceSettings {
   unsigned samples = 8;                     // pairs of points per pair of strips
   std::size_t most_strips = 2500;           // above: no steering, the scatter law alone
   std::uint64_t pilot_histories = 1 << 14;  // 0: no pilot
-  std::size_t most_targets = 128;           // per side of a strip
+  std::size_t most_targets = 128;           // per side of a strip that no beam lights
 };
 
 // How much of the light that leaves strip i arrives on each side of strip j, and what it will score: the linear system
