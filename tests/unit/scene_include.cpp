@@ -123,7 +123,8 @@ TEST(Include, FilesThatCannotBeRead) {
 class OnDisk : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) / "straytrace_scene_include";
+    std::string const test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("straytrace_scene_" + test);  // tests run side by side
     std::filesystem::remove_all(folder_);
     write("models/arm.yaml",
           "straytrace: 1\ninclude: [../shared/a.yaml]\ntrace: {file: data/x.csv}\nscene:\n"
