@@ -170,7 +170,7 @@ STRAY_HD double lost_in_medium(WorldView const& world, PathState& path, double l
   }
   Medium const& medium = world.media[world.volumes[path.media.current()].medium];
   path.path_length += medium.index * leg;
-  double const left = medium.absorption > 0 ? path.power * exp_number(-medium.absorption * leg) : path.power;
+  double const left = path.power * kept_on_the_way(medium.absorption, leg);
   double const lost = path.power - left;
   path.power = left;
   return lost;
