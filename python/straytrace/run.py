@@ -82,6 +82,7 @@ class Routes:
     coupling: np.ndarray              # recoupled power fraction; only a hint where not `trusted`
     sigma: np.ndarray
     reverse: np.ndarray               # C_rev, not multiplied into `coupling`
+    by_reverse: np.ndarray            # carries the numbers of the same route run backwards
     trusted: np.ndarray
     why_not: list
 
@@ -145,6 +146,7 @@ def _routes(file, ports):
         coupling=group["mean"][()],
         sigma=group["std_error"][()],
         reverse=group["reverse"][()],
+        by_reverse=group["by_reverse"][()].astype(bool) if "by_reverse" in group else np.zeros(len(group["hash"]), bool),
         trusted=group["trusted"][()].astype(bool),
         why_not=_texts(group["why_not"]),
     )

@@ -94,6 +94,7 @@ PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
   row.vertices = c.steps.size();
   row.coupling = c.coupling;
   row.reverse = c.reverse;
+  row.by_reverse = c.by_reverse;
   row.resolved = c.coupling.trusted;
   row.why_not = c.coupling.why_not;
   row.share = {not_a_number, not_a_number};
@@ -130,7 +131,8 @@ void finish(PathTable& table) {
       continue;
     }
     table.total_coupling.value += row.coupling.mean;
-    variance += row.coupling.std_error * row.coupling.std_error;
+    // A route with the numbers of its reverse goes up and down with it: (2 e)^2 = e^2 + 3 e^2.
+    variance += (row.by_reverse ? 3 : 1) * row.coupling.std_error * row.coupling.std_error;
   }
   table.total_coupling.sigma = std::sqrt(variance);
 }

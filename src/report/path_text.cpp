@@ -107,6 +107,10 @@ std::string explanation(PathTable const& table) {
   text += table.reverse_routes ? "; C_rev, in h but not in coupling, adds its reverse in amplitude.\n"
                                : "; reverse routes are not added in amplitude (C_rev off).\n";
   if (table.has_noise) text += "h: one-sided strain ASD in 1/sqrt(Hz), mean over static phases.\n";
+  auto const mirrored = std::count_if(table.rows.begin(), table.rows.end(), [](auto& row) { return row.by_reverse; });
+  if (mirrored > 0)
+    text += fmt::format("{} {} sampled on the same route run backwards, which couples alike.\n", mirrored,
+                        mirrored == 1 ? "route was" : "routes were");
   return text + "\n";
 }
 

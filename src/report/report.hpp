@@ -21,7 +21,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 1;
+constexpr int run_schema_major = 1, run_schema_minor = 2;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -93,6 +93,7 @@ struct PathRow {
   std::size_t vertices = 0;  // 0 for `other`
   Estimate coupling;         // of ordered paths; C_rev not multiplied in
   double reverse = 1;        // C_rev
+  bool by_reverse = false;   // numbers of its reverse, on which it is better sampled
   bool resolved = false;
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;

@@ -66,6 +66,7 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
             "row of /names/" + at.end + "s");
   write_steps(out, at, table);
   number("reverse", [](auto& c) { return c.reverse; });
+  out.array(place + "by_reverse", column<std::uint8_t>(rows, [](auto& c) { return c.by_reverse; }), "0 or 1");
   number("mean", [](auto& c) { return c.coupling.mean; });
   number("std_error", [](auto& c) { return c.coupling.std_error; });
   number("variance_of_variance", [](auto& c) { return c.coupling.variance_of_variance; });
@@ -142,11 +143,14 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
   Counts const scored = in.rows<std::uint64_t>(at.classes + "/scored", n);
   Bytes const trusted = in.rows<std::uint8_t>(at.classes + "/trusted", n);
   std::vector<std::string> const why = in.strings(at.classes + "/why_not", n);
+  std::string const mirrored = at.classes + "/by_reverse";  // since schema 1.2
+  Bytes const by_reverse = in.has(mirrored) ? in.rows<std::uint8_t>(mirrored, n) : Bytes(n);
   for (std::size_t i = 0; i < n; ++i) {
     CouplingClass& c = (table.*at.list)[i];
     c.hash = hash[i];
     c.port = {port[i]};
     c.reverse = reverse[i];
+    c.by_reverse = by_reverse[i] != 0;
     c.coupling = {mean[i], error[i], vov[i], largest[i], effective[i], scored[i], trusted[i] != 0, why[i]};
     std::copy_n(replicas.begin() + std::ptrdiff_t(i * replica_count), replica_count, c.replica_sum.begin());
   }

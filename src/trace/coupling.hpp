@@ -54,6 +54,7 @@ struct CouplingClass {
   Estimate coupling;
   double off_list = 0;                                 // part of coupling.mean that no target was aimed at
   double reverse = 1;                                  // C_rev, physics.md eq. 1.5
+  bool by_reverse = false;                             // all of this was sampled on the same route run backwards
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
 };

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "trace/tally/reverse.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {
@@ -146,6 +147,112 @@ TEST(ReversePaths, ClassesCarryCrev) {
   EXPECT_EQ(reverse_of(cavity(false, true), "one·S > two·S"), 1);             // leaves one mode, returns by another
   EXPECT_EQ(reverse_of(cavity(true, true), "one·S"), 1);                      // its own reverse
   EXPECT_EQ(reverse_of(cavity(true, false), "one·S > baffle·S > one·S"), 1);  // the switch
+}
+
+// Two mirrors that reflect and scatter, with a ring between them: light from the ring can be reflected into the other
+// mirror's mode, which only the walk finds; backwards it is connected.
+World reflecting_cavity(double radius) {
+  World world;
+  BodyId const mirrors = world.add_body("mirrors", {}), tube = world.add_body("tube", {});
+  std::uint32_t const black = black_optic(world), white = lambertian_optic(world, 0.5);
+  Optic optic;
+  optic.reflect = 0.6;
+  optic.laws = 1;
+  optic.law[0] = world.add_law(Lambertian{0.3});
+  std::uint32_t const mirror = world.add_optic(optic);
+  SurfaceId const one = world.add_surface(Disk{{}, {0, 0, 1}, 0, 0.6}, mirror, black, mirrors, world.add_group("one"));
+  SurfaceId const two =
+      world.add_surface(Disk{{0, 0, 0.6}, {0, 0, -1}, 0, 0.6}, mirror, black, mirrors, world.add_group("two"));
+  world.add_surface(Disk{{0, 0, 0.3}, {0, 0, 1}, 0.3, 0.8}, white, white, tube, world.add_group("ring"));
+  world.add_footprint(spot(one, {}, {0, 0, -1}, Profile::even, radius, world.add_port("one"), 0));
+  world.add_footprint(spot(two, {0, 0, 0.6}, {0, 0, 1}, Profile::even, radius, world.add_port("two"), 0));
+  world.limits.max_order = 3;
+  world.finish();
+  return world;
+}
+char const* const by_walk = "one·S > ring·S > one·R > two·S";  // ends by a reflection
+char const* const by_connection = "two·S > one·R > ring·S > one·S";
+
+TEST(ReversePaths, RoutesAreNamedLikeTheTraceDoes) {
+  World const world = reflecting_cavity(0.35);
+  TraceResult const r = run_histories(world, 1 << 17);
+  int named = 0;
+  for (CouplingClass const& c : r.coupling.classes) {
+    if (c.steps.empty()) continue;
+    EXPECT_EQ(hash_of_route(c.steps, 0, c.port.value), c.hash) << route_name(r.coupling, c);
+    EXPECT_EQ(backwards(backwards(c.steps)), c.steps);
+    ++named;
+  }
+  EXPECT_GT(named, 10);
+}
+
+double mean_lever(CouplingClass const& c, std::uint32_t body) {
+  double sum = 0;
+  for (PathRecord const& r : c.records)
+    for (Lever const& l : r.levers) sum += l.body.value == body ? r.weight * l.d[2] : 0;
+  return sum / c.coupling.mean;
+}
+
+// Eq. 1.2 with mirrors in the path: with diffuse mirrors both ends are well sampled and must agree.
+TEST(ReversePaths, SameCouplingAndLeversFromEitherEnd) {
+  TraceResult const r = run_histories(reflecting_cavity(0.35), 1 << 20);
+  CouplingClass const *there = find_route(r, by_walk), *back = find_route(r, by_connection);
+  ASSERT_TRUE(there && back);
+  ASSERT_FALSE(there->by_reverse || back->by_reverse);
+  SampleMean const walked = route_coupling(r, by_walk), connected = route_coupling(r, by_connection);
+  expect_mean("coupling", difference(walked, connected), 0, 0.1 * connected.mean);
+  // twin: an angle factor at the mirror
+  expect_rejected("20 % more", difference(scaled(walked, 1.2), connected), 0);
+  for (std::uint32_t body : {0u, 1u}) EXPECT_NEAR(mean_lever(*there, body) / mean_lever(*back, body), 1, 0.02);
+  EXPECT_GT(std::fabs(mean_lever(*there, 0) / mean_lever(*back, 1) - 1), 0.1);  // twin: levers of another body
+}
+
+// Small spots are hardly met by the walk: the connected reverse must speak for both.
+TEST(ReversePaths, PoorlySampledRoutesTakeTheNumbersOfTheirReverse) {
+  TraceResult const r = run_histories(reflecting_cavity(0.01), 1 << 18);
+  CouplingClass const *there = find_route(r, by_walk), *back = find_route(r, by_connection);
+  ASSERT_TRUE(there && back);
+  EXPECT_TRUE(there->by_reverse);
+  EXPECT_FALSE(back->by_reverse);
+  EXPECT_TRUE(there->coupling.trusted);
+  EXPECT_EQ(there->coupling.mean, back->coupling.mean);
+  EXPECT_EQ(there->replica_sum, back->replica_sum);
+  EXPECT_EQ(there->records.size(), back->records.size());
+  EXPECT_EQ(there->reverse, 2);
+  EXPECT_NE(there->hash, back->hash);
+}
+
+// Counting histories: a route without a score is added, a poorer one replaced, two trusted ones are left alone.
+TEST(ReversePaths, WhoSpeaksForWhom) {
+  auto const made = [](std::vector<PathStep> const& steps, std::uint64_t scored, bool trusted, double mean) {
+    MadeClass m;
+    m.row.steps = steps;
+    m.row.hash = hash_of_route(steps, 0, 0);
+    m.row.port = m.back = {0};
+    m.row.coupling.scored = scored;
+    m.row.coupling.trusted = trusted;
+    m.row.coupling.mean = mean;
+    m.reversible = true;
+    return m;
+  };
+  std::vector<PathStep> const a = {
+      {{0}, Event::emit}, {{1}, Event::scatter}, {{0}, Event::reflect}, {{2}, Event::couple}};
+  std::vector<PathStep> const b = backwards(a);
+  auto const mean_of = [](std::vector<MadeClass> list, std::vector<PathStep> const& steps) {
+    mirror_poorly_sampled(list);
+    for (MadeClass const& m : list)
+      if (m.row.steps == steps) return m.row.coupling.mean;
+    return 0.0;
+  };
+  EXPECT_EQ(mean_of({made(a, 500, true, 3)}, b), 3);
+  EXPECT_EQ(mean_of({made(a, 500, true, 3), made(b, 20, false, 7)}, b), 3);
+  EXPECT_EQ(mean_of({made(b, 20, false, 7), made(a, 500, true, 3)}, b), 3);  // whatever their order
+  EXPECT_EQ(mean_of({made(a, 500, true, 3), made(b, 400, true, 7)}, b), 7);
+  EXPECT_EQ(mean_of({made(a, 60, false, 3), made(b, 20, false, 7)}, b), 3);
+  EXPECT_EQ(mean_of({made(a, 20, false, 3), made(b, 60, false, 7)}, b), 7);  // not the smaller, not the larger
+  MadeClass two_beams = made(a, 500, true, 3);
+  two_beams.reversible = false;
+  EXPECT_EQ(mean_of({two_beams}, b), 0);
 }
 
 }  // namespace

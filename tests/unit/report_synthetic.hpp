@@ -102,6 +102,7 @@ inline CouplingTable coupling_table() {
     double const mean = 1.2345e-20 * std::pow(0.35, double(c));
     k.coupling = {mean, mean * 0.02 * double(c + 1), 0.01, 0.004, 1.2e4, 54321 - c, true, ""};
     k.reverse = c % 2 ? 2 : 1;
+    k.by_reverse = c == 3;
     k.replica_sum.fill(mean * 4736);
     for (std::size_t r = 0; r < 20; ++r) k.records.push_back(record(c, r));
     t.classes.push_back(k);

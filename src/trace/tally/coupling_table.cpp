@@ -9,13 +9,37 @@
 
 #include "base/message.hpp"
 #include "trace/tally/replay.hpp"
+#include "trace/tally/reverse.hpp"
 
 namespace straytrace {
 namespace {
 
-CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
-                         std::uint64_t seed) {
-  CouplingClass c;
+// What all paths of a route have in common. Rejoining by the mode it left, a path adds in amplitude to its reverse.
+void describe(MadeClass& made, World const& world, ReplayedPath const& path) {
+  CouplingClass& c = made.row;
+  auto const& beams = world.footprints();
+  Footprint const& source = beams[path.source];
+  Footprint const* const goal = path.goal < beams.size() ? &beams[path.goal] : nullptr;
+  bool const two_ways = path.vertices.size() > 1 && goal && source.beam == goal->beam;
+  c.reverse = world.reverse_routes && two_ways ? 2 : 1;
+  made.beam = source.beam;
+  made.back = source.port;
+  if (path.other) return;
+  for (PassedVertex const& v : path.vertices) c.steps.push_back({v.group, v.event});
+  if (source.free) c.steps.front().event = Event::start;
+  made.reversible = two_ways && !source.free && backwards(c.steps) != c.steps;
+}
+// One group may hold footprints of several ports: then the reverse is more than one class.
+bool turns_round(World const& world, MadeClass const& made, ReplayedPath const& path) {
+  Footprint const &source = world.footprints()[path.source], &goal = world.footprints()[path.goal];
+  return source.receives && source.port.valid() && source.port == made.back && goal.emits && !goal.free;
+}
+
+MadeClass make_class(World const& world, std::uint64_t hash, ClassSums const& sums, BlockSums const& total,
+                     std::uint64_t seed) {
+  MadeClass made;
+  made.moments = sums.moments;
+  CouplingClass& c = made.row;
   c.hash = hash;
   c.port = {sums.port};
   c.coupling = estimate(sums.moments, total.histories, total.blocks);
@@ -28,20 +52,13 @@ CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const
     if (!path || path->coupling != kept.coupling)
       throw NumericalError(
           fmt::format("history {} event {} does not replay to the same score", kept.history, kept.event));
-    if (c.records.empty()) {  // what all paths of a route have in common
-      auto const& beams = world.footprints();
-      bool const two_ways =
-          path->vertices.size() > 1 && path->goal < beams.size() && beams[path->source].beam == beams[path->goal].beam;
-      c.reverse = world.reverse_routes && two_ways ? 2 : 1;
-      if (!path->other)
-        for (PassedVertex const& v : path->vertices) c.steps.push_back({v.group, v.event});
-      if (!c.steps.empty() && beams[path->source].free) c.steps.front().event = Event::start;
-    }
+    if (c.records.empty()) describe(made, world, *path);
+    made.reversible = made.reversible && turns_round(world, made, *path);
     c.records.push_back({kept.history, kept.event, kept.connection, kept.coupling,
                          std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
                          path->levers});
   }
-  return c;
+  return made;
 }
 
 // Routes that are not resolved on their own, of one port: one row whose error comes from the replicas, so that scores
@@ -49,7 +66,11 @@ CouplingClass make_class(World const& world, std::uint64_t hash, ClassSums const
 class Leftover {
  public:
   void take(CouplingClass const& c, Moments const& moments) {
-    if (merged_.records.empty()) merged_ = {c.hash, c.port, {}, {}, 0, c.reverse, {}, {}};
+    if (merged_.records.empty()) {
+      merged_.hash = c.hash;
+      merged_.port = c.port;
+      merged_.reverse = c.reverse;
+    }
     merged_.off_list += c.off_list;
     merged_.hash = std::min(merged_.hash, c.hash);
     moments_ = merged(moments_, moments);
@@ -77,14 +98,11 @@ class Leftover {
   int classes_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 // Light that no target was aimed at, by the end it reaches and the surface it came from last.
 class OffList {
  public:
   void take(CouplingClass const& c, CouplingTable const& table) {
+    if (c.by_reverse) return;
     total_[c.port.value] += c.coupling.mean;
     std::size_t const n = c.steps.size();
     missed_[{c.port.value, n < 2 ? "long routes" : table.groups[c.steps[n - 2].group.value]}] += c.off_list;
@@ -130,14 +148,17 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   auto const list_of = [&](CouplingClass const& c) -> std::vector<CouplingClass>& {
     return c.port.value < first_receiver_end ? table.classes : table.received;
   };
-  for (auto const& [hash, sums] : total.classes) {
-    CouplingClass c = make_class(world, hash, sums, total, seed);
+  std::vector<MadeClass> made;
+  for (auto const& [hash, sums] : total.classes) made.push_back(make_class(world, hash, sums, total, seed));
+  mirror_poorly_sampled(made);
+  std::sort(made.begin(), made.end(), [](auto const& a, auto const& b) { return a.row.hash < b.row.hash; });
+  for (auto& [c, moments, beam, back, reversible] : made) {
     off_list.take(c, table);
     bool const direct = c.steps.size() == 1 || c.steps.size() == 2;  // a matter of its own: mirror to mirror
     if (direct || (c.coupling.trusted && !c.steps.empty()))
       list_of(c).push_back(std::move(c));
     else
-      others[{c.port.value, c.reverse}].take(c, sums.moments);
+      others[{c.port.value, c.reverse}].take(c, moments);
   }
   for (auto& [place, leftover] : others) {
     CouplingClass c = leftover.row(total, table.replica_histories);

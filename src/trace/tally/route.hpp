@@ -14,10 +14,8 @@ struct Route {
 };
 
 // C_rev depends on the beams at the two ends, so paths of different source beams are never one class.
-inline std::uint64_t hash_of_ends(WorldView const& world, PathState const& path, std::uint64_t name,
-                                  std::uint32_t end) {
-  std::uint64_t const beam = std::uint64_t(world.lit[path.source].beam) + 1;
-  return mixed(mixed(name + beam) + (std::uint64_t(end) + 1) * 0xd1342543de82ef95ull);
+inline std::uint64_t hash_of_ends(std::uint32_t beam, std::uint64_t name, std::uint32_t end) {
+  return mixed(mixed(name + beam + 1) + (std::uint64_t(end) + 1) * 0xd1342543de82ef95ull);
 }
 
 // `at`: the vertex scored from; `y`: the point on the goal.
@@ -33,7 +31,7 @@ inline Route route_of(WorldView const& world, PathState const& path, Vertex cons
   if (!by_itself(number) || plane) ++route.vertices;
   route.other = route.vertices > world.limits.route_vertices;
   name = route.other ? 0 : extended(name, world.surfaces[y.value].group, receiver ? Event::receive : Event::couple);
-  route.hash = hash_of_ends(world, path, name, route.end);
+  route.hash = hash_of_ends(world.lit[path.source].beam, name, route.end);
   return route;
 }
 
@@ -54,7 +52,7 @@ inline Route route_through(WorldView const& world, PathState const& path, Vertex
   for (std::uint32_t i = hops; i-- > 0;)
     name = extended(name, {std::uint32_t(chain[i] >> 8)}, static_cast<Event>(chain[i] & 0xff));
   name = extended(name, group_of(world.receivers[receiver].surface), Event::receive);
-  route.hash = hash_of_ends(world, path, route.other ? 0 : name, route.end);
+  route.hash = hash_of_ends(world.lit[path.source].beam, route.other ? 0 : name, route.end);
   return route;
 }
 
