@@ -88,6 +88,37 @@ TEST(Glass, AbsorptionBeerLambert) {
   EXPECT_NEAR(received(r).mean, std::exp(-2.0 * 0.2), 1e-12);
 }
 
+// A plate with a white back face, and a measuring plane inside it that looks at one side. What arrives there on its
+// own, and what is connected to it, has lost exp(-a d) on the way.
+SampleMean inside_the_plate(double absorption, bool on_the_way_back) {
+  World world = beam_and_photodiode();
+  BodyId const body = world.add_body("plate", {});
+  std::uint32_t const volume = world.add_volume({1.0, absorption}), open = glass_optic(world);
+  world.add_surface(disk(0, 0.5, {{0, 0, 0.1}, {0, 0, -1}}), open, open, body, world.add_group("below"), volume);
+  world.add_surface(disk(0, 0.5, {{0, 0, 0.3}, {0, 0, 1}}), black_optic(world), lambertian_optic(world, 0.8), body,
+                    world.add_group("above"), volume);
+  Receiver plane;
+  plane.surface = world.add_surface(disk(0, on_the_way_back ? 0.005 : 0.4, {{0, 0, 0.2}, {0, 0, 1}}), open, open, body,
+                                    world.add_group("plane"));
+  plane.clear = true;
+  plane.front = on_the_way_back;
+  plane.back = !on_the_way_back;
+  world.add_receiver("plane", plane);
+  world.limits.max_order = 3;
+  world.finish();
+  TraceResult const r = run_histories(world, 1 << 15);
+  Estimate const e = r.coupling.received_power[1];
+  return {e.mean, e.std_error, 1 << 15};
+}
+
+TEST(Glass, ReceiversInsideAnAbsorberBeerLambert) {
+  double const a = 5;
+  EXPECT_NEAR(inside_the_plate(a, false).mean / inside_the_plate(0, false).mean, std::exp(-a * 0.1), 1e-9);
+  SampleMean const back = ratio(inside_the_plate(a, true), inside_the_plate(0, true));
+  expect_mean("there and back", back, std::exp(-a * 0.3), 0.01);
+  expect_rejected("the way back for nothing", back, std::exp(-a * 0.2));
+}
+
 // Two plates that touch are one plate; 20 nm apart they are two (incoherent sum: (1 - R)/(1 + 3 R)).
 TEST(Glass, TouchingPlatesR3_23) {
   for (double const gap : {0.0, 2e-8}) {

@@ -66,6 +66,8 @@ struct Way {
   Vec3 wo;            // the same, local
   double length = 0;  // m
   double bsdf = 0;    // 1/sr; 0: no light goes there
+  double kept = 1;    // share not absorbed on the way
+  STRAY_HD double geometry(double cosine) const { return std::fabs(wo.z) * cosine / (length * length); }  // 1/m^2
 };
 STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   Way way;
@@ -75,6 +77,7 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
   way.out = (1 / way.length) * span;
   way.wo = vertex.frame.to_local(way.out);
   way.bsdf = scatter_eval(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
+  way.kept = kept_along(world, way.wo.z < 0 ? vertex.after : vertex.before, way.length);
   return way;
 }
 // Density per area with which the walk itself would have gone there, its lobe included.
@@ -102,9 +105,8 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   if (!(way.bsdf > 0)) return;
   Vertex const y = make_vertex(world, lit.surface, point, way.out, met.piece);
   if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return;  // lit from the other side
-  double coupling = path.power * way.bsdf * std::fabs(way.wo.z) * y.wi.z / (way.length * way.length) *
-                    rejoin_bsdf(world, y, lit) * world.wavelength * world.wavelength *
-                    lit.share;  // |u|^2 cos over the density of y is 1
+  double coupling = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) * rejoin_bsdf(world, y, lit) *
+                    world.wavelength * world.wavelength * lit.share;  // |u|^2 cos over the density of y is 1
   if (world.polarised)
     coupling *=
         mode_share(world, scattered(path.polarisation, path.ray.dir, way.out, way.wo.z < 0, vertex.optic->depolarise),

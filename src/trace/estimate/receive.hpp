@@ -18,9 +18,9 @@ STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) {
 
 template <class Sink>
 STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t receiver,
-                         Sink& sink) {
+                         double power, Sink& sink) {
   Receiver const& r = world.receivers[receiver];
-  if (!r.counts(y.front) || !(path.power > 0)) return;
+  if (!r.counts(y.front) || !(power > 0)) return;
   std::uint32_t const goal = goal_of_receiver(world, receiver);
   double const walk = per_area(path.hop.pdf, y.leg, y.wi.z);
   double const density = receiver_density(world, r);
@@ -30,7 +30,7 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
     double const through = path.reached_pdf * path.left_pdf;
     weight = through / (through + density / pi);
   }
-  sink.score(path, y, goal, arrival_number(goal), y, path.power * weight);
+  sink.score(path, y, goal, arrival_number(goal), y, power * weight);
 }
 
 // Light that has reached a receiver by itself: the surface it stands on, or a measuring plane on the way.
@@ -40,7 +40,7 @@ STRAY_HD void receive(WorldView const& world, PathState const& path, Vertex cons
   std::uint32_t const first = world.receiver_of_surface[vertex.surface.value];
   if (first == WorldView::none) return;
   for (std::uint32_t i = first; i < world.receivers.size; ++i)
-    if (world.receivers[i].surface == vertex.surface) receive_at(world, path, vertex, i, sink);
+    if (world.receivers[i].surface == vertex.surface) receive_at(world, path, vertex, i, path.power, sink);
 }
 template <class Sink>
 STRAY_HD void pass_planes(WorldView const& world, PathState const& path, double to, Sink& sink) {
@@ -51,7 +51,7 @@ STRAY_HD void pass_planes(WorldView const& world, PathState const& path, double 
     if (!(met.distance < infinity)) continue;
     Vertex y = make_vertex(world, id, path.ray.origin + met.distance * path.ray.dir, path.ray.dir, met.piece);
     y.leg = met.distance;
-    receive_at(world, path, y, i, sink);
+    receive_at(world, path, y, i, path.power * kept_along(world, path.media, y.leg), sink);
   }
 }
 
@@ -85,8 +85,7 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
       r.clear ? walk_past(world, path, vertex, way, y.wi.z) : walk_density(world, path, vertex, way, y.strip, y.wi.z);
   if (walk < 0) return;
   double const density = receiver_density(world, r);
-  double const power =
-      path.power * way.bsdf * std::fabs(way.wo.z) * y.wi.z / (way.length * way.length) / (density + walk);
+  double const power = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) / (density + walk);
   std::uint32_t const goal = goal_of_receiver(world, receiver);
   if (power > 0) sink.score(path, vertex, goal, connection_number(goal), y, power);
 }

@@ -89,7 +89,7 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
     chain[hops++] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 |
                     std::uint64_t(through ? Event::transmit : Event::reflect);
   });
-  if (!(back.tau > 0)) return;
+  if (!(back.tau > 0) || path.order + hops + 2 > world.limits.max_order) return;
   Way const way = way_to(world, vertex, back.point);
   if (!(way.bsdf > 0)) return;
   Vertex z = make_vertex(world, back.z, back.point, way.out, back.piece);
@@ -106,8 +106,8 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
   double const leaving =
       z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
   double const walk = walk_density(world, path, vertex, way, z.strip, z.wi.z) * leaving;
-  double const power = path.power * way.bsdf * std::fabs(way.wo.z) * z.wi.z / (way.length * way.length) * f * back.tau *
-                       etendue / (1 + walk * etendue);
+  double const power =
+      path.power * way.bsdf * way.kept * way.geometry(z.wi.z) * f * back.tau * etendue / (1 + walk * etendue);
   if (!(power > 0)) return;
   Vertex const end = make_vertex(world, r.surface, back.end, back.arriving, back.end_piece);
   if constexpr (requires { sink.score_through(path, vertex, z, chain, hops, receiver, end, power); })

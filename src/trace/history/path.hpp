@@ -162,15 +162,15 @@ STRAY_HD Vertex vertex_at(WorldView const& world, PathState const& path, Hit con
   return v;
 }
 
+// Share of power left after a leg in the medium that fills these volumes.
+STRAY_HD double kept_along(WorldView const& world, MediaStack const& media, double leg) {
+  if (media.depth == 0) return 1;
+  return kept_on_the_way(world.media[world.volumes[media.current()].medium].absorption, leg);
+}
 // Absorption on a leg (Beer-Lambert) and its optical length; returns the power lost.
 STRAY_HD double lost_in_medium(WorldView const& world, PathState& path, double leg) {
-  if (path.media.depth == 0) {
-    path.path_length += leg;
-    return 0;
-  }
-  Medium const& medium = world.media[world.volumes[path.media.current()].medium];
-  path.path_length += medium.index * leg;
-  double const left = path.power * kept_on_the_way(medium.absorption, leg);
+  path.path_length += index_of(world, path.media.current()) * leg;
+  double const left = path.power * kept_along(world, path.media, leg);
   double const lost = path.power - left;
   path.power = left;
   return lost;
