@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Long diffuse walks with every hit checked. Tubes: against 80-bit arithmetic. The bench: against a second tree over
-// the same surfaces in reverse order, and one hit in 100,000 against a test of every surface; the box is closed, so a
-// ray that hits nothing is lost. Ends with 1 when anything is wrong.
+// Long diffuse walks with every hit checked. Tubes: against 80-bit arithmetic. The bench and the mesh: against a second
+// tree over the same surfaces or triangles in reverse order, and one hit in 100,000 against a test of every one; both
+// are closed, so a ray that hits nothing is lost. Ends with 1 when anything is wrong.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -37,25 +37,51 @@ World reversed_world(World const& world) {
   return out;
 }
 
+// `again(ray, from)` and, for one bounce in 100,000, `by_force(ray, from)` must give the hit of the scene itself.
+template <class Again, class ByForce>
+bool check(BenchScene const& scene, long long bounces, Again const& again, ByForce const& by_force) {
+  long long done = 0, lost = 0, wrong = 0, self = 0;
+  walk(scene, std::size_t(bounces), 100, [&](Ray const& ray, Departure const& from, Hit const& hit) {
+    lost += !hit.surface.valid();
+    self += hit.surface == from.surface && hit.piece == from.piece && hit.distance < 1e-12;
+    wrong += again(ray, from) != hit.distance;
+    if (done++ % 100000 == 0) {
+      Hit const sure = by_force(ray, from);
+      wrong += sure.surface != hit.surface || sure.piece != hit.piece || sure.distance != hit.distance;
+    }
+  });
+  return report(scene.name, done, lost, wrong, self, 0);
+}
+
 bool check_bench(long long bounces) {
   BenchScene const scene = optical_bench();
   World const other = reversed_world(scene.world);
-  WorldView const view = scene.world.view(), second = other.view();
-  WorldView every = view;
+  WorldView const second = other.view();
+  WorldView every = scene.world.view();
   every.limits.brute_force = true;
-  auto const last = std::uint32_t(view.surfaces.size - 1);
-  long long done = 0, lost = 0, wrong = 0, self = 0;
-  for (std::uint64_t walk = 0; done < bounces; ++walk) {
-    for (BenchRay const& r : walk_rays(scene, std::size_t(std::min(bounces - done, 1000000ll)), 100 + walk)) {
-      Hit const hit = view.closest(r.ray, r.from);
-      lost += !hit.surface.valid();
-      self += hit.surface == r.from.surface && hit.distance < 1e-12;
-      Hit const again = second.closest(r.ray, SurfaceId{last - r.from.surface.value});
-      wrong += again.distance != hit.distance;
-      if (done++ % 100000 == 0) wrong += every.closest(r.ray, r.from).surface != hit.surface;
-    }
-  }
-  return report("bench", done, lost, wrong, self, 0);
+  auto const last = std::uint32_t(every.surfaces.size - 1);
+  return check(
+      scene, bounces,
+      [&](Ray const& r, Departure const& from) {
+        return second.closest(r, SurfaceId{last - from.surface.value}).distance;
+      },
+      [&](Ray const& r, Departure const& from) { return every.closest(r, from); });
+}
+
+bool check_mesh(long long bounces) {
+  BenchScene const scene = million_triangles(), reversed = million_triangles(true);
+  WorldView const view = scene.world.view(), second = reversed.world.view();
+  TriangleMesh const& mesh = std::get<View<TriangleMesh const>>(view.shapes.arrays)[0];
+  auto const last = std::uint32_t(mesh.content.triangles.size - 1);
+  return check(
+      scene, bounces,
+      [&](Ray const& r, Departure const& from) {
+        return second.closest(r, {from.surface, last - from.piece}).distance;
+      },
+      [&](Ray const& r, Departure const& from) {
+        Crossing const c = mesh.crossing_by_force(r, from.piece);
+        return Hit{{0}, c.distance, c.piece};
+      });
 }
 
 }  // namespace
@@ -71,5 +97,6 @@ int main(int argc, char** argv) {
   bool right = bench::check_tube("tube3", testing::tube3, bounces, 11);
   right = bench::check_tube("tube40", testing::tube40, bounces, 12) && right;
   right = bench::check_bench(bounces) && right;
+  right = bench::check_mesh(bounces) && right;
   return right ? 0 : 1;
 }

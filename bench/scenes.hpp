@@ -2,6 +2,7 @@
 // Scenes and rays of the benchmarks (docs/develop/performance.md).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct BenchScene {
   std::string name;
   World world;
   std::uint32_t first_start = 0;    // walks start on surfaces from this number on, all inside the scene
+  bool inward = false;              // and leave them to the side of the origin, otherwise to the front
   std::vector<Triangle> triangles;  // the same scene for a triangle tracer; empty: none was asked for
 };
 
@@ -25,16 +27,24 @@ BenchScene tube3();   // 3 km, radius 0.5 m, 200 baffles of aperture 0.4 m
 BenchScene tube40();  // 40 km, radius 0.6 m, 500 baffles of aperture 0.45 m
 // 300 lenses (two caps and a rim), 300 mounts of twelve faces, in a closed box: 4512 surfaces.
 BenchScene optical_bench();
+// One mesh of 1.01 million triangles: 250 knobbly bodies in a closed box. `reversed`: the same triangles, numbered from
+// the last to the first, so that another tree comes of them.
+BenchScene million_triangles(bool reversed = false);
 
 struct BenchRay {
   Ray ray;
   Departure from;
 };
-// States of diffuse random walks of 1000 bounces each, from random places: incoherent.
+// Diffuse random walks of 1000 bounces each, from random places; visit(ray, from, hit) for each of `count` bounces.
+using Visit = std::function<void(Ray const&, Departure const&, Hit const&)>;
+void walk(BenchScene const&, std::size_t count, std::uint64_t seed, Visit const&);
+// The rays of such walks: incoherent.
 std::vector<BenchRay> walk_rays(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
 // Follows such walks one after the other, bounce by bounce: closest hit, point put back, normal, frame, Philox, cosine
 // lobe. Returns how many bounces had a hit.
 std::size_t bounce(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
+// Such walks eight at a time, one stage of all of them after the other: what hiding the latency of one path gains.
+std::size_t bounce_together(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
 // From a mirror of radius 0.17 m near z = 0, polar angle log-uniform from 1e-6 to 0.3 rad: the small-angle scatter of
 // an arm.
 std::vector<BenchRay> mirror_rays(std::size_t count);

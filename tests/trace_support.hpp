@@ -89,11 +89,12 @@ bool launch(WorldView const& view, std::uint64_t seed, std::uint64_t history, Su
 
 inline bool same(Moments const& a, Moments const& b) {
   return a.sum == b.sum && a.sum2 == b.sum2 && a.sum3 == b.sum3 && a.sum4 == b.sum4 && a.block_sum2 == b.block_sum2 &&
-         a.largest == b.largest && a.largest_history == b.largest_history && a.scored == b.scored;
+         a.largest == b.largest && a.largest_history == b.largest_history && a.scored == b.scored &&
+         a.first_sum == b.first_sum && a.tail == b.tail;
 }
 inline bool same(ClassSums const& a, ClassSums const& b) {
   if (a.port != b.port || !same(a.moments, b.moments) || a.replica_sum != b.replica_sum || a.threshold != b.threshold ||
-      a.kept.size() != b.kept.size())
+      a.off_list != b.off_list || a.kept.size() != b.kept.size())
     return false;
   for (std::size_t i = 0; i < a.kept.size(); ++i) {
     ScoreAddress const &x = a.kept[i], &y = b.kept[i];

@@ -142,13 +142,14 @@ PARTS = {
     "plate": [([0, 0], [-1, 1]), ([-0.2, -0.5], [-1, 1]), ([-0.2, 0], [-1, -1]), ([-0.5, 0], [1, 1])],
     "conical_baffle": both((0, 0.6), (0.6, 1), (0.5, 1), (-0.1, 0.6), (0, 0.6)),
     "serrated_baffle": both((0, 0.6), (0.6, 1)),
-    "chamber": lines_of_box(1.6, 2),
+    "chamber": [*lines_of_box(1.6, 2), *lines_of_box(1.8, 2.2)],
     "tube_section": both((0, 0.8), (0, 0.9), (-2, 0.9), (-2, 0.8), (0, 0.8)),
     "dump": [([0, -2, 0], [0.6, 0, -0.6]), ([-2, -2], [-0.6, 0.6])],
     "photodiode": [*glass(0, 0, 0.15, 0.7), ([-0.5, -0.5], [-0.3, 0.3]), *both((-0.5, 0.3), (-0.5, 1), (0, 1), (0, 0.7))],
     "mount": [*both((0, 0.4), (0, 1)), *both((-0.4, 0.4), (-0.4, 1)), ([-0.4, 0], [0.4, 0.4]), ([-0.4, 0], [-0.4, -0.4]),
               ([-0.4, 0], [1, 1]), ([0.3, 0.3, -0.7, -0.7, 0.3], [-1, -1.25, -1.25, -1, -1])],
 }
+PARTS["motor_mount"] = PARTS["mount"] + both((-0.4, 0.5), (-1.9, 0.5), (-1.9, 1), (-0.4, 1))
 
 
 def draw_section(ax, lines, title):
@@ -184,7 +185,9 @@ def draw_shape(name, patches, folder):
 
 
 def draw_parts(path):
-    fig, axes = plt.subplots(3, 4, figsize=(9, 7), dpi=96)
+    fig, axes = plt.subplots(3, 5, figsize=(9, 6), dpi=96)
+    for ax in axes.flat[len(PARTS):]:
+        ax.set_axis_off()
     for ax, (name, lines) in zip(axes.flat, PARTS.items()):
         draw_section(ax, lines, name)
     fig.tight_layout()

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "app/model.hpp"
+#include "base/message.hpp"
 #include "report/columns.hpp"
 #include "report/report.hpp"
 #include "trace/first_order.hpp"
@@ -130,7 +131,11 @@ int print_first_order(Options const& options) {
   settings.seed = options.seed.value_or(model.seed);
   settings.histories = options.histories.value_or(settings.histories);
   settings.threads = options.threads;
-  std::vector<FirstOrderList> const lists = first_order(model.world, settings);
+  std::vector<FirstOrderList> lists = first_order(model.world, settings);
+  if (!options.by.empty()) {
+    std::erase_if(lists, [&](FirstOrderList const& list) { return list.ending.port != (options.by == "port"); });
+    if (lists.empty()) throw InputError(fmt::format("error: the scene has no {}s\n  leave out --by", options.by));
+  }
   if (options.csv) {
     print_csv(model, lists);
   } else if (options.json()) {

@@ -74,10 +74,12 @@ void print(std::vector<Row> rows, std::size_t show) {
 
 int importance(Options const& options) {
   Scene const scene = read_scene(options.input, options.overrides);
-  World const world = build_world(scene);
+  World world = build_world(scene);
   scene.throw_if_problems();
   if (!options.quiet) std::cerr << scene.warnings();
-  SteeringTables const tables = make_importance(world);
+  world.limits.targets = true;
+  steer(world);
+  SteeringTables const& tables = world.steering();
   if (tables.strips.empty())
     throw InputError(
         "error: the scene has too many surfaces for adjoint tables\n  take parts away with a smaller scene");

@@ -15,6 +15,7 @@
 #include "report/picture.hpp"
 #include "world/material_presets.hpp"
 #include "world/material_view.hpp"
+#include "world/read_newmtl.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {
@@ -27,6 +28,7 @@ struct Inspected {
 constexpr double angles_shown[] = {0, 10, 20, 30, 40, 50, 60, 70, 80, 85, 89};  // deg
 constexpr double incidences_shown[] = {0, 30, 60, 80};
 
+bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
 bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
 // A scene that holds nothing but the preset or the file; it reads from `texts` as long as it lives.
@@ -151,7 +153,43 @@ void plot(nlohmann::json const& data, std::string const& png) {
   std::cout << "\npicture: " << png << '\n';
 }
 
+// A list of materials in the newmtl format, as a file that a scene can include.
+int print_list(std::string const& file, bool json) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file)) throw InputError(fmt::format("error: cannot read '{}'", file));
+  std::string const text(std::istreambuf_iterator<char>(in), {});
+  std::vector<Problem> problems;
+  std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
+  std::string const name = std::filesystem::path(file).filename().string();
+  if (list.empty() && problems.empty())
+    throw InputError(fmt::format("error: '{}' holds no material\n  begin with a line 'newmtl NAME'", name));
+  std::string said;
+  for (Problem const& p : problems)
+    said += fmt::format("{}:{}:{}: error: {}\n  {}\n", name, p.place.line, p.place.column, p.what, p.suggestion);
+  if (!problems.empty()) throw InputError(problems, said, {name});
+  if (!json) {
+    std::cout << fmt::format(
+                     "straytrace: 1\n# of {}: save this as materials.yaml beside a scene and write there\n"
+                     "#   include: [materials.yaml]\n",
+                     name)
+              << materials_table(list);
+    return done;
+  }
+  nlohmann::json out = nlohmann::json::array();
+  for (NewmtlMaterial const& m : list)
+    out.push_back({{"material", m.name},
+                   {"transmit", m.transmit},
+                   {"reflect", m.reflect},
+                   {"scatter_transmit", m.scatter_transmit},
+                   {"scatter_reflect", m.scatter_reflect},
+                   {"index", m.index},
+                   {"wavelength", m.wavelength}});
+  std::cout << out.dump() << '\n';
+  return done;
+}
+
 int inspect(Inspected const& i, Options const& options) {
+  if (is_list(i.what) && i.scene.empty()) return print_list(i.what, options.json());
   bool const whole = is_scene(i.what), own = !i.scene.empty();
   if (whole && own)
     throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
@@ -194,7 +232,10 @@ void add_inspect(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("inspect", "what a material, a preset or a BSDF file contains as understood");
   static Inspected what;
-  command->add_option("what", what.what, "material of a scene, preset, BSDF file (CSV), or scene")->required();
+  command
+      ->add_option("what", what.what,
+                   "material of a scene, preset, BSDF file (CSV), list of materials (newmtl, .mtl), or scene")
+      ->required();
   command->add_option("scene", what.scene, "scene that holds the material");
   command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
@@ -209,7 +250,8 @@ void add_inspect(CLI::App& app, Options& options, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace inspect oxidised_steel\n"
-      "  straytrace inspect test_mass examples/virgo_arm.yaml --format json");
+      "  straytrace inspect test_mass examples/virgo_arm.yaml --format json\n"
+      "  straytrace inspect examples/data/iris.mtl > materials.yaml");
   command->callback([&] { exit_code = inspect(what, options); });
 }
 

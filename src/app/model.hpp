@@ -33,8 +33,8 @@ struct StopRule {
   bool by_error() const { return !goals.empty(); }
   double wanted_error() const;  // the smallest of the goals
 };
-// "h_total < 5 %", "routes < 10 %", "receiver:PD1 < 5 %", "class:* < 10 %", "10 min", or several with commas. Throws
-// InputError.
+// "h_total < 5 %" (or "h < 5 %"), "routes < 10 %", "receiver:PD1 < 5 %", "class:* < 10 %", "10 min", or several with
+// commas. Throws InputError.
 StopRule parse_stop_rule(std::string const&);
 // "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
 double parse_duration(std::string const&);

@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "app/common_options.hpp"
@@ -78,7 +80,11 @@ bool belongs(std::string const& group, std::string const& name) {
 
 // What --at and --from can name.
 [[noreturn]] void unknown_name(World const& world, std::string const& option, std::string const& name) {
-  std::vector<std::string> known = world.ports();
+  std::vector<std::string> known;
+  if (option == "from") {
+    known = world.ports();
+    known.insert(known.end(), world.receiver_names().begin(), world.receiver_names().end());
+  }
   for (std::string const& group : world.groups()) {
     known.push_back(group);
     known.push_back(object_of(group));
@@ -189,7 +195,19 @@ void print(Options const& options, Camera const& c, Drawn const& drawn) {
   for (LegendEntry const& e : drawn.legend) std::cout << fmt::format("{} {:7} {}\n", e.colour, e.name, e.what);
 }
 
+void check_picture_name(std::string const& file) {
+  std::filesystem::path path(file);
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  if (ending == ".png") return;
+  throw InputError(
+      fmt::format("error: '{}' is not the name of a PNG file, and pictures are written as PNG\n"
+                  "  write -o {}",
+                  file, path.replace_extension(".png").string()));
+}
+
 int render(Options const& options, Wanted const& w) {
+  check_picture_name(options.out);
   Scene const scene = read_scene(options.input, options.overrides);
   World world = build_world(scene);
   scene.throw_if_problems();

@@ -150,7 +150,7 @@ Drawn draw_depths(World const& world, Camera const& camera, LookSettings const& 
 }
 
 Drawn draw_importance(World& world, Camera const& camera, LookSettings const& settings) {
-  world.steer(make_importance(world));
+  steer(world);
   WorldView const view = world.view();
   double low = infinity, high = 0;
   for (std::size_t i = 0; i < view.steering.sides.size; ++i)

@@ -8,6 +8,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "report/merit.hpp"
 #include "report/receivers.hpp"
 
 namespace straytrace {
@@ -39,7 +40,8 @@ int run(Options const& options) {
     if (!content.receivers.empty())
       std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
     if (!options.quiet)
-      std::cerr << fmt::format("results in {}: report.png report.txt{} paths.csv{} run.h5\n", options.out,
+      std::cerr << merit_text(merits(content), merits_shown)
+                << fmt::format("results in {}: report.png report.txt{} paths.csv{} run.h5\n", options.out,
                                budget ? " h_asd.txt" : "", content.receivers.empty() ? "" : " receivers.csv");
   }
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;

@@ -116,6 +116,7 @@ void resume_earlier(Model const& model, Options const& options, std::string cons
       earlier.about.overrides == model.scene.overrides())
     settings.good_looks = earlier.trace.good_looks;
   settings.resume = earlier.trace.tree;
+  settings.seconds_before = earlier.trace.seconds;
 }
 
 }  // namespace
@@ -191,19 +192,14 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  WalkLimits const& limits = model.world.limits;
-  find_covered_receivers(model.world);
-  // The pilot is for receivers behind mirrors and glass.
-  std::uint64_t const pilot = model.world.receivers().empty() ? 0 : 1 << 14;
-  if (limits.targets)
-    model.world.steer(make_importance(
-        model.world, ImportanceSettings{.alpha = limits.law_share, .window = limits.window, .pilot_histories = pilot}));
+  std::string const unsteered = steer(model.world);
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };
   stop_requested = false;
   InterruptGuard const guard;
   settings.stop = &stop_requested;
   TraceResult result = trace(model.world, settings, *make_backend("cpu"));
+  if (!unsteered.empty()) result.warnings.push_back(unsteered);
   if (!options.quiet)
     for (std::string const& warning : result.warnings) std::cerr << "warning: " << warning << '\n';
   return result;

@@ -38,6 +38,7 @@ class FolderLock {
   int descriptor_;
 };
 
+inline constexpr std::size_t merits_shown = 3;  // routes whose figure of merit is printed
 inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command goes on from here\n";
 
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);

@@ -15,7 +15,7 @@ using Goal = StopRule::Goal;
 double seconds_in(std::string const& unit) { return unit == "h" ? 3600 : unit == "min" ? 60 : 1; }
 
 Goal goal_of(std::string const& what, double relative_error) {
-  if (what == "h_total") return {Goal::Of::total, "", relative_error};
+  if (what == "h_total" || what == "h") return {Goal::Of::total, "", relative_error};
   if (what == "routes") return {Goal::Of::routes, "", relative_error};
   std::size_t const colon = what.find(':');
   return {what.starts_with("receiver") ? Goal::Of::receiver : Goal::Of::route, what.substr(colon + 1), relative_error};
@@ -23,14 +23,15 @@ Goal goal_of(std::string const& what, double relative_error) {
 
 void parse_one(std::string const& text, StopRule& rule) {
   static std::regex const by_error(
-      R"(\s*(h_total|routes|receiver:[^<\s]+|class:[^<]*[^<\s])\s*<\s*([0-9.eE+-]+)\s*(%?)\s*)");
+      R"(\s*(h_total|h|routes|receiver:[^<\s]+|class:[^<]*[^<\s])\s*<\s*([0-9.eE+-]+)\s*(%?)\s*)");
   static std::regex const by_time(R"(\s*([0-9.eE+-]+)\s*(s|min|h)\s*)");
   std::smatch m;
   try {
     if (std::regex_match(text, m, by_error)) {
       double const error = std::stod(m[2]) * (m[3].length() ? 0.01 : 1);
       rule.goals.push_back(goal_of(m[1], error));
-      rule.error_rule += fmt::format("{}{} < {:g}", rule.error_rule.empty() ? "" : ", ", m[1].str(), error);
+      rule.error_rule +=
+          fmt::format("{}{} < {:g}", rule.error_rule.empty() ? "" : ", ", m[1] == "h" ? "h_total" : m[1].str(), error);
       if (error > 0 && error < 1) return;
     } else if (std::regex_match(text, m, by_time)) {
       rule.max_seconds = std::stod(m[1]) * seconds_in(m[2]);

@@ -7,6 +7,7 @@
 
 #include "app/common_options.hpp"
 #include "app/session.hpp"
+#include "report/merit.hpp"
 #include "report/receivers.hpp"
 
 namespace straytrace {
@@ -26,7 +27,9 @@ int trace_only(Options const& options) {
   } else {
     if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
     if (received) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
+    std::cout << "Where the light went\n\n" << books_text(content);
   }
+  if (!options.quiet) std::cerr << merit_text(merits(content), merits_shown);
   if (!options.quiet && model.detector)
     std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
                              options.out);

@@ -17,10 +17,23 @@ struct SinCos {
   double sin, cos;
 };
 
-// sin and cos of 2 pi turns.
+STRAY_HD std::uint64_t bits_of(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+STRAY_HD double number_of(std::uint64_t bits) {
+  double x;
+  std::memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
+// sin and cos of 2 pi turns, |turns| < 2^60. Without branches: the quadrant of a random angle cannot be guessed.
 STRAY_HD SinCos sincos_turn(double turns) {
-  double const quarter = std::floor(4 * turns + 0.5);
-  double const x = 2 * pi * (turns - 0.25 * quarter), y = x * x;
+  double const shifted = 4 * turns + 0.5;
+  auto quarter = static_cast<std::int64_t>(shifted);
+  quarter -= static_cast<double>(quarter) > shifted;  // floor
+  double const x = 2 * pi * (turns - 0.25 * static_cast<double>(quarter)), y = x * x;
   double s = -1.0 / 1307674368000;
   s = s * y + 1.0 / 6227020800;
   s = s * y - 1.0 / 39916800;
@@ -38,26 +51,17 @@ STRAY_HD SinCos sincos_turn(double turns) {
   c = c * y + 1.0 / 24;
   c = c * y - 0.5;
   c = 1 + y * c;
-  switch (static_cast<std::int64_t>(quarter) & 3) {
-    case 0:
-      return {s, c};
-    case 1:
-      return {c, -s};
-    case 2:
-      return {-s, -c};
-    default:
-      return {-c, s};
-  }
+  // Odd quarters swap the two; the sine changes sign in quarters 2 and 3, the cosine in 1 and 2.
+  auto const q = static_cast<std::uint64_t>(quarter);
+  std::uint64_t const sine = bits_of(s), cosine = bits_of(c), swap = (sine ^ cosine) & (0 - (q & 1));
+  return {number_of((sine ^ swap) ^ (q & 2) << 62), number_of((cosine ^ swap) ^ ((q + 1) & 2) << 62)};
 }
 
 // Natural logarithm of a positive, normal number.
 STRAY_HD double log_positive(double x) {
-  std::uint64_t bits;
-  std::memcpy(&bits, &x, sizeof bits);
+  std::uint64_t const bits = bits_of(x);
   auto exponent = static_cast<std::int64_t>(bits >> 52) - 1023;
-  bits = (bits & 0x000fffffffffffffull) | 0x3ff0000000000000ull;
-  double m;
-  std::memcpy(&m, &bits, sizeof m);
+  double m = number_of((bits & 0x000fffffffffffffull) | 0x3ff0000000000000ull);
   if (m > 1.4142135623730951) {
     m *= 0.5;
     ++exponent;
@@ -76,10 +80,7 @@ STRAY_HD double exp_number(double x) {
   double const r = (x - k * 0.6931471803691238) - k * 1.9082149292705877e-10;
   double p = 1.0 / 14;
   for (int n = 13; n >= 1; --n) p = (1 + r * p) / n;
-  std::uint64_t const bits = static_cast<std::uint64_t>(static_cast<std::int64_t>(k) + 1023) << 52;
-  double scale;
-  std::memcpy(&scale, &bits, sizeof scale);
-  return scale * (1 + r * p);
+  return number_of(static_cast<std::uint64_t>(static_cast<std::int64_t>(k) + 1023) << 52) * (1 + r * p);
 }
 
 STRAY_HD double power_positive(double base, double exponent) { return exp_number(exponent * log_positive(base)); }

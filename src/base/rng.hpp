@@ -38,7 +38,7 @@ class Rng {
     }
     --left_;
     std::uint64_t const bits = (std::uint64_t(word_[2 * left_ + 1]) << 32) | word_[2 * left_];
-    return (double(bits >> 12) + 0.5) * 0x1.0p-52;
+    return (double(std::int64_t(bits >> 12)) + 0.5) * 0x1.0p-52;
   }
 
  private:

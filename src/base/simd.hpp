@@ -41,30 +41,30 @@ typedef float Floats __attribute__((vector_size(32)));
 typedef double Doubles __attribute__((vector_size(64)));
 typedef std::int32_t Ints __attribute__((vector_size(32)));
 
-STRAY_INLINE void load(Floats& out, float const* from) { out = *reinterpret_cast<Floats const*>(from); }
-STRAY_INLINE void fill(Floats& out, float x) { out = x - Floats{}; }
+STRAY_INLINE Floats const& loaded(float const* from) { return *reinterpret_cast<Floats const*>(from); }
+STRAY_INLINE void fill(Floats& out, float x) { out = Floats{x, x, x, x, x, x, x, x}; }
 STRAY_INLINE void store_bits(std::uint32_t* to, Floats const& x) {
   *reinterpret_cast<Ints __attribute__((may_alias))*>(to) = (Ints)x;
 }
 // a where a > b (a < b), else b: a lane of `a` that is NaN is discarded.
 STRAY_INLINE void raise(Floats& b, Floats const& a) { b = a > b ? a : b; }
 STRAY_INLINE void lower(Floats& b, Floats const& a) { b = a < b ? a : b; }
-// Bit i is set where a <= b in lane i.
-STRAY_INLINE unsigned at_most(Floats const& a, Floats const& b) {
+// Bit i is set where lane i of a comparison is true.
+STRAY_INLINE unsigned bits_set(Ints const& mask) {
   union {
     Ints all;
     float __attribute__((vector_size(16))) half[2];
   } m;
-  m.all = a <= b;
+  m.all = mask;
   return unsigned(__builtin_ia32_movmskps(m.half[0])) | unsigned(__builtin_ia32_movmskps(m.half[1])) << 4;
 }
+// Bit i is set where a <= b in lane i.
+STRAY_INLINE unsigned at_most(Floats const& a, Floats const& b) { return bits_set(a <= b); }
 #else
 struct Floats {
   float x[lanes];
 };
-STRAY_HD void load(Floats& out, float const* from) {
-  for (int i = 0; i < lanes; ++i) out.x[i] = from[i];
-}
+STRAY_HD Floats const& loaded(float const* from) { return *reinterpret_cast<Floats const*>(from); }
 STRAY_HD void fill(Floats& out, float x) {
   for (int i = 0; i < lanes; ++i) out.x[i] = x;
 }

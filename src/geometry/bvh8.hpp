@@ -17,6 +17,10 @@
 
 namespace straytrace {
 
+namespace bvh8_detail {
+struct Probe;
+}
+
 // How a tree is built. Costs are in units of one item tested.
 struct Bvh8Settings {
   unsigned leaf_size = 4;     // items in a leaf, at most 16
@@ -50,8 +54,21 @@ class Bvh8 {
     struct NothingAhead {};
     template <class Leaf, class Ahead = NothingAhead>
     STRAY_INLINE void traverse(Ray const& ray, double& limit, Leaf&& leaf, Ahead const& ahead = {}) const;
+    // The same for a ray that was made a probe of this tree.
+    template <class Leaf, class Ahead = NothingAhead>
+    STRAY_INLINE void traverse_from(bvh8_detail::Probe const&, double& limit, Leaf&& leaf,
+                                    Ahead const& ahead = {}) const;
   };
   View view() const { return {{nodes.data(), nodes.size()}, origin, largest, root}; }
+  // Leaves name something of the caller's instead of boxes: name(first, count) is below 2^27.
+  template <class Name>
+  void rename_leaves(Name const& name) {
+    constexpr std::uint32_t first_mask = (1u << first_bits) - 1;
+    for (Node& node : nodes)
+      for (std::uint32_t& child : node.child)
+        if (child & leaf_mark)
+          child = (child & ~first_mask) | name(child & first_mask, (child >> first_bits & 15u) + 1);
+  }
 
   std::vector<Node> nodes;
   std::vector<std::uint32_t> order;  // item i of the leaves is box order[i] of the input
@@ -73,15 +90,12 @@ STRAY_INLINE void fetch_early([[maybe_unused]] void const* from) {
 #endif
 }
 
-STRAY_HD float rounded_up(double x) {
-  float const f = float(x);
-  if (!(double(f) < x)) return f;
-  return f == 0 ? 0x1p-126f : f * (f > 0 ? 1 + 0x1p-23f : 1 - 0x1p-23f);  // one or two steps up
-}
+// Not below x, for x > 0 (what is not positive is no length to a hit).
+STRAY_HD float rounded_up(double x) { return float(x) * (1 + 0x1p-22f); }
 
 // The ray as the boxes see it.
 struct Probe {
-  float origin[3], inverse[3];
+  float origin[3], dir[3], inverse[3];
   int near_row[3];   // of Node::bound: where the ray enters
   double shift = 0;  // m along the ray to `origin`
 
@@ -101,6 +115,7 @@ struct Probe {
     double const from[3] = {o.x, o.y, o.z}, along[3] = {ray.dir.x, ray.dir.y, ray.dir.z};
     for (int k = 0; k < 3; ++k) {
       origin[k] = float(from[k]);
+      dir[k] = float(along[k]);
       inverse[k] = float(1 / along[k]);  // a component of zero: infinity with its sign
       near_row[k] = inverse[k] < 0 ? 3 + k : k;
     }
@@ -118,6 +133,13 @@ struct Probe {
 
 template <class Leaf, class Ahead>
 STRAY_INLINE void Bvh8::View::traverse(Ray const& ray, double& limit, Leaf&& leaf, Ahead const& ahead) const {
+  bvh8_detail::Probe probe;
+  if (nodes.size != 0 && probe.set(*this, ray, limit)) traverse_from(probe, limit, leaf, ahead);
+}
+
+template <class Leaf, class Ahead>
+STRAY_INLINE void Bvh8::View::traverse_from(bvh8_detail::Probe const& probe, double& limit, Leaf&& leaf,
+                                            Ahead const& ahead) const {
   using namespace simd;
   auto const look_ahead = [&]([[maybe_unused]] std::uint32_t child) STRAY_INLINE_LAMBDA {
     if constexpr (!std::is_same_v<Ahead, NothingAhead>) {
@@ -127,8 +149,6 @@ STRAY_INLINE void Bvh8::View::traverse(Ray const& ray, double& limit, Leaf&& lea
         bvh8_detail::fetch_early<sizeof(Node)>(nodes.data + child);
     }
   };
-  bvh8_detail::Probe probe;
-  if (nodes.size == 0 || !probe.set(*this, ray, limit)) return;
   Floats ox, oy, oz, ix, iy, iz, end, stretch, zero;
   fill(ox, probe.origin[0]);
   fill(oy, probe.origin[1]);
@@ -156,19 +176,14 @@ STRAY_INLINE void Bvh8::View::traverse(Ray const& ray, double& limit, Leaf&& lea
       }
     } else {
       Node const& node = nodes[next];
-      Floats near = zero, far = end, x, y, z;
-      load(x, node.bound[probe.near_row[0]]);
-      load(y, node.bound[probe.near_row[1]]);
-      load(z, node.bound[probe.near_row[2]]);
-      raise(near, (x - ox) * ix);
-      raise(near, (y - oy) * iy);
-      raise(near, (z - oz) * iz);
-      load(x, node.bound[3 - probe.near_row[0]]);
-      load(y, node.bound[5 - probe.near_row[1]]);
-      load(z, node.bound[7 - probe.near_row[2]]);
-      lower(far, (x - ox) * ix);
-      lower(far, (y - oy) * iy);
-      lower(far, (z - oz) * iz);
+      auto const row = [&](int k) STRAY_INLINE_LAMBDA -> Floats const& { return loaded(node.bound[k]); };
+      Floats near = zero, far = end;
+      raise(near, (row(probe.near_row[0]) - ox) * ix);
+      raise(near, (row(probe.near_row[1]) - oy) * iy);
+      raise(near, (row(probe.near_row[2]) - oz) * iz);
+      lower(far, (row(3 - probe.near_row[0]) - ox) * ix);
+      lower(far, (row(5 - probe.near_row[1]) - oy) * iy);
+      lower(far, (row(7 - probe.near_row[2]) - oz) * iz);
       unsigned hits = at_most(near, far * stretch);
       if (hits != 0) {
         int const i = lowest(hits);

@@ -117,16 +117,17 @@ STRAY_HD Vec3 put_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c, double margin) {
 // Everything else is hit at a positive length.
 class LeavingRule {
  public:
-  STRAY_HD LeavingRule() = default;
   // Corners of the start, its vertex numbers, direction of the ray.
   STRAY_HD LeavingRule(Vec3 a, Vec3 b, Vec3 c, MeshTriangle const& numbers, Vec3 dir) : start_{a, b, c}, dir_(dir) {
     for (int i = 0; i < 3; ++i) number_[i] = numbers.corner[i];
     up_ = facet_normal(a, b, c);
     if (dot(up_, dir) < 0) up_ = -up_;
     double const ab = length(b - a), ac = length(c - a);
-    near_ = 0x1p-10 * (ab + ac);
+    near_ = reach(ab, ac);
     rounding_ = 0x1p-50 * ab * ac;
   }
+  // Where the rule ends, for two edges of the start.
+  STRAY_HD static double reach(double ab, double ac) { return 0x1p-10 * (ab + ac); }
   STRAY_HD bool asks(double t) const { return std::fabs(t) < near_; }
   // The length at which another triangle is hit whose line meets it at t; infinity: not hit.
   STRAY_HD double judged(double t, Vec3 const (&other)[3], MeshTriangle const& numbers) const {

@@ -55,24 +55,20 @@ double distance_to_axis(Vec3 a, Vec3 b, Vec3 c) {
 std::vector<TrianglePack> packed(Bvh8& tree, std::vector<MeshVertex> const& vertices,
                                  std::vector<MeshTriangle> const& triangles) {
   std::vector<TrianglePack> packs;
-  constexpr std::uint32_t first_mask = (1u << Bvh8::first_bits) - 1;
-  for (Bvh8::Node& node : tree.nodes)
-    for (std::uint32_t& child : node.child) {
-      if (!(child & Bvh8::leaf_mark)) continue;
-      std::uint32_t const first = child & first_mask, count = (child >> Bvh8::first_bits & 15u) + 1;
-      child = (child & ~first_mask) | std::uint32_t(packs.size());
-      TrianglePack& pack = packs.emplace_back();
-      for (std::uint32_t i = 0; i < 8; ++i) {
-        std::uint32_t const id = tree.order[first + std::min(i, count - 1)];
-        pack.triangle[i] = id;
-        for (int k = 0; k < 3; ++k) {
-          MeshVertex const v = vertices[triangles[id].corner[k]];
-          pack.corner[k][0][i] = v.x;
-          pack.corner[k][1][i] = v.y;
-          pack.corner[k][2][i] = v.z;
-        }
+  tree.rename_leaves([&](std::uint32_t first, std::uint32_t count) {
+    TrianglePack& pack = packs.emplace_back();
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      std::uint32_t const id = tree.order[first + std::min(i, count - 1)];
+      pack.triangle[i] = id;
+      for (int k = 0; k < 3; ++k) {
+        MeshVertex const v = vertices[triangles[id].corner[k]];
+        pack.corner[k][0][i] = v.x;
+        pack.corner[k][1][i] = v.y;
+        pack.corner[k][2][i] = v.z;
       }
     }
+    return std::uint32_t(packs.size() - 1);
+  });
   return packs;
 }
 
@@ -93,6 +89,8 @@ void measure(MeshContent& mesh, std::vector<MeshVertex> const& vertices, std::ve
     boxes.push_back(box);
     areas.push_back(0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0])));
     mesh.area += areas.back();
+    double const ab = length(corner[1] - corner[0]), ac = length(corner[2] - corner[0]);
+    mesh.close = std::max(mesh.close, LeavingRule::reach(ab, ac));
   }
   double const pad = 1e-12 * std::max({std::fabs(mesh.box.lower.z), std::fabs(mesh.box.upper.z), mesh.far});
   mesh.low = mesh.box.lower.z - pad;

@@ -34,8 +34,9 @@ struct MeshContent {
   View<AliasRow const> by_area;
   Bvh8::View tree;
   Box box;
-  std::uint64_t digest[2] = {};                 // of vertices and triangles: arrays with other content have another one
-  double area = 0;                              // unit^2
+  std::uint64_t digest[2] = {};  // of vertices and triangles: arrays with other content have another one
+  double area = 0;               // unit^2
+  double close = 0;              // hits nearer than this may need the rule for leaving a triangle (LeavingRule::asks)
   double low = 0, high = 0, near = 0, far = 0;  // heights along z, distances from the z axis
 };
 // Triangles must name existing vertices.
@@ -111,23 +112,25 @@ struct TriangleMesh::Search {
   Vec3 dir;
   double t_max;  // m
   std::uint32_t leaving;
-  LeavingRule rule;
   Crossing best{infinity, no_piece};  // distance and limit in the unit of the file
   double limit;                       // rounded up
 
   STRAY_INLINE Search(TriangleMesh const& m, Vec3 origin, Vec3 d, double end, std::uint32_t from)
-      : mesh(m), sheared(origin, d), dir(d), t_max(end), leaving(from), limit(end / m.unit * (1 + 0x1p-50)) {
-    if (from != no_piece)
-      rule = LeavingRule(m.corner(from, 0), m.corner(from, 1), m.corner(from, 2), m.content.triangles[from], d);
-  }
+      : mesh(m), sheared(origin, d), dir(d), t_max(end), leaving(from), limit(end / m.unit * (1 + 0x1p-50)) {}
   STRAY_HD void try_triangle(std::uint32_t id, Vec3 a, Vec3 b, Vec3 c) {
     if (id == leaving) return;
     double t = line_meets(sheared, a, b, c);
-    if (leaving != no_piece && rule.asks(t)) t = rule.judged(t, {a, b, c}, mesh.content.triangles[id]);
+    if (leaving != no_piece && std::fabs(t) < mesh.content.close) t = judged(t, id);
     if (!(t > 0 && t <= limit)) return;
     if (!(t * mesh.unit < t_max) || (t == best.distance && id > best.piece)) return;
     best = {t, id};
     limit = t;
+  }
+  STRAY_HD double judged(double t, std::uint32_t id) const {  // rare, so the start is looked up only here
+    auto const at = [this](std::uint32_t piece, int i) { return mesh.corner(piece, i); };
+    LeavingRule const rule(at(leaving, 0), at(leaving, 1), at(leaving, 2), mesh.content.triangles[leaving], dir);
+    if (!rule.asks(t)) return t;
+    return rule.judged(t, {at(id, 0), at(id, 1), at(id, 2)}, mesh.content.triangles[id]);
   }
   STRAY_HD Crossing result() const { return {best.distance * mesh.unit, best.piece}; }
 };

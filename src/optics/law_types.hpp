@@ -12,6 +12,7 @@
 #include "optics/harvey.hpp"
 #include "optics/lambertian.hpp"
 #include "optics/measured.hpp"
+#include "optics/microfacet.hpp"
 #include "optics/optic.hpp"
 #include "optics/polynomial.hpp"
 #include "optics/power_law.hpp"
@@ -20,7 +21,8 @@
 
 namespace straytrace {
 
-using LawTypes = std::tuple<Lambertian, PowerLaw, Abg, Harvey, Gaussian, Polynomial, Roughness, Dust, Measured>;
+using LawTypes =
+    std::tuple<Lambertian, PowerLaw, Abg, Harvey, Gaussian, Polynomial, Roughness, Dust, Measured, Microfacet>;
 using LawPool = Pool<LawTypes>;
 
 // Calls f with law number i of the side, weighted.

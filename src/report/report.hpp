@@ -132,6 +132,8 @@ std::string summary_json(RunContent const&, PathTable const&);
 // For people. `assumptions`: further lines for that section.
 std::string text_report(RunContent const&, PathTable const&, std::size_t show,
                         std::vector<std::string> const& assumptions = {});
+// Where the light went: emitted, then a line for each fate, and whether they balance.
+std::string books_text(RunContent const&);
 // "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
 std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
 

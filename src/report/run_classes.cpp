@@ -72,6 +72,8 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
   number("variance_of_variance", [](auto& c) { return c.coupling.variance_of_variance; });
   number("largest_share", [](auto& c) { return c.coupling.largest_share; });
   number("effective_scores", [](auto& c) { return c.coupling.effective_scores; });
+  number("tail_slope", [](auto& c) { return c.coupling.tail_slope; });
+  number("halves", [](auto& c) { return c.coupling.halves; });
   out.array(place + "scored", column<std::uint64_t>(rows, [](auto& c) { return c.coupling.scored; }), "1");
   out.array(place + "trusted", column<std::uint8_t>(rows, [](auto& c) { return c.coupling.trusted; }), "0 or 1");
   out.strings(place + "why_not", column<std::string>(rows, [](auto& c) { return c.coupling.why_not; }));
@@ -141,6 +143,10 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
                 effective = number("effective_scores"),
                 replicas = in.rows<double>(at.classes + "/replica_sum", n, replica_count);
   Counts const scored = in.rows<std::uint64_t>(at.classes + "/scored", n);
+  auto const optional = [&](char const* name) {  // not in files of schema 1.1
+    return in.has(at.classes + "/" + name) ? number(name) : Doubles(n, not_a_number);
+  };
+  Doubles const slope = optional("tail_slope"), halves = optional("halves");
   Bytes const trusted = in.rows<std::uint8_t>(at.classes + "/trusted", n);
   std::vector<std::string> const why = in.strings(at.classes + "/why_not", n);
   std::string const mirrored = at.classes + "/by_reverse";  // since schema 1.2
@@ -151,7 +157,8 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
     c.port = {port[i]};
     c.reverse = reverse[i];
     c.by_reverse = by_reverse[i] != 0;
-    c.coupling = {mean[i], error[i], vov[i], largest[i], effective[i], scored[i], trusted[i] != 0, why[i]};
+    c.coupling = {mean[i],   error[i],        vov[i], largest[i], effective[i],
+                  scored[i], trusted[i] != 0, why[i], slope[i],   halves[i]};
     std::copy_n(replicas.begin() + std::ptrdiff_t(i * replica_count), replica_count, c.replica_sum.begin());
   }
 }

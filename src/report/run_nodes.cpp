@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/constants.hpp"
 #include "base/message.hpp"
 #include "report/run_parts.hpp"
 
@@ -26,7 +27,7 @@ struct MomentColumns {
   Moments at(std::size_t i) const {
     double const* v = values.data() + sums * i;
     std::uint64_t const* n = numbers.data() + counts * i;
-    return {v[0], v[1], v[2], v[3], v[4], v[5], n[0], n[1]};
+    return {v[0], v[1], v[2], v[3], v[4], v[5], n[0], n[1], 0, {}};
   }
   void write(hdf5::Writer& out, std::string const& path, hdf5::Sizes shape) const {
     shape.push_back(sums);
@@ -39,11 +40,54 @@ struct MomentColumns {
   }
 };
 
+// What scores have besides: the largest of each row, and its sum over the first blocks. Files of schema 1.1 lack both:
+// an infinite score and a NaN say so.
+struct ScoreColumns {
+  MomentColumns moments;
+  Counts offset = {0};
+  Doubles largest, first_sum;
+
+  void add(Moments const& m) {
+    moments.add(m);
+    largest.insert(largest.end(), m.tail.begin(), m.tail.end());
+    offset.push_back(largest.size());
+    first_sum.push_back(m.first_sum);
+  }
+  Moments at(std::size_t i) const {
+    Moments m = moments.at(i);
+    m.first_sum = first_sum[i];
+    m.tail.assign(largest.begin() + std::ptrdiff_t(offset[i]), largest.begin() + std::ptrdiff_t(offset[i + 1]));
+    return m;
+  }
+  std::size_t rows() const { return first_sum.size(); }
+  // `path`: of the moments; `name`: what the other columns begin with.
+  void write(hdf5::Writer& out, std::string const& path, std::string const& name) const {
+    moments.write(out, path, {rows()});
+    out.array(name + "_first_sum", first_sum, "1");
+    out.array(name + "_largest_offset", offset, "1");
+    out.array(name + "_largest", largest, "1");
+  }
+  static ScoreColumns read(hdf5::Reader const& in, std::string const& path, std::string const& name, std::size_t rows) {
+    ScoreColumns c;
+    c.moments = MomentColumns::read(in, path, rows);
+    if (!in.has(name + "_first_sum")) {
+      c.first_sum.assign(rows, not_a_number);
+      c.largest.assign(rows, infinity);
+      for (std::size_t i = 1; i <= rows; ++i) c.offset.push_back(i);
+      return c;
+    }
+    c.first_sum = in.rows<double>(name + "_first_sum", rows);
+    c.largest = in.array<double>(name + "_largest");
+    c.offset = read_offsets(in, name + "_largest_offset", rows, c.largest.size());
+    return c;
+  }
+};
+
 struct ClassColumns {
   Counts offset = {0}, hash, kept_offset = {0}, kept_history;
   std::vector<std::uint32_t> port, kept_event, kept_connection;
-  MomentColumns moments;
-  Doubles replica_sum, threshold, kept_coupling, kept_priority;
+  ScoreColumns moments;
+  Doubles replica_sum, threshold, off_list, kept_coupling, kept_priority;
 
   void add(std::uint64_t name, ClassSums const& c) {
     hash.push_back(name);
@@ -51,6 +95,7 @@ struct ClassColumns {
     moments.add(c.moments);
     replica_sum.insert(replica_sum.end(), c.replica_sum.begin(), c.replica_sum.end());
     threshold.push_back(c.threshold);
+    off_list.push_back(c.off_list);
     for (ScoreAddress const& k : c.kept) {
       kept_history.push_back(k.history);
       kept_event.push_back(k.event);
@@ -67,6 +112,7 @@ struct ClassColumns {
     c.moments = moments.at(i);
     std::copy_n(replica_sum.begin() + std::ptrdiff_t(replica_count * i), replica_count, c.replica_sum.begin());
     c.threshold = threshold[i];
+    c.off_list = off_list[i];
     for (std::size_t k = kept_offset[i]; k < kept_offset[i + 1]; ++k)
       c.kept.push_back({kept_history[k], kept_event[k], kept_connection[k], kept_coupling[k], kept_priority[k]});
     return c;
@@ -76,9 +122,10 @@ struct ClassColumns {
     out.array("/nodes/class_offset", offset, "1");
     out.array("/nodes/class_hash", hash, "1");
     out.array("/nodes/class_port", port, "row of /names/ports");
-    moments.write(out, "/nodes/class_moments", {hash.size()});
+    moments.write(out, "/nodes/class_moments", "/nodes/class");
     out.array("/nodes/class_replica_sum", replica_sum, "1", {hash.size(), replica_count});
     out.array("/nodes/class_threshold", threshold, "1");
+    out.array("/nodes/class_off_list", off_list, "1");
     out.array("/nodes/kept_offset", kept_offset, "1");
     out.array("/nodes/kept_history", kept_history, "1");
     out.array("/nodes/kept_event", kept_event, "1");
@@ -93,9 +140,10 @@ struct ClassColumns {
     std::size_t const n = c.hash.size();
     c.offset = read_offsets(in, "/nodes/class_offset", nodes, n);
     c.port = in.rows<std::uint32_t>("/nodes/class_port", n);
-    c.moments = MomentColumns::read(in, "/nodes/class_moments", n);
+    c.moments = ScoreColumns::read(in, "/nodes/class_moments", "/nodes/class", n);
     c.replica_sum = in.rows<double>("/nodes/class_replica_sum", n, replica_count);
     c.threshold = in.rows<double>("/nodes/class_threshold", n);
+    c.off_list = in.has("/nodes/class_off_list") ? in.rows<double>("/nodes/class_off_list", n) : Doubles(n);
     c.kept_history = in.array<std::uint64_t>("/nodes/kept_history");
     std::size_t const kept = c.kept_history.size();
     c.kept_offset = read_offsets(in, "/nodes/kept_offset", n, kept);
@@ -131,13 +179,16 @@ void write_counters(hdf5::Writer& out, SumTree const& tree) {
 void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   Counts first, arrived_offset = {0};
   std::vector<std::uint32_t> level;
-  MomentColumns emitted, ledger, arrived, received;
+  MomentColumns emitted, ledger, arrived;
+  ScoreColumns received;
+  Doubles window_variance;
   ClassColumns classes;
   for (auto const& [place, node] : tree.nodes()) {
     first.push_back(place.first);
     level.push_back(place.second);
     emitted.add(node.emitted);
     for (Moments const& m : node.ledger) ledger.add(m);
+    window_variance.push_back(node.window_variance);
     for (Moments const& m : node.arrived) arrived.add(m);
     arrived_offset.push_back(arrived.numbers.size() / counts);
     for (ReceiverSums const& r : node.receivers) received.add(r.power);
@@ -150,10 +201,11 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   write_counters(out, tree);
   emitted.write(out, "/nodes/emitted", {first.size()});
   ledger.write(out, "/nodes/ledger", {first.size(), fate_count});
+  out.array("/nodes/window_variance", window_variance, "1");
   out.array("/nodes/arrived_offset", arrived_offset, "1");
   arrived.write(out, "/nodes/arrived", {arrived_offset.back()});
   classes.write(out);
-  received.write(out, "/nodes/received", {received.numbers.size() / counts});
+  received.write(out, "/nodes/received", "/nodes/received");
   write_node_maps(out, tree);
 }
 
@@ -163,6 +215,8 @@ SumTree read_nodes(hdf5::Reader const& in) {
   auto const level = in.rows<std::uint32_t>("/nodes/level", n);
   MomentColumns const emitted = MomentColumns::read(in, "/nodes/emitted", n);
   MomentColumns const ledger = MomentColumns::read(in, "/nodes/ledger", n, fate_count);
+  bool const odds = in.has("/nodes/window_variance");  // since schema 1.2
+  Doubles const window_variance = odds ? in.rows<double>("/nodes/window_variance", n) : Doubles(n);
   MomentColumns const arrived = MomentColumns::read(in, "/nodes/arrived", in.shape("/nodes/arrived").at(0));
   Counts const arrived_offset = read_offsets(in, "/nodes/arrived_offset", n, arrived.numbers.size() / counts);
   ClassColumns const classes = ClassColumns::read(in, n);
@@ -175,14 +229,15 @@ SumTree read_nodes(hdf5::Reader const& in) {
   read_node_maps(in, nodes);
   std::size_t receivers = 0, next = 0;
   for (BlockSums const& node : nodes) receivers += node.receivers.size();
-  MomentColumns const received =
-      receivers > 0 ? MomentColumns::read(in, "/nodes/received", receivers) : MomentColumns{};
+  ScoreColumns const received =
+      receivers > 0 ? ScoreColumns::read(in, "/nodes/received", "/nodes/received", receivers) : ScoreColumns{};
   for (BlockSums& node : nodes)
     for (ReceiverSums& r : node.receivers) r.power = received.at(next++);
   SumTree tree;
   for (std::size_t i = 0; i < n; ++i) {
     BlockSums& node = nodes[i];
     node.emitted = emitted.at(i);
+    node.window_variance = window_variance[i];
     for (std::size_t k = 0; k < fate_count; ++k) node.ledger[k] = ledger.at(i * fate_count + k);
     for (std::size_t k = arrived_offset[i]; k < arrived_offset[i + 1]; ++k) node.arrived.push_back(arrived.at(k));
     for (std::size_t k = classes.offset[i]; k < classes.offset[i + 1]; ++k)

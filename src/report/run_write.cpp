@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/message.hpp"
+#include "report/merit.hpp"
 #include "report/run_parts.hpp"
 #include "report/seal.hpp"
 
@@ -86,6 +87,14 @@ void write_timing(hdf5::Writer& out, RunContent const& run) {
   out.group("/timing", "wall-clock time; the only group that may differ between equal runs");
   out.strings("/timing/stage", stages);
   out.array("/timing/seconds", seconds, "s");
+  std::vector<std::string> of;
+  std::vector<double> values;
+  for (Merit const& m : merits(run)) {
+    of.push_back(m.what);
+    values.push_back(m.value);
+  }
+  out.strings("/timing/merit_of", of);
+  out.array("/timing/merit", values, "1/s");
 }
 
 void write_estimates(hdf5::Writer& out, std::string const& path, std::vector<Moments> const& all, BlockSums const& of) {

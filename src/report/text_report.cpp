@@ -118,30 +118,6 @@ std::vector<std::string> power_cells(RunContent const& run, std::string const& n
   return row;
 }
 
-std::string books(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  Columns c;
-  c.titles = {"light", "power per history"};
-  c.left = {true};
-  if (run.beam_power > 0) c.titles.push_back("power/W");
-  double fates = 0;
-  auto add = [&](std::string const& name, Moments const& m) {
-    Estimate const e = estimate(m, total.histories, total.blocks);
-    c.rows.push_back(power_cells(run, name, e, "none seen"));
-    return e.mean;
-  };
-  double const emitted = add("emitted", total.emitted);
-  for (int i = 0; i < fate_count; ++i) fates += add(name_of(Fate(i)), total.ledger[std::size_t(i)]);
-  std::string text = section("Where the light went") + aligned(c);
-  double const open = emitted > 0 ? std::fabs(emitted - fates) / emitted : 0;
-  text += fmt::format("\nClosure: emitted and the sum of the fates differ by {:.1e} of the emitted power ({}).\n", open,
-                      open < closed ? "rounding" : "MORE THAN ROUNDING: the books do not close");
-  text += "'window' (roulette) and 'sampling' are zero on average.\n";
-  text += fmt::format("{} surface events, {} rays, {} histories lost to geometry errors.\n", total.bounces, total.rays,
-                      total.lost);
-  return text;
-}
-
 std::string arrivals(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   std::vector<std::string> const& groups = run.trace->coupling.groups;
@@ -195,6 +171,30 @@ std::string warnings(RunContent const& run) {
 
 }  // namespace
 
+std::string books_text(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  Columns c;
+  c.titles = {"light", "power per history"};
+  c.left = {true};
+  if (run.beam_power > 0) c.titles.push_back("power/W");
+  double fates = 0;
+  auto add = [&](std::string const& name, Moments const& m) {
+    Estimate const e = estimate(m, total.histories, total.blocks);
+    c.rows.push_back(power_cells(run, name, e, "none seen"));
+    return e.mean;
+  };
+  double const emitted = add("emitted", total.emitted);
+  for (int i = 0; i < fate_count; ++i) fates += add(name_of(Fate(i)), total.ledger[std::size_t(i)]);
+  std::string text = aligned(c);
+  double const open = emitted > 0 ? std::fabs(emitted - fates) / emitted : 0;
+  text += fmt::format("\nClosure: emitted and the sum of the fates differ by {:.1e} of the emitted power ({}).\n", open,
+                      open < closed ? "rounding" : "MORE THAN ROUNDING: the books do not close");
+  text += "'window' (roulette) and 'sampling' are zero on average.\n";
+  text += fmt::format("{} surface events, {} rays, {} histories lost to geometry errors.\n", total.bounces, total.rays,
+                      total.lost);
+  return text;
+}
+
 std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz) {
   auto const [low, high] = band_of(b.grid, low_hz, high_hz);
   std::string text = compared(b, low, high);
@@ -224,7 +224,8 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
     text += section("Routes") + path_text(table, show);
   }
   if (received) text += section("Receivers") + receiver_text(receiver_table(run), show);
-  text += books(run) + arrivals(run) + assumed(run, assumptions) + provenance(run) + warnings(run);
+  text += section("Where the light went") + books_text(run) + arrivals(run) + assumed(run, assumptions) +
+          provenance(run) + warnings(run);
   return text;
 }
 

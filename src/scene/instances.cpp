@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "scene/in_part.hpp"
+#include "scene/limits.hpp"
+#include "scene/merge.hpp"
 #include "scene/parts.hpp"
 #include "scene/repeat.hpp"
 #include "scene/scope.hpp"
@@ -44,6 +47,7 @@ class Expander {
  private:
   void expand_entry(Node const& entry) {
     std::string const name = entry.word("name");
+    Blaming const here(document_, blame_at(entry, name));
     bool const split = entry.flag("split", false);
     bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
     Repeat const repeat = read_repeat(entry);
@@ -56,6 +60,7 @@ class Expander {
     GivenParameters given = given_by(entry, part);
     if (!check_columns(entry, part, repeat)) return;
     std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
+    if (part && repeat.columns.empty() && !within_limits(entry, name, part, scope)) return;
     for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
       std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
       Unfolding u{split ? instance : name, instance, entry, {}, repeat.offsets[i], repeat.axis};
@@ -68,6 +73,7 @@ class Expander {
         for (std::size_t c = 0; c < repeat.columns.size(); ++c)
           given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
         scope = part_scope(part, given);
+        if (!within_limits(entry, instance, part, scope)) return;
       }
       unfold(part, scope, u);
     }
@@ -124,12 +130,24 @@ class Expander {
       Node const value = entry[p.key];
       std::optional<Value> v;
       if (value.kind() == Node::Kind::scalar)
-        v = document_.evaluate(*value.data(), value.scope().get());
+        v = said_by_word(value, part["words"][p.key], entry.document());
       else if (value)
         value.problem(fmt::format("parameter '{}' must be one quantity", p.key), "write a number with a unit");
       given[p.key] = {v, value.data().get()};
     }
     return given;
+  }
+
+  // `hand: left` where the part has words for the parameter, otherwise the quantity that is written.
+  std::optional<Value> said_by_word(Node const& value, Node const& words, Document* document) {
+    if (words.kind() != Node::Kind::table) return document->evaluate(*value.data(), value.scope().get());
+    if (NodeData::Entry const* word = words.data()->find(value.text()))
+      return document_.evaluate(*word->value, static_cast<Scope const*>(nullptr));
+    std::string known;
+    for (NodeData::Entry const& e : words.data()->entries) known += (known.empty() ? "" : " or ") + e.key;
+    value.problem(fmt::format("'{}' is {}, got \"{}\"", value.data()->label, known, shortened(value.text())),
+                  fmt::format("write '{}: {}'", value.data()->label, words.data()->entries.front().key));
+    return {};
   }
 
   // Columns of a table name parameters of the part and agree with their dimensions.
@@ -177,13 +195,13 @@ class Expander {
     bool const single = faces.data()->entries.size() == 1;
     for (NodeData::Entry const& e : faces.data()->entries) {
       if (e.value->kind != Node::Kind::table) continue;
-      Node const face(e.value, scope, &document_);
-      if (!check_what(face, fmt::format("face '{}'", e.key))) continue;
       Unfolding inner = u;
       if (!single) {
         inner.group += "/" + e.key;
         inner.name += "/" + e.key;
       }
+      Node const face(e.value, scope, seen_from(e.value->place, inner.group));
+      if (!check_what(face, fmt::format("face '{}'", e.key))) continue;
       if (holds_position(face)) inner.frames.push_back(face);
       if (face.has("use"))
         unfold_inner(face, inner);
@@ -201,6 +219,7 @@ class Expander {
         face[key].problem(fmt::format("'{}' inside a part is not supported", key),
                           "repeat the whole part in 'scene', or write one face per position");
     auto const scope = part_scope(part, given_by(face, part));
+    if (!within_limits(face, u.group, part, scope)) return;
     u.placement = placed_in(u.placement, face);
     face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
     unfold(part, scope, u);
@@ -219,6 +238,22 @@ class Expander {
     return changed ? Node(std::move(merged), outer.scope(), &document_) : outer;
   }
 
+  Blame blame_at(Node const& entry, std::string name) const {
+    return {builtin_source(root_.place().file), entry.place(), entry.data()->width, std::move(name)};
+  }
+
+  // The document for a face: of a built-in part, one that reports at the entry being unfolded.
+  Document* seen_from(Place face, std::string const& group) {
+    if (!document_.blame || face.file != document_.blame->hidden) return &document_;
+    Document*& view = views_[group];
+    if (!view) {
+      Blame blame = *document_.blame;
+      blame.name = group;
+      view = document_.keep(std::make_unique<InPart>(document_, std::move(blame)));
+    }
+    return view;
+  }
+
   void emit(Unfolding const& u, Node const& node) {
     out_.push_back({u.group, u.name, node, u.placement, u.frames, u.offset, u.axis});
   }
@@ -227,7 +262,8 @@ class Expander {
   Node root_;
   FaceCounter faces_;
   std::vector<Scene::Instance> out_;
-  std::map<std::string, Place> lines_;  // names and where they are written
+  std::map<std::string, Document*> views_;  // of faces of built-in parts, by group
+  std::map<std::string, Place> lines_;      // names and where they are written
 };
 
 }  // namespace

@@ -6,6 +6,22 @@
 #include <algorithm>
 
 namespace straytrace {
+namespace {
+
+// `limits` and `words` are about parameters of the part.
+void check_limits(Node const& part) {
+  Node const params = part["params"];
+  for (char const* key : {"limits", "words"})
+    for (auto const& [name, node] : part.table(key).items()) {
+      if (!params.has(name))
+        node.problem(fmt::format("'{}' is not a parameter of the part", name), "name one of its 'params'");
+      if (node.kind() != Node::Kind::table || std::string_view(key) == "words") continue;
+      for (char const* known : {"above", "at_least", "at_most", "because"}) node.has(known);
+      node.refuse_unknown(fmt::format("the limits of '{}'", name));
+    }
+}
+
+}  // namespace
 
 bool is_entry_key(std::string_view key) {
   return std::find(entry_keys.begin(), entry_keys.end(), key) != entry_keys.end();
@@ -47,6 +63,7 @@ void check_parts(SceneDocument& document, Node const& parts) {
           document.add({p.place,
                         fmt::format("'{}' is a key of every scene entry and cannot name a parameter of a part", p.key),
                         "choose another name", Severity::error, p.width});
+    check_limits(part);
     part.refuse_unknown(fmt::format("part '{}'", name));
   }
 }

@@ -45,6 +45,13 @@ SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* text
 }
 
 void SceneDocument::add(Problem p) {
+  if (blame && p.place.file == blame->hidden) {
+    p.what = fmt::format("'{}': {}", blame->name, p.what);
+    p.suggestion = fmt::format("change what the part is given ({}:{}:{}: {})", sources_[p.place.file].name,
+                               p.place.line, p.place.column, p.suggestion);
+    p.place = blame->place;
+    p.width = blame->width;
+  }
   if (!seen_.emplace(p.place.file, p.place.line, p.place.column, p.what).second) return;
   if (p.severity == Severity::error) ++errors_;
   if (problems_.size() < most_problems) problems_.push_back(std::move(p));

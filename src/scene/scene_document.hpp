@@ -20,6 +20,14 @@ struct Source {
   std::string_view line(std::uint32_t number) const;  // 1-based, without line end; empty beyond the end
 };
 
+// Who used a part: what is wrong in the source `hidden` is reported there.
+struct Blame {
+  std::uint32_t hidden = 0;
+  Place place;
+  std::uint32_t width = 1;
+  std::string name;
+};
+
 class SceneDocument : public Document {
  public:
   // Reads below `folder`, or only from `texts` when given.
@@ -46,6 +54,9 @@ class SceneDocument : public Document {
   std::vector<Problem> problems(Severity) const;  // sorted by place
   std::size_t error_count() const { return errors_; }
 
+  std::optional<Blame> blame;  // set by Blaming (in_part.hpp)
+  Document* keep(std::unique_ptr<Document> view) { return views_.emplace_back(std::move(view)).get(); }
+
  private:
   std::optional<std::string> read(std::string const& name, std::size_t size_limit, std::string& why);
 
@@ -58,6 +69,7 @@ class SceneDocument : public Document {
   std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::string>> seen_;
   std::size_t errors_ = 0;
   std::optional<std::uint32_t> command_line_;
+  std::vector<std::unique_ptr<Document>> views_;  // that nodes hold
 };
 
 constexpr std::size_t model_file_limit = std::size_t{16} << 20;  // bytes

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "base/ids.hpp"
 
 namespace straytrace {
@@ -32,7 +33,9 @@ struct Estimate {
   double effective_scores = 0;      // S1^2/S2
   std::uint64_t scored = 0;         // histories with a non-zero total
   bool trusted = false;
-  std::string why_not;  // in words, empty when trusted
+  std::string why_not;               // in words, empty when trusted
+  double tail_slope = not_a_number;  // p of x^-p, of the largest totals; NaN: too few
+  double halves = not_a_number;      // first blocks less the rest, in standard errors; NaN: no
 };
 
 // One kept path: its address and what replaying it told us.

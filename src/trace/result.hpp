@@ -15,15 +15,25 @@ namespace straytrace {
 
 constexpr std::uint64_t block_size = 4096;  // histories; part of the run-file schema: it decides the last bits
 
+constexpr std::size_t tail_size = 200;  // largest totals kept per bin; part of the run-file schema
+
 // Power sums of a history's TOTAL in a bin: scores of one history are added before they are squared.
 struct Moments {
   double sum = 0, sum2 = 0, sum3 = 0, sum4 = 0;
   double block_sum2 = 0;  // over blocks, of the block's sum
   double largest = 0;     // largest history total
   std::uint64_t largest_history = 0, scored = 0;
+  double first_sum = 0;      // of the first blocks, as many as first_part() says; NaN: not known
+  std::vector<double> tail;  // the largest totals, descending; which ones they are does not depend on order
   void add(double total, std::uint64_t history);
+  void add_score(double total, std::uint64_t history);  // with its place in the tail
+  void close_block();                                   // the sums are those of one whole block
 };
 Moments merged(Moments const& left, Moments const& right);
+// How many of the first blocks are held against the rest (estimators.md 13, halves). The tree of sums knows the sums of
+// its nodes only, so the border lies between two nodes, the nearest to the middle: 1/3 to 2/3 of the blocks, half of
+// them at powers of two. A function of the number of blocks: threads and resuming do not matter.
+std::uint64_t first_part(std::uint64_t blocks);
 // Blocks are the independent units from 32 blocks on (estimators.md 13); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
 
@@ -74,6 +84,7 @@ struct BlockSums {
   std::map<std::uint64_t, ClassSums> classes;  // by route hash
   Moments emitted;
   std::array<Moments, fate_count> ledger = {};
+  double window_variance = 0;  // of the sum of `window`, from the odds of each roulette
   std::vector<ReceiverSums> receivers;
   std::vector<Moments> arrived;  // power arriving on each group, per emitted history
 };

@@ -33,6 +33,7 @@ struct TraceSettings {
   std::function<void(TraceProgress const&)> progress;
   std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
   SumTree resume;                           // blocks done before
+  double seconds_before = 0;                // that they took
 };
 
 TraceResult trace(World const&, TraceSettings const&, Backend const&);

@@ -14,6 +14,7 @@ void read_trace_limits(Scene const& scene, World& world) {
   world.limits.targets = t.flag("targets", true);
   world.limits.law_share = t.number("law_share", dim::plain, world.limits.law_share, 0.1, 1);
   world.limits.window = t.flag("window", true);
+  world.limits.children = std::uint32_t(t.whole("children", world.limits.children, 1, 100000));
   world.reverse_routes = t.flag("reverse_routes", true);
   static constexpr std::string_view structures[] = {"axial", "none"};
   world.limits.brute_force = t.choice("structure", structures, "axial") == "none";
@@ -30,7 +31,10 @@ World build_world(Scene const& scene) {
   read_receivers(scene, world, names);
   read_beams(scene, world, names);
   read_trace_limits(scene, world);
-  if (scene.root().healthy()) world.finish();  // shapes with missing numbers cannot be searched
+  if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
+    world.finish();
+    check_beams(scene, world);
+  }
   return world;
 }
 

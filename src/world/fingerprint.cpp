@@ -108,6 +108,7 @@ std::string World::fingerprint() const {
   out.add(limits.roulette_below);
   out.add(std::uint64_t(limits.route_vertices));
   for (double x : {double(limits.targets), limits.law_share, double(limits.window)}) out.add(x);
+  if (limits.children > 1) out.add(std::uint64_t(limits.children));
   out.add(std::uint64_t(reverse_routes));
   out.add(std::uint64_t(polarised));
   out.add(wavelength);

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/coating_table.hpp"
 #include "optics/film_table.hpp"
 #include "optics/scatter_share.hpp"
 #include "optics/specular.hpp"
+#include "world/read_coating.hpp"
 #include "world/read_parts.hpp"
-#include "world/share_table.hpp"
 
 namespace straytrace {
 namespace {
@@ -108,108 +107,6 @@ struct Reader {
   }
 };
 
-double share_at(ShareTable const& t, std::size_t row, char const* both, char const* own) {
-  auto const pick = [&](char const* name) {
-    auto const found = t.columns.find(name);
-    return found == t.columns.end() ? 0 : found->second[row];
-  };
-  return pick(both) + pick(own);
-}
-
-// Problems of a row are said where the row stands.
-void row_problem(Node const& node, ShareTable const& t, std::size_t row, std::string what, std::string suggestion) {
-  if (t.file.empty())
-    node.problem(std::move(what), std::move(suggestion));
-  else
-    node["file"].file_problem(t.file, t.line[row], 1, std::move(what), std::move(suggestion));
-}
-
-// Nothing when the table is wrong, and reported.
-std::vector<CoatingRow> rows_of(Node const& node, ShareTable const& t) {
-  std::vector<CoatingRow> rows;
-  bool const absorbs = t.columns.contains("absorb");
-  for (std::size_t i = 0; i < t.angle.size(); ++i) {
-    CoatingRow r{t.angle[i],
-                 share_at(t, i, "reflect", "reflect_s"),
-                 share_at(t, i, "reflect", "reflect_p"),
-                 share_at(t, i, "transmit", "transmit_s"),
-                 share_at(t, i, "transmit", "transmit_p"),
-                 share_at(t, i, "scatter", "")};
-    double const absorbed = share_at(t, i, "absorb", ""), degrees = t.angle[i] * 180 / pi;
-    if (absorbs) r.scatter = 1 - 0.5 * (r.reflect_s + r.reflect_p + r.transmit_s + r.transmit_p) - absorbed;
-    double const least = std::min({r.reflect_s, r.reflect_p, r.transmit_s, r.transmit_p, r.scatter + 1e-9, absorbed});
-    double const sum =
-        absorbed + std::max(r.reflect_s + r.transmit_s, r.reflect_p + r.transmit_p) + (absorbs ? 0 : r.scatter);
-    if (!std::isfinite(sum) || !std::isfinite(least)) return {};
-    if (i > 0 && !(t.angle[i] > t.angle[i - 1]))
-      row_problem(node, t, i,
-                  fmt::format("angle {:.6g} deg does not come after {:.6g} deg", degrees, t.angle[i - 1] * 180 / pi),
-                  "sort the rows by rising angle of incidence");
-    else if (least < 0 || sum > 1 + 1e-9)
-      row_problem(
-          node, t, i,
-          fmt::format("the coating makes light: at {:.6g} deg it reflects {:.6g}, transmits {:.6g} and scatters "
-                      "{:.6g}",
-                      degrees, 0.5 * (r.reflect_s + r.reflect_p), 0.5 * (r.transmit_s + r.transmit_p), r.scatter),
-          "no share may be negative, and for s and p each they must not exceed 1 together");
-    else {
-      r.scatter = std::max(0.0, r.scatter);
-      rows.push_back(r);
-      continue;
-    }
-    return {};
-  }
-  return rows;
-}
-
-bool check_columns(Node const& node, ShareTable const& t) {
-  for (std::string const share : {"reflect", "transmit"}) {
-    bool const s = t.columns.contains(share + "_s"), p = t.columns.contains(share + "_p");
-    if (s != p || (s && t.columns.contains(share))) {
-      node.problem(fmt::format("'{0}' is given for one polarisation only, or twice", share),
-                   fmt::format("give '{0}', or '{0}_s' and '{0}_p'", share));
-      return false;
-    }
-  }
-  if (t.columns.contains("scatter") && t.columns.contains("absorb")) {
-    node.problem("'scatter' and 'absorb' say the same thing twice", "keep one; the other is what is left over");
-    return false;
-  }
-  return true;
-}
-
-std::optional<Coating> coating_table(Node const& node, World& world) {
-  ShareTable const table = read_share_table(node);
-  node.has("source");
-  node.refuse_unknown("'coating'");
-  if (table.angle.empty() || !check_columns(node, table)) return {};
-  auto rows = rows_of(node, table);
-  if (rows.empty()) return {};
-  constexpr double degree = pi / 180;
-  if (rows.size() < 2 || rows.front().angle < 0 || rows.front().angle > 15 * degree ||
-      std::fabs(rows.back().angle - pi / 2) > 1e-9) {
-    node.problem(fmt::format("the table runs from {:.6g} to {:.6g} deg", rows.front().angle / degree,
-                             rows.back().angle / degree),
-                 "begin at 15 deg or below, and end at 90 deg: there every smooth surface reflects all");
-    return {};
-  }
-  bool const scatters = table.columns.contains("scatter") || table.columns.contains("absorb");
-  return make_coating(rows, scatters, world.storage);
-}
-
-std::optional<Coating> coating_preset(Node const& node, World& world) {
-  std::vector<std::string> names;
-  for (CoatingPreset const& p : coating_presets()) {
-    if (node.text() == p.name) return make_coating(p.rows, true, world.storage);
-    names.emplace_back(p.name);
-  }
-  std::string const near = nearest_word(node.text(), names);
-  node.problem(fmt::format("no coating is called '{}'", node.text()),
-               near.empty() ? fmt::format("write '{}' or a table {{angle: ..., reflect: ...}}", names.front())
-                            : fmt::format("did you mean '{}'?", near));
-  return {};
-}
-
 void read_fixed(Node const& s, Optic& optic) {
   optic.reflect = s.number("reflect", dim::plain, 0, 0, 1);
   optic.transmit = s.number("transmit", dim::plain, 0, 0, 1);
@@ -247,9 +144,7 @@ void read_specular(Node const& material, World& world, Registry const& names, Op
   else if (index)
     set_interface(optic, world.add_interface(Fresnel{reader.opaque(s)}));
   else if (coating) {
-    Node const c = s["coating"];
-    auto const made =
-        c.kind() == Node::Kind::scalar ? coating_preset(c, world) : coating_table(s.table("coating"), world);
+    auto const made = read_coating(s, world);
     if (made) set_interface(optic, world.add_interface(*made));
   } else {
     read_fixed(s, optic);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "base/message.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -122,6 +124,20 @@ void read_polynomial(Node const& law, LawReading& out) {
       }
   if (!whole) return;
   p.prepare();
+  out.add(p);
+}
+
+void read_microfacet(Node const& law, LawReading& out) {
+  Microfacet p;
+  p.alpha = law.number("roughness", dim::plain, required, 1e-4, 1);
+  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
+  p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
+  if (!(p.alpha > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
+  p.prepare();
+  double const stated = std::fmax(p.reflectance, p.grazing);
+  for (double const total : p.totals.value)
+    if (!(total <= stated * (1 + 1e-9)))
+      throw NumericalError(fmt::format("microfacet: total {:.9g} above the reflectance {:.9g}", total, stated));
   out.add(p);
 }
 

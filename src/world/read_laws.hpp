@@ -28,6 +28,7 @@ void read_abg(Node const&, LawReading&);
 void read_harvey(Node const&, LawReading&);
 void read_gaussian(Node const&, LawReading&);
 void read_polynomial(Node const&, LawReading&);
+void read_microfacet(Node const&, LawReading&);
 void read_defects(Node const&, LawReading&);
 void read_dust(Node const&, LawReading&);
 void read_k_correlation(Node const&, LawReading&);

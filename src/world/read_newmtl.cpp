@@ -117,17 +117,35 @@ std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Probl
   return std::move(reader.out);
 }
 
+namespace {
+
+std::string in_yaml(std::string const& name) {
+  bool const plain = name.find_first_of(":#,{}[]&*!|>'\"%@`") == name.npos && name[0] != '-' && name[0] != '?';
+  return plain ? name : "'" + name + "'";
+}
+
+std::string laws_of(NewmtlMaterial const& m) {
+  std::string out;
+  if (m.scatter_reflect > 0)
+    out += fmt::format("      - {{model: lambertian, tis: {:g} ppm}}\n", m.scatter_reflect * 1e6);
+  if (m.scatter_transmit > 0)
+    out += fmt::format("      - {{model: lambertian, tis: {:g} ppm, through: yes}}\n", m.scatter_transmit * 1e6);
+  return out.empty() ? out : "    scatter:\n" + out;
+}
+
+}  // namespace
+
 std::string materials_table(std::vector<NewmtlMaterial> const& materials) {
-  std::string out = "materials:\n";
+  std::string out, media;
   for (NewmtlMaterial const& m : materials) {
-    out += fmt::format("  {}:\n    specular: {{reflect: {}, transmit: {}}}\n", m.name, m.reflect, m.transmit);
-    if (m.scatter_reflect > 0)
-      out += fmt::format("    scatter: {{model: lambertian, tis: {:g} ppm}}\n", m.scatter_reflect * 1e6);
-    if (m.index != 1 || m.scatter_transmit > 0)
-      out += fmt::format("    # of the list, not used: index {} at {:g} nm, {:g} ppm scattered in transmission\n",
-                         m.index, m.wavelength * 1e9, m.scatter_transmit * 1e6);
+    std::string const name = in_yaml(m.name);
+    out += fmt::format("  {}:\n    specular: {{reflect: {}, transmit: {}}}\n", name, m.reflect, m.transmit);
+    out += laws_of(m);
+    if (m.index == 1) continue;
+    media += fmt::format("  {}: {{index: {}}}", name, m.index);
+    media += m.wavelength > 0 ? fmt::format("  # at {:g} nm\n", m.wavelength * 1e9) : "\n";
   }
-  return out;
+  return (media.empty() ? "" : "media:\n" + media) + "materials:\n" + (out.empty() ? "  {}\n" : out);
 }
 
 }  // namespace straytrace

@@ -22,7 +22,8 @@ struct NewmtlMaterial {
 // Problems have line and column but no file. A sum above 1 is a problem: it is not made smaller silently.
 std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems);
 
-// The same as a `materials:` table of a scene. Scatter becomes lambertian: the list does not say how it spreads.
+// The same as the tables `media:` (indices that are not 1) and `materials:` of a scene. Scatter becomes lambertian: the
+// list does not say how it spreads.
 std::string materials_table(std::vector<NewmtlMaterial> const&);
 
 }  // namespace straytrace

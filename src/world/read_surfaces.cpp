@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -71,7 +72,10 @@ SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World
     Shape shape;
     read_keys(keys, keys_of<Shape>(), shape);
     keys.refuse_unknown(fmt::format("shape '{}'", Shape::key));
-    auto const complaint = impossible(shape);
+    auto const numbers = keys_of<Shape>();
+    bool const whole =
+        std::all_of(numbers.begin(), numbers.end(), [&](auto const& k) { return std::isfinite(shape.*(k.member)); });
+    auto const complaint = whole ? impossible(shape) : ShapeComplaint{};  // a number that is not there is reported
     if (!complaint.what.empty()) keys.problem(complaint.what, complaint.suggestion);
     shape.place(pose);
     return world.add_surface(shape, as.front, as.back, as.body, as.group, as.volume);
@@ -214,8 +218,9 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
       instance.node.refuse_unknown(fmt::format("'{}'", instance.group));
   }
   for (Scene::Instance const& instance : scene.instances()) {  // all faces have read what they share
-    if (shared.complained.insert("entry keys of " + instance.group).second)
-      instance.placement.refuse_unknown(fmt::format("scene entry '{}'", instance.group));
+    std::string const entry = instance.group.substr(0, instance.group.find_first_of("/["));
+    if (shared.complained.insert("entry keys of " + entry).second)
+      instance.placement.refuse_unknown(fmt::format("scene entry '{}'", entry));
     if (shared.complained.insert("surfaces of " + instance.group.substr(0, instance.group.find('/'))).second)
       if (Node const by_face = instance.placement["surfaces"]; by_face.kind() == Node::Kind::table)
         by_face.refuse_unknown("'surfaces'");

@@ -146,13 +146,26 @@ std::vector<SearchItem> SearchTree::take_tubes(std::vector<SearchItem> const& it
   return left;
 }
 
-void SearchTree::add_cluster(std::vector<Box> const& boxes, std::vector<SurfaceRef> const& names,
-                             Bvh8Settings const& settings) {
-  Bvh8 const tree = build_bvh8(boxes, settings);
-  clusters_.push_back({tree.origin, tree.largest, tree.root, std::uint32_t(nodes_.size()),
-                       std::uint32_t(tree.nodes.size()), std::uint32_t(items_.size())});
+void SearchTree::add_tree(Bvh8 const& tree) {
+  clusters_.push_back(
+      {tree.origin, tree.largest, tree.root, std::uint32_t(nodes_.size()), std::uint32_t(tree.nodes.size())});
   nodes_.insert(nodes_.end(), tree.nodes.begin(), tree.nodes.end());
-  for (std::uint32_t i : tree.order) items_.push_back(names[i]);
+}
+
+void SearchTree::add_cluster(std::vector<SearchItem> const& content) {
+  std::vector<Box> boxes;
+  for (SearchItem const& item : content) boxes.push_back(item.box);
+  Bvh8Settings settings;
+  settings.leaf_size = settings.pack = simd::lanes;
+  settings.traversal_cost = 4;  // half of a pack
+  Bvh8 tree = build_bvh8(boxes, settings);
+  tree.rename_leaves([&](std::uint32_t first, std::uint32_t count) {
+    SurfacePack& pack = packs_.emplace_back();
+    for (std::uint32_t i = 0; i < count; ++i)
+      pack.set(int(i), content[tree.order[first + i]], tree.origin, tree.largest);
+    return std::uint32_t(packs_.size() - 1);
+  });
+  add_tree(tree);
 }
 
 void SearchTree::build(std::vector<SearchItem> const& items) {
@@ -160,21 +173,17 @@ void SearchTree::build(std::vector<SearchItem> const& items) {
   std::vector<std::vector<SearchItem>> clusters;
   find_clusters(take_tubes(items), clusters);
   std::vector<Box> all;
-  std::vector<SurfaceRef> numbers;
   for (auto const& content : clusters) {
-    std::vector<Box> boxes;
-    std::vector<SurfaceRef> names;
-    Box whole;
-    for (SearchItem const& item : content) {
-      boxes.push_back(item.box);
-      names.push_back(item.ref);
-      whole.add(item.box);
-    }
-    numbers.push_back({std::uint32_t(all.size()), 0});
-    all.push_back(whole);
-    add_cluster(boxes, names, {4, 2});
+    Box& whole = all.emplace_back();
+    for (SearchItem const& item : content) whole.add(item.box);
+    add_cluster(content);
   }
-  if (all.size() > 1) add_cluster(all, numbers, {1, 1});
+  if (all.size() < 2) return;
+  Bvh8Settings single;
+  single.leaf_size = 1;
+  Bvh8 over = build_bvh8(all, single);
+  over.rename_leaves([&](std::uint32_t first, std::uint32_t) { return over.order[first]; });
+  add_tree(over);
 }
 
 }  // namespace straytrace

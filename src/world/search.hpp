@@ -8,33 +8,25 @@
 #include <vector>
 
 #include "geometry/bvh8.hpp"
+#include "world/surface_pack.hpp"
 #include "world/tube.hpp"
 
 namespace straytrace {
 
-// What the structure is told about a surface: a box, and heights along its axis and distances from it that contain it.
-struct SearchItem {
-  SurfaceRef ref;
-  Box box;
-  Vec3 reference, axis{0, 0, 1};  // heights are measured from the reference point
-  double low = 0, high = 0, r_min = 0, r_max = 0;
-  std::uint32_t plain_kind = 0;  // see TubePart
-  TubePlain plain = {};
-};
-
-// One local tree: a slice of the flat arrays.
+// One local tree: a slice of the flat array of nodes. Its leaves name packs, those of the tree over trees name
+// clusters.
 struct ClusterRecord {
   Vec3 origin;
   double largest = 0;
   Box root;
-  std::uint32_t first_node = 0, nodes = 0, first_item = 0;
+  std::uint32_t first_node = 0, nodes = 0;
 };
 
 struct SearchView {
   TubeArrays tubes;
   View<ClusterRecord const> clusters;  // the last one, when there are several, is the tree over the others
   View<Bvh8::Node const> nodes;
-  View<SurfaceRef const> items;  // in the order of the leaves; for the tree over trees: numbers of clusters
+  View<SurfacePack const> packs;
 
   // Asks query.cross(ref, limit) about every surface that may be hit before `limit` (m), and what else TubeArrays asks.
   // It may lower the limit and returns true to end the search; so do these.
@@ -55,7 +47,7 @@ struct SearchView {
     ClusterRecord const& top = clusters[clusters.size - 1];
     bool done = false;
     tree_of(top).traverse(ray, limit, [&](std::uint32_t first, std::uint32_t, double&) STRAY_INLINE_LAMBDA {
-      done = traverse_tree(clusters[items[top.first_item + first].surface], ray, limit, query);
+      done = traverse_tree(clusters[first], ray, limit, query);
       return done;
     });
     return done;
@@ -64,10 +56,14 @@ struct SearchView {
  private:
   template <class Query>
   STRAY_INLINE bool traverse_tree(ClusterRecord const& c, Ray const& ray, double& limit, Query&& query) const {
+    Bvh8::View const tree = tree_of(c);
+    bvh8_detail::Probe probe;
+    if (!probe.set(tree, ray, limit)) return false;
     bool done = false;
-    SurfaceRef const* const refs = items.data + c.first_item;
-    tree_of(c).traverse(ray, limit, [&](std::uint32_t first, std::uint32_t count, double& end) STRAY_INLINE_LAMBDA {
-      for (std::uint32_t i = first; i < first + count && !done; ++i) done = query.cross(refs[i], end);
+    tree.traverse_from(probe, limit, [&](std::uint32_t number, std::uint32_t count, double& end) STRAY_INLINE_LAMBDA {
+      SurfacePack const& pack = packs[number];
+      unsigned lanes = pack.may_be_hit(probe, bvh8_detail::rounded_up(end - probe.shift)) & ((1u << count) - 1);
+      for (; lanes != 0 && !done; lanes &= lanes - 1) done = query.cross(pack.ref[simd::lowest(lanes)], end);
       return done;
     });
     return done;
@@ -84,18 +80,19 @@ class SearchTree {
     return {tubes_.view(),
             {clusters_.data(), clusters_.size()},
             {nodes_.data(), nodes_.size()},
-            {items_.data(), items_.size()}};
+            {packs_.data(), packs_.size()}};
   }
   TubeData const& tubes() const { return tubes_; }
 
  private:
   std::vector<SearchItem> take_tubes(std::vector<SearchItem> const& items);  // returns what is left
-  void add_cluster(std::vector<Box> const& boxes, std::vector<SurfaceRef> const& names, Bvh8Settings const&);
+  void add_cluster(std::vector<SearchItem> const& content);
+  void add_tree(Bvh8 const&);
 
   TubeData tubes_;
   std::vector<ClusterRecord> clusters_;
   std::vector<Bvh8::Node> nodes_;
-  std::vector<SurfaceRef> items_;
+  std::vector<SurfacePack> packs_;
 };
 
 }  // namespace straytrace

@@ -27,8 +27,10 @@ struct CrossHere {
         return meet<Cylinder>(world, ref, ray, from);
       case kind_of<Cap, ShapeTypes>():
         return meet<Cap>(world, ref, ray, from);
-      default:
-        return others(world, ref.surface, ray, from);
+      default: {
+        Ray const copy = ray;  // the caller's own numbers stay in registers
+        return others(world, ref.surface, copy, from);
+      }
     }
   }
 };
@@ -56,17 +58,45 @@ STRAY_INLINE Hit closest_of_trees(WorldView const& world, Ray const& ray, Depart
   return query.best();
 }
 
+using Tubes = Hit (*)(WorldView const&, Ray const&, Departure const&);
 using Trees = Hit (*)(WorldView const&, Ray const&, Departure const&, Hit const&);
 
+// Several tubes, or a ray from outside.
 template <CrossOne others, Trees trees>
-STRAY_INLINE Hit closest_of_all(WorldView const& world, Ray const& ray, Departure const& from) {
-  if (world.limits.brute_force || world.tree.tubes.tubes.size == 0) return trees(world, ray, from, {{}, ray.t_max});
+STRAY_INLINE Hit closest_of_tubes(WorldView const& world, Ray const& ray, Departure const& from) {
   CrossCalled<others> const cross{world};
   NearestQuery<CrossCalled<others>> query(ray, from, cross, {{}, ray.t_max});
   double limit = ray.t_max;
   world.tree.traverse_tubes(ray, limit, query);
   if (world.tree.clusters.size > 0) return trees(world, ray, from, query.best());
+  return {{query.surface}, query.distance, query.piece};  // not best(): a copy would wait for its parts
+}
+
+// The usual case: one tube, and the ray starts inside.
+template <CrossOne others, Tubes tubes, Trees trees>
+STRAY_INLINE Hit closest_of_tube(WorldView const& world, Ray const& ray, Departure const& from) {
+  TubeArrays const& known = world.tree.tubes;
+  TubeProbe p;
+  if (known.tubes.size > 1 || !TubeArrays::starts_inside(known.tubes[0], ray, p)) return tubes(world, ray, from);
+  CrossCalled<others> const cross{world};
+  NearestQuery<CrossCalled<others>> query(ray, from, cross, {{}, ray.t_max});
+  double limit = ray.t_max;
+  known.follow<false>(known.tubes[0], ray, p, limit, query);
+  if (world.tree.clusters.size > 0) return trees(world, ray, from, query.best());
   return {{query.surface}, query.distance, query.piece};
+}
+
+// From the wall of a tube to itself in a few steps, everything else by a call: little to save and restore.
+template <Tubes tube, Trees trees>
+STRAY_INLINE Hit closest_of_all(WorldView const& world, Ray const& ray, Departure const& from) {
+  TubeArrays const& known = world.tree.tubes;
+  if (world.limits.brute_force || known.tubes.size == 0) return trees(world, ray, from, {{}, ray.t_max});
+  if (from.surface.value == known.tubes[0].sole_wall && known.tubes.size == 1) {
+    double const t = known.along_wall(known.tubes[0], ray);
+    if (t < infinity)
+      return world.tree.clusters.size > 0 ? trees(world, ray, from, {from.surface, t, 0}) : Hit{from.surface, t, 0};
+  }
+  return tube(world, ray, from);
 }
 
 template <CrossOne others>
@@ -86,8 +116,16 @@ STRAY_INLINE bool any(WorldView const& world, Ray const& ray, Departure const& f
   Hit trees_##isa(WorldView const& world, Ray const& ray, Departure const& from, Hit const& known) {               \
     return closest_of_trees<cross_##isa>(world, ray, from, known);                                                 \
   }                                                                                                                \
+  __VA_ARGS__ __attribute__((noinline))                                                                            \
+  Hit tubes_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                                 \
+    return closest_of_tubes<cross_##isa, trees_##isa>(world, ray, from);                                           \
+  }                                                                                                                \
+  __VA_ARGS__ __attribute__((noinline))                                                                            \
+  Hit tube_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                                  \
+    return closest_of_tube<cross_##isa, tubes_##isa, trees_##isa>(world, ray, from);                               \
+  }                                                                                                                \
   __VA_ARGS__ Hit closest_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                   \
-    return closest_of_all<cross_##isa, trees_##isa>(world, ray, from);                                             \
+    return closest_of_all<tube_##isa, trees_##isa>(world, ray, from);                                              \
   }                                                                                                                \
   __VA_ARGS__ bool occluded_##isa(WorldView const& world, Ray const& ray, Departure const& from, bool to_itself) { \
     return any<cross_##isa>(world, ray, from, to_itself);                                                          \

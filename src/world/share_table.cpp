@@ -26,7 +26,8 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   return cells;
 }
 
-// A text file: header 'angle [deg], reflect, transmit [%]', then one row per angle; '#' starts a comment.
+// A text file: header 'angle [deg], reflect, transmit [%]', then one row per angle and wavelength; '#' starts a
+// comment.
 class ShareFile {
  public:
   ShareFile(Node const& node, std::string name) : node_(node) { table_.file = std::move(name); }
@@ -64,17 +65,20 @@ class ShareFile {
       if (open != std::string_view::npos)
         unit = cell.ends_with(']') ? parse_unit(trimmed(cell.substr(open + 1, cell.size() - open - 2))) : std::nullopt;
       auto const& known = share_columns();
-      bool const angle = name == "angle";
-      if (!angle && std::find(known.begin(), known.end(), name) == known.end()) {
+      bool const angle = name == "angle", wavelength = name == "wavelength";
+      if (!angle && !wavelength && std::find(known.begin(), known.end(), name) == known.end()) {
         std::string const near = nearest_word(name, known);
         return problem(number, fmt::format("unknown column '{}'", shortened(name)),
-                       near.empty() ? "known columns: angle, reflect, reflect_s, reflect_p, transmit, transmit_s, "
-                                      "transmit_p, scatter, absorb; separate them by commas"
-                                    : fmt::format("did you mean '{}'?", near));
+                       near.empty()
+                           ? "known columns: angle, wavelength, reflect, reflect_s, reflect_p, transmit, transmit_s, "
+                             "transmit_p, scatter, absorb; separate them by commas"
+                           : fmt::format("did you mean '{}'?", near));
       }
-      if (!unit || unit->dimension != (angle ? dim::angle : dim::plain))
+      if (!unit || unit->dimension != (angle ? dim::angle : wavelength ? dim::length : dim::plain))
         return problem(number, fmt::format("column '{}' needs its unit", name),
-                       angle ? "write 'angle [deg]'" : fmt::format("write '{}' or '{} [%]'", name, name));
+                       angle        ? "write 'angle [deg]'"
+                       : wavelength ? "write 'wavelength [nm]'"
+                                    : fmt::format("write '{}' or '{} [%]'", name, name));
       if (std::find(names_.begin(), names_.end(), name) != names_.end())
         return problem(number, fmt::format("column '{}' appears twice", name), "remove one of them");
       names_.push_back(name);
@@ -96,9 +100,13 @@ class ShareFile {
         return problem(number, fmt::format("'{}' is not a number", shortened(cells[i])),
                        "write a number without unit; the unit stands in the header");
       std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), value);
-      (names_[i] == "angle" ? table_.angle : table_.columns[names_[i]]).push_back(to_si(value, units_[i]));
+      column(names_[i]).push_back(to_si(value, units_[i]));
     }
     table_.line.push_back(number);
+  }
+
+  std::vector<double>& column(std::string const& name) {
+    return name == "angle" ? table_.angle : name == "wavelength" ? table_.wavelength : table_.columns[name];
   }
 
   Node node_;
@@ -132,6 +140,10 @@ ShareTable read_share_table(Node const& node) {
   table.angle = node["angle"].as_numbers(dim::angle, angles.size());
   for (std::string const& name : share_columns())
     if (node.has(name)) table.columns[name] = node[name].as_numbers(dim::plain, angles.size());
+  if (node.has("wavelength")) {
+    table.wavelength = node["wavelength"].as_numbers(dim::length, angles.size());
+    if (table.wavelength.size() != table.angle.size()) return {};
+  }
   for (auto const& [name, column] : table.columns)
     if (column.size() != table.angle.size()) return {};
   return table.angle.size() == angles.size() ? table : ShareTable{};

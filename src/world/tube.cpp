@@ -40,11 +40,16 @@ void TubeData::add(Vec3 origin, Vec3 axis, double deviation, std::vector<TubePar
   tube.far2 = 1e3 * size * size;
   double const limit = longest_short_part(parts, high - low);
   std::vector<TubePart> kinds[2];  // long, short
-  for (TubePart const& p : parts) kinds[p.high - p.low <= limit].push_back(p);
+  for (TubePart p : parts) {
+    if (!tube.along_z) p.plain_kind = 0;
+    kinds[p.high - p.low <= limit].push_back(p);
+  }
   if (kinds[0].size() <= 4) {
     TubeSide const side = add_side(kinds[0], false, slack);
     tube.first_wall = side.first;
     tube.walls = side.count;
+    if (side.count == 1 && items[side.first].plain_kind == TubeArrays::plain_wall)
+      tube.sole_wall = items[side.first].ref.surface;
     kinds[0].clear();
   }
   for (int kind = 0; kind < 2; ++kind)
@@ -74,8 +79,8 @@ TubeSide TubeData::add_side(std::vector<TubePart> parts, bool down, double slack
   double high = -infinity;
   for (TubePart const& p : parts) {
     double const clear2 = squared_below(p.clear, slack);
-    items.push_back(
-        {p.low, p.high, clear2, squared_above(p.reach, slack), {clear2, clear2, clear2}, p.ref, 0, p.plain_kind});
+    double const reach2 = squared_above(p.reach, slack);
+    items.push_back({p.low, p.high, clear2, reach2, {clear2, clear2, clear2}, p.high, p.ref, 0, p.plain_kind});
     plain.push_back(p.plain);
     behind.push_back(high = std::max(high, p.high));
   }
@@ -99,6 +104,7 @@ void TubeData::find_skips(TubeSide const& side) {
     bool const alone = k + 1 == run_end || list[k].clear2 < closed || list[k + 1].clear2 < closed;
     if (alone) run_end = k + 1;
     list[k].run_end = run_end;
+    if (!alone) list[k].run_high = std::max(list[k].high, list[k + 1].run_high);
     std::uint32_t const group[3] = {k | 7u, k | 63u, run_end - 1};
     for (int level = 0; level < 3; ++level)
       if (k < group[level] && k + 1 < side.count)
@@ -113,7 +119,7 @@ void TubeData::find_starts(TubeSide& side) {
   double const width = (high[side.count - 1] - high[0]) / slots;
   side.z0 = high[0];
   side.scale = width > 0 ? 1 / width : 0;
-  side.starts = slots + 1;
+  side.slots = slots;
   for (std::uint32_t i = 0; i <= slots + 1; ++i) {  // 1e-3 of a slot: rounding of the number of a height
     double const z = i == 0 ? -infinity : side.z0 + (i - 1e-3) * width;
     starts.push_back(std::uint32_t(std::lower_bound(high, high + side.count, z) - high));

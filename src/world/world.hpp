@@ -52,6 +52,7 @@ struct WalkLimits {
   bool targets = true;               // aim at what the adjoint tables call important (estimators.md 6)
   double law_share = 0.25;           // of directions, that the scatter law keeps beside the targets (alpha)
   bool window = true;                // split and weed paths by power x adjoint (estimators.md 8)
+  std::uint32_t children = 1;        // paths that go on from the first vertex (requirements.md R3.26)
   bool brute_force = false;          // test every surface: must give the same bits
 };
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "chi_square.hpp"
-#include "optics_instances.hpp"
+#include "optics_quadrature.hpp"
 #include "statistics.hpp"
 
 namespace straytrace::testing {

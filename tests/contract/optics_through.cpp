@@ -5,7 +5,7 @@
 
 #include "chi_square.hpp"
 #include "optics/scatter_share.hpp"
-#include "optics_instances.hpp"
+#include "optics_quadrature.hpp"
 #include "statistics.hpp"
 
 namespace straytrace::testing {

@@ -3,7 +3,7 @@
 // R2.32, physics.md eq. 3.5 to 3.24. Next to each check a variant that must fail it.
 #include <gtest/gtest.h>
 
-#include "contract/optics_instances.hpp"
+#include "contract/optics_quadrature.hpp"
 #include "optics/height_spectrum.hpp"
 #include "optics/mie.hpp"
 

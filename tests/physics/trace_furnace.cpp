@@ -138,6 +138,21 @@ TEST(Furnace, RouletteWithoutItsDivisionTwin) {
   EXPECT_LT(arriving(world, false), 9.5);
 }
 
+// R3.27: a cut that is 10 times lower moves the result by no more than its error. Without the division it does.
+TEST(Furnace, LowerCutR3_27) {
+  World high = sphere(0.9, Profile::even, 0.3), low = sphere(0.9, Profile::even, 0.3);
+  high.limits.roulette_below = 0.3;
+  low.limits.roulette_below = 0.03;
+  TraceResult const a = run_histories(high, 1 << 17, 1), b = run_histories(low, 1 << 17, 2);
+  expect_mean("cut 0.3 against 0.03", difference(arrived(high, a, "wall"), arrived(low, b, "wall")), 0, 0.1);
+  for (TraceResult const* r : {&a, &b}) {  // watts cut are reported, and cancel on average
+    Estimate const watts = estimate(r->total.ledger[int(Fate::window)], r->total.histories, r->total.blocks);
+    EXPECT_GT(watts.std_error, 0);
+    EXPECT_LT(std::fabs(watts.mean), 5 * watts.std_error);
+  }
+  EXPECT_GT(std::fabs(arriving(high, false) - arriving(low, false)), 0.1);  // twin
+}
+
 // A18b: rho = 1 everywhere. All light is still there after N bounces.
 TEST(Furnace, NothingIsLostA18b) {
   World world = sphere(1, Profile::even, 0.3);

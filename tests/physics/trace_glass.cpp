@@ -168,6 +168,67 @@ TEST(Glass, PhotodiodeBehindAWindow) {
   expect_rejected("no window", ratio(glass, bare), 1);
 }
 
+// A lit white plate, a thin glass window without reflection, and a photodiode that sees the plate through it alone:
+// irradiance = pi L sin^2 for a small photodiode on the axis of an even disc of radiance L = rho / (pi A).
+World lit_behind_a_window(double scatter, bool mirror, bool covered, double radius = 1e-3) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world), white = lambertian_optic(world, scatter);
+  Optic optic;
+  optic.laws = 1;
+  optic.law[0] = world.add_law(Lambertian{scatter});
+  optic.reflect = mirror ? 1 - scatter : 0;
+  SurfaceId const lamp = world.add_surface(disk(0, 0.1, {{}, {0, 0, 1}}), mirror ? world.add_optic(optic) : white,
+                                           black, body, world.add_group("lamp"));
+  SurfaceId const chip =
+      world.add_surface(disk(0, radius, {{0, 0, 0.2}, {0, 0, -1}}), black, black, body, world.add_group("photodiode"));
+  add_plate(world, "window", 1.0, 0.1, 0.11);
+  Footprint dim;  // a free beam that meets nothing: half of the histories start with it
+  dim.free = true;
+  dim.centre = {5, 0, 0};
+  dim.travel = {1, 0, 0};
+  dim.profile = Profile::even;
+  dim.radius = 1e-3;
+  dim.receives = false;
+  dim.beam = 1;
+  dim.origin = world.add_group("laser");
+  world.add_footprint(spot(lamp, {}, {0, 0, -1}, Profile::even, 0.1));
+  world.add_footprint(dim);
+  Receiver r;
+  r.surface = chip;
+  world.add_receiver("photodiode", r);
+  world.limits.max_order = 5;
+  world.finish();
+  if (covered) find_covered_receivers(world);
+  EXPECT_EQ(world.receivers()[0].behind_glass, covered);
+  return world;
+}
+
+TEST(Glass, LightSeenThroughAWindow) {
+  double const sine2 = 0.01 / (0.01 + 0.04), expected = 0.5 * (1e-6 / 0.01) * sine2;  // rho A_pd / A_lamp sin^2
+  SampleMean const seen = received(run_histories(lit_behind_a_window(0.5, false, true), 1 << 18));
+  expect_mean("white plate", seen, expected, 0.04 * expected);
+  expect_rejected("half the histories", seen, 0.5 * expected);
+  // a mirror that scatters 1e-5: the sub-path goes on, and what it met still counts
+  SampleMean const faint = received(run_histories(lit_behind_a_window(1e-5, true, true), 1 << 18));
+  expect_mean("mirror", faint, 2e-5 * expected, 2e-5 * 0.04 * expected);
+}
+
+// A wide photodiode is met by the walk as often as by sub-paths: weighed, they make one mean.
+TEST(Glass, LightSeenThroughAWindowIsNotCountedTwice) {
+  double const radius = 0.09, gap = 0.2, big = 0.1, s = 1 + (gap * gap + radius * radius) / (big * big);
+  double const factor =
+      0.5 * (s - std::sqrt(s * s - 4 * radius * radius / (big * big)));  // coaxial discs, lamp to chip
+  auto const watts = [&](bool covered) {
+    World world = lit_behind_a_window(0.5, false, covered, radius);
+    return received(run_histories(world, 1 << 17));
+  };
+  for (bool const covered : {true, false}) {
+    expect_mean("view factor", watts(covered), 0.5 * factor, (covered ? 0.02 : 0.05) * factor);
+    expect_rejected("twice", watts(covered), factor);
+  }
+}
+
 // The walk alone, and the walk weighed against sub-paths, on a photodiode large enough for both.
 TEST(Glass, SubPathsShareWithTheWalk) {
   SampleMean const walk = received(run_histories(seen_through(1.5, 0.1, false), 1 << 20));

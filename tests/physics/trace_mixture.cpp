@@ -13,13 +13,14 @@ namespace {
 constexpr double rho = 0.9;
 
 // A closed sphere of two hemispheres, lit evenly on a spot of one of them: power arriving per emitted 1/(1 - rho).
-World two_caps() {
+World two_caps(bool disc = false) {
   World world;
   std::uint32_t const white = lambertian_optic(world, rho), black = black_optic(world);
   BodyId const body = world.add_body("sphere", {});
   SurfaceId const below =
       world.add_surface(cap(1, 0, 1, {{0, 0, -1}, {0, 0, 1}}), white, black, body, world.add_group("below"));
   world.add_surface(cap(1, 0, 1, {{0, 0, 1}, {0, 0, -1}}), white, black, body, world.add_group("above"));
+  if (disc) world.add_surface(disk(0, 0.5, {{0, 0, 0.2}, {0, 0, 1}}), white, white, body, world.add_group("disc"));
   world.add_footprint(spot(below, {0, 0, -1}, {0, 0, -1}, Profile::even, 0.3));
   world.limits.max_order = 400;
   world.limits.roulette_below = 1e-3;
@@ -29,7 +30,7 @@ World two_caps() {
 
 // Targets of uneven shares on four strips of each cap, and adjoints that make the window work. `hole`: strip 4 is on no
 // list.
-SteeringTables uneven(double alpha, bool hole = false) {
+SteeringTables uneven(double alpha, bool hole = false, bool disc = false) {
   SteeringTables t;
   for (std::uint32_t surface = 0; surface < 2; ++surface) {
     t.first_of_surface.push_back(std::uint32_t(t.strips.size()));
@@ -38,11 +39,16 @@ SteeringTables uneven(double alpha, bool hole = false) {
       t.strips.push_back({{surface}, edges[i], edges[i + 1], (edges[i + 1] - edges[i]) * 2 * pi});
   }
   t.first_of_surface.push_back(8);
+  if (disc) {  // on no list
+    t.strips.push_back({{2}, 0, 1, 0.25 * pi});
+    t.first_of_surface.push_back(9);
+  }
   double const shares[] = {0.02, 0.2, 0.05, 0.2, hole ? 0 : 0.03, 0.25, 0.01, 0.24};
   double so_far = 0;
   for (std::uint32_t i = 0; i < 8; ++i)
     if (shares[i] > 0) t.targets.push_back({i, shares[i], so_far += shares[i]});
-  for (int side = 0; side < 16; ++side) t.sides.push_back({1 + 0.1 * side, alpha, 0, std::uint32_t(t.targets.size())});
+  for (int side = 0; side < 2 * int(t.strips.size()); ++side)
+    t.sides.push_back({1 + 0.1 * side, alpha, 0, std::uint32_t(t.targets.size())});
   t.level = 1;
   return t;
 }
@@ -67,6 +73,56 @@ TEST(Mixture, ArrivingPowerScene16) {
       EXPECT_LT(std::fabs(e.mean), 5 * e.std_error);
     }
   }
+}
+
+// The weight of a hop as in complete(), with one thing wrong.
+enum class Fault { none, no_square, no_cosine, hidden_kept, area };
+double weight(WorldView const& view, PathState& path, Vertex const& v, Fault fault) {
+  Hop& hop = path.hop;
+  bool const hidden = hop.aim.valid() && (v.surface != hop.aim || v.leg < hop.aim_distance * (1 - 1e-9));
+  if (hidden && fault != Fault::hidden_kept) return 0;
+  double const alpha = law_share(view, hop.side);
+  double const distance = fault == Fault::no_square ? 1 : v.leg, cosine = fault == Fault::no_cosine ? 1 : v.wi.z;
+  double const aimed = aimed_pdf(view, hop.side, v.strip, distance, cosine) / (fault == Fault::area ? 1.01 : 1);
+  double const pdf = hop.lobe * (alpha * hop.law_pdf + (1 - alpha) * aimed);
+  hop.pdf = pdf;
+  return pdf > 0 ? hop.value / pdf : 0;
+}
+// Power of the first four arrivals in the sphere, with a disc in it that hides parts of it; everything scatters 90 %.
+SampleMean arriving_with(Fault fault, std::uint64_t histories) {
+  World world = two_caps(true);
+  world.steer(uneven(0.5, false, true));
+  WorldView const view = world.view();
+  Silent sink;
+  Sampler found;
+  for (std::uint64_t h = 0; h < histories; ++h) {
+    PathState path;
+    path.history = h;
+    double sum = 0;
+    if (!emit(view, 1, path, sink)) continue;
+    for (path.event = 1; path.event <= 4; ++path.event) {
+      Hit const hit = view.closest(path.ray, path.from);
+      if (!hit.surface.valid()) break;
+      Vertex v = vertex_at(view, path, hit);
+      path.power *= weight(view, path, v, fault);
+      if (!(path.power > 0)) break;
+      look(view, path, path.ray.dir, v);
+      sum += path.power;
+      if (!scatter(view, 1, path, v, sink)) break;
+    }
+    found.add(sum / path.emitted);
+  }
+  return found.mean();
+}
+
+// Twins of the mixture's density (estimators.md 17): none gives 1 + rho + rho^2 + rho^3.
+TEST(Mixture, WrongDensitiesAreRejected) {
+  double const expected = 3.439;
+  expect_mean("as it is", arriving_with(Fault::none, 1 << 20), expected, 0.02);
+  expect_rejected("pdf without d^2", arriving_with(Fault::no_square, 1 << 15), expected);
+  expect_rejected("pdf without its cosine", arriving_with(Fault::no_cosine, 1 << 15), expected);
+  expect_rejected("hidden target that keeps its weight", arriving_with(Fault::hidden_kept, 1 << 15), expected);
+  expect_rejected("patch area wrong by 1 %", arriving_with(Fault::area, 1 << 20), expected);
 }
 
 // Twin: patch areas wrong by a few per cent leave a mean in `sampling`, which the books refuse.

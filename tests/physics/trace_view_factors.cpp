@@ -86,6 +86,16 @@ TEST(ViewFactors, RareOnesByConnection) {
   expect_rejected("the whole disc instead of the ring", ring, coaxial(0.17, 0.6, 100));
 }
 
+// C2.5: a sensor of radius 5 mm at 0.5 m on axis gets 1.0e-4 of Lambertian light; directions drawn evenly in solid
+// angle would give it half.
+TEST(ViewFactors, SmallSensorOnAxisC2_5) {
+  SampleMean const s = view_factor({1e-3, 5e-3, 0.5}, 1 << 17).coupled;
+  double const expected = coaxial(1e-3, 5e-3, 0.5);
+  EXPECT_NEAR(expected, 1.0e-4, 5e-8);
+  expect_mean("sensor", s, expected, 1e-3 * expected);
+  expect_rejected("even in solid angle", s, 5.0e-5);
+}
+
 // Wall of a unit cylinder of height h to itself, by paths started evenly on the wall. `power` turns what the sink sees
 // into the weight that is counted: 1 for the truth.
 template <class Weight>

@@ -18,7 +18,7 @@ std::string text_of(std::string const& entry, std::string const& parts = "") {
   return "straytrace: 1\nmaterials: {m: {}, ground: {scatter: {model: lambertian, tis: 10 %}}}\n"
          "bodies: {b: {motion: still}}\n" +
          parts + "media: {glass: {index: 1.45}}\nscene:\n  - {name: x, body: b, material: m, " + entry + "}\n" +
-         "  - {name: lit, shape: {disk: {outer_radius: 1 mm}}, at: [0 m, 0 m, 900 m], body: b, material: m}\n" +
+         "  - {name: lit, shape: {disk: {outer_radius: 1 mm}}, at: [0 m, 0 m, 900 m], body: b, material: ground}\n" +
          "beams: {s: {on: lit, radius: 1 mm}}\nports: {p: {beam: s, at: lit}}\n";
 }
 World world_of(std::string const& entry, std::string const& parts = "") {
@@ -52,13 +52,19 @@ Barrel barrel_of(World const& world) {
 }
 double sag(double r, double diameter) { return r - std::sqrt(r * r - diameter * diameter / 4); }
 
-// R3.06: RoC 0.1 m, diameter 0.09 m: sag 10.69714 mm. Barrels of 7.2: t - s1 - s2, t + s1 + s2, t - s1 + s2.
+// R3.06: RoC 0.1 m, diameter 0.09 m: sag 10.69714 mm, and the lens of E.2b. Barrels of 7.2: t - s1 - s2, t + s1 + s2, t
+// - s1 + s2.
 TEST(WorldParts, LensSagsAndBarrels) {
   Barrel const convex =
       barrel_of(world_of("use: lens, radius_1: 0.1 m, radius_2: 0.1 m, diameter: 9 cm, thickness: 3 cm"));
   EXPECT_NEAR(-convex.to, 10.69714e-3, 5e-9);
   EXPECT_GT(std::fabs(0.045 * 0.045 / 0.2 - 10.69714e-3), 1e-4);  // twin: the parabola
   EXPECT_NEAR(convex.to - convex.from, 0.03 - 2 * sag(0.1, 0.09), 1e-15);
+  // the lens of E.2b: edge 2.25697 mm; twin: one face convex, the other flat
+  Barrel const bench =
+      barrel_of(world_of("use: lens, radius_1: 102.93 mm, radius_2: 102.93 mm, diameter: 10 mm, thickness: 2.5 mm"));
+  EXPECT_NEAR(bench.to - bench.from, 2.25697e-3, 5e-9);
+  EXPECT_GT(std::fabs(2.5e-3 - sag(0.10293, 0.01) - 2.25697e-3), 5e-9);
   Barrel const hollow =
       barrel_of(world_of("use: lens, radius_1: -0.1 m, radius_2: -0.2 m, diameter: 9 cm, thickness: 1 cm"));
   EXPECT_NEAR(hollow.to - hollow.from, 0.01 + sag(0.1, 0.09) + sag(0.2, 0.09), 1e-15);
@@ -182,8 +188,37 @@ TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
 
 TEST(WorldParts, AllAreAccepted) {
   for (char const* part : {"mirror", "lens", "thick_mirror", "flat_mirror", "plate", "conical_baffle",
-                           "serrated_baffle", "chamber", "tube_section", "dump", "photodiode", "mount"})
+                           "serrated_baffle", "chamber", "tube_section", "dump", "photodiode", "mount", "motor_mount"})
     EXPECT_EQ(refusal_of(std::string("use: ") + part), "") << part;
+}
+
+// A chamber has walls: from the middle its inside is met, from outside its outside, `wall` apart.
+TEST(WorldParts, ChamberHasWalls) {
+  auto const hit_at = [](World const& world, double from, double towards) {
+    Hit const h = world.view().closest({{from, 0, 0}, {towards, 0, 0}}, {});
+    return from + towards * h.distance;
+  };
+  World const world = world_of("use: chamber, width: 2 m, wall: 2 cm");
+  EXPECT_DOUBLE_EQ(hit_at(world, 0, 1), 1);
+  EXPECT_DOUBLE_EQ(hit_at(world, 5, -1), 1.02);
+  EXPECT_GT(std::fabs(hit_at(world_of("use: chamber, width: 2 m, wall: 1 cm"), 5, -1) - 1.02), 5e-3);  // twin
+}
+
+// Requirements 7.2: left and right mounts are mirror images of each other.
+TEST(WorldParts, MotorMountsHaveHands) {
+  auto const behind = [](std::string const& hand, double x, double y) {  // what a ray from behind meets first
+    World const world = world_of("use: motor_mount" + hand);
+    Hit const h = world.view().closest({{x, y, -1}, {0, 0, 1}}, {});
+    return world.groups()[world.surfaces()[h.surface.value].group.value];
+  };
+  EXPECT_EQ(behind("", 0.0275, -0.0275), "x/lower_motor");
+  EXPECT_EQ(behind(", hand: right", 0.0275, -0.0275), "x/lower_motor");
+  EXPECT_EQ(behind(", hand: right", -0.0275, 0.0275), "x/upper_motor");
+  EXPECT_EQ(behind(", hand: left", -0.0275, -0.0275), "x/lower_motor");
+  EXPECT_EQ(behind(", hand: left", 0.0275, 0.0275), "x/upper_motor");
+  EXPECT_EQ(behind(", hand: left", 0.0275, -0.0275), "x/frame/back");  // twin: a mount without hands has a motor there
+  EXPECT_THAT(refusal_of("use: motor_mount, hand: up"), HasSubstr("'hand' is right or left, got \"up\""));
+  EXPECT_THAT(refusal_of("use: motor_mount, motor_width: 3 cm"), HasSubstr("must be at most 20.52 mm"));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(ReceiversCommand, TraceNeedsNoInterferometer) {
   EXPECT_THAT(traced.out, HasSubstr("upper right"));
   Finished const by = straytrace({"paths", folder / "run.h5", "--by", "receiver"});
   EXPECT_EQ(by.code, 0) << by.err;
-  EXPECT_EQ(by.out, traced.out);
+  EXPECT_THAT(traced.out, ::testing::StartsWith(by.out));  // then where the light went
   EXPECT_EQ(straytrace({"paths", folder / "run.h5"}).out, by.out);
   Finished const census = straytrace({"paths", folder / "run.h5", "--census"});
   EXPECT_THAT(census.out, HasSubstr("M2"));

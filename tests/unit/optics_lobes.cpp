@@ -2,7 +2,7 @@
 // The pieces of the scatter laws: albedo table, rings about the specular direction, spectra and curves they hold.
 #include <gtest/gtest.h>
 
-#include "contract/optics_instances.hpp"
+#include "contract/optics_quadrature.hpp"
 
 namespace straytrace::testing {
 namespace {

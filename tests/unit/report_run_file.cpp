@@ -6,6 +6,7 @@
 
 #include <H5Cpp.h>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <set>
 #include <sstream>
@@ -102,6 +103,27 @@ TEST_F(ReportRunFile, CanBeWrittenAgainFromWhatWasRead) {
   RunFile const back = read_run(written());
   write_run(folder / "again.h5", back.content());
   EXPECT_EQ(read_file(folder / "run.h5"), read_file(folder / "again.h5"));
+}
+
+// Files without the columns of schema 1.2: what is not known is not judged.
+TEST_F(ReportRunFile, ReadsFilesOfSchema1_1) {
+  std::string const file = folder / "old.h5";
+  std::ofstream(file, std::ios::binary) << unsealed(read_file(written()), "run.h5");
+  {
+    H5::H5File old(file, H5F_ACC_RDWR);
+    for (char const* path : {"/nodes/class_off_list", "/nodes/class_first_sum", "/nodes/class_largest_offset",
+                             "/nodes/class_largest", "/classes/tail_slope", "/classes/halves"})
+      old.unlink(path);
+  }
+  std::ofstream(folder / "sealed.h5", std::ios::binary) << sealed(read_file(file));
+  RunFile const back = read_run(folder / "sealed.h5");
+  EXPECT_FALSE(same(trace.total, back.trace.total));
+  Moments const& m = back.trace.total.classes.at(1000).moments;
+  EXPECT_EQ(m.sum, trace.total.classes.at(1000).moments.sum);
+  Estimate const e = estimate(m, back.trace.total.histories, back.trace.total.blocks);
+  EXPECT_TRUE(std::isnan(e.tail_slope));
+  EXPECT_TRUE(std::isnan(e.halves));
+  EXPECT_TRUE(std::isnan(back.trace.coupling.classes[0].coupling.tail_slope));
 }
 
 TEST_F(ReportRunFile, HoldsAnEmptyResult) {

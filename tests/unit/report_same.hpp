@@ -19,12 +19,14 @@ inline bool same_bits(std::vector<double> const& a, std::vector<double> const& b
 inline bool same(Moments const& a, Moments const& b) {
   return same_bits(a.sum, b.sum) && same_bits(a.sum2, b.sum2) && same_bits(a.sum3, b.sum3) &&
          same_bits(a.sum4, b.sum4) && same_bits(a.block_sum2, b.block_sum2) && same_bits(a.largest, b.largest) &&
-         a.largest_history == b.largest_history && a.scored == b.scored;
+         a.largest_history == b.largest_history && a.scored == b.scored && same_bits(a.first_sum, b.first_sum) &&
+         same_bits(a.tail, b.tail);
 }
 
 inline bool same(ClassSums const& a, ClassSums const& b) {
   bool equal = a.port == b.port && same(a.moments, b.moments) && a.replica_sum == b.replica_sum &&
-               same_bits(a.threshold, b.threshold) && a.kept.size() == b.kept.size();
+               same_bits(a.threshold, b.threshold) && same_bits(a.off_list, b.off_list) &&
+               a.kept.size() == b.kept.size();
   for (std::size_t i = 0; equal && i < a.kept.size(); ++i)
     equal = a.kept[i].history == b.kept[i].history && a.kept[i].event == b.kept[i].event &&
             a.kept[i].connection == b.kept[i].connection && same_bits(a.kept[i].coupling, b.kept[i].coupling) &&
@@ -68,7 +70,8 @@ inline bool same(CouplingClass const& a, CouplingClass const& b) {
                same_bits(a.coupling.largest_share, b.coupling.largest_share) &&
                same_bits(a.coupling.effective_scores, b.coupling.effective_scores) &&
                a.coupling.scored == b.coupling.scored && a.coupling.trusted == b.coupling.trusted &&
-               a.coupling.why_not == b.coupling.why_not && a.replica_sum == b.replica_sum &&
+               a.coupling.why_not == b.coupling.why_not && same_bits(a.coupling.tail_slope, b.coupling.tail_slope) &&
+               same_bits(a.coupling.halves, b.coupling.halves) && a.replica_sum == b.replica_sum &&
                a.records.size() == b.records.size();
   for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
   return equal;

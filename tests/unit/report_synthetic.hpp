@@ -53,16 +53,16 @@ inline BlockSums block(std::uint64_t index) {
     for (std::size_t f = 0; f < 3; ++f) b.ledger[f].add(power * shares[f], history);
     for (std::size_t g = 0; g < 3; ++g) b.arrived[g].add(power * 0.1 * double(g + 1) * x, history);
   }
-  auto close = [](Moments& m) { m.block_sum2 = m.sum * m.sum; };
-  close(b.emitted);
-  for (Moments& m : b.ledger) close(m);
-  for (Moments& m : b.arrived) close(m);
+  b.emitted.close_block();
+  for (Moments& m : b.ledger) m.close_block();
+  for (Moments& m : b.arrived) m.close_block();
   for (std::size_t c = 0; c < route_count; ++c) {
     ClassSums& sums = b.classes[1000 + c];
     std::uint64_t const history = index * block_size + c;
     double const coupling = 1e-20 * spread(history + c);
-    sums.moments.add(coupling, history);
-    sums.moments.block_sum2 = coupling * coupling;
+    sums.moments.add_score(coupling, history);
+    sums.moments.close_block();
+    sums.off_list = 0.1 * coupling;
     sums.replica_sum[index % replica_count] += coupling;
     sums.kept.push_back({history, 2, 1, coupling, coupling / spread(history + 7)});
   }

@@ -42,6 +42,20 @@ TEST(Determinism, ThreadsSeedAndBruteForce) {
   EXPECT_GT(one.classes.size(), 10u);
 }
 
+// R3.33: 1, 4 and 16 threads.
+TEST(Determinism, AnyNumberOfThreadsR3_33) {
+  World const world = baffled_tube();
+  auto const run = [&](unsigned threads, std::uint64_t seed) {
+    return run_histories(world, 20 * block_size, seed, threads).total;
+  };
+  BlockSums const one = run(1, 1);
+  EXPECT_TRUE(same(one, run(4, 1)));
+  EXPECT_TRUE(same(one, run(16, 1)));
+  BlockSums nudged = one;  // twin: one bit of one sum
+  nudged.emitted.sum = std::nextafter(nudged.emitted.sum, infinity);
+  EXPECT_FALSE(same(one, nudged));
+}
+
 // The cpu backend, with the stop flag raised after some blocks.
 class Interrupting final : public Backend {
  public:

@@ -42,6 +42,41 @@ TEST(Emission, MomentsR3_10) {
   EXPECT_LT(point.rho2.mean().mean, 1e-30);
 }
 
+// Start phase of a free beam with a curved wavefront: k rho^2/(2 RoC), to the next order k rho^4/(8 RoC^3).
+struct Phases : Silent {
+  Footprint beam;
+  double k = 0, worst = 0, doubled = 0, largest = 0;
+  void emitted(PathState const& path, Vertex const& v) {
+    double const rho2 = length2(beam.offset(v.point)), expected = k * 0.5 * beam.curvature * rho2;
+    worst = std::fmax(worst, std::fabs(k * path.path_length - expected));
+    doubled = std::fmax(doubled, std::fabs(k * path.path_length - 2 * expected));
+    largest = std::fmax(largest, std::fabs(expected));
+  }
+};
+TEST(Emission, StartPhaseR3_10) {
+  for (double const roc : {2.2, -9.2, 1683.0}) {
+    World world;
+    Footprint beam;
+    beam.free = true;
+    beam.travel = unit({0.2, 0, 1});
+    beam.profile = Profile::even;
+    beam.radius = 5.75e-3;
+    beam.curvature = 1 / roc;
+    beam.receives = false;
+    world.add_footprint(beam);
+    world.finish();
+    Phases found;
+    found.beam = beam;
+    found.k = 2 * pi / world.wavelength;
+    walk(world, 1 << 12, found, [] {});
+    double const rho2 = beam.radius * beam.radius, next = found.k * rho2 * rho2 / std::fabs(8 * roc * roc * roc);
+    EXPECT_LT(found.worst, 1.01 * next + 1e-9) << roc;
+    EXPECT_GT(found.largest, 0.9 * found.k * rho2 / std::fabs(2 * roc));  // what a flat start would be wrong by
+    EXPECT_GT(found.largest, 10 * (1.01 * next + 1e-9));
+    EXPECT_GT(found.doubled, 10 * (1.01 * next + 1e-9));  // twin: k rho^2/RoC
+  }
+}
+
 // The share of the light that a source gives to each of its footprints: one of them is drawn, its power is scaled up.
 TEST(Emission, FootprintsShareTheHistories) {
   World world;

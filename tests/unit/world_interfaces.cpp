@@ -107,6 +107,59 @@ TEST(WorldInterfaces, CoatingTables) {
   EXPECT_NEAR(scatter_albedo(file.world.view().laws, file.optic("m"), 1), 0.395, 1e-6);
 }
 
+// R3.24: a table in angle and wavelength. The wavelength of the beams picks, linear between two of the table; the twin
+// takes the nearest one. Other angles at each wavelength; a unit other than nm.
+TEST(WorldInterfaces, CoatingTablesInWavelength) {
+  std::string const table =
+      "specular: {coating: {wavelength: [1000 nm, 1000 nm, 1.2 um, 1.2 um, 1.2 um], angle: [0 deg, 90 deg, 0 deg, 60 "
+      "deg, 90 deg], reflect: [1 %, 1, 3 %, 20 %, 1], transmit: [0.9, 0, 0.5, 0.4, 0]}}";
+  auto const at = [&](std::string const& wavelength) {
+    return material(table, "beams: {b: {wavelength: " + wavelength + "}}\n");
+  };
+  EXPECT_EQ(at("1000 nm").problems, "");
+  EXPECT_NEAR(at("1 um").amplitudes("m", 1).reflectance(), 0.01, 1e-12);
+  EXPECT_NEAR(at("1200 nm").amplitudes("m", 1).transmittance(), 0.5, 1e-12);
+  Built const between = at("1050 nm");
+  EXPECT_NEAR(between.amplitudes("m", 1).reflectance(), 0.015, 1e-9);
+  EXPECT_NEAR(between.amplitudes("m", 1).transmittance(), 0.8, 1e-9);
+  EXPECT_GT(std::fabs(at("1000 nm").amplitudes("m", 1).reflectance() - 0.015), 1e-9);
+  double const sixty = at("1000 nm").amplitudes("m", 0.5).reflectance();
+  EXPECT_NEAR(between.amplitudes("m", 0.5).reflectance(), 0.75 * sixty + 0.25 * 0.2, 1e-9);
+  for (int i = 0; i <= 100; ++i) {  // mixing makes no light
+    Amplitudes const a = between.amplitudes("m", i / 100.0);
+    EXPECT_LE(a.reflectance() + a.transmittance(), 1 + 1e-12);
+  }
+  EXPECT_TRUE(refused(at("1550 nm"), "the table covers 1000 to 1200 nm"));
+  FileTexts const files{{"c.csv",
+                         "wavelength [nm], angle [deg], reflect [%]\n532, 0, 50\n532, 90, 100\n1064, 0, 10\n"
+                         "1064, 90, 100\n"},
+                        {"d.csv",
+                         "wavelength [nm], angle [deg], reflect [%]\n532, 0, 50\n532, 90, 110\n1064, 0, 10\n"
+                         "1064, 90, 100\n"},
+                        {"e.csv", "wavelength, angle [deg], reflect [%]\n532, 0, 50\n532, 90, 100\n"},
+                        {"f.csv",
+                         "wavelength [nm], angle [deg], reflect [%]\n532, 0, 50\n532, 90, 100\n1064, 0, 10\n"
+                         "1064, 80, 100\n"}};
+  auto const of_file = [&](std::string const& name) {
+    return material("specular: {coating: {file: " + name + "}}", "", files);
+  };
+  EXPECT_NEAR(of_file("c.csv").amplitudes("m", 1).reflectance(), 0.1, 1e-12);
+  EXPECT_TRUE(refused(of_file("d.csv"), "d.csv:3"));  // a wavelength that is not used is checked as well
+  EXPECT_TRUE(refused(of_file("e.csv"), "wavelength [nm]"));
+  EXPECT_TRUE(refused(of_file("f.csv"), "to 80 deg at 1064 nm"));
+}
+
+TEST(WorldInterfaces, MicrofacetLaw) {
+  Built const b = material("scatter: {model: microfacet, roughness: 0.3, reflectance: 50 %}");
+  EXPECT_EQ(b.problems, "");
+  EXPECT_NEAR(scatter_albedo(b.world.view().laws, b.optic("m"), 1), 0.5 * 0.877358, 1e-4);
+  EXPECT_TRUE(refused(material("scatter: {model: microfacet, roughness: 0.3}"), "reflectance"));
+  EXPECT_TRUE(refused(material("scatter: {model: microfacet, roughness: 1.3, reflectance: 50 %}"), "roughness"));
+  EXPECT_TRUE(
+      refused(material("specular: {reflect: 60 %}, scatter: {model: microfacet, roughness: 0.3, reflectance: 50 %}"),
+              "makes light"));
+}
+
 TEST(WorldInterfaces, SteelPreset) {
   Built const b = material("specular: {coating: tube_steel}");
   EXPECT_EQ(b.problems, "");

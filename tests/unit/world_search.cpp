@@ -191,6 +191,7 @@ TEST(world_search, twins_are_rejected) {
   EXPECT_TRUE(rejected([](TubeItem& e, double&) { e.reach2 *= 0.98; }));
   EXPECT_TRUE(rejected([](TubeItem& e, double&) { e.low += 1e-3; }));
   EXPECT_TRUE(rejected([](TubeItem& e, double&) { e.high = e.low; }));
+  EXPECT_TRUE(rejected([](TubeItem& e, double&) { e.run_high -= 50; }));
   EXPECT_TRUE(rejected([](TubeItem&, double& behind) { behind -= 20; }));
   for (int level = 0; level < 3; ++level)
     EXPECT_TRUE(rejected([level](TubeItem& e, double&) { e.skip2[level] *= 1.05; })) << level;

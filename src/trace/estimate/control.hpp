@@ -33,6 +33,7 @@ STRAY_HD std::uint32_t control(WorldView const& world, std::uint64_t seed, PathS
     bool const lucky = Rng(seed, path.history, path.event, Stream::window).uniform() * target < path.power;
     double const after = lucky ? target : 0;
     sink.book(Fate::window, path.power - after);
+    if constexpr (requires { sink.wagered(0.0); }) sink.wagered(path.power * (target - path.power));
     path.power = after;
     return lucky ? 1 : 0;
   }

@@ -10,11 +10,17 @@ void find_covered_receivers(World& world) {
   for (std::uint32_t i = 0; i < view.receivers.size; ++i) {
     if (view.receivers[i].clear) continue;
     std::uint64_t found = 0;
+    auto const meets_light = [&](Backward const& met) {
+      for (std::size_t e = 0; e < view.emitters.size; ++e) found += view.lit[view.emitters[e]].surface == met.z;
+    };
     for (std::uint64_t n = 0; n < tries; ++n) {
       PathState path;
       path.history = n;
       Rng rng = backward_numbers(0, path, i);
-      if (backward_from(view, view.receivers[i], rng, [](Vertex const&, bool) {}).tau > 0) ++found;
+      if (backward_from(
+              view, view.receivers[i], rng, [](Vertex const&, bool) {}, meets_light)
+              .tau > 0)
+        ++found;
     }
     world.cover_receiver(i, view.receivers[i].behind_glass || found >= enough);
   }

@@ -45,6 +45,7 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   path.stratum = place - pick;
   path.source = world.emitters[pick];
   Footprint const& lit = world.lit[path.source];
+  find_lit_behind(world, seed, path, sink);
   path.polarisation = lit.polarisation;
   path.power = lit.share * n;
   double const u = rng.uniform(), v = rng.uniform();
@@ -58,6 +59,7 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
   look(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
+  if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.frame.e3) / n;
   sink.emitted(path, vertex);
   if (!lit.standing) score_single(world, path, vertex, lit, sink);
   connect(world, seed, path, vertex, sink);

@@ -277,4 +277,19 @@ SteeringTables make_importance(World const& world, ImportanceSettings const& set
   return Builder(world, settings).build();
 }
 
+std::string steer(World& world) {
+  find_covered_receivers(world);
+  if (!world.limits.targets) return {};
+  ImportanceSettings settings;
+  settings.alpha = world.limits.law_share;
+  settings.window = world.limits.window;
+  if (world.receivers().empty()) settings.pilot_histories = 0;
+  SteeringTables tables = make_importance(world, settings);
+  bool const made = !tables.strips.empty();
+  world.steer(std::move(tables));
+  if (made || world.surfaces().size() == 0) return {};
+  return "the scene has too many surfaces for tables of importance: nothing is aimed at, faint routes need more "
+         "histories";
+}
+
 }  // namespace straytrace

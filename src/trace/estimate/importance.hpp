@@ -3,6 +3,8 @@
 // (estimators.md 6 to 8). A function of the scene only.
 #pragma once
 
+#include <string>
+
 #include "world/world.hpp"
 
 namespace straytrace {
@@ -22,6 +24,10 @@ struct ImportanceSettings {
 // receives. Emitting strips choose their targets with their true scatter law. Each port counts in units of its own
 // total, so that faint ports get effort too. A pilot run raises adjoints of what leads there by mirrors or glass.
 SteeringTables make_importance(World const&, ImportanceSettings const& = {});
+
+// Everything that steers a trace of this scene, as its limits ask: receivers behind glass, adjoint tables, targets. The
+// pilot is for receivers, which mirrors and glass may feed. Says in words what could not be made; empty: all was.
+std::string steer(World&);
 
 // Marks the receivers that see part of the scene through lenses or mirrors (trace/estimate/through_glass.hpp).
 void find_covered_receivers(World&);

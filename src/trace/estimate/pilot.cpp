@@ -20,12 +20,15 @@ class PilotSink {
     sums_.arrived[vertex.side()] += path.power;
     ++sums_.visits[vertex.side()];
   }
-  void score(PathState const& path, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const&, double coupling) {
-    for (std::uint32_t i = 0; i < path.order; ++i) sums_.scored[goal][passed_[i]] += coupling;
+  // A receiver is worth nothing to a path that stands on it: what arrives there has been counted.
+  void score(PathState const& path, Vertex const&, std::uint32_t goal, std::uint32_t number, Vertex const&,
+             double coupling) {
+    bool const arrived = goal >= view_.lit.size && by_itself(number);
+    for (std::uint32_t i = 0; i + (arrived ? 1 : 0) < path.order; ++i) sums_.scored[goal][passed_[i]] += coupling;
   }
-  void score_through(PathState const& path, Vertex const& vertex, Vertex const&, std::uint64_t const*, std::uint32_t,
-                     std::uint32_t receiver, Vertex const& end, double power) {
-    score(path, vertex, goal_of_receiver(view_, receiver), 0, end, power);
+  void score_through(PathState const& path, Vertex const& vertex, Vertex const&, Chain const&, std::uint32_t receiver,
+                     Vertex const& end, double power) {
+    score(path, vertex, goal_of_receiver(view_, receiver), connection_number(0), end, power);
   }
   void book(Fate, double) {}
 

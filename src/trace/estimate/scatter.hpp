@@ -77,7 +77,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   } else {
     path.hop.left_by = Event::scatter;
     path.coherent = false;
-    path.reached_pdf = source ? 0 : reached;
+    if (!source) path.reached_pdf = reached;
     path.hop.lobe = vertex.albedo / kept;
     path.hop.value = 0;
     Vec3 const wo = scattered_direction(world, seed, path, vertex, (choice - reflect - transmit) / vertex.albedo);

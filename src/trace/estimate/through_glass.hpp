@@ -3,7 +3,8 @@
 // them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering surface z,
 // and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
 // itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
-// the density 1/(area pi) of its start: etendue is the same at both ends.
+// the density 1/(area pi) of its start: etendue is the same at both ends. Where a sub-path meets a surface that a beam
+// lights, that light's own scatter is scored as well, weighed against the walk that starts there.
 #pragma once
 
 #include "trace/estimate/receive.hpp"
@@ -26,9 +27,10 @@ struct Backward {
   std::uint32_t strip = WorldView::none;  // of that surface
 };
 
-// `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first.
-template <class Passed>
-STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed) {
+// `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first; `met(back)` of every
+// surface seen by way of one, whether the sub-path ends there or not: tau is then what has come so far.
+template <class Passed, class Met>
+STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed, Met&& met) {
   double const u = rng.uniform(), v = rng.uniform(), a = rng.uniform(), b = rng.uniform();
   SurfacePoint const start =
       world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
@@ -50,15 +52,17 @@ STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& 
     Vertex at = vertex_at(world, path, hit);
     lost_in_medium(world, path, hit.distance);
     look(world, path, path.ray.dir, at);
+    back.z = at.surface;
+    back.piece = at.piece;
+    back.point = at.point;
+    back.towards = -path.ray.dir;
+    back.distance = at.leg;
+    back.tau = path.power;
+    if (hops > 0) met(back);
     double const choice = rng.uniform() * at.kept();
     if (choice >= at.reflect + at.transmit) {        // stops here, or is absorbed
       if (hops == 0 || !(at.albedo > 0)) return {};  // seen directly: an ordinary connection
-      back.z = at.surface;
-      back.piece = at.piece;
-      back.point = at.point;
-      back.towards = -path.ray.dir;
-      back.distance = at.leg;
-      back.tau = path.power * at.kept() / at.albedo;
+      back.tau *= at.kept() / at.albedo;
       return back;
     }
     bool const through = choice >= at.reflect;
@@ -77,19 +81,68 @@ STRAY_HD Rng backward_numbers(std::uint64_t seed, PathState const& path, std::ui
   return {seed, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::backward) + (receiver << 8))};
 }
 
+// Names of the specular surfaces of a sub-path, nearest the receiver first.
+struct Chain {
+  std::uint64_t name[most_specular_hops + 1];
+  std::uint32_t hops = 0;
+  STRAY_HD void add(WorldView const& world, Vertex const& at, bool through) {
+    name[hops++] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 |
+                   std::uint64_t(through ? Event::transmit : Event::reflect);
+  }
+};
+
+// Light of the beam `source`, scattered once where a sub-path meets it: irradiance x BSDF x etendue.
+template <class Sink>
+STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, std::uint32_t source,
+                               Backward const& back, Chain const& chain, std::uint32_t receiver, Sink& sink) {
+  Footprint const& lit = world.lit[source];
+  if (lit.free || lit.surface != back.z || lit.profile == Profile::point) return;
+  Vec3 const travel = lit.direction(back.point);
+  Vertex z = make_vertex(world, back.z, back.point, travel, back.piece);
+  PathState there;
+  there.polarisation = lit.polarisation;
+  look(world, there, travel, z);
+  Vec3 const wo = z.frame.to_local(back.towards);
+  double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  if (!(f > 0)) return;
+  double const etendue = pi / receiver_density(world, world.receivers[receiver]);
+  double const density = connection_density(lit, z.point, z.frame.e3);
+  double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
+  double const leaving = mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
+  double const walk = density / double(world.emitters.size) * leaving;
+  double const power = lit.share * density * f * back.tau * etendue / (1 + walk * etendue);
+  Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
+  if (power > 0) sink.score_lit(path, source, z, chain, receiver, end, power);
+}
+
+// Once per history, whatever it starts with: the light that one sub-path of each receiver meets on its way.
+template <class Sink>
+STRAY_HD void find_lit_behind(WorldView const& world, std::uint64_t seed, PathState const& path, Sink& sink) {
+  if constexpr (requires(Vertex const& v, Chain const& c) { sink.score_lit(path, 0u, v, c, 0u, v, 0.0); })
+    for (std::uint32_t receiver = 0; receiver < world.receivers.size; ++receiver) {
+      if (!world.receivers[receiver].behind_glass) continue;
+      Rng rng = backward_numbers(seed, path, receiver);
+      Chain chain;
+      backward_from(
+          world, world.receivers[receiver], rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); },
+          [&](Backward const& met) {
+            if (chain.hops >= world.limits.max_order) return;
+            for (std::size_t i = 0; i < world.emitters.size; ++i)
+              score_lit_behind(world, path, world.emitters[i], met, chain, receiver, sink);
+          });
+    }
+}
+
 // Connects the vertex to the end of a sub-path of one receiver.
 template <class Sink>
 STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
                               std::uint32_t receiver, Sink& sink) {
   Receiver const& r = world.receivers[receiver];
   Rng rng = backward_numbers(seed, path, receiver);
-  std::uint64_t chain[most_specular_hops + 1];
-  std::uint32_t hops = 0;
-  Backward const back = backward_from(world, r, rng, [&](Vertex const& at, bool through) {
-    chain[hops++] = std::uint64_t(world.surfaces[at.surface.value].group.value) << 8 |
-                    std::uint64_t(through ? Event::transmit : Event::reflect);
-  });
-  if (!(back.tau > 0) || path.order + hops + 2 > world.limits.max_order) return;
+  Chain chain;
+  Backward const back = backward_from(
+      world, r, rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); }, [](Backward const&) {});
+  if (!(back.tau > 0) || path.order + chain.hops + 2 > world.limits.max_order) return;
   Way const way = way_to(world, vertex, back.point);
   if (!(way.bsdf > 0)) return;
   Vertex z = make_vertex(world, back.z, back.point, way.out, back.piece);
@@ -110,8 +163,8 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
       path.power * way.bsdf * way.kept * way.geometry(z.wi.z) * f * back.tau * etendue / (1 + walk * etendue);
   if (!(power > 0)) return;
   Vertex const end = make_vertex(world, r.surface, back.end, back.arriving, back.end_piece);
-  if constexpr (requires { sink.score_through(path, vertex, z, chain, hops, receiver, end, power); })
-    sink.score_through(path, vertex, z, chain, hops, receiver, end, power);
+  if constexpr (requires { sink.score_through(path, vertex, z, chain, receiver, end, power); })
+    sink.score_through(path, vertex, z, chain, receiver, end, power);
 }
 
 template <class Sink>

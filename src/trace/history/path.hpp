@@ -38,7 +38,7 @@ struct PathState {
   double power = 0;    // carried, relative to the main mode
   double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
   Hop hop;
-  double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was reached; 0: not by a direct hop
+  double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was drawn or reached; 0: not by a direct hop
   double left_pdf = 0;     // 1/sr over the cosine, with which it was left
   bool coherent = false;   // a free beam that has met specular surfaces only
   double path_length = 0;  // optical, sum of n d since the source, m
@@ -50,27 +50,6 @@ struct PathState {
   double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
 };
 
-// One history: its path and the siblings that wait, depth first.
-struct History {
-  static constexpr std::uint32_t most_waiting = 16;
-  PathState path;
-  std::uint32_t events = 0;  // vertices numbered so far
-  std::uint32_t waiting = 0;
-  PathState sibling[most_waiting];
-  STRAY_HD void begin(std::uint64_t number) {
-    path = {};
-    path.history = number;
-    events = waiting = 0;
-  }
-  STRAY_HD std::uint32_t new_event() { return ++events; }
-  STRAY_HD bool next_sibling() {
-    if (waiting == 0) return false;
-    path = sibling[--waiting];
-    return true;
-  }
-};
-
-// A point on a surface that light has reached.
 struct Vertex {
   SurfaceId surface;
   std::uint32_t piece = 0;
@@ -91,6 +70,30 @@ struct Vertex {
   }
 };
 
+// One history: its path and the siblings that wait, depth first.
+struct History {
+  static constexpr std::uint32_t most_waiting = 16;
+  PathState path;
+  std::uint32_t events = 0;  // vertices numbered so far
+  std::uint32_t waiting = 0;
+  PathState sibling[most_waiting];
+  PathState parent;  // at the first vertex, when `children` asks for more paths from there
+  Vertex parent_vertex;
+  std::uint32_t children = 0;  // still to come
+  STRAY_HD void begin(std::uint64_t number) {
+    path = {};
+    path.history = number;
+    events = waiting = children = 0;
+  }
+  STRAY_HD std::uint32_t new_event() { return ++events; }
+  STRAY_HD bool next_sibling() {
+    if (waiting == 0) return false;
+    path = sibling[--waiting];
+    return true;
+  }
+};
+
+// A point on a surface that light has reached.
 STRAY_HD std::uint32_t strip_of(WorldView const& world, SurfaceId id, Vec3 point) {
   if (!world.steering.on()) return WorldView::none;
   double const u =

@@ -6,8 +6,10 @@
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex
 //   visit(path, vertex)                       light has reached a vertex, with path.power
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
-//   score_through(path, vertex, z, chain, hops, receiver, end, power)  optional: power on a receiver by x -> z -> glass
+//   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
+//   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
 //   book(fate, power)                         the ledger
+//   wagered(variance)                         optional: of what the roulette has just booked in `window`
 #pragma once
 
 #include "trace/estimate/connect.hpp"
@@ -17,6 +19,26 @@
 #include "trace/estimate/through_glass.hpp"
 
 namespace straytrace {
+
+// All of them carry the same share; those that are not followed at once wait with their parent (R3.26).
+STRAY_HD void have_children(History& history, Vertex const& vertex, std::uint32_t children) {
+  history.path.power /= children;
+  history.parent = history.path;
+  history.parent_vertex = vertex;
+  history.children = children - 1;
+}
+// Sets out with the next path of this history; false: there is none.
+template <class Sink>
+STRAY_HD bool next_path(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
+  if (history.next_sibling()) return true;
+  while (history.children > 0) {
+    --history.children;
+    history.path = history.parent;
+    history.path.event = history.new_event();
+    if (scatter(world, seed, history.path, history.parent_vertex, sink)) return true;
+  }
+  return false;
+}
 
 // Follows the path to its next vertex and decides how it goes on; false: the path is over.
 template <class Sink>
@@ -48,8 +70,11 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8
   connect_receivers(world, seed, path, vertex, sink);
   connect_behind_glass(world, seed, path, vertex, sink);
-  std::uint32_t const copies = control(world, seed, path, vertex, History::most_waiting - history.waiting, sink);
-  sink.book(Fate::absorbed, copies * path.power * (1 - vertex.kept()));
+  std::uint32_t const children = path.order == 1 ? world.limits.children : 1;
+  if (children > 1) have_children(history, vertex, children);
+  std::uint32_t const most = History::most_waiting - history.waiting;
+  std::uint32_t const copies = children > 1 ? 1 : control(world, seed, path, vertex, most, sink);
+  sink.book(Fate::absorbed, children * copies * path.power * (1 - vertex.kept()));
   for (std::uint32_t i = 1; i < copies; ++i) {
     PathState& copy = history.sibling[history.waiting];
     copy = path;
@@ -67,7 +92,7 @@ STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uin
   do {
     while (step(world, seed, history, sink)) {
     }
-  } while (history.next_sibling());
+  } while (next_path(world, seed, history, sink));
 }
 template <class Sink>
 STRAY_HD void trace_history(WorldView const& world, std::uint64_t seed, std::uint64_t number, Sink& sink) {

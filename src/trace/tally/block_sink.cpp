@@ -50,9 +50,16 @@ void BlockSink::score(PathState const& path, Vertex const& vertex, std::uint32_t
   add(path, route, number, coupling);
 }
 
-void BlockSink::score_through(PathState const& path, Vertex const& vertex, Vertex const& z, std::uint64_t const* chain,
-                              std::uint32_t hops, std::uint32_t receiver, Vertex const& end, double power) {
-  Route const route = route_through(world_, path, vertex, z, chain, hops, receiver);
+void BlockSink::score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
+                          std::uint32_t receiver, Vertex const& end, double power) {
+  Route const route = route_lit(world_, source, z, chain, receiver);
+  add_to_maps(path, receiver, end, route.hash, false, power);
+  add(path, route, number_lit(world_, source, chain.hops, receiver), power);
+}
+
+void BlockSink::score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
+                              std::uint32_t receiver, Vertex const& end, double power) {
+  Route const route = route_through(world_, path, vertex, z, chain, receiver);
   add_to_maps(path, receiver, end, route.hash, false, power);
   add(path, route, number_through(world_, receiver), power);
 }
@@ -110,11 +117,11 @@ void BlockSink::end() {
   for (Total const& t : totals_) {
     ClassSums& sums = classes_[t.route];
     sums.port = t.port;
-    sums.moments.add(t.sum, history_);
+    sums.moments.add_score(t.sum, history_);
     if (t.port >= first_receiver_end) received_[t.port - first_receiver_end] += t.sum;
   }
   for (std::size_t i = 0; i < received_.size(); ++i) {
-    sums_.receivers[i].power.add(received_[i], history_);
+    sums_.receivers[i].power.add_score(received_[i], history_);
     received_[i] = 0;
   }
   sums_.emitted.add(emitted_, history_);
@@ -123,23 +130,22 @@ void BlockSink::end() {
 }
 
 BlockSums BlockSink::finish() {
-  auto const close = [](Moments& m) { m.block_sum2 = m.sum * m.sum; };
   for (auto& [route, sums] : classes_) {
     keep_largest(sums);
     sums.replica_sum[replica_] = sums.moments.sum;
-    close(sums.moments);
+    sums.moments.close_block();
     sums_.classes.emplace(route, std::move(sums));
   }
   for (ReceiverSums& r : sums_.receivers) {
-    close(r.power);
+    r.power.close_block();
     for (MapSums* map : {&r.image, &r.angles, &r.quadrants}) {
       map->sum2.reserve(map->sum.size());
       for (double const x : map->sum) map->sum2.push_back(x * x);
     }
   }
-  close(sums_.emitted);
-  for (Moments& m : sums_.ledger) close(m);
-  for (Moments& m : sums_.arrived) close(m);
+  sums_.emitted.close_block();
+  for (Moments& m : sums_.ledger) m.close_block();
+  for (Moments& m : sums_.arrived) m.close_block();
   return std::move(sums_);
 }
 

@@ -29,8 +29,11 @@ class BlockSink {
   void visit(PathState const& path, Vertex const& vertex);
   void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number, Vertex const& y,
              double coupling);
-  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, std::uint64_t const* chain,
-                     std::uint32_t hops, std::uint32_t receiver, Vertex const& end, double power);
+  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
+                     std::uint32_t receiver, Vertex const& end, double power);
+  void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
+                 std::uint32_t receiver, Vertex const& end, double power);
+  void wagered(double variance) { sums_.window_variance += variance; }
   void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
 
  private:

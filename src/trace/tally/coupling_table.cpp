@@ -79,6 +79,10 @@ class Leftover {
     ++classes_;
   }
   CouplingClass row(BlockSums const& total, std::array<std::uint64_t, replica_count> const& histories) {
+    if (classes_ > 1) {  // several routes have no tail in common, and their sums over blocks are not summed here
+      moments_.tail.clear();
+      moments_.first_sum = not_a_number;
+    }
     merged_.coupling = estimate(moments_, total.histories, total.blocks);
     if (classes_ > 1 && total.blocks >= replica_count) {
       double const n = double(total.histories);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 
 #include "base/constants.hpp"
 #include "trace/result.hpp"
@@ -22,8 +25,37 @@ void Moments::add(double total, std::uint64_t history) {
   }
 }
 
+namespace {
+
+// Drops all but the largest, unordered.
+void shorten(std::vector<double>& tail) {
+  if (tail.size() <= tail_size) return;
+  std::nth_element(tail.begin(), tail.begin() + tail_size, tail.end(), std::greater<>());
+  tail.resize(tail_size);
+}
+
+}  // namespace
+
+void Moments::add_score(double total, std::uint64_t history) {
+  add(total, history);
+  if (!(total > 0)) return;
+  tail.push_back(total);
+  if (tail.size() == 2 * tail_size) shorten(tail);
+}
+
+void Moments::close_block() {
+  block_sum2 = sum * sum;
+  shorten(tail);
+  std::sort(tail.begin(), tail.end(), std::greater<>());
+}
+
 Moments merged(Moments const& left, Moments const& right) {
   Moments m = left;
+  m.first_sum += right.first_sum;
+  m.tail.resize(left.tail.size() + right.tail.size());
+  std::merge(left.tail.begin(), left.tail.end(), right.tail.begin(), right.tail.end(), m.tail.begin(),
+             std::greater<>());
+  m.tail.resize(std::min(m.tail.size(), tail_size));
   m.sum += right.sum;
   m.sum2 += right.sum2;
   m.sum3 += right.sum3;
@@ -37,7 +69,29 @@ Moments merged(Moments const& left, Moments const& right) {
   return m;
 }
 
+std::uint64_t first_part(std::uint64_t blocks) {
+  std::uint64_t const power = std::bit_floor(blocks);
+  return blocks - power < power / 2 ? power / 2 : blocks == power ? 0 : power;
+}
+
 namespace {
+
+// Exponent p of x^-p that the largest totals follow (Hill); the variance is finite above 3. Asked when they are the
+// upper 1 % at most: further down they are no tail, and bounded distributions look like flat powers there.
+double slope_of(std::vector<double> const& tail, std::uint64_t scored) {
+  if (tail.size() < tail_size || scored < 100 * tail_size || std::isinf(tail[0])) return not_a_number;
+  double logs = 0;
+  for (double const x : tail) logs += std::log(x / tail.back());
+  return logs > 0 ? 1 + double(tail_size - 1) / logs : infinity;
+}
+
+// Mean of the first blocks less that of the rest, in standard errors from the spread of all blocks.
+double difference_of_halves(Moments const& m, double blocks, double first) {
+  double const rest = blocks - first, spread = (m.block_sum2 - m.sum * m.sum / blocks) / (blocks - 1);
+  if (!(first > 0 && spread > 1e-12 * m.block_sum2)) return not_a_number;
+  double const error = std::sqrt(spread * (1 / first + 1 / rest));
+  return (m.first_sum / first - (m.sum - m.first_sum) / rest) / error;
+}
 
 // Why an estimate is not to be trusted, in words (estimators.md 13); empty when it is.
 std::string objection(Estimate const& e, std::uint64_t blocks) {
@@ -46,6 +100,10 @@ std::string objection(Estimate const& e, std::uint64_t blocks) {
   if (e.effective_scores < 100) return fmt::format("worth only {:.0f} equal scores", e.effective_scores);
   if (e.largest_share > 0.05) return fmt::format("one history carries {:.0f} % of the sum", 100 * e.largest_share);
   if (e.variance_of_variance > 0.1) return fmt::format("variance of variance is {:.2f}", e.variance_of_variance);
+  if (e.tail_slope < 3)
+    return fmt::format("the largest histories fall as slowly as x^-{:.1f}: too slowly for an error bar", e.tail_slope);
+  if (std::fabs(e.halves) > 5)
+    return fmt::format("its first and second half differ by {:.0f} standard errors", std::fabs(e.halves));
   if (blocks < 32) return fmt::format("only {} blocks of histories were run (32 are needed)", blocks);
   return {};
 }
@@ -77,6 +135,8 @@ Estimate estimate(Moments const& m, std::uint64_t histories, std::uint64_t block
   }
   e.effective_scores = m.sum2 > 0 ? m.sum * m.sum / m.sum2 : 0;
   e.largest_share = m.sum != 0 ? m.largest / std::fabs(m.sum) : 0;
+  e.tail_slope = slope_of(m.tail, m.scored);
+  if (blocks >= 32) e.halves = difference_of_halves(m, b, double(first_part(blocks)));
   e.why_not = objection(e, blocks);
   e.trusted = e.why_not.empty();
   return e;

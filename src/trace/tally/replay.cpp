@@ -61,47 +61,59 @@ class ReplaySink {
                          path_length,
                          levers_of(world_, vertices, path.source, goal)};
   }
-  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, std::uint64_t const* chain,
-                     std::uint32_t hops, std::uint32_t receiver, Vertex const& end, double power) {
+  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
+                     std::uint32_t receiver, Vertex const& end, double power) {
     if (found || path.event != event_ || number_ != number_through(view_, receiver)) return;
-    Rng rng = backward_numbers(seed_, path, receiver);
-    std::vector<std::pair<Vertex, Event>> specular;
-    backward_from(view_, view_.receivers[receiver], rng, [&](Vertex const& at, bool through) {
-      specular.emplace_back(at, through ? Event::transmit : Event::reflect);
-    });
     auto vertices = passed_;
     vertices.resize(path.order + 1);
     double path_length = length_[path.order];
-    auto const go_to = [&](Vertex const& v, Event left_by, double index) {
-      leave_towards(vertices, v.point, left_by, index);
-      path_length += index * length(v.point - vertices.back().point);
-      PassedVertex const here{v.surface, v.point, vertices.back().out, {}, Event::scatter,
-                              index,     index,   group_of(v.surface)};
-      vertices.push_back(here);
-    };
-    go_to(z, Event::scatter, dot(z.point - vertex.point, vertex.frame.e3) < 0 ? vertex.n_out : vertex.n_in);
-    Event left_by = Event::scatter;
-    for (auto at = specular.rbegin(); at != specular.rend(); ++at) {  // seen backwards: `behind` is where the light is
-      go_to(at->first, left_by, at->second == Event::transmit ? at->first.n_out : at->first.n_in);
-      left_by = at->second;
-    }
-    go_to(end, left_by, specular.front().first.n_in);
-    vertices.back().event = Event::receive;
-    vertices.back().out = {};
-    bool const other = route_through(view_, path, vertex, z, chain, hops, receiver).other;
-    found = ReplayedPath{vertices,
-                         path.source,
-                         goal_of_receiver(view_, receiver),
-                         other,
-                         power,
-                         path_length,
-                         levers_of(world_, vertices, path.source, goal_of_receiver(view_, receiver))};
+    bool const through = dot(z.point - vertex.point, vertex.frame.e3) < 0;
+    go_to(vertices, path_length, z, Event::scatter, through ? vertex.n_out : vertex.n_in);
+    bool const other = route_through(view_, path, vertex, z, chain, receiver).other;
+    end_behind(path, path.source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
+  }
+  void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
+                 std::uint32_t receiver, Vertex const& end, double power) {
+    if (found || path.event != event_ || number_ != number_lit(view_, source, chain.hops, receiver)) return;
+    Vec3 const in = view_.lit[source].direction(z.point);
+    PassedVertex const start{z.surface, z.point, in, {}, Event::emit, 1, 1, group_of(z.surface)};
+    bool const other = route_lit(view_, source, z, chain, receiver).other;
+    end_behind(path, source, {start}, 0, chain.hops, receiver, end, other, power);
   }
   void book(Fate, double) {}
 
   std::optional<ReplayedPath> found;
 
  private:
+  void go_to(std::vector<PassedVertex>& vertices, double& path_length, Vertex const& v, Event left_by,
+             double index) const {
+    leave_towards(vertices, v.point, left_by, index);
+    path_length += index * length(v.point - vertices.back().point);
+    vertices.push_back(
+        {v.surface, v.point, vertices.back().out, {}, Event::scatter, index, index, group_of(v.surface)});
+  }
+  // From the last vertex by `hops` specular surfaces, found again by the sub-path, to the receiver.
+  void end_behind(PathState const& path, std::uint32_t source, std::vector<PassedVertex> vertices, double path_length,
+                  std::uint32_t hops, std::uint32_t receiver, Vertex const& end, bool other, double power) {
+    Rng rng = backward_numbers(seed_, path, receiver);
+    std::vector<std::pair<Vertex, Event>> specular;
+    backward_from(
+        view_, view_.receivers[receiver], rng,
+        [&](Vertex const& at, bool through) { specular.emplace_back(at, through ? Event::transmit : Event::reflect); },
+        [](Backward const&) {});
+    specular.resize(hops);
+    Event left_by = Event::scatter;
+    for (auto at = specular.rbegin(); at != specular.rend(); ++at) {  // seen backwards: `behind` is where the light is
+      go_to(vertices, path_length, at->first, left_by,
+            at->second == Event::transmit ? at->first.n_out : at->first.n_in);
+      left_by = at->second;
+    }
+    go_to(vertices, path_length, end, left_by, specular.front().first.n_in);
+    vertices.back().event = Event::receive;
+    vertices.back().out = {};
+    std::uint32_t const goal = goal_of_receiver(view_, receiver);
+    found = ReplayedPath{vertices, source, goal, other, power, path_length, levers_of(world_, vertices, source, goal)};
+  }
   GroupId group_of(SurfaceId id) const { return view_.surfaces[id.value].group; }
   static void leave_towards(std::vector<PassedVertex>& vertices, Vec3 point, Event event, double index) {
     PassedVertex& last = vertices.back();
@@ -155,7 +167,7 @@ std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::
   do {
     while (!sink.found && step(view, seed, again, sink)) {
     }
-  } while (!sink.found && again.next_sibling());
+  } while (!sink.found && next_path(view, seed, again, sink));
   return sink.found;
 }
 

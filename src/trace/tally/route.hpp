@@ -39,21 +39,37 @@ inline Route route_of(WorldView const& world, PathState const& path, Vertex cons
 inline std::uint32_t number_through(WorldView const& world, std::uint32_t receiver) {
   return connection_number(std::uint32_t(world.lit.size + world.receivers.size) + receiver);
 }
-// Route of x -> z -> glass -> receiver; `chain` holds the names of the specular surfaces, nearest the receiver first.
-inline Route route_through(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& z,
-                           std::uint64_t const* chain, std::uint32_t hops, std::uint32_t receiver) {
-  auto const group_of = [&](SurfaceId id) { return world.surfaces[id.value].group; };
+// And of the one that starts on a surface lit by the beam `source`: numbers beyond all others, counted by hops.
+inline std::uint32_t number_lit(WorldView const& world, std::uint32_t source, std::uint32_t hops,
+                                std::uint32_t receiver) {
+  std::uint32_t const place = (receiver * std::uint32_t(world.lit.size) + source) * (most_specular_hops + 1) + hops;
+  return connection_number(std::uint32_t(world.lit.size + 2 * world.receivers.size) + place);
+}
+// `name`: of the vertices up to z; `vertices`: their number.
+inline Route route_behind(WorldView const& world, std::uint64_t name, std::uint32_t vertices, std::uint32_t source,
+                          Chain const& chain, std::uint32_t receiver) {
   Route route;
   route.end = first_receiver_end + receiver;
-  route.vertices = path.order + 3 + hops;
+  route.vertices = vertices + chain.hops + 1;
   route.other = route.vertices > world.limits.route_vertices;
-  std::uint64_t name = extended(path.route, group_of(x.surface), Event::scatter);
-  name = extended(name, group_of(z.surface), Event::scatter);
-  for (std::uint32_t i = hops; i-- > 0;)
-    name = extended(name, {std::uint32_t(chain[i] >> 8)}, static_cast<Event>(chain[i] & 0xff));
-  name = extended(name, group_of(world.receivers[receiver].surface), Event::receive);
-  route.hash = hash_of_ends(world.lit[path.source].beam, route.other ? 0 : name, route.end);
+  for (std::uint32_t i = chain.hops; i-- > 0;)
+    name = extended(name, {std::uint32_t(chain.name[i] >> 8)}, static_cast<Event>(chain.name[i] & 0xff));
+  name = extended(name, world.surfaces[world.receivers[receiver].surface.value].group, Event::receive);
+  route.hash = hash_of_ends(world.lit[source].beam, route.other ? 0 : name, route.end);
   return route;
+}
+// Route of x -> z -> glass -> receiver.
+inline Route route_through(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& z,
+                           Chain const& chain, std::uint32_t receiver) {
+  std::uint64_t name = extended(path.route, world.surfaces[x.surface.value].group, Event::scatter);
+  name = extended(name, world.surfaces[z.surface.value].group, Event::scatter);
+  return route_behind(world, name, path.order + 2, path.source, chain, receiver);
+}
+// Route of z -> glass -> receiver.
+inline Route route_lit(WorldView const& world, std::uint32_t source, Vertex const& z, Chain const& chain,
+                       std::uint32_t receiver) {
+  std::uint64_t const name = extended(0, world.surfaces[z.surface.value].group, Event::scatter);
+  return route_behind(world, name, 1, source, chain, receiver);
 }
 
 }  // namespace straytrace

@@ -29,9 +29,16 @@ void keep_largest(ClassSums& sums) {
 
 namespace {
 
+// Scores with what only they have: the sum over the first blocks stays as it is set in `into`.
+void merge_scores(Moments& into, Moments const& from) {
+  double const first = into.first_sum;
+  into = merged(into, from);
+  into.first_sum = first;
+}
+
 void merge_class(ClassSums& into, ClassSums const& from) {
   into.port = from.port;
-  into.moments = merged(into.moments, from.moments);
+  merge_scores(into.moments, from.moments);
   for (int r = 0; r < replica_count; ++r) into.replica_sum[r] += from.replica_sum[r];
   into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
   into.off_list += from.off_list;
@@ -45,7 +52,7 @@ void add_to(std::vector<double>& into, std::vector<double> const& from) {
 }
 
 void merge_receiver(ReceiverSums& into, ReceiverSums const& from) {
-  into.power = merged(into.power, from.power);
+  merge_scores(into.power, from.power);
   for (auto const map : {&ReceiverSums::image, &ReceiverSums::angles, &ReceiverSums::quadrants}) {
     add_to((into.*map).sum, (from.*map).sum);
     add_to((into.*map).sum2, (from.*map).sum2);
@@ -55,9 +62,20 @@ void merge_receiver(ReceiverSums& into, ReceiverSums const& from) {
       add_to(into.fields[route].*part, field.*part);
 }
 
+// Moves the border between the first blocks and the rest to where it lies after `more` blocks have been added.
+void move_border(BlockSums& sums, std::uint64_t more) {
+  std::uint64_t const border = first_part(sums.blocks + more);
+  if (border == first_part(sums.blocks)) return;
+  auto const move = [&](Moments& m) { m.first_sum = border == sums.blocks ? m.sum : not_a_number; };
+  for (auto& [route, c] : sums.classes) move(c.moments);
+  for (ReceiverSums& r : sums.receivers) move(r.power);
+}
+
 }  // namespace
 
 BlockSums merged(BlockSums left, BlockSums const& right) {
+  if (left.blocks == 0 && left.classes.empty()) return right;
+  move_border(left, right.blocks);
   left.histories += right.histories;
   left.blocks += right.blocks;
   left.bounces += right.bounces;
@@ -67,6 +85,7 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
   left.receivers.resize(std::max(left.receivers.size(), right.receivers.size()));
   for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);
   left.emitted = merged(left.emitted, right.emitted);
+  left.window_variance += right.window_variance;
   for (int f = 0; f < fate_count; ++f) left.ledger[f] = merged(left.ledger[f], right.ledger[f]);
   left.arrived.resize(std::max(left.arrived.size(), right.arrived.size()));
   for (std::size_t g = 0; g < right.arrived.size(); ++g) left.arrived[g] = merged(left.arrived[g], right.arrived[g]);

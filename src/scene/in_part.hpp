@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Problems inside the built-in parts, told where the user can mend them: at the entry that uses the part.
+#pragma once
+
+#include <string>
+
+#include "scene/scene_document.hpp"
+
+namespace straytrace {
+
+// As long as it lives, what is wrong in the source `hidden` is said of `name` at the entry.
+class Blaming {
+ public:
+  Blaming(SceneDocument& document, Blame blame) : document_(document), before_(document.blame) {
+    document_.blame = std::move(blame);
+  }
+  ~Blaming() { document_.blame = std::move(before_); }
+  Blaming(Blaming const&) = delete;
+  Blaming& operator=(Blaming const&) = delete;
+
+ private:
+  SceneDocument& document_;
+  std::optional<Blame> before_;
+};
+
+// The document as the nodes of one face of a built-in part see it.
+class InPart : public Document {
+ public:
+  InPart(SceneDocument& whole, Blame blame) : whole_(whole), blame_(std::move(blame)) {}
+  void add(Problem p) override {
+    Blaming const now(whole_, blame_);
+    whole_.add(std::move(p));
+  }
+  bool healthy() const override { return whole_.healthy(); }
+  std::optional<Value> evaluate(NodeData const& node, Scope const* scope) override {
+    Blaming const now(whole_, blame_);
+    return whole_.evaluate(node, scope);
+  }
+  std::string data_file(Node const& from, std::string const& name) override { return whole_.data_file(from, name); }
+  Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override {
+    return whole_.place_in_file(from, name, line, column);
+  }
+
+ private:
+  SceneDocument& whole_;
+  Blame blame_;
+};
+
+}  // namespace straytrace

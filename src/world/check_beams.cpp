@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Beams that can put no light into the scene: their light meets a side that only absorbs, or nothing at all.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "world/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr int across = 64;  // lines tried in radius, and in azimuth
+
+bool only_absorbs(Optic const& o) { return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface; }
+
+// Whether `found` holds for the chief line or any other of the beam.
+template <class Found>
+bool any_line(Footprint const& f, Found const& found) {
+  if (found(Ray{f.centre - f.backoff * f.travel, f.travel})) return true;
+  for (int i = 0; i < across; ++i)
+    for (int k = 0; k < across; ++k)
+      if (found(f.sample((i + 0.5) / across, (k + 0.5) / across))) return true;
+  return false;
+}
+
+bool meets_plane(World const& world, Ray const& ray) {  // a measuring plane
+  WorldView const view = world.view();
+  for (std::uint32_t id = 0; id < view.surfaces.size; ++id)
+    if (view.surfaces[id].clear && view.cross(id, ray, {}).distance < infinity) return true;
+  return false;
+}
+
+void check_free(Node const& beam, std::string const& name, Footprint const& f, World const& world) {
+  WorldView const view = world.view();
+  bool const met = any_line(f, [&](Ray line) {
+    line.dir = f.direction(line.origin);
+    return view.closest(line, {}).surface.valid() || meets_plane(world, line);
+  });
+  if (!met) beam.warning(fmt::format("beam '{}' meets no surface", name), "turn 'facing', or move 'from'");
+}
+
+std::string opposite(Vec3 v) { return fmt::format("[{:g}, {:g}, {:g}]", 0 - v.x, 0 - v.y, 0 - v.z); }
+
+void check_spot(Node const& beam, std::string const& name, Footprint const& f, World const& world) {
+  WorldView const view = world.view();
+  Surface const& surface = world.surfaces()[f.surface.value];
+  std::string const& lit = world.groups()[surface.group.value];
+  bool met = false, front = false;
+  bool const alive = any_line(f, [&](Ray const& line) {
+    Crossing const c = view.cross(f.surface.value, line, {});
+    if (!(c.distance < infinity)) return false;
+    met = true;
+    front = dot(view.normal(f.surface, line.origin + c.distance * line.dir, c.piece), line.dir) < 0;
+    return !only_absorbs(view.optics[front ? surface.front : surface.back]);
+  });
+  if (alive) return;
+  if (!met)
+    return beam.warning(fmt::format("beam '{}' does not meet '{}'", name, lit),
+                        "change 'travel', 'centre' or 'radius'");
+  bool const other = !only_absorbs(view.optics[front ? surface.back : surface.front]);
+  beam.problem(fmt::format("beam '{}' lights the side of '{}' that only absorbs: no light starts there", name, lit),
+               other
+                   ? fmt::format("its light travels along {}: write 'travel: {}', or change 'side' or 'facing' of '{}'",
+                                 opposite(-f.travel), opposite(f.travel), lit)
+                   : fmt::format("give the material of '{}' a 'scatter', or 'specular'", lit));
+}
+
+}  // namespace
+
+void check_beams(Scene const& scene, World const& world) {
+  auto const beams = scene.table("beams").items();
+  for (Footprint const& f : world.footprints()) {
+    if (!f.emits || f.standing || f.beam >= beams.size()) continue;
+    auto const& [name, node] = beams[f.beam];
+    if (f.free)
+      check_free(node, name, f, world);
+    else
+      check_spot(node, name, f, world);
+  }
+}
+
+}  // namespace straytrace

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What does not fit inside a built-in part is told at the entry that uses it (requirements.md R3.05, R3.06).
+#include "scenes/program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string check(std::string const& entry, std::string const& parts = "") {
+  Folder const folder;
+  write_text(
+      folder / "a.yaml",
+      "straytrace: 1\nmaterials: {m: {scatter: {model: lambertian, tis: 10 %}}}\nbodies: {b: {motion: still}}\n" +
+          parts + "scene:\n  - {name: x, body: b, material: m, " + entry +
+          "}\n  - {name: lit, shape: {disk: {outer_radius: 1 mm}}, at: [0 m, 0 m, 900 m], body: b, material: m}\n"
+          "beams: {s: {on: lit, radius: 1 mm}}\nreceivers: {lit: {on: lit}}\n");
+  return straytrace({"check", folder / "a.yaml"}).err;
+}
+
+// R3.06: two faces of RoC 0.1 m and 90 mm across have sags of 10.697 mm each.
+TEST(PartErrors, SizesThatDoNotFitAreToldInWords) {
+  struct Case {
+    char const *entry, *what, *reason;
+  };
+  for (Case const& c : {
+           Case{"use: lens, radius_1: 0.1 m, diameter: 9 cm, thickness: 1 mm",
+                "a.yaml:5:92: error: 'thickness' of 'x' must be more than 10.7 mm here, it is 1 mm", "would meet"},
+           {"use: lens, radius_1: 0.1 m, diameter: 9 cm",
+            "a.yaml:5:5: error: 'thickness' of 'x' must be more than 10.7", "would meet"},
+           {"use: lens, radius_1: 1 cm", "'diameter' of 'x' must be at most 20 mm here, it is 25.4 mm", "sphere"},
+           {"use: lens, thickness: 0 m", "'thickness' of 'x' must be more than 0 mm", "would meet"},
+           {"use: thick_mirror, wedge: 50 deg", "'wedge' of 'x' must be at most 48.81 deg here, it is 50 deg",
+            "tilted"},
+           {"use: plate, wedge: -30 deg", "'wedge' of 'x' must be at least -21.48 deg", "tilted"},
+           {"use: conical_baffle, inner_radius: 60 cm", "'outer_radius' of 'x' must be more than 600 mm", "the hole"},
+           {"use: photodiode, window_thickness: 0 m", "'window_thickness' of 'x' must be more than 0 mm", "change"},
+       }) {
+    std::string const said = check(c.entry);
+    EXPECT_THAT(said, HasSubstr(c.what)) << c.entry;
+    EXPECT_THAT(said, HasSubstr(c.reason)) << c.entry;
+    EXPECT_THAT(said, HasSubstr("1 error.")) << c.entry;
+    EXPECT_THAT(said, Not(HasSubstr("built-in parts:"))) << c.entry;
+  }
+  EXPECT_EQ(check("use: lens, radius_1: 0.1 m, diameter: 9 cm, thickness: 11 mm"), "");  // twins: just inside
+  EXPECT_EQ(check("use: lens, radius_1: 1 cm, diameter: 2 cm, thickness: 11 mm"), "");
+  EXPECT_EQ(check("use: plate, wedge: -21.47 deg"), "");
+}
+
+TEST(PartErrors, WhatNoLimitForeseesNamesTheEntryAndTheFace) {
+  std::string const said = check("use: serrated_baffle, inner_radius: 60 cm");
+  EXPECT_THAT(said, HasSubstr("a.yaml:5:5: error: 'x'"));
+  EXPECT_THAT(said, HasSubstr("change what the part is given (built-in parts:"));
+  EXPECT_THAT(check("use: tube_section, radius: 2000 m"), HasSubstr("a.yaml:5:5: error: 'x/inside': "));
+}
+
+// A part of one's own keeps the place where it is written.
+TEST(PartErrors, OwnPartsAreToldWhereTheyStand) {
+  std::string const said =
+      check("use: p", "parts: {p: {faces: {a: {shape: {cylinder: {radius: 1 m, from: 1 m, to: 0 m}}}}}}\n");
+  EXPECT_THAT(said, HasSubstr("a.yaml:4:43: error: the cylinder ends"));
+}
+
+TEST(PartErrors, OwnLimitsAndWords) {
+  std::string const part =
+      "parts: {p: {params: {r: 1 m, way: 1}, limits: {r: {at_most: 2 m, because: it must go through the door}}, "
+      "words: {way: {up: 1, down: -1}}, faces: {a: {shape: {disk: {outer_radius: r}}, at: [0 m, way*1 m, 0 m]}}}}\n";
+  EXPECT_EQ(check("use: p, r: 2 m, way: down", part), "");
+  EXPECT_THAT(check("use: p, r: 2.1 m", part), HasSubstr("^^^ it must go through the door"));
+  EXPECT_THAT(check("use: p, way: left", part), HasSubstr("'way' is up or down, got \"left\""));
+  EXPECT_THAT(check("use: p", edited(part, "limits: {r:", "limits: {s:")), HasSubstr("'s' is not a parameter"));
+  EXPECT_THAT(check("use: p", edited(part, "at_most", "at_moat")), HasSubstr("did you mean 'at_most'?"));
+}
+
+TEST(PartErrors, AnUnknownKeyIsToldOnce) {
+  std::string const said = check("use: lens, thicknes: 3 mm");
+  EXPECT_THAT(said, HasSubstr("unknown key 'thicknes' in scene entry 'x'"));
+  EXPECT_THAT(said, HasSubstr("1 error."));
+  EXPECT_THAT(check("use: lens, thicknes: 3 mm, diametre: 1 cm"), HasSubstr("2 errors."));  // twin
+}
+
+TEST(PartErrors, TooManySidesAreTold) {
+  std::string const said = check("shape: {polygon: {sides: 1e9, radius: 1 cm}}");
+  EXPECT_THAT(said, HasSubstr("'sides' must be between 0 and 1000"));
+  EXPECT_THAT(said, Not(HasSubstr("nan")));
+  EXPECT_THAT(said, HasSubstr("1 error."));
+}
+
+}  // namespace
+}  // namespace straytrace::testing
