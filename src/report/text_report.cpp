@@ -179,9 +179,12 @@ std::string books_text(RunContent const& run) {
   if (run.beam_power > 0) c.titles.push_back("power/W");
   double fates = 0;
   auto add = [&](std::string const& name, Moments const& m) {
-    Estimate const e = estimate(m, total.histories, total.blocks);
-    c.rows.push_back(power_cells(run, name, e, "none seen"));
-    return e.mean;
+    Estimate e = estimate(m, total.histories, total.blocks);
+    double const mean = e.mean;
+    bool const rounding = std::fabs(m.sum) < closed * total.emitted.sum;
+    if (rounding) e.scored = 0;
+    c.rows.push_back(power_cells(run, name, e, rounding && m.scored > 0 ? "rounding only" : "none seen"));
+    return mean;
   };
   double const emitted = add("emitted", total.emitted);
   for (int i = 0; i < fate_count; ++i) fates += add(name_of(Fate(i)), total.ledger[std::size_t(i)]);
