@@ -44,11 +44,12 @@ __attribute__((flatten)) void intersect(RTCIntersectFunctionNArguments const* ar
   out.hit.primID = args->primID;
 }
 
-RTCScene new_scene(RTCDevice device, RTCGeometry geometry, RTCSceneFlags flags) {
+RTCScene new_scene(RTCDevice device, RTCGeometry geometry, RTCSceneFlags flags,
+                   RTCBuildQuality quality = RTC_BUILD_QUALITY_HIGH) {
   RTCScene const scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, flags);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
+  rtcSetSceneBuildQuality(scene, quality);
+  rtcSetGeometryBuildQuality(geometry, quality);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -116,7 +117,8 @@ EmbreeScene::EmbreeScene(RTCDevice device, std::vector<Triangle> const& triangle
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (std::size_t k = 0; k < 9; ++k) corners[9 * i + k] = triangles[i].corner[k / 3][k % 3];
   for (std::size_t i = 0; i < 3 * triangles.size(); ++i) numbers[i] = unsigned(i);
-  scene_ = new_scene(device, g, mode == Mode::robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  scene_ = new_scene(device, g, mode == Mode::fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST,
+                     mode == Mode::robust_default ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH);
 }
 
 EmbreeScene::EmbreeScene(RTCDevice device, World const& world) : world_(world.view()) {

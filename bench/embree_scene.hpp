@@ -13,7 +13,9 @@ namespace straytrace::bench {
 
 class EmbreeScene {
  public:
-  enum class Mode { robust, fast };
+  // robust, fast: trees with spatial splits (build quality high); robust_default: as Embree builds when it is not
+  // asked.
+  enum class Mode { robust, fast, robust_default };
   EmbreeScene(RTCDevice device, std::vector<Triangle> const& triangles, Mode mode);
   // Each surface is one user primitive; its callback calls the same double shapes as the engine.
   EmbreeScene(RTCDevice device, World const& world);

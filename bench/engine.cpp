@@ -118,6 +118,10 @@ void mesh(RTCDevice device, std::size_t count, int repeats) {
   std::vector<BenchRay> const walk = walk_rays(scene, count);
   std::vector<Engine> const engines = engines_for(scene, walk, robust, fast);
   compare("mesh walk over robust single rays", count, engines, repeats, 1, engines[1].name);
+  EmbreeScene const unasked(device, scene.triangles, EmbreeScene::Mode::robust_default);
+  compare("mesh walk over robust single rays, default build", count,
+          {engines[0], {"robust triangles, single, default build", [&] { return unasked.single(walk); }, {}}}, repeats,
+          1);
 }
 
 // Two threads at once against one, by the clock on the wall.

@@ -83,12 +83,15 @@ NoiseTrace finished(std::string name, Sum const& sum) {
 }
 
 // Why a class cannot enter the total; empty when it can.
-std::string objection(CouplingTable const& table, CouplingClass const& c) {
+std::string objection(CouplingTable const& table, CouplingClass const& c, RouteSpectrum const& route) {
   auto const replicas =
       std::count_if(table.replica_histories.begin(), table.replica_histories.end(), [](auto n) { return n > 0; });
   if (!c.coupling.trusted) return c.coupling.why_not.empty() ? "its mean is not trusted" : c.coupling.why_not;
   if (c.coupling.mean > 0 && c.records.empty()) return "no path of it was kept";
   if (replicas < 2) return "fewer than two replicas: no error can be given";
+  if (route.rests_on_few())
+    return fmt::format("its noise rests on about {:.0f} of the kept paths, the others hardly move",
+                       std::max(1.0, route.paths_of_noise));
   return {};
 }
 
@@ -128,9 +131,9 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   std::vector<std::pair<std::size_t, Sum>> doubtful;
   for (std::size_t r = 0; r < table.classes.size(); ++r) {
     CouplingClass const& c = table.classes[r];
-    std::string const name = route_name(table, c), why_not = objection(table, c);
     RouteSpectrum route = route_spectrum(table, c, cells.of[r], cell_psd, strength);
     route.psd.resize(bins);
+    std::string const name = route_name(table, c), why_not = objection(table, c, route);
     Sum own(bins);
     double const factor = c.reverse * ifo.copies();
     own.add(route, response.at(c.port.value), factor, c.coupling.mean);

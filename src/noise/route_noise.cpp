@@ -21,6 +21,18 @@ void add(Bins& to, double factor, Bins const& what) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * what[i];
 }
 
+class EffectiveNumber {
+ public:
+  void add(double x) {
+    sum_ += x;
+    squares_ += x * x;
+  }
+  double value() const { return squares_ > 0 ? sum_ * sum_ / squares_ : 0; }
+
+ private:
+  double sum_ = 0, squares_ = 0;
+};
+
 }  // namespace
 
 std::size_t replica_of(std::uint64_t history) { return history / block_histories % replica_count; }
@@ -42,12 +54,17 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   std::map<std::uint32_t, double> all;
   std::array<std::map<std::uint32_t, double>, replica_count> share;  // weight per replica and cell
   double weight = 0;
+  EffectiveNumber power, noise;
   for (std::size_t i = 0; i < c.records.size(); ++i) {
     double const w = c.records[i].weight;
     all[cell[i]] += w;
     share[replica_of(c.records[i].history)][cell[i]] += w;
     weight += w;
+    power.add(w);
+    noise.add(w * strength[cell[i]] / (1 + strength[cell[i]]));  // wrapped fringes have a largest power
   }
+  route.paths_of_power = power.value();
+  route.paths_of_noise = noise.value();
   if (!(weight > 0)) return route;
   Bins sum(bins);
   for (auto const& [k, w] : all) {

@@ -2,6 +2,7 @@
 // One coupling class turned into the spectrum of Im s at its port, with the replicas that give its error.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -17,6 +18,10 @@ struct RouteSpectrum {
   Bins psd;
   std::array<Bins, replica_count> without;
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
+  // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of
+  // bright still light with a few faint moving paths in it knows its power well and its noise badly.
+  double paths_of_power = 0, paths_of_noise = 0;
+  bool rests_on_few() const { return paths_of_noise > 0 && paths_of_noise < std::min(30.0, 0.3 * paths_of_power); }
 };
 
 // psd = mean * sum over records of (their share) * (spectrum of their cell); each class mean and the shares of its

@@ -27,6 +27,7 @@ struct Receiver {
   static constexpr std::uint32_t outside = 0xffffffffu;
 
   STRAY_HD bool counts(bool lit_front) const { return lit_front ? front : back; }
+  STRAY_HD int sides() const { return (front ? 1 : 0) + (back ? 1 : 0); }
   STRAY_HD std::uint32_t pixel(Vec3 p) const {
     Vec3 const q = frame.local_point(p);
     return cell(q.x / half_width, q.y / half_height, columns, rows);

@@ -170,7 +170,7 @@ TEST(Glass, PhotodiodeBehindAWindow) {
 
 // A lit white plate, a thin glass window without reflection, and a photodiode that sees the plate through it alone:
 // irradiance = pi L sin^2 for a small photodiode on the axis of an even disc of radiance L = rho / (pi A).
-World lit_behind_a_window(double scatter, bool mirror, bool covered, double radius = 1e-3) {
+World lit_behind_a_window(double scatter, bool mirror, bool covered, double radius = 1e-3, bool both = false) {
   World world;
   BodyId const body = world.add_body("all", {});
   std::uint32_t const black = black_optic(world), white = lambertian_optic(world, scatter);
@@ -196,6 +196,7 @@ World lit_behind_a_window(double scatter, bool mirror, bool covered, double radi
   world.add_footprint(dim);
   Receiver r;
   r.surface = chip;
+  r.back = both;
   world.add_receiver("photodiode", r);
   world.limits.max_order = 5;
   world.finish();
@@ -209,6 +210,8 @@ TEST(Glass, LightSeenThroughAWindow) {
   SampleMean const seen = received(run_histories(lit_behind_a_window(0.5, false, true), 1 << 18));
   expect_mean("white plate", seen, expected, 0.04 * expected);
   expect_rejected("half the histories", seen, 0.5 * expected);
+  SampleMean const either = received(run_histories(lit_behind_a_window(0.5, false, true, 1e-3, true), 1 << 18));
+  expect_mean("a photodiode that counts both sides", either, expected, 0.06 * expected);
   // a mirror that scatters 1e-5: the sub-path goes on, and what it met still counts
   SampleMean const faint = received(run_histories(lit_behind_a_window(1e-5, true, true), 1 << 18));
   expect_mean("mirror", faint, 2e-5 * expected, 2e-5 * 0.04 * expected);

@@ -61,6 +61,23 @@ TEST(Project, FaintUnresolvedRoutesDoNotMakeALowerBound) {
   EXPECT_TRUE(twin.faint.empty());
 }
 
+// Bright still light with three moving paths in it: its power is known, its noise is not. All moving: it is.
+TEST(Project, NoiseOfAFewAmongManyIsUnresolved) {
+  auto const of = [](int few) {
+    CouplingClass c = route(1, 200);
+    c.records.clear();
+    for (int i = 0; i < 200; ++i)
+      c.records.push_back(record(std::uint64_t(i) * 4096, 1, {lever(0, 2, i < few ? two_k : 0)}));
+    return budget({c});
+  };
+  NoiseBudget const three = of(3);
+  ASSERT_EQ(three.unresolved.size(), 1u);
+  EXPECT_NE(three.unresolved[0].find("rests on about 3 of the kept paths"), std::string::npos);
+  EXPECT_TRUE(of(200).unresolved.empty());
+  EXPECT_TRUE(of(100).unresolved.empty());
+  EXPECT_TRUE(of(0).unresolved.empty());  // nothing moves: its noise is zero
+}
+
 TEST(Project, OneReplicaGivesNoError) {
   CouplingTable table = known_table({route(1, 1)});
   table.groups = {"baffle"};

@@ -25,10 +25,9 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   double const walk = per_area(path.hop.pdf, y.leg, y.wi.z);
   double const density = receiver_density(world, r);
   double weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
-  // shared with through_glass.hpp, whose sub-paths start on one side only
-  if (r.behind_glass && y.front == r.front && !(path.hop.pdf > 0) && path.reached_pdf > 0) {
+  if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with through_glass.hpp
     double const through = path.reached_pdf * path.left_pdf;
-    weight = through / (through + density / pi);
+    weight = through / (through + density / (pi * r.sides()));
   }
   sink.score(path, y, goal, arrival_number(goal), y, power * weight);
 }

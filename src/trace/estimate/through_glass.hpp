@@ -3,8 +3,8 @@
 // them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering surface z,
 // and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
 // itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
-// the density 1/(area pi) of its start: etendue is the same at both ends. Where a sub-path meets a surface that a beam
-// lights, that light's own scatter is scored as well, weighed against the walk that starts there.
+// the density 1/(area pi sides) of its start: etendue is the same at both ends. Where a sub-path meets a surface that a
+// beam lights, that light's own scatter is scored as well, weighed against the walk that starts there.
 #pragma once
 
 #include "trace/estimate/receive.hpp"
@@ -27,6 +27,11 @@ struct Backward {
   std::uint32_t strip = WorldView::none;  // of that surface
 };
 
+// Area times projected solid angle that sub-paths of a receiver start with, all of its sides, m^2 sr.
+STRAY_HD double etendue_of(WorldView const& world, Receiver const& r) {
+  return pi * r.sides() / receiver_density(world, r);
+}
+
 // `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first; `met(back)` of every
 // surface seen by way of one, whether the sub-path ends there or not: tau is then what has come so far.
 template <class Passed, class Met>
@@ -35,7 +40,8 @@ STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& 
   SurfacePoint const start =
       world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
   Vec3 const normal = world.normal(r.surface, start.point, start.piece);
-  Frame const frame = Frame::around(r.front ? normal : -normal);
+  bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
+  Frame const frame = Frame::around(front ? normal : -normal);
   SinCos const azimuth = sincos_turn(b);
   double const rho = std::sqrt(a);
   PathState path;
@@ -105,7 +111,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0)) return;
-  double const etendue = pi / receiver_density(world, world.receivers[receiver]);
+  double const etendue = etendue_of(world, world.receivers[receiver]);
   double const density = connection_density(lit, z.point, z.frame.e3);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving = mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
@@ -154,7 +160,7 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0) || blocked(world, vertex, way, back.z)) return;
-  double const etendue = pi / receiver_density(world, r);
+  double const etendue = etendue_of(world, r);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
       z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
