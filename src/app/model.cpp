@@ -50,7 +50,13 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
-  if (!noiseless)
+  bool const without = !noiseless && !model.scene.root().has("interferometer");
+  if (without)
+    model.scene.root().problem(
+        "there is no 'interferometer' that turns light at the ports into strain",
+        "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
+        "input_transmission: 1.4 %}', or count watts on 'receivers'");
+  else if (!noiseless)
     model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(),
                                          model.world.wavelength, model.world.beam_power);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))

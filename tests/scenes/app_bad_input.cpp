@@ -27,6 +27,8 @@ std::vector<Case> const cases = {
     {"unknown key", "half_angle: 35 deg", "half_angel: 35 deg", "half_angel",
      "unknown key 'half_angel' in shape 'cone'", "did you mean 'half_angle'?", 2},
     {"unknown table", "noise:", "nose:", "nose", "unknown key 'nose'", "did you mean 'noise'?"},
+    {"no interferometer", "interferometer:", "interferometr:", "interferometr", "unknown key 'interferometr'",
+     "did you mean 'interferometer'?", 2},
     {"key twice", "towers: {motion: still}", "towers: {motion: still}\n  ETM: {motion: still}",
      "ETM:", "key 'ETM' is written twice", "remove one of them"},
     {"name twice", "{name: link_in,", "{name: tube,", "tube,", "name 'tube' is used twice", "choose another name"},
