@@ -150,6 +150,7 @@ Drawn draw_depths(World const& world, Camera const& camera, LookSettings const& 
 }
 
 Drawn draw_importance(World& world, Camera const& camera, LookSettings const& settings) {
+  world.limits.targets = true;
   steer(world);
   WorldView const view = world.view();
   double low = infinity, high = 0;

@@ -9,6 +9,10 @@ void find_covered_receivers(World& world) {
   WorldView const view = world.view();
   for (std::uint32_t i = 0; i < view.receivers.size; ++i) {
     if (view.receivers[i].clear) continue;
+    if (view.polarised) {  // sub-paths know no polarisation: the walk alone does
+      world.cover_receiver(i, false);
+      continue;
+    }
     std::uint64_t found = 0;
     auto const meets_light = [&](Backward const& met) {
       for (std::size_t e = 0; e < view.emitters.size; ++e) found += view.lit[view.emitters[e]].surface == met.z;

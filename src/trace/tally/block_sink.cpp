@@ -80,9 +80,12 @@ void BlockSink::add(PathState const& path, Route const& named, std::uint32_t num
     }
   if (!known) totals_.push_back({route, port, coupling});
 
-  Rng rng(seed_, path.history, path.event, Stream::record);
+  // Numbers of sub-paths from lit surfaces may be in the thousands: they have streams of their own.
+  bool const many = number >= number_lit(world_, 0, 0, 0);
+  std::uint32_t const own = many ? number << 8 : 0;
+  Rng rng(seed_, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::record) + own));
   double u = rng.uniform();
-  for (std::uint32_t i = 0; i < number; ++i) u = rng.uniform();
+  for (std::uint32_t i = 0; !many && i < number; ++i) u = rng.uniform();
   ClassSums& sums = classes_[route];
   if (path.hop.off_list) sums.off_list += coupling;
   double const priority = coupling / u;
