@@ -143,7 +143,12 @@ def draw_books(axes, run):
     axes.barh(place, 100 * values, height=0.6, color=[FATE_COLOURS.get(n, GREY) for n, _, _ in fates],
               xerr=100 * errors, error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
     for y, value, error, ok in zip(place, values, errors, seen):
-        words = plain(100 * value, 100 * error, " %") if ok else "none seen"
+        if not ok:
+            words = "none seen"
+        elif abs(value) + error < 1e-6:     # of the emitted power: no digits of a per cent would be left
+            words = f"{100 * value:.1g} ± {100 * error:.1g} %"
+        else:
+            words = plain(100 * value, 100 * error, " %")
         axes.annotate(words, (100 * max(value + error, 0), y), xytext=(6, 0), textcoords="offset points", va="center",
                       fontsize=9.5)
     axes.set_yticks(place, [n for n, _, _ in fates])
