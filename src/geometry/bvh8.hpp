@@ -129,6 +129,92 @@ struct Probe {
   }
 };
 
+// The ray as vectors: eight boxes at once.
+struct Slabs {
+  simd::Floats ox, oy, oz, ix, iy, iz, stretch, zero;
+  STRAY_INLINE explicit Slabs(Probe const& probe) {
+    simd::fill(ox, probe.origin[0]);
+    simd::fill(oy, probe.origin[1]);
+    simd::fill(oz, probe.origin[2]);
+    simd::fill(ix, probe.inverse[0]);
+    simd::fill(iy, probe.inverse[1]);
+    simd::fill(iz, probe.inverse[2]);
+    simd::fill(stretch, 1 + 6 * 0x1p-23f);
+    simd::fill(zero, 0);
+  }
+  // Bit i: the ray enters box i before `end`, at `near`.
+  STRAY_INLINE unsigned entered(Bvh8::Node const& node, int const (&near_row)[3], float end, simd::Floats& near) const {
+    auto const row = [&](int k) STRAY_INLINE_LAMBDA -> simd::Floats const& { return simd::loaded(node.bound[k]); };
+    simd::Floats far;
+    simd::fill(far, end);
+    near = zero;
+    simd::raise(near, (row(near_row[0]) - ox) * ix);
+    simd::raise(near, (row(near_row[1]) - oy) * iy);
+    simd::raise(near, (row(near_row[2]) - oz) * iz);
+    simd::lower(far, (row(3 - near_row[0]) - ox) * ix);
+    simd::lower(far, (row(5 - near_row[1]) - oy) * iy);
+    simd::lower(far, (row(7 - near_row[2]) - oz) * iz);
+    return simd::at_most(near, far * stretch);
+  }
+};
+
+// One ray on its way through one tree. A step looks at one node or one leaf, so that several rays can take turns while
+// each waits for memory.
+struct Walk {
+  float end;           // m from the start of the probe, rounded up
+  std::uint64_t last;  // what is entered later than this is not looked at
+  std::uint32_t next = 0;
+  int top = 0;
+  std::uint64_t stack[Bvh8::stack_size];  // length to where the ray enters (bits of a float not below 0), child
+
+  STRAY_INLINE void begin(double limit) {
+    next = 0;
+    top = 0;
+    shorten(limit);
+  }
+  STRAY_INLINE void shorten(double limit) {  // from the start of the probe
+    end = rounded_up(limit);
+    last = std::uint64_t(simd::float_bits(end * (1 + 6 * 0x1p-23f))) << 32 | 0xffffffffu;
+  }
+  STRAY_INLINE bool at_leaf() const { return (next & Bvh8::leaf_mark) != 0; }
+  STRAY_INLINE std::uint32_t leaf_first() const { return next & ((1u << Bvh8::first_bits) - 1); }
+  STRAY_INLINE std::uint32_t leaf_count() const { return (next >> Bvh8::first_bits & 15u) + 1; }
+  // Goes back to what waits; false: nothing does.
+  STRAY_INLINE bool back() {
+    do {
+      if (top == 0) return false;
+      --top;
+    } while (stack[top] > last);
+    next = std::uint32_t(stack[top]);
+    return true;
+  }
+  // Goes on to the nearest child entered, and lets the others wait; false: none is. see(child) is told of each.
+  template <class See>
+  STRAY_INLINE bool down(Bvh8::Node const& node, Slabs const& slabs, int const (&near_row)[3], See const& see) {
+    simd::Floats near;
+    unsigned hits = slabs.entered(node, near_row, end, near);
+    if (hits == 0) return false;
+    int const i = simd::lowest(hits);
+    hits &= hits - 1;
+    next = node.child[i];
+    see(next);
+    if (hits == 0) return true;
+    alignas(32) std::uint32_t entry[simd::lanes];
+    simd::store_bits(entry, near);
+    auto const key = [&](int k) STRAY_INLINE_LAMBDA { return std::uint64_t(entry[k]) << 32 | node.child[k]; };
+    std::uint64_t nearest = key(i);
+    do {
+      std::uint64_t const other = key(simd::lowest(hits));
+      see(std::uint32_t(other));
+      hits &= hits - 1;
+      stack[top++] = other > nearest ? other : nearest;
+      nearest = other > nearest ? nearest : other;
+    } while (hits != 0);
+    next = std::uint32_t(nearest);
+    return true;
+  }
+};
+
 }  // namespace bvh8_detail
 
 template <class Leaf, class Ahead>
@@ -140,7 +226,6 @@ STRAY_INLINE void Bvh8::View::traverse(Ray const& ray, double& limit, Leaf&& lea
 template <class Leaf, class Ahead>
 STRAY_INLINE void Bvh8::View::traverse_from(bvh8_detail::Probe const& probe, double& limit, Leaf&& leaf,
                                             Ahead const& ahead) const {
-  using namespace simd;
   auto const look_ahead = [&]([[maybe_unused]] std::uint32_t child) STRAY_INLINE_LAMBDA {
     if constexpr (!std::is_same_v<Ahead, NothingAhead>) {
       if (child & leaf_mark)
@@ -149,69 +234,17 @@ STRAY_INLINE void Bvh8::View::traverse_from(bvh8_detail::Probe const& probe, dou
         bvh8_detail::fetch_early<sizeof(Node)>(nodes.data + child);
     }
   };
-  Floats ox, oy, oz, ix, iy, iz, end, stretch, zero;
-  fill(ox, probe.origin[0]);
-  fill(oy, probe.origin[1]);
-  fill(oz, probe.origin[2]);
-  fill(ix, probe.inverse[0]);
-  fill(iy, probe.inverse[1]);
-  fill(iz, probe.inverse[2]);
-  float float_limit = bvh8_detail::rounded_up(limit - probe.shift);
-  std::uint64_t last = std::uint64_t(float_bits(float_limit * (1 + 6 * 0x1p-23f))) << 32 | 0xffffffffu;
-  fill(end, float_limit);
-  fill(stretch, 1 + 6 * 0x1p-23f);
-  fill(zero, 0);
-  std::uint64_t stack[stack_size];  // distance at which the ray enters (bits of a float that is not negative), child
-  int top = 0;
-  std::uint32_t next = 0;
-  for (;;) {
-    if (next & leaf_mark) {
-      double const before = limit;
-      std::uint32_t const first = next & ((1u << first_bits) - 1), count = (next >> first_bits & 15u) + 1;
-      if (leaf(first, count, limit)) return;
-      if (limit < before) {
-        float_limit = bvh8_detail::rounded_up(limit - probe.shift);
-        last = std::uint64_t(float_bits(float_limit * (1 + 6 * 0x1p-23f))) << 32 | 0xffffffffu;
-        fill(end, float_limit);
-      }
-    } else {
-      Node const& node = nodes[next];
-      auto const row = [&](int k) STRAY_INLINE_LAMBDA -> Floats const& { return loaded(node.bound[k]); };
-      Floats near = zero, far = end;
-      raise(near, (row(probe.near_row[0]) - ox) * ix);
-      raise(near, (row(probe.near_row[1]) - oy) * iy);
-      raise(near, (row(probe.near_row[2]) - oz) * iz);
-      lower(far, (row(3 - probe.near_row[0]) - ox) * ix);
-      lower(far, (row(5 - probe.near_row[1]) - oy) * iy);
-      lower(far, (row(7 - probe.near_row[2]) - oz) * iz);
-      unsigned hits = at_most(near, far * stretch);
-      if (hits != 0) {
-        int const i = lowest(hits);
-        hits &= hits - 1;
-        next = node.child[i];
-        look_ahead(next);
-        if (hits == 0) continue;
-        alignas(32) std::uint32_t entry[lanes];
-        store_bits(entry, near);
-        auto const key = [&](int k) STRAY_INLINE_LAMBDA { return std::uint64_t(entry[k]) << 32 | node.child[k]; };
-        std::uint64_t nearest = key(i);
-        do {
-          std::uint64_t const other = key(lowest(hits));
-          look_ahead(std::uint32_t(other));
-          hits &= hits - 1;
-          stack[top++] = other > nearest ? other : nearest;
-          nearest = other > nearest ? nearest : other;
-        } while (hits != 0);
-        next = std::uint32_t(nearest);
-        continue;
-      }
+  bvh8_detail::Slabs const slabs(probe);
+  bvh8_detail::Walk walk;
+  walk.begin(limit - probe.shift);
+  do {
+    while (!walk.at_leaf() && walk.down(nodes[walk.next], slabs, probe.near_row, look_ahead)) {
     }
-    do {
-      if (top == 0) return;
-      --top;
-    } while (stack[top] > last);
-    next = std::uint32_t(stack[top]);
-  }
+    if (!walk.at_leaf()) continue;
+    double const before = limit;
+    if (leaf(walk.leaf_first(), walk.leaf_count(), limit)) return;
+    if (limit < before) walk.shorten(limit - probe.shift);
+  } while (walk.back());
 }
 
 }  // namespace straytrace
