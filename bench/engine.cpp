@@ -10,6 +10,8 @@
 #include <time.h>
 
 #include "embree_scene.hpp"
+#include "trace/history/flight.hpp"
+#include "trace/tally/history_tally.hpp"
 
 namespace straytrace::bench {
 namespace {
@@ -36,6 +38,21 @@ std::size_t closest_of_all(WorldView const& view, std::span<BenchRay const> rays
   std::size_t hits = 0;
   for (BenchRay const& r : rays) hits += view.closest(r.ray, r.from).surface.valid();
   return hits;
+}
+
+// As the trace does: as many rays together as it has paths in flight.
+std::size_t closest_together(WorldView const& view, std::span<BenchRay const> rays) {
+  constexpr std::size_t together = Flight<HistoryTally>::in_flight;
+  RayQuery queries[together];
+  Hit hits[together];
+  std::size_t found = 0;
+  for (std::size_t first = 0; first < rays.size(); first += together) {
+    std::size_t const count = std::min(together, rays.size() - first);
+    for (std::size_t i = 0; i < count; ++i) queries[i] = {rays[first + i].ray, rays[first + i].from};
+    view.closest_together(queries, hits, std::uint32_t(count));
+    for (std::size_t i = 0; i < count; ++i) found += hits[i].surface.valid();
+  }
+  return found;
 }
 
 // Runs the engines in turns; the first is ours. Compares with the one named, or the best of the others.
@@ -116,7 +133,9 @@ void mesh(RTCDevice device, std::size_t count, int repeats) {
   EmbreeScene const robust(device, scene.triangles, EmbreeScene::Mode::robust);
   EmbreeScene const fast(device, scene.triangles, EmbreeScene::Mode::fast);
   std::vector<BenchRay> const walk = walk_rays(scene, count);
-  std::vector<Engine> const engines = engines_for(scene, walk, robust, fast);
+  std::vector<Engine> engines = engines_for(scene, walk, robust, fast);
+  compare("mesh walk, one ray at a time, over robust single rays", count, engines, repeats, 1, engines[1].name);
+  engines[0] = {"straytrace", [&] { return closest_together(scene.world.view(), walk); }, {}};
   compare("mesh walk over robust single rays", count, engines, repeats, 1, engines[1].name);
   EmbreeScene const unasked(device, scene.triangles, EmbreeScene::Mode::robust_default);
   compare("mesh walk over robust single rays, default build", count,

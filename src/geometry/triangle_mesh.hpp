@@ -92,6 +92,9 @@ struct TriangleMesh {
   }
   template <int Width>
   STRAY_INLINE Crossing crossing_with(Ray const& ray, std::uint32_t leaving) const;
+  // In the frame and the unit of the file; t_max is left as it is.
+  STRAY_HD Ray in_file(Ray const& ray) const { return {to_file(ray.origin), pose.local_direction(ray.dir), ray.t_max}; }
+  struct Search;
 
  private:
   STRAY_HD Vec3 to_file(Vec3 p) const {
@@ -102,12 +105,11 @@ struct TriangleMesh {
     double const rounding = 0x1p-40 * (length(pose.origin) / unit + length(p));  // 4096 times that of a coordinate
     return pose.point(unit * put_on_triangle(p, corner(piece, 0), corner(piece, 1), corner(piece, 2), rounding));
   }
-  struct Search;
 };
 
 // One ray in one mesh: the best hit so far.
 struct TriangleMesh::Search {
-  TriangleMesh const& mesh;
+  TriangleMesh const* mesh;
   ShearedRay sheared;
   Vec3 dir;
   double t_max;  // m
@@ -116,23 +118,25 @@ struct TriangleMesh::Search {
   double limit;                       // rounded up
 
   STRAY_INLINE Search(TriangleMesh const& m, Vec3 origin, Vec3 d, double end, std::uint32_t from)
-      : mesh(m), sheared(origin, d), dir(d), t_max(end), leaving(from), limit(end / m.unit * (1 + 0x1p-50)) {}
+      : mesh(&m), sheared(origin, d), dir(d), t_max(end), leaving(from), limit(end / m.unit * (1 + 0x1p-50)) {}
   STRAY_HD void try_triangle(std::uint32_t id, Vec3 a, Vec3 b, Vec3 c) {
     if (id == leaving) return;
     double t = line_meets(sheared, a, b, c);
-    if (leaving != no_piece && std::fabs(t) < mesh.content.close) t = judged(t, id);
+    if (leaving != no_piece && std::fabs(t) < mesh->content.close) t = judged(t, id);
     if (!(t > 0 && t <= limit)) return;
-    if (!(t * mesh.unit < t_max) || (t == best.distance && id > best.piece)) return;
+    if (!(t * mesh->unit < t_max) || (t == best.distance && id > best.piece)) return;
     best = {t, id};
     limit = t;
   }
+  template <int Width>
+  STRAY_INLINE void try_pack(std::uint32_t number, std::uint32_t count);
   STRAY_HD double judged(double t, std::uint32_t id) const {  // rare, so the start is looked up only here
-    auto const at = [this](std::uint32_t piece, int i) { return mesh.corner(piece, i); };
-    LeavingRule const rule(at(leaving, 0), at(leaving, 1), at(leaving, 2), mesh.content.triangles[leaving], dir);
+    auto const at = [this](std::uint32_t piece, int i) { return mesh->corner(piece, i); };
+    LeavingRule const rule(at(leaving, 0), at(leaving, 1), at(leaving, 2), mesh->content.triangles[leaving], dir);
     if (!rule.asks(t)) return t;
-    return rule.judged(t, {at(id, 0), at(id, 1), at(id, 2)}, mesh.content.triangles[id]);
+    return rule.judged(t, {at(id, 0), at(id, 1), at(id, 2)}, mesh->content.triangles[id]);
   }
-  STRAY_HD Crossing result() const { return {best.distance * mesh.unit, best.piece}; }
+  STRAY_HD Crossing result() const { return {best.distance * mesh->unit, best.piece}; }
 };
 
 namespace mesh_detail {
@@ -210,18 +214,23 @@ STRAY_INLINE unsigned may_meet(ShearedRay const&, TrianglePack const&) {
 }  // namespace mesh_detail
 
 template <int Width>
+STRAY_INLINE void TriangleMesh::Search::try_pack(std::uint32_t number, std::uint32_t count) {
+  TrianglePack const& pack = mesh->content.packs[number];
+  unsigned lanes = mesh_detail::may_meet<Width>(sheared, pack) & ((1u << count) - 1);
+  while (lanes != 0) {
+    int const i = simd::lowest(lanes);
+    lanes &= lanes - 1;
+    auto const at = [&](int k) { return Vec3{pack.corner[k][0][i], pack.corner[k][1][i], pack.corner[k][2][i]}; };
+    try_triangle(pack.triangle[i], at(0), at(1), at(2));
+  }
+}
+
+template <int Width>
 STRAY_INLINE Crossing TriangleMesh::crossing_with(Ray const& ray, std::uint32_t leaving) const {
-  Ray local{to_file(ray.origin), pose.local_direction(ray.dir)};
+  Ray const local = in_file(ray);
   Search search(*this, local.origin, local.dir, ray.t_max, leaving);
   auto const leaf = [&](std::uint32_t first, std::uint32_t count, double&) STRAY_INLINE_LAMBDA {
-    TrianglePack const& pack = content.packs[first];
-    unsigned lanes = mesh_detail::may_meet<Width>(search.sheared, pack) & ((1u << count) - 1);
-    while (lanes != 0) {
-      int const i = simd::lowest(lanes);
-      lanes &= lanes - 1;
-      auto const at = [&](int k) { return Vec3{pack.corner[k][0][i], pack.corner[k][1][i], pack.corner[k][2][i]}; };
-      search.try_triangle(pack.triangle[i], at(0), at(1), at(2));
-    }
+    search.try_pack<Width>(first, count);
     return false;
   };
   content.tree.traverse(local, search.limit, leaf, [&](std::uint32_t first) STRAY_INLINE_LAMBDA {
@@ -231,7 +240,8 @@ STRAY_INLINE Crossing TriangleMesh::crossing_with(Ray const& ray, std::uint32_t 
 }
 
 STRAY_HD Crossing TriangleMesh::crossing_by_force(Ray const& ray, std::uint32_t leaving) const {
-  Search search(*this, to_file(ray.origin), pose.local_direction(ray.dir), ray.t_max, leaving);
+  Ray const local = in_file(ray);
+  Search search(*this, local.origin, local.dir, ray.t_max, leaving);
   for (std::uint32_t i = 0; i < content.triangles.size; ++i)
     search.try_triangle(i, corner(i, 0), corner(i, 1), corner(i, 2));
   return search.result();

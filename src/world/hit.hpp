@@ -23,6 +23,18 @@ struct Departure {
   STRAY_HD bool on(std::uint32_t id) const { return id == surface.value || id == contact.value; }
 };
 
+struct RayQuery {
+  Ray ray;
+  Departure from;
+};
+
+// Whether a hit at t on surface `id` is nearer than the best so far (none: an invalid surface); ties to the lower id.
+STRAY_HD bool nearer(double t, std::uint32_t id, double distance, std::uint32_t surface) {
+  return t < distance || (t == distance && surface != SurfaceId{}.value && id < surface);
+}
+// The least limit that lets ties with t count.
+STRAY_HD double just_beyond(double t) { return t * (1 + 0x1p-52); }
+
 // What a search asks: the nearest hit, ties to the lower surface. `Cross` says where a ray crosses one surface. Plain
 // numbers only, so that they stay in registers.
 template <class Cross>
@@ -40,7 +52,6 @@ struct NearestQuery {
         reach(just_beyond(distance)),
         surface(known.surface.value),
         piece(known.piece) {}
-  STRAY_HD static double just_beyond(double t) { return t * (1 + 0x1p-52); }
   STRAY_HD Hit best() const {
     Hit hit;
     hit.surface.value = surface;
@@ -57,7 +68,7 @@ struct NearestQuery {
     return offer(ref.surface, c.distance, limit, c.piece);
   }
   STRAY_INLINE bool offer(std::uint32_t id, double t, double& limit, std::uint32_t at_piece = 0) {
-    if (t < distance || (t == distance && surface != SurfaceId{}.value && id < surface)) {
+    if (nearer(t, id, distance, surface)) {
       distance = t;
       surface = id;
       piece = at_piece;

@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "world/world.hpp"
+#include "world/search_together.hpp"
 
 namespace straytrace {
 namespace {
@@ -99,6 +99,19 @@ STRAY_INLINE Hit closest_of_all(WorldView const& world, Ray const& ray, Departur
   return tube(world, ray, from);
 }
 
+using Closest = Hit (*)(WorldView const&, Ray const&, Departure const&);
+
+// Without meshes nothing waits for memory for long.
+template <int width, CrossOne others, Closest closest>
+STRAY_INLINE void together(WorldView const& world, RayQuery const* queries, Hit* hits, std::uint32_t count) {
+  bool const meshes = std::get<View<TriangleMesh const>>(world.shapes.arrays).size > 0;
+  if (meshes && !world.limits.brute_force) {
+    closest_together<width>(world, queries, hits, count, CrossHere<others>{world});
+    return;
+  }
+  for (std::uint32_t i = 0; i < count; ++i) hits[i] = closest(world, queries[i].ray, queries[i].from);
+}
+
 template <CrossOne others>
 STRAY_INLINE bool any(WorldView const& world, Ray const& ray, Departure const& from, bool to_itself) {
   CrossHere<others> const cross{world};
@@ -107,35 +120,38 @@ STRAY_INLINE bool any(WorldView const& world, Ray const& ray, Departure const& f
 
 // Functions that carry the instruction set; all above is inlined into them. Tubes in one, all else in others: each loop
 // keeps its numbers in registers.
-#define STRAY_KERNELS(isa, ...)                                                                                    \
-  __VA_ARGS__ __attribute__((noinline))                                                                            \
-  Crossing cross_##isa(WorldView const& world, std::uint32_t id, Ray const& ray, Departure const& from) {          \
-    return world.cross(id, ray, from);                                                                             \
-  }                                                                                                                \
-  __VA_ARGS__ __attribute__((noinline))                                                                            \
-  Hit trees_##isa(WorldView const& world, Ray const& ray, Departure const& from, Hit const& known) {               \
-    return closest_of_trees<cross_##isa>(world, ray, from, known);                                                 \
-  }                                                                                                                \
-  __VA_ARGS__ __attribute__((noinline))                                                                            \
-  Hit tubes_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                                 \
-    return closest_of_tubes<cross_##isa, trees_##isa>(world, ray, from);                                           \
-  }                                                                                                                \
-  __VA_ARGS__ __attribute__((noinline))                                                                            \
-  Hit tube_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                                  \
-    return closest_of_tube<cross_##isa, tubes_##isa, trees_##isa>(world, ray, from);                               \
-  }                                                                                                                \
-  __VA_ARGS__ Hit closest_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                   \
-    return closest_of_all<tube_##isa, trees_##isa>(world, ray, from);                                              \
-  }                                                                                                                \
-  __VA_ARGS__ bool occluded_##isa(WorldView const& world, Ray const& ray, Departure const& from, bool to_itself) { \
-    return any<cross_##isa>(world, ray, from, to_itself);                                                          \
-  }                                                                                                                \
-  constexpr SearchKernels isa##_kernels{#isa, closest_##isa, occluded_##isa};
+#define STRAY_KERNELS(isa, width, ...)                                                                               \
+  __VA_ARGS__ __attribute__((noinline))                                                                              \
+  Crossing cross_##isa(WorldView const& world, std::uint32_t id, Ray const& ray, Departure const& from) {            \
+    return world.cross(id, ray, from);                                                                               \
+  }                                                                                                                  \
+  __VA_ARGS__ __attribute__((noinline))                                                                              \
+  Hit trees_##isa(WorldView const& world, Ray const& ray, Departure const& from, Hit const& known) {                 \
+    return closest_of_trees<cross_##isa>(world, ray, from, known);                                                   \
+  }                                                                                                                  \
+  __VA_ARGS__ __attribute__((noinline))                                                                              \
+  Hit tubes_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                                   \
+    return closest_of_tubes<cross_##isa, trees_##isa>(world, ray, from);                                             \
+  }                                                                                                                  \
+  __VA_ARGS__ __attribute__((noinline))                                                                              \
+  Hit tube_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                                    \
+    return closest_of_tube<cross_##isa, tubes_##isa, trees_##isa>(world, ray, from);                                 \
+  }                                                                                                                  \
+  __VA_ARGS__ Hit closest_##isa(WorldView const& world, Ray const& ray, Departure const& from) {                     \
+    return closest_of_all<tube_##isa, trees_##isa>(world, ray, from);                                                \
+  }                                                                                                                  \
+  __VA_ARGS__ bool occluded_##isa(WorldView const& world, Ray const& ray, Departure const& from, bool to_itself) {   \
+    return any<cross_##isa>(world, ray, from, to_itself);                                                            \
+  }                                                                                                                  \
+  __VA_ARGS__ void together_##isa(WorldView const& world, RayQuery const* queries, Hit* hits, std::uint32_t count) { \
+    together<width, cross_##isa, closest_##isa>(world, queries, hits, count);                                        \
+  }                                                                                                                  \
+  constexpr SearchKernels isa##_kernels{#isa, closest_##isa, together_##isa, occluded_##isa};
 
-STRAY_KERNELS(portable, __attribute__((flatten)))
+STRAY_KERNELS(portable, 2, __attribute__((flatten)))
 #if STRAY_VECTORS && defined(__x86_64__)
-STRAY_KERNELS(avx2, __attribute__((flatten, target("avx2,bmi,bmi2,lzcnt"))))
-STRAY_KERNELS(avx512, __attribute__((flatten, target("avx512f,avx512vl,avx512dq,avx512bw,bmi,bmi2,lzcnt"))))
+STRAY_KERNELS(avx2, 4, __attribute__((flatten, target("avx2,bmi,bmi2,lzcnt"))))
+STRAY_KERNELS(avx512, 8, __attribute__((flatten, target("avx512f,avx512vl,avx512dq,avx512bw,bmi,bmi2,lzcnt"))))
 #endif
 #undef STRAY_KERNELS
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The two questions a trace asks of a world, compiled for each instruction set and chosen when the program starts.
+// The questions a trace asks of a world, compiled for each instruction set and chosen when the program starts.
 // Every set gives the same bits: no operation is contracted, and lanes do what a loop would do.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 namespace straytrace {
@@ -10,11 +11,13 @@ namespace straytrace {
 struct Departure;
 struct Hit;
 struct Ray;
+struct RayQuery;
 struct WorldView;
 
 struct SearchKernels {
   char const* name;
   Hit (*closest)(WorldView const&, Ray const&, Departure const& from);
+  void (*closest_together)(WorldView const&, RayQuery const*, Hit*, std::uint32_t count);
   bool (*occluded)(WorldView const&, Ray const&, Departure const& from, bool to_itself);
 };
 

@@ -89,6 +89,10 @@ struct WorldView {
     return search_kernels->closest(*this, ray, from);
 #endif
   }
+  // The same for several rays at once: in meshes they take turns, so that none waits for memory alone.
+  void closest_together(RayQuery const* queries, Hit* hits, std::uint32_t count) const {
+    search_kernels->closest_together(*this, queries, hits, count);
+  }
   // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on,
   // whose only other root is that end: rounding of a grazing root must not hide it.
   STRAY_HD bool occluded(Ray const& ray, Departure from, bool to_itself = false) const {

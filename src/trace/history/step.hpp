@@ -40,11 +40,10 @@ STRAY_HD bool next_path(WorldView const& world, std::uint64_t seed, History& his
   return false;
 }
 
-// Follows the path to its next vertex and decides how it goes on; false: the path is over.
+// The path's ray has met `hit`, or nothing: its next vertex, and how it goes on; false: the path is over.
 template <class Sink>
-STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
+STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
   PathState& path = history.path;
-  Hit const hit = world.closest(path.ray, path.from);
   Vertex vertex;
   if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
   double const weight = complete(world, path, hit.surface.valid() ? &vertex : nullptr);
@@ -82,6 +81,11 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
     if (scatter(world, seed, copy, vertex, sink)) ++history.waiting;
   }
   return copies > 0 && scatter(world, seed, path, vertex, sink);
+}
+
+template <class Sink>
+STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Sink& sink) {
+  return step(world, seed, history, world.closest(history.path.ray, history.path.from), sink);
 }
 
 template <class Sink>

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/tally/block_sink.hpp"
 
-#include <cmath>
-
-#include "trace/tally/route.hpp"
-
 namespace straytrace {
 
-BlockSink::BlockSink(WorldView const& world, std::uint64_t seed, std::size_t groups, int replica)
-    : world_(world), seed_(seed), replica_(replica), received_(world.receivers.size) {
+BlockSink::BlockSink(WorldView const& world, std::size_t groups, int replica)
+    : replica_(replica), received_(world.receivers.size) {
   sums_.blocks = 1;
   sums_.arrived.resize(groups);
   for (std::size_t i = 0; i < world.receivers.size; ++i) {
@@ -21,115 +17,52 @@ BlockSink::BlockSink(WorldView const& world, std::uint64_t seed, std::size_t gro
   }
 }
 
-void BlockSink::begin(std::uint64_t history) {
-  history_ = history;
-  emitted_ = 0;
-  for (double& column : ledger_) column = 0;
-  totals_.clear();
-  arrivals_.clear();
-}
-
-void BlockSink::visit(PathState const& path, Vertex const& vertex) {
-  ++sums_.bounces;
-  ++sums_.rays;
-  if (!(vertex.wi.z > 0) || !std::isfinite(path.power)) ++sums_.lost;
-  std::uint32_t const group = world_.surfaces[vertex.surface.value].group.value;
-  for (Arrival& a : arrivals_)
-    if (a.group == group) {
-      a.power += path.power;
-      return;
-    }
-  arrivals_.push_back({group, path.power});
-}
-
-void BlockSink::score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,
-                      Vertex const& y, double coupling) {
-  Route const route = route_of(world_, path, vertex, goal, number, y.surface);
-  if (goal >= world_.lit.size)
-    add_to_maps(path, goal - std::uint32_t(world_.lit.size), y, route.hash, by_itself(number), coupling);
-  add(path, route, number, coupling);
-}
-
-void BlockSink::score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
-                          std::uint32_t receiver, Vertex const& end, double power) {
-  Route const route = route_lit(world_, source, z, chain, receiver);
-  add_to_maps(path, receiver, end, route.hash, false, power);
-  add(path, route, number_lit(world_, source, chain.hops, receiver), power);
-}
-
-void BlockSink::score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
-                              std::uint32_t receiver, Vertex const& end, double power) {
-  Route const route = route_through(world_, path, vertex, z, chain, receiver);
-  add_to_maps(path, receiver, end, route.hash, false, power);
-  add(path, route, number_through(world_, receiver), power);
-}
-
-void BlockSink::add(PathState const& path, Route const& named, std::uint32_t number, double coupling) {
-  if (!std::isfinite(coupling)) {
-    ++sums_.lost;
-    return;
+void BlockSink::add_records(HistoryTally const& tally) {
+  for (HistoryTally::Score const& score : tally.scores()) {
+    ClassSums& sums = classes_[score.route];
+    if (score.off_list) sums.off_list += score.address.coupling;
+    if (score.address.priority <= sums.threshold) continue;
+    sums.kept.push_back(score.address);
+    if (sums.kept.size() >= 4 * records_per_class) keep_largest(sums);
   }
-  std::uint64_t const route = named.hash;
-  std::uint32_t const port = named.end;
-  bool known = false;
-  for (Total& t : totals_)
-    if (t.route == route) {
-      t.sum += coupling;
-      known = true;
-      break;
-    }
-  if (!known) totals_.push_back({route, port, coupling});
-
-  // Numbers of sub-paths from lit surfaces may be in the thousands: they have streams of their own.
-  bool const many = number >= number_lit(world_, 0, 0, 0);
-  std::uint32_t const own = many ? number << 8 : 0;
-  Rng rng(seed_, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::record) + own));
-  double u = rng.uniform();
-  for (std::uint32_t i = 0; !many && i < number; ++i) u = rng.uniform();
-  ClassSums& sums = classes_[route];
-  if (path.hop.off_list) sums.off_list += coupling;
-  double const priority = coupling / u;
-  if (priority <= sums.threshold) return;
-  sums.kept.push_back({path.history, path.event, number, coupling, priority});
-  if (sums.kept.size() >= 4 * records_per_class) keep_largest(sums);
 }
 
-void BlockSink::add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route,
-                            bool by_itself, double power) {
-  Receiver const& r = world_.receivers[receiver];
-  ReceiverSums& sums = sums_.receivers[receiver];
-  Vec3 const travel = y.frame.to_world(-y.wi);
-  if (std::uint32_t const bin = r.angle_pixel(travel); bin != Receiver::outside) sums.angles.sum[bin] += power;
-  if (r.quadrants) sums.quadrants.sum[r.quadrant(y.point)] += power;
-  std::uint32_t const pixel = r.pixel(y.point);
-  if (pixel == Receiver::outside) return;
-  sums.image.sum[pixel] += power;
-  if (!path.coherent || !by_itself) return;
-  FieldSums& field = sums.fields[route];
+void BlockSink::add_to_maps(HistoryTally::Cells const& cells) {
+  ReceiverSums& sums = sums_.receivers[cells.receiver];
+  if (cells.angle_pixel != Receiver::outside) sums.angles.sum[cells.angle_pixel] += cells.power;
+  if (cells.quadrant != Receiver::outside) sums.quadrants.sum[cells.quadrant] += cells.power;
+  if (cells.pixel == Receiver::outside) return;
+  sums.image.sum[cells.pixel] += cells.power;
+  if (!cells.coherent) return;
+  FieldSums& field = sums.fields[cells.route];
   if (field.power.empty()) field.power = field.real = field.imaginary = std::vector<double>(sums.image.sum.size());
-  double const length = path.path_length + (r.clear ? y.leg : 0);  // a plane is met before the leg is over
-  double const turns = length / world_.wavelength;
-  SinCos const phase = sincos_turn(turns - std::floor(turns));
-  field.power[pixel] += power;
-  field.real[pixel] += power * phase.cos;
-  field.imaginary[pixel] += power * phase.sin;
+  field.power[cells.pixel] += cells.power;
+  field.real[cells.pixel] += cells.real;
+  field.imaginary[cells.pixel] += cells.imaginary;
 }
 
-void BlockSink::end() {
+void BlockSink::add(HistoryTally const& tally) {
+  std::uint64_t const history = tally.history();
   ++sums_.histories;
-  for (Total const& t : totals_) {
+  sums_.bounces += tally.bounces();
+  sums_.rays += tally.bounces();
+  sums_.lost += tally.lost();
+  sums_.window_variance += tally.window_variance();
+  add_records(tally);
+  for (HistoryTally::Cells const& cells : tally.cells()) add_to_maps(cells);
+  for (HistoryTally::Total const& t : tally.totals()) {
     ClassSums& sums = classes_[t.route];
     sums.port = t.port;
-    sums.moments.add_score(t.sum, history_);
+    sums.moments.add_score(t.sum, history);
     if (t.port >= first_receiver_end) received_[t.port - first_receiver_end] += t.sum;
   }
   for (std::size_t i = 0; i < received_.size(); ++i) {
-    sums_.receivers[i].power.add_score(received_[i], history_);
+    sums_.receivers[i].power.add_score(received_[i], history);
     received_[i] = 0;
   }
-  sums_.emitted.add(emitted_, history_);
-  for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(ledger_[f], history_);
-  for (Arrival const& a : arrivals_) sums_.arrived[a.group].add(a.power, history_);
+  sums_.emitted.add(tally.power_emitted(), history);
+  for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(tally.booked(static_cast<Fate>(f)), history);
+  for (HistoryTally::Arrival const& a : tally.arrivals()) sums_.arrived[a.group].add(a.power, history);
 }
 
 BlockSums BlockSink::finish() {

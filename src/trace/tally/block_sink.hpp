@@ -6,9 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "trace/history/path.hpp"
-#include "trace/result.hpp"
-#include "trace/tally/route.hpp"
+#include "trace/tally/history_tally.hpp"
 
 namespace straytrace {
 
@@ -18,46 +16,17 @@ void keep_largest(ClassSums&);  // sorts by priority, drops all but the largest,
 
 class BlockSink {
  public:
-  BlockSink(WorldView const& world, std::uint64_t seed, std::size_t groups, int replica);
+  BlockSink(WorldView const& world, std::size_t groups, int replica);
 
-  void begin(std::uint64_t history);
-  void end();          // adds the history's totals
-  BlockSums finish();  // closes the block
-
-  void emitted(PathState const& path, Vertex const&) { emitted_ = path.emitted; }
-  // Every score: a mode (goal < world.lit.size) or a receiver.
-  void visit(PathState const& path, Vertex const& vertex);
-  void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number, Vertex const& y,
-             double coupling);
-  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
-                     std::uint32_t receiver, Vertex const& end, double power);
-  void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
-                 std::uint32_t receiver, Vertex const& end, double power);
-  void wagered(double variance) { sums_.window_variance += variance; }
-  void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
+  void add(HistoryTally const&);  // in the order of histories
+  BlockSums finish();             // closes the block
 
  private:
-  void add(PathState const& path, Route const& route, std::uint32_t number, double coupling);
-  void add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route, bool by_itself,
-                   double power);
-  struct Total {
-    std::uint64_t route;
-    std::uint32_t port;
-    double sum;
-  };
-  struct Arrival {
-    std::uint32_t group;
-    double power;
-  };
+  void add_records(HistoryTally const&);
+  void add_to_maps(HistoryTally::Cells const&);
 
-  WorldView const& world_;
-  std::uint64_t seed_, history_ = 0;
   int replica_;
-  double emitted_ = 0;
-  double ledger_[fate_count] = {};
-  std::vector<Total> totals_;
-  std::vector<double> received_;  // by receiver, of this history
-  std::vector<Arrival> arrivals_;
+  std::vector<double> received_;  // by receiver, of one history
   std::unordered_map<std::uint64_t, ClassSums> classes_;
   BlockSums sums_;
 };

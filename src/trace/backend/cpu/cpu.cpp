@@ -3,7 +3,7 @@
 
 #include "base/message.hpp"
 #include "trace/backend/backend.hpp"
-#include "trace/history/step.hpp"
+#include "trace/history/flight.hpp"
 #include "trace/tally/block_sink.hpp"
 
 namespace straytrace {
@@ -14,13 +14,9 @@ class Cpu final : public Backend {
   std::string_view name() const override { return "cpu"; }
   BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
     WorldView const view = world.view();
-    BlockSink sink(view, seed, world.groups().size(), int(block % replica_count));
-    History history;
-    for (std::uint64_t h = block * block_size; h < (block + 1) * block_size; ++h) {
-      sink.begin(h);
-      trace_history(view, seed, h, history, sink);
-      sink.end();
-    }
+    BlockSink sink(view, world.groups().size(), int(block % replica_count));
+    Flight<HistoryTally> flight(view, seed);
+    flight.run(block * block_size, (block + 1) * block_size, [&](HistoryTally const& tally) { sink.add(tally); });
     return sink.finish();
   }
 };
