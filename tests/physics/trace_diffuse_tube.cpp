@@ -1,67 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Transmission of a diffuse tube whose mouth is filled by a Lambertian source (estimators.md 17, scene 5; Clausing's
-// problem for rho = 1). The numbers are those of the integral equation of the wall,
-//   E(z) = E_0(z) + rho int K(|z - z'|) E(z') dz',  K(x) = 1/2 (1 - x (x^2 + 6)/(x^2 + 4)^(3/2))   (radius 1),
-// solved to more digits than printed.
-#include "shapes.hpp"
-#include "trace_received.hpp"
+// Scene 5 of estimators.md 17, short and long tubes (tests/diffuse_tube.hpp).
+#include "diffuse_tube.hpp"
 
 namespace straytrace::testing {
 namespace {
 
-SampleMean transmission(double length, double rho, std::uint64_t histories, bool steered, double radius = 1) {
-  World world;
-  BodyId const body = world.add_body("tube", {});
-  std::uint32_t const black = black_optic(world);
-  // a source that takes in what comes back: it scatters 1e-6 only, and powers are over what it scattered
-  SurfaceId const mouth =
-      world.add_surface(disk(0, 1), lambertian_optic(world, 1e-6), black, body, world.add_group("mouth"));
-  if (rho > 0)
-    world.add_surface(cylinder(radius, 0, length), black, lambertian_optic(world, rho), body, world.add_group("wall"));
-  else
-    world.add_surface(cylinder(radius, 0, length), black, black, body, world.add_group("wall"));
-  receive_on(
-      world, "exit",
-      world.add_surface(disk(0, radius, {{0, 0, length}, {0, 0, -1}}), black, black, body, world.add_group("exit")));
-  world.add_footprint(spot(mouth, {}, {0, 0, -1}, Profile::even, 1));
-  world.limits.max_order = 20000;
-  world.finish();
-  if (steered) world.steer(make_importance(world));
-  return received_share(run_histories(world, histories));
-}
-
-struct Row {
-  double length, rho, expected, effect;
-  std::uint64_t histories;
-};
-// Four standard errors are at most half the effect: 1 %, and 2 % for the one tube in which light is lost nowhere and
-// bounces for long.
-void expect_rows(std::initializer_list<Row> rows, bool steered) {
-  for (Row const& r : rows) {
-    SampleMean const t = transmission(r.length, r.rho, r.histories, steered && r.rho < 1);
-    std::string const name = "L/R " + std::to_string(r.length) + ", rho " + std::to_string(r.rho);
-    expect_mean(name.c_str(), t, r.expected, r.effect * r.expected, 4, 4);
-  }
-}
-
 TEST(DiffuseTube, ShortScene5) {
-  expect_rows({{1, 1, 0.671984, 2e-2, 1 << 16},
-               {1, 0.5, 0.490881, 2e-2, 1 << 16},
-               {1, 0.05, 0.390824, 2e-2, 1 << 16},
-               {1, 0, 0.381966, 2e-2, 1 << 16},
-               {2, 1, 0.514231, 2e-2, 1 << 17},
-               {2, 0.5, 0.262203, 2e-2, 1 << 16},
-               {2, 0.05, 0.177722, 2e-2, 1 << 16},
-               {2, 0, 0.171573, 2e-2, 1 << 16}},
-              false);
+  expect_tubes({{1, 1, 0.671984, 2e-2, 1 << 16},
+                {1, 0.5, 0.490881, 2e-2, 1 << 16},
+                {1, 0.05, 0.390824, 2e-2, 1 << 16},
+                {1, 0, 0.381966, 2e-2, 1 << 16},
+                {2, 1, 0.514231, 2e-2, 1 << 17},
+                {2, 0.5, 0.262203, 2e-2, 1 << 16},
+                {2, 0.05, 0.177722, 2e-2, 1 << 16},
+                {2, 0, 0.171573, 2e-2, 1 << 16}},
+               false);
 }
 TEST(DiffuseTube, LongScene5) {
-  expect_rows({{10, 1, 0.190942, 4e-2, 1 << 18},
-               {10, 0.5, 0.0129496, 1e-2, 1 << 17},
-               {10, 0.05, 9.95106e-3, 5e-3, 1 << 16},
-               {10, 0, 9.80486e-3, 5e-3, 1 << 16},
-               {100, 0.5, 1.017657e-4, 1e-3, 1 << 16}},
-              true);
+  expect_tubes({{10, 1, 0.190942, 4e-2, 1 << 18},
+                {10, 0.5, 0.0129496, 1e-2, 1 << 17},
+                {10, 0.05, 9.95106e-3, 5e-3, 1 << 16},
+                {10, 0, 9.80486e-3, 5e-3, 1 << 16},
+                {100, 0.5, 1.017657e-4, 1e-3, 1 << 16}},
+               true);
 }
 
 // The numbers know each other apart, and a wall 1 % wider is seen.
