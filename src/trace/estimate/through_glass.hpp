@@ -4,7 +4,8 @@
 // and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
 // itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
 // the density 1/(area pi sides) of its start: etendue is the same at both ends. Where a sub-path meets a surface that a
-// beam lights, that light's own scatter is scored as well, weighed against the walk that starts there.
+// beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter is scored as
+// well, weighed against the walk that starts with it.
 #pragma once
 
 #include "trace/estimate/receive.hpp"
@@ -97,57 +98,58 @@ struct Chain {
   }
 };
 
+// The same etendue as seen at z towards `wo`, m^2 sr: over n^2 it is conserved (physics.md eq. 3.2); receivers stand
+// outside all glass.
+STRAY_HD double etendue_at(WorldView const& world, std::uint32_t receiver, Vertex const& z, Vec3 wo) {
+  double const n = wo.z < 0 ? z.n_out : z.n_in;
+  return etendue_of(world, world.receivers[receiver]) / (n * n);
+}
+
+// Light of a beam where a sub-path meets a surface.
+struct Lit {
+  Vec3 travel;
+  double density = 0;  // over the power of the beam, per area of the surface, 1/m^2; 0: none
+};
+STRAY_HD Lit light_at(WorldView const& world, Footprint const& beam, Vec3 point, SurfaceId surface, Vec3 normal) {
+  if (beam.profile == Profile::point) return {};
+  if (!beam.free) return {beam.direction(point), beam.surface == surface ? connection_density(beam, point, normal) : 0};
+  Footprint::Passing const light = beam.passing(point);
+  double const density = light.irradiance * std::fabs(dot(normal, light.travel));
+  if (!(density > 0)) return {};
+  double const way = length(point - light.start) * (1 - 1e-9);
+  return {light.travel, world.occluded({light.start, light.travel, way}, {}) ? 0 : density};
+}
+
 // Light of the beam `source`, scattered once where a sub-path meets it: irradiance x BSDF x etendue.
 template <class Sink>
 STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, std::uint32_t source,
                                Backward const& back, Chain const& chain, std::uint32_t receiver, Sink& sink) {
-  Footprint const& lit = world.lit[source];
-  if (lit.free || lit.surface != back.z || lit.profile == Profile::point) return;
-  Vec3 const travel = lit.direction(back.point);
-  Vertex z = make_vertex(world, back.z, back.point, travel, back.piece);
+  Footprint const& beam = world.lit[source];
+  if (chain.hops + (beam.free ? 1 : 0) >= world.limits.max_order) return;
+  Lit const lit = light_at(world, beam, back.point, back.z, world.normal(back.z, back.point, back.piece));
+  if (!(lit.density > 0)) return;
+  Vertex z = make_vertex(world, back.z, back.point, lit.travel, back.piece);
   PathState there;
-  there.polarisation = lit.polarisation;
-  look(world, there, travel, z);
+  there.polarisation = beam.polarisation;
+  look(world, there, lit.travel, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0)) return;
-  double const etendue = etendue_of(world, world.receivers[receiver]);
-  double const density = connection_density(lit, z.point, z.frame.e3);
+  double const etendue = etendue_at(world, receiver, z, wo);
+  double const lobe = beam.free ? z.albedo / z.kept() : 1;
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
-  double const leaving = mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
-  double const walk = density / double(world.emitters.size) * leaving;
-  double const power = lit.share * density * f * back.tau * etendue / (1 + walk * etendue);
+  double const leaving =
+      lobe * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
+  double const walk = lit.density / double(world.emitters.size) * leaving;
+  double const power = beam.share * lit.density * f * back.tau * etendue / (1 + walk * etendue);
   Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
   if (power > 0) sink.score_lit(path, source, z, chain, receiver, end, power);
 }
 
-// Once per history, whatever it starts with: the light that one sub-path of each receiver meets on its way.
+// Connects the vertex x to the end of a sub-path.
 template <class Sink>
-STRAY_HD void find_lit_behind(WorldView const& world, std::uint64_t seed, PathState const& path, Sink& sink) {
-  if constexpr (requires(Vertex const& v, Chain const& c) { sink.score_lit(path, 0u, v, c, 0u, v, 0.0); })
-    for (std::uint32_t receiver = 0; receiver < world.receivers.size; ++receiver) {
-      if (!world.receivers[receiver].behind_glass) continue;
-      Rng rng = backward_numbers(seed, path, receiver);
-      Chain chain;
-      backward_from(
-          world, world.receivers[receiver], rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); },
-          [&](Backward const& met) {
-            if (chain.hops >= world.limits.max_order) return;
-            for (std::size_t i = 0; i < world.emitters.size; ++i)
-              score_lit_behind(world, path, world.emitters[i], met, chain, receiver, sink);
-          });
-    }
-}
-
-// Connects the vertex to the end of a sub-path of one receiver.
-template <class Sink>
-STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
-                              std::uint32_t receiver, Sink& sink) {
-  Receiver const& r = world.receivers[receiver];
-  Rng rng = backward_numbers(seed, path, receiver);
-  Chain chain;
-  Backward const back = backward_from(
-      world, r, rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); }, [](Backward const&) {});
+STRAY_HD void connect_through(WorldView const& world, PathState const& path, Vertex const& vertex, Backward const& back,
+                              Chain const& chain, std::uint32_t receiver, Sink& sink) {
   if (!(back.tau > 0) || path.order + chain.hops + 2 > world.limits.max_order) return;
   Way const way = way_to(world, vertex, back.point);
   if (!(way.bsdf > 0)) return;
@@ -160,7 +162,7 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0) || blocked(world, vertex, way, back.z)) return;
-  double const etendue = etendue_of(world, r);
+  double const etendue = etendue_at(world, receiver, z, wo);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
       z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
@@ -168,17 +170,32 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
   double const power =
       path.power * way.bsdf * way.kept * way.geometry(z.wi.z) * f * back.tau * etendue / (1 + walk * etendue);
   if (!(power > 0)) return;
-  Vertex const end = make_vertex(world, r.surface, back.end, back.arriving, back.end_piece);
+  Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
   if constexpr (requires { sink.score_through(path, vertex, z, chain, receiver, end, power); })
     sink.score_through(path, vertex, z, chain, receiver, end, power);
 }
 
+// One sub-path of each receiver behind glass. At the start of a history, whatever it starts with, the light of all
+// beams that the sub-path meets on its way; `vertex`, where it scatters, is connected to its end.
 template <class Sink>
 STRAY_HD void connect_behind_glass(WorldView const& world, std::uint64_t seed, PathState const& path,
                                    Vertex const& vertex, Sink& sink) {
-  if (!(vertex.albedo > 0)) return;
-  for (std::uint32_t i = 0; i < world.receivers.size; ++i)
-    if (world.receivers[i].behind_glass) connect_through(world, seed, path, vertex, i, sink);
+  constexpr bool hears_lit = requires(Vertex const& v, Chain const& c) { sink.score_lit(path, 0u, v, c, 0u, v, 0.0); };
+  bool const starts = hears_lit && path.event == 0, connects = vertex.albedo > 0;
+  if (!starts && !connects) return;
+  for (std::uint32_t receiver = 0; receiver < world.receivers.size; ++receiver) {
+    if (!world.receivers[receiver].behind_glass) continue;
+    Rng rng = backward_numbers(seed, path, receiver);
+    Chain chain;
+    Backward const back = backward_from(
+        world, world.receivers[receiver], rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); },
+        [&](Backward const& met) {
+          if constexpr (hears_lit)
+            for (std::size_t i = 0; starts && i < world.emitters.size; ++i)
+              score_lit_behind(world, path, world.emitters[i], met, chain, receiver, sink);
+        });
+    if (connects) connect_through(world, path, vertex, back, chain, receiver, sink);
+  }
 }
 
 }  // namespace straytrace
