@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "laws.hpp"
 #include "shapes.hpp"
 #include "statistics.hpp"
 #include "trace/history/step.hpp"
@@ -19,12 +20,10 @@ inline std::uint32_t lambertian_optic(World& world, double reflectance) {
   return world.add_optic(optic);
 }
 inline std::uint32_t power_law_optic(World& world, double kappa, double exponent, double above, double reflect = 0) {
-  PowerLaw law{kappa, exponent, above, {}};
-  law.prepare();
   Optic optic;
   optic.reflect = reflect;
   optic.laws = 1;
-  optic.law[0] = world.add_law(law);
+  optic.law[0] = world.add_law(power_law(kappa, exponent, above));
   return world.add_optic(optic);
 }
 inline std::uint32_t mirror_optic(World& world, double reflect) {

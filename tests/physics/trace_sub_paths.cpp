@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where sub-paths from receivers behind glass (estimators.md 9) have to know more than the way: the index of the medium
 // in which they end, and that they know no polarisation.
-#include "optics/gaussian.hpp"
 #include "trace_received.hpp"
 
 namespace straytrace::testing {
@@ -65,13 +64,9 @@ World polarised(double plate_index, bool narrow, SubPath how, double receiver = 
   World world;
   BodyId const body = world.add_body("all", {});
   std::uint32_t const black = black_optic(world);
-  Gaussian lobe;
-  lobe.peak = 50;
-  lobe.width = 0.03;
-  lobe.prepare();
   Optic card;
   card.laws = 1;
-  card.law[0] = narrow ? world.add_law(lobe) : world.add_law(Lambertian{0.8});
+  card.law[0] = narrow ? world.add_law(gaussian(50, 0.03)) : world.add_law(Lambertian{0.8});
   card.depolarise = 0;
   world.add_surface(disk(0, 0.3, {{}, {0, 0, 1}}), world.add_optic(card), black, body, world.add_group("card"));
   receive_on(
