@@ -151,5 +151,56 @@ TEST(FreeBeams, GlassBeforeTheCardLeavesItToTheWalk) {
   EXPECT_GT(alone.walk.mean().mean, 0);
 }
 
+// A thin laser on a tilted card, a small mirror that shows the card to a receiver; they see each other directly too.
+struct Folded {
+  double receiver = 2e-3;  // m
+  bool covered = true, both_sides = false;
+};
+World folded(Folded const& s) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world), silver = mirror_optic(world, 0.9);
+  world.add_surface(disk(0, 0.03, {{}, unit({1, 0, 1})}), lambertian_optic(world, rho), black, body,
+                    world.add_group("card"));
+  world.add_surface(disk(0, 0.03, {{0.2, 0, 0}, unit({-1, 0, 1})}), silver, black, body, world.add_group("mirror"));
+  receive_on(
+      world, "eye",
+      world.add_surface(disk(0, s.receiver, {{0.2, 0, 0.2}, {0, 0, -1}}), black, black, body, world.add_group("eye")),
+      true, s.both_sides);
+  world.add_footprint(free_beam(world.add_group("laser"), {0, 0, 0.3}, {0, 0, -1}, Profile::even, 3e-3));
+  world.limits.roulette_below = 0;
+  world.finish();
+  if (s.covered) find_covered_receivers(world);
+  EXPECT_EQ(world.receivers()[0].aims, s.covered ? 1u : 0u);  // sub-paths start towards the mirror
+  return world;
+}
+// Power by way of the mirror; paths are found again by their address.
+SampleMean by_the_mirror(Folded const& s, std::uint64_t histories, std::uint64_t seed = 1) {
+  TraceResult const r = run_histories(folded(s), histories, seed);
+  for (CouplingClass const& c : r.coupling.received)
+    if (received_name(r.coupling, c) == "laser·B > card·S > mirror·R > eye·D") {
+      for (PathRecord const& record : c.records) EXPECT_NEAR(record.path_length, 0.3 + 0.4, 0.03 + s.receiver);
+      return {c.coupling.mean, c.coupling.std_error, (long long)histories};
+    }
+  return {};
+}
+
+// rho R cos A/(pi d^2), d = 0.4 m by way of the mirror, cos = 1/sqrt(2) at the card.
+TEST(FreeBeams, SeenInASmallMirror) {
+  for (bool const both : {false, true}) {
+    double const expected = rho * 0.9 * std::sqrt(0.5) * 4e-6 / 0.16;
+    SampleMean const w = by_the_mirror({.both_sides = both}, 1 << 18);
+    expect_mean("mirror", w, expected, 0.5 * expected);
+    expect_rejected("starts towards the mirror taken for even ones", w, 0.25 * expected);
+  }
+}
+TEST(FreeBeams, WeightsOfAimedSubPathsSumToOne) {
+  SampleMean const alone = by_the_mirror({.receiver = 0.02, .covered = false}, 1 << 21, 2),
+                   both = by_the_mirror({.receiver = 0.02}, 1 << 19);
+  expect_mean("both", difference(both, alone), 0, 0.3 * alone.mean);
+  EXPECT_LT(both.std_error, 1.5 * alone.std_error);  // of a quarter of the histories
+  expect_rejected("twice", difference(both, scaled(alone, 2)), 0);
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -3,7 +3,7 @@
 // them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering surface z,
 // and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
 // itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
-// the density 1/(area pi sides) of its start: etendue is the same at both ends. Where a sub-path meets a surface that a
+// the density of its start (start_density): etendue is the same at both ends. Where a sub-path meets a surface that a
 // beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter is scored as
 // well, weighed against the walk that starts with it.
 #pragma once
@@ -19,6 +19,7 @@ constexpr std::uint32_t most_specular_hops = 32;  // of a backward sub-path; wha
 struct Backward {
   Vec3 end, arriving;  // on the receiver; direction of the light there
   std::uint32_t end_piece = 0;
+  double etendue = 0;  // 1 over the density with which it started, m^2 sr
   SurfaceId z;
   std::uint32_t piece = 0;
   Vec3 point, towards;                    // on z; unit vector from there back into the glass
@@ -28,31 +29,46 @@ struct Backward {
   std::uint32_t strip = WorldView::none;  // of that surface
 };
 
-// Area times projected solid angle that sub-paths of a receiver start with, all of its sides, m^2 sr.
-STRAY_HD double etendue_of(WorldView const& world, Receiver const& r) {
-  return pi * r.sides() / receiver_density(world, r);
+// Direction of a sub-path from a point of the receiver; zero: none.
+STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 start, Vec3 normal, Rng& rng) {
+  double const a = rng.uniform(), b = rng.uniform();
+  double const choice = r.aims > 0 ? rng.uniform() / Receiver::aimed_share : 1;
+  if (choice < 1) {
+    SurfaceId const aim = r.aim[static_cast<std::uint32_t>(choice * r.aims)];
+    Vec3 const span = world.shapes.visit(world.surfaces[aim.value].shape, [&](auto const& s) {
+      return sample_of(s, a, b).point;
+    }) - start;
+    double const far = length(span);
+    if (!(far > 0)) return {};
+    Ray const out{start, (1 / far) * span};
+    double const met = world.cross(aim.value, out, {}).distance;
+    return std::fabs(met - far) <= 1e-9 * far ? out.dir : Vec3{};  // a nearer part of it has a density of its own
+  }
+  bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
+  SinCos const azimuth = sincos_turn(b);
+  double const rho = std::sqrt(a);
+  return Frame::around(front ? normal : -normal).to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)});
 }
 
 // `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first; `met(back)` of every
 // surface seen by way of one, whether the sub-path ends there or not: tau is then what has come so far.
 template <class Passed, class Met>
 STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed, Met&& met) {
-  double const u = rng.uniform(), v = rng.uniform(), a = rng.uniform(), b = rng.uniform();
+  double const u = rng.uniform(), v = rng.uniform();
   SurfacePoint const start =
       world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
   Vec3 const normal = world.normal(r.surface, start.point, start.piece);
-  bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
-  Frame const frame = Frame::around(front ? normal : -normal);
-  SinCos const azimuth = sincos_turn(b);
-  double const rho = std::sqrt(a);
   PathState path;
   path.power = 1;
-  path.ray = {start.point, frame.to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)})};
+  path.ray = {start.point, start_direction(world, r, start.point, normal, rng)};
   path.from = {r.surface, start.piece};
+  double const cosine = dot(path.ray.dir, normal);
+  if (cosine == 0 || !r.counts(cosine > 0)) return {};
   Backward back;
   back.end = start.point;
   back.arriving = -path.ray.dir;
   back.end_piece = start.piece;
+  back.etendue = 1 / start_density(world, r, path.ray, std::fabs(cosine));
   for (std::uint32_t hops = 0; hops <= most_specular_hops; ++hops) {
     Hit const hit = world.closest(path.ray, path.from);
     if (!hit.surface.valid()) return {};
@@ -100,9 +116,9 @@ struct Chain {
 
 // The same etendue as seen at z towards `wo`, m^2 sr: over n^2 it is conserved (physics.md eq. 3.2); receivers stand
 // outside all glass.
-STRAY_HD double etendue_at(WorldView const& world, std::uint32_t receiver, Vertex const& z, Vec3 wo) {
+STRAY_HD double etendue_at(Backward const& back, Vertex const& z, Vec3 wo) {
   double const n = wo.z < 0 ? z.n_out : z.n_in;
-  return etendue_of(world, world.receivers[receiver]) / (n * n);
+  return back.etendue / (n * n);
 }
 
 // Light of a beam where a sub-path meets a surface.
@@ -135,7 +151,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0)) return;
-  double const etendue = etendue_at(world, receiver, z, wo);
+  double const etendue = etendue_at(back, z, wo);
   double const lobe = beam.free ? z.albedo / z.kept() : 1;
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
@@ -162,7 +178,7 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0) || blocked(world, vertex, way, back.z)) return;
-  double const etendue = etendue_at(world, receiver, z, wo);
+  double const etendue = etendue_at(back, z, wo);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
       z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
