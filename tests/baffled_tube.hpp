@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "laws.hpp"
 #include "shapes.hpp"
 #include "trace/estimate/importance.hpp"
 #include "trace_support.hpp"
@@ -23,14 +24,9 @@ inline std::vector<double> ring_heights() {
 
 inline World baffled_tube() {
   World world;
-  Abg law;
-  law.a = 1e-6;
-  law.b = 1e-8;
-  law.g = 2;
-  law.prepare();
   Optic mirror;
   mirror.laws = 1;
-  mirror.law[0] = world.add_law(law);
+  mirror.law[0] = world.add_law(abg(1e-6, 1e-8, 2));
   std::uint32_t const black = black_optic(world), wall = lambertian_optic(world, 0.3),
                       ring = lambertian_optic(world, 0.003);
   BodyId const body = world.add_body("all", {});

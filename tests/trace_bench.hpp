@@ -17,10 +17,7 @@ inline constexpr double metre = 1e-12;  // m, agreement asked of two tracings of
 class Bench {
  public:
   Bench() : body_(world.add_body("bench", {})), group_(world.add_group("bench")), black_(black_optic(world)) {
-    Optic bare;
-    bare.has_interface = true;
-    bare.interface = world.add_interface(Fresnel{});
-    bare_ = world.add_optic(bare);
+    bare_ = glass_optic(world);
   }
   std::uint32_t glass(double index) { return world.add_volume({index, 0}); }
   template <class Shape>
@@ -34,13 +31,9 @@ class Bench {
   }
   SurfaceId screen() { return world.add_surface(Disk{{0, 0, 1}, {0, 0, -1}, 0, 1}, black_, black_, body_, group_); }
   void shine(Vec3 from, Vec3 along) {
-    Footprint f;
-    f.centre = start_ = from;
-    f.travel = along_ = unit(along);
-    f.profile = Profile::point;
-    f.free = true;
-    f.receives = false;
-    world.add_footprint(f);
+    start_ = from;
+    along_ = unit(along);
+    world.add_footprint(free_beam({}, start_, along_, Profile::point, 0));
     world.limits.roulette_below = 0;
     world.finish();
   }

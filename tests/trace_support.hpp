@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "laws.hpp"
+#include "shapes.hpp"
 #include "statistics.hpp"
 #include "trace/history/step.hpp"
 #include "trace/trace.hpp"
@@ -18,12 +20,10 @@ inline std::uint32_t lambertian_optic(World& world, double reflectance) {
   return world.add_optic(optic);
 }
 inline std::uint32_t power_law_optic(World& world, double kappa, double exponent, double above, double reflect = 0) {
-  PowerLaw law{kappa, exponent, above, {}};
-  law.prepare();
   Optic optic;
   optic.reflect = reflect;
   optic.laws = 1;
-  optic.law[0] = world.add_law(law);
+  optic.law[0] = world.add_law(power_law(kappa, exponent, above));
   return world.add_optic(optic);
 }
 inline std::uint32_t mirror_optic(World& world, double reflect) {
@@ -46,6 +46,34 @@ inline Footprint spot(SurfaceId surface, Vec3 centre, Vec3 travel, Profile profi
   f.beam = beam;
   f.receives = port.valid();
   return f;
+}
+
+// A beam that starts in empty space, at the plane through `from` across `travel`.
+inline Footprint free_beam(GroupId origin, Vec3 from, Vec3 travel, Profile profile, double radius, double curvature = 0,
+                           std::uint32_t beam = 0) {
+  Footprint f = spot({}, from, unit(travel), profile, radius, {}, beam);
+  f.free = true;
+  f.curvature = curvature;
+  f.origin = origin;
+  return f;
+}
+
+// Bare glass, by Fresnel's equations.
+inline std::uint32_t glass_optic(World& world) {
+  Optic optic;
+  optic.has_interface = true;
+  optic.interface = world.add_interface(Fresnel{});
+  return world.add_optic(optic);
+}
+// Two faces from `below` to `above`, normals out of the glass; wide enough to need no barrel.
+inline void add_plate(World& world, std::string const& name, double index, double below, double above, double x = 0,
+                      double radius = 0.5, double absorption = 0) {
+  std::uint32_t const optic = glass_optic(world), volume = world.add_volume({index, absorption});
+  BodyId const body = world.add_body(name, {});
+  world.add_surface(disk(0, radius, {{x, 0, below}, {0, 0, -1}}), optic, optic, body, world.add_group(name + " below"),
+                    volume);
+  world.add_surface(disk(0, radius, {{x, 0, above}, {0, 0, 1}}), optic, optic, body, world.add_group(name + " above"),
+                    volume);
 }
 
 inline TraceResult run_histories(World const& world, std::uint64_t histories, std::uint64_t seed = 1,

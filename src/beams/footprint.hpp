@@ -43,6 +43,26 @@ struct Footprint {
   }
   // Direction of the incoming wave at a point: normal of its wavefront.
   STRAY_HD Vec3 direction(Vec3 p) const { return unit(travel + curvature * offset(p)); }
+  // Light of a free beam that comes straight to p: each point of its plane travels along its own direction, so offsets
+  // from the chief ray grow by 1 + L C over a length L along it, and the irradiance falls by the square.
+  struct Passing {
+    Vec3 start, travel;     // point of the plane; unit direction
+    double irradiance = 0;  // across `travel`, over the power of the beam, 1/m^2; 0: none, or not known (a focus)
+  };
+  STRAY_HD Passing passing(Vec3 p) const {
+    double const along = dot(p - centre, travel), wider = 1 + curvature * along;
+    if (!(along > 0) || std::fabs(wider) < 1e-9) return {};
+    Passing light;
+    light.start = centre + (1 / wider) * offset(p);
+    light.travel = direction(light.start);
+    light.irradiance = intensity(light.start) / (wider * wider * dot(light.travel, travel));
+    return light;
+  }
+  // Lag of the spherical wavefront on the plane across the chief ray, m: sqrt(R^2 + rho^2) - R (requirements.md R3.10).
+  STRAY_HD double lag(Vec3 p) const {
+    double const rho2 = length2(offset(p)), c = curvature;
+    return c * rho2 / (std::sqrt(1 + c * c * rho2) + 1);
+  }
   // A line parallel to the chief ray, drawn with density |u|^2 across the beam.
   STRAY_HD Ray sample(double u, double v) const {
     double rho = 0;

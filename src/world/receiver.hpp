@@ -12,7 +12,13 @@ struct Receiver {
   bool front = true, back = false;  // sides of the surface that count
   bool clear = false;         // a measuring plane: light passes as if it were not there (such surfaces hide nothing)
   bool behind_glass = false;  // also reached by sub-paths through lenses and mirrors (trace/estimate/through_glass.hpp)
-  Pose frame;                 // e3: its normal; origin and e1, e2: centre and axes of the maps
+  // Mirrors and glass that sub-paths start towards, and the share of them that does; the others start by the cosine
+  // law.
+  static constexpr std::uint32_t most_aims = 8;
+  static constexpr double aimed_share = 0.75;
+  std::uint32_t aims = 0;
+  SurfaceId aim[most_aims];
+  Pose frame;  // e3: its normal; origin and e1, e2: centre and axes of the maps
   // Map over the surface: columns x rows pixels over 2 half_width x 2 half_height, m, along e1 and e2. 0: none.
   std::uint32_t columns = 0, rows = 0;
   double half_width = 0, half_height = 0;

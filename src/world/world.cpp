@@ -4,33 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "world/search_item.hpp"
+
 namespace straytrace {
 namespace {
-
-bool is_z_axis(Vec3 at, Vec3 axis) {
-  return at.x == 0 && at.y == 0 && axis.x == 0 && axis.y == 0 && std::fabs(axis.z) == 1;
-}
-void set_plain(Disk const& s, SearchItem& item) {
-  if (!is_z_axis(s.centre, s.axis)) return;
-  item.plain_kind = TubeArrays::plain_disk;
-  item.plain = {s.centre.z, s.inner_radius * s.inner_radius, s.outer_radius * s.outer_radius, 0};
-}
-void set_plain(Cylinder const& s, SearchItem& item) {
-  if (!is_z_axis(s.origin, s.axis) || s.axis.z < 0) return;
-  item.plain_kind = TubeArrays::plain_wall;
-  item.plain = {s.origin.z, s.radius * s.radius, s.from, s.to};
-}
-
-template <class Shape>
-SearchItem search_item(Shape const& shape) {
-  SearchItem item;
-  item.box = shape.bounds();
-  item.reference = shape.reference();
-  item.axis = shape.axis;
-  shape.extent(item.low, item.high, item.r_min, item.r_max);
-  if constexpr (requires { set_plain(shape, item); }) set_plain(shape, item);
-  return item;
-}
 
 template <class List, class Vectors, std::size_t... I>
 Pool<List> pool_of(Vectors const& vectors, std::index_sequence<I...>) {

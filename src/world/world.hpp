@@ -177,7 +177,13 @@ class World {
   PortId add_port(std::string name);
   void add_footprint(Footprint);  // needs its surface to exist; sets backoff
   void add_receiver(std::string name, Receiver);
-  void cover_receiver(std::uint32_t receiver, bool behind_glass) { receivers_[receiver].behind_glass = behind_glass; }
+  // Whether sub-paths serve it, and what they start towards (`most_aims` surfaces at most).
+  void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
+    Receiver& r = receivers_[receiver];
+    r.behind_glass = behind_glass;
+    r.aims = 0;
+    for (SurfaceId const id : aims) r.aim[r.aims++] = id;
+  }
   // Lets light rejoin at every footprint of a beam on a surface; false when there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void settle_pivots();  // bodies without a given pivot turn about the place of their first surface

@@ -6,30 +6,14 @@
 #include <functional>
 
 #include "base/rng.hpp"
-#include "optics/abg.hpp"
-#include "optics/lambertian.hpp"
-#include "optics/power_law.hpp"
+#include "laws.hpp"
 #include "statistics.hpp"
 
 namespace straytrace {
 namespace {
 
-Abg abg(double a, double b, double g) {
-  Abg law;
-  law.a = a;
-  law.b = b;
-  law.g = g;
-  law.prepare();
-  return law;
-}
-PowerLaw power_law(double kappa, double exponent, double above) {
-  PowerLaw law;
-  law.kappa = kappa;
-  law.exponent = exponent;
-  law.above = above;
-  law.prepare();
-  return law;
-}
+using testing::abg, testing::power_law;
+
 double relative(double value, double exact) { return std::fabs(value / exact - 1); }
 
 // Integral of f over [a, b] by Simpson's rule with 20,000 steps.

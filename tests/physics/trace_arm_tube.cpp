@@ -80,8 +80,7 @@ struct Orders : Silent {
 Orders quadrature(World const& world) {
   constexpr int n = 1 << 19;
   WorldView const view = world.view();
-  PowerLaw law{loss * statistical_kappa(above) / (2 * pi), 2, above, {}};
-  law.prepare();
+  PowerLaw const law = power_law(loss * statistical_kappa(above) / (2 * pi), 2, above);
   Orders orders(world);
   for (int i = 0; i < n; ++i) {
     double const azimuth = std::fmod(0.618033988749895 * i, 1.0);

@@ -22,15 +22,10 @@ class Lottery {
     o.reflect = between(0, 0.4);
     o.laws = 3;
     o.law[0] = world.add_law(Lambertian{between(0, 0.3)});
-    PowerLaw power{between(1e-4, 1e-3), between(1.2, 2.4), between(1e-3, 1e-2), {}};  // scatters 25 % at most
-    power.prepare();
-    o.law[1] = world.add_law(power);
-    Abg abg{};
-    abg.a = between(1e-4, 1e-3);
-    abg.b = between(1e-3, 1e-1);
-    abg.g = between(1, 2.5);
-    abg.prepare();
-    o.law[2] = world.add_law(abg);
+    double const kappa = between(1e-4, 1e-3), exponent = between(1.2, 2.4), above = between(1e-3, 1e-2);
+    o.law[1] = world.add_law(power_law(kappa, exponent, above));  // scatters 25 % at most
+    double const a = between(1e-4, 1e-3), b = between(1e-3, 1e-1), g = between(1, 2.5);
+    o.law[2] = world.add_law(abg(a, b, g));
     return world.add_optic(o);
   }
   World world() {
@@ -103,8 +98,7 @@ TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
   for (double const wrong : {1.0, 1.01}) {
     World world;
     BodyId const body = world.add_body("all", {});
-    PowerLaw law{1e-3, 2, 1e-2, {}};
-    law.prepare();
+    PowerLaw law = power_law(1e-3, 2, 1e-2);
     for (double& a : law.lobe.albedo.value) a *= wrong;
     Optic optic;
     optic.laws = 1;

@@ -125,12 +125,10 @@ Optic of_lambert(World& world) {
   return o;
 }
 Optic of_lobe(World& world) {  // a lobe about the normal, a third of it reflected, and a Lambertian floor
-  PowerLaw law{0.05, 1.5, 0.1, {}};
-  law.prepare();
   Optic o;
   o.reflect = 0.3;
   o.laws = 2;
-  o.law[0] = world.add_law(law);
+  o.law[0] = world.add_law(power_law(0.05, 1.5, 0.1));
   o.law[1] = world.add_law(Lambertian{0.02});
   return o;
 }

@@ -3,7 +3,6 @@
 // four. Counted by following both ways at every surface that the search finds; the walk finds the same power.
 #include <set>
 
-#include "shapes.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {
@@ -22,13 +21,7 @@ World stack(int surfaces) {
   for (int i = 1; i <= surfaces; ++i)
     world.add_surface(disk(0, 0.1, {{0, 0, 0.01 * i}, {0, 0, 1}}), optic, optic, body, world.add_group("stack"));
   world.add_surface(disk(0, 0.1, {{0, 0, 1}, {0, 0, -1}}), black, black, body, world.add_group("end"));
-  Footprint beam;
-  beam.free = true;
-  beam.travel = {0, 0, 1};
-  beam.profile = Profile::even;
-  beam.radius = 1e-3;
-  beam.receives = false;
-  world.add_footprint(beam);
+  world.add_footprint(free_beam({}, {}, {0, 0, 1}, Profile::even, 1e-3));
   world.limits.max_order = 200;
   world.limits.roulette_below = 0;
   world.finish();

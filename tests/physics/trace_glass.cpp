@@ -3,42 +3,17 @@
 // (requirements.md R3.23), absorption, and receivers that are only seen through glass (estimators.md 9).
 #include <gtest/gtest.h>
 
-#include "shapes.hpp"
 #include "trace/estimate/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {
 namespace {
 
-std::uint32_t glass_optic(World& world) {
-  Optic optic;
-  optic.has_interface = true;
-  optic.interface = world.add_interface(Fresnel{});
-  return world.add_optic(optic);
-}
-
-// Two faces from `below` to `above`, normals out of the glass; wide enough to need no barrel.
-void add_plate(World& world, std::string const& name, double index, double below, double above, double x = 0,
-               double radius = 0.5, double absorption = 0) {
-  std::uint32_t const optic = glass_optic(world), volume = world.add_volume({index, absorption});
-  BodyId const body = world.add_body(name, {});
-  world.add_surface(disk(0, radius, {{x, 0, below}, {0, 0, -1}}), optic, optic, body, world.add_group(name + " below"),
-                    volume);
-  world.add_surface(disk(0, radius, {{x, 0, above}, {0, 0, 1}}), optic, optic, body, world.add_group(name + " above"),
-                    volume);
-}
-
 // A thin beam along z from the origin, and a photodiode at z = 1 m.
 World beam_and_photodiode() {
   World world;
   std::uint32_t const black = black_optic(world);
-  Footprint beam;
-  beam.free = true;
-  beam.travel = {0, 0, 1};
-  beam.profile = Profile::even;
-  beam.radius = 1e-3;
-  beam.receives = false;
-  beam.origin = world.add_group("laser");
+  Footprint const beam = free_beam(world.add_group("laser"), {}, {0, 0, 1}, Profile::even, 1e-3);
   SurfaceId const end = world.add_surface(disk(0, 0.4, {{0, 0, 1}, {0, 0, -1}}), black, black,
                                           world.add_body("photodiode", {}), world.add_group("photodiode"));
   world.add_footprint(beam);
@@ -183,17 +158,9 @@ World lit_behind_a_window(double scatter, bool mirror, bool covered, double radi
   SurfaceId const chip =
       world.add_surface(disk(0, radius, {{0, 0, 0.2}, {0, 0, -1}}), black, black, body, world.add_group("photodiode"));
   add_plate(world, "window", 1.0, 0.1, 0.11);
-  Footprint dim;  // a free beam that meets nothing: half of the histories start with it
-  dim.free = true;
-  dim.centre = {5, 0, 0};
-  dim.travel = {1, 0, 0};
-  dim.profile = Profile::even;
-  dim.radius = 1e-3;
-  dim.receives = false;
-  dim.beam = 1;
-  dim.origin = world.add_group("laser");
   world.add_footprint(spot(lamp, {}, {0, 0, -1}, Profile::even, 0.1));
-  world.add_footprint(dim);
+  // meets nothing: half of the histories start with it
+  world.add_footprint(free_beam(world.add_group("laser"), {5, 0, 0}, {1, 0, 0}, Profile::even, 1e-3, 0, 1));
   Receiver r;
   r.surface = chip;
   r.back = both;

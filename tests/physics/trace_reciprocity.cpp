@@ -10,14 +10,9 @@ enum class Law { lambertian, power_law, abg };
 std::uint32_t optic_of(World& world, Law law) {
   if (law == Law::lambertian) return lambertian_optic(world, 0.4);
   if (law == Law::power_law) return power_law_optic(world, 0.05, 1.2, 0.1, 0.1);
-  Abg abg{};
-  abg.a = 0.05;
-  abg.b = 0.3;
-  abg.g = 1.6;
-  abg.prepare();
   Optic optic;
   optic.laws = 1;
-  optic.law[0] = world.add_law(abg);
+  optic.law[0] = world.add_law(abg(0.05, 0.3, 1.6));
   return world.add_optic(optic);
 }
 

@@ -3,7 +3,6 @@
 // passes the light on to a receiver. Thin plates of index 1 change nothing but what can be connected: each technique
 // has to carry the whole result alone, and in company. Truth: quadrature of eq. 1.2 over the second square and the
 // receiver.
-#include "shapes.hpp"
 #include "trace_received.hpp"
 
 namespace straytrace::testing {
@@ -25,11 +24,8 @@ Rectangle square(Vec3 centre, Vec3 normal, double along_y, double across) {
   r.place({centre, {0, 1, 0}, cross(normal, {0, 1, 0}), normal});
   return r;
 }
-void add_plate(World& world, Vec3 centre, Vec3 normal, double along_y, double across, double index) {
-  Optic optic;
-  optic.has_interface = true;
-  optic.interface = world.add_interface(Fresnel{});
-  std::uint32_t const bare = world.add_optic(optic), volume = world.add_volume({index, 0});
+void add_tilted_plate(World& world, Vec3 centre, Vec3 normal, double along_y, double across, double index) {
+  std::uint32_t const bare = glass_optic(world), volume = world.add_volume({index, 0});
   BodyId const body = world.add_body("glass", {});
   for (double const side : {-1.0, 1.0})
     world.add_surface(square(centre + side * 2e-3 * normal, side * normal, along_y, across), bare, bare, body,
@@ -46,17 +42,10 @@ World scene(Layout const& s) {
              world.add_surface(disk(0, s.radius, {{s.distance, 0, middle}, {-1, 0, 0}}), black, black, body,
                                world.add_group("receiver")));
   double const wide = 3 * std::fmax(1, s.radius);
-  if (s.before_source) add_plate(world, {lit_x, 0, 0.8 * s.laser}, {0, 0, 1}, 0.1, 0.1, s.index);
-  if (s.between) add_plate(world, {lit_x - 0.057, 0, 0.057}, unit({-1, 0, 1}), 0.3, 0.13, s.index);
-  if (s.before_receiver) add_plate(world, {s.distance - 0.25, 0, middle}, {1, 0, 0}, wide, wide, s.index);
-  Footprint laser;
-  laser.free = true;
-  laser.centre = {lit_x, 0, s.laser};
-  laser.travel = {0, 0, -1};
-  laser.profile = Profile::point;
-  laser.receives = false;
-  laser.origin = world.add_group("laser");
-  world.add_footprint(laser);
+  if (s.before_source) add_tilted_plate(world, {lit_x, 0, 0.8 * s.laser}, {0, 0, 1}, 0.1, 0.1, s.index);
+  if (s.between) add_tilted_plate(world, {lit_x - 0.057, 0, 0.057}, unit({-1, 0, 1}), 0.3, 0.13, s.index);
+  if (s.before_receiver) add_tilted_plate(world, {s.distance - 0.25, 0, middle}, {1, 0, 0}, wide, wide, s.index);
+  world.add_footprint(free_beam(world.add_group("laser"), {lit_x, 0, s.laser}, {0, 0, -1}, Profile::point, 0));
   world.limits.max_order = 12;
   world.limits.route_vertices = 12;
   world.finish();

@@ -121,13 +121,7 @@ SampleMean wall_to_itself(double h, std::uint64_t histories, double even_shares 
   double closed = 0;
   for (int i = 0; i < 8; ++i) {
     double const z = 0.5 * h * (1 + (i < 4 ? gauss_point[i] : -gauss_point[i - 4])), weight = 0.5 * gauss_weight[i % 4];
-    Footprint f;
-    f.free = true;
-    f.centre = {0, 0, z};
-    f.travel = {1, 0, 0};
-    f.profile = Profile::point;
-    f.receives = false;
-    f.origin = world.add_group("beam");
+    Footprint f = free_beam(world.add_group("beam"), {0, 0, z}, {1, 0, 0}, Profile::point, 0);
     f.share = even_shares > 0 ? even_shares : weight;
     world.add_footprint(f);
     closed += weight * (1 - wall_to_end(z) - wall_to_end(h - z));

@@ -56,13 +56,7 @@ struct Phases : Silent {
 TEST(Emission, StartPhaseR3_10) {
   for (double const roc : {2.2, -9.2, 1683.0}) {
     World world;
-    Footprint beam;
-    beam.free = true;
-    beam.travel = unit({0.2, 0, 1});
-    beam.profile = Profile::even;
-    beam.radius = 5.75e-3;
-    beam.curvature = 1 / roc;
-    beam.receives = false;
+    Footprint const beam = free_beam({}, {}, {0.2, 0, 1}, Profile::even, 5.75e-3, 1 / roc);
     world.add_footprint(beam);
     world.finish();
     Phases found;

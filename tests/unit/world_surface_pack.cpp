@@ -8,22 +8,13 @@
 
 #include "base/rng.hpp"
 #include "shapes.hpp"
+#include "world/search_item.hpp"
 #include "world/surface_pack.hpp"
 
 namespace straytrace {
 namespace {
 
 using testing::cap, testing::cone, testing::cylinder, testing::disk, testing::sphere;
-
-template <class Shape>
-SearchItem item_of(Shape const& shape) {
-  SearchItem item;
-  item.box = shape.bounds();
-  item.reference = shape.reference();
-  item.axis = shape.axis;
-  shape.extent(item.low, item.high, item.r_min, item.r_max);
-  return item;
-}
 
 struct Counts {
   int hits = 0, lost = 0, passed = 0, rays = 0;
@@ -38,7 +29,7 @@ void shoot(Shape const& shape, double hall, double widen, std::uint64_t seed, Co
   tree.largest = hall;
   tree.root = {{-hall, -hall, -hall}, {hall, hall, hall}};
   SurfacePack pack{};
-  pack.set(3, item_of(shape), origin, hall, widen);
+  pack.set(3, search_item(shape), origin, hall, widen);
   for (std::uint64_t i = 0; i < 2000; ++i) {
     Rng rng(seed, i, 0, Stream::direction);
     double u = rng.uniform(), v = rng.uniform();

@@ -17,9 +17,7 @@ STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path,
   path.ray = {start.point, beam.direction(start.point)};
   path.hop.left_by = Event::emit;
   path.coherent = true;
-  // Lag of a spherical wavefront on the plane: sqrt(R^2 + rho^2) - R (requirements.md R3.10).
-  double const rho2 = length2(beam.offset(start.point)), c = beam.curvature;
-  path.path_length = c * rho2 / (std::sqrt(1 + c * c * rho2) + 1);
+  path.path_length = beam.lag(start.point);
   path.route = extended(path.route, beam.origin, Event::emit);
   sink.emitted(path, start);
   return true;
@@ -45,15 +43,15 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   path.stratum = place - pick;
   path.source = world.emitters[pick];
   Footprint const& lit = world.lit[path.source];
-  find_lit_behind(world, seed, path, sink);
   path.polarisation = lit.polarisation;
   path.power = lit.share * n;
   double const u = rng.uniform(), v = rng.uniform();
   Ray const line = lit.sample(u, v);
-  if (lit.free) return emit_free(lit, line, path, sink);
-  Crossing const met = world.cross(lit.surface.value, line, {});
-  if (!(met.distance < infinity))
-    return false;  // beside the clear aperture: that share of the mode is clipped, not scattered
+  Crossing const met = lit.free ? Crossing{} : world.cross(lit.surface.value, line, {});
+  if (!(met.distance < infinity)) {  // a free beam, or beside the clear aperture: that share is clipped, not scattered
+    connect_behind_glass(world, seed, path, {}, sink);
+    return lit.free && emit_free(lit, line, path, sink);
+  }
   Vec3 const point = line.origin + met.distance * line.dir;
   path.ray.dir = lit.direction(point);
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);

@@ -50,7 +50,8 @@ STRAY_HD double complete(WorldView const& world, PathState& path, Vertex const* 
   hop.aimed = alpha < 1;
   hop.off_list = vertex && alpha < 1 && aimed == 0;
   hop.pdf = hop.lobe * (alpha * hop.law_pdf + (1 - alpha) * aimed);
-  path.left_pdf = hop.pdf / hop.cosine;
+  double const n = index_of(world, path.media.current());
+  path.left_pdf = hop.pdf / (hop.cosine * n * n);
   return hop.pdf > 0 ? hop.value / hop.pdf : 0;
 }
 

@@ -11,9 +11,29 @@ STRAY_HD std::uint32_t goal_of_receiver(WorldView const& world, std::uint32_t re
   return std::uint32_t(world.lit.size) + receiver;
 }
 
+// Density of a point drawn evenly on a surface, 1/m^2.
+STRAY_HD double area_density(WorldView const& world, SurfaceId id) {
+  return 1 / world.shapes.visit(world.surfaces[id.value].shape, [](auto const& s) { return s.area(); });
+}
 // Density per area with which a connection draws its point.
-STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) {
-  return 1 / world.shapes.visit(world.surfaces[r.surface.value].shape, [](auto const& s) { return s.area(); });
+STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) { return area_density(world, r.surface); }
+
+// Density with which sub-paths behind glass (through_glass.hpp) start along `out`, per area and projected solid angle,
+// 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn evenly on one of the aims, whatever
+// stands before it. `cosine`: at the receiver.
+STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
+  double density = 1 / (pi * r.sides());
+  if (r.aims > 0) {
+    double towards = 0;
+    for (std::uint32_t i = 0; i < r.aims; ++i) {
+      Crossing const met = world.cross(r.aim[i].value, out, {});
+      if (!(met.distance < infinity)) continue;
+      Vec3 const normal = world.normal(r.aim[i], out.origin + met.distance * out.dir, met.piece);
+      towards += per_solid_angle(area_density(world, r.aim[i]), met.distance, std::fabs(dot(normal, out.dir)));
+    }
+    density = (1 - Receiver::aimed_share) * density + Receiver::aimed_share * towards / (r.aims * cosine);
+  }
+  return receiver_density(world, r) * density;
 }
 
 template <class Sink>
@@ -27,7 +47,8 @@ STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex c
   double weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
   if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with through_glass.hpp
     double const through = path.reached_pdf * path.left_pdf;
-    weight = through / (through + density / (pi * r.sides()));
+    Vec3 const back = y.frame.to_world(y.wi);
+    weight = through / (through + start_density(world, r, {y.point, back}, y.wi.z));
   }
   sink.score(path, y, goal, arrival_number(goal), y, power * weight);
 }

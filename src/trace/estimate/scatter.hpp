@@ -32,6 +32,13 @@ STRAY_HD Vec3 scattered_direction(WorldView const& world, std::uint64_t seed, Pa
   return wo;
 }
 
+// Density per area with which the walk reached the vertex: by a scattered hop, or straight from the plane of a free
+// beam. 0: it has none.
+STRAY_HD double reached_density(WorldView const& world, PathState const& path, Vertex const& vertex) {
+  if (!path.coherent || path.hop.left_by != Event::emit) return per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
+  return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / double(world.emitters.size);
+}
+
 // A specular lobe: its direction, and the state of polarisation after it.
 STRAY_HD void leave_specular(WorldView const& world, PathState& path, Vertex const& vertex, bool through) {
   Vec3 const travel = path.ray.dir;
@@ -64,7 +71,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   path.ray.origin = vertex.point;
   path.ray.t_max = infinity;
   path.media = vertex.before;
-  double const reached = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
+  double const reached = source ? path.reached_pdf : reached_density(world, path, vertex);
   path.hop = {};
   path.hop.kept = kept;
   bool const dealt = source && path.stratum >= 0;
@@ -77,7 +84,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
   } else {
     path.hop.left_by = Event::scatter;
     path.coherent = false;
-    if (!source) path.reached_pdf = reached;
+    path.reached_pdf = reached;
     path.hop.lobe = vertex.albedo / kept;
     path.hop.value = 0;
     Vec3 const wo = scattered_direction(world, seed, path, vertex, (choice - reflect - transmit) / vertex.albedo);

@@ -3,8 +3,9 @@
 // them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering surface z,
 // and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
 // itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
-// the density 1/(area pi sides) of its start: etendue is the same at both ends. Where a sub-path meets a surface that a
-// beam lights, that light's own scatter is scored as well, weighed against the walk that starts there.
+// the density of its start (start_density): etendue is the same at both ends. Where a sub-path meets a surface that a
+// beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter is scored as
+// well, weighed against the walk that starts with it.
 #pragma once
 
 #include "trace/estimate/receive.hpp"
@@ -18,6 +19,7 @@ constexpr std::uint32_t most_specular_hops = 32;  // of a backward sub-path; wha
 struct Backward {
   Vec3 end, arriving;  // on the receiver; direction of the light there
   std::uint32_t end_piece = 0;
+  double etendue = 0;  // 1 over the density with which it started, m^2 sr
   SurfaceId z;
   std::uint32_t piece = 0;
   Vec3 point, towards;                    // on z; unit vector from there back into the glass
@@ -27,31 +29,46 @@ struct Backward {
   std::uint32_t strip = WorldView::none;  // of that surface
 };
 
-// Area times projected solid angle that sub-paths of a receiver start with, all of its sides, m^2 sr.
-STRAY_HD double etendue_of(WorldView const& world, Receiver const& r) {
-  return pi * r.sides() / receiver_density(world, r);
+// Direction of a sub-path from a point of the receiver; zero: none.
+STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 start, Vec3 normal, Rng& rng) {
+  double const a = rng.uniform(), b = rng.uniform();
+  double const choice = r.aims > 0 ? rng.uniform() / Receiver::aimed_share : 1;
+  if (choice < 1) {
+    SurfaceId const aim = r.aim[static_cast<std::uint32_t>(choice * r.aims)];
+    Vec3 const span = world.shapes.visit(world.surfaces[aim.value].shape, [&](auto const& s) {
+      return sample_of(s, a, b).point;
+    }) - start;
+    double const far = length(span);
+    if (!(far > 0)) return {};
+    Ray const out{start, (1 / far) * span};
+    double const met = world.cross(aim.value, out, {}).distance;
+    return std::fabs(met - far) <= 1e-9 * far ? out.dir : Vec3{};  // a nearer part of it has a density of its own
+  }
+  bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
+  SinCos const azimuth = sincos_turn(b);
+  double const rho = std::sqrt(a);
+  return Frame::around(front ? normal : -normal).to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)});
 }
 
 // `passed(vertex, through)` hears of every specular surface, the one nearest the receiver first; `met(back)` of every
 // surface seen by way of one, whether the sub-path ends there or not: tau is then what has come so far.
 template <class Passed, class Met>
 STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& rng, Passed&& passed, Met&& met) {
-  double const u = rng.uniform(), v = rng.uniform(), a = rng.uniform(), b = rng.uniform();
+  double const u = rng.uniform(), v = rng.uniform();
   SurfacePoint const start =
       world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
   Vec3 const normal = world.normal(r.surface, start.point, start.piece);
-  bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
-  Frame const frame = Frame::around(front ? normal : -normal);
-  SinCos const azimuth = sincos_turn(b);
-  double const rho = std::sqrt(a);
   PathState path;
   path.power = 1;
-  path.ray = {start.point, frame.to_world({rho * azimuth.cos, rho * azimuth.sin, std::sqrt(1 - a)})};
+  path.ray = {start.point, start_direction(world, r, start.point, normal, rng)};
   path.from = {r.surface, start.piece};
+  double const cosine = dot(path.ray.dir, normal);
+  if (cosine == 0 || !r.counts(cosine > 0)) return {};
   Backward back;
   back.end = start.point;
   back.arriving = -path.ray.dir;
   back.end_piece = start.piece;
+  back.etendue = 1 / start_density(world, r, path.ray, std::fabs(cosine));
   for (std::uint32_t hops = 0; hops <= most_specular_hops; ++hops) {
     Hit const hit = world.closest(path.ray, path.from);
     if (!hit.surface.valid()) return {};
@@ -97,57 +114,58 @@ struct Chain {
   }
 };
 
+// The same etendue as seen at z towards `wo`, m^2 sr: over n^2 it is conserved (physics.md eq. 3.2); receivers stand
+// outside all glass.
+STRAY_HD double etendue_at(Backward const& back, Vertex const& z, Vec3 wo) {
+  double const n = wo.z < 0 ? z.n_out : z.n_in;
+  return back.etendue / (n * n);
+}
+
+// Light of a beam where a sub-path meets a surface.
+struct Lit {
+  Vec3 travel;
+  double density = 0;  // over the power of the beam, per area of the surface, 1/m^2; 0: none
+};
+STRAY_HD Lit light_at(WorldView const& world, Footprint const& beam, Vec3 point, SurfaceId surface, Vec3 normal) {
+  if (beam.profile == Profile::point) return {};
+  if (!beam.free) return {beam.direction(point), beam.surface == surface ? connection_density(beam, point, normal) : 0};
+  Footprint::Passing const light = beam.passing(point);
+  double const density = light.irradiance * std::fabs(dot(normal, light.travel));
+  if (!(density > 0)) return {};
+  double const way = length(point - light.start) * (1 - 1e-9);
+  return {light.travel, world.occluded({light.start, light.travel, way}, {}) ? 0 : density};
+}
+
 // Light of the beam `source`, scattered once where a sub-path meets it: irradiance x BSDF x etendue.
 template <class Sink>
 STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, std::uint32_t source,
                                Backward const& back, Chain const& chain, std::uint32_t receiver, Sink& sink) {
-  Footprint const& lit = world.lit[source];
-  if (lit.free || lit.surface != back.z || lit.profile == Profile::point) return;
-  Vec3 const travel = lit.direction(back.point);
-  Vertex z = make_vertex(world, back.z, back.point, travel, back.piece);
+  Footprint const& beam = world.lit[source];
+  if (chain.hops + (beam.free ? 1 : 0) >= world.limits.max_order) return;
+  Lit const lit = light_at(world, beam, back.point, back.z, world.normal(back.z, back.point, back.piece));
+  if (!(lit.density > 0)) return;
+  Vertex z = make_vertex(world, back.z, back.point, lit.travel, back.piece);
   PathState there;
-  there.polarisation = lit.polarisation;
-  look(world, there, travel, z);
+  there.polarisation = beam.polarisation;
+  look(world, there, lit.travel, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0)) return;
-  double const etendue = etendue_of(world, world.receivers[receiver]);
-  double const density = connection_density(lit, z.point, z.frame.e3);
+  double const etendue = etendue_at(back, z, wo);
+  double const lobe = beam.free ? z.albedo / z.kept() : 1;
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
-  double const leaving = mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
-  double const walk = density / double(world.emitters.size) * leaving;
-  double const power = lit.share * density * f * back.tau * etendue / (1 + walk * etendue);
+  double const leaving =
+      lobe * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
+  double const walk = lit.density / double(world.emitters.size) * leaving;
+  double const power = beam.share * lit.density * f * back.tau * etendue / (1 + walk * etendue);
   Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
   if (power > 0) sink.score_lit(path, source, z, chain, receiver, end, power);
 }
 
-// Once per history, whatever it starts with: the light that one sub-path of each receiver meets on its way.
+// Connects the vertex x to the end of a sub-path.
 template <class Sink>
-STRAY_HD void find_lit_behind(WorldView const& world, std::uint64_t seed, PathState const& path, Sink& sink) {
-  if constexpr (requires(Vertex const& v, Chain const& c) { sink.score_lit(path, 0u, v, c, 0u, v, 0.0); })
-    for (std::uint32_t receiver = 0; receiver < world.receivers.size; ++receiver) {
-      if (!world.receivers[receiver].behind_glass) continue;
-      Rng rng = backward_numbers(seed, path, receiver);
-      Chain chain;
-      backward_from(
-          world, world.receivers[receiver], rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); },
-          [&](Backward const& met) {
-            if (chain.hops >= world.limits.max_order) return;
-            for (std::size_t i = 0; i < world.emitters.size; ++i)
-              score_lit_behind(world, path, world.emitters[i], met, chain, receiver, sink);
-          });
-    }
-}
-
-// Connects the vertex to the end of a sub-path of one receiver.
-template <class Sink>
-STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
-                              std::uint32_t receiver, Sink& sink) {
-  Receiver const& r = world.receivers[receiver];
-  Rng rng = backward_numbers(seed, path, receiver);
-  Chain chain;
-  Backward const back = backward_from(
-      world, r, rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); }, [](Backward const&) {});
+STRAY_HD void connect_through(WorldView const& world, PathState const& path, Vertex const& vertex, Backward const& back,
+                              Chain const& chain, std::uint32_t receiver, Sink& sink) {
   if (!(back.tau > 0) || path.order + chain.hops + 2 > world.limits.max_order) return;
   Way const way = way_to(world, vertex, back.point);
   if (!(way.bsdf > 0)) return;
@@ -160,7 +178,7 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0) || blocked(world, vertex, way, back.z)) return;
-  double const etendue = etendue_of(world, r);
+  double const etendue = etendue_at(back, z, wo);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
       z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
@@ -168,17 +186,32 @@ STRAY_HD void connect_through(WorldView const& world, std::uint64_t seed, PathSt
   double const power =
       path.power * way.bsdf * way.kept * way.geometry(z.wi.z) * f * back.tau * etendue / (1 + walk * etendue);
   if (!(power > 0)) return;
-  Vertex const end = make_vertex(world, r.surface, back.end, back.arriving, back.end_piece);
+  Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
   if constexpr (requires { sink.score_through(path, vertex, z, chain, receiver, end, power); })
     sink.score_through(path, vertex, z, chain, receiver, end, power);
 }
 
+// One sub-path of each receiver behind glass. At the start of a history, whatever it starts with, the light of all
+// beams that the sub-path meets on its way; `vertex`, where it scatters, is connected to its end.
 template <class Sink>
 STRAY_HD void connect_behind_glass(WorldView const& world, std::uint64_t seed, PathState const& path,
                                    Vertex const& vertex, Sink& sink) {
-  if (!(vertex.albedo > 0)) return;
-  for (std::uint32_t i = 0; i < world.receivers.size; ++i)
-    if (world.receivers[i].behind_glass) connect_through(world, seed, path, vertex, i, sink);
+  constexpr bool hears_lit = requires(Vertex const& v, Chain const& c) { sink.score_lit(path, 0u, v, c, 0u, v, 0.0); };
+  bool const starts = hears_lit && path.event == 0, connects = vertex.albedo > 0;
+  if (!starts && !connects) return;
+  for (std::uint32_t receiver = 0; receiver < world.receivers.size; ++receiver) {
+    if (!world.receivers[receiver].behind_glass) continue;
+    Rng rng = backward_numbers(seed, path, receiver);
+    Chain chain;
+    Backward const back = backward_from(
+        world, world.receivers[receiver], rng, [&](Vertex const& at, bool through) { chain.add(world, at, through); },
+        [&](Backward const& met) {
+          if constexpr (hears_lit)
+            for (std::size_t i = 0; starts && i < world.emitters.size; ++i)
+              score_lit_behind(world, path, world.emitters[i], met, chain, receiver, sink);
+        });
+    if (connects) connect_through(world, path, vertex, back, chain, receiver, sink);
+  }
 }
 
 }  // namespace straytrace

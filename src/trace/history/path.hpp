@@ -39,7 +39,7 @@ struct PathState {
   double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
   Hop hop;
   double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was drawn or reached; 0: not by a direct hop
-  double left_pdf = 0;     // 1/sr over the cosine, with which it was left
+  double left_pdf = 0;     // 1/sr over the cosine and n^2, with which it was left
   bool coherent = false;   // a free beam that has met specular surfaces only
   double path_length = 0;  // optical, sum of n d since the source, m
   MediaStack media;        // filled volumes the ray runs in

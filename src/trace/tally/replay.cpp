@@ -75,10 +75,19 @@ class ReplaySink {
   void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
                  std::uint32_t receiver, Vertex const& end, double power) {
     if (found || path.event != event_ || number_ != number_lit(view_, source, chain.hops, receiver)) return;
-    Vec3 const in = view_.lit[source].direction(z.point);
-    PassedVertex const start{z.surface, z.point, in, {}, Event::emit, 1, 1, group_of(z.surface)};
+    Footprint const& beam = view_.lit[source];
+    std::vector<PassedVertex> vertices;
+    double path_length = 0;
+    if (beam.free) {
+      Footprint::Passing const light = beam.passing(z.point);
+      vertices.push_back({{}, light.start, light.travel, {}, Event::emit, 1, 1, beam.origin});
+      path_length = beam.lag(light.start);
+      go_to(vertices, path_length, z, Event::scatter, z.n_in);
+    } else {
+      vertices.push_back({z.surface, z.point, beam.direction(z.point), {}, Event::emit, 1, 1, group_of(z.surface)});
+    }
     bool const other = route_lit(view_, source, z, chain, receiver).other;
-    end_behind(path, source, {start}, 0, chain.hops, receiver, end, other, power);
+    end_behind(path, source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
   }
   void book(Fate, double) {}
 

@@ -65,11 +65,13 @@ inline Route route_through(WorldView const& world, PathState const& path, Vertex
   name = extended(name, world.surfaces[z.surface.value].group, Event::scatter);
   return route_behind(world, name, path.order + 2, path.source, chain, receiver);
 }
-// Route of z -> glass -> receiver.
+// Route of z -> glass -> receiver, for light of the beam `source` on z.
 inline Route route_lit(WorldView const& world, std::uint32_t source, Vertex const& z, Chain const& chain,
                        std::uint32_t receiver) {
-  std::uint64_t const name = extended(0, world.surfaces[z.surface.value].group, Event::scatter);
-  return route_behind(world, name, 1, source, chain, receiver);
+  Footprint const& beam = world.lit[source];
+  std::uint64_t const start = beam.free ? extended(0, beam.origin, Event::emit) : 0;
+  std::uint64_t const name = extended(start, world.surfaces[z.surface.value].group, Event::scatter);
+  return route_behind(world, name, beam.free ? 2 : 1, source, chain, receiver);
 }
 
 }  // namespace straytrace
