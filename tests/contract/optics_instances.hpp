@@ -74,6 +74,16 @@ inline Microfacet microfacet(double roughness, double reflectance, double grazin
   return law;
 }
 
+inline Grooves grooves(double across, double along, double reflectance, double grazing) {
+  Grooves law;
+  law.across = across;
+  law.along = along;
+  law.reflectance = reflectance;
+  law.grazing = grazing;
+  law.prepare();
+  return law;
+}
+
 enum class Theory { rayleigh_rice, harvey_shack };
 // k-correlation spectrum of this rms roughness over wavelength (infinite band), knee b in direction cosines: 1/b.
 inline Roughness k_correlation(Theory theory, double rms, double b, double c, PolarisationFactor factor = {}) {
@@ -181,6 +191,11 @@ template <>
 inline std::vector<Microfacet> const& instances() {
   static std::vector<Microfacet> const all{microfacet(0.05, 0.3, 1), microfacet(0.3, 0.9, 0.9),
                                            microfacet(0.9, 0.5, 1)};
+  return all;
+}
+template <>
+inline std::vector<Grooves> const& instances() {
+  static std::vector<Grooves> const all{grooves(0.3, 0.05, 0.6, 1), grooves(0.8, 0.2, 0.9, 0.9)};
   return all;
 }
 
