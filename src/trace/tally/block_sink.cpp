@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/tally/block_sink.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "trace/tally/route.hpp"
@@ -11,6 +12,7 @@ BlockSink::BlockSink(WorldView const& world, std::uint64_t seed, std::size_t gro
     : world_(world), seed_(seed), replica_(replica), received_(world.receivers.size) {
   sums_.blocks = 1;
   sums_.arrived.resize(groups);
+  sums_.absorbed.resize(groups + 1);
   for (std::size_t i = 0; i < world.receivers.size; ++i) {
     Receiver const& r = world.receivers[i];
     ReceiverSums sums;
@@ -23,7 +25,7 @@ BlockSink::BlockSink(WorldView const& world, std::uint64_t seed, std::size_t gro
 
 void BlockSink::begin(std::uint64_t history) {
   history_ = history;
-  emitted_ = 0;
+  emitted_ = in_media_ = 0;
   for (double& column : ledger_) column = 0;
   totals_.clear();
   arrivals_.clear();
@@ -39,7 +41,16 @@ void BlockSink::visit(PathState const& path, Vertex const& vertex) {
       a.power += path.power;
       return;
     }
-  arrivals_.push_back({group, path.power});
+  arrivals_.push_back({group, path.power, 0});
+}
+
+void BlockSink::absorbed(GroupId group, double power) {
+  if (!group.valid()) {
+    in_media_ += power;
+    return;
+  }
+  auto const at = std::find_if(arrivals_.rbegin(), arrivals_.rend(), [&](auto& a) { return a.group == group.value; });
+  at->absorbed += power;
 }
 
 void BlockSink::score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,
@@ -129,7 +140,11 @@ void BlockSink::end() {
   }
   sums_.emitted.add(emitted_, history_);
   for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(ledger_[f], history_);
-  for (Arrival const& a : arrivals_) sums_.arrived[a.group].add(a.power, history_);
+  for (Arrival const& a : arrivals_) {
+    sums_.arrived[a.group].add(a.power, history_);
+    sums_.absorbed[a.group].add(a.absorbed, history_);
+  }
+  sums_.absorbed.back().add(in_media_, history_);
 }
 
 BlockSums BlockSink::finish() {
@@ -149,6 +164,7 @@ BlockSums BlockSink::finish() {
   sums_.emitted.close_block();
   for (Moments& m : sums_.ledger) m.close_block();
   for (Moments& m : sums_.arrived) m.close_block();
+  for (Moments& m : sums_.absorbed) m.close_block();
   return std::move(sums_);
 }
 

@@ -34,6 +34,7 @@ class BlockSink {
   void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
                  std::uint32_t receiver, Vertex const& end, double power);
   void wagered(double variance) { sums_.window_variance += variance; }
+  void absorbed(GroupId group, double power);  // after the visit to the group; no group: in a medium
   void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
 
  private:
@@ -47,7 +48,7 @@ class BlockSink {
   };
   struct Arrival {
     std::uint32_t group;
-    double power;
+    double power, absorbed;
   };
 
   WorldView const& world_;
@@ -55,6 +56,7 @@ class BlockSink {
   int replica_;
   double emitted_ = 0;
   double ledger_[fate_count] = {};
+  double in_media_ = 0;  // absorbed there by this history
   std::vector<Total> totals_;
   std::vector<double> received_;  // by receiver, of this history
   std::vector<Arrival> arrivals_;
