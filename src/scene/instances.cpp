@@ -222,7 +222,7 @@ class Expander {
         face[key].problem(fmt::format("'{}' inside a part is not supported", key),
                           "repeat the whole part in 'scene', or write one face per position");
     auto const scope = part_scope(part, given_by(face, part));
-    u.refused = !within_limits(face, u.group, part, scope) || u.refused;
+    u.refused = u.refused || !within_limits(face, u.group, part, scope);
     u.placement = placed_in(u.placement, face);
     face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
     unfold(part, scope, u);

@@ -82,10 +82,10 @@ TEST(PartErrors, AnUnknownKeyIsToldOnce) {
 
 // What else an entry names is told at once with the reason why its part is refused.
 TEST(PartErrors, ARefusedPartDoesNotHideWhatItNames) {
-  std::string const rest = ", material: mm, surfaces: {barrel: nono}, medium: glas";
+  std::string const rest = ", surfaces: {barrel: nono, back: nix}, medium: glas";
   for (std::string const use : {"use: lens, radius_1: 1 cm", "use: lenss"}) {
     std::string const said = check(use + rest);
-    for (char const* words : {"material 'mm' is not defined", "material 'nono' is not defined", "'glas'", "4 errors."})
+    for (char const* words : {"material 'nix' is not defined", "material 'nono' is not defined", "'glas'", "4 errors."})
       EXPECT_THAT(said, HasSubstr(words)) << use;
   }
   EXPECT_THAT(check("use: lenss"), HasSubstr("1 error."));  // twin
