@@ -63,6 +63,15 @@ inline Microfacet microfacet(double roughness, double reflectance, double grazin
   law.prepare();
   return law;
 }
+inline Grooves grooves(double across, double along, double reflectance, double grazing) {
+  Grooves law;
+  law.across = across;
+  law.along = along;
+  law.reflectance = reflectance;
+  law.grazing = grazing;
+  law.prepare();
+  return law;
+}
 
 enum class Theory { rayleigh_rice, harvey_shack };
 // k-correlation spectrum of this rms roughness over wavelength (infinite band), knee b in direction cosines: 1/b.

@@ -116,6 +116,7 @@ class Run:
     routes: Routes
     ledger: dict                      # name: (mean, standard error) of the power per history
     arrived: dict                     # group: (mean, standard error)
+    absorbed: dict                    # group, then "(in media)": (mean, standard error); empty before schema 1.3
     groups: list
     bodies: list
     ports: list
@@ -231,6 +232,7 @@ def _read(file, path):
         routes=_routes(file, ports),
         ledger=_pairs(_texts(file["ledger/name"]), file["ledger"]),
         arrived=_pairs(groups, file["arrived"]),
+        absorbed=_pairs(groups + ["(in media)"], file["absorbed"]) if "absorbed" in file else {},
         groups=groups,
         bodies=_texts(file["names/bodies"]),
         ports=ports,

@@ -52,7 +52,7 @@ void add_trace_options(CLI::App& command, Options& options) {
   command
       .add_option("--until", options.until,
                   "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"receiver:PD < 5 %\", \"class:* < 10 %\", \"10 "
-                  "min\", or a list")
+                  "min\", or a list; 'histories' of the scene stays the upper limit")
       ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
   command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
       ->check(whole_between(0, 9e15, "7"));

@@ -27,7 +27,8 @@ void read_orders(Model& model) {
       }
     t.refuse_unknown("'trace'");
   }
-  if (model.histories == 0) model.histories = model.until.by_error() ? 1ull << 36 : 1 << 20;
+  model.histories_stated = model.histories > 0;
+  if (!model.histories_stated) model.histories = model.until.by_error() ? no_limit : 1 << 20;
   if (Node const r = model.scene.table("report")) {
     model.paths_shown = r.whole("paths", 12, 1, 1e6);
     r.refuse_unknown("'report'");

@@ -39,6 +39,8 @@ StopRule parse_stop_rule(std::string const&);
 // "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
 double parse_duration(std::string const&);
 
+inline constexpr std::uint64_t no_limit = 1ull << 36;  // histories
+
 struct Model {
   Scene scene;
   World world;
@@ -47,6 +49,7 @@ struct Model {
   NoiseSettings noise;
   std::vector<DesignCurve> design;
   std::uint64_t seed = 1, histories = 0;
+  bool histories_stated = false;  // by the scene: an upper limit for every stop rule
   StopRule until;
   std::size_t paths_shown = 12;
 

@@ -171,7 +171,7 @@ void apply(Options const& options, Model& model) {
     model.until = parse_stop_rule(options.until);
     if (auto const complaint = complaint_about(model.until, model))
       throw InputError(fmt::format("error: --until: {}\n  {}", complaint->what, complaint->suggestion));
-    if (model.until.by_error()) model.histories = 1ull << 36;
+    if (model.until.by_error() && !model.histories_stated) model.histories = no_limit;
   }
   if (options.histories) {
     model.histories = *options.histories;

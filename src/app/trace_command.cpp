@@ -27,7 +27,7 @@ int trace_only(Options const& options) {
   } else {
     if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
     if (received) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
-    std::cout << "Where the light went\n\n" << books_text(content);
+    std::cout << "Where the light went\n\n" << books_text(content) << '\n' << objects_text(content);
   }
   if (!options.quiet) std::cerr << merit_text(merits(content), merits_shown);
   if (!options.quiet && model.detector)

@@ -61,6 +61,8 @@ class Document {
   // Value of a scalar with the parameters of a scope; when there is none the problem is recorded.
   virtual std::optional<Value> evaluate(NodeData const&, Scope const*) = 0;
   virtual std::string data_file(Node const& from, std::string const& name) = 0;
+  // The same for a file that may be missing: nothing then, and no problem.
+  virtual std::optional<std::string> optional_file(Node const& from, std::string const& name) = 0;
   virtual Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) = 0;
 };
 

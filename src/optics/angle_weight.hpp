@@ -20,6 +20,7 @@ struct Weighted {
   AngleWeight const* weight;  // null: 1
 
   STRAY_HD double albedo(double cos_i) const { return weight ? weight->albedo.at(cos_i) : law.albedo(cos_i); }
+  STRAY_HD double albedo(Vec3 wi) const { return weight ? weight->albedo.at(wi.z) : albedo_from(law, wi); }
   STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
     double const value = law.eval(wi, wo);
     return weight && value > 0 ? value * weight->root.at(wi.z) * weight->root.at(wo.z) : value;

@@ -3,7 +3,8 @@
 // from the surface. A law has
 //   eval(wi, wo)      BSDF in 1/sr, WITHOUT the cosine (physics.md eq. 0.4)
 //   pdf(wi, wo)       density of sample() in 1/sr; integrates to at most 1, the rest are samples that find no direction
-//   albedo(cos_i)     integral of eval cos over the hemisphere, dimensionless
+//   albedo(cos_i)     integral of eval cos over the hemisphere, dimensionless. Laws with a direction on the surface
+//                     (local x and y, see Optic::lay) have albedo(wi) besides, and here its mean over the azimuth
 //   sample(wi, u, v)  a direction drawn with pdf; pdf = 0: nothing sampled, weight zero
 #pragma once
 
@@ -19,6 +20,15 @@ struct BsdfSample {
 
 // Direction of specular reflection in the local frame.
 STRAY_HD Vec3 specular(Vec3 wi) { return {-wi.x, -wi.y, wi.z}; }
+
+// Albedo of a law for this incidence; of laws with a direction on the surface it depends on the azimuth.
+template <class Law>
+STRAY_HD double albedo_from(Law const& law, Vec3 wi) {
+  if constexpr (requires { law.albedo(wi); })
+    return law.albedo(wi);
+  else
+    return law.albedo(wi.z);
+}
 
 // A quantity against the cosine of incidence, linear between nodes that crowd towards grazing, where a narrow lobe is
 // cut off by the horizon: cosine = (i/128)^4.

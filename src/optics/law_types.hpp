@@ -9,6 +9,7 @@
 #include "optics/abg.hpp"
 #include "optics/dust.hpp"
 #include "optics/gaussian.hpp"
+#include "optics/grooves.hpp"
 #include "optics/harvey.hpp"
 #include "optics/lambertian.hpp"
 #include "optics/measured.hpp"
@@ -22,8 +23,11 @@
 namespace straytrace {
 
 using LawTypes =
-    std::tuple<Lambertian, PowerLaw, Abg, Harvey, Gaussian, Polynomial, Roughness, Dust, Measured, Microfacet>;
+    std::tuple<Lambertian, PowerLaw, Abg, Harvey, Gaussian, Polynomial, Roughness, Dust, Measured, Microfacet, Grooves>;
 using LawPool = Pool<LawTypes>;
+
+STRAY_HD double cosine_of(double cos_i) { return cos_i; }
+STRAY_HD double cosine_of(Vec3 wi) { return wi.z; }
 
 // Calls f with law number i of the side, weighted.
 template <class F>
@@ -32,18 +36,20 @@ STRAY_HD auto visit_law(LawPool const& pool, Optic const& optic, int i, F&& f) {
   return pool.visit(optic.law[i], [&](auto const& l) { return f(Weighted<std::decay_t<decltype(l)>>{l, weight}); });
 }
 
-// Albedo of law number i.
-STRAY_HD double law_albedo(LawPool const& pool, Optic const& optic, int i, double cos_i, double n_in = 1,
+// Albedo of law number i; of a cosine: mean over the azimuth.
+template <class Incidence>  // wi, or its cosine
+STRAY_HD double law_albedo(LawPool const& pool, Optic const& optic, int i, Incidence in, double n_in = 1,
                            double n_out = 1) {
   return visit_law(pool, optic, i, [&](auto const& l) {
-    return optic.through[i] ? through_albedo(l, cos_i, n_in, n_out) : l.albedo(cos_i);
+    return optic.through[i] ? through_albedo(l, cosine_of(in), n_in, n_out) : l.albedo(in);
   });
 }
 
-STRAY_HD double scatter_albedo(LawPool const& pool, Optic const& optic, double cos_i, double n_in = 1,
+template <class Incidence>
+STRAY_HD double scatter_albedo(LawPool const& pool, Optic const& optic, Incidence in, double n_in = 1,
                                double n_out = 1) {
   double sum = 0;
-  for (int i = 0; i < optic.laws; ++i) sum += law_albedo(pool, optic, i, cos_i, n_in, n_out);
+  for (int i = 0; i < optic.laws; ++i) sum += law_albedo(pool, optic, i, in, n_in, n_out);
   return sum;
 }
 
@@ -66,7 +72,7 @@ STRAY_HD double scatter_pdf(LawPool const& pool, Optic const& optic, Vec3 wi, Ve
   double sum = 0, total = 0;
   for (int i = 0; i < optic.laws; ++i)
     visit_law(pool, optic, i, [&](auto const& l) {
-      double const share = optic.through[i] ? through_albedo(l, wi.z, n_in, n_out) : l.albedo(wi.z);
+      double const share = optic.through[i] ? through_albedo(l, wi.z, n_in, n_out) : l.albedo(wi);
       total += share;
       if (optic.through[i] != (wo.z < 0) || !(share > 0)) return;
       sum += share * (optic.through[i] ? through_pdf(l, wi, wo, n_in, n_out) : l.pdf(wi, wo));
@@ -77,9 +83,9 @@ STRAY_HD double scatter_pdf(LawPool const& pool, Optic const& optic, Vec3 wi, Ve
 // Draws a direction from the sum of the laws; the pdf returned is that of the whole sum.
 STRAY_HD BsdfSample scatter_sample(LawPool const& pool, Optic const& optic, Vec3 wi, double choice, double u, double v,
                                    double n_in = 1, double n_out = 1) {
-  double left = choice * scatter_albedo(pool, optic, wi.z, n_in, n_out);
+  double left = choice * scatter_albedo(pool, optic, wi, n_in, n_out);
   for (int i = 0; i < optic.laws; ++i) {
-    left -= law_albedo(pool, optic, i, wi.z, n_in, n_out);
+    left -= law_albedo(pool, optic, i, wi, n_in, n_out);
     if (left > 0 && i + 1 < optic.laws) continue;
     BsdfSample s = visit_law(pool, optic, i, [&](auto const& l) {
       return optic.through[i] ? through_sample(l, wi, u, v, n_in, n_out) : l.sample(wi, u, v);

@@ -74,6 +74,17 @@ std::string csv_row(PathRow const& row) {
 
 Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
 
+Json json_of(std::vector<FoldedRow> const& rows) {
+  Json all = Json::array();
+  for (FoldedRow const& f : rows)
+    all.push_back({{"id", hash_text(f.hash)},
+                   {"sequence", f.sequence},
+                   {"coupling", f.trusted ? json_of(f.coupling) : Json(nullptr)},
+                   {"coupling_hint", f.coupling.value},
+                   {"why", f.why}});
+  return all;
+}
+
 Json json_of(PathTable const& table, PathRow const& row) {
   Json j;
   j["rank"] = row.rank;
@@ -102,6 +113,10 @@ Json json_of(PathTable const& table, PathRow const& row) {
   j["histories_scored"] = row.coupling.scored;
   j["largest_history_share"] = row.coupling.largest_share;
   j["effective_scores"] = row.coupling.effective_scores;
+  if (row.folded_routes > 0) {
+    j["folded_routes"] = row.folded_routes;
+    j["folded"] = json_of(row.folded);
+  }
   return j;
 }
 
@@ -128,6 +143,23 @@ Json books(RunContent const& run) {
   for (int i = 0; i < fate_count; ++i) ledger[name_of(Fate(i))] = entry(total.ledger[std::size_t(i)]);
   ledger["lost_histories"] = total.lost;
   return ledger;
+}
+
+// Where the watts end, by object; "(in media)": absorbed on the way through glass.
+Json objects(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  std::vector<std::string> const& groups = run.trace->coupling.groups;
+  auto const entry = [&](std::vector<Moments> const& list, std::size_t i) {
+    if (i >= list.size()) return Json(nullptr);
+    Estimate const e = estimate(list[i], total.histories, total.blocks);
+    return json_of({e.mean, e.std_error});
+  };
+  Json all = Json::array();
+  for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i)
+    all.push_back({{"name", i < groups.size() ? groups[i] : "(in media)"},
+                   {"arriving", entry(total.arrived, i)},
+                   {"absorbed", entry(total.absorbed, i)}});
+  return all;
 }
 
 void add_receivers(Json& j, RunContent const& run) {
@@ -183,6 +215,7 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   j["band_Hz"] = {table.low, table.high};
   j["routes"] = Json::array();
   for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  j["objects"] = objects(run);
   add_receivers(j, run);
   return dumped(j);
 }
@@ -204,6 +237,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   for (PathRow const& row : table.rows)
     if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});
   j["ledger"] = books(run);
+  j["objects"] = objects(run);
   j["warnings"] = run.warnings;
   for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
   j["routes"] = Json::array();

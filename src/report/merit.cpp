@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/replicas.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -19,15 +21,13 @@ double merit(Estimate const& e, double seconds) {
   return e.trusted ? merit(e.mean, e.std_error, seconds) : not_a_number;
 }
 
-// Of the resolved routes of a port together; their errors are taken as independent.
+// Of the resolved routes of a port together.
 Merit of_port(CouplingTable const& table, std::uint32_t port, double seconds) {
-  double sum = 0, square = 0;
+  ReplicaSum all;
   for (CouplingClass const& c : table.classes)
-    if (c.port.value == port && c.coupling.trusted) {
-      sum += c.coupling.mean;
-      square += c.coupling.std_error * c.coupling.std_error;
-    }
-  return {"port " + table.ports[port], merit(sum, std::sqrt(square), seconds)};
+    if (c.port.value == port && c.coupling.trusted)
+      all.add({{c.coupling.mean, c.coupling.std_error}, pattern_of(table, c)});
+  return {"port " + table.ports[port], merit(all.result().value, all.result().sigma, seconds)};
 }
 
 template <class Name>

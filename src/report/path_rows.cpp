@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "report/band.hpp"
-#include "report/report.hpp"
+#include "report/replicas.hpp"
 
 namespace straytrace {
 namespace {
@@ -69,21 +69,13 @@ void find_lengths(PathRow& row, CouplingClass const& c) {
   row.length_mean = weights > 0 ? sum / weights : not_a_number;
 }
 
-// Share of each route in the resolved noise power of the band. Routes are taken as independent for the error:
-// d(p_i/P) = ((1 - s_i) dp_i - s_i dP_others)/P.
-void find_shares(std::vector<PathRow>& rows, std::vector<WithError> const& powers) {
-  double total = 0, variance = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!rows[i].resolved) continue;
-    total += powers[i].value;
-    variance += powers[i].sigma * powers[i].sigma;
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].share = {not_a_number, not_a_number};
-    if (!rows[i].resolved || total <= 0) continue;
-    double const s = powers[i].value / total, own = powers[i].sigma * powers[i].sigma;
-    rows[i].share = {s, std::sqrt((1 - s) * (1 - s) * own + s * s * (variance - own)) / total};
-  }
+// Share of each route in the resolved noise power of the band.
+void find_shares(std::vector<PathRow>& rows) {
+  ReplicaSum total;
+  for (PathRow const& row : rows)
+    if (row.resolved) total.add({row.power, row.replicas});
+  for (PathRow& row : rows)
+    if (row.resolved) row.share = ReplicaSum(row.power, row.replicas).share_of(total);
 }
 
 PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
@@ -93,12 +85,15 @@ PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
   row.sequence = route_name(table, c);
   row.vertices = c.steps.size();
   row.coupling = c.coupling;
+  row.replicas = pattern_of(table, c);
   row.reverse = c.reverse;
   row.by_reverse = c.by_reverse;
   row.resolved = c.coupling.trusted;
   row.why_not = c.coupling.why_not;
   row.share = {not_a_number, not_a_number};
   row.rms_phase = not_a_number;
+  row.folded_routes = c.folded_routes;
+  row.folded = folded_rows(table, c);
   find_lengths(row, c);
   return row;
 }
@@ -121,7 +116,7 @@ bool before(PathRow const& a, PathRow const& b) {
 
 void finish(PathTable& table) {
   std::sort(table.rows.begin(), table.rows.end(), before);
-  double variance = 0;
+  ReplicaSum coupling;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     PathRow& row = table.rows[i];
     row.rank = i + 1;
@@ -130,14 +125,19 @@ void finish(PathTable& table) {
       table.faint += row.faint;
       continue;
     }
-    table.total_coupling.value += row.coupling.mean;
-    // A route with the numbers of its reverse goes up and down with it: (2 e)^2 = e^2 + 3 e^2.
-    variance += (row.by_reverse ? 3 : 1) * row.coupling.std_error * row.coupling.std_error;
+    coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
   }
-  table.total_coupling.sigma = std::sqrt(variance);
+  table.total_coupling = coupling.result();
 }
 
 }  // namespace
+
+std::vector<FoldedRow> folded_rows(CouplingTable const& table, CouplingClass const& c) {
+  std::vector<FoldedRow> rows;
+  for (FoldedRoute const& f : c.folded)
+    rows.push_back({f.hash, folded_name(table, f), {f.mean, f.std_error}, f.trusted, f.why});
+  return rows;
+}
 
 std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double high) {
   if (grid.size() == 0 || high > low) return {low, high};
@@ -192,18 +192,17 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
     in_band = input_powers(*motion, table.low, table.high);
     all = input_powers(*motion, 0, 0);
   }
-  std::vector<WithError> powers;
   for (std::size_t i = 0; i < coupling.classes.size(); ++i) {
     CouplingClass const& c = coupling.classes[i];
     PathRow row = row_of(coupling, c);
     if (table.has_noise) {
       add_noise(row, budget->routes[i], budget->grid, table.frequencies);
-      powers.push_back(band_power(budget->routes[i], budget->grid, table.low, table.high));
+      row.power = band_power(budget->routes[i], budget->grid, table.low, table.high);
     }
     find_body(row, c, coupling.bodies, motion, row.rms_phase < 1 ? in_band : all);
     table.rows.push_back(std::move(row));
   }
-  if (table.has_noise) find_shares(table.rows, powers);
+  if (table.has_noise) find_shares(table.rows);
   finish(table);
   return table;
 }

@@ -7,7 +7,7 @@
 
 #include "report/band.hpp"
 #include "report/columns.hpp"
-#include "report/report.hpp"
+#include "report/replicas.hpp"
 
 namespace straytrace {
 namespace {
@@ -58,30 +58,31 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
 
 // Sum of resolved rows from `first` on: shares and couplings add, strains add in power.
 Cells rest_of(PathTable const& table, std::size_t first) {
-  WithError share, coupling;
-  std::vector<WithError> strain(table.frequencies.size());  // value: h^2; sigma: sum of (h sigma)^2
+  ReplicaSum power, all_power, coupling;
+  std::vector<ReplicaSum> strain(table.frequencies.size());  // h^2, with half its deviations: h dh
   std::size_t count = 0;
-  auto add = [](WithError& m, double value, double sigma) {
-    m.value += value;
-    m.sigma = std::hypot(m.sigma, sigma);
-  };
-  for (std::size_t i = first; i < table.rows.size(); ++i) {
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
     PathRow const& row = table.rows[i];
     if (!row.resolved) continue;
+    all_power.add({row.power, row.replicas});
+    if (i < first) continue;
     ++count;
-    add(coupling, row.coupling.mean, row.coupling.std_error);
-    add(share, row.share.value, row.share.sigma);
-    for (std::size_t k = 0; k < row.strain.size(); ++k)
-      add(strain[k], row.strain[k].value * row.strain[k].value, row.strain[k].value * row.strain[k].sigma);
+    coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
+    power.add({row.power, row.replicas});
+    for (std::size_t k = 0; k < row.strain.size(); ++k) {
+      double const h = row.strain[k].value;
+      strain[k].add({{h * h, h * row.strain[k].sigma}, row.replicas});
+    }
   }
   Cells c = {"", fmt::format("{} further route{}", count, count == 1 ? "" : "s"), ""};
-  bool const moves = share.value > 0;
+  bool const moves = power.value() > 0;
+  WithError const share = power.share_of(all_power), sum = coupling.result();
   if (table.has_noise) c.push_back(moves ? with_brackets(100 * share.value, 100 * share.sigma) : "still");
-  c.push_back(with_brackets(coupling.value, coupling.sigma));
+  c.push_back(with_brackets(sum.value, sum.sigma));
   c.push_back("");
-  for (WithError const& s : strain) {
-    double const h = std::sqrt(s.value);
-    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets(h, h > 0 ? s.sigma / h : 0) : "still");
+  for (ReplicaSum const& s : strain) {
+    double const h = std::sqrt(s.value());
+    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets(h, h > 0 ? s.result().sigma / h : 0) : "still");
   }
   c.insert(c.end(), 5, "");
   return count == 0 ? Cells{} : c;
@@ -114,16 +115,34 @@ std::string explanation(PathTable const& table) {
   return text + "\n";
 }
 
+constexpr std::size_t folded_shown = 5;
+
 std::string reasons(PathTable const& table) {
   std::string text;
   for (PathRow const& row : table.rows)
     if (!row.resolved)
       text += fmt::format("unresolved{}: {}: {} (hint: coupling about {:.1g})\n",
                           row.faint ? ", too faint to matter" : "", row.sequence, row.why_not, row.coupling.mean);
+  for (PathRow const& row : table.rows) text += folded_text(row.sequence, row.folded_routes, row.folded);
   return text.empty() ? text : "\n" + text;
 }
 
 }  // namespace
+
+std::string folded_text(std::string const& row, std::size_t routes, std::vector<FoldedRow> const& folded) {
+  if (folded.empty()) return {};
+  std::size_t const shown = std::min(folded_shown, folded.size());
+  std::string text = fmt::format("{} sums {} route{} without a row of {} own", row, routes, routes == 1 ? "" : "s",
+                                 routes == 1 ? "its" : "their");
+  text += shown < routes ? fmt::format("; the largest {}:\n", shown) : ":\n";
+  for (std::size_t i = 0; i < shown; ++i) {
+    FoldedRow const& f = folded[i];
+    std::string const size =
+        f.trusted ? with_brackets(f.coupling.value, f.coupling.sigma) : fmt::format("about {:.1g}", f.coupling.value);
+    text += fmt::format("  {}: {}: {}\n", f.sequence, size, f.why);
+  }
+  return text;
+}
 
 std::string path_text(PathTable const& table, std::size_t show) {
   if (table.rows.empty()) return "No route was found: no traced light rejoined a port.\n";

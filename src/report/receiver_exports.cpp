@@ -32,6 +32,25 @@ Json json_of(Estimate const& e) {
           {"histories_scored", e.scored}};
 }
 
+Json json_of(ReceivedRoute const& route) {
+  Json j = {{"rank", route.rank},
+            {"id", hash_text(route.hash)},
+            {"sequence", route.sequence},
+            {"power", json_of(route.power)},
+            {"share", json_of(route.share.value)},
+            {"share_sigma", json_of(route.share.sigma)},
+            {"objects", route.objects}};
+  if (route.folded_routes == 0) return j;
+  j["folded_routes"] = route.folded_routes;
+  for (FoldedRow const& f : route.folded)
+    j["folded"].push_back({{"id", hash_text(f.hash)},
+                           {"sequence", f.sequence},
+                           {"power_hint", f.coupling.value},
+                           {"resolved", f.trusted},
+                           {"why", f.why}});
+  return j;
+}
+
 Json json_of(ReceiverEntry const& r) {
   Json j;
   j["name"] = r.name;
@@ -40,13 +59,7 @@ Json json_of(ReceiverEntry const& r) {
   for (std::size_t i = 0; i < r.quadrants.mean.size(); ++i)
     j["quadrants"].push_back({{"value", json_of(r.quadrants.mean[i])}, {"sigma", json_of(r.quadrants.error[i])}});
   j["routes"] = Json::array();
-  for (ReceivedRoute const& route : r.routes)
-    j["routes"].push_back({{"rank", route.rank},
-                           {"id", hash_text(route.hash)},
-                           {"sequence", route.sequence},
-                           {"power", json_of(route.power)},
-                           {"share", json_of(route.share.value)},
-                           {"objects", route.objects}});
+  for (ReceivedRoute const& route : r.routes) j["routes"].push_back(json_of(route));
   j["census"] = Json::array();
   for (CensusRow const& row : r.census)
     j["census"].push_back({{"object", row.object},

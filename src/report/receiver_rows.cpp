@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "report/receivers.hpp"
+#include "report/replicas.hpp"
 
 namespace straytrace {
 namespace {
@@ -18,48 +19,33 @@ std::vector<std::string> objects_of(CouplingTable const& table, CouplingClass co
   return objects;
 }
 
-// Sum of routes; its error from the replicas, so that one history in several of them is not taken for independent.
-class SumOfRoutes {
- public:
-  void add(CouplingClass const& c) {
-    mean_ += c.coupling.mean;
-    for (int r = 0; r < replica_count; ++r) replica_[std::size_t(r)] += c.replica_sum[std::size_t(r)];
-  }
-  WithError sum(CouplingTable const& table) const {
-    double between = 0;
-    bool all = table.histories > 0;
-    for (std::size_t r = 0; r < replica_count; ++r) {
-      double const off = replica_[r] - mean_ * double(table.replica_histories[r]);
-      between += off * off;
-      all = all && table.replica_histories[r] > 0;
-    }
-    double const error = std::sqrt(between * replica_count / (replica_count - 1)) / double(table.histories);
-    return {mean_, all ? error : not_a_number};
-  }
-
- private:
-  double mean_ = 0;
-  std::array<double, replica_count> replica_ = {};
-};
-
 bool before(ReceivedRoute const& a, ReceivedRoute const& b) {
   if (a.power.trusted != b.power.trusted) return a.power.trusted;
   return a.power.mean != b.power.mean ? a.power.mean > b.power.mean : a.hash < b.hash;
 }
 
+ReplicaSum summand(CouplingTable const& table, CouplingClass const& c) {
+  return {{c.coupling.mean, c.coupling.std_error}, pattern_of(table, c)};
+}
+
 void take_census(ReceiverEntry& entry, CouplingTable const& table, std::vector<CouplingClass const*> const& classes) {
-  std::map<std::string, std::pair<SumOfRoutes, std::vector<std::size_t>>> objects;
+  std::map<std::string, std::pair<ReplicaSum, std::vector<std::size_t>>> objects;
   for (ReceivedRoute const& route : entry.routes) {
     auto const is = [&](CouplingClass const* c) { return c->hash == route.hash; };
     CouplingClass const& c = **std::find_if(classes.begin(), classes.end(), is);
     std::vector<std::string> names = route.objects;
     if (c.steps.empty()) names = {""};
     for (std::string const& name : names) {
-      objects[name].first.add(c);
+      objects[name].first.add(summand(table, c));
       objects[name].second.push_back(route.rank);
     }
   }
-  for (auto const& [name, found] : objects) entry.census.push_back({name, found.first.sum(table), found.second});
+  auto const& histories = table.replica_histories;  // without all of them, what routes have in common is not known
+  bool const known = std::find(histories.begin(), histories.end(), 0u) == histories.end();
+  for (auto const& [name, found] : objects) {
+    WithError const sum = found.first.result();
+    entry.census.push_back({name, {sum.value, known ? sum.sigma : not_a_number}, found.second});
+  }
   std::sort(entry.census.begin(), entry.census.end(), [](CensusRow const& a, CensusRow const& b) {
     if (a.object.empty() != b.object.empty()) return b.object.empty();
     return a.power.value != b.power.value ? a.power.value > b.power.value : a.object < b.object;
@@ -71,14 +57,15 @@ ReceiverEntry entry_of(CouplingTable const& table, std::size_t number, BlockSums
   entry.name = table.receivers[number];
   entry.power = table.received_power.at(number);
   std::vector<CouplingClass const*> classes;
+  ReplicaSum all;
   for (CouplingClass const& c : table.received)
-    if (c.port.value == number) classes.push_back(&c);
-  for (CouplingClass const* c : classes) {
-    double const all = entry.power.mean;
-    ReceivedRoute route{0, c->hash, received_name(table, *c), c->coupling, {}, objects_of(table, *c)};
-    if (all > 0) route.share = {c->coupling.mean / all, c->coupling.std_error / all};
-    entry.routes.push_back(std::move(route));
-  }
+    if (c.port.value == number) {
+      classes.push_back(&c);
+      all.add(summand(table, c));
+    }
+  for (CouplingClass const* c : classes)
+    entry.routes.push_back({0, c->hash, received_name(table, *c), c->coupling, summand(table, *c).share_of(all),
+                            objects_of(table, *c), c->folded_routes, folded_rows(table, *c)});
   std::sort(entry.routes.begin(), entry.routes.end(), before);
   for (std::size_t i = 0; i < entry.routes.size(); ++i) entry.routes[i].rank = i + 1;
   take_census(entry, table, classes);

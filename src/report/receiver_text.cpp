@@ -83,7 +83,9 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
   }
   std::string text = aligned(c);
   if (show < r.routes.size()) text += fmt::format("and {} more\n", r.routes.size() - show);
-  return text;
+  std::string folded;
+  for (ReceivedRoute const& route : r.routes) folded += folded_text(route.sequence, route.folded_routes, route.folded);
+  return folded.empty() ? text : text + "\n" + folded;
 }
 
 std::string units(ReceiverTable const& table) {

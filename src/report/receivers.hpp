@@ -31,6 +31,8 @@ struct ReceivedRoute {
   Estimate power;                    // W per W of the main mode
   WithError share;                   // of what the receiver gets [1]
   std::vector<std::string> objects;  // groups passed, each once, without the receiver; none for `other`
+  std::size_t folded_routes = 0;     // of `other`: how many it sums
+  std::vector<FoldedRow> folded;     // the largest of them, descending
 };
 
 // A named object among what the light of a receiver has met, source included.

@@ -3,6 +3,7 @@
 // file.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -21,7 +22,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 2;
+constexpr int run_schema_major = 1, run_schema_minor = 3;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -80,28 +81,43 @@ struct WithError {
   double value = 0, sigma = 0;  // one standard error
 };
 
+using ReplicaPattern = std::array<double, replica_count>;  // report/replicas.hpp
+
 struct TableSettings {
   std::vector<double> frequencies = {10, 30, 100};  // Hz, where h is printed
   double low = 0, high = 0;                         // Hz, band of shares and verdicts; 0, 0: the whole grid
   std::size_t show = 12;                            // rows for people; CSV and JSON have all
 };
 
+// A route inside a row `other`, and why it has no row of its own.
+struct FoldedRow {
+  std::uint64_t hash = 0;
+  std::string sequence;
+  WithError coupling;    // receivers: power; a hint unless `trusted`
+  bool trusted = false;  // a good number whose route is too long to be named
+  std::string why;
+};
+
 struct PathRow {
   std::size_t rank = 0;  // 1 = largest share, or largest coupling without a noise budget; unresolved ones last
   std::uint64_t hash = 0;
   std::string port, sequence;
-  std::size_t vertices = 0;  // 0 for `other`
-  Estimate coupling;         // of ordered paths; C_rev not multiplied in
-  double reverse = 1;        // C_rev
-  bool by_reverse = false;   // numbers of its reverse, on which it is better sampled
+  std::size_t vertices = 0;      // 0 for `other`
+  Estimate coupling;             // of ordered paths; C_rev not multiplied in
+  ReplicaPattern replicas = {};  // how it goes up and down with them
+  double reverse = 1;            // C_rev
+  bool by_reverse = false;       // numbers of its reverse, on which it is better sampled
   bool resolved = false;
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
   std::vector<WithError> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
+  WithError power;                // of its strain noise in the band, strain^2
   WithError share;                // of the resolved strain noise power in the band [1]; NaN without a budget
   std::string body;               // whose motion contributes most; empty without motion
   double lever = 0;               // rad/m, rms over the paths of that body's translations
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
+  std::size_t folded_routes = 0;  // of `other`: how many it sums
+  std::vector<FoldedRow> folded;  // the largest of them, descending
   double length_mean = 0, length_min = 0, length_max = 0;  // m, optical; NaN without records
 };
 
@@ -119,6 +135,10 @@ struct PathTable {
 // `budget` and `motion` may be null; columns that need them are then absent.
 PathTable path_table(CouplingTable const&, NoiseBudget const* budget, MotionSet const* motion, TableSettings const&);
 
+std::vector<FoldedRow> folded_rows(CouplingTable const&, CouplingClass const&);
+// "other > ITM sums 42 routes: ..." and a line for each of the largest.
+std::string folded_text(std::string const& row, std::size_t routes, std::vector<FoldedRow> const&);
+
 std::string path_text(PathTable const&, std::size_t show);  // aligned, UTF-8, for terminals
 std::string path_csv(PathTable const&, RunContent const&);  // all digits
 std::string path_json(PathTable const&, RunContent const&);
@@ -134,6 +154,8 @@ std::string text_report(RunContent const&, PathTable const&, std::size_t show,
                         std::vector<std::string> const& assumptions = {});
 // Where the light went: emitted, then a line for each fate, and whether they balance.
 std::string books_text(RunContent const&);
+// Power that arrives on each group and what it absorbs, then what media absorb; largest absorber first.
+std::string objects_text(RunContent const&);
 // "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
 std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
 

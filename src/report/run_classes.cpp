@@ -29,28 +29,29 @@ void check_ids(Small const& ids, std::size_t names, char const* what) {
 
 // Where a list of routes stands in the file, and what its routes end on.
 struct Section {
-  std::string classes, records, end;  // groups, column
+  std::string classes, records, folded, end;  // groups, column
   std::vector<CouplingClass> CouplingTable::*list;
   std::vector<std::string> CouplingTable::*ends;
 };
-Section const to_ports{"/classes", "/records", "port", &CouplingTable::classes, &CouplingTable::ports};
-Section const to_receivers{"/received", "/received_records", "receiver", &CouplingTable::received,
-                           &CouplingTable::receivers};
+Section const to_ports{"/classes", "/records", "/folded", "port", &CouplingTable::classes, &CouplingTable::ports};
+Section const to_receivers{"/received", "/received_records",      "/received_folded",
+                           "receiver",  &CouplingTable::received, &CouplingTable::receivers};
 
-void write_steps(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
+template <class Row>
+void write_steps(hdf5::Writer& out, std::string const& place, std::vector<Row> const& rows) {
   Counts offset = {0};
   Small group;
   Bytes event;
-  for (CouplingClass const& c : table.*at.list) {
+  for (Row const& c : rows) {
     for (PathStep const& s : c.steps) {
       group.push_back(s.group.value);
       event.push_back(std::uint8_t(s.event));
     }
     offset.push_back(group.size());
   }
-  out.array(at.classes + "/step_offset", offset, "1");
-  out.array(at.classes + "/step_group", group, "row of /names/groups");
-  out.array(at.classes + "/step_event", event,
+  out.array(place + "/step_offset", offset, "1");
+  out.array(place + "/step_group", group, "row of /names/groups");
+  out.array(place + "/step_event", event,
             "0 emit, 1 scatter, 2 reflect, 3 couple, 4 transmit, 5 receive, 6 start of a free beam");
 }
 
@@ -64,7 +65,7 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
               }));
   out.array(place + at.end, column<std::uint32_t>(rows, [](auto& c) { return c.port.value; }),
             "row of /names/" + at.end + "s");
-  write_steps(out, at, table);
+  write_steps(out, at.classes, rows);
   number("reverse", [](auto& c) { return c.reverse; });
   out.array(place + "by_reverse", column<std::uint8_t>(rows, [](auto& c) { return c.by_reverse; }), "0 or 1");
   number("mean", [](auto& c) { return c.coupling.mean; });
@@ -77,9 +78,31 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
   out.array(place + "scored", column<std::uint64_t>(rows, [](auto& c) { return c.coupling.scored; }), "1");
   out.array(place + "trusted", column<std::uint8_t>(rows, [](auto& c) { return c.coupling.trusted; }), "0 or 1");
   out.strings(place + "why_not", column<std::string>(rows, [](auto& c) { return c.coupling.why_not; }));
+  out.array(place + "folded_routes", column<std::uint64_t>(rows, [](auto& c) { return c.folded_routes; }), "1");
   Doubles replicas;
   for (CouplingClass const& c : rows) replicas.insert(replicas.end(), c.replica_sum.begin(), c.replica_sum.end());
   out.array(place + "replica_sum", replicas, "1", {rows.size(), replica_count});
+}
+
+// What rows `other` sum: the largest routes of each.
+void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
+  Small owner;
+  std::vector<FoldedRoute> rows;
+  for (std::size_t i = 0; i < (table.*at.list).size(); ++i)
+    for (FoldedRoute const& f : (table.*at.list)[i].folded) {
+      owner.push_back(std::uint32_t(i));
+      rows.push_back(f);
+    }
+  std::string const place = at.folded + "/";
+  out.group(at.folded, "the largest routes in rows 'other', and why they have no row of their own");
+  out.array(place + "class", owner, "row of " + at.classes);
+  out.array(place + "hash", column<std::uint64_t>(rows, [](auto& f) { return f.hash; }), "1");
+  out.strings(place + "name", column<std::string>(rows, [&](auto& f) { return folded_name(table, f); }));
+  write_steps(out, at.folded, rows);
+  out.array(place + "mean", column<double>(rows, [](auto& f) { return f.mean; }), "1");
+  out.array(place + "std_error", column<double>(rows, [](auto& f) { return f.std_error; }), "1");
+  out.array(place + "trusted", column<std::uint8_t>(rows, [](auto& f) { return f.trusted; }), "0 or 1");
+  out.strings(place + "why", column<std::string>(rows, [](auto& f) { return f.why; }));
 }
 
 void write_levers(hdf5::Writer& out, std::string const& place, std::vector<PathRecord> const& rows) {
@@ -119,16 +142,33 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
   write_levers(out, place, rows);
 }
 
-void read_steps(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
-  Small const group = in.array<std::uint32_t>(at.classes + "/step_group");
-  Bytes const event = in.rows<std::uint8_t>(at.classes + "/step_event", group.size());
-  Counts const offset = read_offsets(in, at.classes + "/step_offset", (table.*at.list).size(), group.size());
-  check_ids(group, table.groups.size(), "a group");
-  for (std::size_t i = 0; i < (table.*at.list).size(); ++i)
+template <class Row>
+void read_steps(hdf5::Reader const& in, std::string const& place, std::size_t groups, std::vector<Row>& rows) {
+  Small const group = in.array<std::uint32_t>(place + "/step_group");
+  Bytes const event = in.rows<std::uint8_t>(place + "/step_event", group.size());
+  Counts const offset = read_offsets(in, place + "/step_offset", rows.size(), group.size());
+  check_ids(group, groups, "a group");
+  for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
       if (event[k] > std::uint8_t(Event::start)) damaged_run("a step of unknown kind");
-      (table.*at.list)[i].steps.push_back({{group[k]}, Event(event[k])});
+      rows[i].steps.push_back({{group[k]}, Event(event[k])});
     }
+}
+
+void read_folded(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
+  if (!in.has(at.folded)) return;  // since schema 1.3
+  std::string const place = at.folded + "/";
+  Small const owner = in.array<std::uint32_t>(place + "class");
+  std::size_t const n = owner.size();
+  check_ids(owner, (table.*at.list).size(), "a part of a row");
+  Counts const hash = in.rows<std::uint64_t>(place + "hash", n);
+  Doubles const mean = in.rows<double>(place + "mean", n), error = in.rows<double>(place + "std_error", n);
+  Bytes const trusted = in.rows<std::uint8_t>(place + "trusted", n);
+  std::vector<std::string> const why = in.strings(place + "why", n);
+  std::vector<FoldedRoute> rows;
+  for (std::size_t i = 0; i < n; ++i) rows.push_back({hash[i], {}, mean[i], error[i], trusted[i] != 0, why[i]});
+  read_steps(in, at.folded, table.groups.size(), rows);
+  for (std::size_t i = 0; i < n; ++i) (table.*at.list)[owner[i]].folded.push_back(std::move(rows[i]));
 }
 
 void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable& table) {
@@ -149,7 +189,9 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
   Doubles const slope = optional("tail_slope"), halves = optional("halves");
   Bytes const trusted = in.rows<std::uint8_t>(at.classes + "/trusted", n);
   std::vector<std::string> const why = in.strings(at.classes + "/why_not", n);
-  std::string const mirrored = at.classes + "/by_reverse";  // since schema 1.2
+  std::string const mirrored = at.classes + "/by_reverse";    // since schema 1.2
+  std::string const counted = at.classes + "/folded_routes";  // since schema 1.3
+  Counts const folded = in.has(counted) ? in.rows<std::uint64_t>(counted, n) : Counts(n);
   Bytes const by_reverse = in.has(mirrored) ? in.rows<std::uint8_t>(mirrored, n) : Bytes(n);
   for (std::size_t i = 0; i < n; ++i) {
     CouplingClass& c = (table.*at.list)[i];
@@ -157,6 +199,7 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
     c.port = {port[i]};
     c.reverse = reverse[i];
     c.by_reverse = by_reverse[i] != 0;
+    c.folded_routes = folded[i];
     c.coupling = {mean[i],   error[i],        vov[i], largest[i], effective[i],
                   scored[i], trusted[i] != 0, why[i], slope[i],   halves[i]};
     std::copy_n(replicas.begin() + std::ptrdiff_t(i * replica_count), replica_count, c.replica_sum.begin());
@@ -202,10 +245,12 @@ void write_classes(hdf5::Writer& out, CouplingTable const& table) {
   out.array("/classes/replica_histories", Counts(table.replica_histories.begin(), table.replica_histories.end()), "1");
   write_class_columns(out, to_ports, table);
   write_records(out, to_ports, table);
+  write_folded(out, to_ports, table);
   out.strings("/names/receivers", table.receivers);
   out.group("/received", "one row per route of light that ends on a receiver; power over that of the main mode");
   write_class_columns(out, to_receivers, table);
   write_records(out, to_receivers, table);
+  write_folded(out, to_receivers, table);
 }
 
 CouplingTable read_classes(hdf5::Reader const& in) {
@@ -223,7 +268,8 @@ CouplingTable read_classes(hdf5::Reader const& in) {
   for (Section const& at : {to_ports, to_receivers}) {
     if (!in.has(at.classes)) continue;
     read_class_columns(in, at, table);
-    read_steps(in, at, table);
+    read_steps(in, at.classes, table.groups.size(), table.*at.list);
+    read_folded(in, at, table);
     read_records(in, at, table);
   }
   return table;

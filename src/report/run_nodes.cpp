@@ -155,6 +155,33 @@ struct ClassColumns {
   }
 };
 
+// Lists of moments, one per node, laid end to end.
+struct ListColumns {
+  Counts offset = {0};
+  MomentColumns moments;
+
+  void add(std::vector<Moments> const& list) {
+    for (Moments const& m : list) moments.add(m);
+    offset.push_back(moments.numbers.size() / counts);
+  }
+  void write(hdf5::Writer& out, std::string const& path) const {
+    out.array(path + "_offset", offset, "1");
+    moments.write(out, path, {offset.back()});
+  }
+  static ListColumns read(hdf5::Reader const& in, std::string const& path, std::size_t nodes) {
+    if (!in.has(path)) return {Counts(nodes + 1), {}};
+    ListColumns c;
+    c.moments = MomentColumns::read(in, path, in.shape(path).at(0));
+    c.offset = read_offsets(in, path + "_offset", nodes, c.moments.numbers.size() / counts);
+    return c;
+  }
+  std::vector<Moments> at(std::size_t node) const {
+    std::vector<Moments> list;
+    for (std::size_t k = offset[node]; k < offset[node + 1]; ++k) list.push_back(moments.at(k));
+    return list;
+  }
+};
+
 using Counter = std::uint64_t BlockSums::*;
 struct NamedCounter {
   char const* name;
@@ -177,9 +204,10 @@ void write_counters(hdf5::Writer& out, SumTree const& tree) {
 }  // namespace
 
 void write_nodes(hdf5::Writer& out, SumTree const& tree) {
-  Counts first, arrived_offset = {0};
+  Counts first;
   std::vector<std::uint32_t> level;
-  MomentColumns emitted, ledger, arrived;
+  MomentColumns emitted, ledger;
+  ListColumns arrived, absorbed;
   ScoreColumns received;
   Doubles window_variance;
   ClassColumns classes;
@@ -189,8 +217,8 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
     emitted.add(node.emitted);
     for (Moments const& m : node.ledger) ledger.add(m);
     window_variance.push_back(node.window_variance);
-    for (Moments const& m : node.arrived) arrived.add(m);
-    arrived_offset.push_back(arrived.numbers.size() / counts);
+    arrived.add(node.arrived);
+    absorbed.add(node.absorbed);
     for (ReceiverSums const& r : node.receivers) received.add(r.power);
     for (auto const& [hash, c] : node.classes) classes.add(hash, c);
     classes.offset.push_back(classes.hash.size());
@@ -202,8 +230,8 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   emitted.write(out, "/nodes/emitted", {first.size()});
   ledger.write(out, "/nodes/ledger", {first.size(), fate_count});
   out.array("/nodes/window_variance", window_variance, "1");
-  out.array("/nodes/arrived_offset", arrived_offset, "1");
-  arrived.write(out, "/nodes/arrived", {arrived_offset.back()});
+  arrived.write(out, "/nodes/arrived");
+  absorbed.write(out, "/nodes/absorbed");
   classes.write(out);
   received.write(out, "/nodes/received", "/nodes/received");
   write_node_maps(out, tree);
@@ -217,8 +245,8 @@ SumTree read_nodes(hdf5::Reader const& in) {
   MomentColumns const ledger = MomentColumns::read(in, "/nodes/ledger", n, fate_count);
   bool const odds = in.has("/nodes/window_variance");  // since schema 1.2
   Doubles const window_variance = odds ? in.rows<double>("/nodes/window_variance", n) : Doubles(n);
-  MomentColumns const arrived = MomentColumns::read(in, "/nodes/arrived", in.shape("/nodes/arrived").at(0));
-  Counts const arrived_offset = read_offsets(in, "/nodes/arrived_offset", n, arrived.numbers.size() / counts);
+  ListColumns const arrived = ListColumns::read(in, "/nodes/arrived", n);
+  ListColumns const absorbed = ListColumns::read(in, "/nodes/absorbed", n);  // since schema 1.3
   ClassColumns const classes = ClassColumns::read(in, n);
 
   std::vector<BlockSums> nodes(n);
@@ -239,7 +267,8 @@ SumTree read_nodes(hdf5::Reader const& in) {
     node.emitted = emitted.at(i);
     node.window_variance = window_variance[i];
     for (std::size_t k = 0; k < fate_count; ++k) node.ledger[k] = ledger.at(i * fate_count + k);
-    for (std::size_t k = arrived_offset[i]; k < arrived_offset[i + 1]; ++k) node.arrived.push_back(arrived.at(k));
+    node.arrived = arrived.at(i);
+    node.absorbed = absorbed.at(i);
     for (std::size_t k = classes.offset[i]; k < classes.offset[i + 1]; ++k)
       node.classes.emplace(classes.hash[k], classes.at(k));
     if (level[i] > 52 || (first[i] >> level[i]) << level[i] != first[i]) damaged_run("a node has an impossible place");

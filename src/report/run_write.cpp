@@ -126,6 +126,8 @@ void write_ledger(hdf5::Writer& out, TraceResult const& trace) {
   write_estimates(out, "/ledger", all, total);
   out.group("/arrived", "power arriving on each group per history; rows as in /names/groups");
   write_estimates(out, "/arrived", total.arrived, total);
+  out.group("/absorbed", "power absorbed by each group per history; rows as in /names/groups, then all media");
+  write_estimates(out, "/absorbed", total.absorbed, total);
 }
 
 void write_run(std::string const& file, RunContent const& run) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "report/band.hpp"
 #include "report/columns.hpp"
@@ -118,18 +119,9 @@ std::vector<std::string> power_cells(RunContent const& run, std::string const& n
   return row;
 }
 
-std::string arrivals(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  std::vector<std::string> const& groups = run.trace->coupling.groups;
-  Columns c;
-  c.titles = {"group", "power arriving per history"};
-  c.left = {true};
-  if (run.beam_power > 0) c.titles.push_back("power/W");
-  for (std::size_t i = 0; i < std::min(groups.size(), total.arrived.size()); ++i) {
-    Estimate const e = estimate(total.arrived[i], total.histories, total.blocks);
-    c.rows.push_back(power_cells(run, groups[i], e, "no light arrived"));
-  }
-  return c.rows.empty() ? "" : section("Light arriving") + aligned(c);
+std::string objects(RunContent const& run) {
+  std::string const text = objects_text(run);
+  return text.empty() ? text : section("Light on objects") + text;
 }
 
 std::string assumed(RunContent const& run, std::vector<std::string> const& more) {
@@ -198,6 +190,39 @@ std::string books_text(RunContent const& run) {
   return text;
 }
 
+std::string objects_text(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  std::vector<std::string> const& groups = run.trace->coupling.groups;
+  if (total.arrived.size() != groups.size() || groups.empty()) return {};
+  Columns c;
+  c.titles = {"object", "arriving per history", "absorbed per history"};
+  c.left = {true};
+  if (run.beam_power > 0)
+    c.titles = {"object", "arriving per history", "arriving/W", "absorbed per history", "absorbed/W"};
+  bool const known = total.absorbed.size() == groups.size() + 1;  // files of schema 1.2 do not say
+  auto const cells = [&](std::vector<Moments> const& list, std::size_t i, std::string const& nothing) {
+    Estimate e;
+    if (i < list.size()) e = estimate(list[i], total.histories, total.blocks);
+    if (std::fabs(e.mean) * double(total.histories) < closed * total.emitted.sum) e.scored = 0;  // rounding
+    std::vector<std::string> row = power_cells(run, "", e, nothing);
+    return std::vector<std::string>(row.begin() + 1, row.end());
+  };
+  std::vector<std::size_t> order(groups.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<Moments> const& by = known ? total.absorbed : total.arrived;
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return by[a].sum > by[b].sum; });
+  if (known && total.absorbed.back().sum > 0) order.push_back(groups.size());
+  for (std::size_t const i : order) {
+    bool const media = i == groups.size();
+    std::vector<std::string> row = {media ? "(in media)" : groups[i]};
+    for (auto const& more : {cells(total.arrived, i, media ? "" : "none seen"),
+                             cells(total.absorbed, i, known ? "none seen" : "not known")})
+      row.insert(row.end(), more.begin(), more.end());
+    c.rows.push_back(std::move(row));
+  }
+  return aligned(c) + "\nLight arrives as often as it comes by; what is absorbed sums to 'absorbed' above.\n";
+}
+
 std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz) {
   auto const [low, high] = band_of(b.grid, low_hz, high_hz);
   std::string text = compared(b, low, high);
@@ -227,7 +252,7 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
     text += section("Routes") + path_text(table, show);
   }
   if (received) text += section("Receivers") + receiver_text(receiver_table(run), show);
-  text += section("Where the light went") + books_text(run) + arrivals(run) + assumed(run, assumptions) +
+  text += section("Where the light went") + books_text(run) + objects(run) + assumed(run, assumptions) +
           provenance(run) + warnings(run);
   return text;
 }

@@ -37,6 +37,9 @@ class InPart : public Document {
     return whole_.evaluate(node, scope);
   }
   std::string data_file(Node const& from, std::string const& name) override { return whole_.data_file(from, name); }
+  std::optional<std::string> optional_file(Node const& from, std::string const& name) override {
+    return whole_.optional_file(from, name);
+  }
   Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override {
     return whole_.place_in_file(from, name, line, column);
   }

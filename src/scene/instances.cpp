@@ -27,6 +27,7 @@ struct Unfolding {
   std::vector<Node> frames;  // outermost first
   double offset = 0;
   int axis = -1;
+  bool refused = false;
 };
 
 class Expander {
@@ -53,14 +54,14 @@ class Expander {
     Repeat const repeat = read_repeat(entry);
     if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
     Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
-    if (entry.has("use") && !part) return;
+    if (entry.has("use") && !part) return emit({name, name, entry, {}, 0, -1, true}, entry);
     std::size_t const faces = part ? faces_.count(entry["use"], most_instances) : 1;
     if (faces == 0) return;
     if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
     GivenParameters given = given_by(entry, part);
     if (!check_columns(entry, part, repeat)) return;
     std::shared_ptr<Scope const> scope = part ? part_scope(part, given) : nullptr;
-    if (part && repeat.columns.empty() && !within_limits(entry, name, part, scope)) return;
+    bool sizes = !part || !repeat.columns.empty() || within_limits(entry, name, part, scope);
     for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
       std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
       Unfolding u{split ? instance : name, instance, entry, {}, repeat.offsets[i], repeat.axis};
@@ -73,9 +74,11 @@ class Expander {
         for (std::size_t c = 0; c < repeat.columns.size(); ++c)
           given[repeat.columns[c].name] = {repeat.rows[i][c], nullptr};
         scope = part_scope(part, given);
-        if (!within_limits(entry, instance, part, scope)) return;
+        sizes = within_limits(entry, instance, part, scope);
       }
+      u.refused = !sizes;
       unfold(part, scope, u);
+      if (!sizes) return;  // the others are refused alike
     }
   }
 
@@ -219,7 +222,7 @@ class Expander {
         face[key].problem(fmt::format("'{}' inside a part is not supported", key),
                           "repeat the whole part in 'scene', or write one face per position");
     auto const scope = part_scope(part, given_by(face, part));
-    if (!within_limits(face, u.group, part, scope)) return;
+    u.refused = u.refused || !within_limits(face, u.group, part, scope);
     u.placement = placed_in(u.placement, face);
     face.refuse_unknown(fmt::format("a face that uses part '{}'", face["use"].text()));
     unfold(part, scope, u);
@@ -255,7 +258,7 @@ class Expander {
   }
 
   void emit(Unfolding const& u, Node const& node) {
-    out_.push_back({u.group, u.name, node, u.placement, u.frames, u.offset, u.axis});
+    out_.push_back({u.group, u.name, node, u.placement, u.frames, u.offset, u.axis, u.refused});
   }
 
   SceneDocument& document_;

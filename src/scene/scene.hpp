@@ -34,6 +34,7 @@ class Scene {
     std::vector<Node> frames;  // outermost first: tables holding at / facing / rotate
     double offset = 0;         // m along the repeat axis, in the frame the scene entry stands in (outermost)
     int repeat_axis = -1;      // 0, 1, 2 = x, y, z; -1 none
+    bool refused = false;      // its part is not known or cannot be built, which is reported: only names are read
   };
   std::vector<Instance> const& instances() const;
 

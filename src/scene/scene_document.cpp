@@ -134,6 +134,18 @@ std::uint32_t SceneDocument::open_main(std::string const& name) {
   return add_source(name, std::move(*text), true);
 }
 
+std::string SceneDocument::name_from(Node const& named_by, std::string const& written) const {
+  Source const& from = sources_.at(named_by.place().file);
+  auto const base = from.stored ? std::filesystem::path(from.name).parent_path() : std::filesystem::path();
+  return (base / written).lexically_normal().generic_string();
+}
+
+std::optional<std::uint32_t> SceneDocument::known_source(std::string const& name) const {
+  for (std::uint32_t i = 0; i < sources_.size(); ++i)
+    if (sources_[i].stored && sources_[i].name == name) return i;
+  return {};
+}
+
 std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::string const& written,
                                                  std::size_t size_limit) {
   bool const control =
@@ -147,11 +159,8 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
                      "write a name relative to this file, for example 'data/steel.csv'");
     return {};
   }
-  Source const& from = sources_.at(named_by.place().file);
-  auto const base = from.stored ? std::filesystem::path(from.name).parent_path() : std::filesystem::path();
-  std::string const name = (base / written).lexically_normal().generic_string();
-  for (std::uint32_t i = 0; i < sources_.size(); ++i)
-    if (sources_[i].stored && sources_[i].name == name) return i;
+  std::string const name = name_from(named_by, written);
+  if (auto const known = known_source(name)) return known;
   std::string why;
   auto text = read(name, size_limit, why);
   if (!text) {
@@ -167,6 +176,16 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
 std::string SceneDocument::data_file(Node const& from, std::string const& name) {
   auto const file = open(from, name, data_file_limit);
   return file ? sources_[*file].text : std::string();
+}
+
+std::optional<std::string> SceneDocument::optional_file(Node const& from, std::string const& written) {
+  if (written.empty() || is_absolute(written)) return {};
+  std::string const name = name_from(from, written);
+  if (auto const known = known_source(name)) return sources_[*known].text;
+  std::string why;
+  auto text = read(name, data_file_limit, why);
+  if (text) add_source(name, *text, true);
+  return text;
 }
 
 Place SceneDocument::place_in_file(Node const& from, std::string const& name, std::uint32_t line,

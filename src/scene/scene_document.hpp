@@ -38,6 +38,7 @@ class SceneDocument : public Document {
   std::optional<Value> evaluate(NodeData const&, Scope const*) override;
   std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
   std::string data_file(Node const& from, std::string const& name) override;
+  std::optional<std::string> optional_file(Node const& from, std::string const& name) override;
   Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override;
 
   std::uint32_t add_source(std::string name, std::string text, bool stored);
@@ -58,6 +59,9 @@ class SceneDocument : public Document {
   Document* keep(std::unique_ptr<Document> view) { return views_.emplace_back(std::move(view)).get(); }
 
  private:
+  // Where the file stands that a file of the model names so.
+  std::string name_from(Node const& named_by, std::string const& written) const;
+  std::optional<std::uint32_t> known_source(std::string const& name) const;
   std::optional<std::string> read(std::string const& name, std::size_t size_limit, std::string& why);
 
   std::filesystem::path folder_;

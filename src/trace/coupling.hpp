@@ -49,6 +49,16 @@ struct PathRecord {
   std::vector<Lever> levers;     // relative to the main mode; one entry per body touched
 };
 
+// A route without a row of its own: part of a row `other`.
+struct FoldedRoute {
+  std::uint64_t hash = 0;
+  std::vector<PathStep> steps;     // empty: routes beyond the length limit, together
+  double mean = 0, std_error = 0;  // as those of an estimate; a hint
+  bool trusted = false;            // the number is good, only its route is too long to be named
+  std::string why;
+};
+constexpr std::size_t folded_kept = 12;  // by row
+
 // All ordered paths of one route. Couplings are of ORDERED paths; `reverse` (C_rev) is multiplied in by the projection.
 struct CouplingClass {
   std::uint64_t hash = 0;  // stable name of the route
@@ -60,6 +70,8 @@ struct CouplingClass {
   bool by_reverse = false;                             // all of this was sampled on the same route run backwards
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
+  std::uint64_t folded_routes = 0;  // of `other`: how many it sums
+  std::vector<FoldedRoute> folded;  // the largest of them, descending
 };
 
 struct CouplingTable {
@@ -79,5 +91,6 @@ struct CouplingTable {
 // "ITM·S > baffles·S > ITM·S", or "other" for routes beyond the length limit.
 std::string route_name(CouplingTable const&, CouplingClass const&);
 std::string received_name(CouplingTable const&, CouplingClass const&);  // of a route that ends on a receiver
+std::string folded_name(CouplingTable const&, FoldedRoute const&);
 
 }  // namespace straytrace

@@ -86,7 +86,8 @@ struct BlockSums {
   std::array<Moments, fate_count> ledger = {};
   double window_variance = 0;  // of the sum of `window`, from the odds of each roulette
   std::vector<ReceiverSums> receivers;
-  std::vector<Moments> arrived;  // power arriving on each group, per emitted history
+  std::vector<Moments> arrived;   // power arriving on each group, per emitted history
+  std::vector<Moments> absorbed;  // by each group, then in all media: they sum to the column `absorbed`
 };
 BlockSums merged(BlockSums left, BlockSums const& right);
 

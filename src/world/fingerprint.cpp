@@ -81,6 +81,10 @@ std::string World::fingerprint() const {
     out.add(o.reflect);
     out.add(o.transmit);
     out.add(o.depolarise);
+    if (o.lay != Lay::free) {
+      out.add(std::uint64_t(o.lay));
+      out.add(o.lay_direction);
+    }
     if (o.has_interface) {
       out.add(std::uint64_t(o.interface.kind));
       v.interfaces.visit(o.interface, [&](auto const& i) { i.numbers([&](double x) { out.add(x); }); });

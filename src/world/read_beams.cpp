@@ -70,6 +70,7 @@ void read_cavity(Node const& beam, Node const& cavity, Registry const& names, Wo
   if (!read_mirror(mirrors[1], names, world, two) || !found) return;
   Vec3 const span = two.vertex - one.vertex;
   double const distance = length(span);
+  if (!std::isfinite(distance + one.curvature + two.curvature)) return;  // a number is missing, and reported
   double const miss = std::fmax(length(cross(span, one.axis)), length(cross(span, two.axis)));
   if (!(distance > 0) || miss > 1e-9 * distance || dot(span, one.axis) < 0 || dot(span, two.axis) > 0) {
     cavity.problem(fmt::format("the mirrors of '{}' do not face each other", name),
@@ -178,10 +179,12 @@ void read_spot(Node const& beam, Registry const& names, World& world, Lighting c
   f.emits = beam.flag("emits", true);
   f.beam = light.number;
   f.receives = false;
-  if (!f.surface.valid()) return;
-  f.centre = beam.has("centre") ? read_vector(beam["centre"], dim::length)
-                                : world.view().shapes.visit(world.surfaces()[f.surface.value].shape,
-                                                            [](auto const& s) { return s.reference(); });
+  bool const aimed = beam.has("centre");
+  if (aimed) f.centre = read_vector(beam["centre"], dim::length);
+  if (!f.surface.valid()) return;  // all else of the beam has been read
+  if (!aimed)
+    f.centre =
+        world.view().shapes.visit(world.surfaces()[f.surface.value].shape, [](auto const& s) { return s.reference(); });
   world.add_footprint(f);
 }
 

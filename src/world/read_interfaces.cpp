@@ -162,6 +162,9 @@ void prescribe_scatter(Node const& material, World& world, Optic& optic) {
         "give one law without a weight, whose total is then ignored, or remove 'scatter' or 'absorb' there");
     return;
   }
+  if (optic.lay != Lay::free)
+    return material.problem("the coating says how much is scattered in all, and grooves scatter by direction",
+                            "remove 'scatter' or 'absorb' of the coating, or use another law");
   SpecularPool const interfaces = world.view().interfaces;
   AngleWeight const weight = weight_for_share(
       world.view().laws, optic.law[0], [&](double cosine) { return prescribed_scatter(interfaces, optic, cosine); });

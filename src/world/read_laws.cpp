@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "base/message.hpp"
@@ -138,6 +139,62 @@ void read_microfacet(Node const& law, LawReading& out) {
   for (double const total : p.totals.value)
     if (!(total <= stated * (1 + 1e-9)))
       throw NumericalError(fmt::format("microfacet: total {:.9g} above the reflectance {:.9g}", total, stated));
+  out.add(p);
+}
+
+namespace {
+
+// How the grooves run; all of one material run one way.
+bool read_lay(Node const& law, Optic& optic) {
+  static constexpr std::array<std::string_view, 2> words = {"around", "along"};
+  Node const node = law["lay"];
+  if (!node) {
+    law.problem("key 'lay' (how the grooves run) is missing",
+                "write lay: around (turned), lay: along (drawn) or a direction of the scene, [1, 0, 0]");
+    return false;
+  }
+  Lay lay = Lay::given;
+  Vec3 direction;
+  if (node.kind() == Node::Kind::list) {
+    direction = read_vector(node, dim::plain);
+    if (!(length(direction) > 0)) {
+      node.problem("a direction of length zero", "write for example [1, 0, 0]");
+      return false;
+    }
+    direction = unit(direction);
+  } else {
+    lay = law.choice("lay", words) == "along" ? Lay::along : Lay::around;
+  }
+  bool const other = optic.lay != Lay::free && (optic.lay != lay || length(optic.lay_direction - direction) > 1e-9);
+  if (other) node.problem("the grooves of one material run one way", "give all laws of the material the same 'lay'");
+  optic.lay = lay;
+  optic.lay_direction = direction;
+  return !other;
+}
+
+}  // namespace
+
+void read_grooves(Node const& law, LawReading& out) {
+  Grooves p;
+  p.across = law.number("across", dim::plain, required, 1e-3, 1);
+  p.along = law.number("along", dim::plain, required, 1e-4, 1);
+  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
+  p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
+  bool sound = read_lay(law, *out.optic) && p.along <= p.across;
+  for (char const* key : {"through", "weight"})
+    if (Node const other = law[key]) {
+      other.problem(fmt::format("'grooves' has no '{}'", key), "leave it out, or use another law");
+      sound = false;
+    }
+  if (p.along > p.across)
+    law["along"].problem("'along' is larger than 'across': grooves are steep across and smooth along", "swap the two");
+  if (!(sound && p.across > 0 && p.along > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
+  p.prepare();
+  double const stated = std::fmax(p.reflectance, p.grazing);
+  for (AlbedoTable const& row : p.totals)
+    for (double const total : row.value)
+      if (!(total <= stated * (1 + 1e-9)))
+        throw NumericalError(fmt::format("grooves: total {:.9g} above the reflectance {:.9g}", total, stated));
   out.add(p);
 }
 

@@ -14,6 +14,7 @@ struct LawReading {
   World& world;
   std::string material;
   std::vector<PoolRef> laws;  // what was read
+  Optic* optic = nullptr;     // of the material
 
   template <class Law>
   void add(Law const& law) {
@@ -29,6 +30,7 @@ void read_harvey(Node const&, LawReading&);
 void read_gaussian(Node const&, LawReading&);
 void read_polynomial(Node const&, LawReading&);
 void read_microfacet(Node const&, LawReading&);
+void read_grooves(Node const&, LawReading&);
 void read_defects(Node const&, LawReading&);
 void read_dust(Node const&, LawReading&);
 void read_k_correlation(Node const&, LawReading&);

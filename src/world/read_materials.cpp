@@ -26,6 +26,7 @@ constexpr std::array models{Model{"lambertian", read_lambertian},
                             Model{"gaussian", read_gaussian},
                             Model{"polynomial", read_polynomial},
                             Model{"microfacet", read_microfacet},
+                            Model{"grooves", read_grooves},
                             Model{"k-correlation", read_k_correlation},
                             Model{"psd", read_psd},
                             Model{"harvey-shack", read_harvey_shack},
@@ -108,11 +109,20 @@ LawInfo provenance_of(std::string const& preset) {
   return {};
 }
 
+Vec3 incoming(double cosine, double turn) {
+  double const sine = std::sqrt((1 - cosine) * (1 + cosine));
+  SinCos const azimuth = sincos_turn(turn);
+  return {sine * azimuth.cos, sine * azimuth.sin, cosine};
+}
+
 // physics.md eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum.
 void check_energy(std::string const& name, Node const& node, Optic const& optic, WorldView const& world) {
   for (int i = AlbedoTable::size - 1; i >= 0; --i) {
     double const cosine = AlbedoTable::cosine(i);
-    double const scattered = scatter_albedo(world.laws, optic, cosine);
+    double scattered = scatter_albedo(world.laws, optic, cosine);
+    for (double const turn : {0.0, 0.125, 0.25})  // grooves: the direction counts
+      if (optic.lay != Lay::free)
+        scattered = std::max(scattered, scatter_albedo(world.laws, optic, incoming(cosine, turn)));
     SpecularShares const s = specular_shares(world.interfaces, optic, cosine, 1, 1, true, scattered);
     if (!(s.reflect + s.transmit + scattered > 1 + 1e-9)) continue;  // NaN: a value is missing, and reported
     node.problem(
@@ -133,7 +143,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     MaterialInfo info{name, node.word("source", "not given"), {}, 0};
     read_specular(node, world, names, optic);
     optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
-    LawReading reading{world, name, {}};
+    LawReading reading{world, name, {}, &optic};
     if (node.has("preset")) {
       read_preset(node, reading, optic);
       for (std::size_t i = 0; i < reading.laws.size(); ++i) {

@@ -36,6 +36,30 @@ void warn(Node const& file, MeshAdvice const& a) {
     document->add({document->place_in_file(file, file.text(), 0, 0), a.what, a.suggestion, Severity::warning});
 }
 
+// Material libraries that an OBJ file names; its own lines name the materials, so none is read.
+void look_for_libraries(Node const& file, std::string const& bytes, std::string const& folder) {
+  if (!file.document() || !file.as_word().ends_with(".obj")) return;
+  std::size_t number = 0;
+  for (std::size_t at = 0; at < bytes.size(); ++number) {
+    std::size_t const end = std::min(bytes.find('\n', at), bytes.size());
+    std::string_view line(bytes.data() + at, end - at);
+    at = end + 1;
+    constexpr std::string_view keyword = "mtllib ";
+    if (!line.starts_with(keyword)) continue;
+    line.remove_prefix(keyword.size());
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.remove_suffix(1);
+    if (line.empty()) continue;
+    std::string const name = shortened(line);
+    bool const below = line.find("..") == line.npos && line.find_first_of("\\:") == line.npos && line[0] != '/';
+    if (below && file.document()->optional_file(file, folder + std::string(line))) continue;
+    Place place = file.document()->place_in_file(file, file.text(), std::uint32_t(number + 1), 8);
+    file.document()->add({place, fmt::format("the material library '{}' that this file names is not beside it", name),
+                          "nothing is read from it, materials keep the names behind 'usemtl': copy it here if the "
+                          "export should be complete",
+                          Severity::warning});
+  }
+}
+
 std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, MeshLibrary& library) {
   std::string const name = file.as_word(), folder = name.substr(0, name.rfind('/') + 1);
   auto& slot = library[fmt::format("{}:{}", file.place().file, name)];
@@ -54,6 +78,7 @@ std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, MeshLibra
     file.file_problem(name, 0, 0, fault.what, fault.suggestion);
     return slot;
   }
+  look_for_libraries(file, bytes, folder);
   MeshHealth const health = examine(mesh->file);
   for (MeshAdvice const& a : advice(mesh->file, health)) warn(file, a);
   repair(mesh->file, health);

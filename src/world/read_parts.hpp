@@ -4,7 +4,9 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "world/world.hpp"
 
@@ -15,6 +17,7 @@ struct Registry {
   std::map<std::string, std::uint32_t> materials;  // optic index
   std::map<std::string, BodyId> bodies;
   std::map<std::string, SurfaceId> surfaces;  // by instance name, and by entry name when there is only one
+  std::set<std::string> refused;              // entries without surfaces, whose problem is reported
   std::map<std::string, Medium> media;        // of the scene; presets are found by find_medium
   std::map<std::uint32_t, Pose> frames;       // own frame of a surface, by its number; those of meshes are not here
   std::uint32_t black = 0;                    // optic that absorbs everything
@@ -37,7 +40,8 @@ void read_trace_limits(Scene const&, World&);
 void check_beams(Scene const&, World const&);  // of a finished world: do they light anything?
 
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
-std::string volume_fault(World const&, std::uint32_t volume);
+std::string volume_fault(World const&, std::vector<std::uint32_t> const& faces);
+std::vector<std::vector<std::uint32_t>> faces_of_volumes(World const&);  // by volume
 
 SurfaceId read_shape(Node const& shape, Surface const& as, Pose const&, World&);  // invalid: a problem was recorded
 // Finds a surface by name; invalid, and a problem with the nearest name, when there is none.

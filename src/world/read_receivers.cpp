@@ -154,6 +154,7 @@ SurfaceId find_surface(Node const& node, Registry const& names) {
   std::string const name = node.as_word();
   auto const found = names.surfaces.find(name);
   if (found != names.surfaces.end()) return found->second;
+  if (names.refused.contains(name.substr(0, name.find_first_of("/[")))) return {};
   std::vector<std::string> known;
   for (auto const& [n, id] : names.surfaces) known.push_back(n);
   std::string const near = nearest_word(name, known);

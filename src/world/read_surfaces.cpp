@@ -157,7 +157,26 @@ std::uint32_t volume_of(Scene::Instance const& instance, World& world, Registry 
   return shared.volumes[part] = id;
 }
 
+bool is_entry(Scene::Instance const& instance) { return instance.node.data() == instance.placement.data(); }
+
+// What a refused entry names is looked up all the same.
+void check_named(Scene::Instance const& instance, World const& world, Registry& names) {
+  names.refused.insert(instance.name.substr(0, instance.name.find_first_of("/[")));
+  if (is_entry(instance)) {
+    Node const by_face = instance.placement["surfaces"];
+    if (by_face.kind() == Node::Kind::table)
+      for (auto const& [face, node] : by_face.items()) find_named(node, names.materials, "material");
+  }
+  find_named(material_of(instance), names.materials, "material");
+  find_named(given(instance, "body"), names.bodies, "body");
+  Node const medium = given(instance, "medium");
+  if (medium && medium.as_word() != "none") find_medium(medium, world, names);
+  for (char const* key : {"shape", "side", "file", "units"}) given(instance, key);
+  for (Node const& frame : instance.frames) read_pose(frame);
+}
+
 void add_instance(Scene::Instance const& instance, World& world, Registry& names, Shared& shared) {
+  if (instance.refused) return check_named(instance, world, names);
   Pose pose;
   if (instance.repeat_axis >= 0) (&pose.origin.x)[instance.repeat_axis] = instance.offset;
   for (Node const& frame : instance.frames) pose = nested(pose, read_pose(frame));
@@ -214,10 +233,12 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
   Shared shared;
   for (Scene::Instance const& instance : scene.instances()) {
     add_instance(instance, world, names, shared);
+    if (is_entry(instance)) continue;  // its keys are those of the entry, below
     if (shared.complained.insert("keys of " + instance.group).second)
       instance.node.refuse_unknown(fmt::format("'{}'", instance.group));
   }
   for (Scene::Instance const& instance : scene.instances()) {  // all faces have read what they share
+    if (instance.refused && is_entry(instance)) continue;      // without its part, not all keys are known
     std::string const entry = instance.group.substr(0, instance.group.find_first_of("/["));
     if (shared.complained.insert("entry keys of " + entry).second)
       instance.placement.refuse_unknown(fmt::format("scene entry '{}'", entry));
@@ -225,9 +246,10 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
       if (Node const by_face = instance.placement["surfaces"]; by_face.kind() == Node::Kind::table)
         by_face.refuse_unknown("'surfaces'");
   }
+  auto const faces = faces_of_volumes(world);
   for (auto const& [id, place] : shared.volume_places) {
     if (!place.healthy()) break;
-    std::string const fault = volume_fault(world, id);
+    std::string const fault = id < faces.size() ? volume_fault(world, faces[id]) : "";
     if (!fault.empty())
       place.problem(fault,
                     "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "

@@ -17,6 +17,7 @@ namespace straytrace {
 
 // A surface and its shape, packed: what a search hands out.
 struct SurfaceRef {
+  static constexpr std::uint32_t most_shapes = 1u << 24;  // of one kind
   std::uint32_t surface = 0, packed = 0;
   STRAY_HD PoolRef shape() const { return {packed >> 24, packed & 0xffffffu}; }
   STRAY_HD static SurfaceRef of(std::uint32_t surface, PoolRef shape) {

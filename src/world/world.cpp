@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world/world.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "base/message.hpp"
 #include "world/search_item.hpp"
 
 namespace straytrace {
@@ -17,6 +20,13 @@ Pool<List> pool_of(Vectors const& vectors, std::index_sequence<I...>) {
 }
 
 }  // namespace
+
+void World::too_many_shapes(std::string_view kind) const {
+  throw InputError(
+      fmt::format("error: the scene has more than {} surfaces of the shape '{}'\n"
+                  "  repeat less, or describe many small surfaces by one mesh or one larger shape\n",
+                  most_shapes, kind));
+}
 
 std::uint32_t World::add_optic(Optic const& optic) {
   optics_.push_back(optic);

@@ -149,6 +149,7 @@ struct MaterialInfo {
 // Owns all arrays. Built from a scene by build_world, or piece by piece by tests.
 class World {
  public:
+  std::uint32_t most_shapes = SurfaceRef::most_shapes;  // of one kind; more throw InputError
   std::uint32_t add_optic(Optic const&);
   std::uint32_t add_volume(Medium const&);
   template <class T>
@@ -167,6 +168,7 @@ class World {
   SurfaceId add_surface(Shape const& shape, std::uint32_t front, std::uint32_t back, BodyId body, GroupId group,
                         std::uint32_t volume = Surface::none) {
     auto& list = std::get<std::vector<Shape>>(shapes_);
+    if (list.size() >= most_shapes) too_many_shapes(Shape::key);
     list.push_back(shape);
     surfaces_.push_back(
         {{kind_of<Shape, ShapeTypes>(), std::uint32_t(list.size() - 1)}, front, back, body, group, volume});
@@ -213,6 +215,7 @@ class World {
   std::vector<std::string> notes;       // what was assumed or computed on the way, for reports
 
  private:
+  [[noreturn]] void too_many_shapes(std::string_view kind) const;
   template <class T, class List>
   struct Vectors;
   template <class... T>

@@ -80,5 +80,10 @@ inline std::vector<Microfacet> const& instances() {
                                            microfacet(0.9, 0.5, 1)};
   return all;
 }
+template <>
+inline std::vector<Grooves> const& instances() {
+  static std::vector<Grooves> const all{grooves(0.3, 0.05, 0.6, 1), grooves(0.8, 0.2, 0.9, 0.9)};
+  return all;
+}
 
 }  // namespace straytrace::testing

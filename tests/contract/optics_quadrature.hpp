@@ -56,6 +56,7 @@ inline double finest(Roughness const& l) { return 0.1 * (l.b > 0 ? 1 / l.b : l.f
 inline double finest(Dust const& l) { return 0.3 * l.smallest; }
 inline double finest(Measured const& l) { return l.first; }
 inline double finest(Microfacet const& l) { return 0.1 * l.alpha; }
+inline double finest(Grooves const& l) { return 0.1 * l.along; }
 
 // Angles from the specular direction between which samples are counted; where the pdf has steps at normal incidence.
 template <class Law>
@@ -63,8 +64,8 @@ std::vector<double> cell_edges(Law const& law) {
   std::vector<double> edges{0};
   if constexpr (std::is_base_of_v<Lambertian, Law>) {
     for (int i = 1; i <= 30; ++i) edges.push_back(pi * i / 30);
-  } else if constexpr (std::is_base_of_v<Microfacet, Law>) {
-    double const first = 0.02 * law.alpha;
+  } else if constexpr (std::is_base_of_v<Microfacet, Law> || std::is_base_of_v<Grooves, Law>) {
+    double const first = 0.2 * finest(law);
     for (int i = 0; i <= 36; ++i) edges.push_back(first * std::pow(pi / 2 / first, i / 36.0));
     for (int i = 1; i <= 3; ++i) edges.push_back(pi / 2 + i * pi / 6);
   } else {

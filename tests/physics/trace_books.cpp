@@ -76,6 +76,40 @@ TEST(Books, CloseInRandomScenes) {
   }
 }
 
+// Each watt is on an object, in a medium, or out of the scene (requirements.md R2.24). Two groups, glass with losses.
+double open_by_object(BlockSums const& total) {
+  double sum = 0;
+  for (Moments const& m : total.absorbed) sum += m.sum;
+  for (Fate fate : {Fate::escaped, Fate::limit, Fate::window, Fate::sampling}) sum += total.ledger[int(fate)].sum;
+  return std::fabs(sum - total.emitted.sum) / total.emitted.sum;
+}
+TEST(Books, CloseByObject) {
+  for (std::uint64_t seed = 11; seed <= 14; ++seed) {
+    Lottery draw(seed);
+    World world = draw.world();
+    std::uint32_t const grey = lambertian_optic(world, draw.between(0.2, 0.8)), glass = [&] {
+      Optic optic;
+      optic.has_interface = true;
+      optic.interface = world.add_interface(Fresnel{});
+      return world.add_optic(optic);
+    }();
+    BodyId const body = world.add_body("more", {});
+    world.add_surface(Disk{{0.2, 0, 0.7}, {0, 0.1, 0.9}, 0, 0.4}, grey, grey, body, world.add_group("screen"));
+    std::uint32_t const volume = world.add_volume({1.5, draw.between(0.1, 3)});
+    world.add_surface(Sphere{{-0.4, -0.5, 2}, {0, 0, 1}, 0.25}, glass, glass, body, world.add_group("ball"), volume);
+    world.finish();
+    BlockSums const total = run_histories(world, histories).total;
+    ASSERT_EQ(total.absorbed.size(), 4u);
+    for (std::size_t i : {0, 1, 3}) EXPECT_GT(total.absorbed[i].sum, 0) << "scene " << seed << ", row " << i;
+    EXPECT_LT(open_by_object(total), 1e-12) << "scene " << seed;
+    for (std::size_t i : {0, 1, 3}) {  // twins: an object or the medium is forgotten
+      BlockSums forgetful = total;
+      forgetful.absorbed[i] = {};
+      EXPECT_GT(open_by_object(forgetful), 1e-9) << "scene " << seed << ", row " << i;
+    }
+  }
+}
+
 // Every single history closes, not only the sum.
 struct Ledger : Silent {
   double out = 0, in = 0, worst = 0;

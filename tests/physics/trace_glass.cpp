@@ -61,6 +61,11 @@ TEST(Glass, AbsorptionBeerLambert) {
   world.finish();
   TraceResult const r = run_histories(world, 1 << 16);
   EXPECT_NEAR(received(r).mean, std::exp(-2.0 * 0.2), 1e-12);
+  double const n = double(r.total.histories);  // R2.24: what each object absorbs
+  for (std::size_t i = 0; i < r.coupling.groups.size(); ++i)
+    EXPECT_NEAR(r.total.absorbed[i].sum / n, r.coupling.groups[i] == "photodiode" ? std::exp(-0.4) : 0, 1e-12);
+  EXPECT_NEAR(r.total.absorbed.back().sum / n, 1 - std::exp(-0.4), 1e-12);
+  EXPECT_GT(std::fabs(r.total.absorbed.back().sum / n - (1 - std::exp(-0.8))), 0.1);  // twin: the way counted twice
 }
 
 // A plate with a white back face, and a measuring plane inside it that looks at one side. What arrives there on its

@@ -180,6 +180,15 @@ TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
                                      "35 deg}}}\n",
                                      down)),
               HasSubstr(open));
+  auto const plugged = [&](std::string const& radius) {  // a gap of 1 % of the area is told, one of 0.1 % is not
+    std::string const place = "}}, at: [0 m, 0 m, -2 mm], facing: [0, 0, -1]}\n";
+    return "parts:\n  slab:\n    faces:\n      front: {shape: {disk: {outer_radius: 1 cm}}}\n" + barrel +
+           "      ring: {shape: {disk: {inner_radius: 9 mm, outer_radius: 1 cm" + place +
+           "      plug: {shape: {disk: {outer_radius: " + radius + place;
+  };
+  EXPECT_EQ(refusal_of(entry, plugged("9 mm")), "");
+  EXPECT_EQ(refusal_of(entry, plugged("8.98 mm")), "");
+  EXPECT_THAT(refusal_of(entry, plugged("8.8 mm")), HasSubstr(open));
   EXPECT_THAT(refusal_of("shape: {disk: {outer_radius: 1 cm}}, medium: glass"), HasSubstr(open));
   EXPECT_EQ(refusal_of("shape: {sphere: {radius: 1 cm}}, medium: glass"), "");
   EXPECT_THAT(refusal_of("use: lens, medium: glas"), HasSubstr("did you mean 'glass'?"));

@@ -80,6 +80,47 @@ TEST(PartErrors, AnUnknownKeyIsToldOnce) {
   EXPECT_THAT(check("use: lens, thicknes: 3 mm, diametre: 1 cm"), HasSubstr("2 errors."));  // twin
 }
 
+// What else an entry names is told at once with the reason why its part is refused.
+TEST(PartErrors, ARefusedPartDoesNotHideWhatItNames) {
+  std::string const rest = ", surfaces: {barrel: nono, back: nix}, medium: glas";
+  for (std::string const use : {"use: lens, radius_1: 1 cm", "use: lenss"}) {
+    std::string const said = check(use + rest);
+    for (char const* words : {"material 'nix' is not defined", "material 'nono' is not defined", "'glas'", "4 errors."})
+      EXPECT_THAT(said, HasSubstr(words)) << use;
+  }
+  EXPECT_THAT(check("use: lenss"), HasSubstr("1 error."));  // twin
+  std::string const inner =
+      "parts: {p: {params: {r: 1 m}, limits: {r: {at_most: 1 m, because: it must fit}}, "
+      "faces: {a: {shape: {disk: {outer_radius: r}}, material: nix}}}}\n";
+  EXPECT_THAT(check("use: p, r: 2 m", inner), HasSubstr("material 'nix' is not defined"));
+  EXPECT_THAT(check("use: p, r: 2 m", inner), HasSubstr("2 errors."));
+}
+
+// A beam on nothing is read to its end, and numbers that are missing do not misplace its mirrors.
+TEST(PartErrors, ABeamTellsAllItsFaults) {
+  Folder const folder;
+  auto const beam = [&](std::string const& params, std::string const& beams) {
+    write_text(folder / "b.yaml",
+               "straytrace: 1\n" + params +
+                   "materials: {m: {scatter: {model: lambertian, tis: 10 %}}}\nbodies: {b: {motion: still}}\nscene:\n"
+                   "  - {name: A, shape: {cap: {outer_radius: 10 cm, curvature: 1/R}}, body: b, material: m}\n"
+                   "  - {name: B, shape: {cap: {outer_radius: 10 cm, curvature: 1/R}}, at: [0 m, 0 m, L], "
+                   "facing: [0, 0, -1], body: b, material: m}\nreceivers: {B: {on: B}}\nbeams: " +
+                   beams + "\n");
+    return straytrace({"check", folder / "b.yaml"}).err;
+  };
+  std::string const good = "params: {L: 3 m, R: 10 m}\n";
+  std::string const said = beam(good, "{s: {on: C, radius: 1 mm, centre: [0 m, 0 m, 5], colour: 3}}");
+  for (char const* words :
+       {"'C' is not a surface", "'centre' is a length, got \"5\"", "unknown key 'colour'", "3 errors."})
+    EXPECT_THAT(said, HasSubstr(words));
+  EXPECT_EQ(beam(good, "{s: {cavity: [A, B]}}"), "");
+  for (std::string const params :
+       {"params: {L: 3 mmm, R: 10 m}\n", "params: {L: 3 kg, R: 10 m}\n", "params: {L: 3, R: 10 m}\n"})
+    EXPECT_THAT(beam(params, "{s: {cavity: [A, B]}}"), HasSubstr("1 error.")) << params;
+  EXPECT_THAT(beam("params: {L: -3 m, R: 10 m}\n", "{s: {cavity: [A, B]}}"), HasSubstr("do not face"));  // twin
+}
+
 TEST(PartErrors, TooManySidesAreTold) {
   std::string const said = check("shape: {polygon: {sides: 1e9, radius: 1 cm}}");
   EXPECT_THAT(said, HasSubstr("'sides' must be between 0 and 1000"));

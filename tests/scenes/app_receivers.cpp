@@ -47,7 +47,7 @@ TEST(ReceiversCommand, RunReportsTheBooks) {
   Finished const run = straytrace({"run", two_mirrors, "-o", folder / "out", "--histories", "2e5"});
   ASSERT_EQ(run.code, 0) << run.err;
   std::string const report = text_of(folder / "out/report.txt");
-  for (char const* words : {"Receivers", "absorbed", "escaped", "(rounding)", "power/W", "Light arriving", "PD"})
+  for (char const* words : {"Receivers", "absorbed", "escaped", "(rounding)", "power/W", "Light on objects", "PD"})
     EXPECT_THAT(report, HasSubstr(words));
   EXPECT_THAT(text_of(folder / "out/receivers.csv"), HasSubstr("# main mode: 2 W"));
   EXPECT_FALSE(fs::exists(folder / "out/h_asd.txt"));
@@ -83,6 +83,13 @@ TEST(ReceiversCommand, StopRules) {
     EXPECT_THAT(r.err, HasSubstr(words));
     EXPECT_FALSE(fs::exists(folder / "no.h5"));
   };
+  // `histories` of the scene stays the upper limit; twin: a scene without.
+  write_text(folder / "short.yaml", edited(text_of(two_mirrors), "trace: {", "trace: {histories: 200000, "));
+  Finished const capped =
+      straytrace({"trace", folder / "short.yaml", "-o", folder / "short.h5", "--until", "receiver:PD < 5 %"});
+  EXPECT_EQ(capped.code, 0) << capped.err;
+  EXPECT_EQ(read_run(folder / "short.h5").trace.total.blocks, 49u);
+  EXPECT_THAT(straytrace({"trace", "--help"}).out, HasSubstr("'histories' of the scene stays the"));
   refused("receiver:PB < 5 %", "did you mean 'PD'?");
   refused("class:probe > M3 < 5 %", "did you mean 'M1'?");
   refused("h_total < 5 %", "without an interferometer");

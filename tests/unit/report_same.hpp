@@ -37,9 +37,10 @@ inline bool same(ClassSums const& a, ClassSums const& b) {
 inline bool same(BlockSums const& a, BlockSums const& b) {
   bool equal = a.histories == b.histories && a.blocks == b.blocks && a.bounces == b.bounces && a.rays == b.rays &&
                a.lost == b.lost && same(a.emitted, b.emitted) && a.arrived.size() == b.arrived.size() &&
-               a.classes.size() == b.classes.size();
+               a.absorbed.size() == b.absorbed.size() && a.classes.size() == b.classes.size();
   for (std::size_t i = 0; i < fate_count; ++i) equal = equal && same(a.ledger[i], b.ledger[i]);
   for (std::size_t i = 0; equal && i < a.arrived.size(); ++i) equal = same(a.arrived[i], b.arrived[i]);
+  for (std::size_t i = 0; equal && i < a.absorbed.size(); ++i) equal = same(a.absorbed[i], b.absorbed[i]);
   for (auto const& [hash, sums] : a.classes)
     equal = equal && b.classes.contains(hash) && same(sums, b.classes.at(hash));
   return equal;
@@ -62,6 +63,11 @@ inline bool same(PathRecord const& a, PathRecord const& b) {
   return equal;
 }
 
+inline bool same(FoldedRoute const& a, FoldedRoute const& b) {
+  return a.hash == b.hash && a.steps == b.steps && same_bits(a.mean, b.mean) && same_bits(a.std_error, b.std_error) &&
+         a.trusted == b.trusted && a.why == b.why;
+}
+
 inline bool same(CouplingClass const& a, CouplingClass const& b) {
   bool equal = a.hash == b.hash && a.port == b.port && a.steps == b.steps && same_bits(a.reverse, b.reverse) &&
                a.by_reverse == b.by_reverse && same_bits(a.coupling.mean, b.coupling.mean) &&
@@ -72,7 +78,9 @@ inline bool same(CouplingClass const& a, CouplingClass const& b) {
                a.coupling.scored == b.coupling.scored && a.coupling.trusted == b.coupling.trusted &&
                a.coupling.why_not == b.coupling.why_not && same_bits(a.coupling.tail_slope, b.coupling.tail_slope) &&
                same_bits(a.coupling.halves, b.coupling.halves) && a.replica_sum == b.replica_sum &&
-               a.records.size() == b.records.size();
+               a.records.size() == b.records.size() && a.folded_routes == b.folded_routes &&
+               a.folded.size() == b.folded.size();
+  for (std::size_t i = 0; equal && i < a.folded.size(); ++i) equal = same(a.folded[i], b.folded[i]);
   for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
   return equal;
 }

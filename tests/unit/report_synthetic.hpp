@@ -43,6 +43,7 @@ inline BlockSums block(std::uint64_t index) {
   b.bounces = 3 * block_size + index;
   b.rays = 9 * block_size;
   b.arrived.resize(4);
+  b.absorbed.resize(5);
   constexpr std::size_t bright = 8;  // histories that carry the power of all
   constexpr double power = double(block_size) / bright;
   for (std::size_t k = 0; k < bright; ++k) {
@@ -52,10 +53,12 @@ inline BlockSums block(std::uint64_t index) {
     double const shares[] = {0.61, 0.35 + 0.02 * (x - 0.5), 0.04 - 0.02 * (x - 0.5)};
     for (std::size_t f = 0; f < 3; ++f) b.ledger[f].add(power * shares[f], history);
     for (std::size_t g = 0; g < 3; ++g) b.arrived[g].add(power * 0.1 * double(g + 1) * x, history);
+    for (std::size_t g : {0, 1, 4}) b.absorbed[g].add(power * 0.61 / 3, history);
   }
   b.emitted.close_block();
   for (Moments& m : b.ledger) m.close_block();
   for (Moments& m : b.arrived) m.close_block();
+  for (Moments& m : b.absorbed) m.close_block();
   for (std::size_t c = 0; c < route_count; ++c) {
     ClassSums& sums = b.classes[1000 + c];
     std::uint64_t const history = index * block_size + c;
@@ -107,6 +110,9 @@ inline CouplingTable coupling_table() {
     for (std::size_t r = 0; r < 20; ++r) k.records.push_back(record(c, r));
     t.classes.push_back(k);
   }
+  t.classes[6].folded_routes = 9;
+  t.classes[6].folded = {{77, {}, 1e-23, 1e-25, true, "more vertices than 'route_vertices' names"},
+                         {78, t.classes[2].steps, 4e-24, 3e-24, false, "only 14 histories have scored"}};
   t.classes[4].coupling.trusted = false;
   t.classes[4].coupling.why_not = "one history carries 31 % of the sum";
   return t;

@@ -102,6 +102,13 @@ TEST(Routes, NamesAndLengths) {
   for (CouplingClass const& c : r.coupling.classes) names.insert(route_name(r.coupling, c));
   EXPECT_EQ(names, (std::multiset<std::string>{"low·S", "low·S > high·S", "low·S > high·S > low·S", "other > high 0",
                                                "other > low"}));
+  for (CouplingClass const& c : r.coupling.classes) {  // a row `other` says what it sums
+    EXPECT_EQ(c.folded.empty(), !c.steps.empty());
+    if (!c.steps.empty()) continue;
+    EXPECT_EQ(c.folded_routes, 1u);
+    EXPECT_EQ(c.folded.front().mean, c.coupling.mean);
+    EXPECT_EQ(c.folded.front().why, "more vertices than 'route_vertices' names");
+  }
   double sum = 0;
   for (CouplingClass const& c : r.coupling.classes) sum += c.coupling.mean;
   world.limits.route_vertices = 9;

@@ -160,6 +160,21 @@ TEST(WorldInterfaces, MicrofacetLaw) {
               "makes light"));
 }
 
+TEST(WorldInterfaces, GroovesLaw) {
+  std::string const good = "model: grooves, across: 0.3, along: 0.03, reflectance: 50 %";
+  Built const b = material("scatter: {" + good + ", lay: around}");
+  EXPECT_EQ(b.problems, "");
+  EXPECT_EQ(b.optic("m").lay, Lay::around);
+  EXPECT_EQ(material("scatter: {" + good + ", lay: [0, 2, 0]}").optic("m").lay_direction.y, 1);
+  EXPECT_TRUE(refused(material("scatter: {" + good + "}"), "lay: around"));
+  EXPECT_TRUE(refused(material("scatter: {" + good + ", lay: arround}"), "did you mean"));
+  EXPECT_TRUE(refused(material("scatter: {" + good + ", lay: along, through: yes}"), "no 'through'"));
+  EXPECT_TRUE(refused(material("scatter: {model: grooves, across: 0.1, along: 0.2, reflectance: 0.5, lay: along}"),
+                      "'along' is larger than 'across'"));
+  EXPECT_TRUE(refused(material("scatter: [{" + good + ", lay: around}, {" + good + ", lay: along}]"), "run one way"));
+  EXPECT_TRUE(refused(material("specular: {reflect: 60 %}, scatter: {" + good + ", lay: along}"), "makes light"));
+}
+
 TEST(WorldInterfaces, SteelPreset) {
   Built const b = material("specular: {coating: tube_steel}");
   EXPECT_EQ(b.problems, "");

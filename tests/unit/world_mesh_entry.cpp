@@ -48,7 +48,8 @@ constexpr char const* placed =
 TEST(mesh_entry, parts_become_surfaces_with_the_materials_chosen) {
   Built const b = built(placed);
   EXPECT_EQ(b.errors, "");
-  EXPECT_EQ(b.warnings, "");
+  EXPECT_THAT(b.warnings, HasSubstr("cad/cube.obj:1:8: warning: the material library '../../../etc/missing.mtl' that "
+                                    "this file names is not beside it"));
   ASSERT_EQ(b.world.surfaces().size(), 4u);
   EXPECT_THAT(b.world.groups(), ::testing::ElementsAre("mirror", "bench/dump_1", "bench/wall"));
   auto const& s = b.world.surfaces();
@@ -109,6 +110,28 @@ TEST(mesh_entry, complains_about_choices_that_do_not_fit) {
   EXPECT_THAT(built("file: a.obj, units: mm, material: steel", {{"a.obj", "garbage\n"}}).errors,
               HasSubstr("a.obj: error:"));
   EXPECT_THAT(built("shape: {mesh: {}}, material: steel").errors, HasSubstr("a mesh is read from a file"));
+}
+
+// Nothing is read from a material library, but a file that names one in vain may not be whole.
+TEST(mesh_entry, material_libraries_that_are_not_there_are_told) {
+  std::string const cube = cube_obj.substr(cube_obj.find('\n') + 1);
+  auto const warnings = [&](std::string const& line, FileTexts files = {}) {
+    files["cad/named.obj"] = "# made by hand\n" + line + cube;
+    return built("file: cad/named.obj, units: mm, material: steel", files).warnings;
+  };
+  EXPECT_EQ(warnings(""), "");
+  EXPECT_EQ(warnings("mtllib bench.mtl\n", {{"cad/bench.mtl", "newmtl steel\n"}}), "");
+  EXPECT_THAT(warnings("mtllib bench.mtl \r\n"), HasSubstr("cad/named.obj:2:8: warning: the material library "
+                                                           "'bench.mtl' that this file names is not beside it"));
+  EXPECT_THAT(warnings("mtllib bench.mtl\n", {{"bench.mtl", "newmtl steel\n"}}), HasSubstr("'bench.mtl'"));
+}
+
+TEST(mesh_entry, an_unknown_key_is_told_once) {
+  std::string const said = built("file: cad/cube.obj, units: mm, surfaces: {default: steel}, materials: {a: b}").errors;
+  EXPECT_THAT(said, HasSubstr("unknown key 'materials'"));
+  EXPECT_THAT(said, HasSubstr("1 error."));
+  EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {default: steel}, materials: {a: b}, colour: red").errors,
+              HasSubstr("2 errors."));  // twin
 }
 
 TEST(mesh_entry, patterns) {

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "base/message.hpp"
 #include "base/rng.hpp"
 #include "shapes.hpp"
 #include "world/world.hpp"
@@ -259,6 +260,25 @@ TEST(world_search, the_end_of_the_ray_is_open) {
       EXPECT_EQ(v.closest(ray, {}).surface.valid(), t_max > 4) << t_max;
       EXPECT_EQ(v.occluded(ray, {}), t_max > 4) << t_max;
     }
+}
+
+// A search hands out kind and number of a shape in one word: more of a kind than it can name are refused, not confused.
+TEST(world_search, more_shapes_than_can_be_named_are_refused) {
+  SurfaceRef const last = SurfaceRef::of(5, {3, SurfaceRef::most_shapes - 1}), twin = SurfaceRef::of(5, {3, 1u << 24});
+  EXPECT_EQ(last.shape().kind, 3u);
+  EXPECT_EQ(last.shape().index, SurfaceRef::most_shapes - 1);
+  EXPECT_NE(twin.shape().index, SurfaceRef::most_shapes);
+  World w;
+  w.most_shapes = 2;
+  w.add_optic({});
+  for (double z : {1.0, 2.0}) w.add_surface(disk(0, 1, {{0, 0, z}}), 0, 0, {}, {});
+  w.add_surface(sphere(2), 0, 0, {}, {});  // another kind has room
+  try {
+    w.add_surface(disk(0, 1, {{0, 0, 3}}), 0, 0, {}, {});
+    FAIL() << "accepted";
+  } catch (InputError const& e) {
+    EXPECT_NE(std::string(e.what()).find("more than 2 surfaces of the shape 'disk'"), std::string::npos) << e.what();
+  }
 }
 
 TEST(world_search, empty_and_single_surface_worlds) {

@@ -101,6 +101,20 @@ STRAY_HD std::uint32_t strip_of(WorldView const& world, SurfaceId id, Vec3 point
   return world.steering.strip_at(id, u);
 }
 
+// Turns the frame about its normal so that e2 runs along the grooves; where they have no direction it stays.
+STRAY_HD void lay_frame(WorldView const& world, Surface const& surface, Vec3 point, Optic const& optic, Frame& frame) {
+  Vec3 run = optic.lay_direction;
+  if (optic.lay != Lay::given)
+    run = world.shapes.visit(surface.shape, [&](auto const& s) {
+      return optic.lay == Lay::along ? s.axis : cross(s.axis, point - s.reference());
+    });
+  Vec3 const flat = run - dot(run, frame.e3) * frame.e3;
+  double const size = length(flat);
+  if (!(size > 1e-9 * length(run))) return;
+  frame.e2 = (1 / size) * flat;
+  frame.e1 = cross(frame.e2, frame.e3);
+}
+
 STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel, std::uint32_t piece = 0) {
   Vertex v;
   v.surface = id;
@@ -108,10 +122,11 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
   v.point = world.project(id, point, piece);
   Vec3 const normal = world.normal(id, v.point, piece);
   v.front = dot(travel, normal) < 0;
-  v.frame = Frame::around(v.front ? normal : -normal);
-  v.wi = v.frame.to_local(-travel);
   Surface const& surface = world.surfaces[id.value];
   v.optic = &world.optics[v.front ? surface.front : surface.back];
+  v.frame = Frame::around(v.front ? normal : -normal);
+  if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
+  v.wi = v.frame.to_local(-travel);
   v.strip = strip_of(world, id, v.point);
   return v;
 }
@@ -144,7 +159,7 @@ STRAY_HD void find_media(WorldView const& world, MediaStack const& media, Vec3 t
 STRAY_HD void look(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
   if (!(v.wi.z > 0)) return;
   find_media(world, path.media, travel, v);
-  v.albedo = scatter_albedo(world.laws, *v.optic, v.wi.z, v.n_in, v.n_out);
+  v.albedo = scatter_albedo(world.laws, *v.optic, v.wi, v.n_in, v.n_out);
   if (world.polarised && v.optic->has_interface) {
     Amplitudes const a = specular_amplitudes(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front);
     double const r = reflected(path.polarisation, travel, v.frame.e3, a).power;

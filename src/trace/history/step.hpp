@@ -9,6 +9,7 @@
 //   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
 //   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
 //   book(fate, power)                         the ledger
+//   absorbed(group, power)                    optional: what of it a group absorbed; no group: a medium
 //   wagered(variance)                         optional: of what the roulette has just booked in `window`
 #pragma once
 
@@ -40,6 +41,12 @@ STRAY_HD bool next_path(WorldView const& world, std::uint64_t seed, History& his
   return false;
 }
 
+template <class Sink>
+STRAY_HD void absorb(Sink& sink, GroupId where, double power) {
+  sink.book(Fate::absorbed, power);
+  if constexpr (requires { sink.absorbed(where, power); }) sink.absorbed(where, power);
+}
+
 // The path's ray has met `hit`, or nothing: its next vertex, and how it goes on; false: the path is over.
 template <class Sink>
 STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history, Hit const& hit, Sink& sink) {
@@ -51,7 +58,7 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   path.power *= weight;
   if (path.power == 0) return false;
   pass_planes(world, path, hit.distance, sink);
-  sink.book(Fate::absorbed, lost_in_medium(world, path, hit.distance));
+  absorb(sink, {}, lost_in_medium(world, path, hit.distance));
   if (!hit.surface.valid()) {
     sink.book(Fate::escaped, path.power);
     return false;
@@ -73,7 +80,7 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   if (children > 1) have_children(history, vertex, children);
   std::uint32_t const most = History::most_waiting - history.waiting;
   std::uint32_t const copies = children > 1 ? 1 : control(world, seed, path, vertex, most, sink);
-  sink.book(Fate::absorbed, children * copies * path.power * (1 - vertex.kept()));
+  absorb(sink, world.surfaces[vertex.surface.value].group, children * copies * path.power * (1 - vertex.kept()));
   for (std::uint32_t i = 1; i < copies; ++i) {
     PathState& copy = history.sibling[history.waiting];
     copy = path;

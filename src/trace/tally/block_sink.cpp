@@ -7,6 +7,7 @@ BlockSink::BlockSink(WorldView const& world, std::size_t groups, int replica)
     : replica_(replica), received_(world.receivers.size) {
   sums_.blocks = 1;
   sums_.arrived.resize(groups);
+  sums_.absorbed.resize(groups + 1);
   for (std::size_t i = 0; i < world.receivers.size; ++i) {
     Receiver const& r = world.receivers[i];
     ReceiverSums sums;
@@ -62,7 +63,11 @@ void BlockSink::add(HistoryTally const& tally) {
   }
   sums_.emitted.add(tally.power_emitted(), history);
   for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(tally.booked(static_cast<Fate>(f)), history);
-  for (HistoryTally::Arrival const& a : tally.arrivals()) sums_.arrived[a.group].add(a.power, history);
+  for (HistoryTally::Arrival const& a : tally.arrivals()) {
+    sums_.arrived[a.group].add(a.power, history);
+    sums_.absorbed[a.group].add(a.absorbed, history);
+  }
+  sums_.absorbed.back().add(tally.absorbed_in_media(), history);
 }
 
 BlockSums BlockSink::finish() {
@@ -82,6 +87,7 @@ BlockSums BlockSink::finish() {
   sums_.emitted.close_block();
   for (Moments& m : sums_.ledger) m.close_block();
   for (Moments& m : sums_.arrived) m.close_block();
+  for (Moments& m : sums_.absorbed) m.close_block();
   return std::move(sums_);
 }
 

@@ -76,15 +76,17 @@ class Leftover {
     moments_ = merged(moments_, moments);
     for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
     merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
-    ++classes_;
+    ++merged_.folded_routes;
+    note(c);
   }
   CouplingClass row(BlockSums const& total, std::array<std::uint64_t, replica_count> const& histories) {
-    if (classes_ > 1) {  // several routes have no tail in common, and their sums over blocks are not summed here
+    bool const several = merged_.folded_routes > 1;
+    if (several) {  // several routes have no tail in common, and their sums over blocks are not summed here
       moments_.tail.clear();
       moments_.first_sum = not_a_number;
     }
     merged_.coupling = estimate(moments_, total.histories, total.blocks);
-    if (classes_ > 1 && total.blocks >= replica_count) {
+    if (several && total.blocks >= replica_count) {
       double const n = double(total.histories);
       double between = 0;
       for (int r = 0; r < replica_count; ++r) {
@@ -97,9 +99,24 @@ class Leftover {
   }
 
  private:
+  // Keeps the largest, with the reason why they are here.
+  void note(CouplingClass const& c) {
+    FoldedRoute const route{c.hash,
+                            c.steps,
+                            c.coupling.mean,
+                            c.coupling.std_error,
+                            c.coupling.trusted,
+                            c.steps.empty() ? "more vertices than 'route_vertices' names" : c.coupling.why_not};
+    auto const larger = [](FoldedRoute const& a, FoldedRoute const& b) {
+      return a.mean != b.mean ? a.mean > b.mean : a.hash < b.hash;
+    };
+    auto& list = merged_.folded;
+    list.insert(std::upper_bound(list.begin(), list.end(), route, larger), route);
+    if (list.size() > folded_kept) list.pop_back();
+  }
+
   CouplingClass merged_;
   Moments moments_;
-  int classes_ = 0;
 };
 
 // Light that no target was aimed at, by the end it reaches and the surface it came from last.
@@ -194,12 +211,23 @@ std::string received_name(CouplingTable const& table, CouplingClass const& c) {
   return c.steps.empty() ? fmt::format("other > {}", table.receivers[c.port.value]) : route_name(table, c);
 }
 
-std::string route_name(CouplingTable const& table, CouplingClass const& c) {
-  if (c.steps.empty()) return fmt::format("other > {}", table.ports[c.port.value]);
+namespace {
+
+std::string name_of_steps(CouplingTable const& table, std::vector<PathStep> const& steps) {
   std::string name;
-  for (PathStep const& s : c.steps)
+  for (PathStep const& s : steps)
     name += fmt::format("{}{}·{}", name.empty() ? "" : " > ", table.groups[s.group.value], letter(s.event));
   return name;
+}
+
+}  // namespace
+
+std::string route_name(CouplingTable const& table, CouplingClass const& c) {
+  return c.steps.empty() ? fmt::format("other > {}", table.ports[c.port.value]) : name_of_steps(table, c.steps);
+}
+
+std::string folded_name(CouplingTable const& table, FoldedRoute const& route) {
+  return route.steps.empty() ? "long routes" : name_of_steps(table, route.steps);
 }
 
 }  // namespace straytrace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trace/tally/history_tally.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace straytrace {
@@ -8,7 +9,7 @@ namespace straytrace {
 void HistoryTally::begin(std::uint64_t history) {
   history_ = history;
   bounces_ = lost_ = 0;
-  emitted_ = window_variance_ = 0;
+  emitted_ = in_media_ = window_variance_ = 0;
   for (double& column : ledger_) column = 0;
   totals_.clear();
   scores_.clear();
@@ -25,7 +26,16 @@ void HistoryTally::visit(PathState const& path, Vertex const& vertex) {
       a.power += path.power;
       return;
     }
-  arrivals_.push_back({group, path.power});
+  arrivals_.push_back({group, path.power, 0});
+}
+
+void HistoryTally::absorbed(GroupId group, double power) {
+  if (!group.valid()) {
+    in_media_ += power;
+    return;
+  }
+  auto const at = std::find_if(arrivals_.rbegin(), arrivals_.rend(), [&](auto& a) { return a.group == group.value; });
+  at->absorbed += power;
 }
 
 void HistoryTally::score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,

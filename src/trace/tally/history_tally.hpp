@@ -25,7 +25,7 @@ class HistoryTally {
   };
   struct Arrival {
     std::uint32_t group;
-    double power;
+    double power, absorbed;
   };
   struct Cells {  // of the maps of a receiver; Receiver::outside: none
     std::uint64_t route;
@@ -48,6 +48,7 @@ class HistoryTally {
   void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
                  std::uint32_t receiver, Vertex const& end, double power);
   void wagered(double variance) { window_variance_ += variance; }
+  void absorbed(GroupId group, double power);  // after the visit to the group; no group: in a medium
   void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
 
   std::uint64_t history() const { return history_; }
@@ -55,6 +56,7 @@ class HistoryTally {
   std::uint64_t lost() const { return lost_; }
   double power_emitted() const { return emitted_; }
   double booked(Fate fate) const { return ledger_[static_cast<int>(fate)]; }
+  double absorbed_in_media() const { return in_media_; }
   double window_variance() const { return window_variance_; }
   std::vector<Total> const& totals() const { return totals_; }
   std::vector<Score> const& scores() const { return scores_; }
@@ -68,7 +70,7 @@ class HistoryTally {
 
   WorldView const* world_;
   std::uint64_t seed_, history_ = 0, bounces_ = 0, lost_ = 0;
-  double emitted_ = 0, window_variance_ = 0;
+  double emitted_ = 0, in_media_ = 0, window_variance_ = 0;
   double ledger_[fate_count] = {};
   std::vector<Total> totals_;
   std::vector<Score> scores_;

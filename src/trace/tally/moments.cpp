@@ -85,6 +85,9 @@ double slope_of(std::vector<double> const& tail, std::uint64_t scored) {
   return logs > 0 ? 1 + double(tail_size - 1) / logs : infinity;
 }
 
+// Standard error of that exponent.
+double error_of_slope(double slope) { return (slope - 1) / std::sqrt(double(tail_size)); }
+
 // Mean of the first blocks less that of the rest, in standard errors from the spread of all blocks.
 double difference_of_halves(Moments const& m, double blocks, double first) {
   double const rest = blocks - first, spread = (m.block_sum2 - m.sum * m.sum / blocks) / (blocks - 1);
@@ -100,8 +103,10 @@ std::string objection(Estimate const& e, std::uint64_t blocks) {
   if (e.effective_scores < 100) return fmt::format("worth only {:.0f} equal scores", e.effective_scores);
   if (e.largest_share > 0.05) return fmt::format("one history carries {:.0f} % of the sum", 100 * e.largest_share);
   if (e.variance_of_variance > 0.1) return fmt::format("variance of variance is {:.2f}", e.variance_of_variance);
-  if (e.tail_slope < 3)
-    return fmt::format("the largest histories fall as slowly as x^-{:.1f}: too slowly for an error bar", e.tail_slope);
+  // By two errors, not by chance: half of all good rows at the limit would be refused, those that met their tail.
+  if (double const error = error_of_slope(e.tail_slope); e.tail_slope + 2 * error < 3)
+    return fmt::format("the largest histories fall as slowly as x^-{:.2f} ± {:.2f}: too slowly for an error bar",
+                       e.tail_slope, error);
   if (std::fabs(e.halves) > 5)
     return fmt::format("its first and second half differ by {:.0f} standard errors", std::fabs(e.halves));
   if (blocks < 32) return fmt::format("only {} blocks of histories were run (32 are needed)", blocks);

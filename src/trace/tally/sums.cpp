@@ -87,8 +87,12 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
   left.emitted = merged(left.emitted, right.emitted);
   left.window_variance += right.window_variance;
   for (int f = 0; f < fate_count; ++f) left.ledger[f] = merged(left.ledger[f], right.ledger[f]);
-  left.arrived.resize(std::max(left.arrived.size(), right.arrived.size()));
-  for (std::size_t g = 0; g < right.arrived.size(); ++g) left.arrived[g] = merged(left.arrived[g], right.arrived[g]);
+  for (auto const list : {&BlockSums::arrived, &BlockSums::absorbed}) {
+    std::vector<Moments>& into = left.*list;
+    std::vector<Moments> const& from = right.*list;
+    into.resize(std::max(into.size(), from.size()));
+    for (std::size_t g = 0; g < from.size(); ++g) into[g] = merged(into[g], from[g]);
+  }
   return left;
 }
 
