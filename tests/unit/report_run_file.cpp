@@ -42,32 +42,6 @@ class ReportRunFile : public ::testing::Test {
   NoiseBudget noise = noise_budget(trace.coupling);
 };
 
-TEST_F(ReportRunFile, KeepsTheMapOfImportance) {
-  ImportanceMap const was = content(trace, &noise).importance;
-  EXPECT_TRUE(same(read_run(written()).about.importance, was));
-  ImportanceMap other = was;
-  other.strips[2].patch = 0;
-  EXPECT_FALSE(same(read_run(written()).about.importance, other)) << "twin";
-  RunContent wrong = content(trace, &noise);
-  wrong.importance.strips[0].patch = 2;
-  write_run(folder / "wrong.h5", wrong);
-  EXPECT_THAT(message_of([&] { read_run(folder / "wrong.h5"); }), HasSubstr("names a patch that is not there"));
-}
-
-// Files before schema 1.3 have none.
-TEST_F(ReportRunFile, ReadsFilesWithoutAMapOfImportance) {
-  std::string image = unsealed(read_file(written()), "run.h5");
-  {
-    std::ofstream(folder / "bare.h5", std::ios::binary) << image;
-    H5::H5File file(folder / "bare.h5", H5F_ACC_RDWR);
-    file.unlink("importance");
-  }
-  write_file(folder / "old.h5", sealed(read_file(folder / "bare.h5")));
-  RunFile const old = read_run(folder / "old.h5");
-  EXPECT_TRUE(old.about.importance.strips.empty());
-  EXPECT_TRUE(same(trace.coupling, old.trace.coupling));
-}
-
 TEST_F(ReportRunFile, ComesBackBitByBit) {
   trace.coupling.classes[0].records[3].levers[0].d[4] = -0.0;
   noise.design[0].asd[5] = not_a_number;
