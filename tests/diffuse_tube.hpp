@@ -10,7 +10,8 @@
 
 namespace straytrace::testing {
 
-inline SampleMean transmission(double length, double rho, std::uint64_t histories, bool steered, double radius = 1) {
+enum class Aim { none, as_made, fixed_share };
+inline SampleMean transmission(double length, double rho, std::uint64_t histories, Aim aim, double radius = 1) {
   World world;
   BodyId const body = world.add_body("tube", {});
   std::uint32_t const black = black_optic(world);
@@ -27,7 +28,13 @@ inline SampleMean transmission(double length, double rho, std::uint64_t historie
   world.add_footprint(spot(mouth, {}, {0, 0, -1}, Profile::even, 1));
   world.limits.max_order = 20000;
   world.finish();
-  if (steered) world.steer(make_importance(world));
+  if (aim != Aim::none) {
+    SteeringTables tables = make_importance(world);
+    if (aim == Aim::fixed_share)
+      for (PatchSide& side : tables.sides)
+        if (side.count > 0) side.alpha = 0.25;
+    world.steer(tables);
+  }
   return received_share(run_histories(world, histories));
 }
 
@@ -39,7 +46,7 @@ struct TubeRow {
 // bounces for long.
 inline void expect_tubes(std::initializer_list<TubeRow> rows, bool steered) {
   for (TubeRow const& r : rows) {
-    SampleMean const t = transmission(r.length, r.rho, r.histories, steered && r.rho < 1);
+    SampleMean const t = transmission(r.length, r.rho, r.histories, steered ? Aim::as_made : Aim::none);
     std::string const name = "L/R " + std::to_string(r.length) + ", rho " + std::to_string(r.rho);
     expect_mean(name.c_str(), t, r.expected, r.effect * r.expected, 4, 4);
   }

@@ -6,12 +6,13 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "app/common_options.hpp"
+#include "app/importance_map.hpp"
 #include "base/message.hpp"
 #include "report/columns.hpp"
 #include "trace/estimate/importance.hpp"
-#include "trace/history/path.hpp"
 
 namespace straytrace {
 namespace {
@@ -24,32 +25,33 @@ struct Row {
   double most() const { return std::max(front, back); }
 };
 
-std::vector<Row> rows_of(World const& world, SteeringTables const& tables) {
-  WorldView const view = world.view();
+std::vector<Row> rows_of(ImportanceMap const& map, std::vector<std::string> const& groups) {
   std::vector<Row> rows;
-  for (std::size_t i = 0; i < tables.strips.size(); ++i) {
-    Strip const& s = tables.strips[i];
-    Surface const& surface = world.surfaces()[s.surface.value];
-    Row row{world.groups()[surface.group.value], infinity, -infinity, s.area, tables.sides[2 * i].adjoint,
-            tables.sides[2 * i + 1].adjoint};
-    view.shapes.visit(surface.shape, [&](auto const& shape) {
-      using Shape = std::decay_t<decltype(shape)>;
-      if constexpr (has_strips<Shape>) {
-        for (double const u : {s.u_low, s.u_high})
-          for (double const v : {0.0, 0.25, 0.5, 0.75}) {
-            double const z = shape.sample(u, v).z;
-            row.from = std::min(row.from, z);
-            row.to = std::max(row.to, z);
-          }
-      } else {
-        Box const box = shape.bounds();
-        row.from = box.lower.z;
-        row.to = box.upper.z;
-      }
-    });
-    rows.push_back(row);
-  }
+  for (ImportanceMap::Strip const& s : map.strips)
+    rows.push_back(
+        {groups.at(s.group), s.low, s.high, s.area, map.adjoint.at(2 * s.patch), map.adjoint.at(2 * s.patch + 1)});
   return rows;
+}
+
+// Kept in a run file, or made from a scene.
+std::vector<Row> find_rows(Options const& options) {
+  std::optional<RunFile> file;
+  std::vector<std::string> overrides = options.overrides;
+  if (options.input.ends_with(".h5")) {
+    file = read_run(options.input);
+    bool const kept = !file->about.importance.strips.empty();
+    if (kept && overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);
+    if (!kept && !options.quiet) std::cerr << "the run keeps no map of importance: made from its scene\n";
+    overrides.insert(overrides.begin(), file->about.overrides.begin(), file->about.overrides.end());
+  }
+  Scene const scene =
+      file ? read_scene(file->about.main_file, overrides, &file->about.files) : read_scene(options.input, overrides);
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  if (!options.quiet && !file) std::cerr << scene.warnings();
+  world.limits.targets = true;
+  steer(world);
+  return rows_of(importance_map(world), world.groups());
 }
 
 void print(std::vector<Row> rows, std::size_t show) {
@@ -73,17 +75,7 @@ void print(std::vector<Row> rows, std::size_t show) {
 }
 
 int importance(Options const& options) {
-  Scene const scene = read_scene(options.input, options.overrides);
-  World world = build_world(scene);
-  scene.throw_if_problems();
-  if (!options.quiet) std::cerr << scene.warnings();
-  world.limits.targets = true;
-  steer(world);
-  SteeringTables const& tables = world.steering();
-  if (tables.strips.empty())
-    throw InputError(
-        "error: the scene has too many surfaces for adjoint tables\n  take parts away with a smaller scene");
-  std::vector<Row> const rows = rows_of(world, tables);
+  std::vector<Row> const rows = find_rows(options);
   if (options.csv) {
     std::cout << "surface,z_from_m,z_to_m,area_m2,adjoint_front,adjoint_back\n";
     for (Row const& r : rows)
@@ -110,13 +102,14 @@ int importance(Options const& options) {
 void add_importance(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("importance", "where light must not go: adjoint of each part of each surface");
-  add_scene_options(*command, options);
+  add_scene_options(*command, options, "scene (YAML), or run file (HDF5) whose own map is shown");
   command->add_option("--show", options.show, "rows; 20 unless given");
   command->add_flag("--csv", options.csv, "all rows, all digits, in the order of the scene");
   command->footer(
       "Examples:\n"
       "  straytrace importance examples/virgo_arm.yaml\n"
-      "  straytrace importance examples/virgo_arm.yaml --csv > importance.csv");
+      "  straytrace importance examples/virgo_arm.yaml --csv > importance.csv\n"
+      "  straytrace importance out/run.h5");
   command->callback([&] { exit_code = importance(options); });
 }
 

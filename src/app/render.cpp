@@ -206,20 +206,32 @@ void check_picture_name(std::string const& file) {
                   file, path.replace_extension(".png").string()));
 }
 
+// The scene itself, or that of a run.
+Scene read_either(Options const& options, std::optional<RunFile> const& run) {
+  if (!run) return read_scene(options.input, options.overrides);
+  std::vector<std::string> all = run->about.overrides;
+  all.insert(all.end(), options.overrides.begin(), options.overrides.end());
+  return read_scene(run->about.main_file, all, &run->about.files);
+}
+
 int render(Options const& options, Wanted const& w) {
   check_picture_name(options.out);
-  Scene const scene = read_scene(options.input, options.overrides);
+  std::optional<RunFile> file;
+  if (options.input.ends_with(".h5")) file = read_run(options.input);
+  Scene const scene = read_either(options, file);
   World world = build_world(scene);
   scene.throw_if_problems();
+  bool const kept = file && options.overrides.empty() && !file->about.importance.strips.empty();
   Framing const view = choose_view(world, w);
   LookSettings settings{view.cuts, looks_of(world.view()), options.threads};
   if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
   for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
-  Drawn const drawn = w.mode == "id"           ? draw_ids(world, view.camera, settings)
-                      : w.mode == "depth"      ? draw_depths(world, view.camera, settings)
-                      : w.mode == "normal"     ? draw_normals(world, view.camera, settings)
-                      : w.mode == "importance" ? draw_importance(world, view.camera, settings)
-                                               : draw_shaded(world, view.camera, settings);
+  Drawn const drawn = w.mode == "id"       ? draw_ids(world, view.camera, settings)
+                      : w.mode == "depth"  ? draw_depths(world, view.camera, settings)
+                      : w.mode == "normal" ? draw_normals(world, view.camera, settings)
+                      : w.mode == "importance"
+                          ? draw_importance(world, view.camera, settings, kept ? &file->about.importance : nullptr)
+                          : draw_shaded(world, view.camera, settings);
   write_png(options.out, {view.camera.columns, view.camera.rows, drawn.rgb});
   print(options, view.camera, drawn);
   return done;
@@ -231,7 +243,7 @@ void add_render(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("render", "picture of a scene by rays from a camera, to see whether it is right");
   static Wanted wanted;
-  add_scene_options(*command, options);
+  add_scene_options(*command, options, "scene (YAML), or run file (HDF5)");
   command->add_option("-o,--out", options.out, "picture to write (PNG)")->required();
   command->add_option("--mode", wanted.mode, "shaded, id, normal, depth or importance")
       ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance"}));
@@ -252,7 +264,8 @@ void add_render(CLI::App& app, Options& options, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace render examples/bench.yaml -o bench.png\n"
-      "  straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg");
+      "  straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg\n"
+      "  straytrace render out/run.h5 -o where_not.png --mode importance");
   command->callback([&] { exit_code = render(options, wanted); });
 }
 

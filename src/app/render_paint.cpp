@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "app/importance_map.hpp"
 #include "trace/estimate/importance.hpp"
 #include "trace/history/path.hpp"
 
@@ -149,9 +150,9 @@ Drawn draw_depths(World const& world, Camera const& camera, LookSettings const& 
   return drawn;
 }
 
-Drawn draw_importance(World& world, Camera const& camera, LookSettings const& settings) {
+Drawn draw_importance(World& world, Camera const& camera, LookSettings const& settings, ImportanceMap const* kept) {
   world.limits.targets = true;
-  steer(world);
+  if (!kept || !show_importance(world, *kept)) steer(world);
   WorldView const view = world.view();
   double low = infinity, high = 0;
   for (std::size_t i = 0; i < view.steering.sides.size; ++i)
@@ -165,15 +166,15 @@ Drawn draw_importance(World& world, Camera const& camera, LookSettings const& se
   drawn.rgb = shaded(
       view, camera, settings,
       [&](Seen const& s) {
-        std::uint32_t const strip = strip_of(view, s.surface, s.point);
-        double const a = strip == WorldView::none ? 0 : view.steering.sides[2 * strip + (s.front ? 0 : 1)].adjoint;
+        std::uint32_t const patch = patch_of(view, s.surface, s.point, s.piece);
+        double const a = patch == WorldView::none ? 0 : view.steering.sides[2 * patch + (s.front ? 0 : 1)].adjoint;
         return a > 0 ? heat(high > low ? std::log(a / low) / std::log(high / low) : 1) : Rgb{0.6, 0.6, 0.6};
       },
       visible);
   drawn.scale =
       high > 0
           ? fmt::format("adjoint from {:.3g} (violet) by green to {:.3g} (yellow), logarithmic; grey: none", low, high)
-          : "no light is received anywhere in this scene, or it has too many surfaces for the tables";
+          : "no light is received anywhere in this scene";
   return drawn;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "report/report.hpp"
 #include "trace/camera.hpp"
 
 namespace straytrace {
@@ -26,7 +27,8 @@ Drawn draw_ids(World const&, Camera const&, LookSettings const&);      // one fl
 Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the frame of the camera
 Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
 // Adjoint of the steering tables (estimators.md 7): where light must not go.
-Drawn draw_importance(World&, Camera const&, LookSettings const&);
+// `kept`: of a run of this scene; null: made anew.
+Drawn draw_importance(World&, Camera const&, LookSettings const&, ImportanceMap const* kept);
 
 std::string object_of(std::string const& group);
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/build_info.hpp"
+#include "app/importance_map.hpp"
 #include "app/session.hpp"
 #include "report/picture.hpp"
 #include "report/receivers.hpp"
@@ -27,6 +28,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   content.interferometer = model.detector ? model.detector->description() : "";
   if (std::string const warnings = model.scene.warnings(); !warnings.empty()) content.warnings.push_back(warnings);
   content.receivers = model.world.receivers();
+  content.importance = importance_map(model.world);
   content.beam_power = model.world.beam_power;
   content.provenance.version = build_info::version;
   content.provenance.commit = build_info::commit;

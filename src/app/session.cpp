@@ -192,14 +192,13 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  std::string const unsteered = steer(model.world);
+  steer(model.world);
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };
   stop_requested = false;
   InterruptGuard const guard;
   settings.stop = &stop_requested;
   TraceResult result = trace(model.world, settings, *make_backend("cpu"));
-  if (!unsteered.empty()) result.warnings.push_back(unsteered);
   if (!options.quiet)
     for (std::string const& warning : result.warnings) std::cerr << "warning: " << warning << '\n';
   return result;

@@ -114,6 +114,19 @@ void digest(MeshContent& mesh, std::vector<MeshVertex> const& vertices, std::vec
   mesh.digest[1] = b;
 }
 
+void list_in_order(MeshContent& mesh, Bvh8 const& tree, std::vector<double> const& areas, Storage& storage) {
+  std::vector<std::uint32_t> place(areas.size());
+  std::vector<double> before{0};
+  before.reserve(areas.size() + 1);
+  for (std::uint32_t i = 0; i < tree.order.size(); ++i) {
+    place[tree.order[i]] = i;
+    before.push_back(before.back() + areas[tree.order[i]]);
+  }
+  mesh.in_order = storage.keep(tree.order);
+  mesh.place = storage.keep(std::move(place));
+  mesh.area_before = storage.keep(std::move(before));
+}
+
 #if STRAY_VECTORS && defined(__x86_64__)
 // One source for three instruction sets; every lane does the same IEEE operations, so the bits agree.
 __attribute__((target("avx512f,avx512vl,avx512dq,bmi"))) Crossing crossing_512(TriangleMesh const& mesh, Ray const& ray,
@@ -167,6 +180,7 @@ MeshContent prepare_mesh(std::vector<MeshVertex> vertices, std::vector<MeshTrian
   settings.traversal_cost = 4;  // half of a pack
   Bvh8 tree = build_bvh8(boxes, settings);
   mesh.packs = storage.keep_large(packed(tree, vertices, triangles));
+  list_in_order(mesh, tree, areas, storage);
   mesh.by_area = storage.keep(alias_table(areas, mesh.area));
   mesh.tree = tree.view();
   mesh.tree.nodes = storage.keep_large(std::move(tree.nodes));

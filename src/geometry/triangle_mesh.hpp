@@ -32,6 +32,9 @@ struct MeshContent {
   View<MeshTriangle const> triangles;
   View<TrianglePack const> packs;  // leaves of the tree name packs
   View<AliasRow const> by_area;
+  View<std::uint32_t const> in_order;  // triangles as the leaves of the tree list them: neighbours side by side
+  View<std::uint32_t const> place;     // of each triangle in that order
+  View<double const> area_before;      // of the triangles before place i, unit^2; one more than there are triangles
   Bvh8::View tree;
   Box box;
   std::uint64_t digest[2] = {};  // of vertices and triangles: arrays with other content have another one
@@ -73,9 +76,24 @@ struct TriangleMesh {
     bool const kept = x - row < alias.keep;
     std::uint32_t const piece = kept ? std::uint32_t(row) : alias.other;
     double const rest = kept ? (x - row) / alias.keep : (x - row - alias.keep) / (1 - alias.keep);
-    Vec3 const a = corner(piece, 0), b = corner(piece, 1), c = corner(piece, 2);
-    double const root = std::sqrt(rest);
-    return {put(a + (root * (1 - v)) * (b - a) + (root * v) * (c - a), piece), piece};
+    return {on_triangle(piece, rest, v), piece};
+  }
+  // The same density, but u runs over the area in the order of the tree: close numbers are close places.
+  STRAY_HD SurfacePoint sample_in_order(double u, double v) const {
+    double const x = u * content.area_before[content.in_order.size];
+    std::size_t low = 0, high = content.in_order.size;
+    while (high - low > 1) {
+      std::size_t const mid = low + (high - low) / 2;
+      (content.area_before[mid] <= x ? low : high) = mid;
+    }
+    double const before = content.area_before[low], area = content.area_before[low + 1] - before;
+    std::uint32_t const piece = content.in_order[low];
+    return {on_triangle(piece, area > 0 ? std::fmin((x - before) / area, 1) : 0.5, v), piece};
+  }
+  // The number u at the middle of a triangle.
+  STRAY_HD double order_coordinate(std::uint32_t piece) const {
+    std::size_t const i = content.place[piece];
+    return 0.5 * (content.area_before[i] + content.area_before[i + 1]) / content.area_before[content.in_order.size];
   }
   // Heights along e3 and radii about it, from the origin of the part, that contain the surface.
   STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
@@ -100,6 +118,11 @@ struct TriangleMesh {
   STRAY_HD Vec3 to_file(Vec3 p) const {
     Vec3 const q = pose.local_point(p);
     return {q.x / unit, q.y / unit, q.z / unit};
+  }
+  STRAY_HD Vec3 on_triangle(std::uint32_t piece, double u, double v) const {  // even over its area
+    Vec3 const a = corner(piece, 0), b = corner(piece, 1), c = corner(piece, 2);
+    double const root = std::sqrt(u);
+    return put(a + (root * (1 - v)) * (b - a) + (root * v) * (c - a), piece);
   }
   STRAY_HD Vec3 put(Vec3 p, std::uint32_t piece) const {
     double const rounding = 0x1p-40 * (length(pose.origin) / unit + length(p));  // 4096 times that of a coordinate

@@ -29,6 +29,17 @@ struct Provenance {
   std::string created;  // ISO 8601, UTC
 };
 
+// Where light must not go, as the trace was steered: adjoint of each side of each patch (estimators.md 7).
+struct ImportanceMap {
+  struct Strip {
+    std::uint32_t group = 0, patch = 0;
+    double low = 0, high = 0;  // m, along z
+    double area = 0;           // m^2
+  };
+  std::vector<Strip> strips;               // all of the scene, in its order; empty: nothing was steered
+  std::vector<double> adjoint, law_share;  // front and back of patch 0, of patch 1, ...
+};
+
 // What goes into a run file besides the numbers; no host names, user names or absolute paths of this machine.
 struct RunContent {
   FileTexts files;
@@ -40,7 +51,8 @@ struct RunContent {
   std::string interferometer;         // Interferometer::description()
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
   std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
-  double beam_power = 0;              // W, of the main mode; 0: not stated
+  ImportanceMap importance;
+  double beam_power = 0;  // W, of the main mode; 0: not stated
   Provenance provenance;
   std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise
   TraceResult const* trace = nullptr;

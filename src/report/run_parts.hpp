@@ -20,6 +20,9 @@ void write_receivers(hdf5::Writer&, RunContent const&);  // /receivers
 void read_receivers(hdf5::Reader const&, std::size_t count, RunContent&);
 void write_maps_of(hdf5::Writer&, BlockSums const& total);  // /maps
 
+void write_importance(hdf5::Writer&, ImportanceMap const&);              // /importance
+ImportanceMap read_importance(hdf5::Reader const&, std::size_t groups);  // empty in files before schema 1.3
+
 void write_ledger(hdf5::Writer&, TraceResult const&);  // /ledger, /arrived
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise

@@ -116,6 +116,7 @@ RunFile read_run(std::string const& file) {
     for (ReceiverSums const& r : total.receivers)
       run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
     read_receivers(in, run.trace.coupling.receivers.size(), run.about);
+    run.about.importance = read_importance(in, run.trace.coupling.groups.size());
     run.trace.stopped = read_stop(in);
     run.trace.stop_rule = in.attribute_text("/", "stop_rule");
     run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));

@@ -139,6 +139,7 @@ void write_run(std::string const& file, RunContent const& run) {
     write_input(out, run);
     write_classes(out, run.trace->coupling);
     write_receivers(out, run);
+    write_importance(out, run.importance);
     write_ledger(out, *run.trace);
     write_maps_of(out, run.trace->total);
     write_nodes(out, run.trace->tree);

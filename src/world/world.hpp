@@ -50,7 +50,7 @@ struct WalkLimits {
   double roulette_below = 0.1;       // of the power first scattered: below it paths survive by chance (unbiased)
   std::uint32_t route_vertices = 5;  // routes with more vertices than this are summed in the class `other`
   bool targets = true;               // aim at what the adjoint tables call important (estimators.md 6)
-  double law_share = 0.25;           // of directions, that the scatter law keeps beside the targets (alpha)
+  double law_share = 0.25;           // of directions, that the scatter law keeps at least beside the targets (alpha)
   bool window = true;                // split and weed paths by power x adjoint (estimators.md 8)
   std::uint32_t children = 1;        // paths that go on from the first vertex (requirements.md R3.26)
   bool brute_force = false;          // test every surface: must give the same bits

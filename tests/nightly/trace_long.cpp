@@ -15,7 +15,7 @@ TEST(NightlyDiffuseTube, LosslessScene5) {
 }
 
 TEST(NightlyDiffuseTube, TwinsAreRejected) {
-  expect_rejected("1 % less", transmission(10, 1, 1 << 22, false), 0.99 * 0.190942);
+  expect_rejected("1 % less", transmission(10, 1, 1 << 22, Aim::none), 0.99 * 0.190942);
 }
 
 }  // namespace

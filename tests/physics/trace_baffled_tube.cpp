@@ -10,12 +10,12 @@ namespace {
 SteeringTables without_near_wall(World const& world, SteeringTables tables, double alpha) {
   SteeringTables changed = tables;
   changed.targets.clear();
-  for (StripSide& side : changed.sides) {
+  for (PatchSide& side : changed.sides) {
     std::uint32_t const first = std::uint32_t(changed.targets.size());
     double total = 0;
     for (std::uint32_t i = side.first; i < side.first + side.count; ++i) {
       Target t = tables.targets[i];
-      Strip const& strip = tables.strips[t.strip];
+      Strip const& strip = tables.strips[t.patch];
       bool const near_wall = world.groups()[world.surfaces()[strip.surface.value].group.value] == "wall" &&
                              strip.u_low * baffled_length < 20;
       if (near_wall) continue;

@@ -25,12 +25,24 @@ TEST(DiffuseTube, LongScene5) {
                true);
 }
 
+// Where light is lost nowhere every place is worth about the same: aiming must not cost what bounces add up
+// (docs/theory/sampling.md). Twin: a fixed share of the law.
+TEST(DiffuseTube, EnclosureIsNotSpoiledByAiming) {
+  auto const error = [](Aim aim) {
+    SampleMean const t = transmission(10, 1, 1 << 15, aim);
+    return t.std_error / t.mean;
+  };
+  double const law = error(Aim::none);
+  EXPECT_LT(error(Aim::as_made), 1.3 * law);
+  EXPECT_GT(error(Aim::fixed_share), 2 * law);
+}
+
 // The numbers know each other apart, and a wall 1 % wider is seen.
 TEST(DiffuseTube, TwinsAreRejected) {
-  SampleMean const t = transmission(2, 0.5, 1 << 17, false);
+  SampleMean const t = transmission(2, 0.5, 1 << 17, Aim::none);
   expect_rejected("direct light alone", t, 0.171573);
   expect_rejected("a perfect wall", t, 0.514231);
-  expect_rejected("1 % wider", transmission(2, 0.5, 1 << 17, false, 1.01), 0.262203);
+  expect_rejected("1 % wider", transmission(2, 0.5, 1 << 17, Aim::none, 1.01), 0.262203);
 }
 
 }  // namespace

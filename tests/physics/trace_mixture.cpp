@@ -28,6 +28,13 @@ World two_caps(bool disc = false) {
   return world;
 }
 
+void add_strip(SteeringTables& t, SurfaceId surface, double from, double to, double area) {
+  auto const number = std::uint32_t(t.strips.size());
+  t.strips.push_back({surface, from, to, (to - from) * area, number});
+  t.patches.push_back({t.strips.back().area, number, 1});
+  t.members.push_back({number, 0});
+}
+
 // Targets of uneven shares on four strips of each cap, and adjoints that make the window work. `hole`: strip 4 is on no
 // list.
 SteeringTables uneven(double alpha, bool hole = false, bool disc = false) {
@@ -35,21 +42,43 @@ SteeringTables uneven(double alpha, bool hole = false, bool disc = false) {
   for (std::uint32_t surface = 0; surface < 2; ++surface) {
     t.first_of_surface.push_back(std::uint32_t(t.strips.size()));
     double const edges[] = {0, 0.1, 0.35, 0.4, 1};
-    for (int i = 0; i < 4; ++i)
-      t.strips.push_back({{surface}, edges[i], edges[i + 1], (edges[i + 1] - edges[i]) * 2 * pi});
+    for (int i = 0; i < 4; ++i) add_strip(t, {surface}, edges[i], edges[i + 1], 2 * pi);
   }
   t.first_of_surface.push_back(8);
   if (disc) {  // on no list
-    t.strips.push_back({{2}, 0, 1, 0.25 * pi});
+    add_strip(t, {2}, 0, 1, 0.25 * pi);
     t.first_of_surface.push_back(9);
   }
   double const shares[] = {0.02, 0.2, 0.05, 0.2, hole ? 0 : 0.03, 0.25, 0.01, 0.24};
   double so_far = 0;
   for (std::uint32_t i = 0; i < 8; ++i)
     if (shares[i] > 0) t.targets.push_back({i, shares[i], so_far += shares[i]});
-  for (int side = 0; side < 2 * int(t.strips.size()); ++side)
+  for (int side = 0; side < 2 * int(t.patches.size()); ++side)
     t.sides.push_back({1 + 0.1 * side, alpha, 0, std::uint32_t(t.targets.size())});
   t.level = 1;
+  return t;
+}
+
+// The same strips in four patches of unequal ones, some on both caps; what is drawn with is what is divided by.
+SteeringTables patched(double alpha) {
+  SteeringTables t = uneven(alpha);
+  t.patches.clear();
+  t.members.clear();
+  t.targets.clear();
+  t.sides.clear();
+  for (std::vector<std::uint32_t> const& strips : {std::vector{0u, 5u, 6u}, {1u}, {2u, 3u, 7u}, {4u}}) {
+    Patch patch{0, std::uint32_t(t.members.size()), std::uint32_t(strips.size())};
+    for (std::uint32_t const i : strips) {
+      t.strips[i].patch = std::uint32_t(t.patches.size());
+      t.members.push_back({i, patch.area});
+      patch.area += t.strips[i].area;
+    }
+    t.patches.push_back(patch);
+  }
+  double const shares[] = {0.3, 0.1, 0.45, 0.15};
+  double so_far = 0;
+  for (std::uint32_t i = 0; i < 4; ++i) t.targets.push_back({i, shares[i], so_far += shares[i]});
+  for (int side = 0; side < 8; ++side) t.sides.push_back({1 + 0.1 * side, alpha, 0, 4});
   return t;
 }
 
@@ -75,6 +104,38 @@ TEST(Mixture, ArrivingPowerScene16) {
   }
 }
 
+TEST(Mixture, ArrivingPowerWithPatchesScene16) {
+  for (double const alpha : {0.1, 0.5}) {
+    World world = two_caps();
+    world.steer(patched(alpha));
+    TraceResult const r = run_histories(world, 1 << 17);
+    expect_mean("arriving power, 1/(1 - rho)", arriving(world, r), 10, 0.5);
+    Estimate const sampling = estimate(r.total.ledger[int(Fate::sampling)], r.total.histories, r.total.blocks);
+    EXPECT_LT(std::fabs(sampling.mean), 5 * sampling.std_error);
+  }
+}
+
+// Twins: the strips of a patch drawn evenly instead of by area, and a patch with a strip that is never drawn.
+TEST(Mixture, WrongPatchesAreRefused) {
+  for (bool const even : {true, false}) {
+    World world = two_caps();
+    SteeringTables tables = patched(0.1);
+    for (Patch const& p : tables.patches)
+      for (std::uint32_t i = 0; i < p.count; ++i)
+        if (even)
+          tables.members[p.first + i].before = p.area * i / p.count;
+        else if (i > 0)
+          tables.members[p.first + i].before = 2 * p.area;
+    world.steer(tables);
+    try {
+      expect_rejected(even ? "even over strips" : "strips left out", arriving(world, run_histories(world, 1 << 17)),
+                      10);
+    } catch (NumericalError const&) {
+      SUCCEED() << "the books refuse it";
+    }
+  }
+}
+
 // The weight of a hop as in complete(), with one thing wrong.
 enum class Fault { none, no_square, no_cosine, hidden_kept, area };
 double weight(WorldView const& view, PathState& path, Vertex const& v, Fault fault) {
@@ -83,7 +144,7 @@ double weight(WorldView const& view, PathState& path, Vertex const& v, Fault fau
   if (hidden && fault != Fault::hidden_kept) return 0;
   double const alpha = law_share(view, hop.side);
   double const distance = fault == Fault::no_square ? 1 : v.leg, cosine = fault == Fault::no_cosine ? 1 : v.wi.z;
-  double const aimed = aimed_pdf(view, hop.side, v.strip, distance, cosine) / (fault == Fault::area ? 1.01 : 1);
+  double const aimed = aimed_pdf(view, hop.side, v.patch, distance, cosine) / (fault == Fault::area ? 1.01 : 1);
   double const pdf = hop.lobe * (alpha * hop.law_pdf + (1 - alpha) * aimed);
   hop.pdf = pdf;
   return pdf > 0 ? hop.value / pdf : 0;
@@ -129,7 +190,7 @@ TEST(Mixture, WrongDensitiesAreRejected) {
 TEST(Mixture, WrongAreasAreRefused) {
   World world = two_caps();
   SteeringTables tables = uneven(0.1);
-  for (Strip& s : tables.strips) s.area *= 1.03;
+  for (Patch& p : tables.patches) p.area *= 1.03;
   world.steer(tables);
   EXPECT_THROW(run_histories(world, 1 << 17), NumericalError);
 }

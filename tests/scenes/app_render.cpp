@@ -165,5 +165,22 @@ TEST(Importance, TableOfTheArm) {
   EXPECT_GT(most, 0);
 }
 
+// A run keeps the map it was steered by; other parameters are another scene.
+TEST(Importance, OfARunIsThatOfItsScene) {
+  Folder const folder;
+  std::string const run = folder / "run.h5", from_run = folder / "run.png", from_scene = folder / "scene.png";
+  Finished const traced = straytrace({"trace", bench, "-o", run, "--histories", "4096", "--quiet"});
+  ASSERT_EQ(traced.code, 0) << traced.err;
+  Finished const kept = straytrace({"importance", run, "--csv"}), made = straytrace({"importance", bench, "--csv"});
+  EXPECT_EQ(kept.code, 0) << kept.err;
+  EXPECT_EQ(kept.out, made.out);
+  rendered({run, "-o", from_run, "--mode", "importance"});
+  rendered({bench, "-o", from_scene, "--mode", "importance"});
+  EXPECT_EQ(text_of(from_run), text_of(from_scene));
+  Finished const virgo = straytrace({"importance", virgo_arm, "--csv"}),
+                 wider = straytrace({"importance", virgo_arm, "-p", "rim=50cm", "--csv"});
+  EXPECT_NE(virgo.out, wider.out) << "twin";
+}
+
 }  // namespace
 }  // namespace straytrace::testing

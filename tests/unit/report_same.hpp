@@ -16,6 +16,15 @@ inline bool same_bits(std::vector<double> const& a, std::vector<double> const& b
          std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) { return same_bits(x, y); });
 }
 
+inline bool same(ImportanceMap const& a, ImportanceMap const& b) {
+  return same_bits(a.adjoint, b.adjoint) && same_bits(a.law_share, b.law_share) &&
+         std::equal(a.strips.begin(), a.strips.end(), b.strips.begin(), b.strips.end(),
+                    [](auto const& x, auto const& y) {
+                      return x.group == y.group && x.patch == y.patch && same_bits(x.low, y.low) &&
+                             same_bits(x.high, y.high) && same_bits(x.area, y.area);
+                    });
+}
+
 inline bool same(Moments const& a, Moments const& b) {
   return same_bits(a.sum, b.sum) && same_bits(a.sum2, b.sum2) && same_bits(a.sum3, b.sum3) &&
          same_bits(a.sum4, b.sum4) && same_bits(a.block_sum2, b.block_sum2) && same_bits(a.largest, b.largest) &&

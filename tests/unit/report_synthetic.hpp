@@ -194,6 +194,8 @@ inline RunContent content(TraceResult const& trace, NoiseBudget const* noise) {
   c.warnings = {"steel: measured 10 to 70 deg"};
   c.provenance = {"straytrace", "0.1.0", "abc1234", "g++ 12 -O3", "2024-05-01T12:00:00Z"};
   c.timing = {{"scene", 0.25}};
+  c.importance = {
+      {{1, 0, 0, 0.5, 0.25}, {1, 0, 0.5, 1, 0.25}, {3, 1, -1, 2, 12}}, {0.5, 0, 1e-9, 3}, {0.25, 1, 1, 0.9}};
   c.trace = &trace;
   c.noise = noise;
   return c;

@@ -82,10 +82,10 @@ STRAY_HD Way way_to(WorldView const& world, Vertex const& vertex, Vec3 y) {
 }
 // Density per area with which the walk itself would have gone there, its lobe included.
 STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
-                             std::uint32_t strip, double cosine) {
+                             std::uint32_t patch, double cosine) {
   double const lobe = path.order == 0 ? 1 : vertex.albedo / vertex.kept();
   double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
-  return lobe * per_area(mixture_pdf(world, vertex.side(), law, strip, way.length, cosine), way.length, cosine);
+  return lobe * per_area(mixture_pdf(world, vertex.side(), law, patch, way.length, cosine), way.length, cosine);
 }
 STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, SurfaceId end) {
   return world.occluded({vertex.point, way.out, way.length * (1 - 1e-9)},
@@ -114,7 +114,7 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   if (!(coupling > 0)) return;
   double weight = 1;
   if (lit.profile != Profile::point) {  // a walk cannot hit a point
-    double const walk = walk_density(world, path, vertex, way, y.strip, y.wi.z);
+    double const walk = walk_density(world, path, vertex, way, y.patch, y.wi.z);
     double const density = connection_density(lit, y.point, y.frame.e3);
     weight = density / (density + walk);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What paths scored after they arrived on each side of each strip, learned from a short run of its own (estimators.md
+// What paths scored after they arrived on each side of each patch, learned from a short run of its own (estimators.md
 // 7): it knows mirrors and glass, which the diffuse exchange does not. Its histories never enter results.
 #pragma once
 

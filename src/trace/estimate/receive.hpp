@@ -85,7 +85,7 @@ STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex 
   Vertex const end =
       make_vertex(world, behind.surface, vertex.point + behind.distance * way.out, way.out, behind.piece);
   double const there =
-      walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf}, end.strip, end.wi.z);
+      walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf}, end.patch, end.wi.z);
   return per_area(per_solid_angle(there, behind.distance, end.wi.z), way.length, cosine);
 }
 
@@ -102,7 +102,7 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
   if (!(y.wi.z > 0) || !r.counts(y.front)) return;
   if (!r.clear && blocked(world, vertex, way, r.surface)) return;
   double const walk =
-      r.clear ? walk_past(world, path, vertex, way, y.wi.z) : walk_density(world, path, vertex, way, y.strip, y.wi.z);
+      r.clear ? walk_past(world, path, vertex, way, y.wi.z) : walk_density(world, path, vertex, way, y.patch, y.wi.z);
   if (walk < 0) return;
   double const density = receiver_density(world, r);
   double const power = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) / (density + walk);

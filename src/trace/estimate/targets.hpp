@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which strips are worth aiming at from one side of a strip, and how often.
+// Which patches are worth aiming at from one side of a patch, and how often.
 #pragma once
 
 #include <vector>
 
-#include "world/world.hpp"
+#include "trace/estimate/law_share.hpp"
 
 namespace straytrace {
 
-// transfer: share of the light that arrives on each side of each strip. adjoints: one per goal, by sides. The list is
-// sorted by strip; its shares sum to 1.
-std::vector<Target> targets_of(World const&, SteeringTables const&, std::vector<double> const& transfer,
-                               std::vector<std::vector<double>> const& adjoints, std::size_t most);
+// Parts of the scene: groups of bodies, numbered.
+struct Parts {
+  std::vector<std::uint32_t> of_patch, body;  // part of each patch, body of each part
+};
+Parts parts_of(World const&, SteeringTables const&);
+
+// transfer: share of the light that arrives on each side of each patch. The list is sorted by patch; its shares sum
+// to 1.
+std::vector<Target> targets_of(Parts const&, std::vector<float> const& transfer, std::vector<Worth> const& worths,
+                               std::size_t most);
 
 }  // namespace straytrace

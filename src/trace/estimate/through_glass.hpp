@@ -26,7 +26,7 @@ struct Backward {
   double tau = 0;                         // shares passed over the probabilities of choosing them; 0: nothing found
   double distance = 0;                    // m from z to the next specular surface
   double cosine = 1;                      // of incidence there, on the side of z
-  std::uint32_t strip = WorldView::none;  // of that surface
+  std::uint32_t patch = WorldView::none;  // of that surface
 };
 
 // Direction of a sub-path from a point of the receiver; zero: none.
@@ -95,7 +95,7 @@ STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& 
     path.ray.origin = at.point;
     path.media = at.before;
     leave_specular(world, path, at, through);
-    back.strip = at.strip;
+    back.patch = at.patch;
     back.cosine = std::fabs(dot(path.ray.dir, at.frame.e3));
   }
   return {};
@@ -155,7 +155,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   double const lobe = beam.free ? z.albedo / z.kept() : 1;
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
-      lobe * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
+      lobe * mixture_pdf(world, z.side(), law, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
   double const walk = lit.density / double(world.emitters.size) * leaving;
   double const power = beam.share * lit.density * f * back.tau * etendue / (1 + walk * etendue);
   Vertex const end = make_vertex(world, world.receivers[receiver].surface, back.end, back.arriving, back.end_piece);
@@ -181,8 +181,8 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   double const etendue = etendue_at(back, z, wo);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
-      z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.strip, back.distance, back.cosine) / std::fabs(wo.z);
-  double const walk = walk_density(world, path, vertex, way, z.strip, z.wi.z) * leaving;
+      z.albedo / z.kept() * mixture_pdf(world, z.side(), law, back.patch, back.distance, back.cosine) / std::fabs(wo.z);
+  double const walk = walk_density(world, path, vertex, way, z.patch, z.wi.z) * leaving;
   double const power =
       path.power * way.bsdf * way.kept * way.geometry(z.wi.z) * f * back.tau * etendue / (1 + walk * etendue);
   if (!(power > 0)) return;

@@ -63,10 +63,10 @@ struct Vertex {
   SurfaceId contact;           // a second surface that touches this one here
   Optic const* optic = nullptr;
   double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted for this incidence
-  std::uint32_t strip = WorldView::none;         // of the steering tables
+  std::uint32_t patch = WorldView::none;         // of the steering tables
   STRAY_HD double kept() const { return albedo + reflect + transmit; }
   STRAY_HD std::uint32_t side() const {
-    return strip == WorldView::none ? WorldView::none : 2 * strip + (front ? 0 : 1);
+    return patch == WorldView::none ? WorldView::none : 2 * patch + (front ? 0 : 1);
   }
 };
 
@@ -94,11 +94,11 @@ struct History {
 };
 
 // A point on a surface that light has reached.
-STRAY_HD std::uint32_t strip_of(WorldView const& world, SurfaceId id, Vec3 point) {
+STRAY_HD std::uint32_t patch_of(WorldView const& world, SurfaceId id, Vec3 point, std::uint32_t piece) {
   if (!world.steering.on()) return WorldView::none;
-  double const u =
-      world.shapes.visit(world.surfaces[id.value].shape, [&](auto const& s) { return strip_coordinate(s, point); });
-  return world.steering.strip_at(id, u);
+  double const u = world.shapes.visit(world.surfaces[id.value].shape,
+                                      [&](auto const& s) { return strip_coordinate(s, point, piece); });
+  return world.steering.strips[world.steering.strip_at(id, u)].patch;
 }
 
 // Turns the frame about its normal so that e2 runs along the grooves; where they have no direction it stays.
@@ -127,7 +127,7 @@ STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Ve
   v.frame = Frame::around(v.front ? normal : -normal);
   if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
   v.wi = v.frame.to_local(-travel);
-  v.strip = strip_of(world, id, v.point);
+  v.patch = patch_of(world, id, v.point, piece);
   return v;
 }
 
