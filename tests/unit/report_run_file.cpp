@@ -135,6 +135,7 @@ TEST_F(ReportRunFile, HoldsAnEmptyResult) {
   c.files.clear();
   c.overrides.clear();
   c.warnings.clear();
+  c.importance = {};
   write_run(folder / "empty.h5", c);
   RunFile const back = read_run(folder / "empty.h5");
   EXPECT_TRUE(back.trace.coupling.classes.empty());

@@ -19,7 +19,7 @@ class Builder {
  public:
   Builder(World const& world, ImportanceSettings const& settings)
       : world_(world), settings_(settings), tables_(make_strips(world)), goals_(goals_of(world.view())) {
-    merge_strips(world, settings.most_patches, tables_);
+    if (tables_.strips.size() > settings.most_strips) merge_strips(world, settings.most_patches, tables_);
   }
 
   SteeringTables build() {

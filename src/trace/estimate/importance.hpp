@@ -13,7 +13,8 @@ struct ImportanceSettings {
   double alpha = 0.25;                      // share of directions that the scatter law keeps; never below 0.1
   bool window = true;                       // split and weed paths by power x adjoint
   unsigned samples = 8;                     // pairs of points per pair of patches
-  std::size_t most_patches = 2500;          // scenes with more strips join neighbours
+  std::size_t most_strips = 2500;           // each a patch of its own; with more neighbours are joined
+  std::size_t most_patches = 1000;          // then; the work grows with the square
   std::uint64_t pilot_histories = 1 << 14;  // 0: no pilot
   std::size_t most_targets = 128;           // per side of a patch that no beam lights
 };
