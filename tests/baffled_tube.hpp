@@ -57,11 +57,13 @@ inline World baffled_tube() {
   return world;
 }
 
-inline SampleMean received(TraceResult const& r, std::uint32_t receiver, bool ring_first = false) {
+// All that receiver gets, or the class of one hit on a ring: longer routes by a ring are resolved by some estimators
+// only.
+inline SampleMean received(TraceResult const& r, std::uint32_t receiver, bool by_ring = false) {
   double mean = 0, variance = 0;
   for (CouplingClass const& c : r.coupling.received) {
     if (c.port.value != receiver) continue;
-    if (ring_first && (c.steps.size() < 2 || r.coupling.groups[c.steps[1].group.value] != "rings")) continue;
+    if (by_ring && (c.steps.size() != 3 || r.coupling.groups[c.steps[1].group.value] != "rings")) continue;
     mean += c.coupling.mean;
     variance += c.coupling.std_error * c.coupling.std_error;
   }
@@ -90,7 +92,7 @@ inline void expect_estimators_agree(std::uint64_t histories, double goal) {
   for (TraceResult const* r : {&first, &every}) {
     expect_same("A ", received(*r, 0), received(law, 0));
     expect_same("B ", received(*r, 1), received(law, 1));
-    expect_same("first hit on a ring ", received(*r, 0, true), received(law, 0, true));
+    expect_same("one hit on a ring ", received(*r, 0, true), received(law, 0, true));
     EXPECT_LT(relative(received(*r, 0)), goal);
     EXPECT_TRUE(r->coupling.warnings.empty());
   }
