@@ -12,9 +12,11 @@ constexpr double window_width = 5;  // paths within this factor of the target ar
 constexpr std::uint32_t most_copies = 16;
 
 // What a path is kept at: power x adjoint at its first vertex, so that routes through a rare first target are followed
-// with the effort that the target was given; a path that nothing aimed at has to be worth an average one.
+// with the effort that the target was given; a scattered path that nothing aimed at has to be worth an average one. The
+// level knows nothing of free beams: their first vertex sets its own.
 STRAY_HD double level_of(WorldView const& world, PathState const& path, double adjoint) {
-  return path.hop.off_list || !path.hop.aimed ? world.steering.level : path.power * adjoint;
+  bool const astray = !path.coherent && (path.hop.off_list || !path.hop.aimed);
+  return astray ? world.steering.level : path.power * adjoint;
 }
 
 // Copies to follow from here on, 0: the path has lost; path.power is that of each copy. Without an adjoint, plain
