@@ -65,6 +65,15 @@ void check_spot(Node const& beam, std::string const& name, Footprint const& f, W
                    : fmt::format("give the material of '{}' a 'scatter', or 'specular'", lit));
 }
 
+// Sub-paths behind glass do not follow polarisation.
+void warn_of_glass_in_polarised_light(Scene const& scene, World const& world) {
+  if (!world.polarised) return;
+  for (auto const& [name, node] : scene.table("receivers").items())
+    if (node.flag("behind_glass", false))
+      node["behind_glass"].warning("'behind_glass' does nothing where a beam states its polarisation",
+                                   "light by way of glass is then found by the walk alone, slowly");
+}
+
 }  // namespace
 
 void check_beams(Scene const& scene, World const& world) {
@@ -77,6 +86,7 @@ void check_beams(Scene const& scene, World const& world) {
     else
       check_spot(node, name, f, world);
   }
+  warn_of_glass_in_polarised_light(scene, world);
 }
 
 }  // namespace straytrace
