@@ -16,7 +16,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 import straytrace  # noqa: E402
-from straytrace import plot, words  # noqa: E402
+from straytrace import plot, plot_maps, words  # noqa: E402
 
 
 def made_run(path, routes=9, bins=60, noise=True):
@@ -140,11 +140,18 @@ def check_numbers():
     assert words.shortened("abcdefghij", 5) == "ab…ij"
 
 
+def check_map_errors():
+    """An error of 0 or NaN is none: not drawn as 0 %."""
+    error = plot_maps.relative_error(np.array([2.0, 7.9e-212, 1e-9, np.nan]), np.array([0.1, 0, np.nan, np.nan]))
+    np.testing.assert_allclose(error, [5, np.nan, np.nan, np.nan])
+
+
 with tempfile.TemporaryDirectory() as name:
     here = pathlib.Path(name)
     made_run(here / "run.h5")
     given = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "run.h5"
     check_numbers()
+    check_map_errors()
     check_refusals(here)
     for file in {given, here / "run.h5"}:
         check_run(file)
