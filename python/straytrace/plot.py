@@ -182,8 +182,7 @@ def strongest(run):
 def draw_couplings(axes, run, rows):
     """Without noise: couplings of the strongest routes, or the light on receivers, on a logarithmic axis."""
     axes.set_title("Light on receivers" if receivers_only(run) else "Routes by coupling (noise not computed)")
-    axes.set_xlabel("power over that of the main mode" if receivers_only(run) else
-                    "recoupled power fraction, ordered paths")
+    axes.set_xlabel("power over that of the main mode" if receivers_only(run) else "recoupled power fraction, ordered paths")
     names, coupling, sigma = [r[0] for r in rows], np.array([r[1] for r in rows]), np.array([r[2] for r in rows])
     place = np.arange(len(rows))[::-1]
     axes.errorbar(coupling, place, xerr=sigma, fmt="o", color=ROUTE_COLOURS[0], capsize=3)
@@ -239,9 +238,9 @@ def draw(run, band=None):
     rows = strongest(run) if run.noise is None else []
     if rows:
         draw_couplings(figure.add_axes((0.055, 0.085, 0.56, 0.825)), run, rows)
-    elif run.noise is None:     # no axes without a value
-        kind = "receiver" if receivers_only(run) else "route"
-        figure.text(0.055, 0.90, f"No {kind} is resolved: there is no answer yet.", fontsize=12, va="top")
+    elif run.noise is None:
+        words = "receiver is resolved" if receivers_only(run) else "route is resolved" if run.routes.name else "route was found"
+        figure.text(0.055, 0.90, f"No {words}: there is no answer yet.", fontsize=12, va="top")
         place, books, width = (0.055, 0.86), (0.11, 0.085, 0.5, 0.5), 150
     else:
         band = band or tuple(run.noise.edges[[0, -1]])
