@@ -25,6 +25,7 @@ DESIGN_STYLES = ("-", (0, (8, 1.5)), (0, (3, 1, 1, 1)))
 GREY = "#6b6b6b"
 LIGHT = "#d9d9d9"
 FATE_COLOURS = {"absorbed": "#0072B2", "escaped": "#56B4E9", "limit": "#E69F00"}
+CLOSED = 1e-12  # of the emitted power: what lies below is rounding, as in report.txt
 TOP = 6
 SIZE = (16.0, 10.0)  # inches at 100 dpi: 1600 x 1000 pixels
 STYLE = {
@@ -140,11 +141,15 @@ def draw_books(axes, run):
     seen = [bool(np.isfinite(s)) for _, _, s in fates]
     values = np.array([v if ok else 0.0 for (_, v, _), ok in zip(fates, seen)]) / emitted
     errors = np.array([s if ok else 0.0 for (_, _, s), ok in zip(fates, seen)]) / emitted
+    rounding = np.abs(values) < CLOSED
+    errors = np.where(rounding, 0.0, errors)
     axes.barh(place, 100 * values, height=0.6, color=[FATE_COLOURS.get(n, GREY) for n, _, _ in fates],
               xerr=100 * errors, error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
-    for y, value, error, ok in zip(place, values, errors, seen):
+    for y, value, error, ok, nothing in zip(place, values, errors, seen, rounding):
         if not ok:
             words = "none seen"
+        elif nothing:
+            words = "rounding only"
         elif abs(value) + error < 1e-6:     # of the emitted power: no digits of a per cent would be left
             words = f"{100 * value:.1g} ± {100 * error:.1g} %"
         else:
@@ -161,21 +166,23 @@ def draw_books(axes, run):
     axes.set_title("Where the light went")
 
 
-def draw_couplings(axes, run):
-    """Without noise: couplings of the strongest routes, or the light on receivers, on a logarithmic axis."""
+def receivers_only(run):
+    return not run.ports and bool(run.receivers)
+
+
+def strongest(run):
+    """(name, value, error) of the strongest resolved routes, or of the receivers."""
     routes = run.routes
     rows = [(routes.name[i], routes.coupling[i], routes.sigma[i]) for i in np.flatnonzero(routes.trusted)]
-    title, label = "Routes by coupling (noise not computed)", "recoupled power fraction, ordered paths"
-    if not run.ports and run.receivers:
+    if receivers_only(run):
         rows = [(r.name, r.power, r.sigma) for r in run.receivers if r.trusted]
-        title, label = "Light on receivers", "power over that of the main mode"
-    rows = sorted((row for row in rows if row[1] > 0), key=lambda row: -row[1])[:12]
-    axes.set_title(title)
-    axes.set_xlabel(label)
-    if not rows:
-        nothing = "no resolved route" if run.ports or not run.receivers else "no resolved receiver"
-        axes.text(0.5, 0.5, nothing, ha="center", va="center", transform=axes.transAxes)
-        return
+    return sorted((row for row in rows if row[1] > 0), key=lambda row: -row[1])[:12]
+
+
+def draw_couplings(axes, run, rows):
+    """Without noise: couplings of the strongest routes, or the light on receivers, on a logarithmic axis."""
+    axes.set_title("Light on receivers" if receivers_only(run) else "Routes by coupling (noise not computed)")
+    axes.set_xlabel("power over that of the main mode" if receivers_only(run) else "recoupled power fraction, ordered paths")
     names, coupling, sigma = [r[0] for r in rows], np.array([r[1] for r in rows]), np.array([r[2] for r in rows])
     place = np.arange(len(rows))[::-1]
     axes.errorbar(coupling, place, xerr=sigma, fmt="o", color=ROUTE_COLOURS[0], capsize=3)
@@ -190,19 +197,25 @@ def draw_couplings(axes, run):
     axes.set_axisbelow(True)
 
 
-def notes(run):
+def listed(title, names, width):
+    """The first of them, under a title; nothing without names."""
+    lines = [f"{title} ({len(names)}):"] if names else []
+    for name in names[:3]:
+        lines += textwrap.wrap(name, width, initial_indent="  ", subsequent_indent="    ", max_lines=2, placeholder=" …")
+    if len(names) > 3:
+        lines.append(f"  and {len(names) - 3} more")
+    return lines
+
+
+def notes(run, width=62):
     """What is not in the curves, and whether it matters."""
-    lines = []
-    unresolved = [name for name, ok in zip(run.routes.name, run.routes.trusted) if not ok]
+    routes = [name for name, ok in zip(run.routes.name, run.routes.trusted) if not ok]
     if run.noise is not None:
-        unresolved = run.noise.unresolved
-    if unresolved:
-        lines.append(f"unresolved, not in the total ({len(unresolved)}):")
-        for name in unresolved[:3]:
-            lines += textwrap.wrap(name, 62, initial_indent="  ", subsequent_indent="    ", max_lines=2, placeholder=" …")
-        if len(unresolved) > 3:
-            lines.append(f"  and {len(unresolved) - 3} more")
-    else:
+        routes = run.noise.unresolved
+    receivers = [f"{r.name}: {r.why_not}" for r in run.receivers if not r.trusted]
+    unresolved = routes + receivers
+    lines = listed("unresolved, not in the total", routes, width) + listed("unresolved receivers", receivers, width)
+    if not unresolved:
         faint = len(run.noise.faint) if run.noise is not None else 0
         lines.append(f"unresolved: {faint}, too faint to matter" if faint else "unresolved: none")
     if not run.complete:
@@ -221,9 +234,14 @@ def draw(run, band=None):
     figure = plt.figure(figsize=SIZE, dpi=100)
     figure.text(0.055, 0.962, shortened(run.attributes.get("title") or "Stray light", 110), fontsize=16, weight="bold")
     figure.text(0.055, 0.012, footer(run), fontsize=9, color=GREY)
-    place = (0.70, 0.90)
-    if run.noise is None:
-        draw_couplings(figure.add_axes((0.055, 0.085, 0.56, 0.825)), run)
+    place, books, width = (0.70, 0.90), (0.72, 0.085, 0.25, 0.295), 62
+    rows = strongest(run) if run.noise is None else []
+    if rows:
+        draw_couplings(figure.add_axes((0.055, 0.085, 0.56, 0.825)), run, rows)
+    elif run.noise is None:
+        words = "receiver is resolved" if receivers_only(run) else "route is resolved" if run.routes.name else "route was found"
+        figure.text(0.055, 0.90, f"No {words}: there is no answer yet.", fontsize=12, va="top")
+        place, books, width = (0.055, 0.86), (0.11, 0.085, 0.5, 0.5), 150
     else:
         band = band or tuple(run.noise.edges[[0, -1]])
         top = figure.add_axes((0.055, 0.455, 0.595, 0.465))
@@ -232,9 +250,9 @@ def draw(run, band=None):
         legend = top.get_legend().get_window_extent().transformed(figure.transFigure.inverted())
         place = (legend.x0 + 0.005, legend.y0 - 0.012)
         draw_shares(figure.add_axes((0.055, 0.085, 0.56, 0.295)), run, band)
-    text, alarming = notes(run)
+    text, alarming = notes(run, width)
     figure.text(*place, text, fontsize=9.5, va="top", color="#a23b00" if alarming else GREY, linespacing=1.35)
-    draw_books(figure.add_axes((0.72, 0.085, 0.25, 0.295)), run)
+    draw_books(figure.add_axes(books), run)
     return figure
 
 

@@ -35,12 +35,18 @@ def norm_of(values):
     return LogNorm(max(seen.min(), 1e-6 * seen.max()), seen.max())
 
 
-def draw_panel(figure, axes, values, half, unit, title, label, **style):
+def relative_error(mean, error):
+    """In per cent; NaN where it is not resolved. Old files hold 0 where the square of faint light underflowed."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(error > 0, 100 * error / mean, np.nan)
+
+
+def draw_panel(figure, axes, values, half, unit, title, label, nothing="no light seen", **style):
     if not np.isfinite(values).any():
-        axes.text(0.5, 0.5, "no light seen", ha="center", va="center", transform=axes.transAxes)
+        axes.text(0.5, 0.5, nothing, ha="center", va="center", transform=axes.transAxes)
     image = axes.imshow(values, origin="lower", extent=(-half[0], half[0], -half[1], half[1]), interpolation="nearest",
                         **style)
-    axes.set_facecolor("#e6e6e6")                # where nothing was seen
+    axes.set_facecolor("#e6e6e6")                # where nothing was seen or resolved
     axes.set_xlabel(f"x [{unit}]")
     axes.set_ylabel(f"y [{unit}]")
     axes.set_title(title)
@@ -58,9 +64,12 @@ def panels_of(receiver, watt):
         area = 4 * receiver.half[0] * receiver.half[1] / receiver.image.size
         found.append((receiver.image * power / area, half, unit, "Irradiance", f"W/m²{relative}",
                       {"cmap": "viridis", "norm": norm_of(receiver.image * power / area)}))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = 100 * receiver.image_error / receiver.image
-        found.append((error, half, unit, "One standard error", "% of the irradiance", {"cmap": "cividis", "vmin": 0}))
+        error, nothing = relative_error(receiver.image, receiver.image_error), "no light seen"
+        title = "One standard error"
+        if np.any(np.isfinite(receiver.image) & ~np.isfinite(error)):
+            title, nothing = title + " (grey: not resolved)", "not resolved"
+        found.append((error, half, unit, title, "% of the irradiance",
+                      {"cmap": "cividis", "vmin": 0, "nothing": nothing}))
         if receiver.field is not None:
             field = receiver.field * np.sqrt(power)
             found.append((np.abs(field) ** 2, half, unit, "Coherent irradiance", f"W/m²{relative}",

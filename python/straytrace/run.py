@@ -89,7 +89,9 @@ class Routes:
 
 @dataclass
 class Receiver:
-    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was seen."""
+    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was seen.
+
+    An error of a map is NaN, too, where it is not resolved."""
 
     name: str
     power: float                      # only a hint where not `trusted`

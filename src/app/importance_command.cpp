@@ -68,9 +68,14 @@ void print(std::vector<Row> rows, std::size_t show) {
     table.rows.push_back({r.group, fmt::format("{:.6g}", r.from), fmt::format("{:.6g}", r.to),
                           fmt::format("{:.4g}", r.area), adjoint(r.front), adjoint(r.back)});
   }
+  if (table.rows.empty()) {
+    std::cout << "Nothing to aim at: no light that is scattered a second time is received.\n";
+    return;
+  }
   std::cout
       << "Adjoint of each side: what one unit of power arriving there still adds to what is received, in units of\n"
-         "the whole of it, summed over ports and receivers; a quadrature for steering, good to tens of per cent.\n"
+         "the whole of it, summed over ports and receivers; a quadrature for steering, good to tens of per cent\n"
+         "where light goes straight. Light by way of mirrors and glass is seen by a short pilot run, if at all.\n"
       << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "");
 }
 

@@ -174,7 +174,7 @@ Drawn draw_importance(World& world, Camera const& camera, LookSettings const& se
   drawn.scale =
       high > 0
           ? fmt::format("adjoint from {:.3g} (violet) by green to {:.3g} (yellow), logarithmic; grey: none", low, high)
-          : "no light is received anywhere in this scene";
+          : "nothing to aim at: no light that is scattered a second time is received";
   return drawn;
 }
 

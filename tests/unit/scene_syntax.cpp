@@ -70,6 +70,11 @@ TEST(Syntax, HeadOfTheFile) {
   EXPECT_THAT(said("straytrace: 0\n"), HasSubstr("\"0\" is not a format version"));
   EXPECT_THAT(said("straytrace: [1]\n"), HasSubstr("is not a format version"));
   EXPECT_THAT(said(""), HasSubstr("arm.yaml: error: the file is empty"));
+  EXPECT_EQ(said("straytrace-run sha256 0\n\x01\x02"),
+            "arm.yaml:1:1: error: this is a run file, not a scene\n"
+            "    1 | straytrace-run sha256 0\n"
+            "      | ^ 'straytrace run' makes it again, 'noise' and 'paths' read it\n"
+            "1 error. Nothing was run.\n");
   EXPECT_THAT(said("- a\n"), HasSubstr("a model file is a table of keys"));
   EXPECT_THAT(said("%YAML 1.2\n---\nstraytrace: 1\n"), HasSubstr("1:1: error: YAML directives are not part"));
 }

@@ -62,7 +62,8 @@ MadeClass make_class(World const& world, std::uint64_t hash, ClassSums const& su
 }
 
 // Routes that are not resolved on their own, of one port: one row whose error comes from the replicas, so that scores
-// of one history in several of them are not taken for independent.
+// of one history in several of them are not taken for independent. Replicas do not see a heavy tail that they share:
+// where routes that failed for theirs carry most of it, the row fails too.
 class Leftover {
  public:
   void take(CouplingClass const& c, Moments const& moments) {
@@ -78,8 +79,9 @@ class Leftover {
     merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
     ++merged_.folded_routes;
     note(c);
+    weigh(c);
   }
-  CouplingClass row(BlockSums const& total, std::array<std::uint64_t, replica_count> const& histories) {
+  CouplingClass row(BlockSums const& total, CouplingTable const& table) {
     bool const several = merged_.folded_routes > 1;
     if (several) {  // several routes have no tail in common, and their sums over blocks are not summed here
       moments_.tail.clear();
@@ -90,11 +92,12 @@ class Leftover {
       double const n = double(total.histories);
       double between = 0;
       for (int r = 0; r < replica_count; ++r) {
-        double const off = merged_.replica_sum[r] - merged_.coupling.mean * double(histories[r]);
+        double const off = merged_.replica_sum[r] - merged_.coupling.mean * double(table.replica_histories[r]);
         between += off * off;
       }
       merged_.coupling.std_error = std::sqrt(between * replica_count / (replica_count - 1)) / n;
     }
+    if (several) doubt(table);
     return std::move(merged_);
   }
 
@@ -115,8 +118,26 @@ class Leftover {
     if (list.size() > folded_kept) list.pop_back();
   }
 
+  void weigh(CouplingClass const& c) {
+    std::string const why = tail_objection(c.coupling);
+    if (why.empty()) return;
+    heavy_sum_ += c.coupling.mean;
+    ++heavy_routes_;
+    if (c.coupling.mean > heaviest_.mean) heaviest_ = {c.hash, c.steps, c.coupling.mean, 0, false, why};
+  }
+  void doubt(CouplingTable const& table) {
+    Estimate& e = merged_.coupling;
+    if (!e.trusted || !(heavy_sum_ > 0.5 * e.mean)) return;
+    e.trusted = false;
+    e.why_not = fmt::format("mostly {}{}: {}", folded_name(table, heaviest_),
+                            heavy_routes_ > 1 ? fmt::format(" and {} more", heavy_routes_ - 1) : "", heaviest_.why);
+  }
+
   CouplingClass merged_;
   Moments moments_;
+  double heavy_sum_ = 0;  // of the means of routes that failed for their tail
+  std::uint64_t heavy_routes_ = 0;
+  FoldedRoute heaviest_;
 };
 
 // Light that no target was aimed at, by the end it reaches and the surface it came from last.
@@ -182,7 +203,7 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
       others[{c.port.value, c.reverse}].take(c, moments);
   }
   for (auto& [place, leftover] : others) {
-    CouplingClass c = leftover.row(total, table.replica_histories);
+    CouplingClass c = leftover.row(total, table);
     list_of(c).push_back(std::move(c));
   }
   for (auto* list : {&table.classes, &table.received})

@@ -96,11 +96,12 @@ double difference_of_halves(Moments const& m, double blocks, double first) {
   return (m.first_sum / first - (m.sum - m.first_sum) / rest) / error;
 }
 
-// Why an estimate is not to be trusted, in words (estimators.md 13); empty when it is.
-std::string objection(Estimate const& e, std::uint64_t blocks) {
-  if (e.scored == 0) return "no history has scored";
-  if (e.scored < 100) return fmt::format("only {} histories have scored", e.scored);
-  if (e.effective_scores < 100) return fmt::format("worth only {:.0f} equal scores", e.effective_scores);
+constexpr double fewest = 100;  // scores, effective ones too
+
+}  // namespace
+
+std::string tail_objection(Estimate const& e) {
+  if (double(e.scored) < fewest || e.effective_scores < fewest) return {};
   if (e.largest_share > 0.05) return fmt::format("one history carries {:.0f} % of the sum", 100 * e.largest_share);
   if (e.variance_of_variance > 0.1) return fmt::format("variance of variance is {:.2f}", e.variance_of_variance);
   // By two errors, not by chance: half of all good rows at the limit would be refused, those that met their tail.
@@ -109,6 +110,17 @@ std::string objection(Estimate const& e, std::uint64_t blocks) {
                        e.tail_slope, error);
   if (std::fabs(e.halves) > 5)
     return fmt::format("its first and second half differ by {:.0f} standard errors", std::fabs(e.halves));
+  return {};
+}
+
+namespace {
+
+// Why an estimate is not to be trusted, in words (estimators.md 13); empty when it is.
+std::string objection(Estimate const& e, std::uint64_t blocks) {
+  if (e.scored == 0) return "no history has scored";
+  if (double(e.scored) < fewest) return fmt::format("only {} histories have scored", e.scored);
+  if (e.effective_scores < fewest) return fmt::format("worth only {:.0f} equal scores", e.effective_scores);
+  if (std::string tail = tail_objection(e); !tail.empty()) return tail;
   if (blocks < 32) return fmt::format("only {} blocks of histories were run (32 are needed)", blocks);
   return {};
 }

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/linear_response.hpp"
+
+#include <cmath>
+
+#include "ifo/network_system.hpp"
+
+namespace straytrace {
+
+using network_detail::Entries, network_detail::Sparse;
+
+namespace {
+
+Complex const i_unit{0, 1};
+
+// Places of unknowns, and of the equations that define them: for both sidebands (0: upper; 1: the complex conjugate of
+// the lower) of every carrier what enters and what leaves each port; then the displacement of each component.
+struct Layout {
+  Eigen::Index ports, carriers;
+  explicit Layout(Network const& n, SteadyField const& f)
+      : ports(n.ports()), carriers(Eigen::Index(f.carriers().size())) {}
+  Eigen::Index field(bool leaves, int side, std::size_t carrier, std::uint32_t port) const {
+    return ((Eigen::Index(leaves) * 2 + side) * carriers + Eigen::Index(carrier)) * ports + port;
+  }
+  Eigen::Index displacement(std::size_t component) const { return 4 * carriers * ports + Eigen::Index(component); }
+};
+
+Complex sided(int side, Complex z) { return side == 0 ? z : std::conj(z); }
+
+// The equations, transposed: the read-out asks for all causes at once.
+class System {
+ public:
+  System(Network const& network, SteadyField const& field, double hz)
+      : network_(network), field_(field), hz_(hz), at_(network, field) {
+    size_ = at_.displacement(network.components().size());
+    for (Eigen::Index i = 0; i < size_; ++i) entries_.emplace_back(i, i, 1.0);
+    for (std::size_t c = 0; c < network.components().size(); ++c) add_component(c);
+    for (Network::Space const& s : network.spaces()) {
+      add_space(s, s.from, s.to);
+      add_space(s, s.to, s.from);
+    }
+  }
+  Layout const& layout() const { return at_; }
+  Eigen::VectorXcd weights(Eigen::VectorXcd const& readout) const {
+    Sparse matrix(size_, size_);
+    matrix.setFromTriplets(entries_.begin(), entries_.end());
+    return network_detail::solved(matrix, readout, "small signals");
+  }
+  Eigen::Index size() const { return size_; }
+
+ private:
+  void depends(Eigen::Index what, Eigen::Index on, Complex factor) { entries_.emplace_back(on, what, -factor); }
+
+  // a leaves with S a; a displacement x adds i k g x/2 times the carrier that leaves, with the sign of the sideband.
+  void add_component(std::size_t number) {
+    Network::Component const& c = network_.components()[number];
+    double const k = network_.wavenumber();
+    Eigen::MatrixXcd const scattering = c.scattering_at_place(k);
+    network_detail::for_each_way(
+        c, scattering, field_.carriers(),
+        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Complex amplitude) {
+          Complex const carrier = amplitude * field_.in(c.first_port + in, n);
+          for (int side : {0, 1}) {
+            Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out);
+            depends(leaving, at_.field(false, side, n, c.first_port + in), sided(side, amplitude));
+            if (c.path(out, in) != 0)
+              depends(leaving, at_.displacement(number), sided(side, i_unit * k * c.path(out, in) / 2.0 * carrier));
+          }
+        });
+    if (c.suspension.mass < infinity) add_push(number, c);
+  }
+  // Force along the displacement: power that comes and goes at the front, less that at the back; P = |E|^2 changes by
+  // 2 (E* a + E b).
+  void add_push(std::size_t number, Network::Component const& c) {
+    Complex const yields = c.suspension.compliance(hz_) * 2.0 / speed_of_light;
+    for (std::uint32_t p = 0; p < c.ports; ++p)
+      for (std::size_t n = 0; n < field_.carriers().size(); ++n)
+        for (bool const leaves : {false, true}) {
+          Complex const e = leaves ? field_.out(c.first_port + p, n) : field_.in(c.first_port + p, n);
+          for (int side : {0, 1})
+            depends(at_.displacement(number), at_.field(leaves, side, n, c.first_port + p),
+                    yields * c.push[p] * sided(side, std::conj(e)));
+        }
+  }
+  void add_space(Network::Space const& s, std::uint32_t from, std::uint32_t to) {
+    for (std::size_t n = 0; n < field_.carriers().size(); ++n)
+      for (int side : {0, 1}) {
+        double const hz = field_.carriers()[n] + (side == 0 ? hz_ : -hz_);
+        depends(at_.field(false, side, n, to), at_.field(true, side, n, from),
+                sided(side, std::polar(1.0, network_detail::phase_along(s, hz))));
+      }
+  }
+
+  Network const& network_;
+  SteadyField const& field_;
+  double hz_;
+  Layout at_;
+  Eigen::Index size_ = 0;
+  Entries entries_;
+};
+
+// Pairs of carriers whose beat is at `hz`: calls beat(higher, lower).
+template <class Beat>
+void for_each_beat(SteadyField const& field, double hz, Beat const& beat) {
+  for (std::size_t n = 0; n < field.carriers().size(); ++n)
+    if (auto const m = network_detail::carrier_at(field.carriers(), field.carriers()[n] + hz)) beat(*m, n);
+}
+
+Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
+  Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
+  auto const add = [&](int side, std::size_t n, Complex factor) { row[at.field(false, side, n, r.port)] += factor; };
+  if (r.kind == Readout::Kind::homodyne) {
+    std::size_t const n = field.carrier(0);
+    add(0, n, std::polar(1.0, -r.angle));
+    add(1, n, std::polar(1.0, r.angle));
+  } else if (r.kind == Readout::Kind::power) {
+    for (std::size_t n = 0; n < field.carriers().size(); ++n) {
+      add(0, n, 2.0 * std::conj(field.in(r.port, n)));
+      add(1, n, 2.0 * field.in(r.port, n));
+    }
+  } else {
+    // The beat of carriers m above n is 2 Re(E_m E_n* e^{-i w t}); times cos(w t + phase), averaged:
+    // Re(E_m E_n* e^{i phase}).
+    Complex const turn = std::polar(1.0, r.angle);
+    for_each_beat(field, r.hz, [&](std::size_t m, std::size_t n) {
+      Complex const em = field.in(r.port, m), en = field.in(r.port, n);
+      add(0, m, std::conj(en) * turn);
+      add(1, n, em * turn);
+      add(0, n, std::conj(em) * std::conj(turn));
+      add(1, m, en * std::conj(turn));
+    });
+  }
+  return row;
+}
+
+}  // namespace
+
+double demodulated(SteadyField const& field, std::uint32_t port, double hz, double phase) {
+  double sum = 0;
+  for_each_beat(field, hz, [&](std::size_t m, std::size_t n) {
+    sum += std::real(field.in(port, m) * std::conj(field.in(port, n)) * std::polar(1.0, phase));
+  });
+  return sum;
+}
+
+LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
+    : network_(network), field_(field), hz_(hz) {
+  System const system(network, field, hz);
+  weight_ = system.weights(row_of(readout, field, system.layout(), system.size()));
+}
+
+Complex LinearResponse::to_displacement(ComponentId id) const {
+  return weight_[Layout(network_, field_).displacement(id.value)];
+}
+Complex LinearResponse::to_force(ComponentId id) const {
+  return network_.components().at(id.value).suspension.compliance(hz_) * to_displacement(id);
+}
+
+Complex LinearResponse::injected(std::uint32_t port, Complex upper, Complex lower) const {
+  Layout const at(network_, field_);
+  Complex sum = 0;
+  for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
+    Complex const e = field_.in(port, n);
+    sum +=
+        weight_[at.field(false, 0, n, port)] * upper * e + weight_[at.field(false, 1, n, port)] * lower * std::conj(e);
+  }
+  return sum;
+}
+// s = i Re(e exp(-iwt)): sidebands i e/2 above and, conjugated, -i e/2 below.
+Complex LinearResponse::to_phase(std::uint32_t port) const { return injected(port, 0.5 * i_unit, -0.5 * i_unit); }
+Complex LinearResponse::to_amplitude(std::uint32_t port) const { return injected(port, 0.5, 0.5); }
+
+double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
+  Layout const at(network_, field_);
+  // Each sideband of the vacuum has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
+  double const vacuum = hbar * 2 * pi * speed_of_light / network_.wavelength() / 4;
+  std::vector<bool> open(network_.ports(), true);
+  for (Network::Space const& s : network_.spaces()) open[s.from] = open[s.to] = false;
+  double sum = 0;
+  for (int side : {0, 1})
+    for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
+      for (std::uint32_t p = 0; p < network_.ports(); ++p)
+        if (open[p]) sum += std::norm(weight_[at.field(false, side, n, p)]);
+      for (Network::Component const& c : network_.components()) {  // what is lost comes back as vacuum: 1 - S S*
+        if (!c.bands.empty()) continue;
+        Eigen::MatrixXcd const s = c.scattering_at_place(network_.wavenumber());
+        Eigen::MatrixXcd const missing = Eigen::MatrixXcd::Identity(c.ports, c.ports) - s * s.adjoint();
+        Eigen::VectorXcd const y = weight_.segment(at.field(true, side, n, c.first_port), c.ports).conjugate();
+        sum += std::real(y.dot((side == 0 ? missing : missing.conjugate()) * y));
+      }
+    }
+  for (Squeezing const& s : squeezed) {
+    std::size_t const n = field_.carrier(0);
+    Complex const a = weight_[at.field(false, 0, n, s.port)] * std::polar(1.0, s.angle),
+                  b = weight_[at.field(false, 1, n, s.port)] * std::polar(1.0, -s.angle);
+    sum += std::norm(a + b) / 2 * std::exp(-2 * s.r) + std::norm(a - b) / 2 * std::exp(2 * s.r) - std::norm(a) -
+           std::norm(b);
+  }
+  return vacuum * sum;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What small motion, stray light, forces and the vacuum do to a read-out of an interferometer, at one Fourier frequency
+// (physics.md sections 8.2 and 9). Around each carrier stand two sidebands; light pushes mirrors and moving mirrors
+// change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X exp(-2 pi i f t)).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ifo/network.hpp"
+
+namespace straytrace {
+
+// What is read: linear in the sidebands that enter a port.
+struct Readout {
+  // Power, W, of the light that enters this port.
+  static Readout power(std::uint32_t port) { return {port, Kind::power, 0, 0}; }
+  // Beat with a strong local oscillator of phase `angle` (rad), sqrt(W): e^{-i angle} a + e^{i angle} b.
+  static Readout homodyne(std::uint32_t port, double angle) { return {port, Kind::homodyne, angle, 0}; }
+  // Power demodulated at `hz` with cos(2 pi hz t + phase) and averaged, W (eq. 6.10).
+  static Readout demodulated(std::uint32_t port, double hz, double phase) {
+    return {port, Kind::demodulated, phase, hz};
+  }
+  enum class Kind : std::uint8_t { power, homodyne, demodulated };
+  std::uint32_t port = 0;
+  Kind kind = Kind::power;
+  double angle = 0, hz = 0;
+};
+
+// The demodulated light itself, W: what a lock looks at.
+double demodulated(SteadyField const&, std::uint32_t port, double hz, double phase);
+
+// Squeezed vacuum that enters an open port, about carrier 0: noise power of the quadrature at `angle` is e^{-2r}, of
+// the other e^{2r}.
+struct Squeezing {
+  std::uint32_t port = 0;
+  double r = 0, angle = 0;  // rad
+};
+
+class LinearResponse {
+ public:
+  // One solution answers for every cause.
+  LinearResponse(Network const&, SteadyField const&, Readout const&, double hz);
+
+  Complex to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
+  Complex to_force(ComponentId) const;         // per N
+  // Stray field s (physics.md 9), relative to what enters this port of a component: s = i e for phase, s = e for
+  // amplitude. Carriers get it alike.
+  Complex to_phase(std::uint32_t port) const;
+  Complex to_amplitude(std::uint32_t port) const;
+  // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
+  double quantum_noise(std::span<Squeezing const> = {}) const;
+
+ private:
+  struct Sides;  // of the system: rows and columns
+  Complex injected(std::uint32_t port, Complex upper, Complex lower) const;
+
+  Network const& network_;
+  SteadyField const& field_;
+  double hz_;
+  Eigen::VectorXcd weight_;  // of every equation in the read-out
+};
+
+}  // namespace straytrace

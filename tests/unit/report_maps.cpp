@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cells of maps: what has no error says so.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "report/receivers.hpp"
+
+namespace straytrace::test {
+namespace {
+
+// One cell that got `block` in each of 32 blocks, as in the tally; `uneven`: relative, up and down.
+CellEstimates one_cell(double block, double uneven) {
+  MapSums map;
+  map.sum = map.sum2 = {0};
+  for (int b = 0; b < 32; ++b) {
+    double const x = block * (1 + (b % 2 ? uneven : -uneven));
+    map.sum[0] += x;
+    map.sum2[0] += x * x;
+  }
+  return cell_estimates(map, 32 * block_size, 32);
+}
+
+// The tail of a Gaussian beam falls without end; the square of what is left there underflows, first in single blocks.
+TEST(CellEstimates, FaintLightHasNoError) {
+  for (double const block : {1e-200, 1e-161, 1e-150, 1e-146}) {
+    CellEstimates const cell = one_cell(block, 0.1);
+    EXPECT_NEAR(cell.mean[0] * block_size / block, 1, 1e-12);
+    EXPECT_TRUE(std::isnan(cell.error[0])) << block;
+  }
+  CellEstimates const bright = one_cell(1e-140, 0.1);  // twin
+  EXPECT_NEAR(bright.error[0] / bright.mean[0], 0.1 / std::sqrt(31), 1e-9);
+}
+
+// Blocks that got the same show no spread: that is not an error of 0.
+TEST(CellEstimates, EqualBlocksHaveNoError) {
+  for (double const block : {0.5, 0.1, 0.7}) EXPECT_TRUE(std::isnan(one_cell(block, 0).error[0])) << block;
+  EXPECT_GT(one_cell(0.5, 1e-3).error[0], 0);
+  EXPECT_TRUE(std::isnan(one_cell(0, 0).mean[0]));  // no light seen
+}
+
+}  // namespace
+}  // namespace straytrace::test
