@@ -51,11 +51,11 @@ double intensity(Mode const&, Vec3 p);
 std::complex<double> field(Mode const&, Vec3 p);
 
 // Ellipse where |u|^2 falls to 1/e^2 of its middle, in the plane at `origin`: half axes in m; `axis` along the major.
-struct Ellipse {
+struct Spot {
   double major = 0, minor = 0;
   Vec3 axis;
 };
-Ellipse spot(Mode const&);
+Spot spot(Mode const&);
 
 // Principal curvatures of the wavefront at `origin`, 1/m, positive when diverging; `axis` along the first, the larger.
 struct Wavefront {
