@@ -8,6 +8,7 @@
 
 #include "beams/beam_path.hpp"
 #include "beams/mode.hpp"
+#include "optics/refraction.hpp"
 
 namespace straytrace::testing {
 
@@ -41,6 +42,26 @@ inline Mode twisted_mode(Dice& dice, Vec3 origin, Vec3 travel, double w, double 
   m.q22 = {dice.between(-s, s), s * dice.between(0.7, 1.4)};
   m.q12 = {dice.between(-s, s), s * dice.between(-0.5, 0.5)};
   return m;
+}
+
+// A ray that meets the sheet of a sphere next to `vertex` and is reflected (n_after = 0) or refracted there, exactly.
+// `normal` points to the centre of curvature for roc > 0.
+struct ExactRay {
+  Vec3 point, dir;
+};
+inline ExactRay through_sphere(ExactRay r, Vec3 vertex, Vec3 normal, double roc, double n_before, double n_after) {
+  Vec3 const centre = vertex + roc * normal, o = r.point - centre;
+  double const b = dot(o, r.dir), root = std::sqrt(b * b - length2(o) + roc * roc);
+  double const one = -b - root, two = -b + root;
+  auto const near = [&](double t) { return length(o + t * r.dir + roc * normal); };  // the sheet at the vertex
+  r.point = r.point + (near(one) < near(two) ? one : two) * r.dir;
+  Vec3 n = unit(r.point - centre);
+  if (dot(n, r.dir) > 0) n = -n;
+  if (n_after == 0)
+    r.dir = reflected(r.dir, n);
+  else
+    refracted(r.dir, n, n_before, n_after, r.dir);
+  return r;
 }
 
 }  // namespace straytrace::testing
