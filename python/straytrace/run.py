@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 
 SCHEMA_MAJOR = 1
+KINDS = ("scattered", "ghost", "edge")
 
 
 class RunError(Exception):
@@ -85,6 +86,8 @@ class Routes:
     by_reverse: np.ndarray            # carries the numbers of the same route run backwards
     trusted: np.ndarray
     why_not: list
+    kind: list                        # "scattered"; "ghost", "edge": computed, without a Monte-Carlo error
+    statement: list                   # of ghosts and edges: what the number is and how far it holds
 
 
 @dataclass
@@ -142,6 +145,8 @@ def _attributes(file):
 
 def _routes(file, ports):
     group = file["classes"]
+    count = len(group["hash"])
+    kinds = group["kind"][()] if "kind" in group else np.zeros(count, int)    # since schema 1.4
     return Routes(
         hash=group["hash"][()],
         name=_texts(group["name"]),
@@ -149,9 +154,11 @@ def _routes(file, ports):
         coupling=group["mean"][()],
         sigma=group["std_error"][()],
         reverse=group["reverse"][()],
-        by_reverse=group["by_reverse"][()].astype(bool) if "by_reverse" in group else np.zeros(len(group["hash"]), bool),
+        by_reverse=group["by_reverse"][()].astype(bool) if "by_reverse" in group else np.zeros(count, bool),
         trusted=group["trusted"][()].astype(bool),
         why_not=_texts(group["why_not"]),
+        kind=[KINDS[k] for k in kinds],
+        statement=_texts(group["statement"]) if "statement" in group else [""] * count,
     )
 
 

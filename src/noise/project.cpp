@@ -39,6 +39,7 @@ struct Sum {
   Bins phase, amplitude;                    // 1/Hz
   std::array<Bins, replica_count> without;  // both, without one replica
   double mean_square_phase = 0, power = 0;
+  bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
 
   void add(RouteSpectrum const& route, Response const& t, double factor, double coupling) {
     for (std::size_t i = 0; i < phase.size(); ++i) {
@@ -52,6 +53,7 @@ struct Sum {
     }
     mean_square_phase += coupling * route.mean_square_phase;
     power += coupling;
+    (route.exact ? exact : sampled) = true;
   }
   void add(Sum const& other) {  // as hints only: without the replicas
     for (std::size_t i = 0; i < phase.size(); ++i) {
@@ -73,7 +75,7 @@ NoiseTrace finished(std::string name, Sum const& sum) {
     values.clear();
     for (Bins const& b : sum.without)
       if (!b.empty()) values.push_back(b[i]);
-    double const sigma = std::sqrt(jackknife_variance(values));
+    double const sigma = sum.exact && !sum.sampled ? 0 : std::sqrt(jackknife_variance(values));
     t.asd.push_back(std::sqrt(psd));
     t.sigma.push_back(psd > 0 ? sigma / (2 * t.asd.back()) : sigma);
     t.phase_asd.push_back(std::sqrt(sum.phase[i]));
@@ -88,6 +90,7 @@ std::string objection(CouplingTable const& table, CouplingClass const& c, RouteS
       std::count_if(table.replica_histories.begin(), table.replica_histories.end(), [](auto n) { return n > 0; });
   if (!c.coupling.trusted) return c.coupling.why_not.empty() ? "its mean is not trusted" : c.coupling.why_not;
   if (c.coupling.mean > 0 && c.records.empty()) return "no path of it was kept";
+  if (c.deterministic()) return {};
   if (replicas < 2) return "fewer than two replicas: no error can be given";
   if (route.rests_on_few())
     return fmt::format("its noise rests on about {:.0f} of the kept paths, the others hardly move",

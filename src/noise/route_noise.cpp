@@ -51,6 +51,7 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   std::size_t const bins = cell_psd.empty() ? 0 : cell_psd.front().size();
   RouteSpectrum route;
   route.psd.assign(bins, 0);
+  route.exact = c.deterministic();
   std::map<std::uint32_t, double> all;
   std::array<std::map<std::uint32_t, double>, replica_count> share;  // weight per replica and cell
   double weight = 0;
@@ -72,6 +73,7 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
     route.mean_square_phase += w / weight * strength[k];
   }
   add(route.psd, c.coupling.mean / weight, sum);
+  if (route.exact) return route;
 
   double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
   for (std::size_t r = 0; r < replica_count; ++r) {

@@ -17,6 +17,7 @@ using Bins = std::vector<double>;
 struct RouteSpectrum {
   Bins psd;
   std::array<Bins, replica_count> without;
+  bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
   // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of
   // bright still light with a few faint moving paths in it knows its power well and its noise badly.

@@ -53,7 +53,7 @@ std::string csv_titles(PathTable const& table) {
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
   return text +
          ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
-         "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on\n";
+         "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement\n";
 }
 
 std::string csv_row(PathRow const& row) {
@@ -64,12 +64,12 @@ std::string csv_row(PathRow const& row) {
                                  csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
                                  csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
   for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
-  return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
+  return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
                             number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
                             number(row.rms_phase), regime(row.rms_phase), number(row.length_mean),
                             number(row.length_min), number(row.length_max), row.coupling.scored,
                             number(row.coupling.largest_share), number(row.coupling.effective_scores),
-                            row.by_reverse ? "reverse" : "itself");
+                            row.by_reverse ? "reverse" : "itself", name_of(row.kind), csv_text(row.statement));
 }
 
 Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
@@ -91,6 +91,8 @@ Json json_of(PathTable const& table, PathRow const& row) {
   j["id"] = hash_text(row.hash);
   j["port"] = row.port;
   j["sequence"] = row.sequence;
+  j["kind"] = name_of(row.kind);
+  if (!row.statement.empty()) j["statement"] = row.statement;
   j["vertices"] = row.vertices;
   j["resolved"] = row.resolved;
   j["why_not"] = row.why_not;

@@ -83,6 +83,8 @@ PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
   row.hash = c.hash;
   row.port = c.port.value < table.ports.size() ? table.ports[c.port.value] : "";
   row.sequence = route_name(table, c);
+  row.kind = c.kind;
+  row.statement = c.statement;
   row.vertices = c.steps.size();
   row.coupling = c.coupling;
   row.replicas = pattern_of(table, c);

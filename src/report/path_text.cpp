@@ -21,10 +21,20 @@ std::string regime(double rms_phase) {
   return rms_phase > wrapped_from ? "wrapped" : "linear";
 }
 
+// The column `kind` is there when the table holds more than scattered light.
+bool has_kinds(PathTable const& table) {
+  return std::any_of(table.rows.begin(), table.rows.end(),
+                     [](PathRow const& row) { return row.kind != ClassKind::scattered; });
+}
+
 Columns head(PathTable const& table) {
   Columns c;
   c.titles = {"#", "route", "port"};
   c.left = {false, true, true};
+  if (has_kinds(table)) {
+    c.titles.push_back("kind");
+    c.left.push_back(true);
+  }
   if (table.has_noise) c.titles.push_back("share/%");
   c.titles.insert(c.titles.end(), {"coupling", "C_rev"});
   if (table.has_noise)
@@ -38,6 +48,7 @@ Columns head(PathTable const& table) {
 
 Cells cells_of(PathTable const& table, PathRow const& row) {
   Cells c = {fmt::format("{}", row.rank), row.sequence, row.port};
+  if (has_kinds(table)) c.push_back(name_of(row.kind));
   std::string const unresolved = "unresolved", still = "still";
   bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
   if (table.has_noise)
@@ -75,6 +86,7 @@ Cells rest_of(PathTable const& table, std::size_t first) {
     }
   }
   Cells c = {"", fmt::format("{} further route{}", count, count == 1 ? "" : "s"), ""};
+  if (has_kinds(table)) c.push_back("");
   bool const moves = power.value() > 0;
   WithError const share = power.share_of(all_power), sum = coupling.result();
   if (table.has_noise) c.push_back(moves ? with_brackets(100 * share.value, 100 * share.sigma) : "still");
@@ -90,6 +102,7 @@ Cells rest_of(PathTable const& table, std::size_t first) {
 
 Cells sum_of(PathTable const& table) {
   Cells c = {"", table.lower_bound() ? "sum of resolved routes (lower bound)" : "sum", ""};
+  if (has_kinds(table)) c.push_back("");
   bool const nothing = table.unresolved == table.rows.size();
   if (table.has_noise) c.push_back(nothing ? "unresolved" : "100");
   c.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling.value, table.total_coupling.sigma));
@@ -112,10 +125,21 @@ std::string explanation(PathTable const& table) {
   if (mirrored > 0)
     text += fmt::format("{} {} sampled on the same route run backwards, which couples alike.\n", mirrored,
                         mirrored == 1 ? "route was" : "routes were");
+  if (has_kinds(table))
+    text +=
+        "Kinds ghost and edge are computed, not sampled: (0) is their Monte-Carlo error, their limits stand below.\n";
   return text + "\n";
 }
 
 constexpr std::size_t folded_shown = 5;
+
+std::string statements(PathTable const& table, std::size_t show) {
+  std::string text;
+  for (PathRow const& row : table.rows)
+    if (!row.statement.empty() && row.rank <= show)
+      text += fmt::format("{} {}: {}\n", name_of(row.kind), row.sequence, row.statement);
+  return text.empty() ? text : "\n" + text;
+}
 
 std::string reasons(PathTable const& table) {
   std::string text;
@@ -154,7 +178,7 @@ std::string path_text(PathTable const& table, std::size_t show) {
   columns.rows.push_back(sum_of(table));
   std::size_t const last = std::min(table.rows.size(), resolved + show);
   for (std::size_t i = resolved; i < last; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
-  return explanation(table) + aligned(columns) + reasons(table);
+  return explanation(table) + aligned(columns) + statements(table, shown) + reasons(table);
 }
 
 }  // namespace straytrace

@@ -22,7 +22,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 3;
+constexpr int run_schema_major = 1, run_schema_minor = 4;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -114,6 +114,8 @@ struct PathRow {
   std::size_t rank = 0;  // 1 = largest share, or largest coupling without a noise budget; unresolved ones last
   std::uint64_t hash = 0;
   std::string port, sequence;
+  ClassKind kind = ClassKind::scattered;
+  std::string statement;         // of deterministic routes: what the number is and how far it holds
   std::size_t vertices = 0;      // 0 for `other`
   Estimate coupling;             // of ordered paths; C_rev not multiplied in
   ReplicaPattern replicas = {};  // how it goes up and down with them

@@ -52,7 +52,7 @@ void write_steps(hdf5::Writer& out, std::string const& place, std::vector<Row> c
   out.array(place + "/step_offset", offset, "1");
   out.array(place + "/step_group", group, "row of /names/groups");
   out.array(place + "/step_event", event,
-            "0 emit, 1 scatter, 2 reflect, 3 couple, 4 transmit, 5 receive, 6 start of a free beam");
+            "0 emit, 1 scatter, 2 reflect, 3 couple, 4 transmit, 5 receive, 6 start of a free beam, 7 diffract");
 }
 
 void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
@@ -66,6 +66,8 @@ void write_class_columns(hdf5::Writer& out, Section const& at, CouplingTable con
   out.array(place + at.end, column<std::uint32_t>(rows, [](auto& c) { return c.port.value; }),
             "row of /names/" + at.end + "s");
   write_steps(out, at.classes, rows);
+  out.array(place + "kind", column<std::uint8_t>(rows, [](auto& c) { return c.kind; }), "0 scattered, 1 ghost, 2 edge");
+  out.strings(place + "statement", column<std::string>(rows, [](auto& c) { return c.statement; }));
   number("reverse", [](auto& c) { return c.reverse; });
   out.array(place + "by_reverse", column<std::uint8_t>(rows, [](auto& c) { return c.by_reverse; }), "0 or 1");
   number("mean", [](auto& c) { return c.coupling.mean; });
@@ -150,7 +152,7 @@ void read_steps(hdf5::Reader const& in, std::string const& place, std::size_t gr
   check_ids(group, groups, "a group");
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
-      if (event[k] > std::uint8_t(Event::start)) damaged_run("a step of unknown kind");
+      if (event[k] > std::uint8_t(Event::diffract)) damaged_run("a step of unknown kind");
       rows[i].steps.push_back({{group[k]}, Event(event[k])});
     }
 }
@@ -193,12 +195,19 @@ void read_class_columns(hdf5::Reader const& in, Section const& at, CouplingTable
   std::string const counted = at.classes + "/folded_routes";  // since schema 1.3
   Counts const folded = in.has(counted) ? in.rows<std::uint64_t>(counted, n) : Counts(n);
   Bytes const by_reverse = in.has(mirrored) ? in.rows<std::uint8_t>(mirrored, n) : Bytes(n);
+  bool const kinds = in.has(at.classes + "/kind");  // since schema 1.4
+  Bytes const kind = kinds ? in.rows<std::uint8_t>(at.classes + "/kind", n) : Bytes(n);
+  std::vector<std::string> const statement =
+      kinds ? in.strings(at.classes + "/statement", n) : std::vector<std::string>(n);
   for (std::size_t i = 0; i < n; ++i) {
     CouplingClass& c = (table.*at.list)[i];
     c.hash = hash[i];
     c.port = {port[i]};
     c.reverse = reverse[i];
     c.by_reverse = by_reverse[i] != 0;
+    if (kind[i] > std::uint8_t(ClassKind::edge)) damaged_run("a route of unknown kind");
+    c.kind = ClassKind(kind[i]);
+    c.statement = statement[i];
     c.folded_routes = folded[i];
     c.coupling = {mean[i],   error[i],        vov[i], largest[i], effective[i],
                   scored[i], trusted[i] != 0, why[i], slope[i],   halves[i]};

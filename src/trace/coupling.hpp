@@ -17,7 +17,12 @@ namespace straytrace {
 constexpr int replica_count = 32;  // blocks with number = r modulo 32 share replica r (jackknife of the noise bands)
 
 char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T'; receive: 'D' (detected); start of a
-                     // free beam: 'B'
+                     // free beam: 'B'; diffract: 'E' (edge)
+
+// Light of the Monte-Carlo walk, and what stands beside it (physics.md 1.8): specular returns and diffraction at rims.
+// The last two are deterministic: a fixed set of path records, no Monte-Carlo error, and limits stated in words.
+enum class ClassKind : std::uint8_t { scattered, ghost, edge };
+char const* name_of(ClassKind);
 
 struct PathStep {
   GroupId group;
@@ -64,6 +69,8 @@ struct CouplingClass {
   std::uint64_t hash = 0;  // stable name of the route
   PortId port;
   std::vector<PathStep> steps;  // empty for the class `other` (routes longer than the limit)
+  ClassKind kind = ClassKind::scattered;
+  std::string statement;  // of deterministic classes: what the number is and how far it holds, in words
   Estimate coupling;
   double off_list = 0;                                 // part of coupling.mean that no target was aimed at
   double reverse = 1;                                  // C_rev, physics.md eq. 1.5
@@ -72,6 +79,8 @@ struct CouplingClass {
   std::vector<PathRecord> records;
   std::uint64_t folded_routes = 0;  // of `other`: how many it sums
   std::vector<FoldedRoute> folded;  // the largest of them, descending
+
+  bool deterministic() const { return kind != ClassKind::scattered; }
 };
 
 struct CouplingTable {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "base/message.hpp"
+#include "trace/beside.hpp"
 #include "trace/tally/coupling_table.hpp"
 
 namespace straytrace {
@@ -146,6 +147,11 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
   Runner runner(world, settings, backend);
   TraceResult result;
   std::uint64_t const limit = (settings.histories + block_size - 1) / block_size;
+  auto const coupling_table = [&](BlockSums const& total) {
+    CouplingTable table = make_coupling_table(world, total, settings.seed);
+    add_beside(table, settings.beside);
+    return table;
+  };
   std::uint32_t& good_looks = result.good_looks;
   good_looks = settings.good_looks;
   result.stop_rule = settings.stop_rule;
@@ -157,14 +163,14 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
       break;
     }
     if (!settings.error) continue;
-    runner.error = settings.error(make_coupling_table(world, runner.tree().total(), settings.seed));
+    runner.error = settings.error(coupling_table(runner.tree().total()));
     good_looks = runner.error < settings.wanted_error ? good_looks + 1 : 0;
   }
   if (good_looks >= 2) result.stopped = Stopped::by_error;
   result.tree = runner.tree();
   result.total = result.tree.total();
   check_books(result.total);
-  result.coupling = make_coupling_table(world, result.total, settings.seed);
+  result.coupling = coupling_table(result.total);
   result.warnings = result.coupling.warnings;
   if (result.total.histories > 0 && !(result.total.emitted.sum > 0))
     result.warnings.emplace_back(

@@ -34,6 +34,8 @@ struct TraceSettings {
   std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
   SumTree resume;                           // blocks done before
   double seconds_before = 0;                // that they took
+  // Deterministic classes that stand beside the walk (trace/beside.hpp); they enter the table, also that of `error`.
+  std::vector<CouplingClass> beside;
 };
 
 TraceResult trace(World const&, TraceSettings const&, Backend const&);

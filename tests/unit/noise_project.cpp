@@ -2,6 +2,7 @@
 // What enters the total, and what is said about the rest.
 #include "base/message.hpp"
 #include "physics/noise_support.hpp"
+#include "trace/beside.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -41,6 +42,33 @@ TEST(Project, UnresolvedRoutesAreNamedAndLeftOut) {
   EXPECT_EQ(b.routes[1].hash, 2u);
   EXPECT_FALSE(b.routes[1].resolved);
   EXPECT_FALSE(b.routes[3].resolved);
+}
+
+// A deterministic class enters the total as it is: the error of the total is that of the sampled class alone, whose
+// replicas scatter. Twin: the same class as a sampled one cannot enter from a single replica.
+TEST(Project, DeterministicClassesHaveNoMonteCarloError) {
+  CouplingClass sampled = route(1, 1);
+  for (std::size_t r = 0; r < replica_count; ++r) sampled.replica_sum[r] *= 1 + 0.1 * (double(r % 2) - 0.5);
+  CouplingClass exact = deterministic_class(ClassKind::edge, {{GroupId{0}, Event::diffract}}, PortId{0}, 1,
+                                            route(2, 3).records, "upper bound");
+  NoiseBudget const b = budget({sampled, exact}), alone = budget({sampled}), only = budget({exact});
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    EXPECT_NEAR(b.total.asd[i], 2 * alone.total.asd[i], 1e-12 * b.total.asd[i]);
+    EXPECT_NEAR(b.total.sigma[i] * b.total.asd[i], alone.total.sigma[i] * alone.total.asd[i],
+                1e-9 * b.total.sigma[i] * b.total.asd[i]);
+    EXPECT_GT(alone.total.sigma[i], 0);
+    EXPECT_EQ(only.total.sigma[i], 0);
+    EXPECT_GT(only.total.asd[i], 0);
+  }
+  EXPECT_TRUE(only.total.resolved);
+  CouplingTable table = known_table({exact});
+  table.groups = {"rim"};
+  table.replica_histories = {};
+  table.replica_histories[0] = table.histories = 4096;
+  auto const projected = [&] { return project_noise(table, moving({weak}), UnitDetector(), on(band)); };
+  EXPECT_TRUE(projected().total.resolved);
+  table.classes[0].kind = ClassKind::scattered;
+  EXPECT_FALSE(projected().total.resolved);
 }
 
 // What was seen of an unresolved route decides whether it could matter: 1e-4 of the total cannot, 1e-2 can.

@@ -44,6 +44,8 @@ class ReportRunFile : public ::testing::Test {
 
 TEST_F(ReportRunFile, ComesBackBitByBit) {
   trace.coupling.classes[0].records[3].levers[0].d[4] = -0.0;
+  trace.coupling.classes[1].kind = ClassKind::edge;
+  trace.coupling.classes[1].statement = "upper bound: one smooth spherical wave";
   noise.design[0].asd[5] = not_a_number;
   RunFile const back = read_run(written());
   EXPECT_TRUE(same(trace.coupling, back.trace.coupling));
@@ -70,6 +72,9 @@ TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   double& lever = other.classes[2].records[7].levers[1].d[5];
   lever = -lever;
   EXPECT_FALSE(same(trace.coupling, other));
+  CouplingTable kinds = trace.coupling;
+  kinds.classes[2].kind = ClassKind::ghost;
+  EXPECT_FALSE(same(trace.coupling, kinds));
   NoiseBudget louder = noise;
   louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
   EXPECT_FALSE(same(noise, louder));
@@ -111,8 +116,9 @@ TEST_F(ReportRunFile, ReadsFilesOfSchema1_1) {
   std::ofstream(file, std::ios::binary) << unsealed(read_file(written()), "run.h5");
   {
     H5::H5File old(file, H5F_ACC_RDWR);
-    for (char const* path : {"/nodes/class_off_list", "/nodes/class_first_sum", "/nodes/class_largest_offset",
-                             "/nodes/class_largest", "/classes/tail_slope", "/classes/halves"})
+    for (char const* path :
+         {"/nodes/class_off_list", "/nodes/class_first_sum", "/nodes/class_largest_offset", "/nodes/class_largest",
+          "/classes/tail_slope", "/classes/halves", "/classes/kind", "/classes/statement"})
       old.unlink(path);
   }
   std::ofstream(folder / "sealed.h5", std::ios::binary) << sealed(read_file(file));
@@ -124,6 +130,7 @@ TEST_F(ReportRunFile, ReadsFilesOfSchema1_1) {
   EXPECT_TRUE(std::isnan(e.tail_slope));
   EXPECT_TRUE(std::isnan(e.halves));
   EXPECT_TRUE(std::isnan(back.trace.coupling.classes[0].coupling.tail_slope));
+  EXPECT_EQ(back.trace.coupling.classes[0].kind, ClassKind::scattered);
 }
 
 TEST_F(ReportRunFile, HoldsAnEmptyResult) {

@@ -78,9 +78,9 @@ inline bool same(FoldedRoute const& a, FoldedRoute const& b) {
 }
 
 inline bool same(CouplingClass const& a, CouplingClass const& b) {
-  bool equal = a.hash == b.hash && a.port == b.port && a.steps == b.steps && same_bits(a.reverse, b.reverse) &&
-               a.by_reverse == b.by_reverse && same_bits(a.coupling.mean, b.coupling.mean) &&
-               same_bits(a.coupling.std_error, b.coupling.std_error) &&
+  bool equal = a.hash == b.hash && a.port == b.port && a.steps == b.steps && a.kind == b.kind &&
+               a.statement == b.statement && same_bits(a.reverse, b.reverse) && a.by_reverse == b.by_reverse &&
+               same_bits(a.coupling.mean, b.coupling.mean) && same_bits(a.coupling.std_error, b.coupling.std_error) &&
                same_bits(a.coupling.variance_of_variance, b.coupling.variance_of_variance) &&
                same_bits(a.coupling.largest_share, b.coupling.largest_share) &&
                same_bits(a.coupling.effective_scores, b.coupling.effective_scores) &&

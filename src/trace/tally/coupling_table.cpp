@@ -213,6 +213,11 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   return table;
 }
 
+char const* name_of(ClassKind kind) {
+  constexpr char const* names[] = {"scattered", "ghost", "edge"};
+  return names[std::size_t(kind)];
+}
+
 char letter(Event event) {
   switch (event) {
     case Event::reflect:
@@ -223,6 +228,8 @@ char letter(Event event) {
       return 'D';
     case Event::start:
       return 'B';
+    case Event::diffract:
+      return 'E';
     default:
       return 'S';
   }
