@@ -42,18 +42,18 @@ class LinearResponse {
   // One solution answers for every cause.
   LinearResponse(Network const&, SteadyField const&, Readout const&, double hz);
 
-  Complex to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
-  Complex to_force(ComponentId) const;         // per N
+  Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
+  Phasor to_force(ComponentId) const;         // per N
   // Stray field s (physics.md 9), relative to what enters this port of a component: s = i e for phase, s = e for
   // amplitude. Carriers get it alike.
-  Complex to_phase(std::uint32_t port) const;
-  Complex to_amplitude(std::uint32_t port) const;
+  Phasor to_phase(std::uint32_t port) const;
+  Phasor to_amplitude(std::uint32_t port) const;
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
   double quantum_noise(std::span<Squeezing const> = {}) const;
 
  private:
   struct Sides;  // of the system: rows and columns
-  Complex injected(std::uint32_t port, Complex upper, Complex lower) const;
+  Phasor injected(std::uint32_t port, Phasor upper, Phasor lower) const;
 
   Network const& network_;
   SteadyField const& field_;
