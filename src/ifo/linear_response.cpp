@@ -11,7 +11,7 @@ using network_detail::Entries, network_detail::Sparse;
 
 namespace {
 
-Complex const i_unit{0, 1};
+Phasor const i_unit{0, 1};
 
 // Places of unknowns, and of the equations that define them: for both sidebands (0: upper; 1: the complex conjugate of
 // the lower) of every carrier what enters and what leaves each port; then the displacement of each component.
@@ -25,7 +25,7 @@ struct Layout {
   Eigen::Index displacement(std::size_t component) const { return 4 * carriers * ports + Eigen::Index(component); }
 };
 
-Complex sided(int side, Complex z) { return side == 0 ? z : std::conj(z); }
+Phasor sided(int side, Phasor z) { return side == 0 ? z : std::conj(z); }
 
 // The equations, transposed: the read-out asks for all causes at once.
 class System {
@@ -49,7 +49,7 @@ class System {
   Eigen::Index size() const { return size_; }
 
  private:
-  void depends(Eigen::Index what, Eigen::Index on, Complex factor) { entries_.emplace_back(on, what, -factor); }
+  void depends(Eigen::Index what, Eigen::Index on, Phasor factor) { entries_.emplace_back(on, what, -factor); }
 
   // a leaves with S a; a displacement x adds i k g x/2 times the carrier that leaves, with the sign of the sideband.
   void add_component(std::size_t number) {
@@ -58,8 +58,8 @@ class System {
     Eigen::MatrixXcd const scattering = c.scattering_at_place(k);
     network_detail::for_each_way(
         c, scattering, field_.carriers(),
-        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Complex amplitude) {
-          Complex const carrier = amplitude * field_.in(c.first_port + in, n);
+        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
+          Phasor const carrier = amplitude * field_.in(c.first_port + in, n);
           for (int side : {0, 1}) {
             Eigen::Index const leaving = at_.field(true, side, m, c.first_port + out);
             depends(leaving, at_.field(false, side, n, c.first_port + in), sided(side, amplitude));
@@ -72,11 +72,11 @@ class System {
   // Force along the displacement: power that comes and goes at the front, less that at the back; P = |E|^2 changes by
   // 2 (E* a + E b).
   void add_push(std::size_t number, Network::Component const& c) {
-    Complex const yields = c.suspension.compliance(hz_) * 2.0 / speed_of_light;
+    Phasor const yields = c.suspension.compliance(hz_) * 2.0 / speed_of_light;
     for (std::uint32_t p = 0; p < c.ports; ++p)
       for (std::size_t n = 0; n < field_.carriers().size(); ++n)
         for (bool const leaves : {false, true}) {
-          Complex const e = leaves ? field_.out(c.first_port + p, n) : field_.in(c.first_port + p, n);
+          Phasor const e = leaves ? field_.out(c.first_port + p, n) : field_.in(c.first_port + p, n);
           for (int side : {0, 1})
             depends(at_.displacement(number), at_.field(leaves, side, n, c.first_port + p),
                     yields * c.push[p] * sided(side, std::conj(e)));
@@ -101,14 +101,14 @@ class System {
 
 // Pairs of carriers whose beat is at `hz`: calls beat(higher, lower).
 template <class Beat>
-void for_each_beat(SteadyField const& field, double hz, Beat const& beat) {
-  for (std::size_t n = 0; n < field.carriers().size(); ++n)
-    if (auto const m = network_detail::carrier_at(field.carriers(), field.carriers()[n] + hz)) beat(*m, n);
+void for_each_beat(std::span<double const> carriers, double hz, Beat const& beat) {
+  for (std::size_t n = 0; n < carriers.size(); ++n)
+    if (auto const m = network_detail::carrier_at(carriers, carriers[n] + hz)) beat(*m, n);
 }
 
 Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
   Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
-  auto const add = [&](int side, std::size_t n, Complex factor) { row[at.field(false, side, n, r.port)] += factor; };
+  auto const add = [&](int side, std::size_t n, Phasor factor) { row[at.field(false, side, n, r.port)] += factor; };
   if (r.kind == Readout::Kind::homodyne) {
     std::size_t const n = field.carrier(0);
     add(0, n, std::polar(1.0, -r.angle));
@@ -121,9 +121,9 @@ Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const
   } else {
     // The beat of carriers m above n is 2 Re(E_m E_n* e^{-i w t}); times cos(w t + phase), averaged:
     // Re(E_m E_n* e^{i phase}).
-    Complex const turn = std::polar(1.0, r.angle);
-    for_each_beat(field, r.hz, [&](std::size_t m, std::size_t n) {
-      Complex const em = field.in(r.port, m), en = field.in(r.port, n);
+    Phasor const turn = std::polar(1.0, r.angle);
+    for_each_beat(field.carriers(), r.hz, [&](std::size_t m, std::size_t n) {
+      Phasor const em = field.in(r.port, m), en = field.in(r.port, n);
       add(0, m, std::conj(en) * turn);
       add(1, n, em * turn);
       add(0, n, std::conj(em) * std::conj(turn));
@@ -135,12 +135,22 @@ Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const
 
 }  // namespace
 
-double demodulated(SteadyField const& field, std::uint32_t port, double hz, double phase) {
+double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase) {
   double sum = 0;
-  for_each_beat(field, hz, [&](std::size_t m, std::size_t n) {
-    sum += std::real(field.in(port, m) * std::conj(field.in(port, n)) * std::polar(1.0, phase));
+  for_each_beat(carriers, hz, [&](std::size_t m, std::size_t n) {
+    sum += std::real(light[m] * std::conj(light[n]) * std::polar(1.0, phase));
   });
   return sum;
+}
+double demodulated(SteadyField const& field, std::uint32_t port, double hz, double phase) {
+  std::vector<Phasor> light;
+  for (std::size_t n = 0; n < field.carriers().size(); ++n) light.push_back(field.in(port, n));
+  return demodulated(field.carriers(), light, hz, phase);
+}
+double demodulated(std::span<double const> power, double rate, double hz, double phase) {
+  double sum = 0;
+  for (std::size_t i = 0; i < power.size(); ++i) sum += power[i] * std::cos(2 * pi * hz * double(i) / rate + phase);
+  return sum / double(power.size());
 }
 
 LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
@@ -149,26 +159,26 @@ LinearResponse::LinearResponse(Network const& network, SteadyField const& field,
   weight_ = system.weights(row_of(readout, field, system.layout(), system.size()));
 }
 
-Complex LinearResponse::to_displacement(ComponentId id) const {
+Phasor LinearResponse::to_displacement(ComponentId id) const {
   return weight_[Layout(network_, field_).displacement(id.value)];
 }
-Complex LinearResponse::to_force(ComponentId id) const {
+Phasor LinearResponse::to_force(ComponentId id) const {
   return network_.components().at(id.value).suspension.compliance(hz_) * to_displacement(id);
 }
 
-Complex LinearResponse::injected(std::uint32_t port, Complex upper, Complex lower) const {
+Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) const {
   Layout const at(network_, field_);
-  Complex sum = 0;
+  Phasor sum = 0;
   for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
-    Complex const e = field_.in(port, n);
-    sum +=
-        weight_[at.field(false, 0, n, port)] * upper * e + weight_[at.field(false, 1, n, port)] * lower * std::conj(e);
+    Phasor const e = std::polar(1.0, i.turn) * (i.of_leaving ? field_.out(i.port, n) : field_.in(i.port, n));
+    sum += weight_[at.field(i.joins_leaving, 0, n, i.port)] * upper * e +
+           weight_[at.field(i.joins_leaving, 1, n, i.port)] * lower * std::conj(e);
   }
   return sum;
 }
 // s = i Re(e exp(-iwt)): sidebands i e/2 above and, conjugated, -i e/2 below.
-Complex LinearResponse::to_phase(std::uint32_t port) const { return injected(port, 0.5 * i_unit, -0.5 * i_unit); }
-Complex LinearResponse::to_amplitude(std::uint32_t port) const { return injected(port, 0.5, 0.5); }
+Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
+Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
 double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
   Layout const at(network_, field_);
@@ -191,8 +201,9 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
     }
   for (Squeezing const& s : squeezed) {
     std::size_t const n = field_.carrier(0);
-    Complex const a = weight_[at.field(false, 0, n, s.port)] * std::polar(1.0, s.angle),
-                  b = weight_[at.field(false, 1, n, s.port)] * std::polar(1.0, -s.angle);
+    Phasor const upper = weight_[at.field(true, 0, n, s.port)], lower = weight_[at.field(true, 1, n, s.port)];
+    double const angle = s.angle.value_or(-std::arg(upper * std::conj(lower)) / 2) + s.off;
+    Phasor const a = upper * std::polar(1.0, angle), b = lower * std::polar(1.0, -angle);
     sum += std::norm(a + b) / 2 * std::exp(-2 * s.r) + std::norm(a - b) / 2 * std::exp(2 * s.r) - std::norm(a) -
            std::norm(b);
   }

@@ -9,18 +9,18 @@
 namespace straytrace {
 namespace {
 
-Complex const i_unit{0, 1};
+Phasor const i_unit{0, 1};
 
 }  // namespace
 
-Complex Suspension::compliance(double hz) const {
+Phasor Suspension::compliance(double hz) const {
   double const w = 2 * pi * hz, w0 = 2 * pi * resonance;
-  return mass < infinity ? 1.0 / (mass * Complex(w0 * w0 - w * w, -w0 * w0 * loss)) : 0.0;
+  return mass < infinity ? 1.0 / (mass * Phasor(w0 * w0 - w * w, -w0 * w0 * loss)) : 0.0;
 }
 
 Eigen::MatrixXcd Network::Component::scattering_at_place(double wavenumber) const {
   if (displacement == 0) return scattering;
-  Eigen::MatrixXcd const phases = (i_unit * wavenumber * displacement * path.cast<Complex>()).array().exp();
+  Eigen::MatrixXcd const phases = (i_unit * wavenumber * displacement * path.cast<Phasor>()).array().exp();
   return scattering.cwiseProduct(phases);
 }
 
@@ -38,7 +38,7 @@ ComponentId Network::add_interface(std::string name, MirrorParameters const& p, 
   double const reflection = 1 - p.transmission - p.loss;
   if (!(p.transmission >= 0 && p.loss >= 0 && reflection >= 0))
     throw std::invalid_argument("transmission and loss of '" + name + "' must not be negative nor exceed 1 together");
-  Complex const r = i_unit * std::sqrt(reflection), t = std::sqrt(p.transmission);
+  Phasor const r = i_unit * std::sqrt(reflection), t = std::sqrt(p.transmission);
   double const cosine = std::cos(p.incidence);
   Component c;
   c.name = std::move(name);
@@ -74,11 +74,11 @@ ComponentId Network::add_laser(std::string name, double power, double phase) {
   return add(std::move(c));
 }
 
-ComponentId Network::add_isolator(std::string name, double isolation) {
+ComponentId Network::add_isolator(std::string name, double isolation, double transmission) {
   Component c;
   c.name = std::move(name);
   c.scattering = Eigen::MatrixXcd::Zero(2, 2);
-  c.scattering(1, 0) = 1;
+  c.scattering(1, 0) = std::sqrt(transmission);
   c.scattering(0, 1) = std::sqrt(isolation);
   return add(std::move(c));
 }

@@ -15,7 +15,7 @@
 
 namespace straytrace {
 
-using Complex = std::complex<double>;
+using Phasor = std::complex<double>;
 
 struct ComponentId {
   std::uint32_t value = 0;
@@ -30,10 +30,10 @@ struct NetworkPort {
 
 // How a component answers a force: free above its resonance.
 struct Suspension {
-  double mass = infinity;               // kg
-  double resonance = 0;                 // Hz
-  double loss = 0;                      // loss angle of the pendulum
-  Complex compliance(double hz) const;  // m/N, for motion proportional to exp(-2 pi i f t)
+  double mass = infinity;              // kg
+  double resonance = 0;                // Hz
+  double loss = 0;                     // loss angle of the pendulum
+  Phasor compliance(double hz) const;  // m/N, for motion proportional to exp(-2 pi i f t)
 };
 
 struct MirrorParameters {
@@ -52,8 +52,8 @@ class Network {
   ComponentId add_splitter(std::string name, MirrorParameters const&);
   ComponentId add_laser(std::string name, double power, double phase = 0);  // W, rad
   ComponentId add_dump(std::string name);
-  // Faraday isolator: `isolation` is the power transmission from 1 to 0, eq. 9.6.
-  ComponentId add_isolator(std::string name, double isolation);
+  // Faraday isolator: power transmission from 1 to 0 (eq. 9.6) and from 0 to 1.
+  ComponentId add_isolator(std::string name, double isolation, double transmission = 1);
   // Phase modulator: index in rad, frequency in Hz, bands +-1 ... +-order.
   ComponentId add_modulator(std::string name, double index, double hz, int order = 1);
   // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
@@ -75,9 +75,9 @@ class Network {
     std::vector<double> push;     // by port: +-cos; force = sum of push (P_in + P_out)/c along the displacement
     double displacement = 0;      // m
     Suspension suspension;
-    Complex emits = 0;           // sqrt(W), at the carrier
-    double modulation = 0;       // Hz; 0: none
-    std::vector<Complex> bands;  // of a modulator: bands[s + order] of band s
+    Phasor emits = 0;           // sqrt(W), at the carrier
+    double modulation = 0;      // Hz; 0: none
+    std::vector<Phasor> bands;  // of a modulator: bands[s + order] of band s
     bool moves() const { return suspension.mass < infinity; }
     // The scattering matrix where the component stands.
     Eigen::MatrixXcd scattering_at_place(double wavenumber) const;
@@ -110,8 +110,8 @@ class SteadyField {
   explicit SteadyField(Network const&);                              // NumericalError when there is no single answer
   std::vector<double> const& carriers() const { return carriers_; }  // Hz from the laser
   // sqrt(W): light that enters, leaves the component at this port; carrier by number.
-  Complex in(std::uint32_t port, std::size_t carrier) const { return in_[carrier][Eigen::Index(port)]; }
-  Complex out(std::uint32_t port, std::size_t carrier) const { return out_[carrier][Eigen::Index(port)]; }
+  Phasor in(std::uint32_t port, std::size_t carrier) const { return in_[carrier][Eigen::Index(port)]; }
+  Phasor out(std::uint32_t port, std::size_t carrier) const { return out_[carrier][Eigen::Index(port)]; }
   double power_in(std::uint32_t port) const;  // W, all carriers
   double power_out(std::uint32_t port) const;
   std::size_t carrier(double hz) const;  // number of this one; throws std::out_of_range

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/message.hpp"
@@ -14,7 +15,7 @@
 namespace straytrace::network_detail {
 
 // Number of the carrier at this frequency, when it is one that is kept.
-inline std::optional<std::size_t> carrier_at(std::vector<double> const& carriers, double hz) {
+inline std::optional<std::size_t> carrier_at(std::span<double const> carriers, double hz) {
   for (std::size_t n = 0; n < carriers.size(); ++n)
     if (std::fabs(carriers[n] - hz) < 1e-3) return n;
   return {};
@@ -28,7 +29,7 @@ void for_each_way(Network::Component const& c, Eigen::MatrixXcd const& scatterin
   int const order = int(c.bands.size()) / 2;
   for (std::uint32_t out = 0; out < c.ports; ++out)
     for (std::uint32_t in = 0; in < c.ports; ++in) {
-      Complex const amplitude = scattering(out, in);
+      Phasor const amplitude = scattering(out, in);
       if (amplitude == 0.0) continue;
       for (std::size_t n = 0; n < carriers.size(); ++n) {
         if (c.bands.empty()) {
@@ -47,8 +48,8 @@ inline double phase_along(Network::Space const& s, double hz) {
   return s.phase + 2 * pi * hz * s.length / speed_of_light;
 }
 
-using Sparse = Eigen::SparseMatrix<Complex>;
-using Entries = std::vector<Eigen::Triplet<Complex>>;
+using Sparse = Eigen::SparseMatrix<Phasor>;
+using Entries = std::vector<Eigen::Triplet<Phasor>>;
 
 // Solves for one right-hand side; checks the residual (a backward error).
 inline Eigen::VectorXcd solved(Sparse const& matrix, Eigen::VectorXcd const& right, char const* what) {

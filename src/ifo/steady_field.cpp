@@ -28,7 +28,7 @@ SteadyField::SteadyField(Network const& network) : carriers_(network.carriers())
     source[Eigen::Index(laser) * ports + c.first_port] += c.emits;
     network_detail::for_each_way(
         c, c.scattering_at_place(network.wavenumber()), carriers_,
-        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Complex amplitude) {
+        [&](std::uint32_t out, std::uint32_t in, std::size_t m, std::size_t n, Phasor amplitude) {
           auto const [from, space] = other[c.first_port + in];
           if (from == network.ports()) return;  // nothing comes in here
           entries.emplace_back(Eigen::Index(m) * ports + c.first_port + out, Eigen::Index(n) * ports + from,

@@ -39,13 +39,13 @@ struct Detector {
   std::uint32_t port(ComponentId c, std::uint32_t number) const { return n.number_of({c, number}); }
   // Angle at which the homodyne detector sees differential length.
   double signal_angle(SteadyField const& f) const {
-    Complex const a = LinearResponse(n, f, Readout::homodyne(port(dark, 0), 0), 1e3).to_displacement(end[0]),
+    Phasor const a = LinearResponse(n, f, Readout::homodyne(port(dark, 0), 0), 1e3).to_displacement(end[0]),
                   b = LinearResponse(n, f, Readout::homodyne(port(dark, 0), pi / 2), 1e3).to_displacement(end[0]);
     return std::atan2(std::real(b / (a + b)), std::real(a / (a + b)));
   }
 };
 // Per m of DARM: half of it on either arm.
-Complex darm(LinearResponse const& r, Detector const& d) {
+Phasor darm(LinearResponse const& r, Detector const& d) {
   return 0.5 * (r.to_displacement(d.end[0]) - r.to_displacement(d.end[1]));
 }
 
@@ -104,7 +104,7 @@ TEST(Response, InjectionPointsA14) {
   Detector const d(0.014, te, 75e-6, length, infinity, 1000);
   SteadyField const f(d.n);
   LinearResponse const r(d.n, f, Readout::homodyne(d.port(d.dark, 0), d.signal_angle(f)), hz);
-  Complex const per_metre = r.to_displacement(d.end[0]);
+  Phasor const per_metre = r.to_displacement(d.end[0]);
   // Light that joins on its way from the end to the input mirror: 1/(r1 r2) times eq. 9.1 for the round trip.
   double const inside = std::abs(r.to_phase(d.port(d.input[0], 1)) / per_metre);
   EXPECT_NEAR(inside * 2 * k, 1, 1e-3);
@@ -126,8 +126,8 @@ TEST(Response, RadiationPressureEq9_2) {
     SteadyField const f(d.n);
     double const power = f.power_in(d.port(d.end[0], 0));
     LinearResponse const r(d.n, f, Readout::homodyne(d.port(d.dark, 0), d.signal_angle(f)), hz);
-    Complex const strain = r.to_amplitude(d.port(d.input[0], 1)) / r.to_displacement(d.end[0]) / length;
-    Complex const closed = strain_per_amplitude_in_arm(hz, power, mass, length, differential_mode(arm, 1));
+    Phasor const strain = r.to_amplitude(d.port(d.input[0], 1)) / r.to_displacement(d.end[0]) / length;
+    Phasor const closed = strain_per_amplitude_in_arm(hz, power, mass, length, differential_mode(arm, 1));
     EXPECT_NEAR(std::abs(strain) / std::abs(closed), 1, 0.02) << hz;
   }
 }
@@ -158,7 +158,7 @@ TEST(Response, PoundDreverHallR2_12) {
     double const slope = (error(1e-14, phase) - error(-1e-14, phase)) / 2e-14;
     n.move(end, 0);
     SteadyField const f(n);
-    Complex const response = LinearResponse(n, f, Readout::demodulated(port, 9e6, phase), 1e-3).to_displacement(end);
+    Phasor const response = LinearResponse(n, f, Readout::demodulated(port, 9e6, phase), 1e-3).to_displacement(end);
     EXPECT_NEAR(std::real(response), slope, 1e-3 * std::fabs(slope) + 1e-3);
   }
 }
