@@ -34,6 +34,4 @@ BeamParameter reflected_by(BeamParameter q, double roc) { return 1.0 / (1.0 / q 
 BeamParameter into_medium(BeamParameter q, double roc, double n) { return n / (1.0 / q + (n - 1) / roc); }
 BeamParameter out_of_medium(BeamParameter q, double n) { return q / n; }
 
-double clipped_share(double aperture, double w) { return std::exp(-2 * aperture * aperture / (w * w)); }
-
 }  // namespace straytrace

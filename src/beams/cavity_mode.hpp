@@ -27,7 +27,4 @@ BeamParameter into_medium(BeamParameter q, double roc,
                           double n);                     // refracting face seen concave from outside for RoC > 0
 BeamParameter out_of_medium(BeamParameter q, double n);  // through a flat face
 
-// Power lost by a Gaussian of radius w at a centred circular aperture of radius a (eq. 5.5).
-double clipped_share(double aperture, double w);
-
 }  // namespace straytrace

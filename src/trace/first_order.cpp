@@ -29,7 +29,7 @@ bool start_at_port(WorldView const& world, std::uint64_t seed, Footprint const& 
   if (!(met.distance < infinity)) return false;
   Vec3 const point = line.origin + met.distance * line.dir;
   path.ray.dir = lit.direction(point);
-  path.power = world.wavelength * world.wavelength * lit.share;
+  path.power = accepted(world, lit);
   path.polarisation = lit.polarisation;
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
   look(world, path, path.ray.dir, vertex);

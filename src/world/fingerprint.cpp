@@ -41,6 +41,8 @@ void add(Bytes& out, Footprint const& f) {
   for (std::uint64_t x : {std::uint64_t(f.port.value), std::uint64_t(f.beam), std::uint64_t(f.standing),
                           std::uint64_t(f.emits), std::uint64_t(f.receives), std::uint64_t(f.free)})
     out.add(x);
+  if (f.profile == Profile::astigmatic) out.add_doubles(f.astigmatism);
+  if (f.index != 1) out.add(f.index);
   if (f.free) out.add(std::uint64_t(f.origin.value));
   out.add_doubles(f.polarisation);
 }

@@ -56,13 +56,18 @@ PortId World::add_port(std::string name) {
   return {std::uint32_t(ports_.size() - 1)};
 }
 
-void World::add_footprint(Footprint f) {
+void World::add_footprint(Footprint f, Feed feed) {
+  feeds_.push_back(std::move(feed));
   if (f.free) return lit_.push_back(f);
   PoolRef const ref = surfaces_[f.surface.value].shape;
   double low = 0, high = 0, r_min = 0, r_max = 0;
   WorldView const now = view();
   now.shapes.visit(ref, [&](auto const& shape) { shape.extent(low, high, r_min, r_max); });
   f.backoff = r_max + (high - low);
+  if (feeds_.back().propagated) {  // it may have passed another part of this surface on its way
+    double const before = now.cross(f.surface.value, {f.centre - 1e-6 * f.travel, -f.travel}, {}).distance;
+    f.backoff = std::fmin(f.backoff, 0.5 * before);
+  }
   lit_.push_back(f);
 }
 
@@ -73,14 +78,20 @@ void World::add_receiver(std::string name, Receiver receiver) {
 }
 
 bool World::open_port(SurfaceId surface, std::uint32_t beam, std::string const& name) {
-  PortId port;
-  for (Footprint& f : lit_) {
-    if (f.surface != surface || f.beam != beam) continue;
-    if (!port.valid()) port = add_port(name);
-    f.port = port;
-    f.receives = true;
+  std::vector<std::uint32_t> lit;
+  for (std::uint32_t i = 0; i < lit_.size(); ++i)
+    if (lit_[i].surface == surface && lit_[i].beam == beam) lit.push_back(i);
+  open_port(name, lit);
+  return !lit.empty();
+}
+
+void World::open_port(std::string const& name, std::vector<std::uint32_t> const& footprints) {
+  if (footprints.empty()) return;
+  PortId const port = add_port(name);
+  for (std::uint32_t const i : footprints) {
+    lit_[i].port = port;
+    lit_[i].receives = true;
   }
-  return port.valid();
 }
 
 void World::settle_pivots() {
@@ -93,7 +104,7 @@ void World::settle_pivots() {
   }
 }
 
-void World::finish() {
+void World::build_search() {
   std::vector<SearchItem> items;
   WorldView const now = view();
   for (std::uint32_t id = 0; id < surfaces_.size(); ++id) {
@@ -102,6 +113,11 @@ void World::finish() {
     items.back().ref = SurfaceRef::of(id, surfaces_[id].shape);
   }
   tree_.build(items);
+  searched_ = surfaces_.size();
+}
+
+void World::finish() {
+  if (searched_ != surfaces_.size()) build_search();
   receiver_of_surface_.assign(surfaces_.size(), WorldView::none);
   for (std::size_t i = receivers_.size(); i-- > 0;)
     if (!receivers_[i].clear) receiver_of_surface_[receivers_[i].surface.value] = std::uint32_t(i);

@@ -137,6 +137,18 @@ struct Body {
   bool pivot_given = true;  // NaN given: the place of the body's first surface
 };
 
+// How the beam came to a footprint: its chief ray from where it was launched. Light that rejoins goes the same way
+// back, and by eq. 2.2 with the same levers.
+struct Feed {
+  static constexpr std::uint32_t none = 0xffffffffu;
+  bool propagated = false;      // the footprint was found by propagation; false: stated, at its place from the start
+  double path_length = 0;       // optical, m
+  std::vector<Lever> levers;    // of the surfaces passed, over the wave number: 1 and m, by body
+  std::uint32_t mirror = none;  // footprint of the cavity mirror it leaked through: the reference of eq. 2.5
+  std::uint32_t order = 0;      // of the ghost; 0: the beam itself
+  double clipped = 0;           // share of the light that passes beside the surface
+};
+
 // Where the numbers of a material come from.
 struct LawInfo {
   std::string model, source, wavelength;
@@ -178,7 +190,7 @@ class World {
   BodyId add_body(std::string name, Vec3 pivot);
   GroupId add_group(std::string const& name);  // the same id for the same name
   PortId add_port(std::string name);
-  void add_footprint(Footprint);  // needs its surface to exist; sets backoff
+  void add_footprint(Footprint, Feed = {});  // needs its surface to exist; sets backoff
   void add_receiver(std::string name, Receiver);
   // Whether sub-paths serve it, and what they start towards (`most_aims` surfaces at most).
   void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
@@ -189,14 +201,17 @@ class World {
   }
   // Lets light rejoin at every footprint of a beam on a surface; false when there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
+  void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);
   void settle_pivots();  // bodies without a given pivot turn about the place of their first surface
-  void finish();         // builds the search structure; call last
+  void build_search();   // of all surfaces there are
+  void finish();         // the same, unless it was done, and the lists of footprints; call last
   void steer(SteeringTables tables) { steering_ = std::move(tables); }
   SteeringTables const& steering() const { return steering_; }
 
   WorldView view() const;
   std::vector<Surface> const& surfaces() const { return surfaces_; }
   std::vector<Footprint> const& footprints() const { return lit_; }
+  std::vector<Feed> const& feeds() const { return feeds_; }  // by footprint
   std::vector<Body> const& bodies() const { return bodies_; }
   std::vector<std::string> const& groups() const { return groups_; }
   std::vector<std::string> const& ports() const { return ports_; }
@@ -232,12 +247,14 @@ class World {
   std::vector<Medium> media_;
   std::vector<Optic> optics_;
   std::vector<Footprint> lit_;
+  std::vector<Feed> feeds_;
   std::vector<std::uint32_t> lit_of_surface_, emitters_, receiver_of_surface_;
   std::vector<Receiver> receivers_;
   std::vector<std::string> receiver_names_;
   std::vector<Body> bodies_;
   std::vector<std::string> groups_, ports_;
   SearchTree tree_;
+  std::size_t searched_ = 0;  // surfaces in it
   SteeringTables steering_;
 };
 

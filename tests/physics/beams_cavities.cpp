@@ -7,6 +7,7 @@
 #include "base/message.hpp"
 #include "base/rng.hpp"
 #include "beams/cavity_mode.hpp"
+#include "beams/clipping.hpp"
 #include "beams/footprint.hpp"
 #include "statistics.hpp"
 

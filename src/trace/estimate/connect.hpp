@@ -21,10 +21,16 @@ STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
   return lit.intensity(y) * std::fabs(dot(normal, lit.travel));
 }
 
-// BSDF at the lit surface from the direction of arrival into the reversed mode, 1/sr.
+// BSDF at the lit surface from the direction of arrival into the reversed mode, 1/sr. Light from behind rejoins through
+// the surface, with the indices of the vertex.
 STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint const& lit) {
   Vec3 const reversed = at.frame.to_local(-lit.direction(at.point));
-  return scatter_eval(world.laws, *at.optic, at.wi, reversed);
+  return scatter_eval(world.laws, *at.optic, at.wi, reversed, at.n_in, at.n_out);
+}
+// Etendue of one mode in the medium where it arrives, m^2 sr (physics.md 1.2), times q.
+STRAY_HD double accepted(WorldView const& world, Footprint const& lit) {
+  double const wavelength = world.wavelength / lit.index;
+  return wavelength * wavelength * lit.share;
 }
 
 // Share of light of this polarisation, travelling along `out`, that the mode can take after the scatter at `y`; 1 when
@@ -33,7 +39,8 @@ STRAY_HD double mode_share(WorldView const& world, Polarisation const& light, Ve
                            Footprint const& lit) {
   if (!world.polarised) return 1;
   Vec3 const reversed = -lit.direction(y.point);
-  Polarisation const after = scattered(light, out, reversed, false, y.optic->depolarise);
+  bool const through = dot(reversed, y.frame.e3) < 0;
+  Polarisation const after = scattered(light, out, reversed, through, y.optic->depolarise);
   return polarisation_overlap(after, lit.polarisation, reversed);
 }
 
@@ -43,8 +50,8 @@ STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex co
   Footprint const& lit = world.lit[index];
   double const density = connection_density(lit, vertex.point, vertex.frame.e3);
   if (!(density > 0)) return;
-  double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength *
-                          lit.share * density * mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
+  double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * accepted(world, lit) * density *
+                          mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   // A walk over a specular hop has no density: no connection can have made this path.
   double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
@@ -103,10 +110,14 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   Vec3 const point = line.origin + met.distance * line.dir;
   Way const way = way_to(world, vertex, point);
   if (!(way.bsdf > 0)) return;
-  Vertex const y = make_vertex(world, lit.surface, point, way.out, met.piece);
-  if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return;  // lit from the other side
+  Vertex y = make_vertex(world, lit.surface, point, way.out, met.piece);
+  if (!(y.wi.z > 0)) return;
+  if (dot(y.frame.e3, lit.travel) >= 0) {  // lit from the other side: only laws that scatter through the surface count
+    y.n_in = way.wo.z < 0 ? vertex.n_out : vertex.n_in;
+    y.n_out = lit.index;
+  }
   double coupling = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) * rejoin_bsdf(world, y, lit) *
-                    world.wavelength * world.wavelength * lit.share;  // |u|^2 cos over the density of y is 1
+                    accepted(world, lit);  // |u|^2 cos over the density of y is 1
   if (world.polarised)
     coupling *=
         mode_share(world, scattered(path.polarisation, path.ray.dir, way.out, way.wo.z < 0, vertex.optic->depolarise),
@@ -139,8 +150,8 @@ template <class Sink>
 STRAY_HD void score_single(WorldView const& world, PathState const& path, Vertex const& vertex, Footprint const& lit,
                            Sink& sink) {
   if (!lit.receives || !lit.port.valid()) return;
-  double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * world.wavelength * world.wavelength *
-                          lit.share * connection_density(lit, vertex.point, vertex.frame.e3) *
+  double const coupling = path.power * rejoin_bsdf(world, vertex, lit) * accepted(world, lit) *
+                          connection_density(lit, vertex.point, vertex.frame.e3) *
                           mode_share(world, path.polarisation, path.ray.dir, vertex, lit);
   if (coupling > 0) sink.score(path, vertex, path.source, arrival_number(path.source), vertex, coupling);
 }

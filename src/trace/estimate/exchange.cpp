@@ -165,7 +165,7 @@ class Quadrature {
     Vec3 const point = line.origin + met.distance * line.dir;
     Vertex const y = make_vertex(view_, lit.surface, point, unit(point - p), met.piece);
     if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return {};
-    double const mode = rejoin_bsdf(view_, y, lit) * world_.wavelength * world_.wavelength * lit.share;
+    double const mode = rejoin_bsdf(view_, y, lit) * accepted(view_, lit);
     return {y.point, lit.surface, y.wi.z * mode};
   }
 

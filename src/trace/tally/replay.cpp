@@ -8,6 +8,17 @@
 namespace straytrace {
 namespace {
 
+// The footprints at the ends of a path: one, or two, which may be the same.
+std::vector<std::uint32_t> ends_of(World const& world, std::uint32_t source, std::uint32_t goal) {
+  if (goal < world.footprints().size()) return {source, goal};
+  return {source};
+}
+double fed_length(World const& world, std::uint32_t source, std::uint32_t goal) {
+  double sum = 0;
+  for (std::uint32_t const end : ends_of(world, source, goal)) sum += world.feeds()[end].path_length;
+  return sum;
+}
+
 // Siblings are followed depth first, so the vertices before the one that a path stands on are always its own.
 class ReplaySink {
  public:
@@ -18,7 +29,7 @@ class ReplaySink {
     Footprint const& source = view_.lit[path.source];
     GroupId const group = source.free ? source.origin : group_of(vertex.surface);
     Vec3 const in = source.free ? path.ray.dir : source.direction(vertex.point);
-    passed_ = {{vertex.surface, vertex.point, in, {}, Event::emit, 1, 1, group}};
+    passed_ = {{vertex.surface, vertex.point, in, {}, Event::emit, source.index, 1, group}};
     length_ = {path.path_length};
   }
   void visit(PathState const& path, Vertex const& vertex) {
@@ -52,13 +63,18 @@ class ReplaySink {
           {y.surface, y.point, vertices.back().out, {}, Event::scatter, index, index, group_of(y.surface)});
     }
     vertices.back().event = mode ? Event::couple : Event::receive;
-    vertices.back().out = mode ? -view_.lit[goal].direction(vertices.back().point) : Vec3{};
+    if (mode) {
+      vertices.back().out = -view_.lit[goal].direction(vertices.back().point);
+      vertices.back().n_out = view_.lit[goal].index;
+    } else {
+      vertices.back().out = {};
+    }
     found = ReplayedPath{vertices,
                          path.source,
                          goal,
                          route.other,
                          coupling,
-                         path_length,
+                         path_length + fed_length(world_, path.source, goal),
                          levers_of(world_, vertices, path.source, goal)};
   }
   void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
@@ -84,7 +100,8 @@ class ReplaySink {
       path_length = beam.lag(light.start);
       go_to(vertices, path_length, z, Event::scatter, z.n_in);
     } else {
-      vertices.push_back({z.surface, z.point, beam.direction(z.point), {}, Event::emit, 1, 1, group_of(z.surface)});
+      vertices.push_back(
+          {z.surface, z.point, beam.direction(z.point), {}, Event::emit, beam.index, 1, group_of(z.surface)});
     }
     bool const other = route_lit(view_, source, z, chain, receiver).other;
     end_behind(path, source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
@@ -121,6 +138,7 @@ class ReplaySink {
     vertices.back().event = Event::receive;
     vertices.back().out = {};
     std::uint32_t const goal = goal_of_receiver(view_, receiver);
+    path_length += fed_length(world_, source, goal);
     found = ReplayedPath{vertices, source, goal, other, power, path_length, levers_of(world_, vertices, source, goal)};
   }
   GroupId group_of(SurfaceId id) const { return view_.surfaces[id.value].group; }
@@ -141,27 +159,50 @@ class ReplaySink {
 
 }  // namespace
 
+namespace {
+
+// Footprint of the cavity mirror at which light of this footprint leaves or joins the main mode, or none.
+std::uint32_t mirror_of(World const& world, std::uint32_t end) {
+  if (end >= world.footprints().size()) return Feed::none;  // a receiver
+  return world.footprints()[end].standing ? end : world.feeds()[end].mirror;
+}
+
+}  // namespace
+
 std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
                              std::uint32_t goal) {
   double const k = 2 * pi / world.wavelength;
   std::vector<Lever> levers;
+  auto const lever_of = [&](BodyId body) -> Lever& {
+    auto at = std::find_if(levers.begin(), levers.end(), [&](Lever const& l) { return l.body == body; });
+    if (at == levers.end()) at = levers.insert(levers.end(), Lever{body, {}});
+    return *at;
+  };
   auto const add = [&](SurfaceId surface, Vec3 point, Vec3 kappa) {  // kappa: rad/m
     BodyId const body = world.surfaces()[surface.value].body;
     if (!body.valid()) return;  // a measuring plane belongs to no body
-    auto at = std::find_if(levers.begin(), levers.end(), [&](Lever const& l) { return l.body == body; });
-    if (at == levers.end()) at = levers.insert(levers.end(), Lever{body, {}});
+    Lever& lever = lever_of(body);
     Vec3 const turn = cross(point - world.bodies()[body.value].pivot, kappa);
     double const add_up[6] = {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z};
-    for (int i = 0; i < 6; ++i) at->d[i] += add_up[i];
+    for (int i = 0; i < 6; ++i) lever.d[i] += add_up[i];
   };
   for (PassedVertex const& v : vertices)
     if (v.surface.valid()) add(v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
+  // The way of the beam to the lit surface and, for light that rejoins, the way back.
+  for (std::uint32_t const end : ends_of(world, source, goal))
+    for (Lever const& fed : world.feeds()[end].levers) {
+      Lever& lever = lever_of(fed.body);
+      for (int i = 0; i < 6; ++i) lever.d[i] += k * fed.d[i];
+    }
   // The main mode itself bounces on the mirrors of a cavity: only what differs from it counts (eq. 2.5).
-  auto const subtract_main = [&](Footprint const& f) {
-    if (f.standing) add(f.surface, f.centre, -2 * k * f.travel);
+  auto const subtract_main = [&](std::uint32_t mirror) {
+    if (mirror == Feed::none) return;
+    Footprint const& f = world.footprints()[mirror];
+    add(f.surface, f.centre, -2 * k * f.travel);
   };
-  subtract_main(world.footprints()[source]);
-  if (goal != source && goal < world.footprints().size()) subtract_main(world.footprints()[goal]);
+  std::uint32_t const from = mirror_of(world, source), to = mirror_of(world, goal);
+  subtract_main(from);
+  if (to != from) subtract_main(to);
   std::sort(levers.begin(), levers.end(), [](Lever const& a, Lever const& b) { return a.body < b.body; });
   return levers;
 }
