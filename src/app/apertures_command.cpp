@@ -40,7 +40,7 @@ std::vector<Named> named_apertures(Model const& model) {
   return all;
 }
 
-double offset(Aperture const& a) { return std::hypot(a.x, a.y); }
+double offset(Opening const& a) { return std::hypot(a.x, a.y); }
 
 void print_table(std::vector<Named> const& all, std::size_t show) {
   Columns table{

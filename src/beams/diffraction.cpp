@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "beams/diffraction.hpp"
 
-#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 
@@ -11,6 +10,7 @@
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
+#include "beams/clipping.hpp"
 
 namespace straytrace {
 namespace {
@@ -26,11 +26,11 @@ struct Integrand {
   bool centred() const { return bx.real() == 0 && by.real() == 0; }  // a plane wave on top of a centred Gaussian
 };
 
-double inner(Aperture const& a) { return std::max(0.0, a.radius - 0.5 * a.tooth_height); }
-double outer(Aperture const& a) { return a.radius + 0.5 * a.tooth_height; }
+double inner(Opening const& a) { return std::max(0.0, a.radius - 0.5 * a.tooth_height); }
+double outer(Opening const& a) { return a.radius + 0.5 * a.tooth_height; }
 
 // Open share of the circle of radius r.
-double open_share(Aperture const& a, double r) {
+double open_share(Opening const& a, double r) {
   if (r <= inner(a)) return 1;
   return r >= outer(a) ? 0 : (outer(a) - r) / a.tooth_height;
 }
@@ -40,7 +40,7 @@ unsigned orders_of(double x) { return unsigned(x + 5 * std::cbrt(x) + 20); }
 
 // Integral over the azimuth at radius r. The rim enters by its Fourier series: harmonic m of `teeth` equal teeth of
 // open share T is 2 sin(pi m T)/(pi m), and those beyond the orders of the exponential integrate to nothing.
-Complex around(Integrand const& f, Aperture const& a, double r) {
+Complex around(Integrand const& f, Opening const& a, double r) {
   double const share = open_share(a, r), size = f.size();
   unsigned const orders = orders_of(r * size);
   unsigned const harmonics = a.teeth > 0 && share < 1 ? orders / a.teeth : 0;
@@ -58,7 +58,7 @@ Complex around(Integrand const& f, Aperture const& a, double r) {
   return 2 * pi / points * sum;
 }
 
-Complex integral(Integrand const& f, Aperture const& a) {
+Complex integral(Integrand const& f, Opening const& a) {
   constexpr double most_panels = 2e5;
   std::array<double, 3> const edges = {0, inner(a), outer(a)};
   Complex sum = 0;
@@ -79,22 +79,16 @@ Complex integral(Integrand const& f, Aperture const& a) {
 double wave_number(BeamInPlane const& beam) { return 2 * pi / beam.wavelength; }
 Complex decay(BeamInPlane const& beam) { return 1 / (beam.w * beam.w) - 0.5 * i * wave_number(beam) * beam.curvature; }
 
-double clipped_by(double radius, double offset, double w) {
-  if (offset == 0) return std::exp(-2 * radius * radius / (w * w));
-  double const x = 2 * radius / w, y = 2 * offset / w;
-  return boost::math::cdf(boost::math::complement(boost::math::non_central_chi_squared(2, y * y), x * x));
-}
-
 }  // namespace
 
-double clipped_share(BeamInPlane const& beam, Aperture const& a) {
+double clipped_share(BeamInPlane const& beam, Opening const& a) {
   double const offset = std::hypot(a.x, a.y);
-  if (a.tooth_height == 0) return clipped_by(a.radius, offset, beam.w);
-  auto const at = [&](double r) { return clipped_by(r, offset, beam.w); };
+  if (a.tooth_height == 0) return clipped_share(a.radius, beam.w, offset);
+  auto const at = [&](double r) { return clipped_share(r, beam.w, offset); };
   return Rule::integrate(at, inner(a), outer(a)) / (outer(a) - inner(a));
 }
 
-Complex field_behind(BeamInPlane const& beam, Aperture const& a, double z, double x, double y) {
+Complex field_behind(BeamInPlane const& beam, Opening const& a, double z, double x, double y) {
   double const k = wave_number(beam), dx = x - a.x, dy = y - a.y;
   Complex const g = decay(beam), lens = i * k / z;
   Integrand const f{g - 0.5 * lens, -2.0 * g * a.x - lens * dx, -2.0 * g * a.y - lens * dy,
@@ -108,17 +102,17 @@ Complex free_field(BeamInPlane const& beam, double z, double x, double y) {
   return std::exp(0.5 * i * k * (q / spread) * (x * x + y * y)) / spread;
 }
 
-double axis_factor(BeamInPlane const& beam, Aperture const& a, double z) {
+double axis_factor(BeamInPlane const& beam, Opening const& a, double z) {
   return std::norm(field_behind(beam, a, z, 0, 0) / free_field(beam, z, 0, 0));
 }
 
-double far_axis_factor(BeamInPlane const& beam, Aperture const& a) {
+double far_axis_factor(BeamInPlane const& beam, Opening const& a) {
   double const g = 1 / (beam.w * beam.w);
   Integrand const f{g, -2 * g * a.x, -2 * g * a.y, -g * (a.x * a.x + a.y * a.y)};
   return std::norm(g / pi * integral(f, a));
 }
 
-double axis_ripple(BeamInPlane const& beam, Aperture const& a) {
+double axis_ripple(BeamInPlane const& beam, Opening const& a) {
   constexpr int points = 256;
   double sum = 0;
   for (int j = 0; j < points; ++j) {

@@ -16,7 +16,7 @@ struct BeamInPlane {
 
 // An opening in a black screen across the beam. Triangular teeth on the rim reach from radius - tooth_height/2 (tips)
 // to radius + tooth_height/2 (valleys).
-struct Aperture {
+struct Opening {
   double radius = 0;        // m, of the mean rim
   double x = 0, y = 0;      // m, its centre, from the axis of the beam
   double tooth_height = 0;  // m, from tip to valley
@@ -24,18 +24,18 @@ struct Aperture {
   double phase = 0;         // rad, azimuth of a tip
 };
 
-double clipped_share(BeamInPlane const&, Aperture const&);  // of the power (eq. 5.5, 5.6)
+double clipped_share(BeamInPlane const&, Opening const&);  // of the power (eq. 5.5, 5.6)
 
 // Field at (x, y) from the axis of the beam and `distance` > 0 behind the aperture, in the units of the beam; the
 // factor exp(i k distance) is left out. Paraxial: distance^3 >> k (offset from the rim)^4/8. Throws NumericalError
 // where the integral has more than about 1e5 periods.
-std::complex<double> field_behind(BeamInPlane const&, Aperture const&, double distance, double x, double y);
+std::complex<double> field_behind(BeamInPlane const&, Opening const&, double distance, double x, double y);
 std::complex<double> free_field(BeamInPlane const&, double distance, double x, double y);  // without the aperture
 
 // Intensity on the axis of the beam over that without the aperture.
-double axis_factor(BeamInPlane const&, Aperture const&, double distance);
-double far_axis_factor(BeamInPlane const&, Aperture const&);  // in the far field or a focus (eq. 5.7)
+double axis_factor(BeamInPlane const&, Opening const&, double distance);
+double far_axis_factor(BeamInPlane const&, Opening const&);  // in the far field or a focus (eq. 5.7)
 // Largest relative change of that intensity at any distance, to first order in the wave from the rim.
-double axis_ripple(BeamInPlane const&, Aperture const&);
+double axis_ripple(BeamInPlane const&, Opening const&);
 
 }  // namespace straytrace

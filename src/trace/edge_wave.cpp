@@ -22,11 +22,11 @@ struct Between {
   World const& world;
   WorldView view;
   std::uint32_t source, goal;
-  Rim rim;
+  InnerRim rim;
   Vertex one, two;  // where the main mode is scattered, and where the light rejoins it
   double k = 0, span = 0;
 
-  Between(World const& w, std::uint32_t from, std::uint32_t to, Rim const& r)
+  Between(World const& w, std::uint32_t from, std::uint32_t to, InnerRim const& r)
       : world(w), view(w.view()), source(from), goal(to), rim(r), k(2 * pi / w.wavelength) {
     Footprint const &a = at(source), &b = at(goal);
     one = make_vertex(view, a.surface, a.centre, a.travel);
@@ -44,7 +44,7 @@ struct Between {
   }
   // Just inside the tips, of the rim where it is drawn.
   bool seen(double azimuth) const {
-    Rim drawn = rim;
+    InnerRim drawn = rim;
     drawn.centre = drawn.centre - world.edges.offset;
     Vec3 const across = std::cos(azimuth) * rim.e1 + std::sin(azimuth) * rim.e2;
     Vec3 const p = drawn.centre + rim.radius * (1 - 1e-4) * across;
@@ -104,7 +104,7 @@ void add_teeth(EdgeWave& wave, Between const& p, double size, double left, std::
 
 }  // namespace
 
-EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal, Rim const& drawn) {
+EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal, InnerRim const& drawn) {
   Between const p(world, source, goal, drawn);
   EdgeWave wave;
   std::array<bool, sectors> seen;

@@ -124,8 +124,8 @@ CouplingClass class_of(World const& world, std::uint32_t source, std::uint32_t g
                              both ? 2 : 1, group.records(world.edges.sum), group.statement(world.edges.sum));
 }
 
-std::vector<Rim> rims_of(World const& world, GroupId group) {
-  std::vector<Rim> rims;
+std::vector<InnerRim> rims_of(World const& world, GroupId group) {
+  std::vector<InnerRim> rims;
   for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
     if (world.surfaces()[id].group == group)
       if (auto const rim = rim_of(world, {id})) rims.push_back(*rim);
@@ -138,7 +138,7 @@ void add_direction(World const& world, std::uint32_t source, std::uint32_t goal,
     GroupId const id{std::uint32_t(at - world.groups().begin())};
     Group group;
     double seen = 0;
-    for (Rim const& rim : rims_of(world, id)) {
+    for (InnerRim const& rim : rims_of(world, id)) {
       EdgeWave wave = edge_wave(world, source, goal, rim);
       seen = std::fmax(seen, wave.seen);
       if (wave.smooth > 0) group.waves.push_back(std::move(wave));

@@ -30,7 +30,7 @@ struct EdgeWave {
   double patches = 0;             // of speckle around the rim: 2 pi a w/(lambda l), at the mirror where there are more
   std::vector<PathRecord> teeth;  // what random teeth scatter besides the mean field; powers add
 };
-EdgeWave edge_wave(World const&, std::uint32_t source, std::uint32_t goal, Rim const&);
+EdgeWave edge_wave(World const&, std::uint32_t source, std::uint32_t goal, InnerRim const&);
 
 struct EdgeClasses {
   std::vector<CouplingClass> classes;

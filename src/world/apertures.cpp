@@ -22,7 +22,7 @@ struct Stretch {
   }
 };
 
-void put_centre(Aperture& opening, Vec3 offset, Vec3 travel) {
+void put_centre(Opening& opening, Vec3 offset, Vec3 travel) {
   Frame const f = Frame::around(travel);
   opening.x = dot(offset, f.e1);
   opening.y = dot(offset, f.e2);

@@ -16,7 +16,7 @@
 #include "scene/scene.hpp"
 #include "world/hit.hpp"
 #include "world/receiver.hpp"
-#include "world/rims.hpp"
+#include "world/inner_rim.hpp"
 #include "world/search.hpp"
 #include "world/search_kernels.hpp"
 #include "world/steering.hpp"

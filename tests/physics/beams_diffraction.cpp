@@ -15,8 +15,8 @@ using Field = std::complex<double>;
 constexpr double lambda = 1064e-9, w = 0.01;
 BeamInPlane const flat{w, 0, lambda};
 
-Aperture opening(double radius, double x = 0, double y = 0) {
-  Aperture a;
+Opening opening(double radius, double x = 0, double y = 0) {
+  Opening a;
   a.radius = radius;
   a.x = x;
   a.y = y;
@@ -55,7 +55,7 @@ TEST(Clipping, OffCentreA8) {
 
 // Eq. 5.7 and the two 17 % of R2.27: far away the axis loses them, nearby it goes up and down by them.
 TEST(Diffraction, AxisAtPiHalfW) {
-  Aperture const a = opening(pi * w / 2);
+  Opening const a = opening(pi * w / 2);
   EXPECT_NEAR(far_axis_factor(flat, a), 0.8376, 5e-5);
   EXPECT_NEAR(axis_factor(flat, a, 1e7), 0.8376, 5e-5);
   EXPECT_NEAR(axis_ripple(flat, a), 0.1696, 5e-5);
@@ -86,7 +86,7 @@ TEST(Diffraction, AxisInClosedForm) {
 // A wide aperture changes nothing, wherever its centre and whatever its teeth.
 TEST(Diffraction, WideOpen) {
   BeamInPlane const beam{w, 0.05, lambda};
-  Aperture wide = opening(6 * w, 0.4 * w, -0.2 * w);
+  Opening wide = opening(6 * w, 0.4 * w, -0.2 * w);
   wide.tooth_height = 0.1 * w;
   for (unsigned teeth : {0u, 24u}) {
     wide.teeth = teeth;
@@ -100,7 +100,7 @@ TEST(Diffraction, WideOpen) {
 // Two ways to the same place: shift the aperture, or shift beam and point.
 TEST(Diffraction, BoundaryIntegralOffCentre) {
   double const k = 2 * pi / lambda, z = 30, a = 1.3 * w;
-  Aperture const off = opening(a, 0.5 * w, 0.1 * w);
+  Opening const off = opening(a, 0.5 * w, 0.1 * w);
   double const x = 0.4 * w, y = -0.3 * w;
   Field sum = 0;
   int const n = 1500;
@@ -120,7 +120,7 @@ TEST(Diffraction, BoundaryIntegralOffCentre) {
 }
 
 // The power behind the aperture is what it let through; what goes beyond `reach` falls like 1/reach.
-double power_behind(Aperture const& a, double z, double reach, int radial, int azimuths) {
+double power_behind(Opening const& a, double z, double reach, int radial, int azimuths) {
   double sum = 0;
   for (int i = 0; i < radial; ++i)
     for (int j = 0; j < azimuths; ++j) {
@@ -131,8 +131,8 @@ double power_behind(Aperture const& a, double z, double reach, int radial, int a
 }
 TEST(Diffraction, PowerIsConserved) {
   double const z = 60;
-  Aperture const centred = opening(1.1 * w), off = opening(1.1 * w, 0.8 * w);
-  Aperture serrated = centred;
+  Opening const centred = opening(1.1 * w), off = opening(1.1 * w, 0.8 * w);
+  Opening serrated = centred;
   serrated.tooth_height = 0.3 * w;
   EXPECT_NEAR(power_behind(centred, z, 16 * w, 800, 1) / (1 - clipped_share(flat, centred)), 1, 2e-3);
   double const behind = power_behind(off, z, 4 * w, 80, 12);
@@ -146,7 +146,7 @@ TEST(Diffraction, PowerIsConserved) {
 // is the mean field of random ones.
 TEST(Diffraction, GivenTeeth) {
   double const k = 2 * pi / lambda, z = 80;
-  Aperture a = opening(1.1 * w, 0.1 * w);
+  Opening a = opening(1.1 * w, 0.1 * w);
   a.tooth_height = 0.5 * w;
   a.teeth = 9;
   a.phase = 0.3;
@@ -167,7 +167,7 @@ TEST(Diffraction, GivenTeeth) {
     }
   Field const direct = k / (2 * pi * Field{0, 1} * z) * sum;
   EXPECT_NEAR(std::abs(field_behind(flat, a, z, px, py) - direct) / std::abs(direct), 0, 3e-3);
-  Aperture random = a;
+  Opening random = a;
   random.teeth = 0;
   EXPECT_GT(std::abs(field_behind(flat, random, z, px, py) - direct) / std::abs(direct),
             0.01);  // twin: without pattern

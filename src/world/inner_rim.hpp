@@ -13,7 +13,7 @@ namespace straytrace {
 
 class World;
 
-struct Rim {
+struct InnerRim {
   SurfaceId surface;
   Vec3 centre, axis, e1, e2;  // of the circle of the tips; unit vectors
   double radius = 0;          // m, of the tips
@@ -22,9 +22,9 @@ struct Rim {
   double teeth = 0, phase = 0;
 };
 // None: the surface has no hole.
-std::optional<Rim> rim_of(World const&, SurfaceId);
-double rim_radius(Rim const&, double azimuth);  // m
-Vec3 rim_point(Rim const&, double azimuth);     // from e1 towards e2
+std::optional<InnerRim> rim_of(World const&, SurfaceId);
+double rim_radius(InnerRim const&, double azimuth);  // m
+Vec3 rim_point(InnerRim const&, double azimuth);     // from e1 towards e2
 
 // The table `edges` of a scene: which rims diffract light from one mirror of a cavity to the other.
 struct EdgeSettings {
