@@ -40,15 +40,13 @@ std::vector<Named> named_apertures(Model const& model) {
   return all;
 }
 
-double offset(Opening const& a) { return std::hypot(a.x, a.y); }
-
 void print_table(std::vector<Named> const& all, std::size_t show) {
   Columns table{
       {"beam", "rim of", "at/m", "w/mm", "radius/mm", "offset/mm", "clipped", "axis, far", "ripple"}, {true, true}, {}};
   for (std::size_t i = 0; i < std::min(show, all.size()); ++i) {
     BeamAperture const& a = all[i].aperture;
     table.rows.push_back({all[i].beam, all[i].name, fmt::format("{:.6g}", a.along), fmt::format("{:.5g}", 1e3 * a.at.w),
-                          fmt::format("{:.5g}", 1e3 * a.opening.radius), fmt::format("{:.3g}", 1e3 * offset(a.opening)),
+                          fmt::format("{:.5g}", 1e3 * a.opening.radius), fmt::format("{:.3g}", 1e3 * a.opening.x),
                           fmt::format("{:.4e}", all[i].clipped),
                           fmt::format("{:+.2e}", far_axis_factor(a.at, a.opening) - 1),
                           fmt::format("{:.2e}", axis_ripple(a.at, a.opening))});
@@ -70,7 +68,7 @@ nlohmann::ordered_json json_of(Named const& n) {
           {"wavefront_curvature_per_m", a.at.curvature},
           {"wavelength_m", a.at.wavelength},
           {"radius_m", a.opening.radius},
-          {"offset_m", {a.opening.x, a.opening.y}},
+          {"offset_m", a.opening.x},
           {"tooth_height_m", a.opening.tooth_height},
           {"teeth", a.opening.teeth},
           {"clipped", n.clipped},
@@ -125,6 +123,7 @@ void print_profile(Named const& n, Wanted const& wanted, bool json) {
   }
   std::cout << fmt::format(
       "# {} behind the rim of {}: {:g} m; intensity over that on the axis at the rim\n"
+      "# x runs through the axis of the beam and the centre of the opening\n"
       "# x_m intensity without_rim\n",
       n.beam, n.name, z);
   for (std::size_t i = 0; i < x.size(); ++i)

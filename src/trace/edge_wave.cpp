@@ -13,8 +13,8 @@ namespace straytrace {
 namespace {
 
 using Field = std::complex<double>;
-constexpr int sectors = 64;      // of the rim, each seen or not
-constexpr int teeth_points = 8;  // azimuths at which the light of random teeth is recorded
+constexpr int sectors = 64;              // of the rim, each seen or not
+constexpr std::size_t teeth_points = 8;  // azimuths at which the light of random teeth is recorded
 
 double sinc(double x) { return std::fabs(x) < 1e-8 ? 1 : std::sin(x) / x; }
 
@@ -96,7 +96,7 @@ void add_gradient(EdgeWave& wave, std::vector<Lever> const& levers, Field field)
 void add_teeth(EdgeWave& wave, Between const& p, double size, double left, std::vector<Lever> levers, double length) {
   double const teeth = 2 * pi * p.rim.radius / p.world.edges.tooth_width;
   PathRecord record;
-  record.weight = record.coupling = size * size * (1 - left * left) / (teeth * teeth_points);
+  record.weight = record.coupling = size * size * (1 - left * left) / (teeth * double(teeth_points));
   record.path_length = length;
   record.levers = std::move(levers);
   if (record.weight > 0) wave.teeth.push_back(std::move(record));
@@ -135,8 +135,8 @@ EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal,
     wave.patches =
         std::fmax(wave.patches, 2 * pi * p.rim.radius / world.wavelength *
                                     std::fmax(p.at(source).radius / one.length, p.at(goal).radius / two.length));
-    if (j % (points / teeth_points) == points / (2 * teeth_points) && left < 1)
-      add_teeth(wave, p, size, left, levers, one.length + two.length);
+    bool const recorded = (j + 1) * teeth_points / points != j * teeth_points / points;
+    if (recorded && left < 1) add_teeth(wave, p, size, left, levers, one.length + two.length);
   }
   wave.smooth = smooth / double(points);
   wave.path_length = wave.seen > 0 ? lengths / (wave.seen * double(points)) : 0;

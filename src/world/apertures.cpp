@@ -22,11 +22,8 @@ struct Stretch {
   }
 };
 
-void put_centre(Opening& opening, Vec3 offset, Vec3 travel) {
-  Frame const f = Frame::around(travel);
-  opening.x = dot(offset, f.e1);
-  opening.y = dot(offset, f.e2);
-}
+// x across the beam points to the centre of the opening, or along e1 of the rim.
+Vec3 x_axis(Vec3 offset, Vec3 otherwise) { return length(offset) > 0 ? unit(offset) : otherwise; }
 
 // Rims whose opening the chief ray goes through.
 void add_rims(World const& world, Stretch const& s, std::vector<BeamAperture>& all) {
@@ -41,7 +38,10 @@ void add_rims(World const& world, Stretch const& s, std::vector<BeamAperture>& a
     a.opening.radius = rim->radius + 0.5 * rim->tooth_depth;
     a.opening.tooth_height = rim->tooth_depth;
     a.opening.teeth = unsigned(rim->teeth);
-    put_centre(a.opening, offset, s.travel);
+    a.opening.x = length(offset);
+    Vec3 const x = x_axis(offset, rim->e1), y = cross(s.travel, x);
+    Vec3 const tip = std::cos(rim->phase) * rim->e1 + std::sin(rim->phase) * rim->e2;
+    a.opening.phase = std::atan2(dot(tip, y), dot(tip, x));
     found.push_back(a);
   }
   std::sort(found.begin(), found.end(), [](auto const& a, auto const& b) { return a.along < b.along; });
@@ -60,7 +60,7 @@ void add_mirror(World const& world, Footprint const& f, double along, std::vecto
       a.at = {f.radius, f.curvature - 2 * (concave ? roc : -roc), world.wavelength};
       a.opening.radius = s.outer_radius;
       Vec3 const offset = s.reference() - f.centre;
-      put_centre(a.opening, offset - dot(offset, f.travel) * f.travel, f.travel);
+      a.opening.x = length(offset - dot(offset, f.travel) * f.travel);
       all.push_back(a);
     }
   });

@@ -16,7 +16,7 @@ struct BeamAperture {
   bool reflected = false;  // the rim of a mirror: what goes on is reflected
   double along = 0;        // m, from where the beam starts; of a cavity, from its first mirror
   BeamInPlane at;          // as it leaves the plane of the rim
-  Opening opening;
+  Opening opening;         // x runs from the axis of the beam to its centre
 };
 
 // Modes of cavities between their mirrors, free beams up to the first surface, and spots on disks and caps. Gaussian

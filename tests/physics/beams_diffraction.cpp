@@ -97,8 +97,8 @@ TEST(Diffraction, WideOpen) {
   }
 }
 
-// Two ways to the same place: shift the aperture, or shift beam and point.
-TEST(Diffraction, BoundaryIntegralOffCentre) {
+// Against a sum over the plane of the opening.
+TEST(Diffraction, OffCentreAgainstTheSumOverThePlane) {
   double const k = 2 * pi / lambda, z = 30, a = 1.3 * w;
   Opening const off = opening(a, 0.5 * w, 0.1 * w);
   double const x = 0.4 * w, y = -0.3 * w;
