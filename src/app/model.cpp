@@ -118,7 +118,9 @@ std::vector<std::string> Model::assumptions() const {
   if (detector) lines.push_back("frozen geometry: paths do not move while the surfaces shake (physics.md eq. 2.6)");
   if (detector)
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
-  lines.push_back("no diffraction at rims, no ghost beams: this release has neither");
+  lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
+                                             : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
+  lines.push_back("no ghost beams: this release has none");
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;

@@ -16,6 +16,7 @@
 #include "app/build_info.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
+#include "trace/edges.hpp"
 #include "trace/estimate/importance.hpp"
 #include "trace/trace.hpp"
 
@@ -192,6 +193,8 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
+  EdgeClasses const edges = edge_classes(model.world);
+  settings.beside = edges.classes;
   steer(model.world);
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };
@@ -199,6 +202,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   InterruptGuard const guard;
   settings.stop = &stop_requested;
   TraceResult result = trace(model.world, settings, *make_backend("cpu"));
+  result.warnings.insert(result.warnings.end(), edges.warnings.begin(), edges.warnings.end());
   if (!options.quiet)
     for (std::string const& warning : result.warnings) std::cerr << "warning: " << warning << '\n';
   return result;

@@ -30,6 +30,7 @@ World build_world(Scene const& scene) {
   world.settle_pivots();
   read_receivers(scene, world, names);
   read_beams(scene, world, names);
+  read_edges(scene, world);
   read_trace_limits(scene, world);
   if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
     world.finish();

@@ -36,6 +36,7 @@ void read_bodies(Scene const&, World&, Registry&);
 void read_surfaces(Scene const&, World&, Registry&);
 void read_receivers(Scene const&, World&, Registry const&);  // before the beams: with receivers no port is needed
 void read_beams(Scene const&, World&, Registry const&);
+void read_edges(Scene const&, World&);  // after the beams
 void read_trace_limits(Scene const&, World&);
 void check_lays(Scene const&, World const&);   // of a finished world: have all grooves a direction?
 void check_beams(Scene const&, World const&);  // of a finished world: do they light anything?

@@ -16,6 +16,7 @@
 #include "scene/scene.hpp"
 #include "world/hit.hpp"
 #include "world/receiver.hpp"
+#include "world/inner_rim.hpp"
 #include "world/search.hpp"
 #include "world/search_kernels.hpp"
 #include "world/steering.hpp"
@@ -222,6 +223,7 @@ class World {
 
   Storage storage;  // tables that shapes, laws and coatings point into
   WalkLimits limits;
+  EdgeSettings edges;  // stands beside the trace and is no part of the fingerprint
   bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
   double wavelength = 1.064e-6;

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace apertures: what every rim that a beam passes does to it, in closed form and by the Fresnel integral.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "app/common_options.hpp"
+#include "app/model.hpp"
+#include "base/message.hpp"
+#include "base/quantity.hpp"
+#include "report/columns.hpp"
+#include "world/apertures.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Wanted {
+  std::string profile, distance;
+  std::size_t show = 12, points = 41;
+};
+
+struct Named {
+  BeamAperture aperture;
+  std::string beam, name;
+  double clipped = 0;
+};
+
+std::vector<Named> named_apertures(Model const& model) {
+  std::vector<std::string> beams;
+  for (auto const& [name, node] : model.scene.table("beams").items()) beams.push_back(name);
+  std::vector<Named> all;
+  for (BeamAperture const& a : apertures_of(model.world))
+    all.push_back({a, beams.at(a.beam), model.world.groups()[a.group.value], clipped_share(a.at, a.opening)});
+  std::stable_sort(all.begin(), all.end(), [](Named const& a, Named const& b) { return a.clipped > b.clipped; });
+  return all;
+}
+
+void print_table(std::vector<Named> const& all, std::size_t show) {
+  Columns table{
+      {"beam", "rim of", "at/m", "w/mm", "radius/mm", "offset/mm", "clipped", "axis, far", "ripple"}, {true, true}, {}};
+  for (std::size_t i = 0; i < std::min(show, all.size()); ++i) {
+    BeamAperture const& a = all[i].aperture;
+    table.rows.push_back({all[i].beam, all[i].name, fmt::format("{:.6g}", a.along), fmt::format("{:.5g}", 1e3 * a.at.w),
+                          fmt::format("{:.5g}", 1e3 * a.opening.radius), fmt::format("{:.3g}", 1e3 * a.opening.x),
+                          fmt::format("{:.4e}", all[i].clipped),
+                          fmt::format("{:+.2e}", far_axis_factor(a.at, a.opening) - 1),
+                          fmt::format("{:.2e}", axis_ripple(a.at, a.opening))});
+  }
+  std::cout
+      << "Rims that beams pass, most clipping first. clipped: share of the power (eq. 5.5, 5.6); axis: change of\n"
+         "the intensity on the axis, far behind (eq. 5.7), and at most at any distance (ripple).\n\n"
+      << aligned(table);
+  if (all.size() > show) std::cout << fmt::format("and {} more; --show N has more rows\n", all.size() - show);
+}
+
+nlohmann::ordered_json json_of(Named const& n) {
+  BeamAperture const& a = n.aperture;
+  return {{"beam", n.beam},
+          {"rim_of", n.name},
+          {"at_m", a.along},
+          {"reflected", a.reflected},
+          {"w_m", a.at.w},
+          {"wavefront_curvature_per_m", a.at.curvature},
+          {"wavelength_m", a.at.wavelength},
+          {"radius_m", a.opening.radius},
+          {"offset_m", a.opening.x},
+          {"tooth_height_m", a.opening.tooth_height},
+          {"teeth", a.opening.teeth},
+          {"clipped", n.clipped},
+          {"axis_factor_far", far_axis_factor(a.at, a.opening)},
+          {"axis_ripple", axis_ripple(a.at, a.opening)}};
+}
+
+Named const& chosen(std::vector<Named> const& all, std::string const& name) {
+  std::vector<std::string> names;
+  for (Named const& n : all) {
+    if (n.name == name) return n;
+    names.push_back(n.name);
+  }
+  std::string const near = nearest_word(name, names);
+  throw InputError(fmt::format(
+      "error: no beam passes a rim of '{}'\n  {}", name,
+      near.empty() ? "straytrace apertures SCENE names them all" : fmt::format("did you mean '{}'?", near)));
+}
+
+double distance_of(std::string const& text) {
+  char* end = nullptr;
+  double const value = std::strtod(text.c_str(), &end);
+  std::string const rest = end;
+  std::size_t const begin = std::min(rest.find_first_not_of(' '), rest.size());
+  auto const unit = parse_unit(rest.substr(begin));
+  if (!unit || !(unit->dimension == dim::length) || !(value > 0) || !std::isfinite(value))
+    throw InputError(fmt::format(
+        "error: --distance: '{}' is no distance behind the rim\n  write for example --distance \"10 m\"", text));
+  return to_si(value, *unit);
+}
+
+// Intensity across the beam behind the rim, and the same without it, over that on the axis in the plane of the rim.
+void print_profile(Named const& n, Wanted const& wanted, bool json) {
+  double const z = distance_of(wanted.distance);
+  BeamInPlane const& beam = n.aperture.at;
+  double const size = 1 / std::abs(free_field(beam, z, 0, 0));  // w there over w at the rim
+  double const reach = 2 * beam.w * size;
+  std::vector<double> x, with, without;
+  for (std::size_t i = 0; i < wanted.points; ++i) {
+    x.push_back(reach * (2 * double(i) / double(wanted.points - 1) - 1));
+    with.push_back(std::norm(field_behind(beam, n.aperture.opening, z, x.back(), 0)));
+    without.push_back(std::norm(free_field(beam, z, x.back(), 0)));
+  }
+  if (json) {
+    nlohmann::ordered_json out = json_of(n);
+    out["distance_m"] = z;
+    out["x_m"] = x;
+    out["intensity"] = with;
+    out["intensity_without_rim"] = without;
+    std::cout << out.dump() << '\n';
+    return;
+  }
+  std::cout << fmt::format(
+      "# {} behind the rim of {}: {:g} m; intensity over that on the axis at the rim\n"
+      "# x runs through the axis of the beam and the centre of the opening\n"
+      "# x_m intensity without_rim\n",
+      n.beam, n.name, z);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    std::cout << fmt::format("{:.6e} {:.9e} {:.9e}\n", x[i], with[i], without[i]);
+}
+
+int apertures(Options const& options, Wanted const& wanted) {
+  Model const model = read_model(options.input, options.overrides);
+  if (!options.quiet) std::cerr << model.scene.warnings();
+  std::vector<Named> const all = named_apertures(model);
+  if (!wanted.profile.empty()) {
+    print_profile(chosen(all, wanted.profile), wanted, options.json());
+  } else if (options.json()) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::array();
+    for (Named const& n : all) out.push_back(json_of(n));
+    std::cout << out.dump() << '\n';
+  } else if (all.empty()) {
+    std::cout << "No Gaussian beam of the scene passes a rim.\n";
+  } else {
+    print_table(all, wanted.show);
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_apertures(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("apertures", "what the rims that beams pass cut off, and the light behind them");
+  static Wanted wanted;
+  add_scene_options(*command, options);
+  command->add_option("--show", wanted.show, "rows");
+  auto* const profile =
+      command->add_option("--profile", wanted.profile, "intensity across the beam behind a rim of this entry");
+  command->add_option("--distance", wanted.distance, "of --profile, behind the rim, for example \"10 m\"")
+      ->needs(profile);
+  command->add_option("--points", wanted.points, "of --profile")->check(CLI::Range(3, 100001));
+  command->footer(
+      "Examples:\n"
+      "  straytrace apertures examples/virgo_arm.yaml\n"
+      "  straytrace apertures examples/virgo_arm.yaml --profile ETM --distance \"500 m\"");
+  command->callback([&] {
+    if (!wanted.profile.empty() && wanted.distance.empty())
+      throw InputError("error: --profile needs a distance behind the rim\n  add for example --distance \"10 m\"");
+    exit_code = apertures(options, wanted);
+  });
+}
+
+}  // namespace straytrace
