@@ -14,7 +14,8 @@ namespace straytrace {
 
 namespace {
 
-constexpr double far = 20;  // beam radii: exp(-2 far^2) is zero in double precision
+constexpr double far = 20;          // beam radii: exp(-2 far^2) is zero in double precision
+constexpr double accuracy = 1e-11;  // relative, of an elliptic beam
 
 // Share of a Gaussian of radius w beyond a straight edge at distance x from its middle.
 double beyond_edge(double x, double w) { return 0.5 * std::erfc(std::sqrt(2.0) * x / w); }
@@ -54,12 +55,24 @@ double clipped_share(double aperture, std::array<double, 2> w, std::array<double
     double const density = std::sqrt(2 / pi) / w[0] * std::exp(-2 * x * x / (w[0] * w[0]));
     return half * density * (beyond_edge(half - offset[1], w[1]) + beyond_edge(half + offset[1], w[1]));
   };
+  using Rule = boost::math::quadrature::gauss_kronrod<double, 31>;
   double loss = beyond_edge(a - offset[0], w[0]) + beyond_edge(a + offset[0], w[0]);
+  struct Piece {
+    double from, to, value, error;
+  };
+  std::vector<Piece> pieces;
   auto const angles = interesting_angles(a, w, offset);
-  for (std::size_t i = 1; i < angles.size(); ++i)
-    if (angles[i] > angles[i - 1])
-      loss +=
-          boost::math::quadrature::gauss_kronrod<double, 31>::integrate(outside, angles[i - 1], angles[i], 8, 1e-11);
+  for (std::size_t i = 1; i < angles.size(); ++i) {
+    Piece piece{angles[i - 1], angles[i], 0, 0};
+    if (piece.to > piece.from) piece.value = Rule::integrate(outside, piece.from, piece.to, 0, 0, &piece.error);
+    loss += piece.value;
+    pieces.push_back(piece);
+  }
+  // Once more where the error counts in the sum.
+  double const allowed = accuracy * loss / static_cast<double>(pieces.size());
+  for (Piece const& piece : pieces)
+    if (piece.error > allowed)
+      loss += Rule::integrate(outside, piece.from, piece.to, 12, std::min(allowed / piece.value, 1e-3)) - piece.value;
   return std::min(loss, 1.0);
 }
 

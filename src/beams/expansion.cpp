@@ -23,7 +23,7 @@ GeneratingGaussian generating_gaussian(Mode const& beam, Mode const& basis) {
   Eigen::Matrix2cd const width = p.s.inverse();
   std::complex<double> const i{0, 1};
   GeneratingGaussian series;
-  series.middle = p.integral();
+  series.middle = std::exp(p.log_integral());
   series.bend = (4.0 * i / p.k) * per_w.asDiagonal() * width * per_w.asDiagonal();
   series.bend -= Eigen::Matrix2cd::Identity();
   series.tilt = -2.0 * per_w.cwiseProduct(width * p.g);

@@ -15,5 +15,8 @@ namespace straytrace {
 std::complex<double> overlap(Mode const&, Mode const&);
 // Share of the power of one beam in the mode of the other: |overlap|^2.
 double power_overlap(Mode const&, Mode const&);
+// Its natural logarithm, also where the share is too small for a number; minus infinity when the beams run apart by a
+// right angle or more.
+double log_power_overlap(Mode const&, Mode const&);
 
 }  // namespace straytrace

@@ -38,13 +38,13 @@ FieldProduct product(PlaneField const& u, PlaneField const& v) {
   return p;
 }
 
-std::complex<double> FieldProduct::integral() const {
+std::complex<double> FieldProduct::log_integral() const {
   // -i S has a positive definite real part: the roots of its eigenvalues are the principal ones.
   std::complex<double> const i{0, 1};
   auto const part = eigenvalues<std::complex<double>>(-i * s(0, 0), -i * s(0, 1), -i * s(1, 1));
   Eigen::Vector2cd const x = s.inverse() * g;
   std::complex<double> const exponent = log_amplitude - 0.5 * i * k * (g(0) * x(0) + g(1) * x(1));
-  return 2 * pi / k * std::exp(exponent) / (std::sqrt(part[0]) * std::sqrt(part[1]));
+  return exponent + std::log(2 * pi / k) - 0.5 * (std::log(part[0]) + std::log(part[1]));
 }
 
 }  // namespace straytrace

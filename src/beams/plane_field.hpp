@@ -32,7 +32,7 @@ struct FieldProduct {
   Eigen::Vector2cd g;
   Eigen::Matrix2cd s;
 
-  std::complex<double> integral() const;
+  std::complex<double> log_integral() const;
 };
 FieldProduct product(PlaneField const& u, PlaneField const& v);
 

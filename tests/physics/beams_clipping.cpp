@@ -79,7 +79,7 @@ TEST(clipping, small_spot_at_the_rim) {
   EXPECT_EQ(clipped_share(a, w, a - 30 * w), 0);
 }
 
-// Elliptic beams: random points of the spot, 3 sigma; the axes exchanged must be noticed.
+// Random points of the spot; for elliptic ones the axes exchanged must be noticed.
 testing::SampleMean outside(double a, std::array<double, 2> w, std::array<double, 2> d) {
   constexpr int n = 300000;
   Dice dice(1);
@@ -90,6 +90,17 @@ testing::SampleMean outside(double a, std::array<double, 2> w, std::array<double
   }
   double const mean = sum / n;
   return {mean, std::sqrt(mean * (1 - mean) / n), n};
+}
+
+TEST(clipping, agrees_with_sampling_a8) {
+  double const w = 0.058;
+  for (auto [a, d] : {std::pair{0.058, 0.0}, {0.06, 0.01}, {0.06, 0.03}, {0.08, 0.05}}) {
+    double const exact = clipped_share(a, w, d);
+    testing::SampleMean const found = outside(a, {w, w}, {0.6 * d, 0.8 * d});
+    testing::expect_mean("clipped", found, exact, 0.05 * exact);
+    testing::expect_rejected("other w", outside(a, {1.05 * w, w}, {d, 0}), exact);
+    if (d > 0) testing::expect_rejected("offset forgotten", found, clipped_share(a, w));
+  }
 }
 
 TEST(clipping, of_elliptic_beams_agrees_with_sampling) {

@@ -99,6 +99,21 @@ TEST(laguerre, fields_are_orthonormal) {
   EXPECT_GT((gram(twin, count, 0.7) - one).cwiseAbs().maxCoeff(), 0.1);
 }
 
+// Laguerre modes are sums of Hermite modes of their order, at any distance: LG(0, +-1) = (HG10 +- i HG01)/sqrt(2),
+// LG10 = -(HG20 + HG02)/sqrt(2). This holds only when all lag alike.
+TEST(laguerre, fields_are_sums_of_hermite_fields) {
+  std::complex<double> const i{0, 1};
+  for (Vec3 p : {Vec3{3e-4, 5e-4, 0}, {3e-4, 5e-4, 2.5}, {-7e-4, 2e-4, -4.0}}) {
+    auto const hg = [&](int n, int m) { return hermite_field(basis_of_test, n, m, p); };
+    auto const lg = [&](int n, int l) { return laguerre_field(basis_of_test, n, l, p); };
+    double const size = std::abs(hg(0, 0)), half = std::sqrt(0.5);
+    EXPECT_LT(std::abs(lg(0, 1) - half * (hg(1, 0) + i * hg(0, 1))), 1e-8 * size);
+    EXPECT_LT(std::abs(lg(0, -1) - half * (hg(1, 0) - i * hg(0, 1))), 1e-8 * size);
+    EXPECT_LT(std::abs(lg(1, 0) + half * (hg(2, 0) + hg(0, 2))), 1e-8 * size);
+    EXPECT_GT(std::abs(lg(0, 1) - half * (hg(1, 0) - i * hg(0, 1))), 1e-2 * size);  // the other sense of turn
+  }
+}
+
 // Free flight by the Fresnel integral along x, u(x, z) = sqrt(k/(2 pi i z)) int u(x', 0) exp(i k (x - x')^2 / 2z) dx':
 // sizes and phases of every order. The other axis is at its middle, where both sides have the same known factor.
 std::complex<double> fresnel(Mode const& basis, int n, double x, double z) {

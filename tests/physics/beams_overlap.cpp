@@ -90,6 +90,17 @@ TEST(overlap, does_not_depend_on_the_plane) {
     }
 }
 
+// A ghost of 2 mrad in a mode of 5 cm: eq. 5.1 is exp(-87000), no number, but its logarithm is one.
+TEST(overlap, has_a_logarithm_where_it_is_no_number) {
+  Mode const mode = beam({}, along_z, 0.05), ghost = beam({}, tilted(2e-3), 0.05);
+  double const exact = -std::pow(pi * 0.05 * 2e-3 / nd_yag, 2);
+  EXPECT_EQ(power_overlap(mode, ghost), 0);
+  EXPECT_NEAR(log_power_overlap(mode, ghost) / exact, 1, 1e-5);  // (2 tan(alpha/2)/alpha)^2, the projection
+  EXPECT_GT(std::fabs(log_power_overlap(mode, beam({}, tilted(2.1e-3), 0.05)) / exact - 1), 0.05);
+  EXPECT_NEAR(log_power_overlap(mode, beam({}, along_z, 0.025)), std::log(0.64), 1e-12);
+  EXPECT_EQ(log_power_overlap(mode, beam({}, {0, 0, -1}, 0.05)), -infinity);
+}
+
 TEST(overlap, refuses_beams_in_two_media) {
   Mode const u = beam({}, along_z, 1e-3);
   Mode glass = u;

@@ -106,7 +106,8 @@ TEST(ray_matrix, is_symplectic_and_carries_the_curvature) {
     Mode const start = testing::twisted_mode(dice, {}, along_z, 1e-3, 1e-6);
     BeamPath const one = follow(start, 1, std::array{first});
     Vec3 const next = dice.near(-one.mode.travel, 0.4);
-    OpticalElement const second{one.mode.origin + 0.6 * one.mode.travel, next, dice.curved(next, 0.3), false, 1.1};
+    bool const mirror = i % 4 == 1;  // also one inside the glass of the first face
+    OpticalElement const second{one.mode.origin + 0.6 * one.mode.travel, next, dice.curved(next, 0.3), mirror, 1.1};
     BeamPath const path = follow(start, 1, std::array{first, second});
     EXPECT_LT(not_symplectic(path.rays), 1e-12);
     Eigen::Matrix2cd q;
