@@ -115,17 +115,18 @@ std::string ghost_json(GhostReport const& report) {
 
 std::string ghost_csv_header(bool watts) {
   return fmt::format(
-      "number,order,route,end,where,side,power{},beside,spot_major_m,spot_minor_m,x_m,y_m,z_m,path_length_m,angle_rad,"
+      "beam,number,order,route,end,where,side,power{},beside,spot_major_m,spot_minor_m,x_m,y_m,z_m,path_length_m,angle_"
+      "rad,"
       "difference_m,direction,recoupled,h_10Hz,h_30Hz,h_100Hz\n",
       watts ? ",power_W" : "");
 }
 
-std::string ghost_csv(GhostRow const& r, std::string const& where, double power) {
+std::string ghost_csv(std::string const& beam, GhostRow const& r, std::string const& where, double power) {
   Ghost const& g = r.ghost;
   Standing const& s = g.standing;
   bool const back = s.recoupled.any && g.order > 0;
-  std::string text = fmt::format("{},{},{},{},{},{},{:.17g}", g.number, g.order, csv_text(r.route), name_of(g.end),
-                                 csv_text(where), g.front ? "front" : "back", g.power);
+  std::string text = fmt::format("{},{},{},{},{},{},{},{:.17g}", csv_text(beam), g.number, g.order, csv_text(r.route),
+                                 name_of(g.end), csv_text(where), g.front ? "front" : "back", g.power);
   if (power > 0) text += fmt::format(",{:.17g}", g.power * power);
   text += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{},{}", g.clipped, g.spot.major,
                       g.spot.minor, g.point.x, g.point.y, g.point.z, g.path_length, csv_number(s.known, s.angle),
