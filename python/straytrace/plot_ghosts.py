@@ -17,7 +17,7 @@ from .words import shortened  # noqa: E402
 
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # by order; Okabe and Ito
 STYLE = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False}
-WALLS = 3.0  # objects larger than this many times the beams are left out: rooms and tables
+WALLS = 0.35  # of the size of the tree: larger objects, rooms and tables, are left out
 MOST = 60  # beams drawn
 
 
@@ -49,7 +49,7 @@ def draw(beams):
         for surface in {s["object"] + str(i): s for b in beams for i, s in enumerate(b["surfaces"])}.values():
             points = np.array(surface["points_m"])
             name = surface["object"].split("/")[0]
-            if np.ptp(points[:, [x, y]], axis=0).max() > WALLS * size or np.ptp(points[:, y]) > 0.9 * size:
+            if np.ptp(points[:, [x, y]], axis=0).max() > WALLS * size:
                 continue
             axes.plot(points[:, x], points[:, y], ".", color="#b0b0b0", markersize=1.2, zorder=1)
             middle.setdefault(name, []).append(points[:, [x, y]])
@@ -62,7 +62,6 @@ def draw(beams):
             axes.plot(way[:, x], way[:, y], color=colour, linewidth=2.2 if ghost["order"] == 0 else 1.0,
                       alpha=float(np.clip(1 - decades / 20, 0.25, 1)), zorder=2 + (ghost["order"] == 0))
             axes.plot(way[-1, x], way[-1, y], "o", color=colour, markersize=2.5, zorder=4)
-        low, high = axes.get_ylim()
         for name, parts in middle.items():
             place = np.vstack(parts)
             axes.annotate(shortened(name, 16), (place[:, 0].mean(), place[:, 1].max()), xytext=(0, 3),
