@@ -63,13 +63,15 @@ Json ledger_json(GhostReport const& report) {
     BeamLedger::Object const& o = l.objects[i];
     if (o.landed == 0 && o.beside == 0) continue;
     objects.push_back({{"object", report.groups[i]},
-                       {"landed", o.landed},
-                       {"scattered", o.scattered},
-                       {"beside", o.beside},
-                       {"ghosts", o.ghosts}});
+                       {"landed", double(o.landed)},
+                       {"scattered", double(o.scattered)},
+                       {"beside", double(o.beside)},
+                       {"ghosts", double(o.ghosts)}});
   }
-  return {{"objects", objects}, {"media", l.media}, {"escaped", l.escaped}, {"rejoined", l.rejoined},
-          {"floor", l.floor},   {"order", l.order}, {"longest", l.longest}, {"total", l.total()}};
+  return {{"objects", objects},           {"media", double(l.media)},
+          {"escaped", double(l.escaped)}, {"rejoined", double(l.rejoined)},
+          {"floor", double(l.floor)},     {"order", double(l.order)},
+          {"longest", double(l.longest)}, {"total", l.total()}};
 }
 
 Json objects_json(GhostReport const& report) {
