@@ -63,13 +63,15 @@ Json ledger_json(GhostReport const& report) {
     BeamLedger::Object const& o = l.objects[i];
     if (o.landed == 0 && o.beside == 0) continue;
     objects.push_back({{"object", report.groups[i]},
-                       {"landed", o.landed},
-                       {"scattered", o.scattered},
-                       {"beside", o.beside},
-                       {"ghosts", o.ghosts}});
+                       {"landed", double(o.landed)},
+                       {"scattered", double(o.scattered)},
+                       {"beside", double(o.beside)},
+                       {"ghosts", double(o.ghosts)}});
   }
-  return {{"objects", objects}, {"media", l.media}, {"escaped", l.escaped}, {"rejoined", l.rejoined},
-          {"floor", l.floor},   {"order", l.order}, {"longest", l.longest}, {"total", l.total()}};
+  return {{"objects", objects},           {"media", double(l.media)},
+          {"escaped", double(l.escaped)}, {"rejoined", double(l.rejoined)},
+          {"floor", double(l.floor)},     {"order", double(l.order)},
+          {"longest", double(l.longest)}, {"total", l.total()}};
 }
 
 Json objects_json(GhostReport const& report) {
@@ -115,17 +117,18 @@ std::string ghost_json(GhostReport const& report) {
 
 std::string ghost_csv_header(bool watts) {
   return fmt::format(
-      "number,order,route,end,where,side,power{},beside,spot_major_m,spot_minor_m,x_m,y_m,z_m,path_length_m,angle_rad,"
+      "beam,number,order,route,end,where,side,power{},beside,spot_major_m,spot_minor_m,x_m,y_m,z_m,path_length_m,angle_"
+      "rad,"
       "difference_m,direction,recoupled,h_10Hz,h_30Hz,h_100Hz\n",
       watts ? ",power_W" : "");
 }
 
-std::string ghost_csv(GhostRow const& r, std::string const& where, double power) {
+std::string ghost_csv(std::string const& beam, GhostRow const& r, std::string const& where, double power) {
   Ghost const& g = r.ghost;
   Standing const& s = g.standing;
   bool const back = s.recoupled.any && g.order > 0;
-  std::string text = fmt::format("{},{},{},{},{},{},{:.17g}", g.number, g.order, csv_text(r.route), name_of(g.end),
-                                 csv_text(where), g.front ? "front" : "back", g.power);
+  std::string text = fmt::format("{},{},{},{},{},{},{},{:.17g}", csv_text(beam), g.number, g.order, csv_text(r.route),
+                                 name_of(g.end), csv_text(where), g.front ? "front" : "back", g.power);
   if (power > 0) text += fmt::format(",{:.17g}", g.power * power);
   text += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{},{}", g.clipped, g.spot.major,
                       g.spot.minor, g.point.x, g.point.y, g.point.z, g.path_length, csv_number(s.known, s.angle),

@@ -132,6 +132,6 @@ struct GhostReport {
 std::string ghost_text(GhostReport const&, std::size_t objects_shown);
 std::string ghost_json(GhostReport const&);
 std::string ghost_csv_header(bool watts);
-std::string ghost_csv(GhostRow const&, std::string const& where, double power);
+std::string ghost_csv(std::string const& beam, GhostRow const&, std::string const& where, double power);
 
 }  // namespace straytrace

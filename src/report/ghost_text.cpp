@@ -33,7 +33,8 @@ void add_row(Columns& table, GhostReport const& report, GhostRow const& r) {
   row.push_back(fmt::format("{:.3g}", g.power));
   row.push_back(spot_text(g.spot));
   row.push_back(g.clipped > 1e-12 ? fmt::format("{:.2g}", g.clipped) : "-");
-  row.push_back(s.known ? fmt::format("{:.4g}{}", 1e3 * s.angle, s.against ? " back" : "") : "-");
+  double const angle = s.angle > 1e-12 ? s.angle : 0;  // below: rounding
+  row.push_back(s.known ? fmt::format("{:.4g}{}", 1e3 * angle, s.against ? " back" : "") : "-");
   row.push_back(s.known ? fmt::format("{:.5g}", 1e3 * s.difference) : "-");
   row.push_back(s.recoupled.any && g.order > 0 ? number(s.recoupled.share()) : "-");
   if (report.has_noise)
@@ -112,6 +113,7 @@ std::string sums_text(GhostReport const& report) {
       "Recoupled, each ghost once where it comes into line: {:.3g} with the main beam, {:.3g} against it, back to the "
       "launch.\n",
       report.recoupled_with, report.recoupled_against);
+  if (report.has_port && report.families == 0) return text + fmt::format("No ghost comes to port {}.\n", report.port);
   if (report.has_port)
     text += fmt::format(
         "At port {}: {:.3g} of the main mode in {} families of equal levers, fields added within each (eq. 10.5); "
