@@ -34,7 +34,7 @@ struct LitWish {
   std::uint32_t order = 0;                // of ghosts
   std::vector<std::string> only, except;  // patterns of names; `only` empty: all
 };
-LitWish read_lit(Node const& beam);
+LitWish read_lit(Node const& beam, Registry const&);
 // Lights every surface that the beam meets, from the footprints it has so far. Nothing happens while the document has
 // problems.
 void light_up(Node const& beam, LitWish const&, Registry const&, World&, Lighting const&);

@@ -54,7 +54,7 @@ Footprint cavity_spot(Mirror const& m, double w, Lighting const& beam) {
 
 void read_cavity(Node const& beam, Node const& cavity, Registry const& names, World& world, Lighting const& light) {
   std::string const& name = light.name;
-  LitWish const lit = read_lit(beam);
+  LitWish const lit = read_lit(beam, names);
   auto const mirrors = cavity.as_list();
   Mirror one, two;
   if (mirrors.size() != 2) {

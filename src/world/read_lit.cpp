@@ -13,9 +13,19 @@ namespace {
 
 constexpr std::size_t most_spots = 10000;  // every one of them is connected to from every vertex
 
-std::vector<std::string> words(Node const& table, std::string_view key) {
-  std::vector<std::string> all;
-  for (Node const& word : table.list(key)) all.push_back(word.as_word());
+// Patterns under a key; each must fit the name of some surface.
+std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
+  std::vector<std::string> all, known;
+  for (auto const& [name, id] : names.surfaces) known.push_back(name);
+  for (Node const& word : table.list(key)) {
+    std::string const pattern = all.emplace_back(word.as_word());
+    if (std::any_of(known.begin(), known.end(), [&](std::string const& name) { return matches(pattern, name); }))
+      continue;
+    std::string const near = nearest_word(pattern, known);
+    word.problem(fmt::format("'{}' is not a surface of the scene", pattern),
+                 near.empty() ? "name entries of 'scene', or write a pattern such as \"bench/*\""
+                              : fmt::format("did you mean '{}'?", near));
+  }
   return all;
 }
 
@@ -53,7 +63,7 @@ void warn_of_twins(Node const& beam, World const& world, std::uint32_t number) {
 
 }  // namespace
 
-LitWish read_lit(Node const& beam) {
+LitWish read_lit(Node const& beam, Registry const& names) {
   LitWish wish;
   if (!beam.has("lit")) return wish;
   Node const lit = beam["lit"];
@@ -64,8 +74,8 @@ LitWish read_lit(Node const& beam) {
   wish.wanted = true;
   wish.floor = lit.number("floor", dim::plain, wish.floor, 1e-15, 1);
   wish.order = std::uint32_t(lit.whole("order", wish.order, 0, 8));
-  wish.only = words(lit, "only");
-  wish.except = words(lit, "except");
+  wish.only = patterns(lit, "only", names);
+  wish.except = patterns(lit, "except", names);
   lit.refuse_unknown("'lit'");
   return wish;
 }

@@ -52,7 +52,7 @@ void read_wavefront(Node const& beam, World const& world, Footprint& f) {
 
 // A beam that starts in empty space, at the plane through `from` across `facing`.
 void read_free(Node const& beam, Registry const& names, World& world, Lighting const& light) {
-  LitWish const lit = read_lit(beam);
+  LitWish const lit = read_lit(beam, names);
   Footprint f;
   f.free = true;
   f.receives = false;
@@ -79,7 +79,7 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
 }
 
 void read_spot(Node const& beam, Registry const& names, World& world, Lighting const& light) {
-  if (read_lit(beam).wanted)
+  if (read_lit(beam, names).wanted)
     beam["lit"].problem("'on' states what the beam lights, so 'lit' finds nothing more",
                         "launch the beam with 'from' and 'facing', or leave 'lit' out");
   Footprint f;

@@ -179,7 +179,7 @@ TEST(LitScenes, GhostsReceiveByReciprocity) {
   EXPECT_GT(ghost.share, 1e-3);  // reflected by the front of the plate
   EXPECT_LT(ghost.share, 0.05);
   auto const coupling = [&](Footprint from, Footprint to, double received = 1) {
-    World alone = world_of(bench + laser("{only: [nothing]}", "receivers: {D: {on: dump}}\n"));
+    World alone = world_of(bench + laser("{only: [plate/barrel]}", "receivers: {D: {on: dump}}\n"));
     from.receives = to.emits = false;
     to.share *= received;
     alone.add_footprint(from);
