@@ -49,7 +49,8 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
                    "give 'cavity: [MIRROR, MIRROR]', 'on: SURFACE', or 'from' and 'facing'");
     node.refuse_unknown(fmt::format("beam '{}'", name));
     beams.names.push_back(name);
-    beams.broken.push_back(world.footprints().size() == spots);
+    bool const unfollowed = node.has("lit") && !node.healthy();
+    beams.broken.push_back(world.footprints().size() == spots || unfollowed);
   }
   read_ports(scene, world, names, beams);
   warn_of_closed_ends(scene, world);

@@ -59,12 +59,11 @@ void open(Port const& port, World& world, Beams const& beams) {
     return other.valid();
   });
   if (!footprints.empty()) return world.open_port(port.name, footprints);
+  if (beams.broken[port.beam]) return;
   std::string const& beam = beams.names[port.beam];
   Node const place = port.at == Port::At::everywhere ? port.node["beam"] : port.node["at"];
   if (lit)
     place.problem(fmt::format("the port '{}' is open there already", taken), "a spot of a beam belongs to one port");
-  else if (beams.broken[port.beam])
-    return;
   else if (port.at == Port::At::everywhere)
     place.problem(fmt::format("beam '{}' lights no surface that scatters", beam), "nothing can rejoin it");
   else

@@ -5,6 +5,7 @@
 
 #include "beams/cavity_mode.hpp"
 #include "scene/scene.hpp"
+#include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
 #include "world/lit_surfaces.hpp"
 
@@ -35,11 +36,11 @@ std::string arm(std::string const& more = "", std::string const& lit = "yes") {
          "  white: {scatter: {model: lambertian, brdf: 1e-5 /sr}}\n"
          "  black: {}\n"
          "media: {glass: {index: 1.45}}\n"
-         "bodies: {mirrors: {motion: still}, bench: {motion: still}}\n"
+         "bodies: {ITM: {motion: still}, ETM: {motion: still}, bench: {motion: still}}\n"
          "scene:\n"
-         "  - {name: ITM, use: mirror, radius_of_curvature: 1420 m, facing: [0, 0, 1], body: mirrors, material: hr}\n"
+         "  - {name: ITM, use: mirror, radius_of_curvature: 1420 m, facing: [0, 0, 1], body: ITM, material: hr}\n"
          "  - {name: ETM, use: thick_mirror, radius_of_curvature: 1683 m, at: [0 m, 0 m, 3 km], facing: [0, 0, -1],\n"
-         "     medium: glass, body: mirrors, material: hr, surfaces: {back: ar, barrel: black}}\n"
+         "     medium: glass, body: ETM, material: hr, surfaces: {back: ar, barrel: black}}\n"
          "  - {name: plate, shape: {disk: {outer_radius: 50 cm}}, at: [0 m, 0 m, 3001.2 m], facing: [0, 0, -1],\n"
          "     body: bench, material: white}\n"
          "beams: {arm: {cavity: [ITM, ETM/front], lit: " +
@@ -68,6 +69,33 @@ TEST(LitScenes, BenchBehindTheEndMirrorEq9_3) {
   expect_rejected("T_E f_sc", s, transmission * f_sc);
   double const on_mirror = spot_on(world, "ETM/front")->radius;
   EXPECT_GT(std::fabs(w / on_mirror - 1), 1e-4);  // the two spots differ, and the check of w sees it
+}
+
+// Relative to the mode of the arm, which bounces on the end mirror: +2k on the bench and -2k on that mirror, whose
+// glass is passed straight (eq. 2.5); nothing on the input mirror. Twin: the bounce is not taken off.
+TEST(LitScenes, BenchAndEndMirrorMoveAgainstEachOther) {
+  double const k = 2 * pi / lambda;
+  World const world = world_of(arm());
+  TraceResult const r = run_histories(world, 1 << 12);
+  ASSERT_EQ(r.coupling.classes.size(), 1u);
+  for (PathRecord const& p : r.coupling.classes[0].records) {
+    double along[3] = {};  // bodies in the order of the scene
+    for (Lever const& l : p.levers) along[l.body.value] = l.d[2];
+    EXPECT_NEAR(along[0], 0, 1e-9 * k);
+    EXPECT_NEAR(along[1], -2 * k, 1e-6 * k);
+    EXPECT_NEAR(along[2], 2 * k, 1e-6 * k);
+    EXPECT_NEAR(p.path_length, 2 * (0.2 * 1.45 + 1), 1e-4);
+  }
+  Footprint const& plate = *spot_on(world, "plate");
+  auto const index = std::uint32_t(&plate - world.footprints().data());
+  std::vector<PassedVertex> const one{{plate.surface, plate.centre, plate.travel, -plate.travel, Event::couple}};
+  World loose = world;
+  Feed bare = world.feeds()[index];
+  bare.mirror = Feed::none;
+  loose.add_footprint(plate, bare);
+  auto const last = std::uint32_t(loose.footprints().size() - 1);
+  for (Lever const& l : levers_of(loose, one, last, last))
+    if (l.body.value == 1) EXPECT_NEAR(l.d[2], 0, 1e-6 * k);
 }
 
 // The same as a spot that is stated, to rounding.
