@@ -114,8 +114,12 @@ std::vector<LitRow> lit_rows(World const& world) {
     Vec3 const normal = view.normal(f.surface, p, met.piece);
     row.incidence = angle_between(dot(normal, f.travel) < 0 ? -f.travel : f.travel, normal);
     row.scatters = scatters(world, f.surface, dot(normal, f.travel) < 0);
-    row.clipped = feed.propagated ? feed.clipped : beside(view, f);
-    row.resolution = feed.propagated ? 1e-15 : 1.0 / (lines_tried * lines_tried);
+    bool const round = f.profile == Profile::gaussian;
+    row.resolution = feed.propagated || round ? 1e-15 : 1.0 / (lines_tried * lines_tried);
+    row.clipped = feed.propagated ? feed.clipped
+                  : round
+                      ? beside_rim(view, f.surface, circular_mode(p, f.travel, f.radius, f.curvature, world.wavelength))
+                      : beside(view, f);
     rows.push_back(row);
   }
   return rows;

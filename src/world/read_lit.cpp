@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t most_spots = 10000;  // every one of them is connected to from every vertex
+constexpr std::size_t most_spots = 2000;  // every one of them is connected to from every vertex
 
 // Patterns under a key; each must fit the name of some surface.
 std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
