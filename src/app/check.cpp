@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
+#include "app/lit_table.hpp"
 #include "app/model.hpp"
 #include "base/message.hpp"
 
@@ -47,9 +48,9 @@ int check(Options const& options) {
   if (options.json()) {
     std::cout << fmt::format(
         "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"receivers\": {}, "
-        "\"model_hash\": \"{}\"}}\n",
+        "\"lit\": {}, \"model_hash\": \"{}\"}}\n",
         model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
-        model.world.ports().size(), model.world.receivers().size(), model.hash());
+        model.world.ports().size(), model.world.receivers().size(), lit_json(model), model.hash());
     return done;
   }
   std::size_t const count = model.world.receivers().size();
@@ -58,6 +59,7 @@ int check(Options const& options) {
                            model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
                            model.world.ports().size(), receivers);
   for (std::string const& note : model.world.notes) std::cout << note << '\n';
+  std::cout << lit_table(model);
   if (model.detector) std::cout << model.detector->description() << '\n';
   std::cout << "no errors\n";
   return done;

@@ -78,8 +78,9 @@ void warn_of_glass_in_polarised_light(Scene const& scene, World const& world) {
 
 void check_beams(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
-  for (Footprint const& f : world.footprints()) {
-    if (!f.emits || f.standing || f.beam >= beams.size()) continue;
+  for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (!f.emits || f.standing || world.feeds()[i].propagated || f.beam >= beams.size()) continue;
     auto const& [name, node] = beams[f.beam];
     if (f.free)
       check_free(node, name, f, world);

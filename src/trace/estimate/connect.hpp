@@ -25,7 +25,13 @@ STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
 // the surface, with the indices of the vertex.
 STRAY_HD double rejoin_bsdf(WorldView const& world, Vertex const& at, Footprint const& lit) {
   Vec3 const reversed = at.frame.to_local(-lit.direction(at.point));
+  if (reversed.z > 0) return scatter_eval(world.laws, *at.optic, at.wi, reversed);
   return scatter_eval(world.laws, *at.optic, at.wi, reversed, at.n_in, at.n_out);
+}
+STRAY_HD bool scatters_through(Optic const& optic) {
+  for (int i = 0; i < optic.laws; ++i)
+    if (optic.through[i]) return true;
+  return false;
 }
 // Etendue of one mode in the medium where it arrives, m^2 sr (physics.md 1.2), times q.
 STRAY_HD double accepted(WorldView const& world, Footprint const& lit) {
@@ -112,7 +118,8 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
   if (!(way.bsdf > 0)) return;
   Vertex y = make_vertex(world, lit.surface, point, way.out, met.piece);
   if (!(y.wi.z > 0)) return;
-  if (dot(y.frame.e3, lit.travel) >= 0) {  // lit from the other side: only laws that scatter through the surface count
+  if (dot(y.frame.e3, lit.travel) >= 0) {  // lit from the other side
+    if (!scatters_through(*y.optic)) return;
     y.n_in = way.wo.z < 0 ? vertex.n_out : vertex.n_in;
     y.n_out = lit.index;
   }

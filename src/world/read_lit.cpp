@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The key `lit` of a beam: it is followed through the scene, and what it meets is lit.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "world/lit_surfaces.hpp"
+#include "world/read_beams.hpp"
+#include "world/read_mesh.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t most_spots = 2000;  // every one of them is connected to from every vertex
+
+// Patterns under a key; each must fit the name of some surface.
+std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
+  std::vector<std::string> all, known;
+  for (auto const& [name, id] : names.surfaces) known.push_back(name);
+  for (Node const& word : table.list(key)) {
+    std::string const pattern = all.emplace_back(word.as_word());
+    if (std::any_of(known.begin(), known.end(), [&](std::string const& name) { return matches(pattern, name); }))
+      continue;
+    std::string const near = nearest_word(pattern, known);
+    word.problem(fmt::format("'{}' is not a surface of the scene", pattern),
+                 near.empty() ? "name entries of 'scene', or write a pattern such as \"bench/*\""
+                              : fmt::format("did you mean '{}'?", near));
+  }
+  return all;
+}
+
+class Wanted {
+ public:
+  Wanted(LitWish const& wish, Registry const& names) {
+    for (auto const& [name, id] : names.surfaces) {
+      auto const fits = [&name = name](std::string const& pattern) { return matches(pattern, name); };
+      if (std::any_of(wish.only.begin(), wish.only.end(), fits)) only_.insert(id.value);
+      if (std::any_of(wish.except.begin(), wish.except.end(), fits)) except_.insert(id.value);
+    }
+    all_ = wish.only.empty();
+  }
+  bool operator()(SurfaceId id) const { return (all_ || only_.contains(id.value)) && !except_.contains(id.value); }
+
+ private:
+  bool all_ = true;
+  std::set<std::uint32_t> only_, except_;
+};
+
+// Light that one beam lights by its way and another by being stated is probably the same light.
+void warn_of_twins(Node const& beam, World const& world, std::uint32_t number) {
+  auto const& all = world.footprints();
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    for (std::uint32_t j = 0; j < i; ++j) {
+      bool const mine = all[i].beam == number, other = all[j].beam != number && !all[j].free;
+      if (!mine || !other || all[i].surface != all[j].surface || !(dot(all[i].travel, all[j].travel) > 0.99)) continue;
+      if (!world.feeds()[i].propagated || !all[i].emits || !all[j].emits) continue;
+      beam.warning(fmt::format("'{}' is lit by another beam too, along the same way",
+                               world.groups()[world.surfaces()[all[i].surface.value].group.value]),
+                   "if it is the same light, keep one of them: it is counted twice");
+      return;
+    }
+}
+
+}  // namespace
+
+LitWish read_lit(Node const& beam, Registry const& names) {
+  LitWish wish;
+  if (!beam.has("lit")) return wish;
+  Node const lit = beam["lit"];
+  if (lit.kind() != Node::Kind::table) {
+    wish.wanted = beam.flag("lit", false);
+    return wish;
+  }
+  wish.wanted = true;
+  wish.floor = lit.number("floor", dim::plain, wish.floor, 1e-15, 1);
+  wish.order = std::uint32_t(lit.whole("order", wish.order, 0, 8));
+  wish.only = patterns(lit, "only", names);
+  wish.except = patterns(lit, "except", names);
+  lit.refuse_unknown("'lit'");
+  return wish;
+}
+
+namespace {
+
+class Collector final : public BeamSink {
+ public:
+  struct Met {
+    BeamSpot spot;
+    std::vector<BeamStep> way;
+  };
+  Collector(bool behind_mirror, Wanted const& wanted) : behind_mirror_(behind_mirror), wanted_(wanted) {}
+  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const> way) override {
+    if (behind_mirror_ && way.empty()) return;  // the mirror itself, lit by the mode of the cavity
+    if (!wanted_(spot.surface)) return;
+    if (++count <= most_spots) met.push_back({spot, {way.begin(), way.end()}});
+  }
+  std::vector<Met> met;
+  std::size_t count = 0;
+
+ private:
+  bool behind_mirror_;
+  Wanted const& wanted_;
+};
+
+}  // namespace
+
+void light_up(Node const& beam, LitWish const& wish, Registry const& names, World& world, Lighting const& light) {
+  if (!beam.healthy()) return;
+  world.build_search();
+  Wanted const wanted(wish, names);
+  std::size_t const before = world.footprints().size();
+  for (BeamLaunch const& launch : launches(world)) {
+    if (launch.beam != light.number) continue;
+    bool const cavity = !launch.cavity.empty();
+    Collector list(cavity, wanted);
+    grow_tree(world, launch, {wish.floor, wish.order}, list);
+    if (list.count > most_spots)
+      beam["lit"].problem(
+          fmt::format("'{}' makes {} spots; {} are followed at most", light.name, list.count, most_spots),
+          "raise 'floor', lower 'order', or name surfaces by 'only'");
+    double const share = world.footprints()[launch.footprint].share;
+    for (auto const& [spot, way] : list.met) {
+      add_lit_surface(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
+      if (spot.clipped > 1e-3)
+        beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside '{}'", spot.clipped, light.name,
+                                 world.groups()[world.surfaces()[spot.surface.value].group.value]),
+                     "enlarge it or move it into the beam: light beside it lights nothing here");
+    }
+  }
+  if (world.footprints().size() == before)
+    beam.warning(fmt::format("'lit' finds no surface in beam '{}'", light.name),
+                 "a cavity needs a mirror that transmits; a free beam something that it meets");
+  warn_of_twins(beam, world, light.number);
+}
+
+}  // namespace straytrace

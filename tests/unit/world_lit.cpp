@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The key `lit` and ports without a place -> world, and what is said about mistakes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "base/message.hpp"
+#include "world/lit_surfaces.hpp"
+
+namespace straytrace {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char bench[] =
+    "straytrace: 1\nmaterials:\n  white: {scatter: {model: lambertian, tis: 10 %}}\n"
+    "  window: {specular: {reflect: 4 %, transmit: 96 %}, scatter: {model: lambertian, tis: 1 %}}\n"
+    "  clear: {specular: {reflect: 1 %, transmit: 99 %}}\n"
+    "bodies: {b: {motion: still}}\nscene:\n"
+    "  - {name: window, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: [0, 0, -1], body: b, "
+    "material: "
+    "window}\n"
+    "  - {name: clear, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 2 m], facing: [0, 0, -1], body: b, "
+    "material: "
+    "clear}\n"
+    "  - {name: dump, shape: {disk: {outer_radius: 2 mm}}, at: [0 m, 0 m, 3 m], facing: [0, 0, -1], body: b, material: "
+    "white}\n";
+
+struct Read {
+  World world;
+  std::string warnings;
+};
+Read read(std::string const& beam, std::string const& rest) {
+  FileTexts const texts{{"a.yaml", std::string(bench) + "beams: {probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], " +
+                                       beam + "}}\n" + rest}};
+  Scene const scene = read_scene("a.yaml", {}, &texts);
+  Read r{build_world(scene), {}};
+  scene.throw_if_problems();
+  r.warnings = scene.warnings();
+  return r;
+}
+std::string complaint(std::string const& beam, std::string const& rest) {
+  try {
+    read(beam, rest);
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return "no complaint";
+}
+// Names of the surfaces at which a port is open, in the order of the footprints.
+std::string open_at(World const& world, std::string const& port) {
+  std::string names;
+  for (Footprint const& f : world.footprints())
+    if (f.port.valid() && world.ports()[f.port.value] == port)
+      names += world.groups()[world.surfaces()[f.surface.value].group.value] + " ";
+  return names;
+}
+
+TEST(ReadLit, PortsWithoutAPlaceTakeWhatIsLeft) {
+  std::string const beam = "radius: 1 mm, lit: yes";
+  Read const r = read(beam, "ports: {rest: {beam: probe}, one: {beam: probe, at: dump}}\n");
+  EXPECT_EQ(open_at(r.world, "one"), "dump ");
+  EXPECT_EQ(open_at(r.world, "rest"), "window ");  // 'clear' scatters nothing
+  EXPECT_EQ(open_at(read(beam, "ports: {some: {beam: probe, at: \"win*\"}}\n").world, "some"), "window ");
+  Read const all = read(beam, "ports: {all: {beam: probe}}\n");
+  EXPECT_EQ(open_at(all.world, "all"), "window dump ");
+  for (Footprint const& f : all.world.footprints())
+    EXPECT_EQ(f.emits, f.receives);  // a free beam that is followed is not traced as rays
+}
+
+TEST(ReadLit, ListOfWhatIsLit) {
+  Read const r = read("radius: 1 mm, lit: yes", "ports: {all: {beam: probe}}\n");
+  std::vector<LitRow> const rows = lit_rows(r.world);
+  ASSERT_EQ(rows.size(), 3u);
+  double const w = 1e-3 * std::hypot(1, 3 * 1.064e-6 / (pi * 1e-6));
+  EXPECT_NEAR(rows[2].major, w, 1e-9);
+  EXPECT_NEAR(rows[2].clipped, std::exp(-2 * 4e-6 / (w * w)), 1e-6);  // eq. 5.5
+  EXPECT_FALSE(rows[1].scatters);
+  EXPECT_NEAR(rows[0].incidence, 0, 1e-12);
+  EXPECT_NEAR(r.world.feeds().back().path_length, 3, 1e-12);
+  EXPECT_NEAR(r.world.footprints().back().share, 0.96 * 0.99, 1e-9);
+  EXPECT_THAT(r.warnings, HasSubstr("of the light of 'probe' falls beside 'dump'"));
+}
+
+TEST(ReadLit, MistakesAreNamed) {
+  std::string const port = "ports: {all: {beam: probe}}\n";
+  EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [dumb]}", port), HasSubstr("did you mean 'dump'?"));
+  EXPECT_THAT(complaint("radius: 1 mm, lit: {flour: 1e-9}", port), HasSubstr("did you mean 'floor'?"));
+  EXPECT_THAT(complaint("radius: 1 mm, profile: even, lit: yes", port), HasSubstr("only a Gaussian beam"));
+  EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [clear]}", port), HasSubstr("lights no surface that scatters"));
+  EXPECT_THAT(complaint("radius: 1 mm, lit: yes", "ports: {a: {beam: probe, at: dump}, b: {beam: probe, at: dump}}\n"),
+              HasSubstr("the port 'a' is open there already"));
+  EXPECT_THAT(complaint("radius: 1 mm, lit: {only: [window]}", "ports: {a: {beam: probe, at: dump}}\n"),
+              HasSubstr("beam 'probe' does not light 'dump'"));
+}
+
+TEST(ReadLit, TheSameLightTwiceIsAWarning) {
+  FileTexts const texts{
+      {"a.yaml", std::string(bench) +
+                     "beams:\n  probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 1 mm, lit: {only: "
+                     "[window]}}\n"
+                     "  stated: {on: window, travel: [0, 0, 1], radius: 1 mm}\n"
+                     "ports: {a: {beam: probe}}\n"}};
+  Scene const scene = read_scene("a.yaml", {}, &texts);
+  build_world(scene);
+  EXPECT_THAT(scene.warnings(), HasSubstr("'window' is lit by another beam too"));
+}
+
+}  // namespace
+}  // namespace straytrace
