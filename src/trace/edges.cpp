@@ -84,7 +84,7 @@ struct Group {
       for (PathRecord const& r : wave.teeth) teeth += r.weight;
     }
     if (powers > 0) patches /= powers;
-    together = sum_of(waves);
+    if (!waves.empty()) together = sum_of(waves);
   }
   // In phase: (sum |a|)^2, and no phases of the rims make more noise, for |sum a J x|^2 <= sum |a| sum |a| |J x|^2.
   std::vector<PathRecord> records(Sum sum) const {
