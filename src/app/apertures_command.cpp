@@ -40,6 +40,9 @@ std::vector<Named> named_apertures(Model const& model) {
   return all;
 }
 
+// What the quadrature leaves of 1 is rounding.
+std::string change(double x) { return std::fabs(x) < 1e-13 ? "<1e-13" : fmt::format("{:+.2e}", x); }
+
 void print_table(std::vector<Named> const& all, std::size_t show) {
   Columns table{
       {"beam", "rim of", "at/m", "w/mm", "radius/mm", "offset/mm", "clipped", "axis, far", "ripple"}, {true, true}, {}};
@@ -47,8 +50,7 @@ void print_table(std::vector<Named> const& all, std::size_t show) {
     BeamAperture const& a = all[i].aperture;
     table.rows.push_back({all[i].beam, all[i].name, fmt::format("{:.6g}", a.along), fmt::format("{:.5g}", 1e3 * a.at.w),
                           fmt::format("{:.5g}", 1e3 * a.opening.radius), fmt::format("{:.3g}", 1e3 * a.opening.x),
-                          fmt::format("{:.4e}", all[i].clipped),
-                          fmt::format("{:+.2e}", far_axis_factor(a.at, a.opening) - 1),
+                          fmt::format("{:.4e}", all[i].clipped), change(far_axis_factor(a.at, a.opening) - 1),
                           fmt::format("{:.2e}", axis_ripple(a.at, a.opening))});
   }
   std::cout

@@ -133,12 +133,27 @@ std::string explanation(PathTable const& table) {
 
 constexpr std::size_t folded_shown = 5;
 
+// What deterministic routes hold, each statement once with the routes it is about; also of rows that are not shown.
 std::string statements(PathTable const& table, std::size_t show) {
+  constexpr std::size_t named = 4;
+  std::vector<std::pair<std::string, std::vector<PathRow const*>>> all;
+  for (PathRow const& row : table.rows) {
+    if (row.statement.empty()) continue;
+    auto at = std::find_if(all.begin(), all.end(), [&](auto const& entry) { return entry.first == row.statement; });
+    if (at == all.end()) at = all.insert(at, {row.statement, {}});
+    at->second.push_back(&row);
+  }
   std::string text;
-  for (PathRow const& row : table.rows)
-    if (!row.statement.empty() && row.rank <= show)
-      text += fmt::format("{} {}: {}\n", name_of(row.kind), row.sequence, row.statement);
-  return text.empty() ? text : "\n" + text;
+  for (std::size_t i = 0; i < std::min(show, all.size()); ++i) {
+    auto const& [statement, rows] = all[i];
+    text += fmt::format("\n{} ", name_of(rows.front()->kind));
+    for (std::size_t k = 0; k < std::min(named, rows.size()); ++k)
+      text += fmt::format("{}{}", k > 0 ? ", " : "", rows[k]->sequence);
+    if (rows.size() > named) text += fmt::format(" and {} more", rows.size() - named);
+    text += ":\n  " + statement + "\n";
+  }
+  if (all.size() > show) text += fmt::format("\nand {} more statements; --csv has all\n", all.size() - show);
+  return text;
 }
 
 std::string reasons(PathTable const& table) {
@@ -178,7 +193,7 @@ std::string path_text(PathTable const& table, std::size_t show) {
   columns.rows.push_back(sum_of(table));
   std::size_t const last = std::min(table.rows.size(), resolved + show);
   for (std::size_t i = resolved; i < last; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
-  return explanation(table) + aligned(columns) + statements(table, shown) + reasons(table);
+  return explanation(table) + aligned(columns) + statements(table, show) + reasons(table);
 }
 
 }  // namespace straytrace

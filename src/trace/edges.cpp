@@ -84,7 +84,7 @@ struct Group {
       for (PathRecord const& r : wave.teeth) teeth += r.weight;
     }
     if (powers > 0) patches /= powers;
-    together = sum_of(waves);
+    if (!waves.empty()) together = sum_of(waves);
   }
   // In phase: (sum |a|)^2, and no phases of the rims make more noise, for |sum a J x|^2 <= sum |a| sum |a| |J x|^2.
   std::vector<PathRecord> records(Sum sum) const {
@@ -98,20 +98,19 @@ struct Group {
     return all;
   }
   std::string statement(Sum sum) const {
-    constexpr char const* words[] = {"their powers are added, since millimetres of tolerance shuffle their phases",
-                                     "their fields are added with the phases of the drawn geometry",
-                                     "their fields are added in phase, the worst case"};
+    constexpr char const* words[] = {"powers added, as millimetres of tolerance shuffle their phases",
+                                     "fields added with the phases of the drawn geometry",
+                                     "fields added in phase, the worst case"};
     std::string text = fmt::format(
-        "upper bound: the light that each mirror scatters towards a rim is taken as one smooth spherical wave "
-        "(physics.md eq. 8.11); its speckle, about {:.2g} patches around a rim, lowers the coupling by up to that "
-        "factor",
+        "upper bound: light scattered towards a rim taken as one smooth spherical wave (physics.md eq. 8.11); speckle, "
+        "about {:.0f} patches around a rim, lowers the coupling by up to that factor",
         std::fmax(patches, 1));
     if (waves.size() > 1)
       text += fmt::format("; {} rims, {}: coupling {:.3g} by powers, {:.3g} by the drawn phases, {:.3g} in phase",
                           waves.size(), words[int(sum)], powers + teeth, std::norm(together.amplitude) + teeth,
                           sizes * sizes + teeth);
     if (teeth > 0) text += fmt::format("; {:.3g} of it from random teeth one by one", teeth);
-    return text + "; first order in the motion; tolerances of the place of a rim are not in it";
+    return text + "; first order in the motion";
   }
 };
 

@@ -28,8 +28,8 @@ struct Arm {
   std::vector<SurfaceId> rings;
 };
 
-// Two mirrors and flat rings at `places` between them, displaced by `d` along x.
-Arm arm(std::vector<double> const& places, double d = 0, double radius = aperture) {
+// Two mirrors and flat rings at `places` between them.
+Arm arm(std::vector<double> const& places) {
   Arm made;
   World& w = made.world;
   w.wavelength = lambda;
@@ -39,7 +39,7 @@ Arm arm(std::vector<double> const& places, double d = 0, double radius = apertur
   SurfaceId const b = w.add_surface(Disk{{0, 0, L}, {0, 0, -1}, 0, 0.31}, mirror, black, {mirror_b}, w.add_group("B"));
   for (double z : places)
     made.rings.push_back(
-        w.add_surface(Disk{{d, 0, z}, {0, 0, 1}, radius, 0.5}, black, black, {pipe}, w.add_group("rings")));
+        w.add_surface(Disk{{0, 0, z}, {0, 0, 1}, aperture, 0.5}, black, black, {pipe}, w.add_group("rings")));
   for (auto const& [at, z, port] : {std::tuple{a, 0.0, "A"}, std::tuple{b, L, "B"}}) {
     Footprint f = spot(at, {0, 0, z}, {0, 0, z > 0 ? 1.0 : -1.0}, Profile::gaussian, 0.12, w.add_port(port));
     f.standing = true;
@@ -50,7 +50,11 @@ Arm arm(std::vector<double> const& places, double d = 0, double radius = apertur
   return made;
 }
 
-EdgeWave wave_of(Arm const& made) { return edge_wave(made.world, 0, 1, *rim_of(made.world, made.rings.front())); }
+// Of one ring, displaced by d along x.
+EdgeWave wave_of(Arm& made, double d = 0, std::size_t ring = 0) {
+  made.world.edges.offset = {d, 0, 0};
+  return edge_wave(made.world, 0, 1, *rim_of(made.world, made.rings.at(ring)));
+}
 
 std::complex<double> gradient(EdgeWave const& wave, std::uint32_t body, int axis) {
   for (EdgeWave::Gradient const& g : wave.gradient)
@@ -60,35 +64,42 @@ std::complex<double> gradient(EdgeWave const& wave, std::uint32_t body, int axis
 
 // A19: sqrt(f_r) of ET-HF at mid-arm, and J0 at 0 and 1 mm.
 TEST(Edges, MidArmA19) {
+  Arm made = arm({5e3, 4e3});
   double const centred = lambda * beta(aperture / 5e3) / L;
+  EXPECT_NEAR(beta(aperture / 5e3), 19.2, 0.05);
   EXPECT_NEAR(centred, 2.04e-9, 0.005e-9);
   EXPECT_NEAR(aperture * aperture / (lambda * reduced(5e3)), 66.3, 0.05);
-  EXPECT_NEAR(std::abs(wave_of(arm({5e3})).amplitude) / centred, 1, 1e-6);
-  EXPECT_NEAR(std::abs(wave_of(arm({5e3}, 1e-3)).amplitude) / centred, 0.76867, 1e-4);
-  EXPECT_NEAR(std::abs(wave_of(arm({5e3}, 2.4e-3)).amplitude) / centred, 0, 0.02);                // near its first zero
-  EXPECT_GT(std::fabs(std::abs(wave_of(arm({4e3}, 1e-3)).amplitude) / centred - 0.76867), 1e-3);  // twin: elsewhere
+  EXPECT_NEAR(std::abs(wave_of(made).amplitude) / centred, 1, 1e-6);
+  EXPECT_NEAR(std::abs(wave_of(made, 1e-3).amplitude) / centred, 0.76867, 1e-4);
+  EXPECT_NEAR(std::abs(wave_of(made, 2.4e-3).amplitude) / centred, 0, 0.02);                   // near its first zero
+  EXPECT_GT(std::fabs(std::abs(wave_of(made, 1e-3, 1).amplitude) / centred - 0.76867), 1e-3);  // twin: elsewhere
 }
 
 // Eq. 8.11 for any place and offset; the sign of J0 is the phase.
 TEST(Edges, FollowsJ0) {
-  for (double z : {40.0, 700.0, 5e3, 8e3})
+  std::vector<double> const places = {40, 700, 5e3, 8e3};
+  Arm made = arm(places);
+  for (std::size_t ring = 0; ring < places.size(); ++ring)
     for (double d : {0.0, 0.3e-3, 2e-3, 8e-3}) {
-      EdgeWave const wave = wave_of(arm({z}, d));
+      double const z = places[ring], lr = reduced(z);
+      EdgeWave const wave = wave_of(made, d, ring);
       double const size = lambda * std::sqrt(beta(aperture / z) * beta(aperture / (L - z))) / L;
-      double const path = k * aperture * aperture / (2 * reduced(z));
-      Field const back = wave.amplitude * std::polar(1.0, -path) / size;
-      double const expected = j0(k * aperture * d / reduced(z)), tolerance = z < 100 ? 0.02 : 1e-3;
+      Field const back = wave.amplitude * std::polar(1 / size, -k * (aperture * aperture + d * d) / (2 * lr));
+      double const expected = j0(k * aperture * d / lr), tolerance = z < 100 ? 0.02 : 1e-3;
       EXPECT_NEAR(std::abs(back), std::fabs(expected), tolerance) << z << ' ' << d;
-      if (z > 1000) EXPECT_NEAR(back.real(), expected, tolerance) << z << ' ' << d;
+      if (z > 1000) {
+        EXPECT_NEAR(back.real(), expected, tolerance) << z << ' ' << d;
+      }
     }
 }
 
 // Eq. 8.12 and 8.13: derivatives for motion of the rim, and none for motion of all three bodies together.
 TEST(Edges, LeversAreDerivatives) {
   double const z = 3e3, d = 0.7e-3;
-  EdgeWave const wave = wave_of(arm({z}, d));
-  double const kr = k * aperture / reduced(z),
-               size = lambda * std::sqrt(beta(aperture / z) * beta(aperture / (L - z))) / L;
+  Arm made = arm({z});
+  EdgeWave const wave = wave_of(made, d);
+  double const kr = k * aperture / reduced(z);
+  double const size = lambda * std::sqrt(beta(aperture / z) * beta(aperture / (L - z))) / L;
   Field const turn = std::conj(wave.amplitude) / std::abs(wave.amplitude);
   EXPECT_NEAR((gradient(wave, pipe, 0) * turn).real() / (-kr * j1(kr * d) * size), 1, 1e-3);
   EXPECT_NEAR(std::abs(gradient(wave, pipe, 1)) / (kr * size), 0, 1e-9);
@@ -99,10 +110,11 @@ TEST(Edges, LeversAreDerivatives) {
     Field const all = gradient(wave, mirror_a, axis) + gradient(wave, pipe, axis) + gradient(wave, mirror_b, axis);
     EXPECT_NEAR(std::abs(all) / (kr * size), 0, 1e-6) << axis;
   }
+  // Frozen geometry: that the BSDF changes around a rim off centre, n/(ka^2/l_r) = 0.5 %, is not in the lever.
   double const step = 1e-6;
-  Field const moved = (wave_of(arm({z}, d + step)).amplitude - wave_of(arm({z}, d - step)).amplitude) / (2 * step);
-  EXPECT_NEAR(std::abs(gradient(wave, pipe, 0) - moved) / std::abs(moved), 0, 1e-3);
-  EXPECT_NEAR(std::abs(gradient(wave_of(arm({z})), pipe, 0)) / (kr * size), 0, 1e-9);  // a centred rim: second order
+  Field const moved = (wave_of(made, d + step).amplitude - wave_of(made, d - step).amplitude) / (2 * step);
+  EXPECT_NEAR(std::abs(gradient(wave, pipe, 0) - moved) / std::abs(moved), 0, 1e-2);
+  EXPECT_NEAR(std::abs(gradient(wave_of(made), pipe, 0)) / (kr * size), 0, 1e-9);  // a centred rim: second order
 }
 
 // The overlap of the two spherical waves over the blocked area (8.11 is its boundary term). Beyond the rim the screen
@@ -117,7 +129,7 @@ Field blocked_area(double z, double d, double radius) {
     return x >= 1 ? 0 : std::exp(-4 * x * x * x * x / (1 - x * x));
   };
   Field sum = 0;
-  int const n = 400000;
+  int const n = 100000;
   for (int j = 0; j < n; ++j) {
     double const r = radius + fade * (j + 0.5) / n;
     sum += ring(r) * taper(r) * (fade / n);
@@ -125,13 +137,11 @@ Field blocked_area(double z, double d, double radius) {
   return sum * std::sqrt(beta(aperture / z) * beta(aperture / (L - z))) / (z * (L - z));
 }
 TEST(Edges, IsTheOverlapOverTheBlockedArea) {
-  for (double d : {0.0, 1e-3, 3e-3}) {
-    Field const area = blocked_area(5e3, d, aperture);
-    EXPECT_NEAR(std::abs(wave_of(arm({5e3}, d)).amplitude) / std::abs(area), 1, 2e-3) << d;
-    EXPECT_GT(
-        std::fabs(std::abs(wave_of(arm({5e3}, d)).amplitude) / std::abs(blocked_area(5e3, d + 0.5e-3, aperture)) - 1),
-        5e-3)  // twin: another offset
-        << d;
+  Arm made = arm({5e3});
+  for (double d : {0.0, 1e-3}) {
+    double const rim = std::abs(wave_of(made, d).amplitude);
+    EXPECT_NEAR(rim / std::abs(blocked_area(5e3, d, aperture)), 1, 2e-3) << d;
+    EXPECT_GT(std::fabs(rim / std::abs(blocked_area(5e3, d + 0.5e-3, aperture)) - 1), 5e-3) << d;  // twin: elsewhere
   }
 }
 
@@ -146,7 +156,9 @@ TEST(Edges, IsTheSumOverTheRim) {
     double const size = std::sqrt(beta(std::hypot(x, y) / z) * beta(std::hypot(x, y) / (L - z)));
     sum += lambda * size / L / n * std::polar(1.0, k * (one + two - L));
   }
-  EXPECT_NEAR(std::abs(wave_of(arm({z}, d)).amplitude - sum) / std::abs(sum), 0, 1e-3);
+  Arm made = arm({z});
+  EXPECT_NEAR(std::abs(wave_of(made, d).amplitude - sum) / std::abs(sum), 0, 1e-3);
+  EXPECT_GT(std::abs(wave_of(made, 2 * d).amplitude - sum) / std::abs(sum), 0.1);  // twin: twice as far off
 }
 
 // Eq. 8.14: random teeth, first zero at 6.333 mm (A19).
@@ -189,7 +201,6 @@ TEST(Edges, TeethOfTheShape) {
 
 // A baffle that only one mirror sees diffracts nothing into the other.
 TEST(Edges, OnlyWhatBothMirrorsSee) {
-  EXPECT_NEAR(wave_of(arm({5e3})).seen, 1, 1e-12);
   Arm hidden = arm({5e3, 4e3});
   EXPECT_NEAR(wave_of(hidden).seen, 1, 1e-12);
   World& w = hidden.world;
