@@ -158,7 +158,7 @@ double DualRecycled::pole() const {
   auto const heavy = without_radiation_pressure();
   auto const size = [&](double hz) { return std::abs(heavy->to_freedom(heavy->response(hz), Freedom::darm)); };
   double const last = speed_of_light / (4 * p_.arm_length);  // half of the free spectral range
-  double top = 0, below = probe_hz;
+  double top = size(probe_hz), below = probe_hz;
   for (double hz = last / 1e4; hz < last; hz *= 1.1)
     if (double const s = size(hz); s >= top) top = s, below = hz;
   double above = below;
