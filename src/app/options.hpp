@@ -41,5 +41,6 @@ void add_maps(CLI::App&, Options&, int& exit_code);
 void add_inspect(CLI::App&, Options&, int& exit_code);
 void add_render(CLI::App&, Options&, int& exit_code);
 void add_importance(CLI::App&, Options&, int& exit_code);
+void add_budget(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace
