@@ -38,7 +38,7 @@ std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
   std::string text = std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma) : number(h);
   std::vector<double> const* const design = reference(v.at);
-  if (design && NoiseTable::exceeds(h, (*design)[i], v.margin)) text += " !";
+  text += design && NoiseTable::exceeds(h, (*design)[i], v.margin) ? " !" : "  ";
   return text;
 }
 
