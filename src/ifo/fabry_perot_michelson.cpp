@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 
 namespace straytrace {
@@ -21,6 +21,7 @@ constexpr Key<K> keys[] = {
     {"signal_recycling_transmission", &K::signal_recycling_transmission, dim::plain, 1, least, 1,
      "power transmission of the signal-recycling mirror; 1: none (eq. 6.8)"},
     {"arms", &K::arms, dim::plain, 2, 1, 1000, "equal arms, of which one is traced; powers add"},
+    {"dark_fringe_offset", &K::dark_fringe_offset, dim::length, 0, -1e-9, 1e-9, "of DARM, for eq. 9.6"},
 };
 
 // Circulating power of one arm: given here or with the beam, or from the power at the recycling mirror by eq. 6.11.
@@ -55,36 +56,70 @@ FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, do
   p.wavelength = wavelength;
   p.mass = k.mirror_mass;
   p.arms = k.arms;
+  p.dark_fringe_offset = k.dark_fringe_offset;
   if (k.arms != std::floor(k.arms)) table["arms"].problem("'arms' counts arms", "write a whole number, for example 2");
   p.power = read_arm_power(table, p.arm, beam_power);
   p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
   if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least);
   if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least);
-  table.refuse_unknown("interferometer 'fabry-perot-michelson'");
   return p;
 }
 
-std::complex<double> FabryPerotMichelson::strain_per_phase(PortId, double) const {
-  return strain_per_phase_in_arm(p_.wavelength, p_.arm.length);
+std::complex<double> FabryPerotMichelson::strain_per_phase(PortId port, double hz) const {
+  PortEntry const& e = entry(port);
+  double const in_arm = strain_per_phase_in_arm(p_.wavelength, p_.arm.length);
+  if (e.entrance == Entrance::end_bench) return e.field_share * p_.arm.end_transmission * in_arm;  // eq. 9.3
+  if (e.entrance == Entrance::short_arm)
+    return e.field_share * strain_per_phase_in_short_arm(p_.arm, p_.wavelength, hz);
+  if (e.entrance == Entrance::as_port)
+    return e.field_share * strain_at_antisymmetric_port(p_.dark_fringe_offset, p_.arm.length, hz, p_.mode);
+  return e.field_share * in_arm;
 }
 
-std::complex<double> FabryPerotMichelson::strain_per_amplitude(PortId, double hz) const {
-  return strain_per_amplitude_in_arm(hz, p_.power, p_.mass, p_.arm.length, p_.mode);
+std::complex<double> FabryPerotMichelson::strain_per_amplitude(PortId port, double hz) const {
+  PortEntry const& e = entry(port);
+  if (e.entrance == Entrance::short_arm || e.entrance == Entrance::as_port) return 0;    // no closed form
+  double const share = e.entrance == Entrance::end_bench ? p_.arm.end_transmission : 1;  // eq. 9.4
+  return e.field_share * share * strain_per_amplitude_in_arm(hz, p_.power, p_.mass, p_.arm.length, p_.mode);
 }
 
 std::string FabryPerotMichelson::description() const {
-  return fmt::format(
+  std::string const text = fmt::format(
       "Fabry-Perot Michelson, stray light inside an arm: h = (lambda/4 pi L) Im s (phase, eq. 9.1) and "
       "h = 8 P Gamma Re s/(c M (2 pi f)^2 L)/(1 + i f/f_p) (radiation pressure, eq. 9.2); lambda {:g} nm, L {:g} m, "
       "P {:.5g} W per arm, M {:g} kg, Gamma {:.4g}, f_p {:.4g} Hz, finesse {:.4g}, {:g} equal arms",
       p_.wavelength * 1e9, p_.arm.length, p_.power, p_.mass, p_.mode.gain, p_.mode.pole, finesse(p_.arm), p_.arms);
+  bool const all_inside = std::all_of(ports_.begin(), ports_.end(), [&](PortEntry const& e) {
+    return e.entrance == Entrance::arm && e.field_share == 1 && e.copies == p_.arms;
+  });
+  return all_inside ? text : text + describe(ports_, *this);
 }
 
-std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<std::string> const&,
-                                                    double wavelength, double beam_power) {
-  constexpr std::array<std::string_view, 1> presets = {"fabry-perot-michelson"};
-  table.choice("preset", presets);
-  return std::make_unique<FabryPerotMichelson>(read_fabry_perot_michelson(table, wavelength, beam_power));
+// Ports at which light has no closed form of its own.
+void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Parameters const& p,
+                                std::vector<PortEntry> const& entries) {
+  for (PortEntry const& e : entries) {
+    Entrance const at = e.entrance;
+    if (at == Entrance::recycling_cavity || at == Entrance::signal_cavity || at == Entrance::symmetric_port ||
+        at == Entrance::input_bench)
+      table["ports"][e.name].problem(
+          fmt::format("there is no closed form for light at '{}'", entrance_names[std::size_t(at)]),
+          "take a preset that solves the network, for example 'preset: adv'");
+    if (at == Entrance::as_port && p.dark_fringe_offset == 0)
+      table["ports"][e.name].problem("at the antisymmetric port stray light needs an offset of the dark fringe",
+                                     "add 'dark_fringe_offset: 4 pm' to the interferometer");
+    if (at == Entrance::end_bench && p.arm.end_transmission == 0)
+      table["ports"][e.name].problem("light from an end bench passes the end mirror, which transmits nothing",
+                                     "add 'end_transmission: 4.4 ppm' to the interferometer");
+  }
+}
+
+std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<std::string> const& ports,
+                                                  double wavelength, double beam_power) {
+  FabryPerotMichelson::Parameters const p = read_fabry_perot_michelson(table, wavelength, beam_power);
+  std::vector<PortEntry> entries = read_port_entries(table, ports, p.arms);
+  refuse_without_closed_form(table, p, entries);
+  return std::make_unique<FabryPerotMichelson>(p, std::move(entries));
 }
 
 }  // namespace straytrace

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Michelson interferometer with Fabry-Perot arms; all ports are inside an arm (physics.md eq. 9.1, 9.2).
+// Michelson interferometer with Fabry-Perot arms in closed forms: eq. 9.1 and 9.2 inside an arm, 9.3 to 9.6 and 9.8 at
+// other ports (physics.md).
 #pragma once
 
 #include <span>
 
 #include "base/table.hpp"
 #include "ifo/cavity.hpp"
-#include "ifo/interferometer.hpp"
+#include "ifo/ports.hpp"
 
 namespace straytrace {
 
@@ -16,25 +17,35 @@ class FabryPerotMichelson final : public Interferometer {
     ArmCavity arm;
     double wavelength = 0, power = 0, mass = 0;  // m, W circulating in one arm, kg
     DifferentialMode mode{};
-    double arms = 2;  // equal and independent
+    double arms = 2;                // equal and independent
+    double dark_fringe_offset = 0;  // m of DARM, for stray light at the antisymmetric port (eq. 9.6)
   };
-  explicit FabryPerotMichelson(Parameters p) : p_(p) {}
+  // Ports beyond the list are inside an arm.
+  explicit FabryPerotMichelson(Parameters p, std::vector<PortEntry> ports = {})
+      : p_(p), inside_{.name = "", .copies = p.arms}, ports_(std::move(ports)) {}
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
-  double copies() const override { return p_.arms; }
+  double copies(PortId port) const override { return entry(port).copies; }
   std::string description() const override;
 
  private:
+  PortEntry const& entry(PortId port) const { return port.value < ports_.size() ? ports_[port.value] : inside_; }
+
   Parameters p_;
+  PortEntry inside_;
+  std::vector<PortEntry> ports_;
 };
 
 FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength, double beam_power = 0);
 
+std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<std::string> const& ports,
+                                                  double wavelength, double beam_power);
+
 // What the table may hold, for the reader and the reference page.
 struct FabryPerotMichelsonKeys {
   double arm_length, mirror_mass, input_transmission, end_transmission, round_trip_loss, signal_recycling_transmission,
-      arms;
+      arms, dark_fringe_offset;
 };
 std::span<Key<FabryPerotMichelsonKeys> const> fabry_perot_michelson_keys();
 

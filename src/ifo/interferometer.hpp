@@ -19,8 +19,8 @@ class Interferometer {
   // (Im s, phase) and the part in phase (Re s, radiation pressure).
   virtual std::complex<double> strain_per_phase(PortId, double hz) const = 0;
   virtual std::complex<double> strain_per_amplitude(PortId, double hz) const = 0;
-  // How many equal, independent copies of what was traced the detector has (two arms: 2). Powers add.
-  virtual double copies() const = 0;
+  // How many equal, independent copies of what was traced at this port the detector has (two arms: 2). Powers add.
+  virtual double copies(PortId) const = 0;
   virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
 };
 

@@ -101,9 +101,9 @@ class System {
 
 // Pairs of carriers whose beat is at `hz`: calls beat(higher, lower).
 template <class Beat>
-void for_each_beat(SteadyField const& field, double hz, Beat const& beat) {
-  for (std::size_t n = 0; n < field.carriers().size(); ++n)
-    if (auto const m = network_detail::carrier_at(field.carriers(), field.carriers()[n] + hz)) beat(*m, n);
+void for_each_beat(std::span<double const> carriers, double hz, Beat const& beat) {
+  for (std::size_t n = 0; n < carriers.size(); ++n)
+    if (auto const m = network_detail::carrier_at(carriers, carriers[n] + hz)) beat(*m, n);
 }
 
 Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
@@ -122,7 +122,7 @@ Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const
     // The beat of carriers m above n is 2 Re(E_m E_n* e^{-i w t}); times cos(w t + phase), averaged:
     // Re(E_m E_n* e^{i phase}).
     Phasor const turn = std::polar(1.0, r.angle);
-    for_each_beat(field, r.hz, [&](std::size_t m, std::size_t n) {
+    for_each_beat(field.carriers(), r.hz, [&](std::size_t m, std::size_t n) {
       Phasor const em = field.in(r.port, m), en = field.in(r.port, n);
       add(0, m, std::conj(en) * turn);
       add(1, n, em * turn);
@@ -135,12 +135,22 @@ Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const
 
 }  // namespace
 
-double demodulated(SteadyField const& field, std::uint32_t port, double hz, double phase) {
+double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase) {
   double sum = 0;
-  for_each_beat(field, hz, [&](std::size_t m, std::size_t n) {
-    sum += std::real(field.in(port, m) * std::conj(field.in(port, n)) * std::polar(1.0, phase));
+  for_each_beat(carriers, hz, [&](std::size_t m, std::size_t n) {
+    sum += std::real(light[m] * std::conj(light[n]) * std::polar(1.0, phase));
   });
   return sum;
+}
+double demodulated(SteadyField const& field, std::uint32_t port, double hz, double phase) {
+  std::vector<Phasor> light;
+  for (std::size_t n = 0; n < field.carriers().size(); ++n) light.push_back(field.in(port, n));
+  return demodulated(field.carriers(), light, hz, phase);
+}
+double demodulated(std::span<double const> power, double rate, double hz, double phase) {
+  double sum = 0;
+  for (std::size_t i = 0; i < power.size(); ++i) sum += power[i] * std::cos(2 * pi * hz * double(i) / rate + phase);
+  return sum / double(power.size());
 }
 
 LinearResponse::LinearResponse(Network const& network, SteadyField const& field, Readout const& readout, double hz)
@@ -156,19 +166,19 @@ Phasor LinearResponse::to_force(ComponentId id) const {
   return network_.components().at(id.value).suspension.compliance(hz_) * to_displacement(id);
 }
 
-Phasor LinearResponse::injected(std::uint32_t port, Phasor upper, Phasor lower) const {
+Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) const {
   Layout const at(network_, field_);
   Phasor sum = 0;
   for (std::size_t n = 0; n < field_.carriers().size(); ++n) {
-    Phasor const e = field_.in(port, n);
-    sum +=
-        weight_[at.field(false, 0, n, port)] * upper * e + weight_[at.field(false, 1, n, port)] * lower * std::conj(e);
+    Phasor const e = std::polar(1.0, i.turn) * (i.of_leaving ? field_.out(i.port, n) : field_.in(i.port, n));
+    sum += weight_[at.field(i.joins_leaving, 0, n, i.port)] * upper * e +
+           weight_[at.field(i.joins_leaving, 1, n, i.port)] * lower * std::conj(e);
   }
   return sum;
 }
 // s = i Re(e exp(-iwt)): sidebands i e/2 above and, conjugated, -i e/2 below.
-Phasor LinearResponse::to_phase(std::uint32_t port) const { return injected(port, 0.5 * i_unit, -0.5 * i_unit); }
-Phasor LinearResponse::to_amplitude(std::uint32_t port) const { return injected(port, 0.5, 0.5); }
+Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
+Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
 Phasor LinearResponse::to_vacuum(std::uint32_t port, int side) const {
   return weight_[Layout(network_, field_).field(false, side, field_.carrier(0), port)];
@@ -196,8 +206,9 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
     }
   for (Squeezing const& s : squeezed) {
     std::size_t const n = field_.carrier(0);
-    Phasor const a = weight_[at.field(false, 0, n, s.port)] * std::polar(1.0, s.angle),
-                  b = weight_[at.field(false, 1, n, s.port)] * std::polar(1.0, -s.angle);
+    Phasor const upper = weight_[at.field(true, 0, n, s.port)], lower = weight_[at.field(true, 1, n, s.port)];
+    double const angle = s.angle.value_or(-std::arg(upper * std::conj(lower)) / 2) + s.off;
+    Phasor const a = upper * std::polar(1.0, angle), b = lower * std::polar(1.0, -angle);
     sum += std::norm(a + b) / 2 * std::exp(-2 * s.r) + std::norm(a - b) / 2 * std::exp(2 * s.r) - std::norm(a) -
            std::norm(b);
   }

@@ -4,6 +4,7 @@
 // change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X exp(-2 pi i f t)).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,14 +28,27 @@ struct Readout {
   double angle = 0, hz = 0;
 };
 
-// The demodulated light itself, W: what a lock looks at.
+// The demodulated light itself, W: what a lock looks at. Light by carriers, sqrt(W) and Hz.
+double demodulated(std::span<double const> carriers, std::span<Phasor const> light, double hz, double phase);
 double demodulated(SteadyField const&, std::uint32_t port, double hz, double phase);
+// The same of a sampled power, W, at a constant rate, Hz: mean of P cos(2 pi hz t + phase) over whole periods.
+double demodulated(std::span<double const> power, double rate, double hz, double phase);
 
-// Squeezed vacuum that enters an open port, about carrier 0: noise power of the quadrature at `angle` is e^{-2r}, of
-// the other e^{2r}.
+// Squeezed vacuum instead of the vacuum that leaves a dump (or laser) at this port of it, about carrier 0: noise power
+// of the quadrature at `angle` is e^{-2r}, of the other e^{2r}.
 struct Squeezing {
   std::uint32_t port = 0;
-  double r = 0, angle = 0;  // rad
+  double r = 0;
+  std::optional<double> angle;  // rad; none: the best one at every frequency, as a lossless filter cavity turns it,
+  double off = 0;               // and this much away from it
+};
+
+// Stray light that joins what enters or what leaves a port, as a share of what enters or leaves it; `turn`: phase, rad,
+// on the way back.
+struct Injection {
+  std::uint32_t port = 0;
+  bool joins_leaving = false, of_leaving = false;
+  double turn = 0;
 };
 
 class LinearResponse {
@@ -44,10 +58,12 @@ class LinearResponse {
 
   Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
   Phasor to_force(ComponentId) const;         // per N
-  // Stray field s (physics.md 9), relative to what enters this port of a component: s = i e for phase, s = e for
-  // amplitude. Carriers get it alike.
-  Phasor to_phase(std::uint32_t port) const;
-  Phasor to_amplitude(std::uint32_t port) const;
+  // Stray field s (physics.md 9), of what enters this port of a component unless said otherwise: s = i e for phase,
+  // s = e for amplitude. Carriers get it alike.
+  Phasor to_phase(std::uint32_t port) const { return to_phase(Injection{port}); }
+  Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
+  Phasor to_phase(Injection const&) const;
+  Phasor to_amplitude(Injection const&) const;
   // The field itself that enters an open port around carrier 0, per sqrt(W): 0 the upper sideband, 1 the conjugate of
   // the lower.
   Phasor to_vacuum(std::uint32_t port, int side) const;
@@ -57,8 +73,7 @@ class LinearResponse {
   double quantum_noise(std::span<Squeezing const> = {}) const;
 
  private:
-  struct Sides;  // of the system: rows and columns
-  Phasor injected(std::uint32_t port, Phasor upper, Phasor lower) const;
+  Phasor injected(Injection const&, Phasor upper, Phasor lower) const;
 
   Network const& network_;
   SteadyField const& field_;

@@ -74,11 +74,11 @@ ComponentId Network::add_laser(std::string name, double power, double phase) {
   return add(std::move(c));
 }
 
-ComponentId Network::add_isolator(std::string name, double isolation) {
+ComponentId Network::add_isolator(std::string name, double isolation, double transmission) {
   Component c;
   c.name = std::move(name);
   c.scattering = Eigen::MatrixXcd::Zero(2, 2);
-  c.scattering(1, 0) = 1;
+  c.scattering(1, 0) = std::sqrt(transmission);
   c.scattering(0, 1) = std::sqrt(isolation);
   return add(std::move(c));
 }

@@ -30,9 +30,9 @@ struct NetworkPort {
 
 // How a component answers a force: free above its resonance.
 struct Suspension {
-  double mass = infinity;               // kg
-  double resonance = 0;                 // Hz
-  double loss = 0;                      // loss angle of the pendulum
+  double mass = infinity;              // kg
+  double resonance = 0;                // Hz
+  double loss = 0;                     // loss angle of the pendulum
   Phasor compliance(double hz) const;  // m/N, for motion proportional to exp(-2 pi i f t)
 };
 
@@ -52,8 +52,8 @@ class Network {
   ComponentId add_splitter(std::string name, MirrorParameters const&);
   ComponentId add_laser(std::string name, double power, double phase = 0);  // W, rad
   ComponentId add_dump(std::string name);
-  // Faraday isolator: `isolation` is the power transmission from 1 to 0, eq. 9.6.
-  ComponentId add_isolator(std::string name, double isolation);
+  // Faraday isolator: power transmission from 1 to 0 (eq. 9.6) and from 0 to 1.
+  ComponentId add_isolator(std::string name, double isolation, double transmission = 1);
   // Phase modulator: index in rad, frequency in Hz, bands +-1 ... +-order.
   ComponentId add_modulator(std::string name, double index, double hz, int order = 1);
   // Space between two free ports: optical length in m, a whole number of wavelengths, and a phase beyond it in rad.
@@ -76,7 +76,7 @@ class Network {
     double displacement = 0;      // m
     Suspension suspension;
     Phasor emits = 0;           // sqrt(W), at the carrier
-    double modulation = 0;       // Hz; 0: none
+    double modulation = 0;      // Hz; 0: none
     std::vector<Phasor> bands;  // of a modulator: bands[s + order] of band s
     bool moves() const { return suspension.mass < infinity; }
     // The scattering matrix where the component stands.

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/message.hpp"
@@ -14,7 +15,7 @@
 namespace straytrace::network_detail {
 
 // Number of the carrier at this frequency, when it is one that is kept.
-inline std::optional<std::size_t> carrier_at(std::vector<double> const& carriers, double hz) {
+inline std::optional<std::size_t> carrier_at(std::span<double const> carriers, double hz) {
   for (std::size_t n = 0; n < carriers.size(); ++n)
     if (std::fabs(carriers[n] - hz) < 1e-3) return n;
   return {};

@@ -135,7 +135,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     route.psd.resize(bins);
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     Sum own(bins);
-    double const factor = c.reverse * ifo.copies();
+    double const factor = c.reverse * ifo.copies(c.port);
     own.add(route, response.at(c.port.value), factor, c.coupling.mean);
     if (why_not.empty())
       total.add(route, response.at(c.port.value), factor, c.coupling.mean);

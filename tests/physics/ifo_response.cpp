@@ -40,7 +40,7 @@ struct Detector {
   // Angle at which the homodyne detector sees differential length.
   double signal_angle(SteadyField const& f) const {
     Phasor const a = LinearResponse(n, f, Readout::homodyne(port(dark, 0), 0), 1e3).to_displacement(end[0]),
-                  b = LinearResponse(n, f, Readout::homodyne(port(dark, 0), pi / 2), 1e3).to_displacement(end[0]);
+                 b = LinearResponse(n, f, Readout::homodyne(port(dark, 0), pi / 2), 1e3).to_displacement(end[0]);
     return std::atan2(std::real(b / (a + b)), std::real(a / (a + b)));
   }
 };

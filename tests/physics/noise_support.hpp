@@ -22,7 +22,7 @@ class UnitDetector final : public Interferometer {
  public:
   std::complex<double> strain_per_phase(PortId, double) const override { return 1; }
   std::complex<double> strain_per_amplitude(PortId, double) const override { return 0; }
-  double copies() const override { return 1; }
+  double copies(PortId) const override { return 1; }
   std::string description() const override { return "h = Im s"; }
 };
 

@@ -106,8 +106,9 @@ def test_file_is_read(folder):
 def test_their_file(folder):
     """A budget saved by pygwinc, as a reference curve and as noises."""
     hz = np.geomspace(5, 4000, 300)
-    theirs = gwinc.load_budget("aLIGO", freq=hz).run()
-    save_hdf5(theirs, folder / "theirs.hdf5", ifo=theirs.ifo, plot_style={})
+    budget = gwinc.load_budget("aLIGO", freq=hz)
+    theirs = budget.run()
+    save_hdf5(theirs, folder / "theirs.hdf5", ifo=budget.ifo, plot_style={"ylabel": "strain"})
     done = run(str(folder / "theirs.hdf5"), "--at", "100 Hz", "--format", "json", "--quiet")
     assert done.returncode == 0, done.stderr
     at = json.loads(done.stdout)["at"]

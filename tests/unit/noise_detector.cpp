@@ -34,7 +34,7 @@ TEST(ReadInterferometer, PowerGivenOrComputed) {
   auto const ratio = std::abs(given.ifo->strain_per_amplitude(PortId{0}, 10)) /
                      std::abs(computed.ifo->strain_per_amplitude(PortId{0}, 10));
   EXPECT_NEAR(ratio, 1, 1e-4);
-  EXPECT_EQ(given.ifo->copies(), 2);
+  EXPECT_EQ(given.ifo->copies(PortId{0}), 2);
   EXPECT_NEAR(given.ifo->strain_per_phase(PortId{1}, 10).real() / (1064e-9 / (4 * pi * 1e4)), 1, 1e-12);
   EXPECT_THAT(given.ifo->description(), HasSubstr("eq. 9.2"));
 }
@@ -46,7 +46,7 @@ TEST(ReadInterferometer, OverridesOfGainAndPole) {
   EXPECT_NEAR(std::arg(t) / (-pi / 4), 1, 1e-12);
   EXPECT_NEAR(std::abs(t) * std::sqrt(2) / (8 * 3e6 * 15.7 / (speed_of_light * 200 * std::pow(2 * pi * 50, 2) * 1e4)),
               1, 1e-12);
-  EXPECT_EQ(d.ifo->copies(), 1);
+  EXPECT_EQ(d.ifo->copies(PortId{0}), 1);
 }
 
 TEST(ReadInterferometer, Problems) {

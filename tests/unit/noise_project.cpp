@@ -121,7 +121,7 @@ class BrokenDetector final : public Interferometer {
  public:
   std::complex<double> strain_per_phase(PortId, double) const override { return not_a_number; }
   std::complex<double> strain_per_amplitude(PortId, double) const override { return 0; }
-  double copies() const override { return 1; }
+  double copies(PortId) const override { return 1; }
   std::string description() const override { return {}; }
 };
 

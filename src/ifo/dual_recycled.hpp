@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Michelson interferometer with arm cavities, power and signal recycling, in plane waves with radiation pressure
+// (physics.md sections 6, 9 and 12.1). The read-out is calibrated as DARM, h = (dLx - dLy)/L.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/table.hpp"
+#include "ifo/degrees_of_freedom.hpp"
+#include "ifo/entrance.hpp"
+#include "ifo/linear_response.hpp"
+
+namespace straytrace {
+
+// Lengths in m, powers in W, transmissions and losses as fractions of power. Transmission 1 of a recycling mirror:
+// none.
+struct DualRecycledParameters {
+  double wavelength = 1064e-9;
+  double arm_length = 0, input_transmission = 0, end_transmission = 0;
+  double round_trip_loss = 0;  // of an arm, at its end mirror
+  double mirror_mass = infinity;
+  double input_power = 0;  // at the power-recycling mirror
+  double arm_power = 0;    // instead, in arm x; 0: from input_power
+  double power_recycling_transmission = 1, signal_recycling_transmission = 1;
+  double signal_recycling_tuning = 0;  // rad, one way; 0: resonant sideband extraction, pi/2: signal recycling
+  double beam_splitter_loss = 0;       // of a round trip between the recycling mirror and the arms, as in eq. 6.11
+  double splitter_transmission = 0.5;
+  double power_recycling_length = 0, signal_recycling_length = 0;  // recycling mirror to splitter
+  double short_arm = 0, schnupp_asymmetry = 0;                     // mean of the short arms, lx - ly
+  // Arm x more, arm y less, by half of it: of the input transmission (relative) and of the round-trip loss.
+  double transmission_difference = 0, loss_difference = 0;
+  double dark_fringe_offset = 0;   // m of DARM; when not 0, its light is the local oscillator
+  double homodyne_angle = pi / 2;  // rad, without an offset; pi/2: where DARM appears when the SRM is tuned
+  double readout_loss = 0;         // of power, from the signal-recycling mirror to the photocurrent
+  double squeezing = 1;            // noise power of the squeezed quadrature over that of the vacuum
+  double squeezing_angle = 0;      // rad, from the best one of each frequency
+  double injection_loss = 0;       // of power, from the squeezer to the signal-recycling mirror
+  double pendulum_frequency = 0;   // Hz; 0: free masses
+};
+
+struct Modulation {
+  double hz = 0, index = 0;  // rad
+};
+
+// Power in the arms that stray light in an arm makes: (dPx - dPy)/P = 2 (amplitude Re s + phase Im s), eq. 8.6.
+struct StrayGain {
+  Phasor amplitude = 0, phase = 0;
+  double total() const { return std::sqrt(std::norm(amplitude) + std::norm(phase)); }  // random static phase
+};
+
+class DualRecycled {
+ public:
+  explicit DualRecycled(DualRecycledParameters const&, std::vector<Modulation> const& = {});
+  DualRecycled(DualRecycled const&) = delete;
+  DualRecycled& operator=(DualRecycled const&) = delete;
+
+  DualRecycledParameters const& parameters() const { return p_; }
+  Network const& network() const { return network_; }
+  SteadyField const& field() const { return *field_; }
+  Readout const& readout() const { return readout_; }
+  double power_at(char const* component, std::uint32_t port) const;  // W that enters there
+  double arm_power() const { return power_at("ETM x", 0); }
+  double recycling_gain() const;  // power at the splitter over that of the laser
+
+  LinearResponse response(double hz) const { return {network_, *field_, readout_, hz}; }
+  LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
+  Phasor to_freedom(LinearResponse const&, Freedom) const;  // per m
+  Injection injection(Entrance) const;
+  StrayGain stray_gain(double hz) const;
+  double pole() const;  // Hz where the response to DARM without radiation pressure is 1/sqrt(2) of its largest
+  // One-sided ASD of the strain, 1/sqrt(Hz), from the vacuum at all open ports and losses, squeezed as stated.
+  double quantum_noise(double hz) const;
+
+ private:
+  void build();
+  void build_arms(ComponentId splitter);
+  Readout read_out() const;
+  std::unique_ptr<DualRecycled> without_radiation_pressure() const;
+
+  DualRecycledParameters p_;
+  std::vector<Modulation> modulations_;
+  Network network_;
+  std::unique_ptr<SteadyField> field_;
+  Readout readout_;
+};
+
+// Names of presets and their numbers (physics.md 12.1; the reference page has a source for each).
+struct DualRecycledPreset {
+  std::string_view name, detector;
+  DualRecycledParameters parameters;
+};
+std::span<DualRecycledPreset const> dual_recycled_presets();
+
+}  // namespace straytrace

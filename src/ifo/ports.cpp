@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/ports.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace straytrace {
+namespace {
+
+void unknown_port(Node const& at, std::string const& name, std::vector<std::string> const& ports) {
+  std::string const near = nearest_word(name, ports);
+  at.problem(fmt::format("the scene has no port '{}'", name),
+             !near.empty()   ? fmt::format("did you mean '{}'?", near)
+             : ports.empty() ? "add it to 'ports' of the scene"
+                             : fmt::format("its ports: {}", fmt::join(ports, ", ")));
+}
+
+PortEntry read_entry(Node const& node, std::string name, double arms) {
+  PortEntry entry;
+  entry.name = std::move(name);
+  if (node.kind() != Node::Kind::table) {
+    node.problem(fmt::format("what port '{}' is must be said in a table", entry.name), "write {at: end-bench}");
+    return entry;
+  }
+  std::string const at = node.choice("at", entrance_names, entrance_names[0]);
+  auto const found = std::find(entrance_names.begin(), entrance_names.end(), at);
+  if (found != entrance_names.end()) entry.entrance = Entrance(found - entrance_names.begin());
+  entry.field_share =
+      node.number("pick_off", dim::plain, 1, 0, 1) * std::sqrt(node.number("isolation", dim::plain, 1, 0, 1));
+  entry.copies = node.number("copies", dim::plain, is_of_an_arm(entry.entrance) ? arms : 1, 1, 1e6);
+  node.refuse_unknown(fmt::format("port '{}'", entry.name));
+  return entry;
+}
+
+struct Measured {
+  TransferFunction phase, amplitude;
+  double factor = 1;  // to strain per relative field
+  TransferFunction calibration;
+  bool calibrated = false;
+  std::string files;
+  std::complex<double> operator()(TransferFunction const& t, double hz) const {
+    return factor * t(hz) / (calibrated ? calibration(hz) : 1.0);
+  }
+};
+
+Measured read_measured(Node const& node, std::string const& name, double arm_length) {
+  Measured m;
+  if (node.kind() != Node::Kind::table) {
+    node.problem(fmt::format("the responses of port '{}' stand in a table", name),
+                 "write {phase: phase.txt, amplitude: amplitude.txt, columns: [Hz, re, im], unit: strain}");
+    return m;
+  }
+  constexpr std::array<std::string_view, 3> units = {"strain", "m", "W"};
+  constexpr std::array<std::string_view, 2> shares = {"field", "power"};
+  bool const decibels = read_columns_are_decibels(node);
+  std::string const unit = node.choice("unit", units);
+  // dP/P = 2 Re s: what is given per relative power is half of what it is per relative field.
+  m.factor = (unit == "strain" ? 1 : 1 / arm_length) * (node.choice("per", shares, shares[0]) == "power" ? 2 : 1);
+  for (auto [key, into] : {std::pair{"phase", &m.phase}, std::pair{"amplitude", &m.amplitude}})
+    if (Node const file = node[key]) {
+      *into = read_response_file(file, decibels);
+      m.files += fmt::format("{}{} {}", m.files.empty() ? "" : ", ", key, file.text());
+    }
+  if (m.files.empty())
+    node.problem("neither 'phase' nor 'amplitude' is given", "name a file of frequency and complex response");
+  m.calibrated = unit == "W";
+  if (m.calibrated && !node.has("darm"))
+    node.problem("a response in W needs that of the same read-out to DARM", "add 'darm: FILE', in W/m");
+  if (node.has("darm")) m.calibration = read_response_file(node["darm"], decibels);
+  node.refuse_unknown(fmt::format("the responses of port '{}'", name));
+  return m;
+}
+
+class MeasuredResponses final : public Interferometer {
+ public:
+  MeasuredResponses(std::unique_ptr<Interferometer> rest, std::map<std::uint32_t, Measured> measured,
+                    std::vector<std::string> const& ports)
+      : rest_(std::move(rest)), measured_(std::move(measured)) {
+    for (auto const& [port, m] : measured_)
+      note_ += fmt::format("; port {}: responses from files ({})", ports[port], m.files);
+  }
+  std::complex<double> strain_per_phase(PortId port, double hz) const override {
+    auto const found = measured_.find(port.value);
+    return found == measured_.end() ? rest_->strain_per_phase(port, hz) : found->second(found->second.phase, hz);
+  }
+  std::complex<double> strain_per_amplitude(PortId port, double hz) const override {
+    auto const found = measured_.find(port.value);
+    return found == measured_.end() ? rest_->strain_per_amplitude(port, hz)
+                                    : found->second(found->second.amplitude, hz);
+  }
+  double copies(PortId port) const override { return rest_->copies(port); }
+  std::string description() const override { return rest_->description() + note_; }
+
+ private:
+  std::unique_ptr<Interferometer> rest_;
+  std::map<std::uint32_t, Measured> measured_;
+  std::string note_;
+};
+
+}  // namespace
+
+std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<std::string> const& ports,
+                                         double arms) {
+  std::vector<PortEntry> entries;
+  for (std::string const& name : ports) entries.push_back({.name = name, .copies = arms});
+  if (Node const table = interferometer.table("ports"))
+    for (auto const& [name, node] : table.items()) {
+      auto const at = std::find(ports.begin(), ports.end(), name);
+      if (at == ports.end())
+        unknown_port(node, name, ports);
+      else
+        entries[std::size_t(at - ports.begin())] = read_entry(node, name, arms);
+    }
+  return entries;
+}
+
+std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo) {
+  std::string text;
+  std::vector<bool> told(entries.size(), false);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (told[i]) continue;
+    PortEntry const& e = entries[i];
+    std::vector<std::string> names;
+    for (std::size_t j = i; j < entries.size(); ++j)
+      if (entries[j].entrance == e.entrance && entries[j].field_share == e.field_share &&
+          entries[j].copies == e.copies) {
+        names.push_back(entries[j].name);
+        told[j] = true;
+      }
+    PortId const port{std::uint32_t(i)};
+    text +=
+        fmt::format("; {}: {}{}, {:g} {}, at 10 and 100 Hz h per Im s {:.3g} and {:.3g}, per Re s {:.3g} and {:.3g}",
+                    fmt::join(names, ", "), entrance_names[std::size_t(e.entrance)],
+                    e.field_share == 1 ? "" : fmt::format(" (field x {:.3g})", e.field_share), e.copies,
+                    e.copies == 1 ? "copy" : "copies", std::abs(ifo.strain_per_phase(port, 10)),
+                    std::abs(ifo.strain_per_phase(port, 100)), std::abs(ifo.strain_per_amplitude(port, 10)),
+                    std::abs(ifo.strain_per_amplitude(port, 100)));
+  }
+  return text;
+}
+
+std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> ifo, Node const& interferometer,
+                                               std::vector<std::string> const& ports, double arm_length) {
+  Node const table = interferometer.table("responses");
+  if (!table) return ifo;
+  std::map<std::uint32_t, Measured> measured;
+  for (auto const& [name, node] : table.items()) {
+    auto const at = std::find(ports.begin(), ports.end(), name);
+    if (at == ports.end())
+      unknown_port(node, name, ports);
+    else
+      measured[std::uint32_t(at - ports.begin())] = read_measured(node, name, arm_length);
+  }
+  return std::make_unique<MeasuredResponses>(std::move(ifo), std::move(measured), ports);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/recycled_interferometer.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace straytrace {
+namespace {
+
+using P = DualRecycledParameters;
+constexpr double least = 1e-12, most = 1 - 1e-9;  // of a transmission
+constexpr Key<P> keys[] = {
+    {"arm_length", &P::arm_length, dim::length, required, 1e-3, 1e8, "length L of one arm"},
+    {"input_transmission", &P::input_transmission, dim::plain, required, least, 0.999, "of the input mirrors"},
+    {"end_transmission", &P::end_transmission, dim::plain, required, 0, 0.999, "of the end mirrors"},
+    {"round_trip_loss", &P::round_trip_loss, dim::plain, required, 0, 0.5, "of power, per round trip of an arm"},
+    {"mirror_mass", &P::mirror_mass, dim::mass, required, 1e-9, 1e12, "of each arm mirror"},
+    {"power_recycling_transmission", &P::power_recycling_transmission, dim::plain, required, least, 1, "1: no mirror"},
+    {"signal_recycling_transmission", &P::signal_recycling_transmission, dim::plain, required, least, 1,
+     "1: no mirror"},
+    {"signal_recycling_tuning", &P::signal_recycling_tuning, dim::angle, required, -10, 10,
+     "one way; 0: resonant sideband extraction"},
+    {"beam_splitter_loss", &P::beam_splitter_loss, dim::plain, required, 0, 0.5, "per round trip, as in eq. 6.11"},
+    {"splitter_transmission", &P::splitter_transmission, dim::plain, required, 1e-3, 0.999, ""},
+    {"power_recycling_length", &P::power_recycling_length, dim::length, required, 0, 1e6, "mirror to splitter"},
+    {"signal_recycling_length", &P::signal_recycling_length, dim::length, required, 0, 1e6, "mirror to splitter"},
+    {"short_arm", &P::short_arm, dim::length, required, 0, 1e6, "splitter to input mirror, mean"},
+    {"schnupp_asymmetry", &P::schnupp_asymmetry, dim::length, required, -1e6, 1e6, "lx - ly"},
+    {"transmission_difference", &P::transmission_difference, dim::plain, required, -1, 1,
+     "of the input mirrors, x - y, relative"},
+    {"loss_difference", &P::loss_difference, dim::plain, required, -0.5, 0.5, "of the round trips, x - y"},
+    {"dark_fringe_offset", &P::dark_fringe_offset, dim::length, required, -1e-9, 1e-9,
+     "of DARM; its light is the local oscillator"},
+    {"homodyne_angle", &P::homodyne_angle, dim::angle, required, -10, 10, "without an offset"},
+    {"readout_loss", &P::readout_loss, dim::plain, required, 0, most, "recycling mirror to photocurrent"},
+    {"squeezing", &P::squeezing, dim::plain, required, 1e-4, 1, "noise power over that of the vacuum"},
+    {"squeezing_angle", &P::squeezing_angle, dim::angle, required, -10, 10, "from the best one of each frequency"},
+    {"injection_loss", &P::injection_loss, dim::plain, required, 0, most, "of the squeezed light"},
+    {"pendulum_frequency", &P::pendulum_frequency, dim::frequency, required, 0, 1e3, "0: free mirrors"},
+};
+
+std::vector<Modulation> read_modulators(Node const& table) {
+  std::vector<Modulation> list;
+  for (Node const& node : table.list("modulators")) {
+    list.push_back({node.number("frequency", dim::frequency, required, 1, 1e12),
+                    node.number("index", dim::plain, required, 0, 10)});
+    node.refuse_unknown("a modulator");
+  }
+  if (list.size() > 3)
+    table["modulators"].problem("more than three modulators make too many carriers", "leave out those of no account");
+  return list;
+}
+
+void read_power(Node const& table, P& p) {
+  if (table.has("arm_power") && table.has("input_power"))
+    table["input_power"].problem("'arm_power' and 'input_power' are both given",
+                                 "keep one of them: the network computes one from the other");
+  if (table.has("arm_power")) {
+    p.arm_power = table.number("arm_power", dim::power, required, 1e-30);
+  } else if (table.has("input_power") || p.arm_power == 0) {
+    p.input_power = table.number("input_power", dim::power, p.input_power, 1e-30);
+    p.arm_power = 0;
+  }
+}
+
+bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
+
+}  // namespace
+
+std::span<Key<P> const> dual_recycled_keys() { return keys; }
+
+RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
+  LinearResponse const r = model_->response(hz);
+  std::complex<double> const darm = model_->to_freedom(r, Freedom::darm) * model_->parameters().arm_length;
+  if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer does not see DARM");
+  Answer a;
+  for (std::size_t e = 0; e < entrance_names.size(); ++e) {
+    Injection const i = model_->injection(Entrance(e));
+    a.phase[e] = r.to_phase(i) / darm;
+    a.amplitude[e] = r.to_amplitude(i) / darm;
+  }
+  auto const input = std::size_t(Entrance::input_bench);
+  a.phase[input] *= suppression(servos_.frequency(hz));
+  a.amplitude[input] *= suppression(servos_.intensity(hz));
+  return a;
+}
+
+RecycledInterferometer::Answer const& RecycledInterferometer::answer(double hz) const {
+  std::scoped_lock const lock(mutex_);
+  auto const found = answers_.find(hz);
+  return found != answers_.end() ? found->second : answers_.emplace(hz, solved(hz)).first->second;
+}
+
+std::complex<double> RecycledInterferometer::strain_per_phase(PortId port, double hz) const {
+  PortEntry const& e = ports_.at(port.value);
+  return e.field_share * answer(hz).phase[std::size_t(e.entrance)];
+}
+std::complex<double> RecycledInterferometer::strain_per_amplitude(PortId port, double hz) const {
+  PortEntry const& e = ports_.at(port.value);
+  return e.field_share * answer(hz).amplitude[std::size_t(e.entrance)];
+}
+
+std::string RecycledInterferometer::description() const {
+  P const& p = model_->parameters();
+  std::string const readout =
+      p.dark_fringe_offset != 0
+          ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)
+          : fmt::format("homodyne at {:g} deg", p.homodyne_angle * 180 / pi);
+  return fmt::format(
+             "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
+             "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L; lambda {:g} nm, L {:g} m, P {:.5g} W per arm from "
+             "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, Gamma {:.4g} at 10 Hz, f_p {:.4g} Hz",
+             name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
+             100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi,
+             std::abs(model_->stray_gain(10).amplitude), model_->pole()) +
+         describe(ports_, *this);
+}
+
+std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const& preset,
+                                                             std::vector<std::string> const& ports, double wavelength,
+                                                             double beam_power) {
+  P p = preset.parameters;
+  for (Key<P> const& k : keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
+  read_power(table, p);
+  if (!std::isnan(preset.parameters.arm_length) && !agrees(wavelength, p.wavelength, 1e-3))
+    table.warning(fmt::format("'{}' runs at {:g} nm, the beams of the scene at {:g} nm", preset.name,
+                              p.wavelength * 1e9, wavelength * 1e9),
+                  fmt::format("give the beams 'wavelength: {:g} nm'; the interferometer now takes that of the beams",
+                              p.wavelength * 1e9));
+  p.wavelength = wavelength;
+  RecycledInterferometer::Servos servos;
+  if (Node const loop = table["frequency_servo"]) servos.frequency = read_transfer_function(loop);
+  if (Node const loop = table["intensity_servo"]) servos.intensity = read_transfer_function(loop);
+  std::vector<Modulation> const modulators = read_modulators(table);
+  std::vector<PortEntry> entries = read_port_entries(table, ports, double(table.whole("arms", 2, 1, 1000)));
+  if (p.transmission_difference != 0 || p.loss_difference != 0) {
+    double const largest = p.input_transmission * (1 + std::fabs(p.transmission_difference) / 2);
+    if (!(largest < 1) || !(std::fabs(p.loss_difference) / 2 <= p.round_trip_loss))
+      table.problem("the differences of the arms leave a mirror with a share below 0 or above 1", "make them smaller");
+  }
+  if (!table.healthy()) return nullptr;
+  auto model = std::make_unique<DualRecycled>(p, modulators);
+  if (beam_power > 0 && !agrees(beam_power, model->arm_power(), 0.1))
+    table.warning(fmt::format("the beam has {:.4g} W, and the interferometer {:.4g} W in each arm", beam_power,
+                              model->arm_power()),
+                  "make them agree, or add 'arm_power' here; strain is computed with the power of the interferometer");
+  return std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), std::move(entries),
+                                                  std::move(servos));
+}
+
+}  // namespace straytrace

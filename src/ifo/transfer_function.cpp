@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ifo/transfer_function.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace straytrace {
+namespace {
+
+using C = std::complex<double>;
+constexpr double edge = 1e-9;  // relative: rounding of a printed frequency is no reason to refuse
+
+}  // namespace
+
+TransferFunction::TransferFunction(std::string name, std::vector<double> hz, std::vector<C> values)
+    : name_(std::move(name)), hz_(std::move(hz)) {
+  for (C const& v : values) {
+    log_modulus_.push_back(std::log(std::abs(v)));
+    double const turn = phase_.empty() ? 0 : std::remainder(std::arg(v) - phase_.back(), 2 * pi);
+    phase_.push_back(phase_.empty() ? std::arg(v) : phase_.back() + turn);
+  }
+}
+
+C TransferFunction::operator()(double hz) const {
+  if (!hz_.empty()) return between(hz);
+  C value = gain_;
+  C const s{0, -hz};
+  for (double const z : zeros_) value *= z == 0 ? s : 1.0 + s / z;
+  for (double const p : poles_) value /= p == 0 ? s : 1.0 + s / p;
+  return value;
+}
+
+C TransferFunction::between(double hz) const {
+  if (!(hz >= hz_.front() * (1 - edge) && hz <= hz_.back() * (1 + edge)))
+    throw InputError(
+        fmt::format("error: '{}' holds {:g} Hz to {:g} Hz, and {:g} Hz is asked for\n  give a file that covers the "
+                    "band, or choose 'band' in 'noise' inside it",
+                    name_, hz_.front(), hz_.back(), hz));
+  auto const above = std::clamp<std::ptrdiff_t>(std::upper_bound(hz_.begin(), hz_.end(), hz) - hz_.begin(), 1,
+                                                std::ptrdiff_t(hz_.size()) - 1);
+  auto const b = std::size_t(above), a = b - 1;
+  double const share = std::log(hz / hz_[a]) / std::log(hz_[b] / hz_[a]);
+  return std::polar(std::exp(std::lerp(log_modulus_[a], log_modulus_[b], share)),
+                    std::lerp(phase_[a], phase_[b], share));
+}
+
+TransferFunction read_response_file(Node const& file, bool decibels) {
+  std::string const name = file.as_word(), text = name.empty() ? std::string() : file.data_file(name);
+  std::vector<double> hz;
+  std::vector<C> values;
+  std::istringstream lines(text);
+  std::string line;
+  for (std::uint32_t number = 1; std::getline(lines, line); ++number) {
+    line.resize(std::min(line.size(), line.find('#')));
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+    if (line.find_first_not_of(' ') == std::string::npos) continue;
+    std::istringstream words(line);
+    double f = 0, a = 0, b = 0;
+    std::string rest;
+    if (!(words >> f >> a >> b) || words >> rest || !std::isfinite(f + a + b)) {
+      file.file_problem(name, number, 1, "this line is not three numbers",
+                        decibels ? "write frequency in Hz, modulus in dB, phase in degrees"
+                                 : "write frequency in Hz, real part, imaginary part");
+      return {};
+    }
+    C const value = decibels ? std::polar(std::pow(10, a / 20), -b * pi / 180) : C(a, -b);
+    if (!(f > (hz.empty() ? 0 : hz.back())) || value == 0.0) {
+      file.file_problem(name, number, 1,
+                        value == 0.0 ? "a response of zero has no logarithm" : "frequencies must be positive and rise",
+                        value == 0.0 ? "leave the line out" : "sort the lines by frequency, each one once");
+      return {};
+    }
+    hz.push_back(f);
+    values.push_back(value);
+  }
+  if (hz.size() < 2) {
+    if (!name.empty())
+      file.file_problem(name, 0, 0, "a response needs two frequencies at least", "give more lines: Hz and two numbers");
+    return {};
+  }
+  return {name, std::move(hz), std::move(values)};
+}
+
+bool read_columns_are_decibels(Node const& table) {
+  std::string columns;
+  for (Node const& word : table.list("columns")) columns += word.text() + " ";
+  if (columns == "Hz dB deg ") return true;
+  if (columns != "Hz re im ")
+    (table.has("columns") ? table["columns"] : table)
+        .problem("the columns of the file must be named", "write 'columns: [Hz, re, im]' or 'columns: [Hz, dB, deg]'");
+  return false;
+}
+
+TransferFunction read_transfer_function(Node const& table) {
+  if (table.kind() != Node::Kind::table) {
+    table.problem("a transfer function is a table", "write {gain: 1000, poles: [10 Hz]} or {file: loop.txt}");
+    return {};
+  }
+  if (Node const file = table["file"]) {
+    bool const decibels = read_columns_are_decibels(table);
+    table.refuse_unknown("a transfer function");
+    return read_response_file(file, decibels);
+  }
+  std::vector<double> roots[2];
+  for (int i : {0, 1})
+    if (Node const list = table[i == 0 ? "zeros" : "poles"])
+      for (Node const& root : list.as_list()) roots[i].push_back(root.as_number(dim::frequency, 0));
+  double const gain = table.number("gain", dim::plain);
+  table.refuse_unknown("a transfer function");
+  return {roots[0], roots[1], gain};
+}
+
+}  // namespace straytrace
