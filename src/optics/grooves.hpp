@@ -7,6 +7,7 @@
 #pragma once
 
 #include "optics/bsdf.hpp"
+#include "optics/facets.hpp"
 
 namespace straytrace {
 
@@ -14,14 +15,19 @@ struct Grooves {
   double across = 0.3, along = 0.02;  // widths of the normals, tangents of slope, above 0 and at most 1
   double reflectance = 0;             // F at normal incidence on a flank
   double grazing = 0;                 // F at grazing incidence
-  static constexpr int azimuths = 17;
-  AlbedoTable totals[azimuths];  // set by prepare(); row i: cosine of the azimuth from x is (i/16)^2
-  AlbedoTable mean;              // over the azimuth
+  static constexpr int azimuths = 64, cosines = 96;
+  double totals[azimuths][cosines] = {};  // set by prepare(): what is above factor(cosine), at node()
+  AlbedoTable mean;                       // over the azimuth
   static constexpr char const* key = "grooves";
 
-  void prepare();  // host
+  void prepare();                        // host
+  Vec3 node(int row, int column) const;  // host: incidence of an entry
 
-  STRAY_HD static double azimuth_cosine(int i) { return double(i) * i / ((azimuths - 1) * (azimuths - 1)); }
+  // Width of the normals in the plane of incidence: what the total at a cosine depends on most.
+  STRAY_HD double width(double cos_azimuth) const {
+    double const x = across * cos_azimuth, square = (1 - cos_azimuth) * (1 + cos_azimuth) * along * along;
+    return std::sqrt(x * x + square);
+  }
   STRAY_HD double factor(double cosine) const {  // Schlick 1994; cosine: incidence on the flank
     double const x = cosine < 1 ? 1 - cosine : 0, square = x * x;
     return reflectance + (grazing - reflectance) * square * square * x;
@@ -49,11 +55,14 @@ struct Grooves {
   }
   // It depends on the azimuth, most of all where light comes nearly along the grooves.
   STRAY_HD double albedo(Vec3 wi) const {
-    double const sine = std::sqrt(wi.x * wi.x + wi.y * wi.y), c = sine > 0 ? std::fabs(wi.x) / sine : 0,
-                 x = (azimuths - 1) * std::sqrt(c < 1 ? c : 1);
-    int const i = x < azimuths - 1 ? static_cast<int>(x) : azimuths - 2;
-    double const low = azimuth_cosine(i), share = (c - low) / (azimuth_cosine(i + 1) - low), from = totals[i].at(wi.z);
-    return from + (share < 0 ? 0 : share > 1 ? 1 : share) * (totals[i + 1].at(wi.z) - from);
+    double const sine = std::sqrt(wi.x * wi.x + wi.y * wi.y), ratio = sine > 0 ? std::fabs(wi.x) / sine : 0,
+                 c = ratio < 1 ? ratio : 1, a = width(c);
+    Stencil const row(crowded(c * across / along, across / along), azimuths),
+        column(crowded((wi.z > 0 ? wi.z : 0) / a, 1 / a), cosines);
+    double sum = factor(wi.z);
+    for (int i = 0; i < Stencil::points; ++i) sum += row.weight[i] * column.of(totals[row.first + i]);
+    double const most = reflectance > grazing ? reflectance : grazing;
+    return sum > most ? most : sum;
   }
   STRAY_HD double albedo(double cos_i) const { return mean.at(cos_i); }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const {

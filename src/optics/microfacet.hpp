@@ -6,6 +6,7 @@
 #pragma once
 
 #include "optics/bsdf.hpp"
+#include "optics/facets.hpp"
 
 namespace straytrace {
 
@@ -13,7 +14,9 @@ struct Microfacet {
   double alpha = 0.1;      // roughness, above 0 and at most 1
   double reflectance = 0;  // F at normal incidence on a small mirror
   double grazing = 0;      // F at grazing incidence; equal to `reflectance`: the same at every angle
-  AlbedoTable totals;      // set by prepare()
+  static constexpr int cosines = 128;
+  // Set by prepare(): total above factor(cosine), even in crowded(cosine/alpha, 1/alpha).
+  double totals[cosines] = {};
   static constexpr char const* key = "microfacet";
 
   void prepare();  // host
@@ -40,7 +43,12 @@ struct Microfacet {
     if (!(wi.z > 0 && wo.z > 0)) return 0;
     return normals(unit(wi + wo)) / (2 * (wi.z + slant(wi)));
   }
-  STRAY_HD double albedo(double cos_i) const { return totals.at(cos_i); }
+  STRAY_HD double albedo(double cos_i) const {
+    double const total =
+        factor(cos_i) + Stencil(crowded((cos_i > 0 ? cos_i : 0) / alpha, 1 / alpha), cosines).of(totals);
+    double const most = reflectance > grazing ? reflectance : grazing;
+    return total > most ? most : total;
+  }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const {
     if (!(wi.z > 0)) return {};
     Vec3 const seen = unit(Vec3{alpha * wi.x, alpha * wi.y, wi.z});  // where the rough surface is a hemisphere

@@ -33,6 +33,7 @@ World build_world(Scene const& scene) {
   read_trace_limits(scene, world);
   if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
     world.finish();
+    check_lays(scene, world);
     check_beams(scene, world);
   }
   return world;

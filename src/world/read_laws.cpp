@@ -135,10 +135,6 @@ void read_microfacet(Node const& law, LawReading& out) {
   p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
   if (!(p.alpha > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
   p.prepare();
-  double const stated = std::fmax(p.reflectance, p.grazing);
-  for (double const total : p.totals.value)
-    if (!(total <= stated * (1 + 1e-9)))
-      throw NumericalError(fmt::format("microfacet: total {:.9g} above the reflectance {:.9g}", total, stated));
   out.add(p);
 }
 
@@ -190,11 +186,6 @@ void read_grooves(Node const& law, LawReading& out) {
     law["along"].problem("'along' is larger than 'across': grooves are steep across and smooth along", "swap the two");
   if (!(sound && p.across > 0 && p.along > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
   p.prepare();
-  double const stated = std::fmax(p.reflectance, p.grazing);
-  for (AlbedoTable const& row : p.totals)
-    for (double const total : row.value)
-      if (!(total <= stated * (1 + 1e-9)))
-        throw NumericalError(fmt::format("grooves: total {:.9g} above the reflectance {:.9g}", total, stated));
   out.add(p);
 }
 

@@ -37,6 +37,7 @@ void read_surfaces(Scene const&, World&, Registry&);
 void read_receivers(Scene const&, World&, Registry const&);  // before the beams: with receivers no port is needed
 void read_beams(Scene const&, World&, Registry const&);
 void read_trace_limits(Scene const&, World&);
+void check_lays(Scene const&, World const&);   // of a finished world: have all grooves a direction?
 void check_beams(Scene const&, World const&);  // of a finished world: do they light anything?
 
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.

@@ -13,7 +13,11 @@ std::uint32_t grooved(World& world, Lay lay, Vec3 direction = {}, bool mean_only
   law.reflectance = law.grazing = 0.9;
   law.prepare();
   if (mean_only)
-    for (AlbedoTable& row : law.totals) row = law.mean;
+    for (int i = 0; i < Grooves::azimuths; ++i)
+      for (int k = 0; k < Grooves::cosines; ++k) {
+        double const cosine = law.node(i, k).z;
+        law.totals[i][k] = law.mean.at(cosine) - law.factor(cosine);
+      }
   Optic optic;
   optic.laws = 1;
   optic.law[0] = world.add_law(law);
