@@ -155,8 +155,18 @@ struct Gathered {
   std::vector<Source> sources;
 };
 
-bool is_hdf5(std::string const& name) {
-  return std::filesystem::is_regular_file(name) && read_file(name).starts_with("\x89HDF");
+enum class InputKind { detector, run, budget };
+InputKind kind_of(std::string const& file) {
+  std::string const bytes = read_file(file);
+  if (is_budget_file(bytes)) return InputKind::budget;
+  return bytes.starts_with("straytrace-run") || bytes.starts_with("\x89HDF") ? InputKind::run : InputKind::detector;
+}
+
+// Every noise of a budget is an entry; one that has no parts is an entry itself.
+void add_budget_file(std::string const& name, std::vector<Source>& to) {
+  BudgetFile const file = read_budget_file(name);
+  for (BudgetTrace const& part : file.total.parts) to.push_back(source_of(file.hz, part, false));
+  if (file.total.parts.empty()) to.push_back(source_of(file.hz, file.total, false));
 }
 
 Gathered read_inputs(BudgetRequest const& r) {
@@ -165,21 +175,18 @@ Gathered read_inputs(BudgetRequest const& r) {
   std::size_t runs = 0;
   for (std::string const& name : r.inputs) {
     bool const preset = std::find(presets.begin(), presets.end(), name) != presets.end();
-    if (!preset && is_hdf5(name)) {
-      if (is_budget_file(read_file(name))) {
-        BudgetFile const file = read_budget_file(name);
-        for (BudgetTrace const& part : file.total.parts) g.sources.push_back(source_of(file.hz, part, false));
-        if (file.total.parts.empty()) g.sources.push_back(source_of(file.hz, file.total, false));
-      } else {
-        g.sources.push_back(stray_light(name, ++runs == 1 ? "StrayLight" : fmt::format("StrayLight{}", runs)));
-      }
-      continue;
-    }
     if (!preset && !std::filesystem::is_regular_file(name)) {
       std::string const near = nearest_word(name, presets);
       throw InputError(fmt::format("error: '{}' is neither a detector nor a file\n  {}", name,
                                    near.empty() ? fmt::format("detectors: {}", fmt::join(presets, ", "))
                                                 : fmt::format("did you mean '{}'?", near)));
+    }
+    if (InputKind const kind = preset ? InputKind::detector : kind_of(name); kind == InputKind::budget) {
+      add_budget_file(name, g.sources);
+      continue;
+    } else if (kind == InputKind::run) {
+      g.sources.push_back(stray_light(name, ++runs == 1 ? "StrayLight" : fmt::format("StrayLight{}", runs)));
+      continue;
     }
     if (g.ifo)
       throw InputError(

@@ -37,6 +37,7 @@ std::vector<double> const* reference(BudgetOn const& b) { return b.curves.empty(
 std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
   std::string text = std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma) : number(h);
+  if (!std::isfinite(h) && !e.note.empty()) text = "unresolved";
   std::vector<double> const* const design = reference(v.at);
   text += design && NoiseTable::exceeds(h, (*design)[i], v.margin) ? " !" : "  ";
   return text;
@@ -54,6 +55,21 @@ std::vector<std::string> numbers(std::vector<double> const& all, char const* for
   return cells;
 }
 
+bool unknown_somewhere(BudgetEntry const& e) {
+  return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return !std::isfinite(h); });
+}
+bool known_somewhere(BudgetEntry const& e) {
+  return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return std::isfinite(h); });
+}
+
+// What the total does not hold.
+std::string bound(BudgetView const& v) {
+  std::vector<std::string> names;
+  for (BudgetEntry const& e : v.at.table.entries)
+    if (unknown_somewhere(e)) names.push_back(e.name);
+  return names.empty() ? "" : fmt::format("total: a lower bound where {} is not known\n", fmt::join(names, ", "));
+}
+
 std::string flagged(BudgetView const& v) {
   std::vector<double> const* const design = reference(v.at);
   if (!design) return "";
@@ -69,7 +85,7 @@ std::string flagged(BudgetView const& v) {
   if (!any) return fmt::format("!: above {:g} x {}\n", v.margin, v.at.curves.front().name);
   return fmt::format("!: above {:g} x {}; of technical noises and stray light: {}\n", v.margin,
                      v.at.curves.front().name,
-                     loud.empty() ? "none at these frequencies" : fmt::format("{}", fmt::join(loud, ", ")));
+                     loud.empty() ? "none of what is known" : fmt::format("{}", fmt::join(loud, ", ")));
 }
 
 std::string ratios(BudgetView const& v) {
@@ -108,7 +124,7 @@ std::string budget_text(BudgetView const& v) {
   for (ReferenceCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
   if (std::vector<double> const line = thermal_requirement(v.at.table); !line.empty())
     text += row("LIGO requirement", numbers(line));
-  text += ratios(v) + flagged(v);
+  text += ratios(v) + flagged(v) + bound(v);
   if (!thermal_requirement(v.at.table).empty())
     text += "LIGO requirement: a tenth of the thermal noise of suspensions and test masses (G0900670)\n";
   for (BudgetEntry const& e : v.at.table.entries)
@@ -190,7 +206,7 @@ std::string budget_pygwinc(BudgetView const& v) {
   std::string bounds;
   for (double const h : t.total()) file.total.psd.push_back(std::isfinite(h) ? h * h : 0);
   for (BudgetEntry const& e : t.entries) {
-    file.total.parts.push_back(trace_of(e));
+    if (known_somewhere(e)) file.total.parts.push_back(trace_of(e));
     if (!e.note.empty()) bounds += fmt::format("{}: {}; ", e.name, e.note);
   }
   return budget_file_bytes(

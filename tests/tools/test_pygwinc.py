@@ -40,7 +40,7 @@ TOLERANCE = {
     "CoatingBrownian": 1e-4,
     "CoatingThermoOptic": 1e-4,
     "SubstrateBrownian": 1e-4,
-    "SubstrateThermoElastic": 1e-4,
+    "SubstrateThermoElastic": 1e-2,  # ours with the flow of heat during a period
     "ResidualGas": 1e-4,
 }
 
@@ -122,8 +122,10 @@ def test_their_ifo(folder):
     """pygwinc's own ifo.yaml gives what our preset of the same detector gives."""
     path = pathlib.Path(gwinc.__file__).parent / "ifo/aLIGO/ifo.yaml"
     one, two = (json.loads(run(name, "--at", "30 Hz", "--format", "json").stdout) for name in (str(path), "aligo"))
-    for a, b in zip(one["at"]["noises"], two["at"]["noises"]):
-        assert a["name"] == b["name"] and abs(a["strain"][0] / b["strain"][0] - 1) < 1e-9, a["name"]
+    ours = {noise["name"]: noise["strain"][0] for noise in two["at"]["noises"]}
+    assert set(ours) == {noise["name"] for noise in one["at"]["noises"]} | {"SubstrateThermoRefractive"}  # no dndT there
+    for noise in one["at"]["noises"]:
+        assert abs(noise["strain"][0] / ours[noise["name"]] - 1) < 1e-9, noise["name"]
 
 
 def test_each_noise(folder, table=False):

@@ -15,6 +15,8 @@ struct MirrorShape {
 // 2000): S_x = 8 kT phi U/w; half space for a radius and thickness much larger than w: eq. 12.7.
 double strain_energy(SubstrateMaterial const&, MirrorShape, double w);
 double substrate_brownian_psd(SubstrateMaterial const&, MirrorShape, double w, double hz);
+// Liu and Thorne 2000, eq. 46; heat that flows away during a period as in a half space (Cerdonio et al. 2001): cold
+// crystals.
 double substrate_thermoelastic_psd(SubstrateMaterial const&, MirrorShape, double w, double hz);
 // Optical path of one pass through the substrate, m^2/Hz (Braginsky and Vyatchanin 2004, eq. E7): at all frequencies.
 double substrate_thermorefractive_psd(SubstrateMaterial const&, double thickness, double w, double hz);
