@@ -142,6 +142,23 @@ TEST(Substrate, ThermoElasticHalfSpace) {  // Braginsky, Gorodetsky and Vyatchan
   EXPECT_LT(deviation(substrate_thermoelastic_psd(m, {0.5, 0.5}, w, 100), form), 0.03);
 }
 
+TEST(Substrate,
+     HeatFlowsAwayInColdCrystals) {  // Cerdonio et al. 2001: 1 - 2/sqrt(pi x) for x = w rho C r0^2/kappa large
+  SubstrateMaterial m = silica();
+  double const w = 0.05, r0 = w / std::sqrt(2), omega = 2 * pi * 10;
+  auto const adiabatic = [&](double conductivity) {  // PSD over conductivity: proportional to what is left
+    m.conductivity = conductivity;
+    return substrate_thermoelastic_psd(m, {0.17, 0.2}, w, 10) / conductivity;
+  };
+  double const none = adiabatic(1e-4);
+  for (double const x : {1e3, 1e4}) {
+    double const left = adiabatic(omega * m.density * m.heat_capacity * r0 * r0 / x) / none;
+    EXPECT_NEAR(left, 1 - 2 / std::sqrt(pi * x), 1e-3) << x;
+    EXPECT_GT(std::fabs(left - 1), 5e-3);  // twin: adiabatic
+  }
+  EXPECT_LT(adiabatic(omega * m.density * m.heat_capacity * r0 * r0 / 0.1) / none, 0.05);
+}
+
 TEST(Substrate, ThermoRefractiveAdiabatic) {  // Braginsky and Vyatchanin 2004, eq. 5.3, above all relaxation
   SubstrateMaterial const m = silica();
   double const w = 0.05, r0 = w / std::sqrt(2), rate = 2 * pi * 100 * m.density * m.heat_capacity;

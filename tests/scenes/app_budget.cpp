@@ -41,7 +41,7 @@ TEST(Budget, TotalIsTheSumOfSquaresAndMeetsTheDesign) {  // aLIGO of pygwinc, 2 
 
 TEST(Budget, RunBesideADetector) {
   Folder const folder;
-  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "20000", "--quiet"}).code, 0);
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
   std::string const run = folder / "run/run.h5";
   Finished const done = straytrace({"budget", "adv", run, "--at", "10 Hz, 30 Hz", "--format", "json", "--export",
                                     "pygwinc", "-o", folder / "out", "--margin", "1/10"});

@@ -109,8 +109,12 @@ TEST(Ifo, OverridesAndCurves) {
 }
 
 TEST(Ifo, OneGasOfOlderFiles) {
-  TemporaryFile const file("gas.yaml", read_ifo("aligo").yaml + "\n");
-  EXPECT_EQ(read_ifo(file.name()).detector.gas.size(), 4u);
+  std::string const at = "Infrastructure.ResidualGas.";
+  std::vector<GasSpecies> const gas =
+      read_ifo("aligo", {at + "pressure=5e-8", at + "mass=3.35e-27", at + "polarizability=7.8e-31"}).detector.gas;
+  ASSERT_EQ(gas.size(), 5u);
+  EXPECT_EQ(gas[0].tube_pressure, 5e-8);
+  EXPECT_EQ(gas[0].chamber_pressure, 5e-8);
 }
 
 BudgetFile made() {
@@ -162,26 +166,35 @@ TEST(BudgetFile, Version1) {
   EXPECT_EQ(back.total.parts[1].parts[0].name, "Coating");
 }
 
+template <class Fill>
+std::string complaint_about(Fill const& fill) {
+  hdf5::Writer out;
+  fill(out);
+  TemporaryFile const file("bad.hdf5", out.bytes());
+  try {
+    read_budget_file(file.name());
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return "";
+}
+
 TEST(BudgetFile, Damaged) {
-  auto const said = [](hdf5::Writer& out) {
-    TemporaryFile const file("bad.hdf5", out.bytes());
-    try {
-      read_budget_file(file.name());
-    } catch (InputError const& e) {
-      return std::string(e.what());
-    }
-    return std::string();
-  };
-  hdf5::Writer empty, two, short_one;
-  EXPECT_THAT(said(empty), HasSubstr("'/Freq' is missing"));
-  two.array("/Freq", std::vector<double>{1, 2}, "Hz");
-  two.group("/One", "");
-  two.group("/Two", "");
-  EXPECT_THAT(said(two), HasSubstr("the total must be the only one"));
-  short_one.array("/Freq", std::vector<double>{1, 2}, "Hz");
-  short_one.group("/Total", "");
-  short_one.array("/Total/PSD", std::vector<double>{1}, "1/Hz");
-  EXPECT_THAT(said(short_one), HasSubstr("1 values for 2 frequencies"));
+  std::vector<double> const two{1, 2};
+  EXPECT_THAT(complaint_about([&](hdf5::Writer& out) { out.array("/Something", two, ""); }),
+              HasSubstr("'/Freq' is missing"));
+  EXPECT_THAT(complaint_about([&](hdf5::Writer& out) {
+                out.array("/Freq", two, "Hz");
+                out.group("/One", "");
+                out.group("/Two", "");
+              }),
+              HasSubstr("the total must be the only one"));
+  EXPECT_THAT(complaint_about([&](hdf5::Writer& out) {
+                out.array("/Freq", two, "Hz");
+                out.group("/Total", "");
+                out.array("/Total/PSD", std::vector<double>{1}, "1/Hz");
+              }),
+              HasSubstr("1 values for 2 frequencies"));
 }
 
 }  // namespace
