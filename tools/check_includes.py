@@ -16,11 +16,12 @@ MAY_INCLUDE = {                        # room: rooms it may include besides itse
     "world": "base geometry optics beams scene",
     "trace": "base geometry optics beams world",
     "ifo": "base beams signal",
-    "noise": "base signal motion trace ifo",
+    "noise": "base beams signal motion trace ifo",
     "report": "base signal motion beams scene world trace ifo noise",
     "app": "base beams signal motion scene world trace ifo noise report",
 }
 NARROW = {                             # (room, other): the only files it may take from there
+    ("noise", "beams"): {"beams/cavity_mode.hpp"},
     ("noise", "trace"): {"trace/coupling.hpp"},
     ("report", "trace"): {"trace/coupling.hpp", "trace/result.hpp"},
 }

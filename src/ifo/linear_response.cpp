@@ -182,10 +182,15 @@ Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) 
 Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
 Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
+Phasor LinearResponse::to_vacuum(std::uint32_t port, int side) const {
+  return weight_[Layout(network_, field_).field(false, side, field_.carrier(0), port)];
+}
+
+// Each sideband has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
+double LinearResponse::vacuum_psd(double wavelength) { return hbar * 2 * pi * speed_of_light / wavelength / 4; }
+
 double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
   Layout const at(network_, field_);
-  // Each sideband of the vacuum has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
-  double const vacuum = hbar * 2 * pi * speed_of_light / network_.wavelength() / 4;
   std::vector<bool> open(network_.ports(), true);
   for (Network::Space const& s : network_.spaces()) open[s.from] = open[s.to] = false;
   double sum = 0;
@@ -209,7 +214,7 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
     sum += std::norm(a + b) / 2 * std::exp(-2 * s.r) + std::norm(a - b) / 2 * std::exp(2 * s.r) - std::norm(a) -
            std::norm(b);
   }
-  return vacuum * sum;
+  return vacuum_psd(network_.wavelength()) * sum;
 }
 
 }  // namespace straytrace

@@ -70,6 +70,11 @@ class LinearResponse {
   Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
   Phasor to_phase(Injection const&) const;
   Phasor to_amplitude(Injection const&) const;
+  // The field itself that enters an open port around carrier 0, per sqrt(W): 0 the upper sideband, 1 the conjugate of
+  // the lower.
+  Phasor to_vacuum(std::uint32_t port, int side) const;
+  // What each sideband of the vacuum adds to the one-sided PSD of a read-out, per |to_vacuum|^2: W/Hz.
+  static double vacuum_psd(double wavelength);
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
   double quantum_noise(std::span<Squeezing const> = {}) const;
 

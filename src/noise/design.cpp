@@ -4,14 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <map>
 
+#include "base/embedded.hpp"
+#include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
 #include "signal/text_table.hpp"
 
 namespace straytrace {
 namespace {
+
+constexpr std::string_view folder = "curves/";
 
 // a exp(p0 + p1 x + p2 x^2), x = ln(f / reference)
 struct Term {
@@ -31,14 +35,17 @@ double fit(std::span<Term const> terms, double scale, double reference, double h
   return scale * sum;
 }
 
-// Straight lines in log-log; NaN outside.
-double interpolated(std::span<double const> hz, std::span<double const> value, double f) {
-  if (!(f >= hz.front() && f <= hz.back())) return not_a_number;
-  auto const last = static_cast<std::ptrdiff_t>(hz.size()) - 1;
-  auto const i = static_cast<std::size_t>(
-      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, last));
-  double const x = std::log(f / hz[i - 1]) / std::log(hz[i] / hz[i - 1]);
-  return value[i - 1] * std::pow(value[i] / value[i - 1], x);
+// Tables that come with the program: data/curves/NAME.txt.
+Curve const* table_of(std::string_view name) {
+  static std::map<std::string, Curve, std::less<>> const tables = [] {
+    std::map<std::string, Curve, std::less<>> all;
+    for (EmbeddedFile const& file : embedded_files())
+      if (file.name.starts_with(folder))
+        all.emplace(file.name.substr(folder.size(), file.name.size() - folder.size() - 4), parse_curve(file.text));
+    return all;
+  }();
+  auto const found = tables.find(name);
+  return found == tables.end() ? nullptr : &found->second;
 }
 
 constexpr double et_d_hz[] = {1, 3, 5, 10, 20, 100, 1000};
@@ -53,21 +60,29 @@ DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid 
     where.problem(fmt::format("'{}' is not a design curve: {}", name, curve.error),
                   "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");
   else
-    for (std::size_t i = 0; i < grid.size(); ++i) design.asd[i] = interpolated(curve.hz, curve.value, grid.centre(i));
+    for (std::size_t i = 0; i < grid.size(); ++i) design.asd[i] = read_off(curve.hz, curve.value, grid.centre(i));
   return design;
 }
 
 }  // namespace
 
 std::span<std::string const> built_in_designs() {
-  static std::array<std::string, 3> const names = {"adv-lal", "kagra-lal", "et-d-points"};
+  static std::vector<std::string> const names = [] {
+    std::vector<std::string> all = {"adv-lal", "kagra-lal", "et-d-points"};
+    for (EmbeddedFile const& file : embedded_files())
+      if (file.name.starts_with(folder))
+        all.emplace_back(file.name.substr(folder.size(), file.name.size() - folder.size() - 4));
+    return all;
+  }();
   return names;
 }
 
 double design_asd(std::string_view name, double hz) {
   if (name == "adv-lal") return fit(adv, 1.259e-24, 300, hz);
   if (name == "kagra-lal") return fit(kagra, 6.499e-25, 100, hz);
-  return name == "et-d-points" ? interpolated(et_d_hz, et_d_asd, hz) : not_a_number;
+  if (name == "et-d-points") return read_off(et_d_hz, et_d_asd, hz);
+  Curve const* const table = table_of(name);
+  return table ? read_off(table->hz, table->value, hz) : not_a_number;
 }
 
 std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettings const& settings) {
@@ -84,8 +99,9 @@ std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettin
     } else if (!name.empty()) {
       std::string const near = nearest_word(name, known);
       node.problem(fmt::format("'{}' is not a design curve", name),
-                   near.empty() ? "write adv-lal, kagra-lal, et-d-points, or the name of a file such as 'design.txt'"
-                                : fmt::format("did you mean '{}'?", near));
+                   near.empty()
+                       ? fmt::format("write {}, or the name of a file such as 'design.txt'", fmt::join(known, ", "))
+                       : fmt::format("did you mean '{}'?", near));
     }
   }
   return curves;

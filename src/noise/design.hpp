@@ -8,7 +8,9 @@
 
 namespace straytrace {
 
-std::span<std::string const> built_in_designs();  // "adv-lal", "kagra-lal", "et-d-points"
+// "adv-lal", "kagra-lal" (formulas), "et-d-points" (seven points), and the tables of data/curves: "et-d",
+// "aligo-gwinc", "aplus-gwinc", "ce1-gwinc", "ce2-silica-gwinc".
+std::span<std::string const> built_in_designs();
 
 // Strain ASD in 1/sqrt(Hz); NaN outside the range of a table and for an unknown name.
 double design_asd(std::string_view name, double hz);

@@ -23,9 +23,21 @@ TEST(TargetCurves, FitsAndTables) {  // tolerance 1e-3
   EXPECT_GT(worst("adv-lal", kagra), 0.1);  // twin: the curve of another detector
 }
 
+TEST(TargetCurves, TablesOfPublicBudgets) {  // physics.md 12.2: the seven values of ET-D, read off between points
+  EXPECT_LT(
+      worst("et-d", {{1, 3.50e-17}, {3, 2.21e-23}, {10, 1.16e-24}, {20, 9.39e-25}, {100, 3.93e-25}, {1000, 5.78e-25}}),
+      3e-3);
+  EXPECT_LT(worst("et-d", {{5, 3.53e-24}}), 1e-2);  // falls by half per Hz there
+  EXPECT_GT(worst("et-d", kagra), 0.1);             // twin
+  // pygwinc 0.6.2 itself at 100 Hz
+  EXPECT_LT(worst("aligo-gwinc", {{100, 3.700e-24}}), 1e-3);
+  for (std::string const& name : built_in_designs()) EXPECT_GT(design_asd(name, 100), 1e-26) << name;
+}
+
 TEST(TargetCurves, NothingOutsideATable) {
   EXPECT_TRUE(std::isnan(design_asd("et-d-points", 0.9)));
   EXPECT_TRUE(std::isnan(design_asd("et-d-points", 2000)));
+  EXPECT_TRUE(std::isnan(design_asd("et-d", 0.9)));
   EXPECT_TRUE(std::isnan(design_asd("unknown", 100)));
 }
 

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace budget: fundamental noises of a detector, with stray light of runs and curves of others beside them.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <iostream>
+
+#include "app/budget_inputs.hpp"
+#include "app/common_options.hpp"
+#include "app/session.hpp"
+#include "base/message.hpp"
+#include "report/picture.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Asked {
+  BudgetRequest request;
+  std::string export_as;
+};
+
+int budget(Asked const& asked, Options const& options) {
+  if (!asked.export_as.empty() && options.out.empty())
+    throw InputError("error: --export writes a file, and there is no folder for it\n  add -o DIR");
+  BudgetView const view = gather_budget(asked.request);
+  if (options.json())
+    std::cout << budget_json(view).dump(1) << '\n';
+  else
+    std::cout << budget_text(view);
+  if (!options.quiet)
+    for (std::string const& warning : view.warnings) std::cerr << "warning: " << warning << '\n';
+  if (options.out.empty()) return done;
+  make_folder(options.out);
+  std::string const base = options.out + "/budget.", picture = base + "png";
+  write_file(base + "txt", budget_columns(view));
+  write_file(base + "json", budget_json(view).dump(1));
+  if (!asked.export_as.empty()) write_file(base + "hdf5", budget_pygwinc(view));
+  std::string message;
+  if (!draw_budget_picture(base + "json", picture, message)) std::cerr << "warning: " << message << '\n';
+  return done;
+}
+
+}  // namespace
+
+void add_budget(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("budget", "noise budget of a detector: fundamental noises, stray light, curves");
+  static Asked asked;
+  BudgetRequest& r = asked.request;
+  command
+      ->add_option("input", r.inputs,
+                   "detector (preset or pygwinc ifo.yaml), run files, pygwinc budgets (HDF5), in any order")
+      ->required();
+  command->add_option("--at", r.at, "frequencies of the table")->default_str(r.at);
+  command->add_option("--band", r.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
+  command->add_option("--points", r.points, "of the curves")->check(CLI::Range(2, 100000))->default_val(r.points);
+  command->add_option("--compare", r.compare, "design curves, or files: two columns, or budgets of pygwinc")
+      ->delimiter(',');
+  command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");
+  command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
+      ->allow_extra_args(false);
+  command->add_option("--export", asked.export_as, "pygwinc: also budget.hdf5 that pygwinc reads")
+      ->check(CLI::IsMember({"pygwinc"}));
+  command->add_option("-o,--out", options.out, "folder for budget.txt, budget.json, budget.png");
+  command->add_flag("--quiet", options.quiet, "results only");
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace budget aligo --at \"10 Hz, 100 Hz\"\n"
+      "  straytrace budget adv demo/run.h5 --export pygwinc -o budget/");
+  command->callback([&] { exit_code = budget(asked, options); });
+}
+
+}  // namespace straytrace

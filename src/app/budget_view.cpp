@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/budget_view.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/build_info.hpp"
+#include "report/pygwinc_trace.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.3e}", x) : "-"; }
+
+Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json json_numbers(std::vector<double> const& all) {
+  Json out = Json::array();
+  for (double const x : all) out.push_back(json_number(x));
+  return out;
+}
+
+std::string kind_of(BudgetEntry const& e) {
+  return e.kind == BudgetEntry::Kind::fundamental ? "fundamental"
+         : e.kind == BudgetEntry::Kind::technical ? "technical"
+                                                  : "stray light";
+}
+
+std::vector<double> const* reference(BudgetOn const& b) { return b.curves.empty() ? nullptr : &b.curves.front().asd; }
+
+// "1.2e-24", with its error where it has one, and "!" above the margin.
+std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
+  double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
+  std::string text = std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma) : number(h);
+  if (!std::isfinite(h) && !e.note.empty()) text = "unresolved";
+  std::vector<double> const* const design = reference(v.at);
+  text += design && NoiseTable::exceeds(h, (*design)[i], v.margin) ? " !" : "  ";
+  return text;
+}
+
+std::string row(std::string const& name, std::vector<std::string> const& cells) {
+  std::string text = fmt::format("{:<28}", name);
+  for (std::string const& c : cells) text += fmt::format("  {:>14}", c);
+  return text + '\n';
+}
+
+std::vector<std::string> numbers(std::vector<double> const& all, char const* form = "{:.3e}") {
+  std::vector<std::string> cells;
+  for (double const x : all) cells.push_back(std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-");
+  return cells;
+}
+
+bool unknown_somewhere(BudgetEntry const& e) {
+  return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return !std::isfinite(h); });
+}
+bool known_somewhere(BudgetEntry const& e) {
+  return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return std::isfinite(h); });
+}
+
+// What the total does not hold.
+std::string bound(BudgetView const& v) {
+  std::vector<std::string> names;
+  for (BudgetEntry const& e : v.at.table.entries)
+    if (unknown_somewhere(e)) names.push_back(e.name);
+  return names.empty() ? "" : fmt::format("total: a lower bound where {} is not known\n", fmt::join(names, ", "));
+}
+
+std::string flagged(BudgetView const& v) {
+  std::vector<double> const* const design = reference(v.at);
+  if (!design) return "";
+  std::vector<std::string> loud;
+  for (BudgetEntry const& e : v.at.table.entries)
+    for (std::size_t i = 0; i < e.asd.size(); ++i)
+      if (e.kind != BudgetEntry::Kind::fundamental && NoiseTable::exceeds(e.asd[i], (*design)[i], v.margin)) {
+        loud.push_back(e.name);
+        break;
+      }
+  bool const any = std::any_of(v.at.table.entries.begin(), v.at.table.entries.end(),
+                               [](BudgetEntry const& e) { return e.kind != BudgetEntry::Kind::fundamental; });
+  if (!any) return fmt::format("!: above {:g} x {}\n", v.margin, v.at.curves.front().name);
+  return fmt::format("!: above {:g} x {}; of technical noises and stray light: {}\n", v.margin,
+                     v.at.curves.front().name,
+                     loud.empty() ? "none of what is known" : fmt::format("{}", fmt::join(loud, ", ")));
+}
+
+std::string ratios(BudgetView const& v) {
+  std::vector<double> const* const design = reference(v.at);
+  if (!design) return "";
+  std::string text;
+  for (BudgetEntry const& e : v.at.table.entries) {
+    if (e.kind == BudgetEntry::Kind::fundamental) continue;
+    std::vector<double> ratio;
+    for (std::size_t i = 0; i < e.asd.size(); ++i) ratio.push_back(e.asd[i] / (*design)[i]);
+    text += row("  " + e.name, numbers(ratio, "{:.3g}"));
+  }
+  if (!text.empty()) text = fmt::format("over {}\n", v.at.curves.front().name) + text;
+  return text;
+}
+
+BudgetTrace trace_of(BudgetEntry const& e) {
+  BudgetTrace t{e.name, e.words.empty() ? e.name : e.words, {}, {}};
+  for (double const h : e.asd) t.psd.push_back(h * h);
+  for (BudgetEntry const& part : e.parts) t.parts.push_back(trace_of(part));
+  return t;
+}
+
+}  // namespace
+
+std::string budget_text(BudgetView const& v) {
+  std::vector<std::string> head;
+  for (double const f : v.at.table.hz) head.push_back(fmt::format("{:g} Hz", f));
+  std::string text = v.title + "\nstrain ASD [1/sqrt(Hz)], one-sided\n" + row("", head);
+  for (BudgetEntry const& e : v.at.table.entries) {
+    std::vector<std::string> cells;
+    for (std::size_t i = 0; i < e.asd.size(); ++i) cells.push_back(cell(v, e, i));
+    text += row(e.name, cells);
+  }
+  text += row("total", numbers(v.at.table.total()));
+  for (ReferenceCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
+  if (std::vector<double> const line = thermal_requirement(v.at.table); !line.empty())
+    text += row("LIGO requirement", numbers(line));
+  text += ratios(v) + flagged(v) + bound(v);
+  if (!thermal_requirement(v.at.table).empty())
+    text += "LIGO requirement: a tenth of the thermal noise of suspensions and test masses (G0900670)\n";
+  for (BudgetEntry const& e : v.at.table.entries)
+    if (!e.note.empty()) text += fmt::format("{}: {}\n", e.name, e.note);
+  if (!v.left_out.empty()) text += fmt::format("left out, not stated: {}\n", fmt::join(v.left_out, ", "));
+  return text;
+}
+
+std::string budget_columns(BudgetView const& v) {
+  NoiseTable const& t = v.grid.table;
+  std::string text =
+      fmt::format("# {}\n# straytrace {} ({})\n# strain ASD [1/sqrt(Hz)], one-sided; nan: not known\n# Hz", v.title,
+                  build_info::version, build_info::commit);
+  for (BudgetEntry const& e : t.entries) text += fmt::format(" {}_strain", e.name);
+  text += " total_strain";
+  for (ReferenceCurve const& c : v.grid.curves) text += " " + c.name;
+  std::vector<double> const total = t.total(), line = thermal_requirement(t);
+  text += line.empty() ? "\n" : " LIGO_requirement_strain\n";
+  for (std::size_t i = 0; i < t.hz.size(); ++i) {
+    text += fmt::format("{:.9g}", t.hz[i]);
+    for (BudgetEntry const& e : t.entries) text += fmt::format(" {:.6e}", e.asd[i]);
+    text += fmt::format(" {:.6e}", total[i]);
+    for (ReferenceCurve const& c : v.grid.curves) text += fmt::format(" {:.6e}", c.asd[i]);
+    text += line.empty() ? "\n" : fmt::format(" {:.6e}\n", line[i]);
+  }
+  return text;
+}
+
+namespace {
+
+Json json_of(BudgetView const& v, BudgetOn const& b) {
+  Json out{{"frequency_Hz", b.table.hz}, {"noises", Json::array()}};
+  std::vector<double> const* const design = reference(b);
+  for (BudgetEntry const& e : b.table.entries) {
+    Json j{{"name", e.name}, {"what", e.words}, {"kind", kind_of(e)}, {"strain", json_numbers(e.asd)}};
+    if (!e.sigma.empty()) j["sigma"] = json_numbers(e.sigma);
+    if (!e.note.empty()) j["note"] = e.note;
+    if (design) {
+      Json over = Json::array(), above = Json::array();
+      for (std::size_t i = 0; i < e.asd.size(); ++i) {
+        over.push_back(json_number(e.asd[i] / (*design)[i]));
+        above.push_back(NoiseTable::exceeds(e.asd[i], (*design)[i], v.margin));
+      }
+      j["over_reference"] = over;
+      j["above_margin"] = above;
+    }
+    for (BudgetEntry const& part : e.parts)
+      j["parts"].push_back(
+          {{"name", part.name}, {"strain", json_numbers(part.asd)}, {"sigma", json_numbers(part.sigma)}});
+    out["noises"].push_back(j);
+  }
+  out["total"] = json_numbers(b.table.total());
+  out["curves"] = Json::array();
+  for (ReferenceCurve const& c : b.curves) out["curves"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
+  out["ligo_requirement"] = json_numbers(thermal_requirement(b.table));
+  return out;
+}
+
+}  // namespace
+
+Json budget_json(BudgetView const& v) {
+  return {{"title", v.title},
+          {"program", "straytrace"},
+          {"version", build_info::version},
+          {"commit", build_info::commit},
+          {"inputs", v.inputs},
+          {"margin", v.margin},
+          {"left_out", v.left_out},
+          {"at", json_of(v, v.at)},
+          {"curves", json_of(v, v.grid)}};
+}
+
+std::string budget_pygwinc(BudgetView const& v) {
+  BudgetFile file;
+  NoiseTable const& t = v.grid.table;
+  file.hz = t.hz;
+  file.ifo = v.ifo_yaml;
+  file.total = {"Total", v.title, {}, {}};
+  std::string bounds;
+  for (double const h : t.total()) file.total.psd.push_back(std::isfinite(h) ? h * h : 0);
+  for (BudgetEntry const& e : t.entries) {
+    if (known_somewhere(e)) file.total.parts.push_back(trace_of(e));
+    if (!e.note.empty()) bounds += fmt::format("{}: {}; ", e.name, e.note);
+  }
+  return budget_file_bytes(
+      file,
+      {{"program", "straytrace"}, {"version", build_info::version}, {"commit", build_info::commit}, {"notes", bounds}});
+}
+
+}  // namespace straytrace

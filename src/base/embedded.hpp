@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The files of the folder data/, compiled in, so that they are found wherever the program stands.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace straytrace {
+
+struct EmbeddedFile {
+  std::string_view name, text;  // "curves/et-d.txt"
+};
+std::span<EmbeddedFile const> embedded_files();         // by name
+std::string_view embedded_file(std::string_view name);  // its text; empty: no such file
+
+}  // namespace straytrace

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise/fundamental/budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/message.hpp"
+#include "noise/fundamental/fundamental.hpp"
+
+namespace straytrace {
+
+std::vector<double> NoiseTable::total() const {
+  std::vector<double> sum(hz.size(), 0.0);
+  for (std::size_t i = 0; i < hz.size(); ++i) {
+    for (BudgetEntry const& e : entries)
+      if (std::isfinite(e.asd[i])) sum[i] += e.asd[i] * e.asd[i];
+    sum[i] = sum[i] > 0 ? std::sqrt(sum[i]) : not_a_number;
+  }
+  return sum;
+}
+
+FundamentalEntries fundamental_entries(Detector const& d, std::span<double const> hz) {
+  FundamentalEntries all;
+  for (FundamentalNoise const& noise : fundamental_noises()) {
+    if (!noise.known(d)) {
+      all.left_out.push_back(fmt::format("{} (needs {})", noise.name, noise.needs));
+      continue;
+    }
+    BudgetEntry e{std::string(noise.name),
+                  std::string(noise.words),
+                  BudgetEntry::Kind::fundamental,
+                  noise.psd(d, hz),
+                  {},
+                  "",
+                  {}};
+    for (std::size_t i = 0; i < hz.size(); ++i) {
+      if (!std::isfinite(e.asd[i]) || e.asd[i] < 0)
+        throw NumericalError(fmt::format("{} is not finite at {:g} Hz", noise.name, hz[i]));
+      e.asd[i] = std::sqrt(e.asd[i]);
+    }
+    all.entries.push_back(std::move(e));
+  }
+  return all;
+}
+
+std::vector<double> thermal_requirement(NoiseTable const& table) {
+  constexpr std::string_view needed[] = {"SuspensionThermal", "CoatingBrownian", "CoatingThermoOptic",
+                                         "SubstrateBrownian", "SubstrateThermoElastic"};
+  std::vector<double> sum(table.hz.size(), 0.0);
+  for (std::string_view const name : needed) {
+    auto const found =
+        std::find_if(table.entries.begin(), table.entries.end(), [&](BudgetEntry const& e) { return e.name == name; });
+    if (found == table.entries.end()) return {};
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = std::hypot(sum[i], found->asd[i]);
+  }
+  for (double& x : sum) x *= 0.1;
+  return sum;
+}
+
+double read_off(std::span<double const> hz, std::span<double const> value, double f) {
+  if (hz.empty() || !(f >= hz.front() && f <= hz.back())) return not_a_number;
+  if (hz.size() == 1) return value.front();
+  auto const last = static_cast<std::ptrdiff_t>(hz.size()) - 1;
+  auto const i = static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, last));
+  double const x = std::log(f / hz[i - 1]) / std::log(hz[i] / hz[i - 1]);
+  if (x == 0) return value[i - 1];
+  return value[i - 1] * std::pow(value[i] / value[i - 1], x);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Noises side by side: their sum, and what is small enough (physics.md 12.1, R2.22, R2.23).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "noise/fundamental/detector.hpp"
+
+namespace straytrace {
+
+// ASD of strain, 1/sqrt(Hz), on the frequencies of the budget; NaN where the noise is not known.
+struct BudgetEntry {
+  enum class Kind { fundamental, technical, stray_light };
+  std::string name, words;
+  Kind kind = Kind::fundamental;
+  std::vector<double> asd;
+  std::vector<double> sigma;  // one standard error, Monte Carlo; empty: none
+  std::string note;           // what cannot be seen in the numbers: a lower bound
+  std::vector<BudgetEntry> parts;
+};
+
+struct NoiseTable {
+  std::vector<double> hz;
+  std::vector<BudgetEntry> entries;
+  // Root of the sum of the squares of what is known, at every frequency.
+  std::vector<double> total() const;
+  // Above it an entry is not small beside the reference: margin times reference.
+  static bool exceeds(double asd, double reference, double margin) { return asd > margin * reference; }
+};
+
+// What the detector states enough for, and the names of the noises that are left out, with what they need.
+struct FundamentalEntries {
+  std::vector<BudgetEntry> entries;
+  std::vector<std::string> left_out;
+};
+FundamentalEntries fundamental_entries(Detector const&, std::span<double const> hz);
+
+// Requirement of LIGO on stray light (G0900670): a tenth of the thermal noise of suspensions and test masses; strain
+// ASD, empty when one of them is not known.
+std::vector<double> thermal_requirement(NoiseTable const&);
+
+// Straight lines in log-log; NaN outside the range and where a neighbour is not known.
+double read_off(std::span<double const> hz, std::span<double const> value, double f);
+
+}  // namespace straytrace

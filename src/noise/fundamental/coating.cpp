@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise/fundamental/coating.hpp"
+
+#include <cmath>
+
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+double transmission(CoatingStack const& s) { return 1 - std::norm(reflection(s).amplitude); }
+
+std::vector<double> doublets(std::size_t count, CoatedMirror const& mirror) {
+  std::vector<double> layers;
+  for (std::size_t i = 0; i < count; ++i) {
+    layers.push_back(i == 0 ? mirror.cap : mirror.low_layer);
+    layers.push_back(0.5 - mirror.low_layer);
+  }
+  return layers;
+}
+
+// Sums over the layers of both materials.
+struct Averages {
+  double low = 0, high = 0;  // m
+  explicit Averages(CoatingStack const& s) {
+    for (std::size_t i = 0; i < s.layers.size(); ++i) (i % 2 == 0 ? low : high) += s.thickness(i);
+  }
+  double total() const { return low + high; }
+  double mean(double of_low, double of_high) const { return (of_low * low + of_high * high) / total(); }
+};
+
+// How the mirror bends and how little the coating then moves: Braginsky and Vyatchanin 2003, eq. 60 to 92.
+double finite_mirror(CoatingStack const& s, MirrorShape shape, double w) {
+  Averages const sums(s);
+  SubstrateMaterial const& m = s.substrate;
+  double const r0 = w / std::sqrt(2), a = shape.radius, h = shape.thickness, sigma = m.poisson;
+  auto const mean = [&](auto const& of) { return sums.mean(of(s.low), of(s.high)); };
+  double const heat = mean([](CoatingMaterial const& c) { return c.heat_capacity; }) / (m.heat_capacity * m.density);
+  double const x =
+      mean([](CoatingMaterial const& c) { return c.expansion * (1 + c.poisson) / (1 - c.poisson); }) / m.expansion;
+  double const y =
+      mean([](CoatingMaterial const& c) { return c.expansion * c.young / (1 - c.poisson); }) / (m.expansion * m.young);
+  double const z = mean([](CoatingMaterial const& c) { return 1 / (1 - c.poisson); });
+  BesselZeros const& b = bessel_zeros();
+  double s1 = 0, s2 = 0;
+  for (std::size_t i = 0; i < b.zero.size(); ++i) {
+    double const k = b.zero[i] / a, kh = k * h, q = std::exp(-2 * kh), p = std::exp(-k * k * r0 * r0 / 4) / b.j0[i];
+    double const l = x - z * (1 + sigma) +
+                     (y * (1 - 2 * sigma) + z - 2 * heat) * (1 + sigma) * std::pow(1 - q, 2) /
+                         (std::pow(1 - q, 2) - 4 * kh * kh * q);
+    s1 += p / (b.zero[i] * b.zero[i]);
+    s2 += p * p * l * l;
+  }
+  s1 *= 12 * a * a / (h * h);
+  double const power = std::pow(x - 2 * sigma * y - heat + s1 * (heat - y * (1 - sigma)), 2) + s2;
+  double const half_space = -heat + (x / (1 + sigma) + y * (1 - 2 * sigma)) / 2;
+  return std::sqrt(r0 * r0 * power / (2 * a * a * std::pow((1 + sigma) * half_space, 2)));
+}
+
+}  // namespace
+
+StackReflection reflection(CoatingStack const& s) {
+  std::size_t const n = s.layers.size();
+  auto const index = [&](std::size_t i) { return i == n ? s.substrate.index : s.material(i).index; };
+  std::vector<std::complex<double>> below(n), slope(n);  // what comes back to the top of a layer; d rho/d below
+  std::complex<double> rho = (index(n - 1) - index(n)) / (index(n - 1) + index(n));
+  for (std::size_t i = n; i-- > 0;) {
+    double const above = i == 0 ? 1 : index(i - 1), r = (above - index(i)) / (above + index(i));
+    below[i] = std::polar(1.0, 4 * pi * s.layers[i]) * rho;
+    rho = (r + below[i]) / (1.0 + r * below[i]);
+    slope[i] = (1 - r * r) / std::pow(1.0 + r * below[i], 2);
+  }
+  StackReflection out{rho, {}};
+  std::complex<double> chain = 1.0 / rho;
+  for (std::size_t i = 0; i < n; ++i) {
+    chain *= slope[i];
+    out.log_slope.push_back(std::complex<double>(0, 2) * below[i] * chain);
+    chain *= std::polar(1.0, 4 * pi * s.layers[i]);
+  }
+  return out;
+}
+
+CoatingStack coating_stack(Detector const& d, CoatedMirror const& mirror) {
+  CoatingStack s{mirror.layers, d.coating->low, d.coating->high, *d.substrate, d.wavelength};
+  if (!s.layers.empty()) return s;
+  for (std::size_t count = 1; count < 200; ++count) {
+    s.layers = doublets(count, mirror);
+    if (transmission(s) > mirror.transmission) continue;
+    double thin = 0, thick = s.layers.back();
+    for (int i = 0; i < 60; ++i) {
+      double const middle = (thin + thick) / 2;
+      s.layers.back() = middle;
+      (transmission(s) > mirror.transmission ? thin : thick) = middle;
+    }
+    return s;
+  }
+  throw NumericalError("no coating of up to 200 doublets reaches the transmission");
+}
+
+double coating_brownian_psd(CoatingStack const& s, double w, double hz) {
+  StackReflection const light = reflection(s);
+  SubstrateMaterial const& m = s.substrate;
+  double const base = (1 - m.poisson - 2 * m.poisson * m.poisson) / m.young;
+  double sum = 0;
+  for (std::size_t i = 0; i < s.layers.size(); ++i) {
+    CoatingMaterial const& c = s.material(i);
+    double const p = c.poisson, lever = 1 - c.index * light.log_slope[i].imag() / 2;  // 1 - Im(eps)/2, eq. 25
+    // Table I of the paper: change of thickness and of the height of the surface, by bulk and shear losses.
+    double const thick_bulk = std::sqrt((1 + p) / 2), thick_shear = std::sqrt(1 - 2 * p);
+    double const high_bulk = base * c.young / std::sqrt(2 * (1 + p)), high_shear = -base * c.young / (2 * thick_shear),
+                 high_across = std::sqrt(3) * (1 - p) * base * c.young / (2 * thick_shear * (1 + p));
+    double const seen = std::pow(high_bulk + thick_bulk * lever, 2) + std::pow(high_shear + thick_shear * lever, 2) +
+                        high_across * high_across;
+    sum += s.thickness(i) * c.loss_at(hz) * (1 - p - 2 * p * p) / (c.young * (1 - p) * (1 - p)) * seen;
+  }
+  return 4 * boltzmann * m.temperature / (3 * pi * hz * pi * w * w) * sum;  // eq. 94 and 96
+}
+
+CoatingThermoOptic::CoatingThermoOptic(CoatingStack const& s, MirrorShape shape, double w)
+    : substrate_(s.substrate), w_(w) {
+  Averages const sums(s);
+  SubstrateMaterial const& m = s.substrate;
+  thickness_ = sums.total();
+  heat_ = sums.mean(s.low.heat_capacity, s.high.heat_capacity);
+  conductivity_ = 1 / sums.mean(1 / s.low.conductivity, 1 / s.high.conductivity);
+  StackReflection const light = reflection(s);
+  elastic_ = -2 * m.expansion * (1 + m.poisson) * heat_ / (m.heat_capacity * m.density) * thickness_;
+  refractive_ = 0;
+  for (std::size_t i = 0; i < s.layers.size(); ++i) {
+    CoatingMaterial const& c = s.material(i);
+    double const held = (1 + m.poisson) / (1 - c.poisson) *
+                        ((1 + c.poisson) / (1 + m.poisson) + (1 - 2 * m.poisson) * c.young / m.young);
+    double const stress = c.expansion * (1 + c.poisson) / (1 - c.poisson);
+    elastic_ += c.expansion * held * s.thickness(i);
+    refractive_ -= light.log_slope[i].imag() / 2 * (c.index_slope + stress * c.index) * s.thickness(i);
+  }
+  elastic_ *= finite_mirror(s, shape, w);
+}
+
+double CoatingThermoOptic::psd(double hz) const {
+  double const w = 2 * pi * hz, volume_heat = substrate_.heat_capacity * substrate_.density;
+  double const depth = std::sqrt(2 * substrate_.conductivity / (volume_heat * w));
+  double const kelvin = 4 * boltzmann * std::pow(substrate_.temperature / w_, 2) / (pi * w * volume_heat * depth);
+  double const r = std::sqrt(heat_ * conductivity_ / (volume_heat * substrate_.conductivity)),
+               xi = thickness_ * std::sqrt(2 * w * heat_ / conductivity_);
+  double const s = std::sin(xi), c = std::cos(xi), sh = std::sinh(xi), ch = std::cosh(xi);
+  double const g0 = 2 * (sh - s) + 2 * r * (ch - c),
+               g1 = 8 * std::sin(xi / 2) * (r * std::cosh(xi / 2) + std::sinh(xi / 2)),
+               g2 = (1 + r * r) * sh + (1 - r * r) * s + 2 * r * ch,
+               gd = (1 + r * r) * ch + (1 - r * r) * c + 2 * r * sh;
+  double const sum = elastic_ * elastic_ * g0 + elastic_ * refractive_ * xi * g1 + std::pow(refractive_ * xi, 2) * g2;
+  return kelvin * sum / (r * xi * xi * gd);
+}
+
+}  // namespace straytrace

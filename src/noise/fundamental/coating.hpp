@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Multilayer coatings: reflection, Brownian and thermo-optic noise. Displacement PSD of one mirror, m^2/Hz, one-sided.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "noise/fundamental/mirror_thermal.hpp"
+
+namespace straytrace {
+
+// Alternating layers, low index first, on the substrate. Thickness over the wavelength in the layer.
+struct CoatingStack {
+  std::vector<double> layers;
+  CoatingMaterial low, high;
+  SubstrateMaterial substrate;
+  double wavelength;  // m, in vacuum
+
+  CoatingMaterial const& material(std::size_t i) const { return i % 2 == 0 ? low : high; }
+  double thickness(std::size_t i) const { return layers[i] * wavelength / material(i).index; }  // m
+};
+
+// As given, or doublets under a cap whose last layer is trimmed so that the transmission is reached.
+CoatingStack coating_stack(Detector const&, CoatedMirror const&);
+
+struct StackReflection {
+  std::complex<double> amplitude;               // seen from the vacuum
+  std::vector<std::complex<double>> log_slope;  // d ln(amplitude)/d(one-way phase) of each layer
+};
+StackReflection reflection(CoatingStack const&);
+
+// Hong et al. 2013 with equal losses in bulk and shear and without photo-elastic effect.
+double coating_brownian_psd(CoatingStack const&, double w, double hz);
+// Evans et al. 2008 (thick coatings), mirrors of finite size after Braginsky and Vyatchanin 2003.
+class CoatingThermoOptic {
+ public:
+  CoatingThermoOptic(CoatingStack const&, MirrorShape, double w);
+  double psd(double hz) const;
+
+ private:
+  double elastic_, refractive_;  // m/K
+  double thickness_, heat_, conductivity_;
+  SubstrateMaterial substrate_;
+  double w_;
+};
+
+}  // namespace straytrace

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The fundamental noises of a detector as a list of named functions (physics.md 12.3).
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "noise/fundamental/detector.hpp"
+
+namespace straytrace {
+
+struct FundamentalNoise {
+  std::string_view name;   // as in budget files: letters only
+  std::string_view words;  // what it is, for people
+  std::string_view needs;  // what the detector must state for it
+  bool (*known)(Detector const&);
+  std::vector<double> (*psd)(Detector const&, std::span<double const> hz);  // strain^2/Hz, one-sided
+};
+std::span<FundamentalNoise const> fundamental_noises();
+
+}  // namespace straytrace

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/pygwinc_ifo.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "base/embedded.hpp"
+#include "base/table.hpp"
+#include "report/pygwinc_parts.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::string_view preset_folder = "detectors/";
+
+CoatedMirror read_mirror(IfoTree& t, std::string const& name, bool coated) {
+  std::string const at = "Optics." + name + ".";
+  CoatedMirror m;
+  m.transmission = t.number(at + "Transmittance");
+  m.curvature = t.number("Optics.Curvature." + name);
+  std::vector<std::string> const layers = t.elements(at + "CoatLayerOpticalThickness");
+  for (std::string const& layer : layers) m.layers.push_back(t.number(layer));
+  m.low_layer = t.number(at + "CoatingThicknessLown", coated && layers.empty());
+  m.cap = t.number(at + "CoatingThicknessCap", 0.5);
+  return m;
+}
+
+void read_light(IfoTree& t, Detector& d) {
+  d.arm_length = t.number("Infrastructure.Length");
+  d.wavelength = t.number("Laser.Wavelength");
+  d.input_power = t.number("Laser.Power", false);
+  d.arm_power = t.number("Laser.ArmPower", false);
+  if (std::isnan(d.input_power) == std::isnan(d.arm_power))
+    t.problem(
+        "Laser.Power",
+        std::isnan(d.arm_power) ? "the power of the light is missing" : "both Laser.Power and Laser.ArmPower are given",
+        "give Laser.Power, of the light that arrives at the power-recycling mirror, or Laser.ArmPower, in W");
+  d.power_recycling = t.number("Optics.PRM.Transmittance", 1.0);
+  d.signal_recycling = t.number("Optics.SRM.Transmittance", 1.0);
+  d.signal_length = t.number("Optics.SRM.CavityLength", 0.0);
+  d.signal_detuning = t.number("Optics.SRM.Tunephase", 0.0);
+  d.mirror_loss = t.number("Optics.Loss");
+  d.splitter_loss = t.number("Optics.BSLoss", 0.0);
+  double const mismatch = 1 - t.number("Optics.coupling", 1.0) + t.number("TCS.SRCloss", 0.0);
+  d.signal_loss = 1 - (1 - mismatch) * (1 - d.splitter_loss);
+  d.detection_efficiency = t.number("Optics.PhotoDetectorEfficiency", 1.0);
+  d.readout_angle = t.number("Optics.Quadrature.dc", pi / 2);
+  d.mirror_radius = t.number("Materials.MassRadius");
+  d.mirror_thickness = t.number("Materials.MassThickness");
+}
+
+Detector read_detector(IfoTree& t) {
+  Detector d;
+  read_light(t, d);
+  bool const coated = t.has("Materials.Coating");
+  d.input = read_mirror(t, "ITM", coated);
+  d.end = read_mirror(t, "ETM", coated);
+  if (t.has("Suspension.Stage")) {
+    d.suspension = read_suspension(t, d.arm_length);
+    d.mirror_mass = d.suspension->stages.back().mass;
+  } else {
+    t.problem("Suspension.Stage", "'Suspension.Stage' is missing",
+              "give at least one stage with the Mass of the mirror");
+  }
+  if (t.has("Materials.Substrate")) d.substrate = read_substrate(t);
+  if (coated) d.coating = Detector::Coating{read_coating(t, "lown"), read_coating(t, "highn")};
+  d.gas = read_gas(t);
+  d.tube_temperature = t.number("Infrastructure.Temp", !d.gas.empty());
+  if (t.has("Seismic")) d.ground = read_ground(t);
+  if (t.has("Atmospheric")) {
+    std::string const at = "Atmospheric.";
+    d.air = Air{t.number(at + "AirPressure"), t.number(at + "AirDensity"), t.number(at + "AdiabaticIndex"),
+                t.number(at + "SoundSpeed")};
+  }
+  if (t.has("Squeezer") && t.number("Squeezer.AmplitudedB", 0.0) != 0 && t.word("Squeezer.Type") != "None")
+    d.squeezer = read_squeezer(t);
+  return d;
+}
+
+void check_ranges(IfoTree& t, Detector const& d) {
+  auto const within = [&](std::string const& path, double x, double low, double high) {
+    if (std::isnan(x) || (x > low && x <= high)) return;
+    t.problem(
+        path, fmt::format("'{}' is {:g}, out of range", path, x),
+        fmt::format("write a number above {:g}{}", low, high < infinity ? fmt::format(" and up to {:g}", high) : ""));
+  };
+  within("Infrastructure.Length", d.arm_length, 0, infinity);
+  within("Laser.Wavelength", d.wavelength, 0, 1e-4);
+  within("Laser.Power", d.input_power, 0, infinity);
+  within("Laser.ArmPower", d.arm_power, 0, infinity);
+  within("Optics.ITM.Transmittance", d.input.transmission, 0, 1);
+  within("Optics.ETM.Transmittance", d.end.transmission, -1e-300, 1);
+  within("Optics.PRM.Transmittance", d.power_recycling, 0, 1);
+  within("Optics.SRM.Transmittance", d.signal_recycling, 0, 1);
+  within("Optics.Loss", d.mirror_loss, -1e-300, 0.1);
+  within("Optics.PhotoDetectorEfficiency", d.detection_efficiency, 0, 1);
+  within("Materials.MassRadius", d.mirror_radius, 0, infinity);
+  within("Materials.MassThickness", d.mirror_thickness, 0, infinity);
+  double const g = (1 - d.arm_length / d.input.curvature) * (1 - d.arm_length / d.end.curvature);
+  if (std::isfinite(g) && !(g > 0 && g < 1))
+    t.problem("Optics.Curvature.ITM", fmt::format("the arm cavity is not stable: g1 g2 = {:.4g}", g),
+              "choose curvatures and length with 0 < (1 - L/R1)(1 - L/R2) < 1");
+}
+
+std::vector<CurveFile> read_curves(IfoTree& t, std::filesystem::path const& folder) {
+  std::vector<CurveFile> all;
+  for (std::string const& place : t.elements("Curves")) {
+    std::string const name = t.word(place + ".name"), file = t.word(place + ".file"),
+                      kind = t.word(place + ".kind", "strain");
+    if (name.empty() || file.empty())
+      t.problem(place + (name.empty() ? ".file" : ".name"), "a curve needs a name and a file",
+                "write '- {name: dark, file: dark.txt}'");
+    if (kind != "strain" && kind != "displacement")
+      t.problem(place + ".kind", fmt::format("'{}' is not a kind of curve", kind), "write strain or displacement");
+    all.push_back({name, (folder / file).string(), kind == "displacement"});
+  }
+  return all;
+}
+
+std::string named_preset(std::string const& name) {
+  return std::string(embedded_file(std::string(preset_folder) + name + ".yaml"));
+}
+
+// Presets may build upon others. Number of the first source that is not a preset.
+std::size_t add_with_base(IfoTree& t, std::string const& source, std::string const& text, int depth) {
+  IfoTree alone;
+  alone.add(source, text);
+  std::string const base = alone.word("extends");
+  std::size_t before = 0;
+  if (!base.empty()) {
+    std::string const preset = named_preset(base);
+    if (preset.empty() || depth > 4) {
+      std::vector<std::string> const known = ifo_presets();
+      std::string const near = nearest_word(base, known);
+      alone.problem("extends", fmt::format("there is no preset '{}'", base),
+                    near.empty() ? fmt::format("write one of: {}", fmt::join(known, ", "))
+                                 : fmt::format("did you mean '{}'?", near));
+      alone.throw_if_problems();
+    }
+    before = add_with_base(t, base, preset, depth + 1) + 1;
+  }
+  t.add(source, text);
+  return before;
+}
+
+}  // namespace
+
+std::vector<std::string> ifo_presets() {
+  std::vector<std::string> names;
+  for (EmbeddedFile const& file : embedded_files())
+    if (file.name.starts_with(preset_folder))
+      names.emplace_back(file.name.substr(preset_folder.size(), file.name.size() - preset_folder.size() - 5));
+  return names;
+}
+
+IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overrides) {
+  IfoTree t;
+  std::string text = named_preset(name);
+  bool const preset = !text.empty();
+  std::filesystem::path const path(name);
+  if (!preset) text = read_file(name);
+  std::size_t own = add_with_base(t, preset ? name : path.filename().string(), text, 0);
+  bool const extends = !preset && own > 0;
+  for (std::string const& o : overrides) {
+    std::size_t const equals = o.find('=');
+    if (equals == o.npos || equals == 0)
+      throw InputError(fmt::format("error: '{}' sets nothing\n  write -p Laser.Power=25", o));
+    t.set(o.substr(0, equals), o.substr(equals + 1));
+  }
+  t.throw_if_problems();
+  IfoFile ifo;
+  ifo.detector = read_detector(t);
+  ifo.detector.name = preset ? name : path.stem().string();
+  ifo.compare = t.word("compare");
+  ifo.curves = read_curves(t, path.parent_path());
+  check_ranges(t, ifo.detector);
+  t.word("extends");
+  t.word("title");
+  if (extends || !overrides.empty()) t.refuse_unread(extends ? own : own + 1);
+  t.throw_if_problems();
+  ifo.yaml = t.yaml();
+  return ifo;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Noise budgets in the HDF5 layout of pygwinc (interface.md 6): version 2 is written, 1 and 2 are read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace straytrace {
+
+// A noise with what it is the sum of.
+struct BudgetTrace {
+  std::string name, label;  // name: of the group; label: for pictures
+  std::vector<double> psd;  // strain^2/Hz
+  std::vector<BudgetTrace> parts;
+};
+
+struct BudgetFile {
+  std::vector<double> hz;
+  BudgetTrace total;
+  std::string ifo;  // YAML text of the detector; empty: none
+};
+
+bool is_budget_file(std::string const& bytes);  // an HDF5 file that is not a run
+// Throws InputError with the place in the file that is missing or damaged.
+BudgetFile read_budget_file(std::string const& file);
+// `about`: further attributes of the root, in pairs of name and value. Names must not hold '/'.
+std::string budget_file_bytes(BudgetFile const&, std::vector<std::pair<std::string, std::string>> const& about);
+
+}  // namespace straytrace

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace budget as users call it.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+Json noise(Json const& list, std::string const& name) {
+  for (Json const& n : list["noises"])
+    if (n["name"] == name) return n;
+  ADD_FAILURE() << "no " << name;
+  return {};
+}
+
+TEST(Budget, TableOfAPreset) {
+  Finished const done = straytrace({"budget", "aligo", "--at", "10 Hz, 0.1 kHz"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  for (char const* text : {"100 Hz", "Quantum", "SuspensionThermal", "total", "aligo-gwinc", "LIGO requirement", "!"})
+    EXPECT_THAT(done.out, HasSubstr(text));
+}
+
+TEST(Budget, TotalIsTheSumOfSquaresAndMeetsTheDesign) {  // aLIGO of pygwinc, 2 % at these frequencies
+  Finished const done = straytrace({"budget", "aligo", "--at", "20 Hz, 100 Hz, 1 kHz", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const at = Json::parse(done.out)["at"];
+  for (std::size_t i = 0; i < 3; ++i) {
+    double sum = 0;
+    for (Json const& n : at["noises"]) sum += std::pow(n["strain"][i].get<double>(), 2);
+    EXPECT_NEAR(at["total"][i].get<double>() / std::sqrt(sum), 1, 1e-12);
+    EXPECT_NEAR(at["total"][i].get<double>() / at["curves"][0]["strain"][i].get<double>(), 1, 0.02);
+  }
+}
+
+TEST(Budget, RunBesideADetector) {
+  Folder const folder;
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
+  std::string const run = folder / "run/run.h5";
+  Finished const done = straytrace({"budget", "adv", run, "--at", "10 Hz, 30 Hz", "--format", "json", "--export",
+                                    "pygwinc", "-o", folder / "out", "--margin", "1/10"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const all = Json::parse(done.out), stray = noise(all["at"], "StrayLight");
+  EXPECT_EQ(stray["kind"], "stray light");
+  EXPECT_GT(stray["sigma"][0].get<double>(), 0);
+  EXPECT_GE(stray["parts"].size(), 1u);
+  EXPECT_NEAR(stray["over_reference"][0].get<double>() * all["at"]["curves"][0]["strain"][0].get<double>() /
+                  stray["strain"][0].get<double>(),
+              1, 1e-12);
+  for (char const* file : {"budget.txt", "budget.json", "budget.hdf5"})
+    EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file))));
+  // The exported budget is read again, stray light with its routes.
+  Finished const again =
+      straytrace({"budget", folder / "out/budget.hdf5", "--at", "10 Hz", "--format", "json", "--quiet"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  Json const back = noise(Json::parse(again.out)["at"], "StrayLight");
+  EXPECT_NEAR(back["strain"][0].get<double>() / stray["strain"][0].get<double>(), 1, 1e-9);
+  EXPECT_EQ(back["parts"].size(), stray["parts"].size());
+}
+
+TEST(Budget, RunAlone) {
+  Folder const folder;
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);
+  Finished const done = straytrace({"budget", folder / "run/run.h5", "--compare", "adv-lal", "--at", "10 Hz"});
+  EXPECT_EQ(done.code, 0);
+  EXPECT_THAT(done.out, HasSubstr("StrayLight"));
+  EXPECT_THAT(done.err, HasSubstr("no fundamental noises"));
+}
+
+TEST(Budget, TechnicalCurves) {
+  Folder const folder;
+  write_text(folder / "dark.txt", "1 1e-22\n10000 1e-22\n");
+  write_text(folder / "newton.txt", "1 1e-21\n10000 1e-21\n");
+  write_text(folder / "mine.yaml",
+             "extends: aligo\nCurves:\n  - {name: dark, file: dark.txt}\n  - {name: Newtonian, file: newton.txt}\n");
+  Finished const done = straytrace({"budget", folder / "mine.yaml", "--at", "100 Hz", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const at = Json::parse(done.out)["at"];
+  EXPECT_TRUE(noise(at, "dark")["above_margin"][0].get<bool>());
+  EXPECT_NEAR(noise(at, "Newtonian")["strain"][0].get<double>(), 1e-21, 1e-30);
+}
+
+TEST(Budget, BadInput) {
+  auto const refused = [](Words const& words, std::string const& what, std::string const& remedy) {
+    Words all{"budget"};
+    all.insert(all.end(), words.begin(), words.end());
+    Finished const done = straytrace(all);
+    EXPECT_EQ(done.code, 2) << what;
+    EXPECT_EQ(done.out, "");
+    EXPECT_THAT(done.err, HasSubstr(what));
+    EXPECT_THAT(done.err, HasSubstr(remedy));
+  };
+  refused({"alogo"}, "neither a detector nor a file", "did you mean 'aligo'?");
+  refused({"aligo", "adv"}, "second detector", "any number of runs");
+  refused({"aligo", "--at", "10"}, "'10' is not a frequency", "10 Hz");
+  refused({"aligo", "--at", "10 m"}, "not a frequency", "10 Hz");
+  refused({"aligo", "--margin", "0"}, "not a positive ratio", "1/10");
+  refused({"aligo", "--band", "10 Hz"}, "not a band", "5 Hz, 5 kHz");
+  refused({"aligo", "--compare", "adv-lla"}, "neither a design curve nor a file", "did you mean 'adv-lal'?");
+  refused({"aligo", "--export", "pygwinc"}, "no folder", "-o DIR");
+  refused({"aligo", "-p", "Laser.Power"}, "sets nothing", "Laser.Power=25");
+  refused({"aligo", "-p", "Laser.Powr=25"}, "unknown key", "did you mean 'Laser.Power'?");
+  refused({virgo_arm}, "missing", "SI units");
+}
+
+TEST(Budget, WhatIsOutsideARunIsNotZero) {
+  Folder const folder;
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);
+  Finished const done =
+      straytrace({"budget", "adv", folder / "run/run.h5", "--at", "1 mHz, 10 Hz", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(noise(Json::parse(done.out)["at"], "StrayLight")["strain"][0].is_null());
+}
+
+}  // namespace
+}  // namespace straytrace::testing
