@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "app/build_info.hpp"
+#include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "trace/estimate/importance.hpp"
@@ -192,6 +193,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
+  if (auto const limits = read_ghosts(model.scene)) settings.beside = ghosts_beside(model.world, *limits);
   steer(model.world);
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };

@@ -31,6 +31,7 @@ constexpr std::array top_keys{
     TopKey{"beams", "beam", Section::named},
     TopKey{"ports", "port", Section::named},
     TopKey{"receivers", "receiver", Section::named},
+    TopKey{"ghosts", "", Section::single},
     TopKey{"interferometer", "", Section::single},
     TopKey{"trace", "", Section::single},
     TopKey{"noise", "", Section::single},

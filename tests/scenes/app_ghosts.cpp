@@ -12,6 +12,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 std::string const bench = source_folder + "/examples/bench.yaml";
 
 // A face that sends R back, 1 m behind an end mirror of transmission T, moving along z with a flat spectrum.
@@ -75,9 +76,29 @@ TEST(GhostCommand, strain_of_a_face_behind_an_end_mirror) {
   EXPECT_GT(std::fabs(h / (std::sqrt(2) * phase) - 1), 0.2);      // twin: amplitudes of the two arms added
 }
 
+// The table `ghosts` puts them into a run, beside the scattered light and through the same noise stage.
+TEST(GhostCommand, ghosts_are_routes_of_a_run) {
+  Folder const folder;
+  write_text(folder / "end.yaml", end_bench + "ghosts: {floor: 1e-22}\n");
+  write_text(folder / "wrong.yaml", end_bench + "ghosts: {flor: 1e-22}\n");
+  write_text(folder / "without.yaml", end_bench);
+  EXPECT_EQ(straytrace({"trace", folder / "end.yaml", "-o", folder / "a.h5", "--histories", "4096", "--quiet"}).code,
+            0);
+  EXPECT_EQ(
+      straytrace({"trace", folder / "without.yaml", "-o", folder / "b.h5", "--histories", "4096", "--quiet"}).code, 0);
+  std::string const rows = straytrace({"paths", folder / "a.h5", "--csv"}).out;
+  EXPECT_THAT(rows, HasSubstr("ghost"));
+  EXPECT_THAT(rows, HasSubstr("ETM·T > plate·R > ETM·T"));
+  EXPECT_THAT(straytrace({"paths", folder / "b.h5", "--csv"}).out, Not(HasSubstr("plate·R > ETM·T")));  // twin
+  Finished const wrong = straytrace({"check", folder / "wrong.yaml"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean 'floor'?"));
+}
+
 TEST(GhostCommand, writes_files) {
   Folder const folder;
-  Finished const done = straytrace({"ghosts", bench, "--order", "1", "-o", folder / "out", "--quiet"});
+  Finished const done =
+      straytrace({"ghosts", bench, "--order", "1", "-o", folder / "out", "--quiet"}, {.picture = true});
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(text_of(folder / "out/ghosts.txt"), done.out);
   EXPECT_EQ(json::parse(text_of(folder / "out/ghosts.json")).at(0)["beam"], "input");
