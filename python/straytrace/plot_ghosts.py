@@ -74,7 +74,8 @@ def draw(beams):
         axes.set_ylabel(f"{'xyz'[y]} [m]")
         axes.set_aspect("equal" if np.ptp(corners[:, y]) > 0.05 * np.ptp(corners[:, x]) else "auto")
         total = sum(beam["count"] for beam in beams)
-        axes.set_title(f"{len(ghosts)} strongest of {total} ghosts and main beams", loc="left", fontweight="bold")
+        shown = sum(g["order"] > 0 for g in ghosts)
+        axes.set_title(f"Main beam and {shown} of {total} ghosts", loc="left", fontweight="bold")
         figure.tight_layout()
         return figure
 

@@ -15,6 +15,28 @@ constexpr char const* statement =
 
 }  // namespace
 
+std::optional<TreeLimits> read_ghosts(Scene const& scene) {
+  Node const table = scene.table("ghosts");
+  if (!table) return {};
+  TreeLimits limits;
+  limits.floor = table.number("floor", dim::plain, limits.floor, 1e-40, 1);
+  if (table.has("order")) limits.order = std::uint32_t(table.whole("order", 1, 1, 1e6));
+  table.refuse_unknown("'ghosts'");
+  return limits;
+}
+
+std::vector<CouplingClass> ghosts_beside(World const& world, TreeLimits const& limits) {
+  std::vector<CouplingClass> all;
+  for (BeamLaunch const& launch : launches(world)) {
+    MainBeam const main(world, launch, limits);
+    GhostFamilies families(world, main, ghost_port(world, launch, main));
+    if (!families.port()) continue;
+    find_ghosts(world, launch, limits, main, [&](Ghost const& g) { families.add(g); });
+    for (CouplingClass& c : ghost_classes(families)) all.push_back(std::move(c));
+  }
+  return all;
+}
+
 std::vector<CouplingClass> ghost_classes(GhostFamilies const& families) {
   std::map<std::uint64_t, CouplingClass> classes;  // by route: parts that share a name share a row, powers added
   for (GhostFamily const& f : families.all()) {

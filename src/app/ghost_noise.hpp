@@ -2,12 +2,19 @@
 // Ghosts through the same noise stage as scattered light.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "app/model.hpp"
 #include "report/ghost_table.hpp"
 
 namespace straytrace {
+
+// The table `ghosts` of a scene: how far ghosts are followed for the noise of a run; nothing without it.
+std::optional<TreeLimits> read_ghosts(Scene const&);
+
+// Classes of all beams of a world, to stand beside the scattered light of its trace.
+std::vector<CouplingClass> ghosts_beside(World const&, TreeLimits const&);
 
 // A deterministic class for each family of equal levers (eq. 10.5: fields added within it); powers of classes add.
 std::vector<CouplingClass> ghost_classes(GhostFamilies const&);

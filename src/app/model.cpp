@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "report/report.hpp"
 
@@ -64,6 +65,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
   read_noise(model, model.scene);
   read_orders(model);
+  read_ghosts(model.scene);
   if (Node const table = model.scene.root()["scan"]) table.problem("this version has no 'scan'", "leave it out");
   model.scene.throw_if_problems();
   return model;
@@ -120,7 +122,8 @@ std::vector<std::string> Model::assumptions() const {
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
   lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
                                              : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
-  lines.push_back("no ghost beams: this release has none");
+  lines.push_back(scene.root().has("ghosts") ? "ghost beams: routes of kind ghost, by the beam tree"
+                                             : "ghost beams are not counted: the scene has no table 'ghosts'");
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;

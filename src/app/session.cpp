@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "app/build_info.hpp"
+#include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "trace/edges.hpp"
@@ -195,6 +196,8 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   }
   EdgeClasses const edges = edge_classes(model.world);
   settings.beside = edges.classes;
+  if (auto const limits = read_ghosts(model.scene))
+    for (CouplingClass& ghost : ghosts_beside(model.world, *limits)) settings.beside.push_back(std::move(ghost));
   steer(model.world);
   Progress progress(options, model.until);
   settings.progress = [&](TraceProgress const& p) { progress(p); };

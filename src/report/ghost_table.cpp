@@ -110,6 +110,8 @@ void GhostFamilies::add(Ghost const& g) {
   f.path_length = g.standing.difference;
   f.steps.clear();
   for (BeamStep const& s : g.way.first(r.steps)) f.steps.push_back({{group_of(world_, s)}, s.event});
+  std::vector<BeamStep> const& back = main_.nodes()[r.node].way;  // along the main beam, to the launch
+  for (auto s = back.rbegin(); s != back.rend(); ++s) f.steps.push_back({{group_of(world_, *s)}, s->event});
 }
 
 GhostStrain GhostFamilies::strain_of(Ghost const& g) const {

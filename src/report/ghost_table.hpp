@@ -32,7 +32,7 @@ struct GhostFamily {
   double incoherent = 0, root_sum = 0;          // sum of the shares, and of their roots
   std::uint64_t ghosts = 0, strongest = 0;      // number of them; of the strongest one
   double largest = 0, path_length = 0;          // of the strongest
-  std::vector<PathStep> steps;                  // all of the strongest
+  std::vector<PathStep> steps;                  // all of the strongest, and its way back
   std::map<std::uint32_t, double> through;      // share by group that a ghost has met or left, powers added
   GhostStrain per_root_power = {not_a_number, not_a_number, not_a_number};  // strain over the root of the share
   double share() const { return std::norm(field[0]) + std::norm(field[1]); }

@@ -73,7 +73,7 @@ std::string ledger_text(GhostReport const& report) {
     landed += o.landed;
     beside += o.beside;
   }
-  auto const part = [&](double share) { return watts(share, report.power); };
+  auto const part = [&](double share) { return watts(std::fabs(share) < 1e-15 ? 0 : share, report.power); };
   return fmt::format(
       "Ledger of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left the "
       "scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} beyond {} "
@@ -83,6 +83,8 @@ std::string ledger_text(GhostReport const& report) {
 }
 
 std::string objects_text(GhostReport const& report, std::size_t show) {
+  double rounding = 0;  // what lossless surfaces keep
+  for (double power : report.power_by_order) rounding += 1e-15 * power;
   std::vector<std::size_t> order(report.objects.size());
   std::iota(order.begin(), order.end(), 0);
   auto const key = [&](std::size_t i) {
@@ -98,8 +100,10 @@ std::string objects_text(GhostReport const& report, std::size_t show) {
     for (double hz : ghost_frequencies) table.titles.push_back(fmt::format("h({:g} Hz) saved", hz));
   for (std::size_t const i : order) {
     GhostObject const& o = report.objects[i];
-    if (table.rows.size() >= show || !(o.ends > 0 || o.recoupled > 0)) continue;
-    std::vector<std::string> row = {report.groups[i], number(o.ends * (report.power > 0 ? report.power : 1)),
+    bool const ends = o.ends > rounding;
+    if (table.rows.size() >= show || !(ends || o.recoupled > 0)) continue;
+    std::vector<std::string> row = {report.groups[i],
+                                    ends ? number(o.ends * (report.power > 0 ? report.power : 1)) : "-",
                                     o.recoupled > 0 ? number(o.recoupled) : "-"};
     if (report.has_noise)
       for (double h2 : o.strain2) row.push_back(h2 > 0 ? number(std::sqrt(h2), "{:.2g}") : "-");

@@ -69,6 +69,7 @@ class MainSink final : public BeamSink {
     node_of_spot_[number] = std::uint32_t(nodes_.size());
     MainNode node;
     node.spot = spot;
+    node.way.assign(way.begin(), way.end());
     add_levers(node.levers, world_, way);
     nodes_.push_back(std::move(node));
   }

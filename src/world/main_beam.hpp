@@ -19,6 +19,7 @@ struct MainNode {
     std::vector<Lever> levers;  // of the way to here, this surface with it, rad/m and rad
   };
   BeamSpot spot;
+  std::vector<BeamStep> way;  // to here, without this surface
   std::vector<Lever> levers;  // of the way to here, without this surface
   std::vector<Way> ways;
 };
