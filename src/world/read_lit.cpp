@@ -106,7 +106,7 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
     double const share = world.footprints()[launch.footprint].share;
     for (auto const& [spot, way] : list.met) {
       add_lit_surface(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
-      if (spot.clipped > 1e-3)
+      if (spot.order == 0 && spot.clipped > 1e-3)
         beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside '{}'", spot.clipped, light.name,
                                  world.groups()[world.surfaces()[spot.surface.value].group.value]),
                      "enlarge it or move it into the beam: light beside it lights nothing here");
