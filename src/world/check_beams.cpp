@@ -65,6 +65,25 @@ void check_spot(Node const& beam, std::string const& name, Footprint const& f, W
                    : fmt::format("give the material of '{}' a 'scatter', or 'specular'", lit));
 }
 
+// Light that one beam brings on its way and another states is probably the same light.
+bool same_light(World const& world, std::uint32_t followed, std::uint32_t other) {
+  Footprint const &f = world.footprints()[followed], &g = world.footprints()[other];
+  if (g.free || f.beam == g.beam || f.surface != g.surface || !f.emits || !g.emits) return false;
+  return dot(f.travel, g.travel) > 0.99 && f.intensity(g.centre) > 0.1 * f.intensity(f.centre);
+}
+void warn_of_twins(Scene const& scene, World const& world) {
+  auto const beams = scene.table("beams").items();
+  auto const count = std::uint32_t(world.footprints().size());
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t j = 0; world.feeds()[i].propagated && j < count; ++j)
+      if (same_light(world, i, j))
+        return beams[world.footprints()[i].beam].second.warning(
+            fmt::format("'{}' is lit by beam '{}' too, along the same way",
+                        world.groups()[world.surfaces()[world.footprints()[i].surface.value].group.value],
+                        beams[world.footprints()[j].beam].first),
+            "if it is the same light, keep one of them: it is counted twice");
+}
+
 // Sub-paths behind glass do not follow polarisation.
 void warn_of_glass_in_polarised_light(Scene const& scene, World const& world) {
   if (!world.polarised) return;
@@ -87,6 +106,7 @@ void check_beams(Scene const& scene, World const& world) {
     else
       check_spot(node, name, f, world);
   }
+  warn_of_twins(scene, world);
   warn_of_glass_in_polarised_light(scene, world);
 }
 

@@ -46,21 +46,6 @@ class Wanted {
   std::set<std::uint32_t> only_, except_;
 };
 
-// Light that one beam lights by its way and another by being stated is probably the same light.
-void warn_of_twins(Node const& beam, World const& world, std::uint32_t number) {
-  auto const& all = world.footprints();
-  for (std::uint32_t i = 0; i < all.size(); ++i)
-    for (std::uint32_t j = 0; j < i; ++j) {
-      bool const mine = all[i].beam == number, other = all[j].beam != number && !all[j].free;
-      if (!mine || !other || all[i].surface != all[j].surface || !(dot(all[i].travel, all[j].travel) > 0.99)) continue;
-      if (!world.feeds()[i].propagated || !all[i].emits || !all[j].emits) continue;
-      beam.warning(fmt::format("'{}' is lit by another beam too, along the same way",
-                               world.groups()[world.surfaces()[all[i].surface.value].group.value]),
-                   "if it is the same light, keep one of them: it is counted twice");
-      return;
-    }
-}
-
 }  // namespace
 
 LitWish read_lit(Node const& beam, Registry const& names) {
@@ -121,7 +106,7 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
     double const share = world.footprints()[launch.footprint].share;
     for (auto const& [spot, way] : list.met) {
       add_lit_surface(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
-      if (spot.clipped > 1e-3)
+      if (spot.order == 0 && spot.clipped > 1e-3)
         beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside '{}'", spot.clipped, light.name,
                                  world.groups()[world.surfaces()[spot.surface.value].group.value]),
                      "enlarge it or move it into the beam: light beside it lights nothing here");
@@ -130,7 +115,6 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
   if (world.footprints().size() == before)
     beam.warning(fmt::format("'lit' finds no surface in beam '{}'", light.name),
                  "a cavity needs a mirror that transmits; a free beam something that it meets");
-  warn_of_twins(beam, world, light.number);
 }
 
 }  // namespace straytrace
