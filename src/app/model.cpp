@@ -120,7 +120,7 @@ std::vector<std::string> Model::assumptions() const {
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
   lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
                                              : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
-  lines.push_back("no ghost beams: this release has none");
+  lines.push_back("ghost beams are not in the total: straytrace ghosts lists them");
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;

@@ -42,5 +42,6 @@ void add_inspect(CLI::App&, Options&, int& exit_code);
 void add_render(CLI::App&, Options&, int& exit_code);
 void add_importance(CLI::App&, Options&, int& exit_code);
 void add_apertures(CLI::App&, Options&, int& exit_code);
+void add_ghosts(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

@@ -20,4 +20,7 @@ bool draw_map_pictures(std::string const& run_file, std::string const& folder, s
 // The same for a scatter law, from the JSON that `straytrace inspect --format json` prints.
 bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 
+// Beam tree over the surfaces it meets, from the JSON of `straytrace ghosts -o`.
+bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message);
+
 }  // namespace straytrace

@@ -74,7 +74,7 @@ class Tree {
     arrive(arriving, hit);
   }
 
-  void end(BeamEnd how, double& column, Branch const& branch) {
+  void end(BeamEnd how, LongSum& column, Branch const& branch) {
     column += branch.beam.field.power();
     ++ledger_.beams;
     sink_.ended(how, nullptr, branch.beam, way_);
@@ -274,8 +274,14 @@ char const* name_of(BeamEnd end) {
 }
 
 double BeamLedger::total() const {
-  double sum = media + escaped + rejoined + floor + order + longest;
-  for (Object const& o : objects) sum += o.landed + o.beside;
+  LongSum sum;
+  for (double column :
+       {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest)})
+    sum += column;
+  for (Object const& o : objects) {
+    sum += o.landed;
+    sum += o.beside;
+  }
   return sum;
 }
 

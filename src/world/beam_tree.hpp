@@ -8,6 +8,7 @@
 // beam is order 0. Where neither way is a departure (a splitter) both go on.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -80,16 +81,31 @@ class BeamSink {
   virtual void ended(BeamEnd, BeamSpot const* /*spot*/, LeavingBeam const&, std::span<BeamStep const> /*way*/) {}
 };
 
+// A sum of millions of small terms whose error does not grow with their number (Neumaier).
+class LongSum {
+ public:
+  LongSum& operator+=(double x) {
+    double const next = sum_ + x;
+    rest_ += std::fabs(sum_) >= std::fabs(x) ? (sum_ - next) + x : (x - next) + sum_;
+    sum_ = next;
+    return *this;
+  }
+  operator double() const { return sum_ + rest_; }
+
+ private:
+  double sum_ = 0, rest_ = 0;
+};
+
 // Where the launched power has gone, in shares of it.
 struct BeamLedger {
   struct Object {
-    double landed = 0;     // neither reflected nor transmitted there: absorbed or scattered
-    double scattered = 0;  // part of `landed`
-    double beside = 0;     // passed beside the rim (physics.md eq. 5.5, 5.6)
-    double ghosts = 0;     // part of landed + beside that ghosts brought
+    LongSum landed;     // neither reflected nor transmitted there: absorbed or scattered
+    LongSum scattered;  // part of `landed`
+    LongSum beside;     // passed beside the rim (physics.md eq. 5.5, 5.6)
+    LongSum ghosts;     // part of landed + beside that ghosts brought
   };
   std::vector<Object> objects;  // by group
-  double media = 0, escaped = 0, rejoined = 0, floor = 0, order = 0, longest = 0;
+  LongSum media, escaped, rejoined, floor, order, longest;
   std::uint64_t spots = 0, beams = 0;  // met; ended
   double total() const;                // 1 to rounding
 };

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/ghost_noise.hpp"
+
+#include <cmath>
+#include <map>
+
+#include "report/band.hpp"
+#include "trace/beside.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr char const* statement =
+    "ghosts with equal levers, fields added with the phases of the geometry as it is written (physics.md eq. 10.5)";
+
+}  // namespace
+
+std::vector<CouplingClass> ghost_classes(GhostFamilies const& families) {
+  std::map<std::uint64_t, CouplingClass> classes;  // by route: parts that share a name share a row, powers added
+  for (GhostFamily const& f : families.all()) {
+    if (!(f.share() > 0)) continue;
+    PathRecord record;
+    record.coupling = record.weight = f.share();
+    record.path_length = f.path_length;
+    record.levers = f.levers;
+    CouplingClass made = deterministic_class(ClassKind::ghost, f.steps, families.port()->port, 1, {record}, statement);
+    auto const [at, added] = classes.emplace(made.hash, made);
+    if (added) continue;
+    at->second.records.push_back(record);
+    at->second.coupling.mean += record.weight;
+  }
+  std::vector<CouplingClass> all;
+  for (auto& [hash, c] : classes) all.push_back(std::move(c));
+  return all;
+}
+
+GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
+  CouplingTable table;
+  table.groups = model.world.groups();
+  table.bodies = model.world.body_names();
+  table.ports = model.world.ports();
+  table.wavelength = model.world.wavelength;
+  NoiseSettings settings = model.noise;
+  settings.grid = logarithmic_grid(5, 200, 60);
+  // The strain is linear in the share: each family once with a share of 1, whatever its fields sum to.
+  for (std::size_t i = 0; i < families.all().size(); ++i) {
+    PathRecord record;
+    record.coupling = record.weight = 1;
+    record.levers = families.all()[i].levers;
+    CouplingClass one =
+        deterministic_class(ClassKind::ghost, families.all()[i].steps, families.port()->port, 1, {record}, statement);
+    one.hash = i;
+    table.classes.push_back(std::move(one));
+  }
+  NoiseBudget const budget = project_noise(table, model.motion, *model.detector, settings);
+  GhostStrain square{};
+  for (std::size_t i = 0; i < families.all().size(); ++i)
+    for (std::size_t k = 0; k < ghost_frequencies.size(); ++k) {
+      GhostFamily& f = families.all()[i];
+      f.per_root_power[k] = strain_at(budget.routes[i], budget.grid, ghost_frequencies[k]).value;
+      square[k] += f.share() * f.per_root_power[k] * f.per_root_power[k];
+    }
+  GhostStrain all;
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = std::sqrt(square[k]);
+  return all;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/ghost_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace straytrace {
+namespace {
+
+// The last main-beam surface counts: one row is greater than the other when it is stronger, or the earlier one.
+bool stronger(GhostRow const& a, GhostRow const& b) {
+  return a.key != b.key ? a.key > b.key : a.ghost.number < b.ghost.number;
+}
+
+std::uint32_t group_of(World const& world, BeamStep const& step) {
+  return world.surfaces()[step.surface.value].group.value;
+}
+
+std::string end_of(World const& world, Ghost const& g) {
+  if (g.end == BeamEnd::escaped) return "out";
+  if (g.end == BeamEnd::rejoined) return "cavity";
+  std::string const name = world.groups()[g.where.value];
+  return name + (g.end == BeamEnd::landed ? "·land" : g.end == BeamEnd::faint ? "·faint" : "·long");
+}
+
+// Departures, and the ways taken at splitters.
+std::string route_of(World const& world, Ghost const& g) {
+  std::string text = "main";
+  for (BeamStep const& s : g.way)
+    if (s.departure || s.split) text += fmt::format(" > {}·{}", world.groups()[group_of(world, s)], letter(s.event));
+  return text + " > " + end_of(world, g);
+}
+
+// Calls f(group) once for each group that the ghost has left from its first departure to where it recouples.
+template <class F>
+void for_each_met(World const& world, Ghost const& g, F&& f) {
+  std::set<std::uint32_t> seen;
+  bool away = false;
+  for (BeamStep const& s : g.way.first(std::min(g.way.size(), g.standing.recoupled.steps))) {
+    away = away || s.departure;
+    if (away && seen.insert(group_of(world, s)).second) f(group_of(world, s));
+  }
+}
+
+}  // namespace
+
+std::optional<GhostPort> ghost_port(World const& world, BeamLaunch const& launch, MainBeam const& main) {
+  std::optional<GhostPort> best;
+  for (Footprint const& f : world.footprints()) {
+    if (!f.port.valid() || f.beam != launch.beam) continue;
+    for (MainNode const& node : main.nodes()) {
+      bool const here = node.spot.surface == f.surface && dot(node.spot.mode.travel, f.travel) > 0.9 &&
+                        length(node.spot.mode.origin - f.centre) < 1e-3 + f.radius;
+      if (here && (!best || node.spot.path_length < best->path_length))
+        best = GhostPort{f.port, node.spot.power, node.spot.path_length};
+    }
+  }
+  return best;
+}
+
+GhostFamilies::GhostFamilies(World const& world, MainBeam const& main, std::optional<GhostPort> port)
+    : world_(world), main_(main), port_(port) {}
+
+std::optional<double> GhostFamilies::share_at_port(Ghost const& g) const {
+  Recoupling const& r = g.standing.recoupled;
+  if (!port_ || !r.any || !r.against || g.order == 0) return {};
+  if (main_.nodes()[r.node].spot.path_length < port_->path_length) return {};
+  return r.share() / (port_->power * port_->power);
+}
+
+// Levers to a millionth of the wave number; those that cancel are none.
+GhostFamilies::Key GhostFamilies::key_of(std::vector<Lever> const& levers) const {
+  double const unit = 1e-6 * 2 * pi / world_.wavelength;
+  Key key;
+  for (Lever const& l : levers)
+    for (int i = 0; i < 6; ++i)
+      if (long long const n = std::llround(l.d[i] / unit); n != 0)
+        key.insert(key.end(), {static_cast<long long>(l.body.value) * 6 + i, n});
+  return key;
+}
+
+void GhostFamilies::add(Ghost const& g) {
+  auto const share = share_at_port(g);
+  if (!share || !(*share > 0)) return;
+  Recoupling const& r = g.standing.recoupled;
+  std::vector<Lever> levers = main_.levers(r, g.way);
+  Key const key = key_of(levers);
+  auto at = place_.find(key);
+  if (at == place_.end()) {
+    if (families_.size() >= most) {
+      ++left_out;
+      left_out_share += *share;
+      return;
+    }
+    at = place_.emplace(key, families_.size()).first;
+    families_.emplace_back().levers = std::move(levers);
+  }
+  GhostFamily& f = families_[at->second];
+  for (std::size_t i : {0, 1}) f.field[i] += r.field[i] / port_->power;
+  f.incoherent += *share;
+  f.root_sum += std::sqrt(*share);
+  ++f.ghosts;
+  for_each_met(world_, g, [&](std::uint32_t group) { f.through[group] += *share; });
+  if (*share <= f.largest) return;
+  f.largest = *share;
+  f.strongest = g.number;
+  f.path_length = g.standing.difference;
+  f.steps.clear();
+  for (BeamStep const& s : g.way.first(r.steps)) f.steps.push_back({{group_of(world_, s)}, s.event});
+}
+
+GhostStrain GhostFamilies::strain_of(Ghost const& g) const {
+  GhostStrain strain = {not_a_number, not_a_number, not_a_number};
+  auto const share = share_at_port(g);
+  if (!share) return strain;
+  auto const at = place_.find(key_of(main_.levers(g.standing.recoupled, g.way)));
+  if (at == place_.end()) return strain;
+  for (std::size_t i = 0; i < strain.size(); ++i)
+    strain[i] = std::sqrt(*share) * families_[at->second].per_root_power[i];
+  return strain;
+}
+
+GhostTable::GhostTable(World const& world, BeamLaunch const& launch, GhostFamilies const& families, GhostRank rank,
+                       std::size_t show)
+    : world_(world), launch_(launch), families_(families), rank_(rank), show_(show), met_(world.groups().size()) {}
+
+GhostRow GhostTable::row(Ghost const& g) const {
+  GhostRow r;
+  r.ghost = g;
+  r.route = route_of(world_, g);
+  r.end = end_of(world_, g);
+  r.points.push_back(launch_.mode.origin);
+  for (BeamStep const& s : g.way) {
+    r.steps.push_back({{group_of(world_, s)}, s.event});
+    r.points.push_back(s.point);
+  }
+  r.points.push_back(g.point);
+  r.strain = families_.strain_of(g);
+  return r;
+}
+
+void GhostTable::add(Ghost const& g) {
+  if (by_order.size() <= g.order) {
+    by_order.resize(g.order + 1);
+    power_by_order.resize(g.order + 1);
+  }
+  ++by_order[g.order];
+  power_by_order[g.order] += g.power;
+  Recoupling const& r = g.standing.recoupled;
+  double const share = g.order > 0 && r.any ? r.share() : 0;
+  if (g.order > 0) ++ghosts;
+  if (share > 0) {
+    (r.against ? recoupled_against : recoupled_with) += share;
+    for_each_met(world_, g, [&](std::uint32_t group) { met_[group] += share; });
+  }
+  if (show_ == 0) return;
+  double key = rank_ == GhostRank::power ? g.power : share;
+  if (rank_ == GhostRank::strain) {
+    GhostStrain const h = families_.strain_of(g);
+    key = h[0];
+    for (double x : h) key = std::fmax(key, x);
+    if (std::isnan(key)) key = 0;
+  }
+  if (g.order == 0) key = infinity;  // the main beam itself comes first
+  bool const full = heap_.size() >= show_;
+  GhostRow const* const least = full ? &heap_.front() : nullptr;
+  if (full && (key < least->key || (key == least->key && g.number > least->ghost.number))) return;
+  GhostRow made = row(g);
+  made.key = key;
+  if (full) {
+    std::pop_heap(heap_.begin(), heap_.end(), stronger);
+    heap_.pop_back();
+  }
+  heap_.push_back(std::move(made));
+  std::push_heap(heap_.begin(), heap_.end(), stronger);
+}
+
+std::vector<GhostRow> GhostTable::rows() const {
+  auto sorted = heap_;
+  std::sort(sorted.begin(), sorted.end(), stronger);
+  return sorted;
+}
+
+std::vector<GhostObject> GhostTable::objects(BeamLedger const& ledger) const {
+  std::vector<GhostObject> objects(met_.size());
+  for (std::size_t g = 0; g < met_.size(); ++g) {
+    objects[g].ends = ledger.objects[g].ghosts;
+    objects[g].recoupled = met_[g];
+  }
+  for (GhostFamily const& f : families_.all())
+    for (auto const& [group, share] : f.through)
+      for (std::size_t i = 0; i < 3; ++i)
+        objects[group].strain2[i] += share * f.per_root_power[i] * f.per_root_power[i];
+  return objects;
+}
+
+}  // namespace straytrace

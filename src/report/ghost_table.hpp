@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table of ghosts: the ones that count most, whatever their number, the families that make noise together, and the
+// objects they meet. Memory is bounded by the number of rows kept and of families.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "trace/coupling.hpp"
+#include "world/ghost_rows.hpp"
+
+namespace straytrace {
+
+constexpr std::array<double, 3> ghost_frequencies = {10, 30, 100};  // Hz, where h is printed
+using GhostStrain = std::array<double, 3>;                          // 1/sqrt(Hz); NaN: not known
+
+// The port where light in the reversed main beam is counted, and the main beam there.
+struct GhostPort {
+  PortId port;
+  double power = 1;        // over the launched power
+  double path_length = 0;  // m
+};
+
+// Ghosts that return to the port with equal levers: their fields add (physics.md eq. 10.5).
+struct GhostFamily {
+  std::vector<Lever> levers;
+  std::array<std::complex<double>, 2> field{};  // at the port, relative to the main mode, by state of polarisation
+  double incoherent = 0, root_sum = 0;          // sum of the shares, and of their roots
+  std::uint64_t ghosts = 0, strongest = 0;      // number of them; of the strongest one
+  double largest = 0, path_length = 0;          // of the strongest
+  std::vector<PathStep> steps;                  // all of the strongest
+  std::map<std::uint32_t, double> through;      // share by group that a ghost has met or left, powers added
+  GhostStrain per_root_power = {not_a_number, not_a_number, not_a_number};  // strain over the root of the share
+  double share() const { return std::norm(field[0]) + std::norm(field[1]); }
+  double worst() const { return root_sum * root_sum; }
+};
+
+class GhostFamilies {
+ public:
+  static constexpr std::size_t most = 4096;
+  GhostFamilies(World const&, MainBeam const&, std::optional<GhostPort>);
+
+  void add(Ghost const&);
+  std::vector<GhostFamily>& all() { return families_; }
+  std::vector<GhostFamily> const& all() const { return families_; }
+  // Share of a ghost at the port, over the power of the main beam there; nothing when it does not come there.
+  std::optional<double> share_at_port(Ghost const&) const;
+  GhostStrain strain_of(Ghost const&) const;  // of this ghost alone
+  std::uint64_t left_out = 0;                 // ghosts beyond the most families, and
+  double left_out_share = 0;                  // the sum of their shares
+  std::optional<GhostPort> port() const { return port_; }
+
+ private:
+  using Key = std::vector<long long>;
+  Key key_of(std::vector<Lever> const&) const;
+  World const& world_;
+  MainBeam const& main_;
+  std::optional<GhostPort> port_;
+  std::vector<GhostFamily> families_;
+  std::map<Key, std::size_t> place_;
+};
+std::optional<GhostPort> ghost_port(World const&, BeamLaunch const&, MainBeam const&);
+
+enum class GhostRank : std::uint8_t { power, strain, recoupled };
+
+struct GhostRow {
+  Ghost ghost;  // its way is `steps`
+  std::string route, end;
+  std::vector<PathStep> steps;
+  std::vector<Vec3> points;  // of the way, from the launch
+  GhostStrain strain;
+  double key = 0;
+};
+
+// What an object does to ghosts.
+struct GhostObject {
+  double ends = 0;       // ghost power that is absorbed or scattered there, or passes beside its rim; over the launched
+  double recoupled = 0;  // share of the recoupled light that has met or left it as a ghost: saved by a perfect dump
+  std::array<double, 3> strain2 = {0, 0, 0};  // the same in strain^2/Hz; NaN: not known
+};
+
+class GhostTable {
+ public:
+  GhostTable(World const&, BeamLaunch const&, GhostFamilies const&, GhostRank, std::size_t show);
+  void add(Ghost const&);
+  std::vector<GhostRow> rows() const;  // by rank
+  GhostRow row(Ghost const&) const;
+  // By group; to be called after all ghosts, with the ledger of their tree.
+  std::vector<GhostObject> objects(BeamLedger const&) const;
+
+  std::uint64_t ghosts = 0;                          // all of them
+  std::vector<std::uint64_t> by_order;               // number, and
+  std::vector<double> power_by_order;                // sum of powers where they end
+  double recoupled_with = 0, recoupled_against = 0;  // sums of shares
+
+ private:
+  World const& world_;
+  BeamLaunch const& launch_;
+  GhostFamilies const& families_;
+  GhostRank rank_;
+  std::size_t show_;
+  std::vector<GhostRow> heap_;  // the least at the top
+  std::vector<double> met_;     // recoupled share by group
+};
+
+struct GhostReport {
+  std::string beam;  // name
+  double power = 0;  // W launched; 0: not stated
+  TreeLimits limits;
+  GhostRank rank = GhostRank::power;
+  std::vector<GhostRow> rows;
+  std::vector<GhostObject> objects;
+  std::vector<std::string> groups;
+  std::vector<std::string> notes;
+  BeamLedger ledger;
+  std::uint64_t ghosts = 0;
+  std::vector<std::uint64_t> by_order;
+  std::vector<double> power_by_order;
+  double recoupled_with = 0, recoupled_against = 0;
+  // Of the families: coherent within each, incoherent, worst case; shares at the port and strain.
+  bool has_port = false, has_noise = false;
+  std::string port;
+  std::size_t families = 0;
+  double share = 0, incoherent = 0, worst = 0;
+  GhostStrain strain{not_a_number, not_a_number, not_a_number};
+};
+
+std::string ghost_text(GhostReport const&, std::size_t objects_shown);
+std::string ghost_json(GhostReport const&);
+std::string ghost_csv_header(bool watts);
+std::string ghost_csv(std::string const& beam, GhostRow const&, std::string const& where, double power);
+
+}  // namespace straytrace
