@@ -6,26 +6,18 @@ namespace straytrace::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 std::string const et_edges = source_folder + "/examples/et_hf_edges.yaml";
-Words const small = {"-p", "baffles_per_half=20", "--histories", "3e5", "--quiet"};
-
-Finished run_edges(std::string const& out, Words const& more) {
-  Words words{"run", et_edges, "-o", out};
-  words.insert(words.end(), small.begin(), small.end());
-  words.insert(words.end(), more.begin(), more.end());
-  return straytrace(words);
-}
 
 TEST(EdgesCommand, RowsOfTheirOwnKind) {
   Folder const folder;
-  Finished const run = run_edges(folder / "out", {"-p", "miscentring=1mm"});
+  Finished const run = straytrace({"run", et_edges, "-o", folder / "out", "-p", "baffles_per_half=3", "-p",
+                                   "miscentring=1mm", "--histories", "4e4", "--quiet"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("ITM·S > baffles_in·E > ETM·S"));
   EXPECT_THAT(run.out, HasSubstr("upper bound: "));
   std::string const report = text_of(folder / "out/report.txt");
-  EXPECT_THAT(report, HasSubstr("20 rims, powers added"));
+  EXPECT_THAT(report, HasSubstr("3 rims, powers added"));
   EXPECT_THAT(report, HasSubstr("routes of kind edge, upper bounds"));
   std::string const csv = text_of(folder / "out/paths.csv");
   EXPECT_THAT(csv, HasSubstr(",sampled_on,kind,statement\n"));
@@ -40,19 +32,12 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
                              "').routes; k = r.kind.index('edge'); assert r.sigma[k] == 0 and 'bound' in r.statement[k]"
                              " and 'scattered' in r.kind\"";
   EXPECT_EQ(std::system(reader.c_str()), 0);
-  // The same histories serve other edges: nothing is traced again.
-  Finished const again = run_edges(folder / "out", {});
-  EXPECT_EQ(again.code, 0) << again.err;
-  EXPECT_THAT(straytrace({"run", source_folder + "/examples/et_hf_arm.yaml", "-o", folder / "plain", "-p",
-                          "baffles_per_half=20", "--histories", "1e5", "--quiet"})
-                  .out,
-              Not(HasSubstr("edge")));
 }
 
 TEST(AperturesCommand, TableAndProfile) {
   Finished const table = straytrace({"apertures", virgo_arm, "--show", "2"});
   ASSERT_EQ(table.code, 0) << table.err;
-  EXPECT_THAT(table.out, HasSubstr("ETM           2999.8  58.018"));
+  EXPECT_THAT(table.out, HasSubstr("ETM     2999.8  58.018"));
   EXPECT_THAT(table.out, HasSubstr("and 70 more"));
   EXPECT_THAT(straytrace({"apertures", virgo_arm, "--format", "json"}).out, HasSubstr("\"axis_factor_far\":"));
   EXPECT_EQ(straytrace({"apertures", virgo_arm, "--profile", "ETM", "--distance", "500 m"}).code, 0);

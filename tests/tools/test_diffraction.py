@@ -20,9 +20,10 @@ K = 2 * np.pi / LAMBDA
 SCENE = """straytrace: 1
 params: {{shift: {shift} mm}}
 materials: {{black: {{}}}}
+bodies: {{bench: {{motion: still}}}}
 scene:
-  - {{name: stop, {shape}, at: [shift, 0 m, 1 m], facing: [0, 0, 1], material: black}}
-  - {{name: screen, shape: {{disk: {{outer_radius: 50 cm}}}}, at: [0 m, 0 m, 200 m], facing: [0, 0, -1], material: black}}
+  - {{name: stop, {shape}, at: [shift, 0 m, 1 m], facing: [0, 0, 1], body: bench, material: black}}
+  - {{name: screen, shape: {{disk: {{outer_radius: 50 cm}}}}, at: [0 m, 0 m, 200 m], facing: [0, 0, -1], body: bench, material: black}}
 beams: {{laser: {{from: [0 m, 0 m, 0 m], facing: [0, 0, 1], waist: {{radius: 10 mm, ahead: 1 m}}}}}}
 receivers: {{screen: {{on: screen}}}}
 """
