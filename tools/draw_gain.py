@@ -35,10 +35,9 @@ def draw(found):
     for name, (hz, value) in found.items():
         colour, style = STYLES[name]
         preset, tuning = name.split()
-        label = preset + ("" if tuning == "0" else f", tuned {tuning} rad off")
+        label = preset if not preset.startswith("et-") else f"{preset}, tuned" if tuning == "0" else f"{preset}, {tuning} rad off"
         axes.loglog(hz, value, style, color=colour, label=label)
-    axes.axhline(PUBLIC, color="black", linewidth=0.8)
-    axes.text(1.05, PUBLIC * 1.06, "15.7, public ET model", fontsize=8)
+    axes.axhline(PUBLIC, color="black", linewidth=0.8, label="15.7, public ET model")
     axes.set(xlabel="frequency (Hz)", ylabel="what stands for $\\Gamma$ in eq. 9.2", xlim=(1, 100), ylim=(1, 300))
     axes.grid(which="both", alpha=0.2)
     axes.legend(fontsize=8, ncol=2, loc="upper left", bbox_to_anchor=(0.02, 0.97))

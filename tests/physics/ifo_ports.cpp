@@ -211,6 +211,46 @@ TEST(Ports, ClosedFormsR5_02) {
   EXPECT_NEAR(std::abs(ifo.strain_per_phase(PortId{1}, 10) / ifo.strain_per_phase(bench, 10)), 0.25, 1e-12);  // eq. 9.8
 }
 
+// R5.03: the prediction for a bench that swings, as Virgo made it in 2019: ASD of sin(4 pi x/lambda) and of the cosine
+// times the two responses, at two positions lambda/8 apart. Lines change places between the channels, so that the sum
+// over both positions has every line once in each: twice the mean over the static phase (eq. 7.3, trap 14.6).
+TEST(Ports, SwingingEndBenchR5_03) {
+  FabryPerotMichelson::Parameters p;
+  p.arm = {3000, 0.014, 4.4e-6, 75e-6};
+  p.wavelength = wavelength;
+  p.power = 100e3;
+  p.mass = 42;
+  p.mode = differential_mode(p.arm, 1);
+  FabryPerotMichelson const ifo(p, {{.name = "SNEB", .entrance = Entrance::end_bench, .copies = 1}});
+  double const f_sc = 0.03e-6, swing = 2e-6, hz = 1, z = 4 * pi * swing / wavelength;
+  EXPECT_NEAR(f_sc * pi * 1e-6 / (wavelength * wavelength), 0.083, 5e-4);  // BRDF that this takes at w = 1 mm, eq. 1.4
+  constexpr int samples = 4096;
+  auto const line = [&](double position, int n, bool cosine) {  // of the stray field, rms^2
+    Phasor sum = 0;
+    for (int i = 0; i < samples; ++i) {
+      double const t = double(i) / samples,
+                   phase = 4 * pi * (position + swing * std::sin(2 * pi * hz * t)) / wavelength;
+      sum += (cosine ? std::cos(phase) : std::sin(phase)) * std::polar(1.0, 2 * pi * n * hz * t);
+    }
+    return 2 * std::norm(sum / double(samples));
+  };
+  double loudest = 0;
+  for (int n = 5; n <= 25; ++n) {
+    double const t_phase = std::norm(ifo.strain_per_phase(PortId{0}, n * hz)),
+                 t_amplitude = std::norm(ifo.strain_per_amplitude(PortId{0}, n * hz));
+    double h2[2];
+    for (int i : {0, 1})
+      h2[i] = f_sc * (t_phase * line(i * wavelength / 8, n, false) + t_amplitude * line(i * wavelength / 8, n, true));
+    double const bessel = std::cyl_bessel_j(n, z), both = f_sc * 2 * bessel * bessel * (t_phase + t_amplitude);
+    EXPECT_NEAR((h2[0] + h2[1]) / both, 1, 1e-9) << n;
+    // At position 0 odd lines are phase and even lines radiation pressure.
+    EXPECT_NEAR(h2[0] / (f_sc * 2 * bessel * bessel * (n % 2 == 1 ? t_phase : t_amplitude)), 1, 1e-9) << n;
+    EXPECT_GT(std::fabs(h2[0] / h2[1] - 1), 0.5) << "twin: one position is not the mean";
+    loudest = std::fmax(loudest, std::sqrt(h2[0] + h2[1]));
+  }
+  EXPECT_GT(loudest, 1e-20);
+}
+
 TEST(Ports, VirgoBenchesB4) {
   FabryPerotMichelson::Parameters p;
   p.arm = {3000, 0.014, 4.4e-6, 75e-6};
