@@ -64,9 +64,8 @@ def draw(axes, budget):
         if k == 0:
             axes.plot(f, budget["margin"] * asd, color=GREY, lw=1.3, ls=DASHED, label=f"{curve['name']} × {budget['margin']:g}")
             shown.append(budget["margin"] * asd)
-    line = values(curves["ligo_requirement"])
-    if line.size:
-        axes.plot(f, line, color="#555555", lw=1.0, ls=":", label="LIGO requirement")
+    for line, style in zip(curves["lines"], (":", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))):
+        axes.plot(f, values(line["strain"]), color="#555555", lw=1.0, ls=style, label=line["name"])
     known = np.concatenate([c[np.isfinite(c) & (c > 0)] for c in shown])
     low, high = (known.min(), known.max()) if known.size else (1e-25, 1e-20)
     axes.set(xscale="log", yscale="log", xlim=(f[0], f[-1]), ylim=(max(low / 30, high * 1e-9), high * 3))

@@ -13,6 +13,8 @@
 #include "base/quantity.hpp"
 #include "base/table.hpp"
 #include "noise/design.hpp"
+#include "noise/fundamental/closed_forms.hpp"
+#include "noise/fundamental/quantum.hpp"
 #include "report/pygwinc_ifo.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
@@ -199,6 +201,18 @@ Gathered read_inputs(BudgetRequest const& r) {
   return g;
 }
 
+void add_lines(BudgetOn& b, Detector const& d) {
+  std::vector<double> shot = shot_psd(d, b.table.hz), limit;
+  for (double& x : shot) x = std::sqrt(x);
+  for (double const f : b.table.hz) {
+    limit.push_back(closed_forms::quantum_limit(d.arm_length, d.mirror_mass, f));
+    b.metres.push_back(1 / std::sqrt(d.strain_per_length_squared(f)));
+  }
+  b.lines = {{"shot noise alone", shot}, {"quantum limit", limit}};
+  if (std::vector<double> line = thermal_requirement(b.table); !line.empty())
+    b.lines.push_back({"LIGO requirement", std::move(line)});
+}
+
 BudgetOn put_on(Gathered const& g, std::vector<std::string> const& compare, std::vector<double> const& hz,
                 std::vector<std::string>* left_out) {
   BudgetOn b;
@@ -231,6 +245,7 @@ BudgetOn put_on(Gathered const& g, std::vector<std::string> const& compare, std:
   }
   for (Source const& s : g.sources) b.table.entries.push_back(s.on(hz));
   for (std::string const& name : compare) b.curves.push_back(reference_curve(name, hz));
+  if (g.ifo) add_lines(b, g.ifo->detector);
   return b;
 }
 

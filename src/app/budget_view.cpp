@@ -37,7 +37,7 @@ std::vector<double> const* reference(BudgetOn const& b) { return b.curves.empty(
 std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
   std::string text = std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma) : number(h);
-  if (!std::isfinite(h) && !e.note.empty()) text = "unresolved";
+  if (!std::isfinite(h) && !e.note.empty()) text = "unknown";
   std::vector<double> const* const design = reference(v.at);
   text += design && NoiseTable::exceeds(h, (*design)[i], v.margin) ? " !" : "  ";
   return text;
@@ -122,8 +122,7 @@ std::string budget_text(BudgetView const& v) {
   }
   text += row("total", numbers(v.at.table.total()));
   for (ReferenceCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
-  if (std::vector<double> const line = thermal_requirement(v.at.table); !line.empty())
-    text += row("LIGO requirement", numbers(line));
+  for (ReferenceCurve const& c : v.at.lines) text += row(c.name, numbers(c.asd));
   text += ratios(v) + flagged(v) + bound(v);
   if (!thermal_requirement(v.at.table).empty())
     text += "LIGO requirement: a tenth of the thermal noise of suspensions and test masses (G0900670)\n";
@@ -135,20 +134,35 @@ std::string budget_text(BudgetView const& v) {
 
 std::string budget_columns(BudgetView const& v) {
   NoiseTable const& t = v.grid.table;
-  std::string text =
-      fmt::format("# {}\n# straytrace {} ({})\n# strain ASD [1/sqrt(Hz)], one-sided; nan: not known\n# Hz", v.title,
-                  build_info::version, build_info::commit);
+  std::string text = fmt::format(
+      "# {}\n# straytrace {} ({})\n# ASD, one-sided: _strain [1/sqrt(Hz)], _displacement of the difference of the arms "
+      "[m/sqrt(Hz)]; nan: not known\n# Hz",
+      v.title, build_info::version, build_info::commit);
   for (BudgetEntry const& e : t.entries) text += fmt::format(" {}_strain", e.name);
   text += " total_strain";
   for (ReferenceCurve const& c : v.grid.curves) text += " " + c.name;
-  std::vector<double> const total = t.total(), line = thermal_requirement(t);
-  text += line.empty() ? "\n" : " LIGO_requirement_strain\n";
+  auto const column = [](std::string name) {
+    std::replace(name.begin(), name.end(), ' ', '_');
+    return " " + name + "_strain";
+  };
+  for (ReferenceCurve const& c : v.grid.lines) text += column(c.name);
+  std::vector<double> const total = t.total();
+  if (!v.grid.metres.empty()) {
+    for (BudgetEntry const& e : t.entries) text += fmt::format(" {}_displacement", e.name);
+    text += " total_displacement";
+  }
+  text += '\n';
   for (std::size_t i = 0; i < t.hz.size(); ++i) {
     text += fmt::format("{:.9g}", t.hz[i]);
     for (BudgetEntry const& e : t.entries) text += fmt::format(" {:.6e}", e.asd[i]);
     text += fmt::format(" {:.6e}", total[i]);
     for (ReferenceCurve const& c : v.grid.curves) text += fmt::format(" {:.6e}", c.asd[i]);
-    text += line.empty() ? "\n" : fmt::format(" {:.6e}\n", line[i]);
+    for (ReferenceCurve const& c : v.grid.lines) text += fmt::format(" {:.6e}", c.asd[i]);
+    if (!v.grid.metres.empty()) {
+      for (BudgetEntry const& e : t.entries) text += fmt::format(" {:.6e}", e.asd[i] * v.grid.metres[i]);
+      text += fmt::format(" {:.6e}", total[i] * v.grid.metres[i]);
+    }
+    text += '\n';
   }
   return text;
 }
@@ -179,7 +193,8 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
   out["total"] = json_numbers(b.table.total());
   out["curves"] = Json::array();
   for (ReferenceCurve const& c : b.curves) out["curves"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
-  out["ligo_requirement"] = json_numbers(thermal_requirement(b.table));
+  out["lines"] = Json::array();
+  for (ReferenceCurve const& c : b.lines) out["lines"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
   return out;
 }
 

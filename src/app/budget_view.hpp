@@ -20,6 +20,8 @@ struct ReferenceCurve {
 struct BudgetOn {
   NoiseTable table;
   std::vector<ReferenceCurve> curves;  // the first one is what ratios refer to
+  std::vector<ReferenceCurve> lines;   // what is no noise of its own: shot noise alone, quantum limit, requirement
+  std::vector<double> metres;          // change of the difference of the arms per strain; empty without a detector
 };
 
 struct BudgetView {

@@ -36,6 +36,15 @@ TEST(QuantumNetwork, KimbleWithoutSignalRecycling) {  // eq. 12.6, tolerance 1e-
   EXPECT_GT(deviation(quantum_at(d, 3), closed_forms::quantum(1.064e-6, 3000, 21, 1e-4, 650e3, 3)), 0.1);  // twin
 }
 
+TEST(QuantumNetwork, ShotNoiseAlone) {  // eq. 12.2 with F = 2 pi/T, P at the splitter = P_arm T/2, to 1e-3
+  Detector const d = lossless();
+  for (double const hz : {3.0, 100.0}) {
+    double const form = closed_forms::shot(1.064e-6, 3000, 2 * pi / 1e-4, 650e3 * 1e-4 / 2, hz);
+    EXPECT_LT(deviation(std::sqrt(shot_psd(d, std::vector<double>{hz})[0]), form), 1e-3) << hz;
+  }
+  EXPECT_GT(quantum_at(d, 3), 2 * std::sqrt(shot_psd(d, std::vector<double>{3})[0]));  // twin: mirrors that move
+}
+
 TEST(QuantumNetwork, SqueezedLight) {  // 10 dB: noise down by sqrt(10) where shot noise rules, up below
   Detector d = lossless();
   double const high = quantum_at(d, 1000), low = quantum_at(d, 3);

@@ -146,11 +146,9 @@ double squeezed_excess(LinearResponse const& response, Recycled const& r, Squeez
   return with.real() - std::norm(u) - std::norm(l);
 }
 
-}  // namespace
-
-std::vector<double> quantum_psd(Detector const& d, std::span<double const> hz) {
+std::vector<double> psd_of(Detector const& d, std::span<double const> hz, bool free) {
   Frame const frame = frame_of(d);
-  Recycled const r = network_of(d, true);
+  Recycled const r = network_of(d, free);
   SteadyField const field(r.network);
   Readout const readout = Readout::homodyne(r.output, frame.signal - (d.readout_angle - pi / 2));
   std::vector<double> psd;
@@ -164,5 +162,10 @@ std::vector<double> quantum_psd(Detector const& d, std::span<double const> hz) {
   }
   return psd;
 }
+
+}  // namespace
+
+std::vector<double> quantum_psd(Detector const& d, std::span<double const> hz) { return psd_of(d, hz, true); }
+std::vector<double> shot_psd(Detector const& d, std::span<double const> hz) { return psd_of(d, hz, false); }
 
 }  // namespace straytrace

@@ -12,5 +12,6 @@ namespace straytrace {
 
 // Strain PSD, 1/Hz, one-sided.
 std::vector<double> quantum_psd(Detector const&, std::span<double const> hz);
+std::vector<double> shot_psd(Detector const&, std::span<double const> hz);  // mirrors held: no radiation pressure
 
 }  // namespace straytrace
