@@ -32,6 +32,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   std::string const name = table.choice("preset", names);
   auto const network = std::find_if(networks.begin(), networks.end(), [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();
+  if (!solves && name != closed_forms) return nullptr;  // said by choice()
   std::unique_ptr<Interferometer> ifo =
       solves ? read_recycled_interferometer(table, *network, ports, wavelength, beam_power)
              : read_closed_forms(table, ports, wavelength, beam_power);
