@@ -27,13 +27,4 @@ CavityMode cavity_mode(double length, double roc1, double roc2, double wavelengt
   return m;
 }
 
-double beam_radius(BeamParameter q, double wavelength) { return std::sqrt(-wavelength / (pi * std::imag(1.0 / q))); }
-double wavefront_curvature(BeamParameter q) { return std::real(1.0 / q); }
-BeamParameter propagated(BeamParameter q, double distance) { return q + distance; }
-BeamParameter reflected_by(BeamParameter q, double roc) { return 1.0 / (1.0 / q - 2.0 / roc); }
-BeamParameter into_medium(BeamParameter q, double roc, double n) { return n / (1.0 / q + (n - 1) / roc); }
-BeamParameter out_of_medium(BeamParameter q, double n) { return q / n; }
-
-double clipped_share(double aperture, double w) { return std::exp(-2 * aperture * aperture / (w * w)); }
-
 }  // namespace straytrace

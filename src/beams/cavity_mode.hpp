@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenmode of a two-mirror cavity and propagation of Gaussian beams (physics.md section 6).
+// Eigenmode of a two-mirror cavity in closed form (physics.md eq. 6.3). Any other: beams/eigenmode.hpp.
 #pragma once
-
-#include <complex>
 
 namespace straytrace {
 
@@ -16,18 +14,5 @@ struct CavityMode {
 };
 // eq. 6.3. Throws NumericalError unless 0 < g1 g2 < 1.
 CavityMode cavity_mode(double length, double roc1, double roc2, double wavelength);
-
-// Beam parameter q = z + i z_R (eq. 6.2).
-using BeamParameter = std::complex<double>;
-double beam_radius(BeamParameter q, double wavelength);      // m
-double wavefront_curvature(BeamParameter q);                 // 1/m, positive when diverging
-BeamParameter propagated(BeamParameter q, double distance);  // free flight, m
-BeamParameter reflected_by(BeamParameter q, double roc);     // mirror of curvature RoC
-BeamParameter into_medium(BeamParameter q, double roc,
-                          double n);                     // refracting face seen concave from outside for RoC > 0
-BeamParameter out_of_medium(BeamParameter q, double n);  // through a flat face
-
-// Power lost by a Gaussian of radius w at a centred circular aperture of radius a (eq. 5.5).
-double clipped_share(double aperture, double w);
 
 }  // namespace straytrace

@@ -51,12 +51,12 @@ std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double
 
 std::complex<double> strain_per_phase_in_short_arm(ArmCavity const& arm, double wavelength, double hz) {
   double const slow = strain_per_phase_in_arm(wavelength, arm.length) * pi / (2 * finesse(arm));
-  return slow * std::complex<double>(1, -hz / cavity_pole(arm));
+  return slow * std::complex<double>(1, hz / cavity_pole(arm));
 }
 
 std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, double length, double hz,
                                                   DifferentialMode mode) {
-  return dark_fringe_offset / length * std::complex<double>(1, -hz / mode.pole);
+  return dark_fringe_offset / length * std::complex<double>(1, hz / mode.pole);
 }
 
 double equivalent_length(ArmCavity const& arm, double wavelength, std::complex<double> s_arm,

@@ -37,8 +37,10 @@ double strain_per_phase_in_arm(double wavelength, double length);
 // h = 8 P Gamma Re s / (c M (2 pi f)^2 L) / (1 + i f/f_p); eq. 9.2. Both mirrors of mass M free.
 std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double mass, double length, DifferentialMode);
 
-// h = (lambda / 4 pi L) (pi/2F) (1 - i f/f_p) Im s for a field in one short Michelson arm; eq. 9.5. The pole is that of
-// the arm alone, also with signal recycling: what follows the arm treats the stray field as it treats the signal.
+// h = (lambda / 4 pi L) (pi/2F) (1 + i f/f_p) Im s for a field in one short Michelson arm; eq. 9.5. The pole is that of
+// the arm alone, also with signal recycling: what follows the arm treats the stray field as it treats the signal. Times
+// as exp(-2 pi i f t): the arm reflects sidebands with (1 + i f/f_p)/(1 - i f/f_p) and lets the signal out with
+// 1/(1 - i f/f_p).
 std::complex<double> strain_per_phase_in_short_arm(ArmCavity const&, double wavelength, double hz);
 // Largest h per relative field that comes back to the antisymmetric port, over the static phase; eq. 9.6.
 std::complex<double> strain_at_antisymmetric_port(double dark_fringe_offset, double length, double hz,

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 namespace straytrace {

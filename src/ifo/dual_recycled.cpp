@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ifo/dual_recycled.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -158,7 +160,7 @@ double DualRecycled::pole() const {
   auto const heavy = without_radiation_pressure();
   auto const size = [&](double hz) { return std::abs(heavy->to_freedom(heavy->response(hz), Freedom::darm)); };
   double const last = speed_of_light / (4 * p_.arm_length);  // half of the free spectral range
-  double top = 0, below = probe_hz;
+  double top = size(probe_hz), below = probe_hz;
   for (double hz = last / 1e4; hz < last; hz *= 1.1)
     if (double const s = size(hz); s >= top) top = s, below = hz;
   double above = below;
@@ -178,6 +180,52 @@ double DualRecycled::quantum_noise(double hz) const {
     squeezed.push_back(
         {network_.number_of({network_.find("dark"), 0}), -std::log(p_.squeezing) / 2, {}, p_.squeezing_angle});
   return std::sqrt(r.quantum_noise(squeezed)) / (std::abs(to_freedom(r, Freedom::darm)) * p_.arm_length);
+}
+
+namespace {
+
+constexpr std::array<Freedom, 4> locked = {Freedom::carm, Freedom::mich, Freedom::prcl, Freedom::srcl};
+
+// The length itself as a read-out, with the splitter at rest.
+Readout length_of(Network const& n, Freedom f) {
+  Eigen::Matrix<double, 1, 6> const of = freedoms_of_lengths().row(Eigen::Index(f));
+  auto const part = [&](Length l) { return of[Eigen::Index(l)]; };
+  double const x = part(Length::arm_x), y = part(Length::arm_y);
+  return Readout::motion({{n.find("ETM x"), x},
+                          {n.find("ITM x"), part(Length::short_x) - x},
+                          {n.find("ETM y"), y},
+                          {n.find("ITM y"), part(Length::short_y) - y},
+                          {n.find("PRM"), -part(Length::recycling)},
+                          {n.find("SRM"), part(Length::signal)}});
+}
+
+}  // namespace
+
+HeldResponse::HeldResponse(DualRecycled const& d, double hz) : d_(d), read_(d.response(hz)) {
+  Eigen::Matrix<Phasor, loops, loops> moves;
+  Eigen::Matrix<Phasor, 1, loops> seen;
+  for (int i = 0; i < loops; ++i) {
+    lengths_.push_back(d.response(length_of(d.network(), locked[std::size_t(i)]), hz));
+    seen[i] = d.to_freedom(read_, locked[std::size_t(i)]);
+    for (int j = 0; j < loops; ++j) moves(i, j) = d.to_freedom(lengths_.back(), locked[std::size_t(j)]);
+  }
+  per_length_ = seen * moves.inverse();
+}
+
+template <class Cause>
+Phasor HeldResponse::held(Cause const& cause) const {
+  Phasor sum = cause(read_);
+  for (int i = 0; i < loops; ++i) sum -= per_length_[i] * cause(lengths_[std::size_t(i)]);
+  return sum;
+}
+Phasor HeldResponse::to_freedom(Freedom f) const {
+  return held([&](LinearResponse const& r) { return d_.to_freedom(r, f); });
+}
+Phasor HeldResponse::to_phase(Injection const& i) const {
+  return held([&](LinearResponse const& r) { return r.to_phase(i); });
+}
+Phasor HeldResponse::to_amplitude(Injection const& i) const {
+  return held([&](LinearResponse const& r) { return r.to_amplitude(i); });
 }
 
 }  // namespace straytrace

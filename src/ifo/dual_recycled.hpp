@@ -87,6 +87,26 @@ class DualRecycled {
   Readout readout_;
 };
 
+// The read-out of DARM with CARM, MICH, PRCL and SRCL held, as their loops do: light that pushes both arms alike would
+// otherwise reach the read-out through the dark-fringe offset, far above all else below 10 Hz.
+class HeldResponse {
+ public:
+  HeldResponse(DualRecycled const&, double hz);
+  Phasor to_freedom(Freedom) const;
+  Phasor to_phase(Injection const&) const;
+  Phasor to_amplitude(Injection const&) const;
+
+ private:
+  static constexpr int loops = 4;
+  template <class Cause>
+  Phasor held(Cause const&) const;  // cause(response): answer of any read-out
+
+  DualRecycled const& d_;
+  LinearResponse read_;
+  std::vector<LinearResponse> lengths_;         // the lengths themselves
+  Eigen::Matrix<Phasor, 1, loops> per_length_;  // read-out per m of each length
+};
+
 // Names of presets and their numbers (physics.md 12.1; the reference page has a source for each).
 struct DualRecycledPreset {
   std::string_view name, detector;

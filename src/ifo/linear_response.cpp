@@ -109,7 +109,9 @@ void for_each_beat(std::span<double const> carriers, double hz, Beat const& beat
 Eigen::VectorXcd row_of(Readout const& r, SteadyField const& field, Layout const& at, Eigen::Index size) {
   Eigen::VectorXcd row = Eigen::VectorXcd::Zero(size);
   auto const add = [&](int side, std::size_t n, Phasor factor) { row[at.field(false, side, n, r.port)] += factor; };
-  if (r.kind == Readout::Kind::homodyne) {
+  if (r.kind == Readout::Kind::motion) {
+    for (auto const& [id, factor] : r.moving) row[at.displacement(id.value)] += factor;
+  } else if (r.kind == Readout::Kind::homodyne) {
     std::size_t const n = field.carrier(0);
     add(0, n, std::polar(1.0, -r.angle));
     add(1, n, std::polar(1.0, r.angle));

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ifo/network.hpp"
@@ -22,10 +23,15 @@ struct Readout {
   static Readout demodulated(std::uint32_t port, double hz, double phase) {
     return {port, Kind::demodulated, phase, hz};
   }
-  enum class Kind : std::uint8_t { power, homodyne, demodulated };
+  // Sum of displacements of components, m, each with a factor.
+  static Readout motion(std::vector<std::pair<ComponentId, double>> of) {
+    return {0, Kind::motion, 0, 0, std::move(of)};
+  }
+  enum class Kind : std::uint8_t { power, homodyne, demodulated, motion };
   std::uint32_t port = 0;
   Kind kind = Kind::power;
   double angle = 0, hz = 0;
+  std::vector<std::pair<ComponentId, double>> moving{};
 };
 
 // The demodulated light itself, W: what a lock looks at. Light by carriers, sqrt(W) and Hz.

@@ -71,8 +71,8 @@ bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= t
 std::span<Key<P> const> dual_recycled_keys() { return keys; }
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
-  LinearResponse const r = model_->response(hz);
-  std::complex<double> const darm = model_->to_freedom(r, Freedom::darm) * model_->parameters().arm_length;
+  HeldResponse const r(*model_, hz);
+  std::complex<double> const darm = r.to_freedom(Freedom::darm) * model_->parameters().arm_length;
   if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer does not see DARM");
   Answer a;
   for (std::size_t e = 0; e < entrance_names.size(); ++e) {
@@ -109,7 +109,8 @@ std::string RecycledInterferometer::description() const {
           : fmt::format("homodyne at {:g} deg", p.homodyne_angle * 180 / pi);
   return fmt::format(
              "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
-             "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L; lambda {:g} nm, L {:g} m, P {:.5g} W per arm from "
+             "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, CARM, MICH, PRCL and SRCL held; lambda "
+             "{:g} nm, L {:g} m, P {:.5g} W per arm from "
              "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, Gamma {:.4g} at 10 Hz, f_p {:.4g} Hz",
              name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
              100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi,

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "base/constants.hpp"
+#include "base/event.hpp"
 #include "base/ids.hpp"
 
 namespace straytrace {
 
 constexpr int replica_count = 32;  // blocks with number = r modulo 32 share replica r (jackknife of the noise bands)
 
-enum class Event : std::uint8_t { emit, scatter, reflect, couple, transmit, receive, start };
 char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T'; receive: 'D' (detected); start of a
                      // free beam: 'B'
 

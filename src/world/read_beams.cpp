@@ -8,6 +8,7 @@
 
 #include "base/message.hpp"
 #include "beams/cavity_mode.hpp"
+#include "beams/clipping.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Prints, as JSON, dual-recycled interferometers and what the network solver says about them, for test_finesse.py:
-// powers at every port of every component, in W, and how the power at the dark port answers.
+// powers at every port of every component, in W, and how the power at the dark port answers. With the argument `gain`,
+// for tools/draw_gain.py: what stands for Gamma in eq. 9.2 at each frequency.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -61,9 +62,31 @@ void print(std::string const& name, DualRecycledParameters const& p, std::vector
   fmt::print("]}}");
 }
 
+// Lines "name tuning hz value": |h per Re s| of light in an arm over 8 P/(c M (2 pi f)^2 L).
+void print_gains() {
+  for (DualRecycledPreset const& preset : dual_recycled_presets())
+    for (double const tuning : {0.0, 0.3}) {
+      if (tuning != 0 && !preset.name.starts_with("et-")) continue;
+      DualRecycledParameters p = preset.parameters;
+      p.signal_recycling_tuning = tuning;
+      DualRecycled const d(p);
+      for (int i = 0; i <= 80; ++i) {
+        double const hz = std::pow(10, i / 40.0);
+        HeldResponse const r(d, hz);
+        double const h = std::abs(r.to_amplitude(d.injection(Entrance::arm)) / r.to_freedom(Freedom::darm));
+        fmt::print("{} {} {:.6g} {:.6g}\n", preset.name, tuning, hz,
+                   h * speed_of_light * p.mirror_mass * std::pow(2 * pi * hz, 2) / (8 * d.arm_power()));
+      }
+    }
+}
+
 }  // namespace
 
-int main() {
+int main(int count, char** words) {
+  if (count > 1 && std::string_view(words[1]) == "gain") {
+    print_gains();
+    return 0;
+  }
   DualRecycledParameters const tuned = dual_recycled_presets()[0].parameters;
   DualRecycledParameters detuned = tuned;
   detuned.signal_recycling_tuning = 0.3;  // an optical spring

@@ -5,6 +5,7 @@
 #include "base/rng.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/footprint.hpp"
+#include "beams/ray_matrix.hpp"
 #include "chi_square.hpp"
 #include "geometry/cap.hpp"
 
@@ -127,7 +128,7 @@ double worst_misfit(double curvature, double roc) {
 
 TEST(footprint, wavefront_of_a_cavity_mode_fits_the_mirror) {
   CavityMode const m = cavity_mode(3000, 1420, 1683, 1.064e-6);
-  BeamParameter const at_mirror_2 = propagated({0, m.rayleigh}, 3000 - m.waist_position);
+  BeamParameter const at_mirror_2{3000 - m.waist_position, m.rayleigh};
   EXPECT_NEAR(wavefront_curvature(at_mirror_2) * 1683, 1, 1e-12);
   EXPECT_LT(worst_misfit(wavefront_curvature(at_mirror_2), 1683), 1e-9);
   EXPECT_GT(worst_misfit(0, 1683), 1e-5);

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Random optical systems and beams for the tests of Gaussian optics.
+#pragma once
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "beams/beam_path.hpp"
+#include "beams/mode.hpp"
+#include "optics/refraction.hpp"
+
+namespace straytrace::testing {
+
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : engine_(seed) {}
+  double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+  // Unit vector at an angle of at most `widest` rad from `axis`.
+  Vec3 near(Vec3 axis, double widest) {
+    Frame const f = Frame::around(axis);
+    double const angle = between(0, widest), turn = between(0, 2 * pi);
+    return f.to_world({std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle)});
+  }
+  // Curvatures of either sign up to 1/roc, in tangent axes turned at random.
+  SurfaceCurvature curved(Vec3 normal, double roc) {
+    Frame const f = Frame::around(normal);
+    double const turn = between(0, 2 * pi);
+    Vec3 const a = std::cos(turn) * f.e1 + std::sin(turn) * f.e2;
+    return {a, cross(normal, a), between(-1, 1) / roc, between(-1, 1) / roc, between(-1, 1) / roc};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+// Twisted beam: Re Q and Im Q have axes of their own.
+inline Mode twisted_mode(Dice& dice, Vec3 origin, Vec3 travel, double w, double wavelength) {
+  Mode m = circular_mode(origin, travel, w, 0, wavelength);
+  double const s = m.q11.imag();
+  m.q11 = {dice.between(-s, s), s * dice.between(0.7, 1.4)};
+  m.q22 = {dice.between(-s, s), s * dice.between(0.7, 1.4)};
+  m.q12 = {dice.between(-s, s), s * dice.between(-0.5, 0.5)};
+  return m;
+}
+
+// A ray that meets the sheet of a sphere next to `vertex` and is reflected (n_after = 0) or refracted there, exactly.
+// `normal` points to the centre of curvature for roc > 0.
+struct ExactRay {
+  Vec3 point, dir;
+};
+inline ExactRay through_sphere(ExactRay r, Vec3 vertex, Vec3 normal, double roc, double n_before, double n_after) {
+  Vec3 const centre = vertex + roc * normal, o = r.point - centre;
+  double const b = dot(o, r.dir), root = std::sqrt(b * b - length2(o) + roc * roc);
+  double const one = -b - root, two = -b + root;
+  auto const near = [&](double t) { return length(o + t * r.dir + roc * normal); };  // the sheet at the vertex
+  r.point = r.point + (near(one) < near(two) ? one : two) * r.dir;
+  Vec3 n = unit(r.point - centre);
+  if (dot(n, r.dir) > 0) n = -n;
+  if (n_after == 0)
+    r.dir = reflected(r.dir, n);
+  else
+    refracted(r.dir, n, n_before, n_after, r.dir);
+  return r;
+}
+
+}  // namespace straytrace::testing
