@@ -57,7 +57,8 @@ void add_budget(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--band", r.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
   command->add_option("--points", r.points, "of the curves")->check(CLI::Range(2, 100000))->default_val(r.points);
   command->add_option("--compare", r.compare, "design curves, or files: two columns, or budgets of pygwinc")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");
   command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
       ->allow_extra_args(false);
