@@ -85,7 +85,9 @@ TEST(Pendulum, AreaIsThermalEnergy) {  // equipartition: integral = kT/(M w_s^2)
     if (d == Damping::viscous) {
       EXPECT_NEAR(area / full, 1, 0.01);
     }
-    if (d == Damping::structural) EXPECT_NEAR(area / full, 1 + 0.01 * 2 / pi * std::log(0.6 / 1e-5), 0.03);
+    if (d == Damping::structural) {
+      EXPECT_NEAR(area / full, 1 + 0.01 * 2 / pi * std::log(0.6 / 1e-5), 0.03);
+    }
   }
 }
 
