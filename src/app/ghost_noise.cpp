@@ -45,7 +45,7 @@ std::vector<CouplingClass> ghost_classes(GhostFamilies const& families) {
     record.coupling = record.weight = f.share();
     record.path_length = f.path_length;
     record.levers = f.levers;
-    CouplingClass made = deterministic_class(ClassKind::ghost, f.steps, families.port()->port, 1, {record}, statement);
+    CouplingClass made = deterministic_class(ClassKind::ghost, f.steps, *families.port(), 1, {record}, statement);
     auto const [at, added] = classes.emplace(made.hash, made);
     if (added) continue;
     at->second.records.push_back(record);
@@ -70,7 +70,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
     record.coupling = record.weight = 1;
     record.levers = families.all()[i].levers;
     CouplingClass one =
-        deterministic_class(ClassKind::ghost, families.all()[i].steps, families.port()->port, 1, {record}, statement);
+        deterministic_class(ClassKind::ghost, families.all()[i].steps, *families.port(), 1, {record}, statement);
     one.hash = i;
     table.classes.push_back(std::move(one));
   }

@@ -120,7 +120,7 @@ GhostReport report_of(Model const& model, BeamLaunch const& launch, Wanted const
         report.has_port ? "the scene has no 'interferometer'" : "no port of this beam is open on its way",
         launch.name));
   if (report.has_port) {
-    report.port = world.ports()[families.port()->port.value];
+    report.port = world.ports()[families.port()->value];
     find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) { families.add(g); });
     for (GhostFamily const& f : families.all()) {
       report.share += f.share();

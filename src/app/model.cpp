@@ -43,6 +43,39 @@ void read_noise(Model& model, Scene const& scene) {
   if (table) table.refuse_unknown("'noise'");
 }
 
+// Light that `lit` followed through a mirror of a cavity has passed it in its coupling already, twice; the places
+// behind that mirror would count the transmission again (physics.md eq. 9.3).
+void check_entrances(Scene const& scene, World const& world) {
+  Node const ports = scene.table("interferometer").table("ports");
+  if (!ports) return;
+  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (!f.port.valid() || world.feeds()[i].mirror == Feed::none) continue;
+    Node const entry = ports[world.ports()[f.port.value]];
+    if (!entry || !entry.has("at")) continue;
+    std::string const at = entry.word("at");
+    if (at == "end-bench" || at == "short-arm")
+      return entry["at"].problem("'lit' has followed this light through the mirror: its transmission would count twice",
+                                 "leave 'at' out: couplings of the port are relative to the light in the arm");
+  }
+}
+
+// Behind the input mirror the light of the cavity interferes with the light that comes from the splitter; `lit` follows
+// the first alone. End mirrors pass some ppm.
+void warn_of_input_mirrors(Scene const& scene, World const& world) {
+  auto const beams = scene.table("beams").items();
+  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (world.feeds()[i].mirror == Feed::none || !(f.share > 1e-3) || f.beam >= beams.size()) continue;
+    return beams[f.beam].second["lit"].warning(
+        fmt::format("'{}' is lit through a mirror that passes {:.2g} of the light: the light that comes from the "
+                    "splitter interferes there and is not followed",
+                    world.groups()[world.surfaces()[f.surface.value].group.value], f.share),
+        "behind an input mirror state spots by 'on' and their port by 'at: short-arm'; name end-mirror surfaces by "
+        "'only'");
+  }
+}
+
 }  // namespace
 
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
@@ -61,6 +94,8 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   else if (!noiseless)
     model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(),
                                          model.world.wavelength, model.world.beam_power);
+  check_entrances(model.scene, model.world);
+  if (model.detector) warn_of_input_mirrors(model.scene, model.world);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
   read_noise(model, model.scene);

@@ -47,28 +47,29 @@ void for_each_met(World const& world, Ghost const& g, F&& f) {
 
 }  // namespace
 
-std::optional<GhostPort> ghost_port(World const& world, BeamLaunch const& launch, MainBeam const& main) {
-  std::optional<GhostPort> best;
+std::optional<PortId> ghost_port(World const& world, BeamLaunch const& launch, MainBeam const& main) {
+  std::optional<PortId> best;
+  double nearest = infinity;
   for (Footprint const& f : world.footprints()) {
     if (!f.port.valid() || f.beam != launch.beam) continue;
     for (MainNode const& node : main.nodes()) {
       bool const here = node.spot.surface == f.surface && dot(node.spot.mode.travel, f.travel) > 0.9 &&
                         length(node.spot.mode.origin - f.centre) < 1e-3 + f.radius;
-      if (here && (!best || node.spot.path_length < best->path_length))
-        best = GhostPort{f.port, node.spot.power, node.spot.path_length};
+      if (!here || node.spot.path_length >= nearest) continue;
+      best = f.port;
+      nearest = node.spot.path_length;
     }
   }
   return best;
 }
 
-GhostFamilies::GhostFamilies(World const& world, MainBeam const& main, std::optional<GhostPort> port)
+GhostFamilies::GhostFamilies(World const& world, MainBeam const& main, std::optional<PortId> port)
     : world_(world), main_(main), port_(port) {}
 
 std::optional<double> GhostFamilies::share_at_port(Ghost const& g) const {
   Recoupling const& r = g.standing.recoupled;
   if (!port_ || !r.any || !r.against || g.order == 0) return {};
-  if (main_.nodes()[r.node].spot.path_length < port_->path_length) return {};
-  return r.share() / (port_->power * port_->power);
+  return r.share();
 }
 
 // Levers to a millionth of the wave number; those that cancel are none.
@@ -99,7 +100,7 @@ void GhostFamilies::add(Ghost const& g) {
     families_.emplace_back().levers = std::move(levers);
   }
   GhostFamily& f = families_[at->second];
-  for (std::size_t i : {0, 1}) f.field[i] += r.field[i] / port_->power;
+  for (std::size_t i : {0, 1}) f.field[i] += r.field[i];
   f.incoherent += *share;
   f.root_sum += std::sqrt(*share);
   ++f.ghosts;

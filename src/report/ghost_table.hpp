@@ -18,17 +18,10 @@ namespace straytrace {
 constexpr std::array<double, 3> ghost_frequencies = {10, 30, 100};  // Hz, where h is printed
 using GhostStrain = std::array<double, 3>;                          // 1/sqrt(Hz); NaN: not known
 
-// The port where light in the reversed main beam is counted, and the main beam there.
-struct GhostPort {
-  PortId port;
-  double power = 1;        // over the launched power
-  double path_length = 0;  // m
-};
-
 // Ghosts that return to the port with equal levers: their fields add (physics.md eq. 10.5).
 struct GhostFamily {
   std::vector<Lever> levers;
-  std::array<std::complex<double>, 2> field{};  // at the port, relative to the main mode, by state of polarisation
+  std::array<std::complex<double>, 2> field{};  // at the launch, relative to the main mode, by state of polarisation
   double incoherent = 0, root_sum = 0;          // sum of the shares, and of their roots
   std::uint64_t ghosts = 0, strongest = 0;      // number of them; of the strongest one
   double largest = 0, path_length = 0;          // of the strongest
@@ -42,28 +35,30 @@ struct GhostFamily {
 class GhostFamilies {
  public:
   static constexpr std::size_t most = 4096;
-  GhostFamilies(World const&, MainBeam const&, std::optional<GhostPort>);
+  GhostFamilies(World const&, MainBeam const&, std::optional<PortId>);
 
   void add(Ghost const&);
   std::vector<GhostFamily>& all() { return families_; }
   std::vector<GhostFamily> const& all() const { return families_; }
-  // Share of a ghost at the port, over the power of the main beam there; nothing when it does not come there.
+  // Share of the launched mode, as all couplings are: of light that runs back along the main beam and counts at the
+  // port; nothing when it does not.
   std::optional<double> share_at_port(Ghost const&) const;
   GhostStrain strain_of(Ghost const&) const;  // of this ghost alone
   std::uint64_t left_out = 0;                 // ghosts beyond the most families, and
   double left_out_share = 0;                  // the sum of their shares
-  std::optional<GhostPort> port() const { return port_; }
+  std::optional<PortId> port() const { return port_; }
 
  private:
   using Key = std::vector<long long>;
   Key key_of(std::vector<Lever> const&) const;
   World const& world_;
   MainBeam const& main_;
-  std::optional<GhostPort> port_;
+  std::optional<PortId> port_;
   std::vector<GhostFamily> families_;
   std::map<Key, std::size_t> place_;
 };
-std::optional<GhostPort> ghost_port(World const&, BeamLaunch const&, MainBeam const&);
+// The port of the beam nearest to its launch: there light in the reversed main beam is counted.
+std::optional<PortId> ghost_port(World const&, BeamLaunch const&, MainBeam const&);
 
 enum class GhostRank : std::uint8_t { power, strain, recoupled };
 
