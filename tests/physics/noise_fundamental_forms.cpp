@@ -82,8 +82,12 @@ TEST(Pendulum, AreaIsThermalEnergy) {  // equipartition: integral = kT/(M w_s^2)
     for (double hz = 1e-5; hz < 100; hz *= 1.0005)
       area += std::pow(pendulum(300, mass, 0.6, 0.01, hz, d), 2) * hz * 0.0005;
     double const full = std::pow(pendulum_rms(300, mass, 0.6), 2);
-    if (d == Damping::viscous) EXPECT_NEAR(area / full, 1, 0.01);
-    if (d == Damping::structural) EXPECT_NEAR(area / full, 1 + 0.01 * 2 / pi * std::log(0.6 / 1e-5), 0.03);
+    if (d == Damping::viscous) {
+      EXPECT_NEAR(area / full, 1, 0.01);
+    }
+    if (d == Damping::structural) {
+      EXPECT_NEAR(area / full, 1 + 0.01 * 2 / pi * std::log(0.6 / 1e-5), 0.03);
+    }
   }
 }
 

@@ -96,7 +96,9 @@ TEST(LitScenes, BenchAndEndMirrorMoveAgainstEachOther) {
   loose.add_footprint(plate, bare);
   auto const last = std::uint32_t(loose.footprints().size() - 1);
   for (Lever const& l : levers_of(loose, one, last, last))
-    if (l.body.value == 1) EXPECT_NEAR(l.d[2], 0, 1e-6 * k);
+    if (l.body.value == 1) {
+      EXPECT_NEAR(l.d[2], 0, 1e-6 * k);
+    }
 }
 
 // The same as a spot that is stated, to rounding.
