@@ -16,8 +16,8 @@ import matplotlib.pyplot as plot
 
 PICTURE = pathlib.Path(__file__).resolve().parents[1] / "docs" / "theory" / "stray_gain.png"
 PUBLIC = 15.7  # of the public ET model
-STYLES = {"et-hf 0": ("tab:blue", "-"), "et-hf 0.3": ("tab:blue", "--"), "et-lf 0": ("tab:red", "-"),
-          "et-lf 0.3": ("tab:red", "--"), "aligo 0": ("0.55", "-"), "adv 0": ("0.55", "--"), "kagra 0": ("0.55", "-."),
+STYLES = {"et-hf 0": ("tab:blue", "-"), "et-hf -0.3": ("tab:blue", "--"), "et-lf 0": ("tab:red", "-"),
+          "et-lf -0.3": ("tab:red", "--"), "aligo 0": ("0.55", "-"), "adv 0": ("0.55", "--"), "kagra 0": ("0.55", "-."),
           "ce 0": ("0.55", ":")}
 
 
@@ -35,7 +35,7 @@ def draw(found):
     for name, (hz, value) in found.items():
         colour, style = STYLES[name]
         preset, tuning = name.split()
-        label = preset if not preset.startswith("et-") else f"{preset}, tuned" if tuning == "0" else f"{preset}, {tuning} rad off"
+        label = preset if not preset.startswith("et-") else f"{preset}, tuned" if tuning == "0" else f"{preset}, {tuning[1:]} rad off"
         axes.loglog(hz, value, style, color=colour, label=label)
     axes.axhline(PUBLIC, color="black", linewidth=0.8, label="15.7, public ET model")
     axes.set(xlabel="frequency (Hz)", ylabel="what stands for $\\Gamma$ in eq. 9.2", xlim=(1, 100), ylim=(1, 300))

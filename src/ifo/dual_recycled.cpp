@@ -12,16 +12,6 @@ namespace {
 
 constexpr double probe_hz = 1e-3;  // far below any pole: the shape of the slow answer
 
-// Phase of the local oscillator that sees DARM best at low frequency.
-double signal_angle(DualRecycled const& d) {
-  std::uint32_t const dark = d.network().number_of({d.network().find("dark"), 0});
-  Phasor seen[2];
-  for (int i : {0, 1}) seen[i] = d.to_freedom(d.response(Readout::homodyne(dark, i * pi / 2), probe_hz), Freedom::darm);
-  // Both are of one phase so far below the pole; the sum of squares does not vanish as the plain sum can.
-  Phasor const unit = std::abs(seen[0]) > std::abs(seen[1]) ? seen[0] / std::abs(seen[0]) : seen[1] / std::abs(seen[1]);
-  return std::atan2(std::real(seen[1] / unit), std::real(seen[0] / unit));
-}
-
 }  // namespace
 
 DualRecycled::DualRecycled(DualRecycledParameters const& p, std::vector<Modulation> const& modulations)
@@ -35,14 +25,20 @@ DualRecycled::DualRecycled(DualRecycledParameters const& p, std::vector<Modulati
     build();
     field_ = std::make_unique<SteadyField>(network_);
   }
-  readout_ = read_out();
+  std::uint32_t const dark = network_.number_of({network_.find("dark"), 0});
+  bool const offset = p_.dark_fringe_offset != 0;
+  if (!offset || p_.squeezer) signal_ = quadratures();
+  // With an offset the local oscillator is the carrier at the dark port, as behind an output mode cleaner.
+  readout_ = Readout::homodyne(
+      dark, offset ? std::arg(field_->in(dark, field_->carrier(0))) : signal_.read + p_.homodyne_angle - pi / 2);
 }
 
 // Phases: both sides of an interface reflect i r. An arm of pi/2 one way is resonant and returns the light with -i;
 // with pi/2 more in short arm y the port of the signal-recycling mirror is dark. Then 0 in the power-recycling cavity
 // is resonant for the carrier, and 0 in the signal-recycling cavity is resonant sideband extraction.
 void DualRecycled::build() {
-  double const once = 1 - std::sqrt(1 - p_.beam_splitter_loss);  // the light passes the splitter twice
+  // The light passes the splitter and the signal cavity twice.
+  double const once = 1 - std::sqrt(1 - p_.beam_splitter_loss), kept = std::sqrt(1 - p_.signal_cavity_loss);
   NetworkPort beam{network_.add_laser("laser", p_.input_power), 0};
   for (Modulation const& m : modulations_) {
     ComponentId const eom =
@@ -54,12 +50,14 @@ void DualRecycled::build() {
                     splitter = network_.add_splitter(
                         "BS",
                         {.transmission = p_.splitter_transmission * (1 - once), .loss = once, .incidence = pi / 4}),
+                    cavity = network_.add_isolator("signal cavity", kept, kept),
                     srm = network_.add_mirror("SRM", {.transmission = p_.signal_recycling_transmission}),
                     output = network_.add_isolator("output", 1 - p_.injection_loss, 1 - p_.readout_loss),
                     dark = network_.add_dump("dark");
   network_.link(beam, {prm, 0}, 0);
   network_.link({prm, 1}, {splitter, 0}, p_.power_recycling_length);
-  network_.link({splitter, 3}, {srm, 0}, p_.signal_recycling_length, p_.signal_recycling_tuning);
+  network_.link({splitter, 3}, {cavity, 0}, p_.signal_recycling_length, p_.signal_recycling_tuning);
+  network_.link({cavity, 1}, {srm, 0}, 0);
   network_.link({srm, 1}, {output, 0}, 0);
   network_.link({output, 1}, {dark, 0}, 0);
   build_arms(splitter);
@@ -85,16 +83,20 @@ void DualRecycled::build_arms(ComponentId splitter) {
   }
 }
 
-// With an offset the local oscillator is the carrier at the dark port, as behind an output mode cleaner.
-Readout DualRecycled::read_out() const {
+DualRecycled::Quadratures DualRecycled::quadratures() const {
+  if (p_.signal_recycling_tuning != 0 || p_.mirror_mass != infinity || p_.dark_fringe_offset != 0) {
+    DualRecycledParameters tuned = p_;
+    tuned.mirror_mass = infinity;
+    tuned.signal_recycling_tuning = tuned.dark_fringe_offset = 0;
+    return DualRecycled(tuned, modulations_).signal_;
+  }
   std::uint32_t const dark = network_.number_of({network_.find("dark"), 0});
-  if (p_.dark_fringe_offset != 0) return Readout::homodyne(dark, std::arg(field_->in(dark, field_->carrier(0))));
-  if (p_.signal_recycling_tuning == 0 && p_.mirror_mass == infinity)
-    return Readout::homodyne(dark, signal_angle(*this) + p_.homodyne_angle - pi / 2);
-  DualRecycledParameters tuned = p_;
-  tuned.mirror_mass = infinity;
-  tuned.signal_recycling_tuning = 0;
-  return Readout::homodyne(dark, DualRecycled(tuned, modulations_).readout().angle);
+  Phasor seen[2];
+  for (int i : {0, 1}) seen[i] = to_freedom(response(Readout::homodyne(dark, i * pi / 2), probe_hz), Freedom::darm);
+  // Both are of one phase so far below the pole; the sum of squares does not vanish as the plain sum can.
+  Phasor const unit = std::abs(seen[0]) > std::abs(seen[1]) ? seen[0] / std::abs(seen[0]) : seen[1] / std::abs(seen[1]);
+  double const read = std::atan2(std::real(seen[1] / unit), std::real(seen[0] / unit));
+  return {read, response(Readout::homodyne(dark, read), probe_hz).seen_quadrature(dark)};
 }
 
 double DualRecycled::power_at(char const* component, std::uint32_t port) const {
@@ -175,11 +177,15 @@ double DualRecycled::pole() const {
 
 double DualRecycled::quantum_noise(double hz) const {
   LinearResponse const r = response(hz);
-  std::vector<Squeezing> squeezed;
-  if (p_.squeezing != 1)
-    squeezed.push_back(
-        {network_.number_of({network_.find("dark"), 0}), -std::log(p_.squeezing) / 2, {}, p_.squeezing_angle});
-  return std::sqrt(r.quantum_noise(squeezed)) / (std::abs(to_freedom(r, Freedom::darm)) * p_.arm_length);
+  Squeezing vacuum{network_.number_of({network_.find("dark"), 0})};
+  if (p_.squeezer) {
+    vacuum.covariance = p_.squeezer->covariance(hz);
+    vacuum.angle = signal_.squeezed;
+  } else {
+    vacuum.covariance = squeezed_vacuum(p_.squeezing, 1 / p_.squeezing, p_.squeezing_angle);
+    vacuum.angle = r.seen_quadrature(vacuum.port);
+  }
+  return std::sqrt(r.quantum_noise({&vacuum, 1})) / (std::abs(to_freedom(r, Freedom::darm)) * p_.arm_length);
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,20 +26,23 @@ struct DualRecycledParameters {
   double input_power = 0;  // at the power-recycling mirror
   double arm_power = 0;    // instead, in arm x; 0: from input_power
   double power_recycling_transmission = 1, signal_recycling_transmission = 1;
-  double signal_recycling_tuning = 0;  // rad, one way; 0: resonant sideband extraction, pi/2: signal recycling
-  double beam_splitter_loss = 0;       // of a round trip between the recycling mirror and the arms, as in eq. 6.11
+  // rad, one way, positive: longer; 0: resonant sideband extraction, pi/2: signal recycling.
+  double signal_recycling_tuning = 0;
+  double beam_splitter_loss = 0;  // of a round trip between the recycling mirror and the arms, as in eq. 6.11
+  double signal_cavity_loss = 0;  // of a round trip between the splitter and the signal-recycling mirror, besides
   double splitter_transmission = 0.5;
   double power_recycling_length = 0, signal_recycling_length = 0;  // recycling mirror to splitter
   double short_arm = 0, schnupp_asymmetry = 0;                     // mean of the short arms, lx - ly
   // Arm x more, arm y less, by half of it: of the input transmission (relative) and of the round-trip loss.
   double transmission_difference = 0, loss_difference = 0;
-  double dark_fringe_offset = 0;   // m of DARM; when not 0, its light is the local oscillator
-  double homodyne_angle = pi / 2;  // rad, without an offset; pi/2: where DARM appears when the SRM is tuned
-  double readout_loss = 0;         // of power, from the signal-recycling mirror to the photocurrent
-  double squeezing = 1;            // noise power of the squeezed quadrature over that of the vacuum
-  double squeezing_angle = 0;      // rad, from the best one of each frequency
-  double injection_loss = 0;       // of power, from the squeezer to the signal-recycling mirror
-  double pendulum_frequency = 0;   // Hz; 0: free masses
+  double dark_fringe_offset = 0;       // m of DARM; when not 0, its light is the local oscillator
+  double homodyne_angle = pi / 2;      // rad, without an offset; pi/2: where DARM appears when the SRM is tuned
+  double readout_loss = 0;             // of power, from the signal-recycling mirror to the photocurrent
+  double squeezing = 1;                // noise power of the squeezed quadrature over that of the vacuum
+  double squeezing_angle = 0;          // rad, from the best one of each frequency
+  double injection_loss = 0;           // of power, from the squeezer to the signal-recycling mirror
+  std::optional<Squeezer> squeezer{};  // instead of squeezing; angle 0: the quadrature of DARM when the SRM is tuned
+  double pendulum_frequency = 0;       // Hz; 0: free masses
 };
 
 struct Modulation {
@@ -77,13 +81,18 @@ class DualRecycled {
  private:
   void build();
   void build_arms(ComponentId splitter);
-  Readout read_out() const;
+  // Quadratures of DARM at low frequency, with a tuned signal-recycling mirror and mirrors that do not move, rad.
+  struct Quadratures {
+    double read = 0, squeezed = 0;  // of the local oscillator; of the vacuum that comes in by the dark port
+  };
+  Quadratures quadratures() const;
   std::unique_ptr<DualRecycled> without_radiation_pressure() const;
 
   DualRecycledParameters p_;
   std::vector<Modulation> modulations_;
   Network network_;
   std::unique_ptr<SteadyField> field_;
+  Quadratures signal_;
   Readout readout_;
 };
 

@@ -182,12 +182,12 @@ Phasor LinearResponse::injected(Injection const& i, Phasor upper, Phasor lower) 
 Phasor LinearResponse::to_phase(Injection const& i) const { return injected(i, 0.5 * i_unit, -0.5 * i_unit); }
 Phasor LinearResponse::to_amplitude(Injection const& i) const { return injected(i, 0.5, 0.5); }
 
-Phasor LinearResponse::to_vacuum(std::uint32_t port, int side) const {
-  return weight_[Layout(network_, field_).field(false, side, field_.carrier(0), port)];
+Phasor LinearResponse::of_leaving(std::uint32_t port, int side) const {
+  return weight_[Layout(network_, field_).field(true, side, field_.carrier(0), port)];
 }
-
-// Each sideband has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
-double LinearResponse::vacuum_psd(double wavelength) { return hbar * 2 * pi * speed_of_light / wavelength / 4; }
+double LinearResponse::seen_quadrature(std::uint32_t port) const {
+  return -std::arg(of_leaving(port, 0) * std::conj(of_leaving(port, 1))) / 2;
+}
 
 double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const {
   Layout const at(network_, field_);
@@ -207,14 +207,13 @@ double LinearResponse::quantum_noise(std::span<Squeezing const> squeezed) const 
       }
     }
   for (Squeezing const& s : squeezed) {
-    std::size_t const n = field_.carrier(0);
-    Phasor const upper = weight_[at.field(true, 0, n, s.port)], lower = weight_[at.field(true, 1, n, s.port)];
-    double const angle = s.angle.value_or(-std::arg(upper * std::conj(lower)) / 2) + s.off;
-    Phasor const a = upper * std::polar(1.0, angle), b = lower * std::polar(1.0, -angle);
-    sum += std::norm(a + b) / 2 * std::exp(-2 * s.r) + std::norm(a - b) / 2 * std::exp(2 * s.r) - std::norm(a) -
-           std::norm(b);
+    Phasor const upper = of_leaving(s.port, 0) * std::polar(1.0, s.angle),
+                 lower = of_leaving(s.port, 1) * std::polar(1.0, -s.angle);
+    Eigen::RowVector2cd const quadratures = Eigen::RowVector2cd(upper + lower, i_unit * (upper - lower)) / std::sqrt(2);
+    sum += std::real(Phasor(quadratures * s.covariance * quadratures.adjoint())) - quadratures.squaredNorm();
   }
-  return vacuum_psd(network_.wavelength()) * sum;
+  // Each sideband of the vacuum has half a quantum per Hz; a read-out D has the one-sided PSD |D|^2/2.
+  return hbar * network_.wavenumber() * speed_of_light / 4 * sum;
 }
 
 }  // namespace straytrace

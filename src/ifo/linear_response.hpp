@@ -4,12 +4,12 @@
 // change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X exp(-2 pi i f t)).
 #pragma once
 
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "ifo/network.hpp"
+#include "ifo/squeezed_light.hpp"
 
 namespace straytrace {
 
@@ -40,13 +40,12 @@ double demodulated(SteadyField const&, std::uint32_t port, double hz, double pha
 // The same of a sampled power, W, at a constant rate, Hz: mean of P cos(2 pi hz t + phase) over whole periods.
 double demodulated(std::span<double const> power, double rate, double hz, double phase);
 
-// Squeezed vacuum instead of the vacuum that leaves a dump (or laser) at this port of it, about carrier 0: noise power
-// of the quadrature at `angle` is e^{-2r}, of the other e^{2r}.
+// Squeezed vacuum instead of the vacuum that leaves a dump (or laser) at this port of it, about carrier 0. Its first
+// quadrature is the one at `angle`, rad.
 struct Squeezing {
   std::uint32_t port = 0;
-  double r = 0;
-  std::optional<double> angle;  // rad; none: the best one at every frequency, as a lossless filter cavity turns it,
-  double off = 0;               // and this much away from it
+  QuadratureCovariance covariance = QuadratureCovariance::Identity();
+  double angle = 0;
 };
 
 // Stray light that joins what enters or what leaves a port, as a share of what enters or leaves it; `turn`: phase, rad,
@@ -70,16 +69,14 @@ class LinearResponse {
   Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
   Phasor to_phase(Injection const&) const;
   Phasor to_amplitude(Injection const&) const;
-  // The field itself that enters an open port around carrier 0, per sqrt(W): 0 the upper sideband, 1 the conjugate of
-  // the lower.
-  Phasor to_vacuum(std::uint32_t port, int side) const;
-  // What each sideband of the vacuum adds to the one-sided PSD of a read-out, per |to_vacuum|^2: W/Hz.
-  static double vacuum_psd(double wavelength);
+  // Angle of the quadrature of what leaves a dump (or laser) that the read-out sees most of: the one to squeeze.
+  double seen_quadrature(std::uint32_t port) const;
   // One-sided PSD of the read-out from the vacuum that enters at losses and open ports, squared units per Hz.
   double quantum_noise(std::span<Squeezing const> = {}) const;
 
  private:
   Phasor injected(Injection const&, Phasor upper, Phasor lower) const;
+  Phasor of_leaving(std::uint32_t port, int side) const;  // weight around carrier 0
 
   Network const& network_;
   SteadyField const& field_;

@@ -22,6 +22,7 @@ constexpr Key<P> keys[] = {
     {"signal_recycling_tuning", &P::signal_recycling_tuning, dim::angle, required, -10, 10,
      "one way; 0: resonant sideband extraction"},
     {"beam_splitter_loss", &P::beam_splitter_loss, dim::plain, required, 0, 0.5, "per round trip, as in eq. 6.11"},
+    {"signal_cavity_loss", &P::signal_cavity_loss, dim::plain, required, 0, 0.5, "per round trip, besides"},
     {"splitter_transmission", &P::splitter_transmission, dim::plain, required, 1e-3, 0.999, ""},
     {"power_recycling_length", &P::power_recycling_length, dim::length, required, 0, 1e6, "mirror to splitter"},
     {"signal_recycling_length", &P::signal_recycling_length, dim::length, required, 0, 1e6, "mirror to splitter"},

@@ -46,8 +46,7 @@ void read_light(IfoTree& t, Detector& d) {
   d.signal_detuning = t.number("Optics.SRM.Tunephase", 0.0);
   d.mirror_loss = t.number("Optics.Loss");
   d.splitter_loss = t.number("Optics.BSLoss", 0.0);
-  double const mismatch = 1 - t.number("Optics.coupling", 1.0) + t.number("TCS.SRCloss", 0.0);
-  d.signal_loss = 1 - (1 - mismatch) * (1 - d.splitter_loss);
+  d.signal_loss = 1 - t.number("Optics.coupling", 1.0) + t.number("TCS.SRCloss", 0.0);
   d.detection_efficiency = t.number("Optics.PhotoDetectorEfficiency", 1.0);
   d.readout_angle = t.number("Optics.Quadrature.dc", pi / 2);
   d.mirror_radius = t.number("Materials.MassRadius");

@@ -166,6 +166,46 @@ TEST(DualRecycled, QuantumNoiseA23) {
   EXPECT_GT(DualRecycled(p).quantum_noise(1000), 2 * d.quantum_noise(1000)) << "twin: the other quadrature";
 }
 
+// Eq. 6.8: what is lost between splitter and signal-recycling mirror lowers its reflection; one pass of it is read-out
+// loss when there is no mirror.
+TEST(DualRecycled, LossOfTheSignalCavityEq6_8) {
+  DualRecycledParameters p = plain(0.014, 0.2);
+  p.signal_cavity_loss = 0.1;
+  double const gain = differential_mode(arm_of(p), 1 - 0.8 * 0.9).gain;
+  EXPECT_NEAR(DualRecycled(p).stray_gain(0.01).total() / gain, 1, 1e-6);
+  p.signal_cavity_loss = 0;
+  EXPECT_GT(std::fabs(DualRecycled(p).stray_gain(0.01).total() / gain - 1), 0.05) << "twin: not lost";
+  p.signal_recycling_transmission = 1;
+  DualRecycledParameters later = p;
+  p.signal_cavity_loss = 0.1;
+  later.readout_loss = 1 - std::sqrt(0.9);
+  EXPECT_NEAR(DualRecycled(p).quantum_noise(100) / DualRecycled(later).quantum_noise(100), 1, 1e-9);
+}
+
+// Kimble et al. 2001: a filter cavity of half width and detuning Omega_SQL/sqrt(2) turns squeezed vacuum so that it
+// helps below and above K = 1 (eq. 12.6). It needs the pole of the arm far above: 3 % here.
+TEST(DualRecycled, FilterCavityOfKimble) {
+  DualRecycledParameters p = plain(0.02, 1);
+  p.arm_length = 300;
+  p.mirror_mass = 420;
+  p.arm_power = 650e3;
+  double const width = p.input_transmission * speed_of_light / (4 * p.arm_length),
+               standard = std::sqrt(16 * 2 * pi * speed_of_light / p.wavelength * p.arm_power /
+                                    (p.mirror_mass * speed_of_light * p.arm_length * width));
+  FilterCavity filter{.length = 30, .detuning = -standard / std::sqrt(2) / (2 * pi)};
+  filter.input_transmission = 4 * filter.length * standard / std::sqrt(2) / speed_of_light;
+  filter.end_transmission = filter.loss = 0;
+  DualRecycledParameters turned = p, plainly = p;
+  turned.squeezer = Squeezer{.decibels = 10, .cavities = {filter}};
+  plainly.squeezer = Squeezer{.decibels = 10};
+  DualRecycled const without(p), with(turned), fixed(plainly);
+  for (double const share : {0.1, 0.4, 1.0, 1.6}) {
+    double const hz = share * standard / (2 * pi);
+    EXPECT_NEAR(with.quantum_noise(hz) / without.quantum_noise(hz), std::sqrt(0.1), 0.03 * std::sqrt(0.1)) << hz;
+  }
+  EXPECT_GT(fixed.quantum_noise(3), 3 * without.quantum_noise(3)) << "twin: no cavity";
+}
+
 // R2.13: the map is invertible; the sixth direction is what no light sees.
 TEST(DualRecycled, DegreesOfFreedomR2_13) {
   EXPECT_LT((freedoms_of_lengths() * lengths_of_freedoms() - LengthMatrix::Identity()).cwiseAbs().maxCoeff(), 1e-14);

@@ -65,7 +65,7 @@ void print(std::string const& name, DualRecycledParameters const& p, std::vector
 // Lines "name tuning hz value": |h per Re s| of light in an arm over 8 P/(c M (2 pi f)^2 L).
 void print_gains() {
   for (DualRecycledPreset const& preset : dual_recycled_presets())
-    for (double const tuning : {0.0, 0.3}) {
+    for (double const tuning : {0.0, -0.3}) {
       if (tuning != 0 && !preset.name.starts_with("et-")) continue;
       DualRecycledParameters p = preset.parameters;
       p.signal_recycling_tuning = tuning;

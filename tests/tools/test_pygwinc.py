@@ -5,7 +5,7 @@
 What straytrace exports is read by pygwinc itself, with the same numbers; each noise of our presets agrees with that of
 the budgets they are taken from, within the tolerances below; pygwinc's own files are read. --table prints the
 agreement as it stands in docs/theory/sensitivity.md. Runs in the environment that scripts/setup --compare makes, and
-ends with 77 (skipped) where there is none.
+fails where there is none.
 """
 import json
 import os
@@ -21,8 +21,7 @@ try:
     import gwinc
 except ImportError:
     if not COMPARED.exists() or pathlib.Path(sys.prefix) == COMPARED.parent.parent:
-        print("pygwinc is not there: scripts/setup --compare installs it")
-        sys.exit(77)
+        sys.exit("pygwinc is not there: run scripts/setup --compare")
     os.execv(COMPARED, [COMPARED, __file__, *sys.argv[1:]])
 
 import numpy as np  # noqa: E402

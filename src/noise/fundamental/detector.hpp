@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
+#include "ifo/squeezed_light.hpp"
 
 namespace straytrace {
 
@@ -80,24 +81,13 @@ struct Air {
   double pressure = not_a_number, density = not_a_number, adiabatic_index = not_a_number, sound_speed = not_a_number;
 };
 
-struct FilterCavity {
-  double length = not_a_number, detuning = not_a_number;                                           // m, Hz
-  double input_transmission = not_a_number, end_transmission = not_a_number, loss = not_a_number;  // loss: round trip
-  double rotation = 0;                                                                             // rad, after it
-};
-struct Squeezer {
-  double decibels = 0, anti_decibels = not_a_number;  // NaN: as much as squeezing
-  double angle = 0, loss = 0, phase_noise = 0;        // rad, power, rad rms
-  std::vector<FilterCavity> cavities;                 // in the order the light meets them
-};
-
 struct Detector {
   std::string name;
   double arm_length = not_a_number, wavelength = not_a_number;  // m
   double input_power = not_a_number, arm_power = not_a_number;  // W; one of the two is given
   CoatedMirror input, end;
   double power_recycling = not_a_number, signal_recycling = 1;  // transmission of power; 1: no mirror
-  double mirror_loss = 0, splitter_loss = 0, signal_loss = 0;   // per mirror, at the splitter, signal cavity besides
+  double mirror_loss = 0, splitter_loss = 0, signal_loss = 0;   // per mirror; of round trips: splitter, signal cavity
   double signal_length = 0, signal_detuning = 0;                // m; rad of one round trip
   double readout_angle = pi / 2, detection_efficiency = 1;      // rad, pi/2: the quadrature of the signal
   double mirror_mass = not_a_number;                            // kg

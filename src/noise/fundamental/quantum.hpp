@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Quantum noise of a Michelson interferometer with arm cavities, power and signal recycling: from the network of its
-// mirrors (ifo/linear_response.hpp), all losses, radiation pressure, optical springs and squeezing in.
+// Quantum noise of a detector, from the network of its mirrors (ifo/dual_recycled.hpp): all losses, radiation pressure,
+// optical springs and squeezing in.
 #pragma once
 
 #include <span>
 #include <vector>
 
+#include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/detector.hpp"
 
 namespace straytrace {
+
+// Loss of all mirrors of an arm counts at its end mirror; balanced homodyne read-out.
+DualRecycledParameters dual_recycled(Detector const&);
 
 // Strain PSD, 1/Hz, one-sided.
 std::vector<double> quantum_psd(Detector const&, std::span<double const> hz);

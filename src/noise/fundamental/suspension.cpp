@@ -9,7 +9,6 @@ namespace straytrace {
 namespace {
 
 using Complexes = std::complex<double>;
-constexpr double gravity = 9.80665;  // m/s^2
 
 struct Wire {
   double section, end_section, inertia;  // m^2, m^2, m^4 where it bends
@@ -110,7 +109,7 @@ ChainResponse chain_response(SuspensionChain const& chain, Direction direction, 
   for (std::size_t i = chain.stages.size(); i-- > 0;) {
     SuspensionStage const& s = chain.stages[i];
     bool const last = i + 1 == chain.stages.size();
-    weight += s.mass * gravity;
+    weight += s.mass * standard_gravity;
     springs[i] = direction == Direction::horizontal ? horizontal(s, weight, last, w) : vertical(s, last, w);
   }
   Eigen::MatrixXcd stiffness = Eigen::MatrixXcd::Zero(n, n);

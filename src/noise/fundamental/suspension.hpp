@@ -10,6 +10,8 @@
 
 namespace straytrace {
 
+constexpr double standard_gravity = 9.80665;  // m/s^2
+
 // One direction of a chain of masses and lossy springs, at one frequency. Motion goes as exp(i w t).
 struct ChainResponse {
   std::complex<double> from_top;    // test mass per displacement of what the chain hangs from
