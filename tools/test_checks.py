@@ -69,11 +69,12 @@ class CheckIncludes(unittest.TestCase):
 
 
 class CheckHeaders(unittest.TestCase):
-    def expect(self, header, status, part):
+    def expect(self, header, status, part, source=""):
         with tempfile.TemporaryDirectory() as place:
             src = pathlib.Path(place) / "src"
             src.mkdir()
             (src / "a.hpp").write_text(header)
+            (src / "a.cpp").write_text(source)
             call = {"directory": place, "file": str(src / "a.cpp"), "command": f"ccache c++ -I{src} -std=c++20 -c a.cpp"}
             (pathlib.Path(place) / "compile_commands.json").write_text(json.dumps([call]))
             done = subprocess.run([sys.executable, TOOLS / "check_headers.py", place, src], capture_output=True, text=True)
@@ -85,6 +86,10 @@ class CheckHeaders(unittest.TestCase):
 
     def test_header_that_needs_another_fails(self):
         self.expect("inline std::vector<int> a;\n", 1, "a.hpp does not compile on its own")
+
+    def test_header_that_a_source_includes_first_is_left_to_the_build(self):
+        self.expect("int a;\n", 0, "0 of them", '// A page.\n#include "a.hpp"\n')
+        self.expect("inline std::vector<int> a;\n", 1, "a.hpp does not", '#include <vector>\n\n#include "a.hpp"\n')
 
 
 class CheckDocs(unittest.TestCase):
