@@ -62,11 +62,11 @@ TEST(laguerre, functions_are_orthonormal_to_order_30) {
   EXPECT_EQ(laguerre_function(3, 2, 0), 0);
 }
 
-// All products of the fields of order up to 10, on a plane behind the waist: 1e-9.
-constexpr int top = 10;
+// All products of the fields of order up to 20, on a plane behind the waist: 1e-9.
+constexpr int top = 20;
 Mode const basis_of_test = circular_mode({}, along_z, 1e-3, 0.4, nd_yag);
 Eigen::MatrixXcd gram(std::function<std::complex<double>(int, Vec3)> const& mode, int count, double plane) {
-  constexpr int half = 50;
+  constexpr int half = 75;
   double const w = spot(propagated(basis_of_test, plane)).major, step = 0.1 * w;
   Eigen::MatrixXcd values(count, (2 * half + 1) * (2 * half + 1));
   for (int i = -half, column = 0; i <= half; ++i)
