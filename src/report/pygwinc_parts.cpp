@@ -147,14 +147,19 @@ Ground read_ground(IfoTree& t) {
   return g;
 }
 
-Squeezer read_squeezer(IfoTree& t) {
+std::optional<Squeezer> read_squeezer(IfoTree& t) {
+  std::string const type = t.word("Squeezer.Type", "Freq Independent");
+  if (type != "None" && type != "Freq Independent" && type != "Freq Dependent")
+    t.problem("Squeezer.Type", fmt::format("'{}' is not a kind of squeezing", type),
+              "write None, Freq Independent or Freq Dependent");
   Squeezer q;
-  q.decibels = t.number("Squeezer.AmplitudedB");
+  q.decibels = t.number("Squeezer.AmplitudedB", 0.0);
+  if (type == "None" || q.decibels == 0) return std::nullopt;
   q.anti_decibels = t.number("Squeezer.AntiAmplitudedB", false);
   q.angle = t.number("Squeezer.SQZAngle", 0.0);
   q.loss = t.number("Squeezer.InjectionLoss", 0.0);
   q.phase_noise = t.number("Squeezer.LOAngleRMS", 0.0);
-  if (t.word("Squeezer.Type", "Freq Independent") != "Freq Dependent") return q;
+  if (type != "Freq Dependent") return q;
   std::vector<std::string> places = t.elements("Squeezer.FilterCavity");
   if (places.empty()) places.push_back("Squeezer.FilterCavity");
   for (std::string const& place : places) {
