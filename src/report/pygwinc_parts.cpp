@@ -107,6 +107,10 @@ CoatingMaterial read_coating(IfoTree& t, std::string const& end) {  // "lown", "
   m.index_slope = t.number(at + "Beta" + end);
   m.loss = t.number(at + "Phi" + end);
   m.loss_slope = t.number(at + "Phi" + end + "_slope", 0.0);
+  for (char const* what : {"PET", "lossB", "lossS"})  // experimental options of pygwinc
+    if (std::string const path = at + what + end; t.has(path))
+      t.problem(path, fmt::format("'{}' is not taken into account", path),
+                "leave it out: losses are equal in bulk and shear, and there is no photo-elastic effect");
   return m;
 }
 

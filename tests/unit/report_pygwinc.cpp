@@ -86,6 +86,7 @@ TEST(Ifo, PlacesAndSuggestions) {
   EXPECT_THAT(complaint("extends: aligo\nOptics: {Curvature: {ITM: 100}}\n"), HasSubstr("not stable"));
   EXPECT_THAT(complaint("extends: aligo\nOptics: {ITM: {Transmittance: 1.4}}\n"), HasSubstr("out of range"));
   EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: 25, ArmPower: 1e5}\n"), HasSubstr("both"));
+  EXPECT_THAT(complaint("extends: aligo\nMaterials: {Coating: {PETlown: 0.177}}\n"), HasSubstr("photo-elastic"));
   EXPECT_THAT(complaint("extends: aligo\n", {"Laser.Pwer=2"}), HasSubstr("did you mean 'Laser.Power'?"));
   EXPECT_EQ(complaint("extends: aligo\nLaser: {Power: .nan, ArmPower: 1e5}\n"), "");
 }
