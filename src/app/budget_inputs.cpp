@@ -172,14 +172,15 @@ void add_curve(CurveFile const& c, Detector const& d, NoiseTable& table, std::ve
                 {}};
   for (std::size_t i = 0; c.displacement && i < table.hz.size(); ++i)
     e.asd[i] *= std::sqrt(d.strain_per_length_squared(table.hz[i]));
+  auto const fundamental = fundamental_noises();
+  if (std::any_of(fundamental.begin(), fundamental.end(), [&](FundamentalNoise const& n) { return n.name == c.name; }))
+    e.kind = BudgetEntry::Kind::fundamental;
   auto const same =
       std::find_if(table.entries.begin(), table.entries.end(), [&](BudgetEntry const& o) { return o.name == c.name; });
-  if (same == table.entries.end()) {
+  if (same == table.entries.end())
     table.entries.push_back(e);
-  } else {
-    e.kind = BudgetEntry::Kind::fundamental;
+  else
     *same = e;
-  }
   if (left_out) std::erase_if(*left_out, [&](std::string const& l) { return l.starts_with(c.name + " "); });
 }
 

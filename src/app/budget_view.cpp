@@ -194,9 +194,11 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
       j["over_reference"] = over;
       j["above_margin"] = above;
     }
-    for (BudgetEntry const& part : e.parts)
-      j["parts"].push_back(
-          {{"name", part.name}, {"strain", json_numbers(part.asd)}, {"sigma", json_numbers(part.sigma)}});
+    for (BudgetEntry const& part : e.parts) {
+      Json p{{"name", part.name}, {"strain", json_numbers(part.asd)}};
+      if (!part.sigma.empty()) p["sigma"] = json_numbers(part.sigma);
+      j["parts"].push_back(p);
+    }
     out["noises"].push_back(j);
   }
   out["total"] = json_numbers(b.table.total());

@@ -103,6 +103,30 @@ TEST(Budget, TechnicalCurves) {
   EXPECT_NEAR(noise(at, "Newtonian")["strain"][0].get<double>(), 1e-21, 1e-30);
 }
 
+TEST(Budget, CurvesTakeThePlaceOfNoisesR2_17R2_22) {  // Newtonian, and every other one by its name
+  Folder const folder;
+  Json const known = Json::parse(straytrace({"budget", "aligo", "--at", "20 Hz", "--format", "json"}).out)["at"];
+  write_text(folder / "curve.txt", "1 3e-21\n10000 3e-21\n");
+  for (Json const& n : known["noises"]) {
+    std::string const name = n["name"];
+    write_text(folder / "one.yaml", "extends: aligo\nCurves: [{name: " + name + ", file: curve.txt}]\n");
+    Finished const done = straytrace({"budget", folder / "one.yaml", "--at", "20 Hz", "--format", "json"});
+    ASSERT_EQ(done.code, 0) << done.err;
+    Json const at = Json::parse(done.out)["at"];
+    EXPECT_EQ(at["noises"].size(), known["noises"].size()) << name;
+    double const before = n["strain"][0], total = known["total"][0];
+    EXPECT_NEAR(noise(at, name)["strain"][0].get<double>() / 3e-21, 1, 1e-9);
+    EXPECT_EQ(noise(at, name)["kind"], "fundamental");
+    EXPECT_NEAR(at["total"][0].get<double>() / std::sqrt(total * total - before * before + 9e-42), 1, 1e-9) << name;
+  }
+  // One that the detector does not state: left out without, an entry with a curve.
+  EXPECT_THAT(straytrace({"budget", "kagra"}).out, HasSubstr("left out, not stated: SubstrateThermoRefractive"));
+  write_text(folder / "kagra.yaml", "extends: kagra\nCurves: [{name: SubstrateThermoRefractive, file: curve.txt}]\n");
+  Finished const done = straytrace({"budget", folder / "kagra.yaml", "--at", "20 Hz"});
+  EXPECT_THAT(done.out, HasSubstr("SubstrateThermoRefractive        3.000e-21"));
+  EXPECT_THAT(done.out, Not(HasSubstr("left out")));
+}
+
 TEST(Budget, BadInput) {
   auto const refused = [](Words const& words, std::string const& what, std::string const& remedy) {
     Words all{"budget"};
