@@ -5,10 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include <iostream>
+#include <optional>
 
 #include "app/budget_inputs.hpp"
 #include "app/common_options.hpp"
-#include "app/session.hpp"
+#include "app/output_folder.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "report/report.hpp"
@@ -21,24 +22,44 @@ struct Asked {
   std::string export_as;
 };
 
+// On stderr: for people, or as the list of problems that scripts read.
+void warn(std::vector<std::string> const& warnings, Options const& options) {
+  if (options.json() && !warnings.empty()) {
+    std::vector<Problem> all;
+    for (std::string const& warning : warnings) all.push_back({{}, warning, "", Severity::warning});
+    std::cerr << problems_as_json(InputError(all, ""));
+    return;
+  }
+  for (std::string const& warning : warnings) std::cerr << "warning: " << warning << '\n';
+}
+
+// What could not be drawn.
+std::string write_budget(BudgetView const& view, OutputFolder const& folder, bool pygwinc) {
+  std::string const json = folder.path("budget.json");
+  std::vector<std::pair<std::string, std::string>> files = {{folder.path("budget.txt"), budget_columns(view)},
+                                                            {json, budget_json(view).dump(1)}};
+  if (pygwinc) files.emplace_back(folder.path("budget.hdf5"), budget_pygwinc(view));
+  write_files(files);
+  std::string message;
+  return draw_budget_picture(json, folder.path("budget.png"), message) ? "" : message;
+}
+
 int budget(Asked const& asked, Options const& options) {
-  if (!asked.export_as.empty() && options.out.empty())
+  bool const pygwinc = !asked.export_as.empty();
+  if (pygwinc && options.out.empty())
     throw InputError("error: --export writes a file, and there is no folder for it\n  add -o DIR");
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty())
+    folder.emplace(options.out, std::vector<std::string>{"budget.txt", "budget.json", "budget.png", "budget.hdf5"});
   BudgetView const view = gather_budget(asked.request);
+  std::string const undrawn = folder ? write_budget(view, *folder, pygwinc) : "";
   if (options.json())
     std::cout << budget_json(view).dump(1) << '\n';
   else
     std::cout << budget_text(view);
-  if (!options.quiet)
-    for (std::string const& warning : view.warnings) std::cerr << "warning: " << warning << '\n';
-  if (options.out.empty()) return done;
-  make_folder(options.out);
-  std::string const base = options.out + "/budget.", picture = base + "png";
-  write_file(base + "txt", budget_columns(view));
-  write_file(base + "json", budget_json(view).dump(1));
-  if (!asked.export_as.empty()) write_file(base + "hdf5", budget_pygwinc(view));
-  std::string message;
-  if (!draw_budget_picture(base + "json", picture, message)) std::cerr << "warning: " << message << '\n';
+  std::vector<std::string> warnings = options.quiet ? std::vector<std::string>() : view.warnings;
+  if (!undrawn.empty()) warnings.push_back(undrawn);
+  warn(warnings, options);
   return done;
 }
 

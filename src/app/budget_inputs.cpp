@@ -9,42 +9,23 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/budget_sources.hpp"
+#include "app/common_options.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "base/table.hpp"
 #include "noise/design.hpp"
 #include "noise/fundamental/closed_forms.hpp"
+#include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/quantum.hpp"
 #include "report/pygwinc_ifo.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
-#include "signal/text_table.hpp"
 
 namespace straytrace {
 namespace {
 
-// A curve of strain ASD that is read off where it is needed.
-struct Sampled {
-  std::vector<double> hz, asd, sigma;
-  std::vector<double> on(std::vector<double> const& at, std::vector<double> const& values) const {
-    std::vector<double> out;
-    for (double const f : at) out.push_back(values.empty() ? not_a_number : read_off(hz, values, f));
-    return out;
-  }
-};
-
-struct Source {  // an entry, with its parts, before it is put on frequencies
-  BudgetEntry entry;
-  Sampled curve;
-  std::vector<Source> parts;
-  BudgetEntry on(std::vector<double> const& at) const {
-    BudgetEntry e = entry;
-    e.asd = curve.on(at, curve.asd);
-    if (!curve.sigma.empty()) e.sigma = curve.on(at, curve.sigma);
-    for (Source const& part : parts) e.parts.push_back(part.on(at));
-    return e;
-  }
-};
+constexpr double lowest_hz = 1e-6, highest_hz = 1e6;  // what --at and --band take
 
 std::string trimmed(std::string text) {
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
@@ -79,54 +60,6 @@ std::vector<double> grid_of(BudgetRequest const& r) {
   return hz;
 }
 
-Sampled two_columns(std::string const& file, std::string const& what) {
-  Curve const curve = parse_curve(read_file(file));
-  if (!curve.error.empty())
-    throw InputError(fmt::format("error: '{}' is not {}: {}\n  give two columns: frequency in Hz and amplitude density",
-                                 file, what, curve.error));
-  return {curve.hz, curve.value, {}};
-}
-
-Sampled sampled(std::vector<double> const& hz, BudgetTrace const& trace) {
-  Sampled s{hz, {}, {}};
-  for (double const p : trace.psd) s.asd.push_back(std::sqrt(p));
-  return s;
-}
-
-Source source_of(std::vector<double> const& hz, BudgetTrace const& trace, bool stray) {
-  bool const light = stray || trace.name.starts_with("StrayLight");
-  Source s{
-      {trace.name, trace.label, light ? BudgetEntry::Kind::stray_light : BudgetEntry::Kind::technical, {}, {}, "", {}},
-      sampled(hz, trace),
-      {}};
-  for (BudgetTrace const& part : trace.parts) s.parts.push_back(source_of(hz, part, light));
-  return s;
-}
-
-// Stray light of a run: total, and the routes that are resolved.
-Source stray_light(std::string const& file, std::string const& name) {
-  RunFile const run = read_run(file);
-  if (!run.noise)
-    throw InputError(
-        fmt::format("error: '{}' holds no noise, only couplings\n  give a run with ports, made with "
-                    "straytrace run or straytrace noise -o",
-                    file));
-  NoiseBudget const& b = *run.noise;
-  std::vector<double> hz;
-  for (std::size_t i = 0; i < b.grid.size(); ++i) hz.push_back(b.grid.centre(i));
-  Source s{{name, "stray light: " + run.about.title, BudgetEntry::Kind::stray_light, {}, {}, "", {}},
-           {hz, b.total.asd, b.total.sigma},
-           {}};
-  if (!b.unresolved.empty())
-    s.entry.note = fmt::format("a lower bound, {} route{} not resolved", b.unresolved.size(),
-                               b.unresolved.size() == 1 ? " is" : "s are");
-  for (NoiseTrace const& route : b.routes)
-    if (route.resolved)
-      s.parts.push_back(
-          {{route.name, route.name, BudgetEntry::Kind::stray_light, {}, {}, "", {}}, {hz, route.asd, route.sigma}, {}});
-  return s;
-}
-
 ReferenceCurve reference_curve(std::string const& name, std::vector<double> const& at) {
   ReferenceCurve curve{name, {}};
   std::span<std::string const> const known = built_in_designs();
@@ -141,63 +74,77 @@ ReferenceCurve reference_curve(std::string const& name, std::vector<double> cons
                                               : fmt::format("did you mean '{}'?", near)));
   }
   curve.name = std::filesystem::path(name).filename().string();
-  if (is_budget_file(read_file(name))) {
-    BudgetFile const file = read_budget_file(name);
-    Sampled const s = sampled(file.hz, file.total);
-    curve.asd = s.on(at, s.asd);
-  } else {
-    Sampled const s = two_columns(name, "a design curve");
-    curve.asd = s.on(at, s.asd);
-  }
+  Sampled const s = is_hdf5(read_file(name)) ? total_of_budget_file(name) : two_columns(name, "a design curve");
+  curve.asd = s.on(at, s.asd);
   return curve;
 }
 
 struct Gathered {
   std::optional<IfoFile> ifo;
+  std::string detector;  // as it was named
   std::vector<Source> sources;
 };
 
-enum class InputKind { detector, run, budget };
-InputKind kind_of(std::string const& file) {
-  std::string const bytes = read_file(file);
-  if (is_budget_file(bytes)) return InputKind::budget;
-  return bytes.starts_with("straytrace-run") || bytes.starts_with("\x89HDF") ? InputKind::run : InputKind::detector;
-}
-
-// Every noise of a budget is an entry; one that has no parts is an entry itself.
-void add_budget_file(std::string const& name, std::vector<Source>& to) {
-  BudgetFile const file = read_budget_file(name);
-  for (BudgetTrace const& part : file.total.parts) to.push_back(source_of(file.hz, part, false));
-  if (file.total.parts.empty()) to.push_back(source_of(file.hz, file.total, false));
-}
-
-Gathered read_inputs(BudgetRequest const& r) {
-  Gathered g;
+void add_input(std::string const& name, BudgetRequest const& r, Gathered& g) {
   std::vector<std::string> const presets = ifo_presets();
-  std::size_t runs = 0;
-  for (std::string const& name : r.inputs) {
-    bool const preset = std::find(presets.begin(), presets.end(), name) != presets.end();
-    if (!preset && !std::filesystem::is_regular_file(name)) {
-      std::string const near = nearest_word(name, presets);
-      throw InputError(fmt::format("error: '{}' is neither a detector nor a file\n  {}", name,
-                                   near.empty() ? fmt::format("detectors: {}", fmt::join(presets, ", "))
-                                                : fmt::format("did you mean '{}'?", near)));
-    }
-    if (InputKind const kind = preset ? InputKind::detector : kind_of(name); kind == InputKind::budget) {
-      add_budget_file(name, g.sources);
-      continue;
-    } else if (kind == InputKind::run) {
-      g.sources.push_back(stray_light(name, ++runs == 1 ? "StrayLight" : fmt::format("StrayLight{}", runs)));
-      continue;
-    }
-    if (g.ifo)
+  bool const preset = std::find(presets.begin(), presets.end(), name) != presets.end();
+  if (!preset && !std::filesystem::is_regular_file(name)) {
+    std::string const near = nearest_word(name, presets);
+    throw InputError(fmt::format("error: '{}' is neither a detector nor a file\n  {}", name,
+                                 near.empty() ? fmt::format("detectors: {}", fmt::join(presets, ", "))
+                                              : fmt::format("did you mean '{}'?", near)));
+  }
+  if (InputKind const kind = preset ? InputKind::detector : kind_of_input(name); kind == InputKind::budget) {
+    for (Source& s : noises_of_budget(name)) g.sources.push_back(std::move(s));
+  } else if (kind == InputKind::run) {
+    g.sources.push_back(stray_light(name));
+  } else {
+    if (!g.detector.empty())
       throw InputError(
           fmt::format("error: '{}' is a second detector\n  name one detector, and any number of runs", name));
+    g.detector = name;
     g.ifo = read_ifo(name, r.overrides);
   }
-  if (!g.ifo && !r.overrides.empty())
-    throw InputError(
+}
+
+bool same_file(std::string const& a, std::string const& b) {
+  std::error_code not_there;
+  return std::filesystem::equivalent(a, b, not_there);
+}
+
+std::vector<std::string> brought_by(IfoFile const& ifo) {
+  std::vector<std::string> names;
+  for (FundamentalNoise const& noise : fundamental_noises())
+    if (noise.known(ifo.detector)) names.emplace_back(noise.name);
+  for (CurveFile const& c : ifo.curves) names.push_back(c.name);
+  return names;
+}
+
+// Everything that is wrong with any input, at once.
+Gathered read_inputs(BudgetRequest const& r) {
+  Gathered g;
+  std::vector<InputError> errors;
+  for (std::size_t i = 0; i < r.inputs.size(); ++i) {
+    auto const end = r.inputs.begin() + std::ptrdiff_t(i);
+    if (std::any_of(r.inputs.begin(), end, [&](std::string const& o) { return same_file(o, r.inputs[i]); })) {
+      errors.emplace_back(
+          fmt::format("error: '{}' is given twice: the sum would count it twice\n  name each input once", r.inputs[i]));
+      continue;
+    }
+    try {
+      add_input(r.inputs[i], r, g);
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
+  }
+  if (g.detector.empty() && !r.overrides.empty())
+    errors.emplace_back(
         "error: -p changes a detector, and none is named\n  name one, for example: straytrace budget aligo");
+  for (std::string const& said :
+       repeats(g.sources, g.ifo ? brought_by(*g.ifo) : std::vector<std::string>(), g.detector))
+    errors.emplace_back(said);
+  throw_all(errors);
+  name_apart(g.sources);
   return g;
 }
 
@@ -213,6 +160,30 @@ void add_lines(BudgetOn& b, Detector const& d) {
     b.lines.push_back({"LIGO requirement", std::move(line)});
 }
 
+// A curve named like a fundamental noise takes its place.
+void add_curve(CurveFile const& c, Detector const& d, NoiseTable& table, std::vector<std::string>* left_out) {
+  Sampled const s = two_columns(c.file, fmt::format("the curve '{}'", c.name));
+  BudgetEntry e{c.name,
+                "from " + std::filesystem::path(c.file).filename().string(),
+                BudgetEntry::Kind::technical,
+                s.on(table.hz, s.asd),
+                {},
+                "",
+                {}};
+  for (std::size_t i = 0; c.displacement && i < table.hz.size(); ++i)
+    e.asd[i] *= std::sqrt(d.strain_per_length_squared(table.hz[i]));
+  auto const fundamental = fundamental_noises();
+  if (std::any_of(fundamental.begin(), fundamental.end(), [&](FundamentalNoise const& n) { return n.name == c.name; }))
+    e.kind = BudgetEntry::Kind::fundamental;
+  auto const same =
+      std::find_if(table.entries.begin(), table.entries.end(), [&](BudgetEntry const& o) { return o.name == c.name; });
+  if (same == table.entries.end())
+    table.entries.push_back(e);
+  else
+    *same = e;
+  if (left_out) std::erase_if(*left_out, [&](std::string const& l) { return l.starts_with(c.name + " "); });
+}
+
 BudgetOn put_on(Gathered const& g, std::vector<std::string> const& compare, std::vector<double> const& hz,
                 std::vector<std::string>* left_out) {
   BudgetOn b;
@@ -221,27 +192,7 @@ BudgetOn put_on(Gathered const& g, std::vector<std::string> const& compare, std:
     FundamentalEntries all = fundamental_entries(g.ifo->detector, hz);
     b.table.entries = std::move(all.entries);
     if (left_out) *left_out = all.left_out;
-    for (CurveFile const& c : g.ifo->curves) {
-      Sampled const s = two_columns(c.file, fmt::format("the curve '{}'", c.name));
-      BudgetEntry e{c.name,
-                    "from " + std::filesystem::path(c.file).filename().string(),
-                    BudgetEntry::Kind::technical,
-                    s.on(hz, s.asd),
-                    {},
-                    "",
-                    {}};
-      for (std::size_t i = 0; c.displacement && i < hz.size(); ++i)
-        e.asd[i] *= std::sqrt(g.ifo->detector.strain_per_length_squared(hz[i]));
-      auto const same = std::find_if(b.table.entries.begin(), b.table.entries.end(),
-                                     [&](BudgetEntry const& o) { return o.name == c.name; });
-      if (same == b.table.entries.end()) {
-        b.table.entries.push_back(e);
-      } else {
-        e.kind = BudgetEntry::Kind::fundamental;
-        *same = e;
-      }
-      if (left_out) std::erase_if(*left_out, [&](std::string const& l) { return l.starts_with(c.name + " "); });
-    }
+    for (CurveFile const& c : g.ifo->curves) add_curve(c, g.ifo->detector, b.table, left_out);
   }
   for (Source const& s : g.sources) b.table.entries.push_back(s.on(hz));
   for (std::string const& name : compare) b.curves.push_back(reference_curve(name, hz));
@@ -260,9 +211,12 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
     char* end = nullptr;
     double const value = std::strtod(item.c_str(), &end);
     auto const unit = parse_unit(trimmed(end));
-    if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency) || !(value > 0) || !std::isfinite(value))
+    if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency))
       throw InputError(
           fmt::format("error: {}: '{}' is not a frequency\n  write {} \"10 Hz, 1 kHz\"", option, item, option));
+    if (double const hz = to_si(value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
+      throw InputError(fmt::format("error: {}: '{}' is not between 1 uHz and 1 MHz\n  write {} \"10 Hz, 1 kHz\"",
+                                   option, item, option));
     all.push_back(to_si(value, *unit));
   }
   return all;
@@ -276,8 +230,15 @@ BudgetView gather_budget(BudgetRequest const& r) {
   if (r.band.empty() && !g.sources.empty()) hz = g.sources.front().curve.hz;
   std::vector<std::string> compare = r.compare;
   if (compare.empty() && g.ifo && !g.ifo->compare.empty()) compare = {g.ifo->compare};
-  for (std::string const& name : r.inputs) v.inputs.push_back(std::filesystem::path(name).filename().string());
-  v.title = fmt::format("noise budget of {}", fmt::join(v.inputs, ", "));
+  std::vector<std::string> titles;
+  for (std::string const& name : r.inputs) {
+    v.inputs.push_back(std::filesystem::path(name).filename().string());
+    bool const titled = g.ifo && name == g.detector && !g.ifo->title.empty();
+    titles.push_back(titled ? g.ifo->title : v.inputs.back());
+  }
+  v.title = fmt::format("noise budget of {}", fmt::join(titles, ", "));
+  for (Source const& s : g.sources)
+    if (!s.run.entry.empty()) v.runs.push_back(s.run);
   v.grid = put_on(g, compare, hz, nullptr);
   v.at = put_on(g, compare, at, &v.left_out);
   if (g.ifo) v.ifo_yaml = g.ifo->yaml;

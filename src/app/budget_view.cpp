@@ -109,6 +109,18 @@ BudgetTrace trace_of(BudgetEntry const& e) {
   return t;
 }
 
+std::string run_line(RunAbout const& run) {
+  return fmt::format("{}: {}{}, model {}, seed {}, {} histories\n", run.entry,
+                     run.title.empty() ? "" : run.title + ", ", run.file, run.model_hash.substr(0, 12), run.seed,
+                     run.histories);
+}
+
+// Names of columns hold no spaces.
+std::string column(std::string name, char const* unit) {
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return fmt::format(" {}_{}", name, unit);
+}
+
 }  // namespace
 
 std::string budget_text(BudgetView const& v) {
@@ -128,6 +140,7 @@ std::string budget_text(BudgetView const& v) {
     text += "LIGO requirement: a tenth of the thermal noise of suspensions and test masses (G0900670)\n";
   for (BudgetEntry const& e : v.at.table.entries)
     if (!e.note.empty()) text += fmt::format("{}: {}\n", e.name, e.note);
+  for (RunAbout const& run : v.runs) text += run_line(run);
   if (!v.left_out.empty()) text += fmt::format("left out, not stated: {}\n", fmt::join(v.left_out, ", "));
   return text;
 }
@@ -138,17 +151,13 @@ std::string budget_columns(BudgetView const& v) {
       "# {}\n# straytrace {} ({})\n# ASD, one-sided: _strain [1/sqrt(Hz)], _displacement of the difference of the arms "
       "[m/sqrt(Hz)]; nan: not known\n# Hz",
       v.title, build_info::version, build_info::commit);
-  for (BudgetEntry const& e : t.entries) text += fmt::format(" {}_strain", e.name);
+  for (BudgetEntry const& e : t.entries) text += column(e.name, "strain");
   text += " total_strain";
   for (ReferenceCurve const& c : v.grid.curves) text += " " + c.name;
-  auto const column = [](std::string name) {
-    std::replace(name.begin(), name.end(), ' ', '_');
-    return " " + name + "_strain";
-  };
-  for (ReferenceCurve const& c : v.grid.lines) text += column(c.name);
+  for (ReferenceCurve const& c : v.grid.lines) text += column(c.name, "strain");
   std::vector<double> const total = t.total();
   if (!v.grid.metres.empty()) {
-    for (BudgetEntry const& e : t.entries) text += fmt::format(" {}_displacement", e.name);
+    for (BudgetEntry const& e : t.entries) text += column(e.name, "displacement");
     text += " total_displacement";
   }
   text += '\n';
@@ -185,9 +194,11 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
       j["over_reference"] = over;
       j["above_margin"] = above;
     }
-    for (BudgetEntry const& part : e.parts)
-      j["parts"].push_back(
-          {{"name", part.name}, {"strain", json_numbers(part.asd)}, {"sigma", json_numbers(part.sigma)}});
+    for (BudgetEntry const& part : e.parts) {
+      Json p{{"name", part.name}, {"strain", json_numbers(part.asd)}};
+      if (!part.sigma.empty()) p["sigma"] = json_numbers(part.sigma);
+      j["parts"].push_back(p);
+    }
     out["noises"].push_back(j);
   }
   out["total"] = json_numbers(b.table.total());
@@ -201,12 +212,24 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
 }  // namespace
 
 Json budget_json(BudgetView const& v) {
+  Json runs = Json::array();
+  for (RunAbout const& r : v.runs)
+    runs.push_back({{"name", r.entry},
+                    {"file", r.file},
+                    {"title", r.title},
+                    {"model_hash", r.model_hash},
+                    {"seed", r.seed},
+                    {"histories", r.histories},
+                    {"created", r.created}});
   return {{"title", v.title},
           {"program", "straytrace"},
           {"version", build_info::version},
           {"commit", build_info::commit},
+          {"created", utc_now()},
           {"inputs", v.inputs},
+          {"runs", runs},
           {"margin", v.margin},
+          {"warnings", v.warnings},
           {"left_out", v.left_out},
           {"at", json_of(v, v.at)},
           {"curves", json_of(v, v.grid)}};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/budget_sources.hpp"
 #include "noise/fundamental/budget.hpp"
 
 namespace straytrace {
@@ -27,6 +28,7 @@ struct BudgetOn {
 struct BudgetView {
   std::string title, ifo_yaml;
   std::vector<std::string> inputs;
+  std::vector<RunAbout> runs;
   BudgetOn grid, at;  // for curves and pictures; for the table
   double margin = 0.1;
   std::vector<std::string> left_out, warnings;

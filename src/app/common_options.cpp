@@ -35,6 +35,30 @@ void add_format_option(CLI::App& command, Options& options) {
   command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));
 }
 
+void refuse_two_formats(Options const& options) {
+  if (options.csv && options.json())
+    throw InputError("error: --csv and --format json are two forms of one answer\n  choose one of them");
+}
+
+void throw_all(std::vector<InputError> const& errors) {
+  if (errors.empty()) return;
+  if (errors.size() == 1) throw errors.front();
+  std::vector<Problem> problems;
+  std::vector<std::string> files{""}, texts;
+  for (InputError const& e : errors) {
+    auto const first = std::uint32_t(files.size());
+    files.insert(files.end(), e.files.begin(), e.files.end());
+    for (Problem p : e.problems) {
+      p.place.file += first;
+      problems.push_back(p);
+    }
+    std::string const text = e.what();
+    if (e.problems.empty()) problems.push_back({{}, text.starts_with("error: ") ? text.substr(7) : text, ""});
+    texts.push_back(text.find("error: ") == text.npos ? "error: " + text : text);
+  }
+  throw InputError(problems, fmt::format("{}", fmt::join(texts, "\n")), files);
+}
+
 void add_scene_options(CLI::App& command, Options& options, char const* input) {
   command.add_option("scene", options.input, input)->required();
   command.add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/options.hpp"
+#include "base/message.hpp"
 
 namespace straytrace {
 
@@ -12,5 +13,9 @@ void add_scene_options(CLI::App&, Options&, char const* input = "scene file (YAM
 void add_trace_options(CLI::App&, Options&);  // --histories, --until, --seed, --threads, --max-time, --force
 void add_force_option(CLI::App&, Options&);
 void add_format_option(CLI::App&, Options&);
+void refuse_two_formats(Options const&);  // InputError for --csv with --format json
+
+// Nothing without errors, otherwise one InputError that says them all.
+void throw_all(std::vector<InputError> const&);
 
 }  // namespace straytrace

@@ -149,6 +149,7 @@ GhostReport report_of(Model const& model, BeamLaunch const& launch, Wanted const
 }
 
 int ghosts(Options const& options, Wanted const& wanted) {
+  refuse_two_formats(options);
   Model const model = read_for_ghosts(options);
   if (!options.quiet) std::cerr << model.scene.warnings();
   std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);

@@ -80,6 +80,7 @@ void print(std::vector<Row> rows, std::size_t show) {
 }
 
 int importance(Options const& options) {
+  refuse_two_formats(options);
   std::vector<Row> const rows = find_rows(options);
   if (options.csv) {
     std::cout << "surface,z_from_m,z_to_m,area_m2,adjoint_front,adjoint_back\n";

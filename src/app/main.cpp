@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <string_view>
 
 #include "app/build_info.hpp"
 #include "app/options.hpp"
@@ -30,22 +31,41 @@ std::string unknown_word(CLI::App const& command, CLI::App const& app) {
   return rest.empty() ? "" : rest.front();
 }
 
+// One problem, for people or as the list that scripts read.
+void say(std::string const& what, bool json) {
+  if (json)
+    std::cerr << problems_as_json(InputError(what)) << '\n';
+  else
+    std::cerr << "error: " << what << '\n';
+}
+
 // One sentence and what to write instead; the exit code.
-int refuse(CLI::App const& app, CLI::ParseError const& e) {
+int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
   auto const chosen = app.get_subcommands();
   CLI::App const& command = chosen.empty() ? app : *chosen.front();
   std::string const help = fmt::format("see straytrace {}--help", chosen.empty() ? "" : command.get_name() + " ");
   std::string const name =
       chosen.empty() || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
   if (name.empty()) {
-    std::cerr << fmt::format("error: {}\n  {}\n", e.what(), help);
+    say(fmt::format("{}\n  {}", e.what(), help), json);
   } else {
     std::string const near = nearest_word(name, words_of(command));
     std::string const what = name.starts_with('-') ? "an option" : chosen.empty() ? "a command" : "expected";
-    std::cerr << fmt::format("error: '{}' is not {} here\n  {}{}\n", name, what,
-                             near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help);
+    say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
+                    near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
+        json);
   }
   return input_error;
+}
+
+// Before the command line is understood.
+bool asks_for_json(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    std::string_view const word = argv[i];
+    if (word == "--format=json" || (word == "--format" && i + 1 < argc && argv[i + 1] == std::string_view("json")))
+      return true;
+  }
+  return false;
 }
 
 // Messages without a place in a file come as bare sentences.
@@ -64,6 +84,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")");
   app.footer("Every command explains itself: straytrace run --help");
   Options options;
+  bool const json = asks_for_json(argc, argv);
   int exit_code = done;
   for (auto* add : {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render,
                     add_importance, add_apertures, add_ghosts, add_budget})
@@ -71,15 +92,15 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (CLI::ParseError const& e) {
-    return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e);
+    return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
   } catch (InputError const& e) {
-    std::cerr << (options.json() ? problems_as_json(e) : sentence(e)) << '\n';
+    std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
     return input_error;
   } catch (std::filesystem::filesystem_error const& e) {
-    std::cerr << fmt::format("error: cannot use '{}': {}\n", e.path1().string(), e.code().message());
+    say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
     return input_error;
   } catch (std::exception const& e) {
-    std::cerr << "error: " << e.what() << '\n';
+    say(e.what(), json);
     return numerical_failure;
   }
   if (!std::cout.flush()) {

@@ -23,6 +23,7 @@ void print_receivers(Options const& options, RunContent const& content, std::siz
 }
 
 int paths(Options const& options) {
+  refuse_two_formats(options);
   if (options.first_order) return print_first_order(options);
   RunFile const file = read_run(options.input);
   Model const model = read_model(file.about.main_file, file.about.overrides, &file.about.files);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "base/strain.hpp"
 
 namespace straytrace {
 namespace {
@@ -41,7 +42,9 @@ double arm_power(ArmCavity const& arm, double input_power, double recycling_tran
   return input_power * std::pow(gain * recycled, 2) / 2;
 }
 
-double strain_per_phase_in_arm(double wavelength, double length) { return wavelength / (4 * pi * length); }
+double strain_per_phase_in_arm(double wavelength, double length) {
+  return strain_of_darm(length_of_phase(1, wavelength), length);
+}
 
 std::complex<double> strain_per_amplitude_in_arm(double hz, double power, double mass, double length,
                                                  DifferentialMode mode) {

@@ -49,7 +49,7 @@ Curve const* table_of(std::string_view name) {
 }
 
 constexpr double et_d_hz[] = {1, 3, 5, 10, 20, 100, 1000};
-constexpr double et_d_asd[] = {3.50e-17, 2.21e-23, 3.53e-24, 1.16e-24, 9.39e-25, 3.93e-25, 5.78e-25};
+constexpr double et_d_asd[] = {3.50e-17, 2.22e-23, 3.56e-24, 1.16e-24, 9.39e-25, 3.93e-25, 5.78e-25};
 
 DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid const& grid) {
   DesignCurve design{name, std::vector<double>(grid.size(), not_a_number)};

@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <unistd.h>
 
 #include "base/message.hpp"
@@ -66,6 +67,12 @@ void write_file(std::string const& file, std::string_view bytes) {
   Temporary temporary(file);
   temporary.write(bytes);
   temporary.publish();
+}
+
+void write_files(std::vector<std::pair<std::string, std::string>> const& files) {
+  std::vector<std::unique_ptr<Temporary>> all;
+  for (auto const& [file, bytes] : files) all.emplace_back(std::make_unique<Temporary>(file))->write(bytes);
+  for (auto const& temporary : all) temporary->publish();
 }
 
 std::string read_file(std::string const& file) {

@@ -30,16 +30,23 @@ CoatedMirror read_mirror(IfoTree& t, std::string const& name, bool coated) {
   return m;
 }
 
+// One of the two: what is said later, in a file that extends a preset or on the command line, takes the other's place.
+void read_power(IfoTree& t, Detector& d) {
+  char const *const power = "Laser.Power", *const arm = "Laser.ArmPower";
+  auto const first = t.source_of(power), second = t.source_of(arm);
+  if (first == second)
+    t.problem(power, first ? "both Laser.Power and Laser.ArmPower are given" : "the power of the light is missing",
+              "give Laser.Power, of the light that arrives at the power-recycling mirror, or Laser.ArmPower, in W");
+  else
+    t.drop(first > second ? arm : power);
+  d.input_power = t.number(power, false);
+  d.arm_power = t.number(arm, false);
+}
+
 void read_light(IfoTree& t, Detector& d) {
   d.arm_length = t.number("Infrastructure.Length");
   d.wavelength = t.number("Laser.Wavelength");
-  d.input_power = t.number("Laser.Power", false);
-  d.arm_power = t.number("Laser.ArmPower", false);
-  if (std::isnan(d.input_power) == std::isnan(d.arm_power))
-    t.problem(
-        "Laser.Power",
-        std::isnan(d.arm_power) ? "the power of the light is missing" : "both Laser.Power and Laser.ArmPower are given",
-        "give Laser.Power, of the light that arrives at the power-recycling mirror, or Laser.ArmPower, in W");
+  read_power(t, d);
   d.power_recycling = t.number("Optics.PRM.Transmittance", 1.0);
   d.signal_recycling = t.number("Optics.SRM.Transmittance", 1.0);
   d.signal_length = t.number("Optics.SRM.CavityLength", 0.0);
@@ -76,34 +83,43 @@ Detector read_detector(IfoTree& t) {
     d.air = Air{t.number(at + "AirPressure"), t.number(at + "AirDensity"), t.number(at + "AdiabaticIndex"),
                 t.number(at + "SoundSpeed")};
   }
-  if (t.has("Squeezer") && t.number("Squeezer.AmplitudedB", 0.0) != 0 && t.word("Squeezer.Type") != "None")
-    d.squeezer = read_squeezer(t);
+  if (t.has("Squeezer")) d.squeezer = read_squeezer(t);
   return d;
 }
 
-void check_ranges(IfoTree& t, Detector const& d) {
-  auto const within = [&](std::string const& path, double x, double low, double high) {
-    if (std::isnan(x) || (x > low && x <= high)) return;
-    t.problem(
-        path, fmt::format("'{}' is {:g}, out of range", path, x),
-        fmt::format("write a number above {:g}{}", low, high < infinity ? fmt::format(" and up to {:g}", high) : ""));
-  };
-  within("Infrastructure.Length", d.arm_length, 0, infinity);
-  within("Laser.Wavelength", d.wavelength, 0, 1e-4);
-  within("Laser.Power", d.input_power, 0, infinity);
-  within("Laser.ArmPower", d.arm_power, 0, infinity);
-  within("Optics.ITM.Transmittance", d.input.transmission, 0, 1);
-  within("Optics.ETM.Transmittance", d.end.transmission, -1e-300, 1);
-  within("Optics.PRM.Transmittance", d.power_recycling, 0, 1);
-  within("Optics.SRM.Transmittance", d.signal_recycling, 0, 1);
-  within("Optics.Loss", d.mirror_loss, -1e-300, 0.1);
-  within("Optics.PhotoDetectorEfficiency", d.detection_efficiency, 0, 1);
-  within("Materials.MassRadius", d.mirror_radius, 0, infinity);
-  within("Materials.MassThickness", d.mirror_thickness, 0, infinity);
+// What no number says alone; only of numbers that are right by themselves.
+void check_together(IfoTree& t, Detector const& d) {
   double const g = (1 - d.arm_length / d.input.curvature) * (1 - d.arm_length / d.end.curvature);
-  if (std::isfinite(g) && !(g > 0 && g < 1))
+  if (std::isnan(g) || std::isnan(d.wavelength)) return;
+  if (!(g > 0 && g < 1)) {
     t.problem("Optics.Curvature.ITM", fmt::format("the arm cavity is not stable: g1 g2 = {:.4g}", g),
               "choose curvatures and length with 0 < (1 - L/R1)(1 - L/R2) < 1");
+    return;
+  }
+  Detector::Spots const w = d.spots();
+  if (double const widest = std::max(w.input, w.end); d.mirror_radius <= widest)
+    t.problem(
+        "Materials.MassRadius",
+        fmt::format("the mirrors, 'Materials.MassRadius' {:g} m, are smaller than the beam on them", d.mirror_radius),
+        fmt::format("the radius of the beam is {:.3g} m at the {} mirrors (1/e^2 in power): write more, or choose "
+                    "other curvatures",
+                    widest, w.input > w.end ? "input" : "end"));
+}
+
+void check_squeezer(IfoTree& t, Squeezer const& q) {
+  if (q.anti_decibels < q.decibels)
+    t.problem("Squeezer.AntiAmplitudedB",
+              fmt::format("'Squeezer.AntiAmplitudedB' is {:g}, less than the squeezing of {:g} dB", q.anti_decibels,
+                          q.decibels),
+              "write at least as many dB as of Squeezer.AmplitudedB, or leave it out");
+}
+
+void check_waves(IfoTree& t, Ground const& g) {
+  if (g.rayleigh_speed >= g.s_speed || g.s_speed >= g.p_speed)
+    t.problem("Seismic.RayleighWaveSpeed",
+              fmt::format("the waves in the ground have speeds of {:g} (Rayleigh), {:g} (s) and {:g} m/s (p)",
+                          g.rayleigh_speed, g.s_speed, g.p_speed),
+              "Rayleigh waves are slower than s waves, and these slower than p waves");
 }
 
 std::vector<CurveFile> read_curves(IfoTree& t, std::filesystem::path const& folder) {
@@ -114,6 +130,8 @@ std::vector<CurveFile> read_curves(IfoTree& t, std::filesystem::path const& fold
     if (name.empty() || file.empty())
       t.problem(place + (name.empty() ? ".file" : ".name"), "a curve needs a name and a file",
                 "write '- {name: dark, file: dark.txt}'");
+    if (std::any_of(all.begin(), all.end(), [&](CurveFile const& c) { return !name.empty() && c.name == name; }))
+      t.problem(place + ".name", fmt::format("a second curve is named '{}'", name), "give each curve its own name");
     if (kind != "strain" && kind != "displacement")
       t.problem(place + ".kind", fmt::format("'{}' is not a kind of curve", kind), "write strain or displacement");
     all.push_back({name, (folder / file).string(), kind == "displacement"});
@@ -177,9 +195,11 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   ifo.detector.name = preset ? name : path.stem().string();
   ifo.compare = t.word("compare");
   ifo.curves = read_curves(t, path.parent_path());
-  check_ranges(t, ifo.detector);
+  check_together(t, ifo.detector);
+  if (ifo.detector.squeezer) check_squeezer(t, *ifo.detector.squeezer);
+  if (ifo.detector.ground) check_waves(t, *ifo.detector.ground);
   t.word("extends");
-  t.word("title");
+  if (auto const said = t.source_of("title"); said && *said >= own) ifo.title = t.word("title");
   if (extends || !overrides.empty()) t.refuse_unread(extends ? own : own + 1);
   t.throw_if_problems();
   ifo.yaml = t.yaml();

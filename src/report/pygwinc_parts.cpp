@@ -107,6 +107,10 @@ CoatingMaterial read_coating(IfoTree& t, std::string const& end) {  // "lown", "
   m.index_slope = t.number(at + "Beta" + end);
   m.loss = t.number(at + "Phi" + end);
   m.loss_slope = t.number(at + "Phi" + end + "_slope", 0.0);
+  for (char const* what : {"PET", "lossB", "lossS"})  // experimental options of pygwinc
+    if (std::string const path = at + what + end; t.has(path))
+      t.problem(path, fmt::format("'{}' is not taken into account", path),
+                "leave it out: losses are equal in bulk and shear, and there is no photo-elastic effect");
   return m;
 }
 
@@ -147,14 +151,19 @@ Ground read_ground(IfoTree& t) {
   return g;
 }
 
-Squeezer read_squeezer(IfoTree& t) {
+std::optional<Squeezer> read_squeezer(IfoTree& t) {
+  std::string const type = t.word("Squeezer.Type", "Freq Independent");
+  if (type != "None" && type != "Freq Independent" && type != "Freq Dependent")
+    t.problem("Squeezer.Type", fmt::format("'{}' is not a kind of squeezing", type),
+              "write None, Freq Independent or Freq Dependent");
   Squeezer q;
-  q.decibels = t.number("Squeezer.AmplitudedB");
+  q.decibels = t.number("Squeezer.AmplitudedB", 0.0);
+  if (type == "None" || q.decibels == 0) return std::nullopt;
   q.anti_decibels = t.number("Squeezer.AntiAmplitudedB", false);
   q.angle = t.number("Squeezer.SQZAngle", 0.0);
   q.loss = t.number("Squeezer.InjectionLoss", 0.0);
   q.phase_noise = t.number("Squeezer.LOAngleRMS", 0.0);
-  if (t.word("Squeezer.Type", "Freq Independent") != "Freq Dependent") return q;
+  if (type != "Freq Dependent") return q;
   std::vector<std::string> places = t.elements("Squeezer.FilterCavity");
   if (places.empty()) places.push_back("Squeezer.FilterCavity");
   for (std::string const& place : places) {

@@ -12,6 +12,6 @@ SubstrateMaterial read_substrate(IfoTree&);
 CoatingMaterial read_coating(IfoTree&, std::string const& which);  // "lown", "highn"
 std::vector<GasSpecies> read_gas(IfoTree&);
 Ground read_ground(IfoTree&);
-Squeezer read_squeezer(IfoTree&);
+std::optional<Squeezer> read_squeezer(IfoTree&);  // none: no squeezed light
 
 }  // namespace straytrace

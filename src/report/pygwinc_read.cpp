@@ -18,6 +18,15 @@ using hdf5::Reader;
                   file, path, how));
 }
 
+Reader opened(std::string const& bytes, std::string const& file) {
+  try {
+    return Reader(bytes);
+  } catch (InputError const&) {
+    throw InputError(
+        fmt::format("error: '{}' is a damaged HDF5 file: it was cut short or changed\n  copy or make it again", file));
+  }
+}
+
 // Text of any length kind, as pygwinc (through h5py) writes it; empty when absent.
 std::string text_attribute(H5::H5File const& file, std::string const& name) {
   H5::Group const root = file.openGroup("/");
@@ -72,18 +81,7 @@ struct Loader {
   }
 };
 
-}  // namespace
-
-bool is_budget_file(std::string const& bytes) {
-  if (!bytes.starts_with("\x89HDF")) return false;
-  Reader const in(bytes);
-  return !in.file().openGroup("/").attrExists("file_type");
-}
-
-BudgetFile read_budget_file(std::string const& file) {
-  std::string const bytes = read_file(file);
-  if (!bytes.starts_with("\x89HDF")) refuse(file, "/", "is not HDF5");
-  Reader const in(bytes);
+BudgetFile read_opened(std::string const& file, Reader const& in) {
   if (!in.has("/Freq")) refuse(file, "/Freq", "is missing");
   BudgetFile budget;
   budget.hz = in.array<double>("/Freq");
@@ -102,6 +100,25 @@ BudgetFile read_budget_file(std::string const& file) {
     refuse(file, "/", fmt::format("holds {} groups, and the total must be the only one", tops.size()));
   budget.total = load.version_2("/" + tops.front(), tops.front());
   return budget;
+}
+
+}  // namespace
+
+bool is_hdf5(std::string const& bytes) { return bytes.starts_with("\x89HDF"); }
+
+bool is_budget_file(std::string const& bytes, std::string const& name) {
+  return is_hdf5(bytes) && !opened(bytes, name).file().openGroup("/").attrExists("file_type");
+}
+
+BudgetFile read_budget_file(std::string const& file) {
+  std::string const bytes = read_file(file);
+  if (!is_hdf5(bytes)) refuse(file, "/", "is not HDF5");
+  Reader const in = opened(bytes, file);
+  try {
+    return read_opened(file, in);
+  } catch (H5::Exception const&) {
+    refuse(file, "/", "holds something that cannot be read");
+  }
 }
 
 }  // namespace straytrace

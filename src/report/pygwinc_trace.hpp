@@ -20,7 +20,9 @@ struct BudgetFile {
   std::string ifo;  // YAML text of the detector; empty: none
 };
 
-bool is_budget_file(std::string const& bytes);  // an HDF5 file that is not a run
+bool is_hdf5(std::string const& bytes);  // by its first bytes
+// An HDF5 file that is not a run. Throws InputError with the name when it is damaged.
+bool is_budget_file(std::string const& bytes, std::string const& name);
 // Throws InputError with the place in the file that is missing or damaged.
 BudgetFile read_budget_file(std::string const& file);
 // `about`: further attributes of the root, in pairs of name and value. Names must not hold '/'.

@@ -10,9 +10,12 @@
 
 #include "base/constants.hpp"
 #include "base/table.hpp"
+#include "report/pygwinc_ranges.hpp"
 
 namespace straytrace {
 namespace {
+
+bool is_nan(std::string const& text) { return text == ".nan" || text == ".NaN" || text == ".NAN"; }
 
 bool below(std::string const& path, std::string const& table) {
   return path.size() > table.size() && path.starts_with(table) && path[table.size()] == '.';
@@ -61,8 +64,14 @@ void IfoTree::add(std::string const& source, std::string const& yaml) {
   std::size_t const number = sources_.size() - 1;
   auto const collect = [&](auto const& self, YAML::Node const& node, std::string const& path) -> void {
     if (node.IsMap()) {
-      for (auto const& item : node)
-        self(self, item.second, path.empty() ? item.first.Scalar() : path + "." + item.first.Scalar());
+      std::set<std::string> keys;
+      for (auto const& item : node) {
+        std::string const key = item.first.Scalar(), inner = path.empty() ? key : path + "." + key;
+        if (!keys.insert(key).second)
+          problems_.push_back(
+              {place_of(item.first.Mark(), number), fmt::format("'{}' stands here twice", inner), "keep one of them"});
+        self(self, item.second, inner);
+      }
     } else if (node.IsSequence()) {
       std::erase_if(values_, [&](auto const& v) { return below(v.first, path) && v.second.place.file != number; });
       for (std::size_t i = 0; i < node.size(); ++i) self(self, node[i], fmt::format("{}.{}", path, i));
@@ -96,6 +105,14 @@ IfoTree::Value const* IfoTree::find(std::string const& path) {
   return found == values_.end() ? nullptr : &found->second;
 }
 
+std::optional<std::size_t> IfoTree::source_of(std::string const& path) const {
+  auto const found = values_.find(path);
+  if (found == values_.end() || is_nan(found->second.text)) return std::nullopt;
+  return found->second.place.file;
+}
+
+void IfoTree::drop(std::string const& path) { values_.erase(path); }
+
 bool IfoTree::has(std::string const& path) const {
   auto const next = values_.lower_bound(path);
   return next != values_.end() &&
@@ -104,7 +121,7 @@ bool IfoTree::has(std::string const& path) const {
 
 double IfoTree::number(std::string const& path, bool needed) {
   Value const* value = find(path);
-  if (value && (value->text == ".nan" || value->text == ".NaN" || value->text == ".NAN")) value = nullptr;
+  if (value && is_nan(value->text)) value = nullptr;
   if (!value) {
     if (needed) problem(path, fmt::format("'{}' is missing", path), "give a number in SI units");
     return not_a_number;
@@ -114,6 +131,10 @@ double IfoTree::number(std::string const& path, bool needed) {
   if (end != value->text.c_str() + value->text.size() || value->text.empty() || !std::isfinite(x)) {
     problem(path, fmt::format("'{}' is a number, got \"{}\"", path, value->text),
             "write it in SI units, without a unit, for example 1.064e-6");
+    return not_a_number;
+  }
+  if (std::string const wanted = out_of_range(path, x); !wanted.empty()) {
+    problem(path, fmt::format("'{}' is {:g}, out of range", path, x), fmt::format("write a number {}", wanted));
     return not_a_number;
   }
   return x;
@@ -138,6 +159,10 @@ std::vector<std::string> IfoTree::elements(std::string const& list) const {
 void IfoTree::problem(std::string const& path, std::string what, std::string suggestion) {
   auto const found = values_.find(path);
   Place const place = found == values_.end() ? Place{std::uint32_t(sources_.size() - 1), 0, 0} : found->second.place;
+  auto const said = [&](Problem const& p) {
+    return p.what == what && p.place.file == place.file && p.place.line == place.line && p.place.column == place.column;
+  };
+  if (std::any_of(problems_.begin(), problems_.end(), said)) return;  // read more than once
   problems_.push_back({place, std::move(what), std::move(suggestion)});
 }
 

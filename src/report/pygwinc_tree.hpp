@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -19,9 +20,12 @@ class IfoTree {
   };
   // Adds the values of a text over those that are there; a list takes the place of an earlier one.
   void add(std::string const& source, std::string const& yaml);
-  void set(std::string const& path, std::string const& text);  // from the command line
-  bool has(std::string const& path) const;                     // value, table or list
-  // Number at a path; NaN when it is not there or ".nan". `needed`: a problem then.
+  void set(std::string const& path, std::string const& text);           // from the command line
+  bool has(std::string const& path) const;                              // value, table or list
+  std::optional<std::size_t> source_of(std::string const& path) const;  // which source gave it; none: none, or ".nan"
+  void drop(std::string const& path);                                   // as if nobody had given it
+  // Number at a path; NaN when it is not there or ".nan", `needed`: with a problem; NaN and a problem when it is no
+  // number or out of its range.
   double number(std::string const& path, bool needed = true);
   double number(std::string const& path, double fallback);
   std::string word(std::string const& path, std::string const& fallback = "");

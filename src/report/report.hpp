@@ -84,6 +84,8 @@ std::string utc_now();  // "2024-05-01T12:00:00Z"
 
 // Text files with the same rule: complete or not at all.
 void write_file(std::string const& file, std::string_view bytes);
+// Name and content of each; nothing appears before all of them are on the disk.
+void write_files(std::vector<std::pair<std::string, std::string>> const& files);
 std::string read_file(std::string const& file);
 
 // --- path table

@@ -27,7 +27,11 @@ TEST(TargetCurves, TablesOfPublicBudgets) {  // physics.md 12.2: the seven value
   EXPECT_LT(
       worst("et-d", {{1, 3.50e-17}, {3, 2.21e-23}, {10, 1.16e-24}, {20, 9.39e-25}, {100, 3.93e-25}, {1000, 5.78e-25}}),
       3e-3);
-  EXPECT_LT(worst("et-d", {{5, 3.53e-24}}), 1e-2);  // falls by half per Hz there
+  // LIGO-P1600143: points next to 5 Hz, and the line of the suspensions at 420.29 Hz, a per cent wide; printed digits.
+  EXPECT_LT(worst("et-d", {{4.9991899, 3.5631545e-24}, {5.0145667, 3.5264629e-24}}), 1.1e-3);
+  EXPECT_LT(worst("et-d", {{420.2824, 5.888153e-24}}), 1.1e-3);
+  EXPECT_LT(worst("et-d-points", {{5, 3.5612e-24}, {3, 2.2155e-23}}), 3e-3);
+  EXPECT_GT(worst("et-d", {{5, 3.53e-24}}), 8e-3);  // twin: the neighbour of 5 Hz, where the curve halves in each Hz
   EXPECT_GT(worst("et-d", kagra), 0.1);             // twin
   // pygwinc 0.6.2 itself at 100 Hz
   EXPECT_LT(worst("aligo-gwinc", {{100, 3.700e-24}}), 1e-3);

@@ -3,7 +3,7 @@
 """Budgets beside those of pygwinc. Usage: test_pygwinc.py STRAYTRACE [--table]
 
 What straytrace exports is read by pygwinc itself, with the same numbers; each noise of our presets agrees with that of
-the budgets they are taken from, within the tolerances below; pygwinc's own files are read. --table prints the
+the budgets they are taken from, within the tolerances below; pygwinc's own files are read; StrayLight is a noise there. --table prints the
 agreement as it stands in docs/theory/sensitivity.md. Runs in the environment that scripts/setup --compare makes, and
 fails where there is none.
 """
@@ -27,6 +27,12 @@ except ImportError:
 import numpy as np  # noqa: E402
 from gwinc.io import load_hdf5, save_hdf5  # noqa: E402
 from gwinc.noise import seismic  # noqa: E402
+
+sys.path.insert(0, str(SOURCE / "python"))
+sys.dont_write_bytecode = True
+
+import straytrace  # noqa: E402
+from straytrace.pygwinc import StrayLight, log_log, read_strain  # noqa: E402
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 PAIRS = {"aligo": "aLIGO", "aplus": "Aplus", "ce": "CE1"}
@@ -144,13 +150,107 @@ def test_each_noise(folder, table=False):
             print(f"| {name} | " + " | ".join(f"{w:.1e}" if w > 1e-6 else "below 1e-6" for w in worst) + " |")
 
 
+def traced(folder):
+    """A short run of the Virgo arm, as the examples call it."""
+    demo = folder / "demo"
+    if not demo.exists():
+        words = [PROGRAM, "run", SOURCE / "examples/virgo_arm.yaml", "-o", demo, "--histories", "131072", "--quiet"]
+        subprocess.run(words, check=True, timeout=120, capture_output=True,
+                       env=os.environ | {"STRAYTRACE_PYTHON": "/bin/false"})
+    return demo
+
+
+def with_stray_light(noise, hz, parent="aLIGO"):
+    base = gwinc.load_budget(parent)
+    budget = type("Budget", (type(base),), {"noises": type(base).noises + [noise]})
+    return budget(freq=hz, ifo=base.ifo)
+
+
+def test_drop_in(folder):
+    """StrayLight in a budget of pygwinc: the strain of the run comes back, as displacement times length before."""
+    run = straytrace.open(traced(folder) / "run.h5")
+    f, h = run.noise.frequency, run.noise.total.mean
+    middle = np.sqrt(f[:-1] * f[1:])
+    for hz, wanted in ((f, h), (middle, np.sqrt(h[:-1] * h[1:]))):  # log-log: the geometric mean halfway
+        trace = with_stray_light(StrayLight.of(run.path), hz).run()
+        assert close(trace["StrayLight"].asd, wanted, 1e-9)
+        assert close(trace.psd, sum(part.psd for part in trace.budget), 1e-12)
+    noise = StrayLight.of(run.path)
+    nearest = noise(freq=middle).interpolate(f, h)  # twin: pygwinc's own interpolation
+    assert not close(nearest, np.sqrt(h[:-1] * h[1:]), 1e-3)
+    length = gwinc.load_budget("aLIGO").ifo.Infrastructure.Length
+    low = noise(freq=f[f < 30], ifo=gwinc.load_budget("aLIGO").ifo)
+    assert close(np.sqrt(low.run().psd), h[f < 30] * length, 1e-4)
+    assert close(StrayLight.of(run.path, quantity="strain")(freq=f).run().asd, h, 1e-9)
+    assert noise.style["label"].startswith("stray light: ") and len(noise.style["label"]) > len("stray light: ")
+
+
+def test_drop_in_beyond_the_band(folder):
+    run = straytrace.open(traced(folder) / "run.h5")
+    f, h = run.noise.frequency, run.noise.total.mean
+    hz = np.array([f[0] / 4, f[0], f[-1], f[-1] * 2])
+    trace = with_stray_light(StrayLight.of(run.path), hz).run()
+    assert np.isnan(trace["StrayLight"].psd[[0, 3]]).all() and np.isfinite(trace.psd).all()
+    asd = {rule: StrayLight.of(run.path, quantity="strain", beyond=rule)(freq=hz).run().asd for rule in ("constant", "slope")}
+    assert close(asd["constant"], h[[0, 0, -1, -1]], 1e-9)
+    slope = np.log(h[1] / h[0]) / np.log(f[1] / f[0])
+    assert close(asd["slope"][0], h[0] * 0.25**slope, 1e-9)
+    try:
+        log_log(hz, f, h, "zero")
+        raise AssertionError("a rule that is none")
+    except ValueError:
+        pass
+
+
+def test_drop_in_reads_curves(folder):
+    """The same strain from run file, exported budget, h_asd.txt and budget.txt."""
+    demo = traced(folder)
+    done = run(str(demo / "run.h5"), "--export", "pygwinc", "-o", str(folder / "exported"), "--quiet")
+    assert done.returncode == 0, done.stderr
+    f, h, title = read_strain(demo)
+    for name in (demo / "h_asd.txt", folder / "exported/budget.hdf5", folder / "exported/budget.txt"):
+        g, k, _ = read_strain(name)
+        assert close(g, f, 1e-6) and close(k, h, 1e-5), name
+    assert title and read_strain(demo / "h_asd.txt")[2] == "h_asd.txt"
+    (folder / "words.txt").write_text("# Hz h\n10 much\n")
+    for name in (folder / "words.txt", folder / "none.h5"):
+        try:
+            read_strain(name)
+            raise AssertionError(f"{name} was read")
+        except straytrace.RunError:
+            pass
+
+
+def test_without_pygwinc(folder):
+    """The module imports where there is no pygwinc, and says what is missing when it is used."""
+    code = ("import sys; sys.modules['gwinc'] = None; sys.path.insert(0, sys.argv[1]); import straytrace.pygwinc as s\n"
+            "try: s.StrayLight()\nexcept ImportError as e: print(e)")
+    done = subprocess.run([sys.executable, "-c", code, SOURCE / "python"], capture_output=True, text=True, check=True)
+    assert "pip install gwinc" in done.stdout
+
+
+def test_example_of_the_page(folder):
+    page = (SOURCE / "docs/reference/budget.md").read_text()
+    examples = [part.split("```")[0] for part in page.split("```python\n")[1:]]
+    assert examples
+    traced(folder)
+    for example in examples:
+        done = subprocess.run([sys.executable, "-c", example], cwd=folder, capture_output=True, text=True,
+                              env=os.environ | {"PYTHONPATH": str(SOURCE / "python")})
+        assert done.returncode == 0, done.stderr
+        stray, total = (float(word) for word in done.stdout.split())
+        assert 1e-25 < stray < 1e-22 and total > stray
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         if "--table" in sys.argv:
             test_each_noise(folder, table=True)
             return
-        for test in (test_file_is_read, test_their_file, test_their_ifo, test_each_noise):
+        for test in (test_file_is_read, test_their_file, test_their_ifo, test_each_noise, test_drop_in,
+                     test_drop_in_beyond_the_band, test_drop_in_reads_curves, test_without_pygwinc,
+                     test_example_of_the_page):
             test(folder)
             print(f"{test.__name__}: ok")
 

@@ -85,7 +85,8 @@ TEST(Ifo, PlacesAndSuggestions) {
   EXPECT_THAT(complaint("a: [1\n"), HasSubstr("this is not YAML"));
   EXPECT_THAT(complaint("extends: aligo\nOptics: {Curvature: {ITM: 100}}\n"), HasSubstr("not stable"));
   EXPECT_THAT(complaint("extends: aligo\nOptics: {ITM: {Transmittance: 1.4}}\n"), HasSubstr("out of range"));
-  EXPECT_THAT(complaint("extends: aligo\nLaser: {ArmPower: 1e5}\n"), HasSubstr("both"));
+  EXPECT_THAT(complaint("extends: aligo\nLaser: {Power: 25, ArmPower: 1e5}\n"), HasSubstr("both"));
+  EXPECT_THAT(complaint("extends: aligo\nMaterials: {Coating: {PETlown: 0.177}}\n"), HasSubstr("photo-elastic"));
   EXPECT_THAT(complaint("extends: aligo\n", {"Laser.Pwer=2"}), HasSubstr("did you mean 'Laser.Power'?"));
   EXPECT_EQ(complaint("extends: aligo\nLaser: {Power: .nan, ArmPower: 1e5}\n"), "");
 }
@@ -128,7 +129,7 @@ BudgetFile made() {
 
 TEST(BudgetFile, ThereAndBack) {
   TemporaryFile const file("budget.hdf5", budget_file_bytes(made(), {{"program", "test"}}));
-  ASSERT_TRUE(is_budget_file(read_file(file.name())));
+  ASSERT_TRUE(is_budget_file(read_file(file.name()), file.name()));
   BudgetFile const back = read_budget_file(file.name());
   EXPECT_EQ(back.hz, made().hz);
   EXPECT_EQ(back.ifo, made().ifo);

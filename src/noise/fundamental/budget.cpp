@@ -21,27 +21,29 @@ std::vector<double> NoiseTable::total() const {
   return sum;
 }
 
+namespace {
+
+BudgetEntry entry_of(FundamentalNoise const& noise, Detector const& d, std::span<double const> hz) {
+  BudgetEntry e{
+      std::string(noise.name), std::string(noise.words), BudgetEntry::Kind::fundamental, noise.psd(d, hz), {}, "", {}};
+  for (std::size_t i = 0; i < hz.size(); ++i) {
+    if (!std::isfinite(e.asd[i]) || e.asd[i] < 0)
+      throw NumericalError(fmt::format("{} is not finite at {:g} Hz", noise.name, hz[i]));
+    e.asd[i] = std::sqrt(e.asd[i]);
+  }
+  for (FundamentalNoise const& part : noise.parts) e.parts.push_back(entry_of(part, d, hz));
+  return e;
+}
+
+}  // namespace
+
 FundamentalEntries fundamental_entries(Detector const& d, std::span<double const> hz) {
   FundamentalEntries all;
-  for (FundamentalNoise const& noise : fundamental_noises()) {
-    if (!noise.known(d)) {
+  for (FundamentalNoise const& noise : fundamental_noises())
+    if (noise.known(d))
+      all.entries.push_back(entry_of(noise, d, hz));
+    else
       all.left_out.push_back(fmt::format("{} (needs {})", noise.name, noise.needs));
-      continue;
-    }
-    BudgetEntry e{std::string(noise.name),
-                  std::string(noise.words),
-                  BudgetEntry::Kind::fundamental,
-                  noise.psd(d, hz),
-                  {},
-                  "",
-                  {}};
-    for (std::size_t i = 0; i < hz.size(); ++i) {
-      if (!std::isfinite(e.asd[i]) || e.asd[i] < 0)
-        throw NumericalError(fmt::format("{} is not finite at {:g} Hz", noise.name, hz[i]));
-      e.asd[i] = std::sqrt(e.asd[i]);
-    }
-    all.entries.push_back(std::move(e));
-  }
   return all;
 }
 

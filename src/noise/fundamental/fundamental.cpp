@@ -55,6 +55,18 @@ Psd suspension_thermal(Detector const& d, Hertz hz) {
   return calibrated(d, hz, [&](double f) { return 4 * suspension_thermal_psd(*d.suspension, f); });
 }
 
+Psd suspension_horizontal(Detector const& d, Hertz hz) {
+  return calibrated(d, hz,
+                    [&](double f) { return 4 * chain_response(*d.suspension, Direction::horizontal, f).thermal_psd; });
+}
+
+Psd suspension_vertical(Detector const& d, Hertz hz) {
+  return calibrated(d, hz, [&](double f) {
+    return 4 * std::pow(d.suspension->vertical_coupling, 2) *
+           chain_response(*d.suspension, Direction::vertical, f).thermal_psd;
+  });
+}
+
 Psd coating_brownian(Detector const& d, Hertz hz) {
   CoatingStack const input = coating_stack(d, d.input), end = coating_stack(d, d.end);
   Detector::Spots const w = d.spots();
@@ -105,12 +117,20 @@ Psd residual_gas(Detector const& d, Hertz hz) {
   return psd;
 }
 
+constexpr FundamentalNoise of_suspensions[] = {
+    {"SuspensionHorizontal", "pendulums and violin modes of the fibres", "Suspension", has_suspension,
+     suspension_horizontal},
+    {"SuspensionVertical", "vertical modes, by the slope of the mirror to the vertical", "Suspension", has_suspension,
+     suspension_vertical},
+};
+
 constexpr FundamentalNoise all[] = {
     {"Quantum", "quantum noise of the light", "", [](Detector const&) { return true; }, quantum_psd},
     {"Seismic", "ground motion through the suspensions", "Suspension and Seismic",
      [](Detector const& d) { return d.suspension && d.ground; }, seismic},
     {"Newtonian", "gravity of the moving ground and air", "Seismic", has_ground, newtonian},
-    {"SuspensionThermal", "thermal noise of the suspensions", "Suspension", has_suspension, suspension_thermal},
+    {"SuspensionThermal", "thermal noise of the suspensions", "Suspension", has_suspension, suspension_thermal,
+     of_suspensions},
     {"CoatingBrownian", "Brownian noise of the coatings", "Materials.Substrate and Materials.Coating", has_coating,
      coating_brownian},
     {"CoatingThermoOptic", "thermo-optic noise of the coatings", "Materials.Substrate and Materials.Coating",

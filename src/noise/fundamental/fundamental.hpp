@@ -17,6 +17,7 @@ struct FundamentalNoise {
   std::string_view needs;  // what the detector must state for it
   bool (*known)(Detector const&);
   std::vector<double> (*psd)(Detector const&, std::span<double const> hz);  // strain^2/Hz, one-sided
+  std::span<FundamentalNoise const> parts = {};  // whose PSDs sum to it; empty: it has none of its own name
 };
 std::span<FundamentalNoise const> fundamental_noises();
 

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Stray light as a noise of a pygwinc budget: ``noises = [..., StrayLight.of("run.h5")]``.
+
+Imports without pygwinc; only making a noise needs it.
+"""
+
+import pathlib
+
+import h5py
+import numpy as np
+
+from .run import RunError, open_run
+
+try:
+    from gwinc.ifo.noises import dhdl
+    from gwinc.nb import Noise
+except ImportError:
+    dhdl = None
+
+    class Noise:
+        def __init__(self, *_arguments, **_values):
+            raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install gwinc")
+
+BEYOND = ("nan", "constant", "slope")
+
+
+def _of_run(path):
+    run = open_run(path)
+    if run.noise is None:
+        raise RunError(f"'{path}' holds no noise, only couplings: give a run with ports")
+    bound = " (lower bound)" if run.noise.unresolved else ""
+    return run.noise.frequency, run.noise.total.mean, (run.attributes.get("title") or "") + bound
+
+
+def _of_budget(path):
+    """Sum of the stray light in a file of ``straytrace budget --export pygwinc``."""
+    with h5py.File(path, "r") as file:
+        parts = file["Total/budget"] if "Total/budget" in file else {}
+        psds = [part["PSD"][()] for name, part in parts.items() if name.startswith("StrayLight")]
+        if not psds:
+            raise RunError(f"'{path}' holds no noise called StrayLight")
+        return file["Freq"][()], np.sqrt(np.sum(psds, axis=0)), ""
+
+
+def _of_text(path):
+    """Columns frequency and strain of h_asd.txt or of any text; of budget.txt all columns StrayLight*_strain."""
+    lines = pathlib.Path(path).read_text(encoding="utf-8").splitlines()
+    try:
+        table = np.array([line.replace(",", " ").split() for line in lines if line.strip() and line[0] != "#"], float)
+    except ValueError as error:
+        raise RunError(f"'{path}' is not a table of numbers: {error}") from None
+    if table.ndim != 2 or table.shape[1] < 2:
+        raise RunError(f"'{path}' has no columns of frequency and strain")
+    titles = [line[1:].split() for line in lines if line.startswith("#")]
+    titles = next((t for t in titles if len(t) == table.shape[1] and t[0] == "Hz"), [])
+    stray = [i for i, t in enumerate(titles) if t.startswith("StrayLight") and t.endswith("_strain")]
+    if titles and not stray:
+        raise RunError(f"'{path}' is a budget without stray light")
+    return table[:, 0], np.sqrt(np.sum(table[:, stray or [1]] ** 2, axis=1)), ""
+
+
+def read_strain(path):
+    """Frequencies [Hz], one-sided strain ASD [1/sqrt(Hz)] and title of the stray light in a file: a run file (or the
+    folder of run.h5), an exported budget (HDF5), or text. Raises RunError."""
+    path = pathlib.Path(path)
+    if path.is_dir():
+        path = path / "run.h5"
+    try:
+        if not h5py.is_hdf5(path):
+            frequency, strain, title = _of_text(path)
+        else:
+            with h5py.File(path, "r") as file:
+                read = _of_run if "file_type" in file.attrs else _of_budget
+            frequency, strain, title = read(path)
+    except (OSError, UnicodeDecodeError) as error:
+        raise RunError(f"cannot read '{path}': {error}") from error
+    if not (np.all(frequency > 0) and np.all(np.diff(frequency) > 0)):
+        raise RunError(f"the frequencies of '{path}' do not increase from above 0")
+    return frequency, strain, title or path.name
+
+
+def log_log(hz, frequency, strain, beyond="nan"):
+    """Straight lines in log-log between the points. Outside them: `nan`, not known; `constant`, the value at the end;
+    `slope`, on with the power law of the last two points."""
+    if beyond not in BEYOND:
+        raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{beyond}'")
+    x, known, y = np.log(np.asarray(hz, float)), np.log(frequency), np.log(np.where(strain > 0, strain, np.nan))
+    outside = np.nan if beyond == "nan" else None
+    value = np.interp(x, known, y, left=outside, right=outside)
+    if beyond == "slope":
+        for side, (i, k) in ((x < known[0], (0, 1)), (x > known[-1], (-1, -2))):
+            value[side] = y[i] + (y[k] - y[i]) / (known[k] - known[i]) * (x[side] - known[i])
+    return np.exp(value)
+
+
+class StrayLight(Noise):
+    """Stray light of a file in a gwinc Budget, whose calibration to strain it undoes beforehand: calc() returns the PSD
+    of the difference of the arms, m^2/Hz, so that the budget gets back h^2. Used alone, `quantity = "strain"` gives h^2.
+
+    Make a class for each file: ``StrayLight.of("run.h5")``, or a subclass that says `file`."""
+
+    file = None             # run file, exported budget or text: read_strain
+    beyond = "nan"          # outside the band of the file: log_log
+    quantity = "displacement"
+    style = {"label": "stray light", "color": "black"}
+
+    @classmethod
+    def of(cls, file, name="StrayLight", **values):
+        """A class for `file`; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
+        label = {"label": "stray light: " + read_strain(file)[2], "color": "black"}
+        return type(name, (cls,), {"file": file, "style": label, **values})
+
+    def load(self):
+        if self.file is None:
+            raise RunError("StrayLight needs a file: StrayLight.of('run.h5')")
+        self._known = read_strain(self.file)[:2]
+
+    def calc(self):
+        if not hasattr(self, "_known"):
+            self.load()
+        psd = log_log(self.freq, *self._known, self.beyond) ** 2
+        if self.quantity == "strain":
+            return psd
+        if self.ifo is None:
+            raise RunError("a displacement needs the length of the arms: use StrayLight in a Budget with an ifo, or "
+                           "quantity='strain'")
+        return psd / dhdl(self.freq, self.ifo.Infrastructure.Length)[0]

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Noises that straytrace budget takes from files: strain ASD on the frequencies of each file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "noise/fundamental/budget.hpp"
+
+namespace straytrace {
+
+// A curve of ASD that is read off where it is needed; `sigma` may be empty.
+struct Sampled {
+  std::vector<double> hz, asd, sigma;
+  std::vector<double> on(std::vector<double> const& at, std::vector<double> const& values) const;
+};
+Sampled two_columns(std::string const& file, std::string const& what);  // throws InputError
+Sampled total_of_budget_file(std::string const& file);                  // throws InputError
+
+// Where the stray light of an entry comes from.
+struct RunAbout {
+  std::string entry, file, title, model_hash, created;  // file: with the folder it stands in
+  std::string content;                                  // data_hash: equal for equal results
+  std::uint64_t seed = 0, histories = 0;
+};
+
+// An entry with its parts, before it is put on frequencies.
+struct Source {
+  BudgetEntry entry;
+  Sampled curve;
+  std::vector<Source> parts;
+  std::string file;  // as it was named
+  RunAbout run;      // of a run file
+  BudgetEntry on(std::vector<double> const& at) const;
+};
+
+enum class InputKind { detector, run, budget };
+InputKind kind_of_input(std::string const& file);  // by its content; throws InputError when it is none of them
+
+Source stray_light(std::string const& run_file);                // total, and the routes that are resolved
+std::vector<Source> noises_of_budget(std::string const& file);  // every noise of a budget of pygwinc
+
+// What a sum would count twice: a sentence for each pair of inputs, with what to do. `fundamental`: names of the noises
+// that the detector `detector` brings.
+std::vector<std::string> repeats(std::vector<Source> const&, std::vector<std::string> const& fundamental,
+                                 std::string const& detector);
+// Equal names get the folder or the file behind them, equal titles as well.
+void name_apart(std::vector<Source>&);
+
+}  // namespace straytrace
