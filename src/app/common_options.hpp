@@ -13,4 +13,7 @@ void add_trace_options(CLI::App&, Options&);  // --histories, --until, --seed, -
 void add_force_option(CLI::App&, Options&);
 void add_format_option(CLI::App&, Options&);
 
+// "'x' is not a whole number from 1 to 1e6; write for example 20"
+CLI::Validator whole_between(double low, double high, std::string const& example);
+
 }  // namespace straytrace
