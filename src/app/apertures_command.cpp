@@ -157,7 +157,7 @@ void add_apertures(CLI::App& app, Options& options, int& exit_code) {
       app.add_subcommand("apertures", "what the rims that beams pass cut off, and the light behind them");
   static Wanted wanted;
   add_scene_options(*command, options);
-  command->add_option("--show", wanted.show, "rows");
+  command->add_option("--show", wanted.show, "rows")->check(whole_between(1, 1e6, "20"));
   auto* const profile =
       command->add_option("--profile", wanted.profile, "intensity across the beam behind a rim of this entry");
   command->add_option("--distance", wanted.distance, "of --profile, behind the rim, for example \"10 m\"")

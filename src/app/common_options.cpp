@@ -19,6 +19,8 @@ CLI::Validator number_between(double low, double high, std::string const& exampl
           ""};
 }
 
+}  // namespace
+
 CLI::Validator whole_between(double low, double high, std::string const& example) {
   return {[=](std::string const& text) -> std::string {
             bool const digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
@@ -28,8 +30,6 @@ CLI::Validator whole_between(double low, double high, std::string const& example
           },
           ""};
 }
-
-}  // namespace
 
 void add_format_option(CLI::App& command, Options& options) {
   command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));

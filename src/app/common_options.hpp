@@ -18,4 +18,7 @@ void refuse_two_formats(Options const&);  // InputError for --csv with --format 
 // Nothing without errors, otherwise one InputError that says them all.
 void throw_all(std::vector<InputError> const&);
 
+// "'x' is not a whole number from 1 to 1e6; write for example 20"
+CLI::Validator whole_between(double low, double high, std::string const& example);
+
 }  // namespace straytrace

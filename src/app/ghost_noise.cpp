@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/ghost_noise.hpp"
 
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -10,26 +11,34 @@
 namespace straytrace {
 namespace {
 
-constexpr char const* statement =
-    "ghosts with equal levers, fields added with the phases of the geometry as it is written (physics.md eq. 10.5)";
+char const* statement_of(GhostFamily const& f) {
+  return f.sum == GhostSum::coherent
+             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written (physics.md eq. "
+               "10.5)"
+             : "ghosts with equal levers, powers added: their static phases are independent (physics.md eq. 10.5)";
+}
 
 }  // namespace
 
-std::optional<TreeLimits> read_ghosts(Scene const& scene) {
+std::optional<GhostSettings> read_ghosts(Scene const& scene) {
   Node const table = scene.table("ghosts");
   if (!table) return {};
-  TreeLimits limits;
-  limits.floor = table.number("floor", dim::plain, limits.floor, 1e-40, 1);
-  if (table.has("order")) limits.order = std::uint32_t(table.whole("order", 1, 1, 1e6));
+  GhostSettings settings;
+  settings.floor = table.number("floor", dim::plain, settings.floor, 1e-40, 1);
+  if (table.has("order")) settings.order = std::uint32_t(table.whole("order", 1, 0, 1e6));
+  static constexpr std::array<std::string_view, 2> sums = {"independent", "coherent"};
+  settings.sum = table.choice("sum", sums, "independent") == "coherent" ? GhostSum::coherent : GhostSum::independent;
   table.refuse_unknown("'ghosts'");
-  return limits;
+  return settings;
 }
 
-std::vector<CouplingClass> ghosts_beside(World const& world, TreeLimits const& limits) {
+std::vector<CouplingClass> ghosts_beside(World const& world, GhostSettings const& settings) {
   std::vector<CouplingClass> all;
   for (BeamLaunch const& launch : launches(world)) {
+    if (launch.through_input_mirror()) continue;
+    TreeLimits const limits = settings.limits(launch);
     MainBeam const main(world, launch, limits);
-    GhostFamilies families(world, main, ghost_port(world, launch, main));
+    GhostFamilies families(world, main, ghost_port(world, launch, main), settings.sum);
     if (!families.port()) continue;
     find_ghosts(world, launch, limits, main, [&](Ghost const& g) { families.add(g); });
     for (CouplingClass& c : ghost_classes(families)) all.push_back(std::move(c));
@@ -45,7 +54,7 @@ std::vector<CouplingClass> ghost_classes(GhostFamilies const& families) {
     record.coupling = record.weight = f.share();
     record.path_length = f.path_length;
     record.levers = f.levers;
-    CouplingClass made = deterministic_class(ClassKind::ghost, f.steps, *families.port(), 1, {record}, statement);
+    CouplingClass made = deterministic_class(ClassKind::ghost, f.steps, *families.port(), 1, {record}, statement_of(f));
     auto const [at, added] = classes.emplace(made.hash, made);
     if (added) continue;
     at->second.records.push_back(record);
@@ -70,7 +79,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
     record.coupling = record.weight = 1;
     record.levers = families.all()[i].levers;
     CouplingClass one =
-        deterministic_class(ClassKind::ghost, families.all()[i].steps, *families.port(), 1, {record}, statement);
+        deterministic_class(ClassKind::ghost, families.all()[i].steps, *families.port(), 1, {record}, "");
     one.hash = i;
     table.classes.push_back(std::move(one));
   }

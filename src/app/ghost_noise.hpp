@@ -11,12 +11,12 @@
 namespace straytrace {
 
 // The table `ghosts` of a scene: how far ghosts are followed for the noise of a run; nothing without it.
-std::optional<TreeLimits> read_ghosts(Scene const&);
+std::optional<GhostSettings> read_ghosts(Scene const&);
 
 // Classes of all beams of a world, to stand beside the scattered light of its trace.
-std::vector<CouplingClass> ghosts_beside(World const&, TreeLimits const&);
+std::vector<CouplingClass> ghosts_beside(World const&, GhostSettings const&);
 
-// A deterministic class for each family of equal levers (eq. 10.5: fields added within it); powers of classes add.
+// A deterministic class for each family of equal levers (eq. 10.5); powers of classes add.
 std::vector<CouplingClass> ghost_classes(GhostFamilies const&);
 
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.

@@ -6,21 +6,26 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
 #include "app/common_options.hpp"
 #include "app/ghost_noise.hpp"
+#include "app/ghost_search.hpp"
+#include "app/interrupt.hpp"
 #include "app/session.hpp"
 #include "base/message.hpp"
+#include "report/growing_file.hpp"
 #include "report/picture.hpp"
 
 namespace straytrace {
 namespace {
 
 struct Wanted {
-  double floor = 1e-15;
-  std::uint32_t order = TreeLimits{}.order;
+  std::optional<double> floor;
+  std::optional<std::uint32_t> order;
   std::string by = "power", beam;
 };
 
@@ -83,131 +88,105 @@ nlohmann::json outlines(World const& world, GhostReport const& report) {
   return all;
 }
 
-void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& families) {
-  if (!main.complete())
-    report.notes.push_back(fmt::format(
-        "The main beam meets more than {} surfaces: what comes into line beyond them is not counted as recoupled.",
-        MainBeam::most_nodes));
-  if (families.left_out > 0)
-    report.notes.push_back(
-        fmt::format("{} ghosts beyond the first {} families are left out of the sums at the port; "
-                    "their shares sum to {:.3g}.",
-                    families.left_out, GhostFamilies::most, families.left_out_share));
-  if (!report.has_port)
-    report.notes.push_back("No port of this beam is open on its way, so there is no h: see 'ports'.");
-  else if (!report.has_noise)
-    report.notes.push_back("The scene has no 'interferometer', so there is no h.");
+// The scene's own table, unless the command line says otherwise.
+GhostSettings settings_of(Model const& model, Wanted const& wanted) {
+  GhostSettings settings = read_ghosts(model.scene).value_or(GhostSettings{});
+  model.scene.throw_if_problems();
+  settings.floor = wanted.floor.value_or(settings.floor);
+  settings.order = wanted.order.value_or(settings.order);
+  return settings;
 }
 
-// Everything about one launched beam; `each` gets the rows of the export.
-GhostReport report_of(Model const& model, BeamLaunch const& launch, Wanted const& wanted, std::size_t show,
-                      std::function<void(GhostTable const&, Ghost const&)> const& each) {
-  World const& world = model.world;
-  GhostReport report;
-  report.beam = launch.name;
-  report.power = world.beam_power * world.footprints()[launch.footprint].share;
-  report.limits = {wanted.floor, wanted.order, TreeLimits{}.longest};
-  report.rank = rank_of(wanted.by);
-  report.groups = world.groups();
-  MainBeam const main(world, launch, report.limits);
-  GhostFamilies families(world, main, ghost_port(world, launch, main));
-  report.has_port = families.port().has_value();
-  report.has_noise = report.has_port && model.detector;
-  if (report.rank == GhostRank::strain && !report.has_noise)
-    throw InputError(fmt::format(
-        "error: --by strain needs h, and {}\n  open a port for the beam '{}' and give 'interferometer', or take --by "
-        "recoupled",
-        report.has_port ? "the scene has no 'interferometer'" : "no port of this beam is open on its way",
-        launch.name));
-  if (report.has_port) {
-    report.port = world.ports()[families.port()->value];
-    find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) { families.add(g); });
-    for (GhostFamily const& f : families.all()) {
-      report.share += f.share();
-      report.incoherent += f.incoherent;
-      report.worst += f.worst();
-    }
-    report.families = families.all().size();
-    if (report.has_noise) report.strain = project_ghosts(model, families);
+// Where the answers go, beam by beam.
+class Answers {
+ public:
+  Answers(Options const& options, World const& world) : options_(options), world_(world) {
+    bool const watts = world.beam_power > 0;
+    if (options.csv) std::cout << ghost_csv_header(watts);
+    if (options.out.empty()) return;
+    make_folder(options.out);
+    csv_ = std::make_unique<GrowingFile>(in_folder("ghosts.csv"));
+    csv_->write(ghost_csv_header(watts));
   }
-  GhostTable table(world, launch, families, report.rank, show);
-  report.ledger = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
-    table.add(g);
-    if (each) each(table, g);
-  });
-  if (double const off = std::fabs(report.ledger.total() - 1); !(off < 1e-10))
-    throw NumericalError(fmt::format("the ledger of the beam '{}' does not close: {:.3g}", launch.name, off));
-  report.rows = table.rows();
-  report.objects = table.objects(report.ledger);
-  report.ghosts = table.ghosts;
-  report.by_order = table.by_order;
-  report.power_by_order = table.power_by_order;
-  report.recoupled_with = table.recoupled_with;
-  report.recoupled_against = table.recoupled_against;
-  add_notes(report, main, families);
-  return report;
-}
+  // Takes every row of a beam; empty: nobody wants them.
+  std::function<void(GhostTable const&, Ghost const&)> rows_of(BeamLaunch const& launch) {
+    if (!options_.csv && !csv_) return {};
+    double const power = world_.beam_power * world_.footprints()[launch.footprint].share;
+    return [this, name = launch.name, power](GhostTable const& table, Ghost const& g) {
+      std::string const line =
+          ghost_csv(name, table.row(g), g.where.valid() ? world_.groups()[g.where.value] : "", power);
+      if (options_.csv) std::cout << line;
+      if (csv_) csv_->write(line);
+    };
+  }
+  void add(GhostReport const& report) {
+    text_ += (text_.empty() ? "" : "\n") + ghost_text(report, objects_shown);
+    nlohmann::json entry = nlohmann::json::parse(ghost_json(report));
+    if (csv_) entry["surfaces"] = outlines(world_, report);
+    all_.push_back(std::move(entry));
+    if (options_.quiet) return;
+    for (std::string const& w : report.warnings) std::cerr << fmt::format("warning: beam '{}': {}\n", report.beam, w);
+  }
+  void finish() {
+    if (csv_) {
+      csv_->publish();
+      write_file(in_folder("ghosts.txt"), text_);
+      write_file(in_folder("ghosts.json"), all_.dump());
+      std::string message;
+      if (!draw_ghost_picture(in_folder("ghosts.json"), in_folder("ghosts.png"), message)) std::cerr << message << '\n';
+    }
+    if (options_.csv) return;
+    if (options_.json())
+      std::cout << all_.dump() << '\n';
+    else
+      std::cout << text_;
+  }
+
+ private:
+  std::string in_folder(char const* name) const { return (std::filesystem::path(options_.out) / name).string(); }
+  Options const& options_;
+  World const& world_;
+  std::unique_ptr<GrowingFile> csv_;
+  std::string text_;
+  nlohmann::json all_ = nlohmann::json::array();
+};
 
 int ghosts(Options const& options, Wanted const& wanted) {
   refuse_two_formats(options);
   Model const model = read_for_ghosts(options);
   if (!options.quiet) std::cerr << model.scene.warnings();
+  GhostSearch search{model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown,
+                     nullptr, {}};
   std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);
-  bool const files = !options.out.empty();
-  std::string csv, text;
-  bool const watts = model.world.beam_power > 0;
-  if (options.csv) std::cout << ghost_csv_header(watts);
-  if (files) {
-    make_folder(options.out);
-    csv = ghost_csv_header(watts);
-  }
-  nlohmann::json all = nlohmann::json::array();
+  if (search.rank == GhostRank::strain) require_strain(search, beams);
+  Answers answers(options, model.world);
+  ProgressLine progress(options.quiet);
+  auto const start = std::chrono::steady_clock::now();
+  search.progress = [&](BeamLaunch const& launch, std::uint64_t ended, char const* doing) {
+    double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress.at(seconds, [&] {
+      return fmt::format("ghosts  beam {}  {}  {:.3g} beams  {:.0f} s", launch.name, doing, double(ended), seconds);
+    });
+  };
+  InterruptGuard const guard;
+  search.stop = &guard.stop();
+  std::string not_begun;
   for (BeamLaunch const& launch : beams) {
-    double const power = model.world.beam_power * model.world.footprints()[launch.footprint].share;
-    auto const each = [&](GhostTable const& table, Ghost const& g) {
-      std::string const line =
-          ghost_csv(launch.name, table.row(g), g.where.valid() ? model.world.groups()[g.where.value] : "", power);
-      if (options.csv) std::cout << line;
-      if (files) csv += line;
-    };
-    GhostReport const report =
-        report_of(model, launch, wanted, options.show ? options.show : rows_shown,
-                  options.csv || files ? std::function<void(GhostTable const&, Ghost const&)>(each) : nullptr);
-    text += (text.empty() ? "" : "\n") + ghost_text(report, objects_shown);
-    nlohmann::json entry = nlohmann::json::parse(ghost_json(report));
-    if (files) entry["surfaces"] = outlines(model.world, report);
-    all.push_back(std::move(entry));
+    if (guard.stop())
+      not_begun += (not_begun.empty() ? "" : ", ") + launch.name;
+    else
+      answers.add(ghost_report(search, launch, answers.rows_of(launch)));
   }
-  if (files) {
-    std::filesystem::path const folder = options.out;
-    write_file(folder / "ghosts.csv", csv);
-    write_file(folder / "ghosts.txt", text);
-    write_file(folder / "ghosts.json", all.dump());
-    std::string message;
-    if (!draw_ghost_picture(folder / "ghosts.json", folder / "ghosts.png", message)) std::cerr << message << '\n';
-  }
-  if (options.csv) return done;
-  if (options.json())
-    std::cout << all.dump() << '\n';
-  else
-    std::cout << text;
-  return done;
+  answers.finish();
+  if (!not_begun.empty()) std::cerr << fmt::format("stopped early: not begun: {}\n", not_begun);
+  return guard.stop() ? checkpointed : done;
 }
 
 CLI::Validator number_above_zero() {
   return {[](std::string const& word) -> std::string {
             double value = 0;
             if (CLI::detail::lexical_cast(word, value) && value > 0 && value <= 1) return {};
-            return fmt::format("'{}' is not a share of power from 0 to 1; write for example 1e-15", word);
-          },
-          ""};
-}
-
-CLI::Validator whole_number(double most, std::string const& example) {
-  return {[=](std::string const& word) -> std::string {
-            bool const digits = !word.empty() && word.find_first_not_of("0123456789") == word.npos;
-            if (digits && word.size() < 10 && std::stod(word) >= 1 && std::stod(word) <= most) return {};
-            return fmt::format("'{}' is not a whole number from 1 to {:g}; write for example {}", word, most, example);
+            return fmt::format("'{}' is not a share of power above 0 and up to 1; write for example 1e-15", word);
           },
           ""};
 }
@@ -219,14 +198,14 @@ void add_ghosts(CLI::App& app, Options& options, int& exit_code) {
       app.add_subcommand("ghosts", "every ghost beam: order, power, where it ends, how much of it comes back");
   static Wanted wanted;
   add_scene_options(*command, options);
-  command->add_option("--floor", wanted.floor, "least power that is followed, over the launched power; default 1e-15")
+  command->add_option("--floor", wanted.floor, "least power that is followed, over what is launched or leaves the cavity; default 1e-15")
       ->check(number_above_zero());
   command->add_option("--order", wanted.order, "departures from the main beam, at most; default: no limit")
-      ->check(whole_number(1e6, "2"));
+      ->check(whole_between(0, 1e6, "2"));
   command->add_option("--by", wanted.by, "rank by power (default), strain or recoupled")
       ->check(CLI::IsMember({"power", "strain", "recoupled"}));
   command->add_option("--beam", wanted.beam, "only this beam; of a cavity: the mirror that it leaves through");
-  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_number(1e6, "50"));
+  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
   command->add_flag("--csv", options.csv, "all ghosts, all digits, in the order in which they are found");
   command->add_option("-o,--out", options.out, "folder for ghosts.csv, ghosts.txt, ghosts.json and ghosts.png");
   command->footer(

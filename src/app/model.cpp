@@ -2,12 +2,15 @@
 #include "app/model.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "report/report.hpp"
+#include "world/beam_tree.hpp"
 
 namespace straytrace {
 namespace {
@@ -60,19 +63,25 @@ void check_entrances(Scene const& scene, World const& world) {
   }
 }
 
-// Behind the input mirror the light of the cavity interferes with the light that comes from the splitter; `lit` follows
-// the first alone. End mirrors pass some ppm.
-void warn_of_input_mirrors(Scene const& scene, World const& world) {
+// Behind the input mirror the light of the arm interferes with the light that the splitter sends, which `lit` does not
+// follow: on resonance a quarter of what the mirror passes stands there (physics.md eq. 9.5).
+void refuse_input_mirrors(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
-  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
-    Footprint const& f = world.footprints()[i];
-    if (world.feeds()[i].mirror == Feed::none || !(f.share > 1e-3) || f.beam >= beams.size()) continue;
-    return beams[f.beam].second["lit"].warning(
-        fmt::format("'{}' is lit through a mirror that passes {:.2g} of the light: the light that comes from the "
-                    "splitter interferes there and is not followed",
-                    world.groups()[world.surfaces()[f.surface.value].group.value], f.share),
-        "behind an input mirror state spots by 'on' and their port by 'at: short-arm'; name end-mirror surfaces by "
-        "'only'");
+  auto const name = [&](Footprint const& f) { return world.groups()[world.surfaces()[f.surface.value].group.value]; };
+  for (BeamLaunch const& launch : launches(world)) {
+    if (!launch.through_input_mirror() || launch.beam >= beams.size()) continue;
+    std::set<std::string> lit;
+    for (std::size_t i = 0; i < world.footprints().size(); ++i)
+      if (world.feeds()[i].mirror == launch.footprint) lit.insert('"' + name(world.footprints()[i]) + '"');
+    if (lit.empty()) continue;
+    beams[launch.beam].second["lit"].problem(
+        fmt::format("{} lit through '{}', which passes {:.2g} of the light: the light that the splitter sends "
+                    "interferes there and is not followed",
+                    lit.size() == 1 ? *lit.begin() + " is" : fmt::format("{} surfaces are", lit.size()), launch.name,
+                    launch.passes),
+        fmt::format("write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
+                    "splitter side by a beam 'from' behind '{}', with 'at: short-arm' for its port",
+                    fmt::join(lit, ", "), launch.name));
   }
 }
 
@@ -95,7 +104,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(),
                                          model.world.wavelength, model.world.beam_power);
   check_entrances(model.scene, model.world);
-  if (model.detector) warn_of_input_mirrors(model.scene, model.world);
+  if (model.detector) refuse_input_mirrors(model.scene, model.world);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
   read_noise(model, model.scene);
@@ -159,6 +168,11 @@ std::vector<std::string> Model::assumptions() const {
                                              : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
   lines.push_back(scene.root().has("ghosts") ? "ghost beams: routes of kind ghost, by the beam tree"
                                              : "ghost beams are not counted: the scene has no table 'ghosts'");
+  if (scene.root().has("ghosts"))
+    for (BeamLaunch const& launch : launches(world))
+      if (launch.through_input_mirror())
+        lines.push_back(fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there",
+                                    launch.name));
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <fcntl.h>
 #include <filesystem>
 #include <iostream>
@@ -15,6 +14,7 @@
 
 #include "app/build_info.hpp"
 #include "app/ghost_noise.hpp"
+#include "app/interrupt.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "trace/edges.hpp"
@@ -23,30 +23,6 @@
 
 namespace straytrace {
 namespace {
-
-std::atomic<bool> stop_requested{false};
-
-// Ctrl-C asks for a stop; a second one ends the program at once.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    struct sigaction action {};
-    action.sa_handler = [](int) { stop_requested = true; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &before_int_);
-    sigaction(SIGTERM, &action, &before_term_);
-  }
-  ~InterruptGuard() {
-    sigaction(SIGINT, &before_int_, nullptr);
-    sigaction(SIGTERM, &before_term_, nullptr);
-  }
-  InterruptGuard(InterruptGuard const&) = delete;
-  InterruptGuard& operator=(InterruptGuard const&) = delete;
-
- private:
-  struct sigaction before_int_ {
-  }, before_term_{};
-};
 
 std::string duration(double seconds) {
   if (!(seconds < 1e6)) return "days";
@@ -71,33 +47,6 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
   return fmt::format("trace  {}  {:.3g} histories  {:.2g} histories/s  {:.2g} rays/s  {}", goal, double(p.histories),
                      p.histories_per_s, p.rays_per_s, time);
 }
-
-// A moving line on a terminal; elsewhere a line every ten seconds.
-class Progress {
- public:
-  Progress(Options const& options, StopRule const& rule) : quiet_(options.quiet), rule_(rule) {}
-  ~Progress() {
-    if (drawn_) std::cerr << '\n';
-  }
-  Progress(Progress const&) = delete;
-  Progress& operator=(Progress const&) = delete;
-  void operator()(TraceProgress const& p) {
-    if (quiet_ || p.seconds < 0.5) return;
-    if (terminal_) {
-      std::cerr << "\r\x1b[K" << progress_line(p, rule_) << std::flush;
-      drawn_ = true;
-    } else if (p.seconds >= next_) {
-      std::cerr << progress_line(p, rule_) << '\n';
-      next_ = p.seconds + 10;
-    }
-  }
-
- private:
-  bool const quiet_, terminal_ = isatty(STDERR_FILENO) != 0;
-  StopRule const& rule_;
-  double next_ = 0;
-  bool drawn_ = false;
-};
 
 // The blocks already traced for this model and seed.
 void resume_earlier(Model const& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
@@ -196,14 +145,15 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   }
   EdgeClasses const edges = edge_classes(model.world);
   settings.beside = edges.classes;
-  if (auto const limits = read_ghosts(model.scene))
-    for (CouplingClass& ghost : ghosts_beside(model.world, *limits)) settings.beside.push_back(std::move(ghost));
+  if (auto const ghosts = read_ghosts(model.scene))
+    for (CouplingClass& ghost : ghosts_beside(model.world, *ghosts)) settings.beside.push_back(std::move(ghost));
   steer(model.world);
-  Progress progress(options, model.until);
-  settings.progress = [&](TraceProgress const& p) { progress(p); };
-  stop_requested = false;
+  ProgressLine progress(options.quiet);
+  settings.progress = [&](TraceProgress const& p) {
+    progress.at(p.seconds, [&] { return progress_line(p, model.until); });
+  };
   InterruptGuard const guard;
-  settings.stop = &stop_requested;
+  settings.stop = &guard.stop();
   TraceResult result = trace(model.world, settings, *make_backend("cpu"));
   result.warnings.insert(result.warnings.end(), edges.warnings.begin(), edges.warnings.end());
   if (!options.quiet)

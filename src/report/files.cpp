@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/message.hpp"
+#include "report/growing_file.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {
@@ -23,48 +24,48 @@ namespace {
   throw InputError(fmt::format("cannot {} '{}': {}", verb, file, std::strerror(error)));
 }
 
-// A new file next to its destination, removed again unless it was renamed.
-class Temporary {
- public:
-  explicit Temporary(std::string const& destination) : destination_(destination), name_(destination + ".part-XXXXXX") {
-    descriptor_ = ::mkstemp(name_.data());
-    if (descriptor_ < 0) refuse("write", destination_, errno);
-  }
-  Temporary(Temporary const&) = delete;
-  Temporary& operator=(Temporary const&) = delete;
-  ~Temporary() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!name_.empty()) ::unlink(name_.c_str());
-  }
-
-  void write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      ssize_t const done = ::write(descriptor_, bytes.data(), bytes.size());
-      if (done < 0 && errno == EINTR) continue;
-      if (done < 0) refuse("write", destination_, errno);
-      bytes.remove_prefix(std::size_t(done));
-    }
-  }
-
-  void publish() {
-    mode_t const mask = ::umask(0);
-    ::umask(mask);
-    if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::fsync(descriptor_) != 0) refuse("write", destination_, errno);
-    int const closed = ::close(descriptor_);
-    descriptor_ = -1;
-    if (closed != 0 || std::rename(name_.c_str(), destination_.c_str()) != 0) refuse("write", destination_, errno);
-    name_.clear();
-  }
-
- private:
-  std::string destination_, name_;
-  int descriptor_ = -1;
-};
-
 }  // namespace
 
+GrowingFile::GrowingFile(std::string const& destination)
+    : destination_(destination), name_(destination + ".part-XXXXXX") {
+  descriptor_ = ::mkstemp(name_.data());
+  if (descriptor_ < 0) refuse("write", destination_, errno);
+}
+
+GrowingFile::~GrowingFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!name_.empty()) ::unlink(name_.c_str());
+}
+
+void GrowingFile::write(std::string_view bytes) {
+  buffer_ += bytes;
+  if (buffer_.size() >= buffered) flush();
+}
+
+void GrowingFile::flush() {
+  std::string_view bytes = buffer_;
+  while (!bytes.empty()) {
+    ssize_t const done = ::write(descriptor_, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) refuse("write", destination_, errno);
+    bytes.remove_prefix(std::size_t(done));
+  }
+  buffer_.clear();
+}
+
+void GrowingFile::publish() {
+  flush();
+  mode_t const mask = ::umask(0);
+  ::umask(mask);
+  if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::fsync(descriptor_) != 0) refuse("write", destination_, errno);
+  int const closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0 || std::rename(name_.c_str(), destination_.c_str()) != 0) refuse("write", destination_, errno);
+  name_.clear();
+}
+
 void write_file(std::string const& file, std::string_view bytes) {
-  Temporary temporary(file);
+  GrowingFile temporary(file);
   temporary.write(bytes);
   temporary.publish();
 }

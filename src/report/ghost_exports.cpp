@@ -71,7 +71,8 @@ Json ledger_json(GhostReport const& report) {
   return {{"objects", objects},           {"media", double(l.media)},
           {"escaped", double(l.escaped)}, {"rejoined", double(l.rejoined)},
           {"floor", double(l.floor)},     {"order", double(l.order)},
-          {"longest", double(l.longest)}, {"total", l.total()}};
+          {"longest", double(l.longest)}, {"stopped", double(l.stopped)},
+          {"total", l.total()}};
 }
 
 Json objects_json(GhostReport const& report) {
@@ -94,19 +95,24 @@ std::string ghost_json(GhostReport const& report) {
   Json rows = Json::array();
   for (GhostRow const& r : report.rows) rows.push_back(row_json(report, r));
   Json out = {{"beam", report.beam},
-              {"floor", report.limits.floor},
+              {"floor", report.floor},
+              {"passes", report.passes},
+              {"complete", !(report.ledger.stopped > 0)},
               {"count", report.ghosts},
               {"ghosts", rows},
               {"objects", objects_json(report)},
               {"ledger", ledger_json(report)},
               {"recoupled_with", report.recoupled_with},
               {"recoupled_against", report.recoupled_against},
+              {"warnings", report.warnings},
               {"notes", report.notes}};
   if (report.power > 0) out["power_W"] = report.power;
   if (report.has_port)
     out["port"] = {{"name", report.port},
                    {"families", report.families},
                    {"recoupled", report.share},
+                   {"sum", report.sum == GhostSum::coherent ? "coherent" : "independent"},
+                   {"recoupled_as_drawn", report.coherent},
                    {"recoupled_powers_added", report.incoherent},
                    {"recoupled_worst_case", report.worst}};
   if (report.has_noise)

@@ -45,6 +45,11 @@ void for_each_met(World const& world, Ghost const& g, F&& f) {
   }
 }
 
+// Whether a way there and back is its own reverse.
+bool is_own_reverse(std::vector<PathStep> const& steps) {
+  return std::equal(steps.begin(), steps.begin() + std::ptrdiff_t(steps.size() / 2), steps.rbegin());
+}
+
 }  // namespace
 
 std::optional<PortId> ghost_port(World const& world, BeamLaunch const& launch, MainBeam const& main) {
@@ -63,8 +68,8 @@ std::optional<PortId> ghost_port(World const& world, BeamLaunch const& launch, M
   return best;
 }
 
-GhostFamilies::GhostFamilies(World const& world, MainBeam const& main, std::optional<PortId> port)
-    : world_(world), main_(main), port_(port) {}
+GhostFamilies::GhostFamilies(World const& world, MainBeam const& main, std::optional<PortId> port, GhostSum sum)
+    : world_(world), main_(main), port_(port), sum_(sum) {}
 
 std::optional<double> GhostFamilies::share_at_port(Ghost const& g) const {
   Recoupling const& r = g.standing.recoupled;
@@ -98,21 +103,30 @@ void GhostFamilies::add(Ghost const& g) {
     }
     at = place_.emplace(key, families_.size()).first;
     families_.emplace_back().levers = std::move(levers);
+    families_.back().sum = sum_;
   }
   GhostFamily& f = families_[at->second];
+  std::vector<PathStep> steps = there_and_back(g);
+  double const reverse = is_own_reverse(steps) ? 1 : 2;  // C_rev: the reverse is another ghost with the same phase
   for (std::size_t i : {0, 1}) f.field[i] += r.field[i];
-  f.incoherent += *share;
+  f.incoherent += reverse * *share;
   f.root_sum += std::sqrt(*share);
   ++f.ghosts;
-  for_each_met(world_, g, [&](std::uint32_t group) { f.through[group] += *share; });
+  for_each_met(world_, g, [&](std::uint32_t group) { f.through[group] += reverse * *share; });
   if (*share <= f.largest) return;
   f.largest = *share;
   f.strongest = g.number;
   f.path_length = g.standing.difference;
-  f.steps.clear();
-  for (BeamStep const& s : g.way.first(r.steps)) f.steps.push_back({{group_of(world_, s)}, s.event});
+  f.steps = std::move(steps);
+}
+
+std::vector<PathStep> GhostFamilies::there_and_back(Ghost const& g) const {
+  Recoupling const& r = g.standing.recoupled;
+  std::vector<PathStep> steps;
+  for (BeamStep const& s : g.way.first(r.steps)) steps.push_back({{group_of(world_, s)}, s.event});
   std::vector<BeamStep> const& back = main_.nodes()[r.node].way;  // along the main beam, to the launch
-  for (auto s = back.rbegin(); s != back.rend(); ++s) f.steps.push_back({{group_of(world_, *s)}, s->event});
+  for (auto s = back.rbegin(); s != back.rend(); ++s) steps.push_back({{group_of(world_, *s)}, s->event});
+  return steps;
 }
 
 GhostStrain GhostFamilies::strain_of(Ghost const& g) const {
@@ -146,20 +160,20 @@ GhostRow GhostTable::row(Ghost const& g) const {
 }
 
 void GhostTable::add(Ghost const& g) {
-  if (by_order.size() <= g.order) {
-    by_order.resize(g.order + 1);
-    power_by_order.resize(g.order + 1);
+  if (by_order_.size() <= g.order) {
+    by_order_.resize(g.order + 1);
+    power_by_order_.resize(g.order + 1);
   }
-  ++by_order[g.order];
-  power_by_order[g.order] += g.power;
+  ++by_order_[g.order];
+  power_by_order_[g.order] += g.power;
   Recoupling const& r = g.standing.recoupled;
   double const share = g.order > 0 && r.any ? r.share() : 0;
-  if (g.order > 0) ++ghosts;
+  if (g.order > 0) ++ghosts_;
   if (share > 0) {
-    (r.against ? recoupled_against : recoupled_with) += share;
+    (r.against ? recoupled_against_ : recoupled_with_) += share;
     for_each_met(world_, g, [&](std::uint32_t group) { met_[group] += share; });
   }
-  if (show_ == 0) return;
+  if (g.order == 0) return keep(main_, main_shown, g.power, g);
   double key = rank_ == GhostRank::power ? g.power : share;
   if (rank_ == GhostRank::strain) {
     GhostStrain const h = families_.strain_of(g);
@@ -167,24 +181,29 @@ void GhostTable::add(Ghost const& g) {
     for (double x : h) key = std::fmax(key, x);
     if (std::isnan(key)) key = 0;
   }
-  if (g.order == 0) key = infinity;  // the main beam itself comes first
-  bool const full = heap_.size() >= show_;
-  GhostRow const* const least = full ? &heap_.front() : nullptr;
+  keep(heap_, show_, key, g);
+}
+
+void GhostTable::keep(std::vector<GhostRow>& heap, std::size_t most, double key, Ghost const& g) const {
+  bool const full = heap.size() >= most;
+  GhostRow const* const least = full ? &heap.front() : nullptr;
   if (full && (key < least->key || (key == least->key && g.number > least->ghost.number))) return;
   GhostRow made = row(g);
   made.key = key;
   if (full) {
-    std::pop_heap(heap_.begin(), heap_.end(), stronger);
-    heap_.pop_back();
+    std::pop_heap(heap.begin(), heap.end(), stronger);
+    heap.pop_back();
   }
-  heap_.push_back(std::move(made));
-  std::push_heap(heap_.begin(), heap_.end(), stronger);
+  heap.push_back(std::move(made));
+  std::push_heap(heap.begin(), heap.end(), stronger);
 }
 
 std::vector<GhostRow> GhostTable::rows() const {
-  auto sorted = heap_;
+  auto sorted = heap_, main = main_;
   std::sort(sorted.begin(), sorted.end(), stronger);
-  return sorted;
+  std::sort(main.begin(), main.end(), stronger);
+  main.insert(main.end(), sorted.begin(), sorted.end());
+  return main;
 }
 
 std::vector<GhostObject> GhostTable::objects(BeamLedger const& ledger) const {
@@ -198,6 +217,16 @@ std::vector<GhostObject> GhostTable::objects(BeamLedger const& ledger) const {
       for (std::size_t i = 0; i < 3; ++i)
         objects[group].strain2[i] += share * f.per_root_power[i] * f.per_root_power[i];
   return objects;
+}
+
+void GhostTable::fill(GhostReport& report) const {
+  report.rows = rows();
+  report.objects = objects(report.ledger);
+  report.ghosts = ghosts_;
+  report.by_order = by_order_;
+  report.power_by_order = power_by_order_;
+  report.recoupled_with = recoupled_with_;
+  report.recoupled_against = recoupled_against_;
 }
 
 }  // namespace straytrace

@@ -25,6 +25,18 @@ std::string spot_text(Spot const& s) {
                                    : fmt::format("{:.3g}x{:.3g}", 1e3 * s.major, 1e3 * s.minor);
 }
 
+// Long ways keep their ends; programs get all of it.
+std::string short_route(std::string const& route) {
+  constexpr std::string_view sign = " > ";
+  constexpr std::size_t shown_before = 3, shown_behind = 2;
+  std::vector<std::size_t> at;
+  for (std::size_t i = route.find(sign); i != route.npos; i = route.find(sign, i + 1)) at.push_back(i);
+  if (at.size() <= shown_before + shown_behind + 1) return route;
+  std::size_t const left_out = at.size() - shown_before - shown_behind;
+  return fmt::format("{} > ({} more){}", route.substr(0, at[shown_before]), left_out,
+                     route.substr(at[at.size() - shown_behind]));
+}
+
 void add_row(Columns& table, GhostReport const& report, GhostRow const& r) {
   Ghost const& g = r.ghost;
   Standing const& s = g.standing;
@@ -39,7 +51,7 @@ void add_row(Columns& table, GhostReport const& report, GhostRow const& r) {
   row.push_back(s.recoupled.any && g.order > 0 ? number(s.recoupled.share()) : "-");
   if (report.has_noise)
     for (double h : r.strain) row.push_back(number(h, "{:.2g}"));
-  row.push_back(r.route);
+  row.push_back(short_route(r.route));
   table.rows.push_back(row);
 }
 
@@ -54,8 +66,16 @@ std::string rows_text(GhostReport const& report) {
   table.titles.push_back("route");
   table.left.assign(table.titles.size(), false);
   table.left.back() = true;
-  for (GhostRow const& r : report.rows) add_row(table, report, r);
-  return aligned(table);
+  std::uint64_t main = 0;
+  for (GhostRow const& r : report.rows) {
+    main += r.ghost.order == 0;
+    add_row(table, report, r);
+  }
+  std::uint64_t const ends = report.by_order.empty() ? 0 : report.by_order[0], ghosts = report.rows.size() - main;
+  std::string more;
+  if (ends > main) more += fmt::format("{} weaker ends of the main beam are not shown. ", ends - main);
+  if (report.ghosts > ghosts) more += fmt::format("{} more ghosts; --show N has more rows.", report.ghosts - ghosts);
+  return aligned(table) + more + (more.empty() ? "" : "\n");
 }
 
 std::string orders_text(GhostReport const& report) {
@@ -77,9 +97,10 @@ std::string ledger_text(GhostReport const& report) {
   return fmt::format(
       "Ledger of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left the "
       "scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} beyond {} "
-      "surfaces. Sum less 1: {:.1e}.\n",
+      "surfaces{}. Sum less 1: {:.1e}.\n",
       part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined), part(l.floor),
-      part(l.order), part(l.longest), report.limits.longest, l.total() - 1);
+      part(l.order), part(l.longest), report.limits.longest,
+      l.stopped > 0 ? fmt::format(", {} when stopped early", part(l.stopped)) : "", l.total() - 1);
 }
 
 std::string objects_text(GhostReport const& report, std::size_t show) {
@@ -120,9 +141,11 @@ std::string sums_text(GhostReport const& report) {
   if (report.has_port && report.families == 0) return text + fmt::format("No ghost comes to port {}.\n", report.port);
   if (report.has_port)
     text += fmt::format(
-        "At port {}: {:.3g} of the main mode in {} families of equal levers, fields added within each (eq. 10.5); "
-        "powers added {:.3g}, worst case of all phases {:.3g}.\n",
-        report.port, report.share, report.families, report.incoherent, report.worst);
+        "At port {}: {:.3g} of the main mode in {} families of equal levers, {} within each. Powers added: {:.3g}; "
+        "fields with the phases as drawn (eq. 10.5): {:.3g}; worst case of all phases: {:.3g}.\n",
+        report.port, report.share, report.families,
+        report.sum == GhostSum::coherent ? "fields added" : "powers added", report.incoherent, report.coherent,
+        report.worst);
   if (report.has_noise)
     text += fmt::format("h from ghosts at 10, 30, 100 Hz: {:.3g}, {:.3g}, {:.3g} /sqrt(Hz).\n", report.strain[0],
                         report.strain[1], report.strain[2]);
@@ -132,11 +155,17 @@ std::string sums_text(GhostReport const& report) {
 }  // namespace
 
 std::string ghost_text(GhostReport const& report, std::size_t objects_shown) {
-  std::string text =
-      fmt::format("Beam {}: {} ghosts above {:g} of the launched {}{}{}\n", report.beam, report.ghosts,
-                  report.limits.floor, watts(1, report.power), report.ghosts > 0 ? ": " : "", orders_text(report));
+  std::string const of = report.passes < 1 ? fmt::format("{} that leave the cavity of the circulating {}",
+                                                         watts(report.passes, report.power), watts(1, report.power))
+                                           : "the launched " + watts(1, report.power);
+  std::string text = fmt::format("Beam {}: {} ghosts above {:g} of {}{}{}\n", report.beam, report.ghosts, report.floor,
+                                 of, report.ghosts > 0 ? ": " : "", orders_text(report));
+  if (report.ledger.stopped > 0)
+    text += fmt::format("Stopped early: {} of the light was not followed; sums and rows are of the rest.\n",
+                        watts(report.ledger.stopped, report.power));
   text +=
       rows_text(report) + '\n' + objects_text(report, objects_shown) + '\n' + sums_text(report) + ledger_text(report);
+  for (std::string const& warning : report.warnings) text += "Warning: " + warning + ".\n";
   for (std::string const& note : report.notes) text += note + '\n';
   return text;
 }

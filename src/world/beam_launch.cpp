@@ -39,6 +39,12 @@ BeamField field_of(Footprint const& f, bool polarised) {
   return field;
 }
 
+// What goes on from the mirror of the launch: a tree of no step.
+double passed_at_launch(World const& world, BeamLaunch const& launch) {
+  BeamSink nobody;
+  return grow_tree(world, launch, {0, 0, 0}, nobody).longest;
+}
+
 }  // namespace
 
 std::vector<BeamLaunch> launches(World const& world) {
@@ -65,6 +71,7 @@ std::vector<BeamLaunch> launches(World const& world) {
       if (f.standing)
         for (Footprint const& other : world.footprints())
           if (other.standing && other.beam == f.beam) launch.cavity.push_back(other.surface);
+      if (!launch.cavity.empty()) launch.passes = passed_at_launch(world, launch);
     }
     all.push_back(std::move(launch));
   }

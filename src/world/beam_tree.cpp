@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double weaker = 0.5, slight = 0.1;  // what makes a way a departure: of the other way, of what arrives
+constexpr double weaker = 0.5, slight = 0.1;  // what makes a departure: of the other way; reflected, of what arrives
 
 void scale(BeamField& field, double power) {
   double const factor = std::sqrt(power);
@@ -48,11 +48,12 @@ class Tree {
       arrive(first, {launch_.arrives_at, 0, launch_.piece});
     else
       waiting_.push_back(first);
-    while (!waiting_.empty()) {
+    while (!waiting_.empty() && ledger_.beams < limits_.beams && !(limits_.stop && *limits_.stop)) {
       Branch const branch = waiting_.back();
       waiting_.pop_back();
       follow(branch);
     }
+    for (Branch const& branch : waiting_) ledger_.stopped += branch.beam.field.power();
     return ledger_;
   }
 
@@ -80,10 +81,12 @@ class Tree {
     sink_.ended(how, nullptr, branch.beam, way_);
   }
 
-  bool back_in_cavity(Branch const& branch) const {
+  bool is_back_of_mirror(SurfaceId surface, bool front) const {
     auto const& mirrors = launch_.cavity;
-    if (std::find(mirrors.begin(), mirrors.end(), branch.step.surface) == mirrors.end()) return false;
-    return !branch.step.front && branch.step.event == Event::transmit;
+    return !front && std::find(mirrors.begin(), mirrors.end(), surface) != mirrors.end();
+  }
+  bool back_in_cavity(Branch const& branch) const {
+    return branch.step.event == Event::transmit && is_back_of_mirror(branch.step.surface, branch.step.front);
   }
 
   void arrive(Branch const& branch, Hit const& hit) {
@@ -144,10 +147,9 @@ class Tree {
       w.power = w.field.power();
     }
     if (vertex.n_in > vertex.n_out && both[1].power > 0 && beyond_critical(vertex)) turn_back(both);
-    for (int i : {0, 1}) {
-      double const own = both[std::size_t(i)].power, other = both[std::size_t(1 - i)].power;
-      both[std::size_t(i)].departure = own < weaker * other || own < slight * meets;
-    }
+    double const back = both[0].power, through = both[1].power;
+    both[0].departure = back < weaker * through || back < slight * meets;
+    both[1].departure = through < weaker * back && !both[0].departure;
     if (cavity) {  // the mode itself is reflected; what passes is the main beam outside
       ledger_.rejoined += both[0].power;
       both[0].power = 0;
@@ -183,8 +185,9 @@ class Tree {
     for (int i : {1, 0}) {  // the stronger one is put last, and followed first
       Way const& w = both[std::size_t(i)];
       if (!(w.power > 0)) continue;
-      std::uint32_t const order = spot.order + (w.departure ? 1 : 0);
-      bool const dim = w.power < limits_.floor;
+      bool const returns = w.through && is_back_of_mirror(spot.surface, spot.front);
+      std::uint32_t const order = returns ? std::max(spot.order, 1u) : spot.order + (w.departure ? 1 : 0);
+      bool const dim = !returns && w.power < limits_.floor;
       goes_on = goes_on || !w.departure;
       faint = faint || (!w.departure && dim);
       if (order > limits_.order)
@@ -276,7 +279,7 @@ char const* name_of(BeamEnd end) {
 double BeamLedger::total() const {
   LongSum sum;
   for (double column :
-       {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest)})
+       {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest), double(stopped)})
     sum += column;
   for (Object const& o : objects) {
     sum += o.landed;

@@ -4,10 +4,13 @@
 // of the trace. Nothing is drawn and nothing is merged. docs/theory/ghosts.md.
 //
 // Order: the way that carries the main part of the light at a surface goes on in the order it has; a way that carries
-// less than half of what the other one does, or less than a tenth of what arrives, is a departure and adds 1. The main
-// beam is order 0. Where neither way is a departure (a splitter) both go on.
+// less than half of what the other one does is a departure and adds 1. So is a reflection of less than a tenth of what
+// arrives; transmission behind it is none, however faint (an attenuator). The main beam is order 0. Where neither way
+// is a departure (a splitter) both go on. A ghost that returns into the cavity it comes from keeps its order; the main
+// beam then is a ghost of order 1.
 #pragma once
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -30,14 +33,22 @@ struct BeamLaunch {
   std::uint32_t piece = 0;        // of that surface
   std::vector<SurfaceId> cavity;  // it stands between these mirrors, and what is reflected at `arrives_at` is the mode
                                   // itself; what passes into the cavity has rejoined it
+  double passes = 1;              // share of the power that leaves the cavity through `arrives_at`; 1: no cavity
+
+  // Behind an input mirror the light interferes with what comes from the splitter (physics.md 9), which is not
+  // launched: end mirrors pass some ppm, input mirrors of detectors 0.4 % and more.
+  bool through_input_mirror() const { return !cavity.empty() && passes > 1e-3; }
 };
 // Every Gaussian beam of the scene in its order; a cavity is launched once through each of its mirrors.
 std::vector<BeamLaunch> launches(World const&);
 
 struct TreeLimits {
-  double floor = 1e-15;  // of the launched power; what leaves a surface with less is not followed
+  double floor = 1e-15;  // of the launched power; what leaves a surface with less is not followed, but for what
+                         // returns into the cavity
   std::uint32_t order = 0xffffffffu;
-  std::uint32_t longest = 1000;  // surfaces on one way
+  std::uint32_t longest = 1000;                  // surfaces on one way
+  std::uint64_t beams = ~0ull;                   // after so many have ended the rest is not followed
+  std::atomic<bool> const* stop = nullptr;       // once true, the same
 };
 
 // One surface on the way of a beam.
@@ -105,7 +116,7 @@ struct BeamLedger {
     LongSum ghosts;     // part of landed + beside that ghosts brought
   };
   std::vector<Object> objects;  // by group
-  LongSum media, escaped, rejoined, floor, order, longest;
+  LongSum media, escaped, rejoined, floor, order, longest, stopped;
   std::uint64_t spots = 0, beams = 0;  // met; ended
   double total() const;                // 1 to rounding
 };

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/ghost_search.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "app/ghost_noise.hpp"
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+// Why ghosts of a beam have no h; empty when they may have one.
+std::string no_strain(Model const& model, BeamLaunch const& launch, std::optional<PortId> port) {
+  if (launch.through_input_mirror())
+    return fmt::format(
+        "Light from the splitter interferes behind '{}', which passes {:.2g}: its ghosts have no share at a port and no "
+        "h. Launch the light there as a beam of its own, with 'at: short-arm' for its port.",
+        launch.name, launch.passes);
+  if (!port) return "No port of this beam is open on its way, so there is no h: see 'ports'.";
+  if (!model.detector) return "The scene has no 'interferometer', so there is no h.";
+  return {};
+}
+
+std::optional<PortId> port_of(World const& world, BeamLaunch const& launch, MainBeam const& main) {
+  if (launch.through_input_mirror()) return {};
+  return ghost_port(world, launch, main);
+}
+
+// Rims that cut more than 1 % off the main beam, which the fields of ghosts and overlaps do not know.
+void warn_of_rims(GhostReport& report, MainBeam const& main) {
+  constexpr double much = 0.01;
+  std::set<std::uint32_t> told;
+  for (MainNode const& node : main.nodes())
+    if (node.spot.clipped > much && told.insert(node.spot.surface.value).second)
+      report.warnings.push_back(fmt::format("{:.2g} of the main beam falls beside '{}'", node.spot.clipped,
+                                            report.groups[main.world().surfaces()[node.spot.surface.value].group.value]));
+}
+
+void warn_of_floor(GhostReport& report) {
+  double const left = report.ledger.floor * report.passes, found = report.recoupled_with + report.recoupled_against;
+  if (left <= found) return;
+  report.warnings.push_back(
+      fmt::format("{:.2g} of the light below the floor could recouple, more than the {:.2g} found: lower 'floor'", left,
+                  found));
+}
+
+void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& families, std::string const& no_h) {
+  if (!main.complete())
+    report.notes.push_back(fmt::format(
+        "The main beam meets more than {} surfaces: what comes into line beyond them is not counted as recoupled.",
+        MainBeam::most_nodes));
+  if (families.left_out > 0)
+    report.notes.push_back(
+        fmt::format("{} ghosts beyond the first {} families are left out of the sums at the port; "
+                    "their shares sum to {:.3g}.",
+                    families.left_out, GhostFamilies::most, families.left_out_share));
+  if (!no_h.empty()) report.notes.push_back(no_h);
+}
+
+constexpr std::uint64_t between_looks = 4096;  // beams
+
+class Counter {
+ public:
+  Counter(GhostSearch const& search, BeamLaunch const& launch, char const* doing)
+      : search_(search), launch_(launch), doing_(doing) {}
+  void operator()() {
+    if (++ended_ % between_looks == 0 && search_.progress) search_.progress(launch_, ended_, doing_);
+  }
+
+ private:
+  GhostSearch const& search_;
+  BeamLaunch const& launch_;
+  char const* doing_;
+  std::uint64_t ended_ = 0;
+};
+
+void sum_families(GhostSearch const& search, GhostFamilies& families, GhostReport& report) {
+  for (GhostFamily const& f : families.all()) {
+    report.share += f.share();
+    report.coherent += f.coherent();
+    report.incoherent += f.incoherent;
+    report.worst += f.worst();
+  }
+  report.families = families.all().size();
+  if (report.has_noise && report.families > 0) report.strain = project_ghosts(search.model, families);
+}
+
+GhostReport begun(GhostSearch const& search, BeamLaunch const& launch) {
+  World const& world = search.model.world;
+  GhostReport report;
+  report.beam = launch.name;
+  report.power = world.beam_power * world.footprints()[launch.footprint].share;
+  report.passes = launch.passes;
+  report.floor = search.settings.floor;
+  report.sum = search.settings.sum;
+  report.limits = search.settings.limits(launch);
+  report.limits.stop = search.stop;
+  report.rank = search.rank;
+  report.groups = world.groups();
+  return report;
+}
+
+}  // namespace
+
+GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
+                         std::function<void(GhostTable const&, Ghost const&)> const& each) {
+  World const& world = search.model.world;
+  GhostReport report = begun(search, launch);
+  MainBeam const main(world, launch, report.limits);
+  GhostFamilies families(world, main, port_of(world, launch, main), search.settings.sum);
+  std::string no_h = no_strain(search.model, launch, families.port());
+  report.has_port = families.port().has_value();
+  report.has_noise = no_h.empty();
+  if (report.has_port) {
+    report.port = world.ports()[families.port()->value];
+    Counter count(search, launch, "families");
+    BeamLedger const first = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
+      families.add(g);
+      count();
+    });
+    if (first.stopped > 0) {  // the table is of the same beams
+      report.limits.beams = first.beams;
+      report.limits.stop = nullptr;
+    }
+    sum_families(search, families, report);
+  }
+  if (report.rank == GhostRank::strain && report.families == 0) {
+    report.rank = GhostRank::power;
+    if (no_h.empty()) no_h = "No ghost has an h.";
+    no_h += " Rows are ranked by power.";
+  }
+  GhostTable table(world, launch, families, report.rank, search.show);
+  Counter count(search, launch, "table");
+  report.ledger = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
+    table.add(g);
+    if (each) each(table, g);
+    count();
+  });
+  if (double const off = std::fabs(report.ledger.total() - 1); !(off < 1e-10))
+    throw NumericalError(fmt::format("the ledger of the beam '{}' does not close: {:.3g}", launch.name, off));
+  table.fill(report);
+  add_notes(report, main, families, no_h);
+  warn_of_rims(report, main);
+  warn_of_floor(report);
+  return report;
+}
+
+void require_strain(GhostSearch const& search, std::vector<BeamLaunch> const& beams) {
+  std::string reasons;
+  for (BeamLaunch const& launch : beams) {
+    MainBeam const main(search.model.world, launch, search.settings.limits(launch));
+    std::string const no_h = no_strain(search.model, launch, port_of(search.model.world, launch, main));
+    if (no_h.empty()) return;
+    reasons += fmt::format("\n  beam '{}': {}", launch.name, no_h);
+  }
+  throw InputError("error: --by strain needs h, and no ghost has one; take --by recoupled" + reasons);
+}
+
+}  // namespace straytrace

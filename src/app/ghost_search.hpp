@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All ghosts of one launched beam, summed up.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <vector>
+
+#include "app/model.hpp"
+#include "report/ghost_table.hpp"
+
+namespace straytrace {
+
+struct GhostSearch {
+  Model const& model;
+  GhostSettings settings;
+  GhostRank rank = GhostRank::power;
+  std::size_t show = 0;                      // ghosts kept as rows
+  std::atomic<bool> const* stop = nullptr;   // once true, what has not been followed is booked so
+  std::function<void(BeamLaunch const&, std::uint64_t ended, char const* doing)> progress;  // now and then
+};
+
+// Everything about one launched beam; `each`, if any, gets every ghost. NumericalError when the ledger does not close.
+GhostReport ghost_report(GhostSearch const&, BeamLaunch const&,
+                         std::function<void(GhostTable const&, Ghost const&)> const& each);
+
+// Throws InputError, with the reasons, when no ghost of any of these beams can have an h.
+void require_strain(GhostSearch const&, std::vector<BeamLaunch> const&);
+
+}  // namespace straytrace

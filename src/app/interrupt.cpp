@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/interrupt.hpp"
+
+namespace straytrace {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  stop_requested = false;
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, &before_int_);
+  sigaction(SIGTERM, &action, &before_term_);
+}
+
+InterruptGuard::~InterruptGuard() {
+  sigaction(SIGINT, &before_int_, nullptr);
+  sigaction(SIGTERM, &before_term_, nullptr);
+}
+
+std::atomic<bool> const& InterruptGuard::stop() const { return stop_requested; }
+
+}  // namespace straytrace

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Long work under Ctrl-C, and what it says on stderr meanwhile.
+#pragma once
+
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <string>
+#include <unistd.h>
+
+namespace straytrace {
+
+// While it lives, Ctrl-C and SIGTERM ask for a stop; a second one ends the program at once. One at a time.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(InterruptGuard const&) = delete;
+  InterruptGuard& operator=(InterruptGuard const&) = delete;
+  std::atomic<bool> const& stop() const;
+
+ private:
+  struct sigaction before_int_ {
+  }, before_term_{};
+};
+
+// A moving line on a terminal; elsewhere a line every ten seconds. Nothing in the first half second.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool quiet) : quiet_(quiet) {}
+  ~ProgressLine() {
+    if (drawn_) std::cerr << '\n';
+  }
+  ProgressLine(ProgressLine const&) = delete;
+  ProgressLine& operator=(ProgressLine const&) = delete;
+
+  // `line()` makes the text, when it is time.
+  template <class Line>
+  void at(double seconds, Line const& line) {
+    if (quiet_ || seconds < 0.5) return;
+    if (terminal_) {
+      std::cerr << "\r\x1b[K" << line() << std::flush;
+      drawn_ = true;
+    } else if (seconds >= next_) {
+      std::cerr << line() << '\n';
+      next_ = seconds + 10;
+    }
+  }
+
+ private:
+  bool const quiet_, terminal_ = isatty(STDERR_FILENO) != 0;
+  double next_ = 0;
+  bool drawn_ = false;
+};
+
+}  // namespace straytrace
