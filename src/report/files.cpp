@@ -71,8 +71,8 @@ void write_file(std::string const& file, std::string_view bytes) {
 }
 
 void write_files(std::vector<std::pair<std::string, std::string>> const& files) {
-  std::vector<std::unique_ptr<Temporary>> all;
-  for (auto const& [file, bytes] : files) all.emplace_back(std::make_unique<Temporary>(file))->write(bytes);
+  std::vector<std::unique_ptr<GrowingFile>> all;
+  for (auto const& [file, bytes] : files) all.emplace_back(std::make_unique<GrowingFile>(file))->write(bytes);
   for (auto const& temporary : all) temporary->publish();
 }
 
