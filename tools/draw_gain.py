@@ -16,9 +16,10 @@ import matplotlib.pyplot as plot
 
 PICTURE = pathlib.Path(__file__).resolve().parents[1] / "docs" / "theory" / "stray_gain.png"
 PUBLIC = 15.7  # of the public ET model
-STYLES = {"et-hf 0": ("tab:blue", "-"), "et-hf -0.3": ("tab:blue", "--"), "et-lf 0": ("tab:red", "-"),
-          "et-lf -0.3": ("tab:red", "--"), "aligo 0": ("0.55", "-"), "adv 0": ("0.55", "--"), "kagra 0": ("0.55", "-."),
-          "ce 0": ("0.55", ":")}
+# Okabe and Ito, told apart by every common kind of colour vision; a dash for what is detuned.
+STYLES = {"et-hf 0": ("#0072B2", "-"), "et-hf -0.3": ("#0072B2", "--"), "et-lf 0": ("#D55E00", "-"),
+          "et-lf -0.3": ("#D55E00", "--"), "aligo 0": ("#009E73", "-"), "adv 0": ("#CC79A7", "-"),
+          "kagra 0": ("#E69F00", "-"), "ce 0": ("#56B4E9", "-")}
 
 
 def curves(program):
@@ -31,16 +32,18 @@ def curves(program):
 
 
 def draw(found):
-    figure, axes = plot.subplots(figsize=(7.5, 4.6), dpi=100)
+    figure, axes = plot.subplots(figsize=(8.4, 4.6), dpi=100)
     for name, (hz, value) in found.items():
         colour, style = STYLES[name]
         preset, tuning = name.split()
         label = preset if not preset.startswith("et-") else f"{preset}, tuned" if tuning == "0" else f"{preset}, {tuning[1:]} rad off"
         axes.loglog(hz, value, style, color=colour, label=label)
-    axes.axhline(PUBLIC, color="black", linewidth=0.8, label="15.7, public ET model")
-    axes.set(xlabel="frequency (Hz)", ylabel="what stands for $\\Gamma$ in eq. 9.2", xlim=(1, 100), ylim=(1, 300))
+    axes.axhline(PUBLIC, color="black", linewidth=1.2, linestyle=":", label="15.7, public ET model")
+    axes.set(xlabel="frequency [Hz]", ylabel="what stands for $\\Gamma$ in eq. 9.2", xlim=(1, 100), ylim=(1, 300))
+    axes.xaxis.set_major_formatter(lambda hz, _: f"{hz:g}")
+    axes.yaxis.set_major_formatter(lambda gain, _: f"{gain:g}")
     axes.grid(which="both", alpha=0.2)
-    axes.legend(fontsize=8, ncol=2, loc="upper left", bbox_to_anchor=(0.02, 0.97))
+    axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0, frameon=False)
     figure.tight_layout()
     figure.savefig(PICTURE)
     print(f"{PICTURE.name}: {PICTURE.stat().st_size} bytes")

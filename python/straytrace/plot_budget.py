@@ -4,6 +4,8 @@
 import argparse
 import json
 import pathlib
+import sys
+import textwrap
 
 import matplotlib
 
@@ -11,9 +13,10 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.patches import Patch  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
 
-from .plot import GREY, LIGHT, STYLE, plain_number  # noqa: E402
+from .plot import GREY, LIGHT, STYLE, plain_number, save  # noqa: E402
 from .words import shortened  # noqa: E402
 
 # One colour per fundamental noise, so that pictures of different detectors can be compared.
@@ -22,77 +25,120 @@ COLOURS = {
     "Seismic": "#7B5B2E",
     "Newtonian": "#228833",
     "SuspensionThermal": "#0072B2",
-    "CoatingBrownian": "#D62728",
+    "CoatingBrownian": "#E66101",
     "CoatingThermoOptic": "#56B4E9",
     "SubstrateBrownian": "#E69F00",
     "SubstrateThermoElastic": "#BDAA00",
     "SubstrateThermoRefractive": "#8C8CD9",
     "ResidualGas": "#88CC44",
 }
-STRAY = ("#000000", "#CC3311", "#009988")
+STRAY = ("#D00000", "#00857A", "#7A00CC")   # thick: what the program is for
+LINES = (":", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
 DASHED = (0, (5, 2))
-SIZE = (8.5, 5.6)  # inches at 100 dpi
+SIZE = (10.0, 6.4)  # inches at 100 dpi
 
 
 def values(numbers):
     return np.array([np.nan if x is None else x for x in numbers], dtype=float)
 
 
-def draw(axes, budget):
-    curves = budget["curves"]
-    f = np.array(curves["frequency_Hz"])
-    stray = 0
-    for noise in curves["noises"]:
+def draw_stray_light(axes, f, noises):
+    """Thick lines with a band of one standard error on each side; returns the largest error over its value."""
+    widest = 0.0
+    for noise, colour in zip(noises, STRAY * len(noises)):
         asd = values(noise["strain"])
-        if noise["kind"] == "stray light":
-            colour = STRAY[stray % len(STRAY)]
-            stray += 1
-            axes.plot(f, asd, color=colour, lw=2.2, label=shortened(noise["name"], 30), zorder=5)
-            if "sigma" in noise:
-                sigma = values(noise["sigma"])
-                axes.fill_between(f, np.maximum(asd - sigma, 1e-300), asd + sigma, color=colour, alpha=0.25, lw=0)
-        else:
-            style = "-" if noise["kind"] == "fundamental" else DASHED
-            axes.plot(f, asd, color=COLOURS.get(noise["name"]), lw=1.3, ls=style, label=shortened(noise["name"], 30))
-    total = values(curves["total"])
-    axes.plot(f, total, color="black", lw=1.6, ls=(0, (1, 1)), label="total", zorder=4)
-    shown = [total]
-    for k, curve in enumerate(curves["curves"]):
+        bound = " (lower bound)" if noise.get("note") else ""
+        axes.plot(f, asd, color=colour, lw=2.2, label=shortened(noise["name"], 26) + bound, zorder=6)
+        if "sigma" in noise:
+            sigma = values(noise["sigma"])
+            axes.fill_between(f, np.maximum(asd - sigma, 1e-300), asd + sigma, color=colour, alpha=0.35, lw=0, zorder=6)
+            widest = max(widest, np.nanmax(np.where(asd > 0, sigma / np.where(asd > 0, asd, 1), 0), initial=0))
+    return widest
+
+
+def draw_references(axes, f, budget):
+    """Design curves with the margin under the first, then lines that are no noises; returns what must be in sight."""
+    shown = []
+    for k, curve in enumerate(budget["curves"]["curves"]):
         asd = values(curve["strain"])
         axes.plot(f, asd, color=GREY, lw=2.0, ls="-" if k == 0 else (0, (3, 1, 1, 1)), label=curve["name"])
         shown.append(asd)
         if k == 0:
-            axes.plot(f, budget["margin"] * asd, color=GREY, lw=1.3, ls=DASHED, label=f"{curve['name']} × {budget['margin']:g}")
+            label = f"{curve['name']} × {budget['margin']:g} (margin)"
+            axes.plot(f, budget["margin"] * asd, color=GREY, lw=1.5, ls=DASHED, label=label)
             shown.append(budget["margin"] * asd)
-    for line, style in zip(curves["lines"], (":", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))):
-        axes.plot(f, values(line["strain"]), color="#555555", lw=1.0, ls=style, label=line["name"])
+    for line, style in zip(budget["curves"]["lines"], LINES):
+        axes.plot(f, values(line["strain"]), color="#8a8a8a", lw=1.0, ls=style, label=line["name"])
+    return shown
+
+
+def draw(axes, budget):
+    curves = budget["curves"]
+    f = np.array(curves["frequency_Hz"])
+    stray = [noise for noise in curves["noises"] if noise["kind"] == "stray light"]
+    total = values(curves["total"])
+    axes.plot(f, total, color="black", lw=2.8, label="total", zorder=5)
+    widest = draw_stray_light(axes, f, stray)
+    shown = [total] + draw_references(axes, f, budget)
+    for noise in curves["noises"]:
+        if noise["kind"] != "stray light":
+            style = "-" if noise["kind"] == "fundamental" else DASHED
+            axes.plot(f, values(noise["strain"]), color=COLOURS.get(noise["name"]), lw=1.2, ls=style,
+                      label=shortened(noise["name"], 30))
+    handles, labels = axes.get_legend_handles_labels()
+    if any("sigma" in noise for noise in stray):
+        handles.insert(1 + len(stray), Patch(color=STRAY[0], alpha=0.35, lw=0))
+        labels.insert(1 + len(stray), f"± one standard error (≤ {100 * widest:.2g} %)")
+    axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0)
     known = np.concatenate([c[np.isfinite(c) & (c > 0)] for c in shown])
     low, high = (known.min(), known.max()) if known.size else (1e-25, 1e-20)
     axes.set(xscale="log", yscale="log", xlim=(f[0], f[-1]), ylim=(max(low / 30, high * 1e-9), high * 3))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+def footer(budget):
+    """Program, date, and of each run the model, the seed and the histories."""
+    lines = [f"straytrace {budget['version']} ({budget['commit']})    {budget['created']}"]
+    runs = budget["runs"]
+    for run in runs[:3]:
+        histories = f"{int(run['histories']):,}".replace(",", " ")
+        words = f"{run['name']}: {run['title'] or run['file']}    model {run['model_hash'][:12]}    seed {run['seed']}    "
+        lines.append(f"{words}{histories} histories    {run['created']}")
+    if len(runs) > 3:
+        lines.append(f"and {len(runs) - 3} more runs")
+    return "\n".join(lines)
+
+
+def picture(budget):
+    figure, axes = plt.subplots(figsize=SIZE, dpi=100)
+    draw(axes, budget)
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel(r"strain $h$ [1/$\sqrt{\mathrm{Hz}}$], one-sided")
+    axes.set_title("\n".join(textwrap.wrap(shortened(budget["title"], 160), 80)))
+    axes.xaxis.set_major_formatter(FuncFormatter(plain_number))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_major_locator(LogLocator(base=10, numticks=12))
+    axes.grid(True, which="major", color=LIGHT, lw=0.7)
+    axes.set_axisbelow(True)
+    text = footer(budget)
+    figure.text(0.01, 0.012, text, fontsize=7.5, color=GREY, linespacing=1.4)
+    figure.tight_layout(rect=(0, 0.03 + 0.022 * text.count("\n"), 1, 1))
+    return figure
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="straytrace.plot_budget", description=__doc__)
     parser.add_argument("budget", type=pathlib.Path)
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True)
-    asked = parser.parse_args()
-    budget = json.loads(asked.budget.read_text())
-    with plt.rc_context(STYLE | {"font.size": 9.5, "legend.fontsize": 8.5, "axes.titlesize": 10}):
-        figure, axes = plt.subplots(figsize=SIZE)
-        draw(axes, budget)
-        axes.set_xlabel("frequency [Hz]")
-        axes.set_ylabel(r"strain $h$ [1/$\sqrt{\mathrm{Hz}}$], one-sided")
-        axes.set_title(shortened(budget["title"], 90))
-        axes.xaxis.set_major_formatter(FuncFormatter(plain_number))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.yaxis.set_major_locator(LogLocator(base=10, numticks=12))
-        axes.grid(True, which="major", color=LIGHT, lw=0.7)
-        axes.set_axisbelow(True)
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0)
-        figure.text(0.01, 0.005, f"straytrace {budget['version']} ({budget['commit']})", fontsize=7, color=GREY)
-        figure.tight_layout()
-        figure.savefig(asked.out, dpi=100)
+    asked = parser.parse_args(arguments)
+    try:
+        budget = json.loads(asked.budget.read_text(encoding="utf-8"))
+        with plt.rc_context(STYLE | {"font.size": 9.5, "legend.fontsize": 8.5, "axes.titlesize": 11}):
+            save(picture(budget), asked.out)
+    except (OSError, ValueError, KeyError) as error:
+        print(f"error: {asked.budget}: {type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of budgets and ghosts from made-up numbers: what they show and say, and that no name hides another."""
+import itertools
+import pathlib
+import sys
+import tempfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "python"))
+sys.dont_write_bytecode = True
+
+import numpy as np  # noqa: E402
+
+from straytrace import plot_budget, plot_ghosts  # noqa: E402
+
+plt = plot_budget.plt
+
+
+def budget(runs=1, sigma=0.1):
+    f = np.geomspace(5, 500, 40)
+    stray = [{"name": f"StrayLight-{i}", "kind": "stray light", "strain": list(1e-23 / f), "sigma": list(sigma * 1e-23 / f),
+              "note": "a lower bound, 1 route is not resolved" if i == 0 else ""} for i in range(runs)]
+    noises = [{"name": "Quantum", "kind": "fundamental", "strain": [None] + [1e-23] * 39},
+              {"name": "dark", "kind": "technical", "strain": [1e-24] * 40}]
+    curves = {"frequency_Hz": list(f), "noises": noises + stray, "total": [2e-23] * 40,
+              "curves": [{"name": "adv-lal", "strain": [5e-23] * 40}], "lines": [{"name": "quantum limit", "strain": list(1e-22 / f)}]}
+    about = [{"name": s["name"], "file": "a/run.h5", "title": "", "model_hash": "0123456789abcdef", "seed": 7,
+              "histories": 4096, "created": "2024-05-01T12:00:00Z"} for s in stray]
+    return {"title": "made up", "version": "0.1.0", "commit": "abc", "created": "2024-05-01T12:00:00Z", "margin": 0.1,
+            "runs": about, "curves": curves}
+
+
+def check_budget(folder):
+    figure = plot_budget.picture(budget())
+    axes = figure.axes[0]
+    labels = [t.get_text() for t in axes.get_legend().get_texts()]
+    assert labels[:3] == ["total", "StrayLight-0 (lower bound)", "± one standard error (≤ 10 %)"], labels
+    lines = {line.get_label(): line for line in axes.lines}
+    widest = max(axes.lines, key=lambda line: line.get_linewidth())
+    assert widest is lines["total"] and widest.get_linestyle() == "-"
+    band = axes.collections[0].get_paths()[0].vertices[:, 1]
+    np.testing.assert_allclose([band.min(), band.max()], [0.9e-23 / 500, 1.1e-23 / 5], rtol=1e-6)
+    assert np.isnan(lines["Quantum"].get_ydata()[0])          # not known is not drawn
+    said = figure.texts[0].get_text()
+    for words in ("straytrace 0.1.0 (abc)", "2024-05-01", "a/run.h5", "model 0123456789ab", "seed 7", "4 096 histories"):
+        assert words in said, said
+    figure.canvas.draw()
+    assert figure.texts[0].get_window_extent().y1 < axes.get_tightbbox().y0     # the footer stands below
+    assert "and 2 more runs" in plot_budget.footer(budget(runs=5))
+    colours = {line.get_color() for line in plot_budget.picture(budget(runs=3)).axes[0].lines if "Stray" in line.get_label()}
+    assert len(colours) == 3
+    plt.close("all")
+    (folder / "bad.json").write_text("{}")
+    assert plot_budget.main([str(folder / "bad.json"), "-o", str(folder / "bad.png")]) == 2
+    assert not (folder / "bad.png").exists()
+
+
+def disk(name, centre, normal_is_z=True, radius=0.02):
+    r, t = np.meshgrid(np.linspace(0, radius, 8), np.linspace(0, 2 * np.pi, 20))
+    u, v, zero = (r * np.cos(t)).ravel(), (r * np.sin(t)).ravel(), np.zeros(r.size)
+    points = np.stack([u, v, zero] if normal_is_z else [zero, u, v], axis=1) + centre
+    return {"object": name, "points_m": points.tolist()}
+
+
+def room(low, high):
+    random = np.random.default_rng(1).random((400, 3))
+    points = np.array(low) + random * (np.array(high) - low)
+    side = np.random.default_rng(2).integers(0, 3, 400)
+    points[np.arange(400), side] = np.where(random[:, 0] < 0.5, np.array(low)[side], np.array(high)[side])
+    return {"object": "box/wall", "points_m": points.tolist()}
+
+
+def ghost(order, points, power=1e-3):
+    return {"order": order, "points_m": points, "power": power, "end": "land", "travel": [0, 0, 1]}
+
+
+def tree():
+    ghosts = [ghost(0, [[0, 0, 0], [0, 0, 0.8], [0.3, 0, 0.8]], 1),
+              ghost(1, [[0, 0, 0.3], [0.01, 0, 0.05]]), ghost(2, [[0, 0, 0.5], [-0.1, 0, 1.05]])]
+    surfaces = [disk("lens_1/front", [0, 0, 0.30]), disk("mount/front", [0, 0, 0.31]), disk("lens_2/front", [0, 0, 0.32]),
+                disk("end/front", [0.3, 0, 0.8], False), room([-0.2, -0.1, 0.05], [0.4, 0.1, 1.05])]
+    return [{"count": 2, "ghosts": ghosts, "surfaces": surfaces}]
+
+
+def boxes(figure):
+    figure.canvas.draw()
+    return {t.get_text(): t.get_window_extent() for t in figure.axes[0].texts}
+
+
+def check_ghosts():
+    figure = plot_ghosts.draw(tree())
+    axes, names = figure.axes[0], boxes(figure)
+    assert axes.get_aspect() == 1 and "stretched" not in axes.get_title(loc="left")
+    assert set(names) == {"lens_1", "mount", "lens_2", "end", "box"}, names
+    for (a, one), (b, two) in itertools.combinations(names.items(), 2):
+        assert not one.overlaps(two), (a, b)
+    walls = [line.get_xydata() for line in axes.lines if line.get_color() == "#a8a8a8"]
+    assert len(walls) == 1
+    np.testing.assert_allclose([walls[0].min(axis=0), walls[0].max(axis=0)], [[0.05, -0.2], [1.05, 0.4]], atol=1e-6)
+    long_arm = [{"count": 0, "ghosts": [ghost(0, [[0, 0, 0], [0, 0, 3000], [0.3, 0, 3000]], 1)], "surfaces": []}]
+    assert "the vertical axis is stretched" in plot_ghosts.draw(long_arm).axes[0].get_title(loc="left")
+    plt.close("all")
+
+
+with tempfile.TemporaryDirectory() as name:
+    check_budget(pathlib.Path(name))
+check_ghosts()
+print("ok")
