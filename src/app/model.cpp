@@ -85,6 +85,16 @@ void refuse_input_mirrors(Scene const& scene, World const& world) {
   }
 }
 
+void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
+  Node const table = scene.table("ghosts");
+  BeamSink nobody;
+  for (BeamLaunch const& launch : launches(world)) {
+    if (!table || !launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
+    table.warning(fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
+                  fmt::format("for these add a beam 'from' behind '{}', with 'at: short-arm' for its port", launch.name));
+  }
+}
+
 }  // namespace
 
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
@@ -110,6 +120,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   read_noise(model, model.scene);
   read_orders(model);
   read_ghosts(model.scene);
+  warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"]) table.problem("this version has no 'scan'", "leave it out");
   model.scene.throw_if_problems();
   return model;

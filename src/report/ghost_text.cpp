@@ -98,8 +98,8 @@ std::string ledger_text(GhostReport const& report) {
       "Ledger of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left the "
       "scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} beyond {} "
       "surfaces{}. Sum less 1: {:.1e}.\n",
-      part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined), part(l.floor),
-      part(l.order), part(l.longest), report.limits.longest,
+      part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined), watts(l.floor, report.power),
+      watts(l.order, report.power), watts(l.longest, report.power), report.limits.longest,
       l.stopped > 0 ? fmt::format(", {} when stopped early", part(l.stopped)) : "", l.total() - 1);
 }
 
