@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/entrances.hpp"
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "report/report.hpp"
@@ -43,37 +44,13 @@ void read_noise(Model& model, Scene const& scene) {
   if (table) table.refuse_unknown("'noise'");
 }
 
-// Light that `lit` followed through a mirror of a cavity has passed it in its coupling already, twice; the places
-// behind that mirror would count the transmission again (physics.md eq. 9.3).
-void check_entrances(Scene const& scene, World const& world) {
-  Node const ports = scene.table("interferometer").table("ports");
-  if (!ports) return;
-  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
-    Footprint const& f = world.footprints()[i];
-    if (!f.port.valid() || world.feeds()[i].mirror == Feed::none) continue;
-    Node const entry = ports[world.ports()[f.port.value]];
-    if (!entry || !entry.has("at")) continue;
-    std::string const at = entry.word("at");
-    if (at == "end-bench" || at == "short-arm")
-      return entry["at"].problem("'lit' has followed this light through the mirror: its transmission would count twice",
-                                 "leave 'at' out: couplings of the port are relative to the light in the arm");
-  }
-}
-
-// Behind the input mirror the light of the cavity interferes with the light that comes from the splitter; `lit` follows
-// the first alone. End mirrors pass some ppm.
-void warn_of_input_mirrors(Scene const& scene, World const& world) {
-  auto const beams = scene.table("beams").items();
-  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
-    Footprint const& f = world.footprints()[i];
-    if (world.feeds()[i].mirror == Feed::none || !(f.share > 1e-3) || f.beam >= beams.size()) continue;
-    return beams[f.beam].second["lit"].warning(
-        fmt::format("'{}' is lit through a mirror that passes {:.2g} of the light: the light that comes from the "
-                    "splitter interferes there and is not followed",
-                    world.groups()[world.surfaces()[f.surface.value].group.value], f.share),
-        "behind an input mirror state spots by 'on' and their port by 'at: short-arm'; name end-mirror surfaces by "
-        "'only'");
-  }
+std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
+  FrequencyGrid const& grid = model.noise.grid;
+  std::unique_ptr<Interferometer> detector =
+      make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength,
+                          {grid.centre(0), grid.centre(grid.size() - 1)});
+  check_entrances(table, model.world);
+  return detector;
 }
 
 }  // namespace
@@ -83,6 +60,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
   model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
+  read_noise(model, model.scene);
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
   bool const without = !noiseless && !model.scene.root().has("interferometer");
@@ -92,13 +70,10 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
         "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
         "input_transmission: 1.4 %}', or count watts on 'receivers'");
   else if (!noiseless)
-    model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(),
-                                         model.world.wavelength, model.world.beam_power);
-  check_entrances(model.scene, model.world);
+    model.detector = read_detector(model, model.scene.table("interferometer"));
   if (model.detector) warn_of_input_mirrors(model.scene, model.world);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
-  read_noise(model, model.scene);
   read_orders(model);
   read_ghosts(model.scene);
   if (Node const table = model.scene.root()["scan"]) table.problem("this version has no 'scan'", "leave it out");
@@ -119,12 +94,15 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     }
     model.motion = read_motion(bodies, known);
   }
-  if (Node const table = other.table("interferometer"))
-    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength, model.world.beam_power);
   if (other.table("noise")) read_noise(model, other);
+  if (Node const table = other.table("interferometer"))
+    model.detector = read_detector(model, table);
+  else if (other.table("noise") && model.detector)  // its files must cover the new band too
+    model.detector = read_detector(model, model.scene.table("interferometer"));
   if (!other.table("bodies") && !other.table("interferometer") && !other.table("noise"))
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
+  model.scene.throw_if_problems();
   if (!read) return;
   for (auto const& [name, text] : other.files())
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)

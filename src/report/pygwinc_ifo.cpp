@@ -10,6 +10,7 @@
 
 #include "base/embedded.hpp"
 #include "base/table.hpp"
+#include "noise/fundamental/quantum.hpp"
 #include "report/pygwinc_parts.hpp"
 #include "report/report.hpp"
 
@@ -17,6 +18,7 @@ namespace straytrace {
 namespace {
 
 constexpr std::string_view preset_folder = "detectors/";
+constexpr double probe_hz = 100;
 
 CoatedMirror read_mirror(IfoTree& t, std::string const& name, bool coated) {
   std::string const at = "Optics." + name + ".";
@@ -101,9 +103,17 @@ void check_ranges(IfoTree& t, Detector const& d) {
   within("Materials.MassRadius", d.mirror_radius, 0, infinity);
   within("Materials.MassThickness", d.mirror_thickness, 0, infinity);
   double const g = (1 - d.arm_length / d.input.curvature) * (1 - d.arm_length / d.end.curvature);
-  if (std::isfinite(g) && !(g > 0 && g < 1))
+  if (d.arm_length > 0 && !std::isnan(g) && !(g > 1e-9 && g < 1 - 1e-9))
     t.problem("Optics.Curvature.ITM", fmt::format("the arm cavity is not stable: g1 g2 = {:.4g}", g),
               "choose curvatures and length with 0 < (1 - L/R1)(1 - L/R2) < 1");
+}
+
+void check_readout(IfoTree& t, Detector const& d) {
+  if (!DualRecycled(dual_recycled(d)).sees_darm(probe_hz))
+    t.problem(
+        "Optics.Quadrature.dc",
+        fmt::format("at 'Optics.Quadrature.dc' {:g} rad the read-out does not see the arms move", d.readout_angle),
+        "write 1.5707963 (pi/2), where the signal of a tuned interferometer is");
 }
 
 std::vector<CurveFile> read_curves(IfoTree& t, std::filesystem::path const& folder) {
@@ -181,6 +191,8 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   t.word("extends");
   t.word("title");
   if (extends || !overrides.empty()) t.refuse_unread(extends ? own : own + 1);
+  t.throw_if_problems();
+  check_readout(t, ifo.detector);
   t.throw_if_problems();
   ifo.yaml = t.yaml();
   return ifo;
