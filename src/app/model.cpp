@@ -5,12 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
 
+#include "app/entrances.hpp"
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "report/report.hpp"
-#include "world/beam_tree.hpp"
 
 namespace straytrace {
 namespace {
@@ -46,53 +45,13 @@ void read_noise(Model& model, Scene const& scene) {
   if (table) table.refuse_unknown("'noise'");
 }
 
-// Light that `lit` followed through a mirror of a cavity has passed it in its coupling already, twice; the places
-// behind that mirror would count the transmission again (physics.md eq. 9.3).
-void check_entrances(Scene const& scene, World const& world) {
-  Node const ports = scene.table("interferometer").table("ports");
-  if (!ports) return;
-  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
-    Footprint const& f = world.footprints()[i];
-    if (!f.port.valid() || world.feeds()[i].mirror == Feed::none) continue;
-    Node const entry = ports[world.ports()[f.port.value]];
-    if (!entry || !entry.has("at")) continue;
-    std::string const at = entry.word("at");
-    if (at == "end-bench" || at == "short-arm")
-      return entry["at"].problem("'lit' has followed this light through the mirror: its transmission would count twice",
-                                 "leave 'at' out: couplings of the port are relative to the light in the arm");
-  }
-}
-
-// Behind the input mirror the light of the arm interferes with the light that the splitter sends, which `lit` does not
-// follow: on resonance a quarter of what the mirror passes stands there (physics.md eq. 9.5).
-void refuse_input_mirrors(Scene const& scene, World const& world) {
-  auto const beams = scene.table("beams").items();
-  auto const name = [&](Footprint const& f) { return world.groups()[world.surfaces()[f.surface.value].group.value]; };
-  for (BeamLaunch const& launch : launches(world)) {
-    if (!launch.through_input_mirror() || launch.beam >= beams.size()) continue;
-    std::set<std::string> lit;
-    for (std::size_t i = 0; i < world.footprints().size(); ++i)
-      if (world.feeds()[i].mirror == launch.footprint) lit.insert('"' + name(world.footprints()[i]) + '"');
-    if (lit.empty()) continue;
-    beams[launch.beam].second["lit"].problem(
-        fmt::format("{} lit through '{}', which passes {:.2g} of the light: the light that the splitter sends "
-                    "interferes there and is not followed",
-                    lit.size() == 1 ? *lit.begin() + " is" : fmt::format("{} surfaces are", lit.size()), launch.name,
-                    launch.passes),
-        fmt::format("write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
-                    "splitter side by a beam 'from' behind '{}', with 'at: short-arm' for its port",
-                    fmt::join(lit, ", "), launch.name));
-  }
-}
-
-void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
-  Node const table = scene.table("ghosts");
-  BeamSink nobody;
-  for (BeamLaunch const& launch : launches(world)) {
-    if (!table || !launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
-    table.warning(fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
-                  fmt::format("for these add a beam 'from' behind '{}', with 'at: short-arm' for its port", launch.name));
-  }
+std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
+  FrequencyGrid const& grid = model.noise.grid;
+  std::unique_ptr<Interferometer> detector =
+      make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength,
+                          {grid.centre(0), grid.centre(grid.size() - 1)});
+  check_entrances(table, model.world);
+  return detector;
 }
 
 }  // namespace
@@ -102,6 +61,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
   model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
+  read_noise(model, model.scene);
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
   bool const without = !noiseless && !model.scene.root().has("interferometer");
@@ -111,13 +71,10 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
         "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
         "input_transmission: 1.4 %}', or count watts on 'receivers'");
   else if (!noiseless)
-    model.detector = make_interferometer(model.scene.table("interferometer"), model.world.ports(),
-                                         model.world.wavelength, model.world.beam_power);
-  check_entrances(model.scene, model.world);
+    model.detector = read_detector(model, model.scene.table("interferometer"));
   if (model.detector) refuse_input_mirrors(model.scene, model.world);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
     model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
-  read_noise(model, model.scene);
   read_orders(model);
   read_ghosts(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
@@ -139,12 +96,15 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     }
     model.motion = read_motion(bodies, known);
   }
-  if (Node const table = other.table("interferometer"))
-    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength, model.world.beam_power);
   if (other.table("noise")) read_noise(model, other);
+  if (Node const table = other.table("interferometer"))
+    model.detector = read_detector(model, table);
+  else if (other.table("noise") && model.detector)  // its files must cover the new band too
+    model.detector = read_detector(model, model.scene.table("interferometer"));
   if (!other.table("bodies") && !other.table("interferometer") && !other.table("noise"))
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
+  model.scene.throw_if_problems();
   if (!read) return;
   for (auto const& [name, text] : other.files())
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
@@ -182,8 +142,8 @@ std::vector<std::string> Model::assumptions() const {
   if (scene.root().has("ghosts"))
     for (BeamLaunch const& launch : launches(world))
       if (launch.through_input_mirror())
-        lines.push_back(fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there",
-                                    launch.name));
+        lines.push_back(
+            fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;

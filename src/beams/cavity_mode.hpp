@@ -12,7 +12,7 @@ struct CavityMode {
   double gouy = 0;                   // one-way Gouy phase, rad
   double rayleigh = 0;               // m
 };
-// eq. 6.3. Throws NumericalError unless 0 < g1 g2 < 1.
+// eq. 6.3. Throws NumericalError unless 0 < g1 g2 < 1 by 1e-9 at least.
 CavityMode cavity_mode(double length, double roc1, double roc2, double wavelength);
 
 }  // namespace straytrace

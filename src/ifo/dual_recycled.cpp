@@ -138,6 +138,19 @@ Injection DualRecycled::injection(Entrance entrance) const {
   return {port, way.joins_leaving, way.of_leaving, way.turn};
 }
 
+double DualRecycled::reference(Entrance e) const {
+  Injection const i = injection(e);
+  return std::sqrt((i.of_leaving ? field_->power_out(i.port) : field_->power_in(i.port)) / arm_power());
+}
+
+bool DualRecycled::sees_darm(double hz) const {
+  auto const size = [&](double turn) {
+    Readout const r = Readout::homodyne(readout_.port, readout_.angle + turn);
+    return std::abs(to_freedom(response(r, hz), Freedom::darm));
+  };
+  return size(0) > 1e-9 * size(pi / 2);
+}
+
 std::unique_ptr<DualRecycled> DualRecycled::without_radiation_pressure() const {
   DualRecycledParameters heavy = p_;
   heavy.mirror_mass = infinity;

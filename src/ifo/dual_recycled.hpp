@@ -73,6 +73,10 @@ class DualRecycled {
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
   Phasor to_freedom(LinearResponse const&, Freedom) const;  // per m
   Injection injection(Entrance) const;
+  // Field that a stray field at this place is relative to, over that in arm x. Without light there: rounding.
+  double reference(Entrance) const;
+  // Whether DARM appears in the read-out; not: its response there is rounding.
+  bool sees_darm(double hz) const;
   StrayGain stray_gain(double hz) const;
   double pole() const;  // Hz where the response to DARM without radiation pressure is 1/sqrt(2) of its largest
   // One-sided ASD of the strain, 1/sqrt(Hz), from the vacuum at all open ports and losses, squeezed as stated.

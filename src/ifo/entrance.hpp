@@ -25,5 +25,7 @@ constexpr std::array<std::string_view, 9> entrance_names = {"arm",       "end-mi
                                                             "as-port",   "symmetric-port",   "input-bench"};
 // One of two equal arms has it, not the whole interferometer.
 constexpr bool is_of_an_arm(Entrance e) { return e <= Entrance::short_arm; }
+// Relative to the light that circulates in an arm.
+constexpr bool is_inside_an_arm(Entrance e) { return e <= Entrance::end_mirror; }
 
 }  // namespace straytrace

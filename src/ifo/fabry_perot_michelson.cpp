@@ -35,7 +35,7 @@ double read_arm_power(Node const& t, ArmCavity const& arm, double beam_power) {
   if (!t.has("input_power")) {
     if (beam_power > 0) return beam_power;
     t.problem("the power in the arms is missing",
-              "give the beam a 'power', or add 'arm_power: 650 kW' here, or 'input_power' and "
+              "give the beam of the arm a 'power', or add 'arm_power: 650 kW' here, or 'input_power' and "
               "'power_recycling_transmission'");
     return not_a_number;
   }
@@ -44,11 +44,8 @@ double read_arm_power(Node const& t, ArmCavity const& arm, double beam_power) {
                    t.number("beam_splitter_loss", dim::plain, 0, 0, most));
 }
 
-}  // namespace
-
-std::span<Key<K> const> fabry_perot_michelson_keys() { return keys; }
-
-FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength, double beam_power) {
+// All but the power.
+FabryPerotMichelson::Parameters read_parameters(Node const& table, double wavelength) {
   K k{};
   read_keys<K>(table, keys, k);
   FabryPerotMichelson::Parameters p;
@@ -58,12 +55,15 @@ FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, do
   p.arms = k.arms;
   p.dark_fringe_offset = k.dark_fringe_offset;
   if (k.arms != std::floor(k.arms)) table["arms"].problem("'arms' counts arms", "write a whole number, for example 2");
-  p.power = read_arm_power(table, p.arm, beam_power);
   p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
   if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least);
   if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least);
   return p;
 }
+
+}  // namespace
+
+std::span<Key<K> const> fabry_perot_michelson_keys() { return keys; }
 
 std::complex<double> FabryPerotMichelson::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = entry(port);
@@ -90,15 +90,18 @@ std::string FabryPerotMichelson::description() const {
       "P {:.5g} W per arm, M {:g} kg, Gamma {:.4g}, f_p {:.4g} Hz, finesse {:.4g}, {:g} equal arms",
       p_.wavelength * 1e9, p_.arm.length, p_.power, p_.mass, p_.mode.gain, p_.mode.pole, finesse(p_.arm), p_.arms);
   bool const all_inside = std::all_of(ports_.begin(), ports_.end(), [&](PortEntry const& e) {
-    return e.entrance == Entrance::arm && e.field_share == 1 && e.copies == p_.arms;
+    return is_inside_an_arm(e.entrance) && e.field_share == 1 && e.copies == p_.arms;
   });
-  return all_inside ? text : text + describe(ports_, *this);
+  return all_inside ? text : text + describe(ports_, *this, band_);
 }
+
+namespace {
 
 // Ports at which light has no closed form of its own.
 void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Parameters const& p,
                                 std::vector<PortEntry> const& entries) {
   for (PortEntry const& e : entries) {
+    if (has_response_files(table, e.name)) continue;
     Entrance const at = e.entrance;
     if (at == Entrance::recycling_cavity || at == Entrance::signal_cavity || at == Entrance::symmetric_port ||
         at == Entrance::input_bench)
@@ -114,12 +117,15 @@ void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Paramete
   }
 }
 
-std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<std::string> const& ports,
-                                                  double wavelength, double beam_power) {
-  FabryPerotMichelson::Parameters const p = read_fabry_perot_michelson(table, wavelength, beam_power);
+}  // namespace
+
+std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<TracedPort> const& ports,
+                                                  double wavelength, Band const& band) {
+  FabryPerotMichelson::Parameters p = read_parameters(table, wavelength);
   std::vector<PortEntry> entries = read_port_entries(table, ports, p.arms);
+  p.power = read_arm_power(table, p.arm, beam_power_in_arm(ports, entries));
   refuse_without_closed_form(table, p, entries);
-  return std::make_unique<FabryPerotMichelson>(p, std::move(entries));
+  return std::make_unique<FabryPerotMichelson>(p, std::move(entries), band);
 }
 
 }  // namespace straytrace

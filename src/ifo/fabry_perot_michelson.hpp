@@ -21,8 +21,8 @@ class FabryPerotMichelson final : public Interferometer {
     double dark_fringe_offset = 0;  // m of DARM, for stray light at the antisymmetric port (eq. 9.6)
   };
   // Ports beyond the list are inside an arm.
-  explicit FabryPerotMichelson(Parameters p, std::vector<PortEntry> ports = {})
-      : p_(p), inside_{.name = "", .copies = p.arms}, ports_(std::move(ports)) {}
+  explicit FabryPerotMichelson(Parameters p, std::vector<PortEntry> ports = {}, Band const& band = {})
+      : p_(p), inside_{.name = "", .copies = p.arms}, ports_(std::move(ports)), band_(band) {}
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
@@ -35,12 +35,11 @@ class FabryPerotMichelson final : public Interferometer {
   Parameters p_;
   PortEntry inside_;
   std::vector<PortEntry> ports_;
+  Band band_;  // for the description
 };
 
-FabryPerotMichelson::Parameters read_fabry_perot_michelson(Node const& table, double wavelength, double beam_power = 0);
-
-std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<std::string> const& ports,
-                                                  double wavelength, double beam_power);
+std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector<TracedPort> const& ports,
+                                                  double wavelength, Band const&);
 
 // What the table may hold, for the reader and the reference page.
 struct FabryPerotMichelsonKeys {

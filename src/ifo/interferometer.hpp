@@ -9,8 +9,22 @@
 
 #include "base/ids.hpp"
 #include "base/table.hpp"
+#include "ifo/entrance.hpp"
 
 namespace straytrace {
+
+// A port of the scene, as the interferometer finds it.
+struct TracedPort {
+  std::string name;
+  Entrance entrance = Entrance::arm;  // where its light joins when the table does not say
+  double power = 0;                   // W, of its beam; 0: not stated
+};
+
+// Where responses are asked for, Hz.
+struct Band {
+  double low = 10, high = 100;
+  double clamped(double hz) const { return hz < low ? low : hz > high ? high : hz; }
+};
 
 class Interferometer {
  public:
@@ -24,9 +38,9 @@ class Interferometer {
   virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
 };
 
-// Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m; beam_power in W is the power in an
-// arm where the table gives none, 0 when unknown.
-std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<std::string> const& ports,
-                                                    double wavelength, double beam_power = 0);
+// Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m. Where the table gives no power,
+// the arms have that of the first beam whose port joins there. Files of responses must cover the band.
+std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
+                                                    double wavelength, Band const& = {});
 
 }  // namespace straytrace

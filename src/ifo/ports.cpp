@@ -11,7 +11,19 @@
 namespace straytrace {
 namespace {
 
-void unknown_port(Node const& at, std::string const& name, std::vector<std::string> const& ports) {
+constexpr double least = 1e-30;  // of light that a port lets back: nothing at all is no port
+
+std::string number(std::complex<double> response) {
+  return response == 0.0 ? std::string("none") : fmt::format("{:.3g}", std::abs(response));
+}
+
+auto find(std::vector<TracedPort> const& ports, std::string const& name) {
+  return std::find_if(ports.begin(), ports.end(), [&](TracedPort const& p) { return p.name == name; });
+}
+
+void unknown_port(Node const& at, std::string const& name, std::vector<TracedPort> const& all) {
+  std::vector<std::string> ports;
+  for (TracedPort const& p : all) ports.push_back(p.name);
   std::string const near = nearest_word(name, ports);
   at.problem(fmt::format("the scene has no port '{}'", name),
              !near.empty()   ? fmt::format("did you mean '{}'?", near)
@@ -19,18 +31,17 @@ void unknown_port(Node const& at, std::string const& name, std::vector<std::stri
                              : fmt::format("its ports: {}", fmt::join(ports, ", ")));
 }
 
-PortEntry read_entry(Node const& node, std::string name, double arms) {
-  PortEntry entry;
-  entry.name = std::move(name);
+PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
+  PortEntry entry{.name = port.name, .entrance = port.entrance};
   if (node.kind() != Node::Kind::table) {
     node.problem(fmt::format("what port '{}' is must be said in a table", entry.name), "write {at: end-bench}");
     return entry;
   }
-  std::string const at = node.choice("at", entrance_names, entrance_names[0]);
+  std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.entrance)]);
   auto const found = std::find(entrance_names.begin(), entrance_names.end(), at);
   if (found != entrance_names.end()) entry.entrance = Entrance(found - entrance_names.begin());
   entry.field_share =
-      node.number("pick_off", dim::plain, 1, 0, 1) * std::sqrt(node.number("isolation", dim::plain, 1, 0, 1));
+      node.number("pick_off", dim::plain, 1, least, 1) * std::sqrt(node.number("isolation", dim::plain, 1, least, 1));
   entry.copies = node.number("copies", dim::plain, is_of_an_arm(entry.entrance) ? arms : 1, 1, 1e6);
   node.refuse_unknown(fmt::format("port '{}'", entry.name));
   return entry;
@@ -47,7 +58,7 @@ struct Measured {
   }
 };
 
-Measured read_measured(Node const& node, std::string const& name, double arm_length) {
+Measured read_measured(Node const& node, std::string const& name, double arm_length, Band const& band) {
   Measured m;
   if (node.kind() != Node::Kind::table) {
     node.problem(fmt::format("the responses of port '{}' stand in a table", name),
@@ -62,7 +73,7 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
   m.factor = (unit == "strain" ? 1 : 1 / arm_length) * (node.choice("per", shares, shares[0]) == "power" ? 2 : 1);
   for (auto [key, into] : {std::pair{"phase", &m.phase}, std::pair{"amplitude", &m.amplitude}})
     if (Node const file = node[key]) {
-      *into = read_response_file(file, decibels);
+      *into = read_response_file(file, decibels, band);
       m.files += fmt::format("{}{} {}", m.files.empty() ? "" : ", ", key, file.text());
     }
   if (m.files.empty())
@@ -70,7 +81,7 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
   m.calibrated = unit == "W";
   if (m.calibrated && !node.has("darm"))
     node.problem("a response in W needs that of the same read-out to DARM", "add 'darm: FILE', in W/m");
-  if (node.has("darm")) m.calibration = read_response_file(node["darm"], decibels);
+  if (node.has("darm")) m.calibration = read_response_file(node["darm"], decibels, band);
   node.refuse_unknown(fmt::format("the responses of port '{}'", name));
   return m;
 }
@@ -78,10 +89,10 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
 class MeasuredResponses final : public Interferometer {
  public:
   MeasuredResponses(std::unique_ptr<Interferometer> rest, std::map<std::uint32_t, Measured> measured,
-                    std::vector<std::string> const& ports)
+                    std::vector<TracedPort> const& ports)
       : rest_(std::move(rest)), measured_(std::move(measured)) {
     for (auto const& [port, m] : measured_)
-      note_ += fmt::format("; port {}: responses from files ({})", ports[port], m.files);
+      note_ += fmt::format("; port {}: responses from files ({})", ports[port].name, m.files);
   }
   std::complex<double> strain_per_phase(PortId port, double hz) const override {
     auto const found = measured_.find(port.value);
@@ -103,22 +114,39 @@ class MeasuredResponses final : public Interferometer {
 
 }  // namespace
 
-std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<std::string> const& ports,
+std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<TracedPort> const& ports,
                                          double arms) {
   std::vector<PortEntry> entries;
-  for (std::string const& name : ports) entries.push_back({.name = name, .copies = arms});
+  for (TracedPort const& p : ports) entries.push_back({.name = p.name, .entrance = p.entrance, .copies = arms});
   if (Node const table = interferometer.table("ports"))
     for (auto const& [name, node] : table.items()) {
-      auto const at = std::find(ports.begin(), ports.end(), name);
+      auto const at = find(ports, name);
       if (at == ports.end())
         unknown_port(node, name, ports);
       else
-        entries[std::size_t(at - ports.begin())] = read_entry(node, name, arms);
+        entries[std::size_t(at - ports.begin())] = read_entry(node, *at, arms);
     }
   return entries;
 }
 
-std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo) {
+Node place_of_entrance(Node const& interferometer, std::string const& port) {
+  Node const ports = interferometer["ports"], entry = ports ? ports[port] : Node(), at = entry ? entry["at"] : Node();
+  return at ? at : entry ? entry : interferometer;
+}
+
+bool has_response_files(Node const& interferometer, std::string const& port) {
+  Node const files = interferometer["responses"];
+  return files && files.has(port);
+}
+
+double beam_power_in_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    if (is_inside_an_arm(entries[i].entrance) && ports[i].power > 0) return ports[i].power;
+  return 0;
+}
+
+std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo, Band const& band) {
+  double const low = band.clamped(10), high = band.clamped(100);
   std::string text;
   std::vector<bool> told(entries.size(), false);
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -132,28 +160,28 @@ std::string describe(std::vector<PortEntry> const& entries, Interferometer const
         told[j] = true;
       }
     PortId const port{std::uint32_t(i)};
-    text +=
-        fmt::format("; {}: {}{}, {:g} {}, at 10 and 100 Hz h per Im s {:.3g} and {:.3g}, per Re s {:.3g} and {:.3g}",
-                    fmt::join(names, ", "), entrance_names[std::size_t(e.entrance)],
-                    e.field_share == 1 ? "" : fmt::format(" (field x {:.3g})", e.field_share), e.copies,
-                    e.copies == 1 ? "copy" : "copies", std::abs(ifo.strain_per_phase(port, 10)),
-                    std::abs(ifo.strain_per_phase(port, 100)), std::abs(ifo.strain_per_amplitude(port, 10)),
-                    std::abs(ifo.strain_per_amplitude(port, 100)));
+    text += fmt::format("; {}: {}{}, {:g} {}, at {:.4g} and {:.4g} Hz h per Im s {} and {}, per Re s {} and {}",
+                        fmt::join(names, ", "), entrance_names[std::size_t(e.entrance)],
+                        e.field_share == 1 ? "" : fmt::format(" (field x {:.3g})", e.field_share), e.copies,
+                        e.copies == 1 ? "copy" : "copies", low, high, number(ifo.strain_per_phase(port, low)),
+                        number(ifo.strain_per_phase(port, high)), number(ifo.strain_per_amplitude(port, low)),
+                        number(ifo.strain_per_amplitude(port, high)));
   }
   return text;
 }
 
 std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> ifo, Node const& interferometer,
-                                               std::vector<std::string> const& ports, double arm_length) {
+                                               std::vector<TracedPort> const& ports, double arm_length,
+                                               Band const& band) {
   Node const table = interferometer.table("responses");
   if (!table) return ifo;
   std::map<std::uint32_t, Measured> measured;
   for (auto const& [name, node] : table.items()) {
-    auto const at = std::find(ports.begin(), ports.end(), name);
+    auto const at = find(ports, name);
     if (at == ports.end())
       unknown_port(node, name, ports);
     else
-      measured[std::uint32_t(at - ports.begin())] = read_measured(node, name, arm_length);
+      measured[std::uint32_t(at - ports.begin())] = read_measured(node, name, arm_length, band);
   }
   return std::make_unique<MeasuredResponses>(std::move(ifo), std::move(measured), ports);
 }

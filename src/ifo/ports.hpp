@@ -20,14 +20,20 @@ struct PortEntry {
   double copies = 2;       // equal, independent ones of the traced port; powers add
 };
 
-// The sub-table `ports`; ports it leaves out join inside an arm. `arms`: copies of what an arm has.
-std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<std::string> const& ports,
-                                         double arms);
-// "ITM, ETM: arm, 2 copies; SNEB: end-bench, ...", each with its strain per phase and amplitude at 10 and 100 Hz.
-std::string describe(std::vector<PortEntry> const&, Interferometer const&);
+// The sub-table `ports`; what it leaves out is as the scene has it. `arms`: copies of what an arm has.
+std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<TracedPort> const& ports, double arms);
+// Where the table says how light of this port joins; the nearest table above when it does not.
+Node place_of_entrance(Node const& interferometer, std::string const& port);
+// Whether files say what light of this port does, whatever the model of the interferometer says.
+bool has_response_files(Node const& interferometer, std::string const& port);
+// W that circulate in an arm, as the beams of ports inside an arm say it; 0: none does.
+double beam_power_in_arm(std::vector<TracedPort> const&, std::vector<PortEntry> const&);
+// "ITM, ETM: arm, 2 copies; SNEB: end-bench, ...", each with its strain per phase and amplitude at 10 and 100 Hz, or at
+// the ends of the band when these lie beyond.
+std::string describe(std::vector<PortEntry> const&, Interferometer const&, Band const&);
 
 // A detector of which some ports have responses from files (sub-table `responses`); the detector itself when none has.
 std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& interferometer,
-                                               std::vector<std::string> const& ports, double arm_length);
+                                               std::vector<TracedPort> const& ports, double arm_length, Band const&);
 
 }  // namespace straytrace

@@ -24,8 +24,8 @@ std::vector<DualRecycledPreset> network_presets() {
 
 }  // namespace
 
-std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<std::string> const& ports,
-                                                    double wavelength, double beam_power) {
+std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
+                                                    double wavelength, Band const& band) {
   std::vector<DualRecycledPreset> const networks = network_presets();
   std::vector<std::string_view> names = {closed_forms};
   for (DualRecycledPreset const& p : networks) names.push_back(p.name);
@@ -33,13 +33,12 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   auto const network = std::find_if(networks.begin(), networks.end(), [&](auto const& p) { return p.name == name; });
   bool const solves = network != networks.end();
   if (!solves && name != closed_forms) return nullptr;  // said by choice()
-  std::unique_ptr<Interferometer> ifo =
-      solves ? read_recycled_interferometer(table, *network, ports, wavelength, beam_power)
-             : read_closed_forms(table, ports, wavelength, beam_power);
+  std::unique_ptr<Interferometer> ifo = solves ? read_recycled_interferometer(table, *network, ports, wavelength, band)
+                                               : read_closed_forms(table, ports, wavelength, band);
   double const length = table.has("arm_length") ? table.number("arm_length", dim::length)
                         : solves                ? network->parameters.arm_length
                                                 : not_a_number;
-  ifo = with_responses(std::move(ifo), table, ports, length);
+  ifo = with_responses(std::move(ifo), table, ports, length, band);
   table.refuse_unknown("interferometer '" + name + "'");
   return ifo;
 }

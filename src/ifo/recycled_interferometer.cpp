@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+
+#include "ifo/cavity.hpp"
 
 namespace straytrace {
 namespace {
@@ -65,6 +68,53 @@ void read_power(Node const& table, P& p) {
   }
 }
 
+constexpr double rounding = 1e-12;  // of a field: what is below may be rounding alone; it is some 1e-18
+
+std::array<double, 3> probes(Band const& band) { return {band.low, std::sqrt(band.low * band.high), band.high}; }
+
+// A read-out that does not see DARM calibrates nothing.
+void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band const& band) {
+  if (model.parameters().dark_fringe_offset != 0 && !(model.reference(Entrance::as_port) > rounding))
+    return table["dark_fringe_offset"].problem("with so small an offset no light of the carrier leaves the dark port",
+                                               "write 'dark_fringe_offset: 4 pm'; 0 m for a homodyne detector");
+  for (double const hz : probes(band))
+    if (!model.sees_darm(hz))
+      return (table.has("homodyne_angle") ? table["homodyne_angle"] : table)
+          .problem("the homodyne detector reads the quadrature in which DARM does not appear",
+                   "write 'homodyne_angle: 90 deg', or give a 'dark_fringe_offset'");
+}
+
+// A stray field is relative to the light at its port; where none is, and where what joins does not reach the read-out,
+// the solution holds rounding alone.
+void refuse_ports_without_response(Node const& table, RecycledInterferometer const& ifo,
+                                   std::vector<PortEntry> const& entries, Band const& band) {
+  P const& p = ifo.model().parameters();
+  double const whole = strain_per_phase_in_arm(p.wavelength, p.arm_length);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    PortEntry const& e = entries[i];
+    if (has_response_files(table, e.name) || !table.healthy()) continue;
+    std::string_view const at = entrance_names[std::size_t(e.entrance)];
+    double const light = ifo.model().reference(e.entrance);
+    Node const place = place_of_entrance(table, e.name);
+    if (!(light > rounding)) {
+      place.problem(
+          fmt::format("no light is at '{}' of this interferometer, so a stray field has nothing to be "
+                      "relative to",
+                      at),
+          fmt::format("add '{}' to the interferometer, or give the port a file in 'responses'",
+                      e.entrance == Entrance::end_bench ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
+      continue;
+    }
+    double largest = 0;
+    for (double const hz : probes(band)) largest = std::fmax(largest, ifo.largest_response(e.entrance, hz));
+    if (!(largest > rounding * whole * light))
+      place.problem(
+          fmt::format("light at '{}' does not reach the read-out: the arms are equal and the fringe is dark", at),
+          "add 'dark_fringe_offset', 'loss_difference' or 'transmission_difference' to the interferometer, "
+          "or give the port a file in 'responses'");
+  }
+}
+
 bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
 
 }  // namespace
@@ -81,9 +131,6 @@ RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
     a.phase[e] = r.to_phase(i) / darm;
     a.amplitude[e] = r.to_amplitude(i) / darm;
   }
-  auto const input = std::size_t(Entrance::input_bench);
-  a.phase[input] *= suppression(servos_.frequency(hz));
-  a.amplitude[input] *= suppression(servos_.intensity(hz));
   return a;
 }
 
@@ -95,11 +142,17 @@ RecycledInterferometer::Answer const& RecycledInterferometer::answer(double hz) 
 
 std::complex<double> RecycledInterferometer::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
-  return e.field_share * answer(hz).phase[std::size_t(e.entrance)];
+  std::complex<double> const quieted = e.entrance == Entrance::input_bench ? suppression(servos_.frequency(hz)) : 1.0;
+  return e.field_share * quieted * answer(hz).phase[std::size_t(e.entrance)];
 }
 std::complex<double> RecycledInterferometer::strain_per_amplitude(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
-  return e.field_share * answer(hz).amplitude[std::size_t(e.entrance)];
+  std::complex<double> const quieted = e.entrance == Entrance::input_bench ? suppression(servos_.intensity(hz)) : 1.0;
+  return e.field_share * quieted * answer(hz).amplitude[std::size_t(e.entrance)];
+}
+double RecycledInterferometer::largest_response(Entrance e, double hz) const {
+  Answer const& a = answer(hz);
+  return std::fmax(std::abs(a.phase[std::size_t(e)]), std::abs(a.amplitude[std::size_t(e)]));
 }
 
 std::string RecycledInterferometer::description() const {
@@ -116,12 +169,12 @@ std::string RecycledInterferometer::description() const {
              name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
              100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi,
              std::abs(model_->stray_gain(10).amplitude), model_->pole()) +
-         describe(ports_, *this);
+         describe(ports_, *this, band_);
 }
 
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const& preset,
-                                                             std::vector<std::string> const& ports, double wavelength,
-                                                             double beam_power) {
+                                                             std::vector<TracedPort> const& ports, double wavelength,
+                                                             Band const& band) {
   P p = preset.parameters;
   for (Key<P> const& k : keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);
@@ -132,8 +185,8 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
                               p.wavelength * 1e9));
   p.wavelength = wavelength;
   RecycledInterferometer::Servos servos;
-  if (Node const loop = table["frequency_servo"]) servos.frequency = read_transfer_function(loop);
-  if (Node const loop = table["intensity_servo"]) servos.intensity = read_transfer_function(loop);
+  if (Node const loop = table["frequency_servo"]) servos.frequency = read_transfer_function(loop, band);
+  if (Node const loop = table["intensity_servo"]) servos.intensity = read_transfer_function(loop, band);
   std::vector<Modulation> const modulators = read_modulators(table);
   std::vector<PortEntry> entries = read_port_entries(table, ports, double(table.whole("arms", 2, 1, 1000)));
   if (p.transmission_difference != 0 || p.loss_difference != 0) {
@@ -143,12 +196,17 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   }
   if (!table.healthy()) return nullptr;
   auto model = std::make_unique<DualRecycled>(p, modulators);
+  refuse_a_blind_readout(table, *model, band);
+  double const beam_power = beam_power_in_arm(ports, entries);
   if (beam_power > 0 && !agrees(beam_power, model->arm_power(), 0.1))
     table.warning(fmt::format("the beam has {:.4g} W, and the interferometer {:.4g} W in each arm", beam_power,
                               model->arm_power()),
-                  "make them agree, or add 'arm_power' here; strain is computed with the power of the interferometer");
-  return std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), std::move(entries),
-                                                  std::move(servos));
+                  "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is "
+                  "computed with the power of the interferometer");
+  auto ifo =
+      std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band);
+  refuse_ports_without_response(table, *ifo, entries, band);
+  return ifo;
 }
 
 }  // namespace straytrace

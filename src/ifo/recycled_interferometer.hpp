@@ -16,13 +16,20 @@ class RecycledInterferometer final : public Interferometer {
     TransferFunction frequency, intensity;
   };
   RecycledInterferometer(std::string name, std::unique_ptr<DualRecycled> model, std::vector<PortEntry> ports,
-                         Servos servos)
-      : name_(std::move(name)), model_(std::move(model)), ports_(std::move(ports)), servos_(std::move(servos)) {}
+                         Servos servos, Band const& band = {})
+      : name_(std::move(name)),
+        model_(std::move(model)),
+        ports_(std::move(ports)),
+        servos_(std::move(servos)),
+        band_(band) {}
 
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
   double copies(PortId port) const override { return ports_.at(port.value).copies; }
   std::string description() const override;
+  DualRecycled const& model() const { return *model_; }
+  // Strain per relative field in the larger of both quadratures, without what the port and servos take of it.
+  double largest_response(Entrance, double hz) const;
 
  private:
   struct Answer {
@@ -35,13 +42,14 @@ class RecycledInterferometer final : public Interferometer {
   std::unique_ptr<DualRecycled> model_;
   std::vector<PortEntry> ports_;
   Servos servos_;
+  Band band_;  // for the description
   mutable std::mutex mutex_;
   mutable std::map<double, Answer> answers_;  // by frequency: one solution serves every port
 };
 
 std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, DualRecycledPreset const&,
-                                                             std::vector<std::string> const& ports, double wavelength,
-                                                             double beam_power);
+                                                             std::vector<TracedPort> const& ports, double wavelength,
+                                                             Band const&);
 
 // What the table may hold, for the reader and the reference page. The fallback is that of the preset.
 std::span<Key<DualRecycledParameters> const> dual_recycled_keys();

@@ -5,13 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
+
+#include "base/document.hpp"
 
 namespace straytrace {
 namespace {
 
 using C = std::complex<double>;
 constexpr double edge = 1e-9;  // relative: rounding of a printed frequency is no reason to refuse
+
+bool covers(std::vector<double> const& samples, double hz) {
+  return hz >= samples.front() * (1 - edge) && hz <= samples.back() * (1 + edge);
+}
 
 }  // namespace
 
@@ -34,7 +41,7 @@ C TransferFunction::operator()(double hz) const {
 }
 
 C TransferFunction::between(double hz) const {
-  if (!(hz >= hz_.front() * (1 - edge) && hz <= hz_.back() * (1 + edge)))
+  if (!covers(hz_, hz))
     throw InputError(
         fmt::format("error: '{}' holds {:g} Hz to {:g} Hz, and {:g} Hz is asked for\n  give a file that covers the "
                     "band, or choose 'band' in 'noise' inside it",
@@ -47,11 +54,17 @@ C TransferFunction::between(double hz) const {
                     std::lerp(phase_[a], phase_[b], share));
 }
 
-TransferFunction read_response_file(Node const& file, bool decibels) {
-  std::string const name = file.as_word(), text = name.empty() ? std::string() : file.data_file(name);
+TransferFunction read_response_file(Node const& file, bool decibels, Band const& band) {
+  std::string const name = file.as_word();
+  if (name.empty()) return {};
+  std::optional<std::string> const text = file.document()->optional_file(file, name);
+  if (!text) {
+    file.data_file(name);  // says why it cannot be read
+    return {};
+  }
   std::vector<double> hz;
   std::vector<C> values;
-  std::istringstream lines(text);
+  std::istringstream lines(*text);
   std::string line;
   for (std::uint32_t number = 1; std::getline(lines, line); ++number) {
     line.resize(std::min(line.size(), line.find('#')));
@@ -78,10 +91,13 @@ TransferFunction read_response_file(Node const& file, bool decibels) {
     values.push_back(value);
   }
   if (hz.size() < 2) {
-    if (!name.empty())
-      file.file_problem(name, 0, 0, "a response needs two frequencies at least", "give more lines: Hz and two numbers");
+    file.file_problem(name, 0, 0, "a response needs two frequencies at least", "give more lines: Hz and two numbers");
     return {};
   }
+  if (!covers(hz, band.low) || !covers(hz, band.high))
+    file.problem(fmt::format("'{}' holds {:g} Hz to {:g} Hz, and the band of the noise asks for {:.4g} Hz to {:.4g} Hz",
+                             name, hz.front(), hz.back(), band.low, band.high),
+                 "give a file that covers the band, or choose 'band' in 'noise' inside it");
   return {name, std::move(hz), std::move(values)};
 }
 
@@ -95,7 +111,7 @@ bool read_columns_are_decibels(Node const& table) {
   return false;
 }
 
-TransferFunction read_transfer_function(Node const& table) {
+TransferFunction read_transfer_function(Node const& table, Band const& band) {
   if (table.kind() != Node::Kind::table) {
     table.problem("a transfer function is a table", "write {gain: 1000, poles: [10 Hz]} or {file: loop.txt}");
     return {};
@@ -103,7 +119,7 @@ TransferFunction read_transfer_function(Node const& table) {
   if (Node const file = table["file"]) {
     bool const decibels = read_columns_are_decibels(table);
     table.refuse_unknown("a transfer function");
-    return read_response_file(file, decibels);
+    return read_response_file(file, decibels, band);
   }
   std::vector<double> roots[2];
   for (int i : {0, 1})

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/table.hpp"
+#include "ifo/interferometer.hpp"
 
 namespace straytrace {
 
@@ -38,10 +39,10 @@ class TransferFunction {
 inline std::complex<double> suppression(std::complex<double> open_loop_gain) { return 1.0 / (1.0 + open_loop_gain); }
 
 // {gain: 100, zeros: [10 Hz], poles: [..]} or {file: FILE, columns: [Hz, re, im]}. Columns may also be [Hz, dB, deg];
-// files hold phases for exp(+2 pi i f t), as instruments and FINESSE give them.
-TransferFunction read_transfer_function(Node const&);
+// files hold phases for exp(+2 pi i f t), as instruments and FINESSE give them, and must cover the band.
+TransferFunction read_transfer_function(Node const&, Band const&);
 // Whether `columns` of the table says decibels and degrees.
 bool read_columns_are_decibels(Node const& table);
-TransferFunction read_response_file(Node const& file, bool decibels);
+TransferFunction read_response_file(Node const& file, bool decibels, Band const&);
 
 }  // namespace straytrace

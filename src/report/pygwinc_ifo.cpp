@@ -10,6 +10,7 @@
 
 #include "base/embedded.hpp"
 #include "base/table.hpp"
+#include "noise/fundamental/quantum.hpp"
 #include "report/pygwinc_parts.hpp"
 #include "report/report.hpp"
 
@@ -17,6 +18,7 @@ namespace straytrace {
 namespace {
 
 constexpr std::string_view preset_folder = "detectors/";
+constexpr double probe_hz = 100;
 
 CoatedMirror read_mirror(IfoTree& t, std::string const& name, bool coated) {
   std::string const at = "Optics." + name + ".";
@@ -91,7 +93,7 @@ Detector read_detector(IfoTree& t) {
 void check_together(IfoTree& t, Detector const& d) {
   double const g = (1 - d.arm_length / d.input.curvature) * (1 - d.arm_length / d.end.curvature);
   if (std::isnan(g) || std::isnan(d.wavelength)) return;
-  if (!(g > 0 && g < 1)) {
+  if (!(g > 1e-9 && g < 1 - 1e-9)) {
     t.problem("Optics.Curvature.ITM", fmt::format("the arm cavity is not stable: g1 g2 = {:.4g}", g),
               "choose curvatures and length with 0 < (1 - L/R1)(1 - L/R2) < 1");
     return;
@@ -120,6 +122,14 @@ void check_waves(IfoTree& t, Ground const& g) {
               fmt::format("the waves in the ground have speeds of {:g} (Rayleigh), {:g} (s) and {:g} m/s (p)",
                           g.rayleigh_speed, g.s_speed, g.p_speed),
               "Rayleigh waves are slower than s waves, and these slower than p waves");
+}
+
+void check_readout(IfoTree& t, Detector const& d) {
+  if (!DualRecycled(dual_recycled(d)).sees_darm(probe_hz))
+    t.problem(
+        "Optics.Quadrature.dc",
+        fmt::format("at 'Optics.Quadrature.dc' {:g} rad the read-out does not see the arms move", d.readout_angle),
+        "write 1.5707963 (pi/2), where the signal of a tuned interferometer is");
 }
 
 std::vector<CurveFile> read_curves(IfoTree& t, std::filesystem::path const& folder) {
@@ -201,6 +211,8 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   t.word("extends");
   if (auto const said = t.source_of("title"); said && *said >= own) ifo.title = t.word("title");
   if (extends || !overrides.empty()) t.refuse_unread(extends ? own : own + 1);
+  t.throw_if_problems();
+  check_readout(t, ifo.detector);
   t.throw_if_problems();
   ifo.yaml = t.yaml();
   return ifo;

@@ -32,11 +32,13 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
     first = false;
     Lighting light{name, std::uint32_t(beams.names.size())};
     std::size_t const spots = world.footprints().size();
+    world.beam_powers.push_back(0);
     if (node.has("power")) {
       double const power = node.number("power", dim::power, required, 1e-12, 1e9);
-      bool const wrong = std::isnan(power);  // then it is not also a missing one
+      bool const wrong = std::isnan(power);
       if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
       if (!wrong) light.power = power / world.beam_power;
+      world.beam_powers.back() = wrong ? 1 : power;  // then it is not also a missing one
     }
     if (Node const cavity = node["cavity"])
       read_cavity(node, cavity, names, world, light);

@@ -13,14 +13,17 @@ namespace {
 
 constexpr std::size_t most_spots = 2000;  // every one of them is connected to from every vertex
 
-// Patterns under a key; each must fit the name of some surface.
+// Patterns under a key; each must fit the name of some surface, or of an entry whose problem is reported.
 std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
   std::vector<std::string> all, known;
   for (auto const& [name, id] : names.surfaces) known.push_back(name);
   for (Node const& word : table.list(key)) {
     std::string const pattern = all.emplace_back(word.as_word());
-    if (std::any_of(known.begin(), known.end(), [&](std::string const& name) { return matches(pattern, name); }))
-      continue;
+    auto const fits = [&](std::string const& name) { return matches(pattern, name); };
+    bool const refused = std::any_of(names.refused.begin(), names.refused.end(), [&](std::string const& entry) {
+      return fits(entry) || pattern.starts_with(entry + "/") || pattern.starts_with(entry + "[");
+    });
+    if (refused || std::any_of(known.begin(), known.end(), fits)) continue;
     std::string const near = nearest_word(pattern, known);
     word.problem(fmt::format("'{}' is not a surface of the scene", pattern),
                  near.empty() ? "name entries of 'scene', or write a pattern such as \"bench/*\""

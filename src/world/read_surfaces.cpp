@@ -159,9 +159,14 @@ std::uint32_t volume_of(Scene::Instance const& instance, World& world, Registry 
 
 bool is_entry(Scene::Instance const& instance) { return instance.node.data() == instance.placement.data(); }
 
+// Its name counts as defined.
+void refuse(Scene::Instance const& instance, Registry& names) {
+  names.refused.insert(instance.name.substr(0, instance.name.find_first_of("/[")));
+}
+
 // What a refused entry names is looked up all the same.
 void check_named(Scene::Instance const& instance, World const& world, Registry& names) {
-  names.refused.insert(instance.name.substr(0, instance.name.find_first_of("/[")));
+  refuse(instance, names);
   if (is_entry(instance)) {
     Node const by_face = instance.placement["surfaces"];
     if (by_face.kind() == Node::Kind::table)
@@ -199,7 +204,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   static constexpr std::array<std::string_view, 5> sides = {"both", "front", "back", "outer", "inner"};
   Node const& owner = instance.node.has("side") ? instance.node : instance.placement;
   std::string const side = side_node ? owner.choice("side", sides) : "both";
-  if (!shape && !file) return;
+  if (!shape && !file) return refuse(instance, names);
   Surface as;
   as.front = side == "back" || side == "inner" ? names.black : optic;
   as.back = side == "front" || side == "outer" ? names.black : optic;
@@ -208,7 +213,7 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   if (file) return add_mesh(instance, file, pose, as, side, first_time, world, names, shared.meshes);
   as.group = world.add_group(instance.group);
   SurfaceId const id = add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
-  if (!id.valid()) return;
+  if (!id.valid()) return refuse(instance, names);
   names.frames[id.value] = pose;
   names.surfaces[instance.name] = id;
   names.surfaces.try_emplace(instance.group, id);

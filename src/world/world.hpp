@@ -227,7 +227,8 @@ class World {
   bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
   double wavelength = 1.064e-6;
-  double beam_power = 0;  // W, of the first beam that states one; 0: none does. For the interferometer, not the trace
+  double beam_power = 0;            // W, of the first beam that states one; 0: none does. For reports, not the trace
+  std::vector<double> beam_powers;  // W, by beam; 0: not stated. For the interferometer
   std::vector<MaterialInfo> materials;  // in the order of the scene
   std::vector<std::string> notes;       // what was assumed or computed on the way, for reports
 

@@ -63,6 +63,14 @@ TEST(cavity, unstable_ones_are_refused) {
   EXPECT_THROW(cavity_mode(3000, 1500, 1500, nd_yag), NumericalError);          // concentric
   EXPECT_THROW(cavity_mode(3000, 3000, 1600, nd_yag), NumericalError);          // g1 g2 = 0
   EXPECT_NO_THROW(cavity_mode(3000, 1501, 1501, nd_yag));
+  // g1 g2 = 1 but for rounding, and within 1e-9 on either edge.
+  double const third = 3000.0 / 3;
+  EXPECT_THROW(cavity_mode(third, third / 2, third / 2 * (1 + 2e-16), nd_yag), NumericalError);
+  for (double const share : {1e-10, -1e-10}) {
+    EXPECT_THROW(cavity_mode(3000, 1500 * (1 + share), 1500, nd_yag), NumericalError);
+    EXPECT_THROW(cavity_mode(3000, 3000 * (1 + share), 2000, nd_yag), NumericalError);
+  }
+  EXPECT_NO_THROW(cavity_mode(3000, 1500 * (1 + 1e-8), 1500, nd_yag));
 }
 
 // The general solver from the ray matrix of a round trip agrees with eq. 6.3: 1e-9 relative.

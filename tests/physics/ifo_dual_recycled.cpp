@@ -166,6 +166,27 @@ TEST(DualRecycled, QuantumNoiseA23) {
   EXPECT_GT(DualRecycled(p).quantum_noise(1000), 2 * d.quantum_noise(1000)) << "twin: the other quadrature";
 }
 
+// A23 to 1e-4. Eq. 12.6 has gamma = T c/(4L) and phases of sidebands to first order in T and in f L/c: with T, L and
+// the power a hundred times smaller, gamma and K stay, h is a hundred times larger, and what is left out falls alike.
+TEST(DualRecycled, QuantumNoiseInTheLimitOfA23) {
+  struct Row {
+    double hz, strain;
+  };
+  for (Row const& row : {Row{10, 3.1093e-22}, {100, 2.3971e-24}, {1000, 1.6101e-23}}) {
+    auto const off = [&](double scale, double signal = 1) {
+      DualRecycledParameters p = plain(0.014 / scale, signal);
+      p.arm_length = 2999.8 / scale;
+      p.mirror_mass = 42;
+      p.arm_power = 650e3 / scale;
+      return DualRecycled(p).quantum_noise(row.hz) / (scale * row.strain) - 1;
+    };
+    EXPECT_LT(std::fabs(off(100)), 1e-4) << row.hz;
+    EXPECT_NEAR((off(10) - off(1000)) / (off(100) - off(1000)), 11, 0.5) << row.hz;  // 0.099 / 0.009: first order
+    EXPECT_GT(std::fabs(off(1)), 1e-3) << "twin: T as it is";
+    EXPECT_GT(std::fabs(off(100, 0.99)), 1e-3) << "twin: a signal-recycling mirror of 1 %";
+  }
+}
+
 // Eq. 6.8: what is lost between splitter and signal-recycling mirror lowers its reflection; one pass of it is read-out
 // loss when there is no mirror.
 TEST(DualRecycled, LossOfTheSignalCavityEq6_8) {

@@ -28,16 +28,61 @@ struct Cavity {
   double transmitted() const { return SteadyField(network).power_in(network.number_of({dump, 0})); }
 };
 
-// R2.05, eq. 6.4: the cavity of the thesis.
+// What a scan over the length of a cavity shows. `detuning`: m, of the end mirror.
+struct Scan {
+  double t1, t2;
+  double circulating(double detuning) const { return moved(detuning).circulating(); }
+  Cavity moved(double detuning) const {
+    Cavity c(t1, t2, 0, 3000, 0);
+    c.network.move(c.end, detuning);
+    return c;
+  }
+  // Full width at half of the largest power, m.
+  double width() const {
+    double inside = 0, outside = 1.064e-6 / 4;  // anti-resonance
+    while (outside - inside > 1e-18) {
+      double const middle = (inside + outside) / 2;
+      (circulating(middle) > circulating(0) / 2 ? inside : outside) = middle;
+    }
+    return 2 * inside;
+  }
+};
+
+// R2.05, eq. 6.4 and 6.5: the cavity of the thesis, 3 km, 1 W, reflectivities 0.98 and 0.996.
 TEST(Network, FabryPerotR2_05) {
-  Cavity const on(0.02, 0.004, 0, 3000, 0), off(0.02, 0.004, 0, 3000, pi / 2);
+  Scan const scan{0.02, 0.004};
+  Cavity const on = scan.moved(0), off = scan.moved(1.064e-6 / 4);
   EXPECT_NEAR(on.circulating(), 138.14, 5e-3);
   EXPECT_NEAR(off.circulating(), 0.00506, 5e-6);
   EXPECT_NEAR(on.reflected(), 0.4474, 5e-5);
   EXPECT_NEAR(on.transmitted(), 0.5526, 5e-5);
-  double const half = pi / 2 / 259.52;  // of the width in round-trip phase, as one-way phase: FWHM = FSR/F
-  EXPECT_NEAR(Cavity(0.02, 0.004, 0, 3000, half).circulating() / on.circulating(), 0.5, 1e-4);
-  EXPECT_GT(std::fabs(Cavity(0.02, 0.004, 0, 3000, 1.1 * half).circulating() / on.circulating() - 0.5), 0.03) << "twin";
+  EXPECT_NEAR(scan.circulating(1.064e-6 / 2) / on.circulating(), 1, 1e-9);  // one free spectral range on
+  double const width = scan.width(), range = speed_of_light / (2 * 3000);
+  EXPECT_NEAR(range, 49965.4, 0.05);
+  EXPECT_NEAR(width / 2.050e-9, 1, 3e-4);
+  EXPECT_NEAR(1.064e-6 / 2 / width / 259.52, 1, 1e-4);        // finesse
+  EXPECT_NEAR(range * width / (1.064e-6 / 2), 192.53, 0.01);  // Hz
+  EXPECT_NEAR(range * width / 1.064e-6, 96.27, 0.005);        // pole
+  EXPECT_NEAR(finesse({3000, 0.02, 0.004, 0}), 259.52, 5e-3);
+  EXPECT_NEAR(cavity_pole({3000, 0.02, 0.004, 0}), 96.27, 5e-3);
+  EXPECT_NEAR(finesse({3000, 0.98, 0.004, 0}), 1.37, 5e-3) << "twin: 0.98 as a transmission";
+}
+
+// R2.05: a cavity of low finesse, where eq. 6.5 is no longer the width of eq. 6.4: the whole scan.
+TEST(Network, FabryPerotOfLowFinesseR2_05) {
+  Scan const scan{0.1, 0.3};
+  double const product = std::sqrt(0.9 * 0.7);
+  for (double const share : {0.0, 0.01, 0.05, 0.2, 0.37, 0.5}) {  // of the free spectral range
+    Phasor const closed = std::sqrt(0.1) / (1.0 - product * std::polar(1.0, 2 * pi * share));
+    Cavity const c = scan.moved(share * 1.064e-6 / 2);
+    EXPECT_NEAR(c.circulating() / std::norm(closed), 1, 1e-9) << share;
+    EXPECT_NEAR(c.reflected() + c.transmitted(), 1, 1e-12) << share;
+    EXPECT_NEAR(c.transmitted() / (0.3 * std::norm(closed)), 1, 1e-9) << share;
+  }
+  // Half the power: sin(delta/2) = (1 - r1 r2)/(2 sqrt(r1 r2)).
+  double const exact = 1.064e-6 / pi * std::asin((1 - product) / (2 * std::sqrt(product)));
+  EXPECT_NEAR(scan.width() / exact, 1, 1e-6);
+  EXPECT_GT(std::fabs(scan.width() / (1.064e-6 / (2 * finesse({3000, 0.1, 0.3, 0}))) - 1), 1e-3) << "twin: eq. 6.5";
 }
 
 // A10: Advanced Virgo's arm.
@@ -48,16 +93,23 @@ TEST(Network, ArmA10) {
   EXPECT_NEAR(arm.circulating(), 280.687, 2e-3);
 }
 
-// Eq. 6.6: slope of the phase of reflection.
+// Eq. 6.6: slope of the phase of reflection, exact and with 8F/lambda, which needs r2 near 1.
 TEST(Network, PhaseSlopeR2_06) {
-  double const dx = 1e-15;
-  auto const phase = [&](double x) {
-    Cavity cavity(0.02, 0.004, 0, 3000, 0);
-    cavity.network.move(cavity.end, x);
-    SteadyField const field(cavity.network);
-    return std::arg(field.in(cavity.network.number_of({cavity.laser, 0}), 0));
+  auto const slope = [](double t2) {  // rad/m
+    auto const phase = [&](double x) {
+      Cavity const cavity = Scan{0.02, t2}.moved(x);
+      return std::arg(SteadyField(cavity.network).in(cavity.network.number_of({cavity.laser, 0}), 0));
+    };
+    double const dx = 1e-13;
+    return std::fabs(std::remainder(phase(dx) - phase(-dx), 2 * pi)) / (2 * dx);
   };
-  EXPECT_NEAR(std::fabs(phase(dx) - phase(-dx)) / (2 * dx) / 2.434e9, 1, 1e-3);
+  auto const limit = [](double t2) { return 8 * finesse({3000, 0.02, t2, 0}) / 1.064e-6; };
+  EXPECT_NEAR(slope(0.004) / 2.434e9, 1, 3e-4);
+  EXPECT_NEAR(limit(0.004) / 1.951e9, 1, 3e-4);
+  EXPECT_NEAR(slope(0.004) / limit(0.004), 1.2475, 1e-4);
+  EXPECT_NEAR(slope(0) / 2.338e9, 1, 3e-4);
+  EXPECT_NEAR(limit(0) / 2.338e9, 1, 3e-4);
+  EXPECT_GT(slope(0.004) / limit(0.004), 1.2) << "twin: 8F/lambda for an end mirror that transmits";
 }
 
 // R2.08, eq. 6.7: a mirror in front of one that reflects 99 % as an arm on resonance does.

@@ -57,11 +57,17 @@ TEST(Ports, EndBenchAndShortArmA14) {
   DualRecycledParameters const p = case_a14();
   DualRecycled const d(p);
   ArmCavity const arm = arm_of(p);
+  // Behind the end mirror T_E sqrt(f_sc) joins at that mirror. Eq. 9.10 counts s_arm where the round trip ends, one
+  // reflection at the input mirror later: with s_arm = T_E sqrt(f_sc) it is 1/r1 above.
   double const bench = std::real(strain(d, Entrance::end_bench, 0.01).phase) * p.arm_length * 1e-4,
-               of_9_10 = equivalent_length(arm, wavelength, {0, arm.r1() * p.end_transmission * 1e-4}, 0);
-  EXPECT_NEAR(bench / of_9_10, 1, 1e-3);
-  EXPECT_NEAR(bench / (p.end_transmission * 1e-4 * wavelength / (4 * pi)), 1, 0.01);  // eq. 9.3
-  EXPECT_GT(std::fabs(bench / std::sqrt(p.end_transmission) / of_9_10), 100) << "twin: the mirror passed once";
+               joining = p.end_transmission * 1e-4, of_9_3 = joining * wavelength / (4 * pi),
+               of_9_10 = equivalent_length(arm, wavelength, {0, joining}, 0);
+  EXPECT_NEAR(of_9_10 / of_9_3, 1 / (arm.r1() * arm.r2()), 1e-4);  // A14: within 1 %
+  EXPECT_NEAR(bench / (arm.r1() * of_9_10), 1, 1e-4);
+  EXPECT_NEAR(bench / of_9_3, 1, 1e-4);
+  EXPECT_GT(bench / of_9_10 - 1, -0.01);
+  EXPECT_LT(bench / of_9_10 - 1, -0.005) << "twin: without r1";
+  EXPECT_GT(std::fabs(bench / std::sqrt(p.end_transmission) / of_9_3), 100) << "twin: the mirror passed once";
   double const before = std::real(strain(d, Entrance::short_arm, 0.01).phase) * p.arm_length * 1e-9;
   EXPECT_NEAR(before / equivalent_length(arm, wavelength, 0, {0, 1e-9}), 1, 1e-3);
   for (double const hz : {0.01, 30.0, 300.0}) {
@@ -113,14 +119,17 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     DualRecycled const d(each.parameters);
     DualRecycledParameters const& p = d.parameters();
     DifferentialMode const mode = differential_mode(arm_of(p), p.signal_recycling_transmission);
-    for (double const hz : {1.0, 3.0}) {
+    auto const ratio = [&](double hz) {
       HeldResponse const r(d, hz);
-      double const closed = std::abs(strain_per_amplitude_in_arm(hz, d.arm_power(), p.mirror_mass, p.arm_length, mode)),
-                   solved = std::abs(r.to_amplitude(d.injection(Entrance::arm)) / r.to_freedom(Freedom::darm)) /
-                            p.arm_length;
-      // Loss at the splitter is not in eq. 6.8; kagra has 10 pm of offset at 1 Hz. Detuned, the read-out begins to see
-      // the amplitude itself: 3.4 % at 3 Hz.
-      EXPECT_NEAR(solved / closed, 1, p.signal_recycling_tuning == 0 ? 0.03 : 0.04) << each.name << " " << hz;
+      Phasor const closed = strain_per_amplitude_in_arm(hz, d.arm_power(), p.mirror_mass, p.arm_length, mode);
+      return std::abs(r.to_amplitude(d.injection(Entrance::arm)) / r.to_freedom(Freedom::darm) / closed) / p.arm_length;
+    };
+    // Loss at the splitter is not in eq. 6.8; kagra has 10 pm of offset at 1 Hz.
+    bool const tuned = p.signal_recycling_tuning == 0;
+    for (double const hz : {tuned ? 3 : 0.3, 1.0}) EXPECT_NEAR(ratio(hz), 1, 0.03) << each.name << " " << hz;
+    // Detuned, the read-out sees the amplitude itself, which grows with f^2 beside radiation pressure.
+    if (!tuned) {
+      EXPECT_GT(ratio(5), 1.1) << "twin: where eq. 9.2 does not hold";
     }
   }
   DualRecycled const adv(dual_recycled_presets()[0].parameters);

@@ -17,7 +17,7 @@ struct Detector {
 
 Detector detector(std::string const& keys) {
   Detector d{scene_of("interferometer: {" + keys + "}\n"), {}, {}};
-  d.ifo = make_interferometer(d.scene.root()["interferometer"], {"ITM", "ETM"}, 1064e-9);
+  d.ifo = make_interferometer(d.scene.root()["interferometer"], {{"ITM"}, {"ETM"}}, 1064e-9);
   d.problems = problems_of(d.scene);
   return d;
 }

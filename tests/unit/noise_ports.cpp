@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table `interferometer`: presets of networks, ports, servos, responses from files.
+#include <fmt/format.h>
+
 #include "ifo/dual_recycled.hpp"
 #include "ifo/interferometer.hpp"
 #include "noise_support_scene.hpp"
@@ -16,9 +18,12 @@ struct Detector {
   std::string problems;
 };
 
-Detector detector(std::string const& keys, FileTexts files = {}, double wavelength = 1064e-9) {
+std::vector<TracedPort> const two_ports = {{.name = "ITM"}, {.name = "bench"}};
+
+Detector detector(std::string const& keys, FileTexts files = {}, double wavelength = 1064e-9,
+                  std::vector<TracedPort> const& ports = two_ports) {
   Detector d{scene_of("interferometer: {" + keys + "}\n", std::move(files)), {}, {}};
-  d.ifo = make_interferometer(d.scene.root()["interferometer"], {"ITM", "bench"}, wavelength);
+  d.ifo = make_interferometer(d.scene.root()["interferometer"], ports, wavelength);
   d.problems = problems_of(d.scene);
   return d;
 }
@@ -109,6 +114,90 @@ TEST(ReadPorts, ResponsesFromFiles) {
       "preset: adv, responses: {bench: {phase: phase.txt, darm: darm.txt, columns: [Hz, re, im], unit: W}}", files);
   ASSERT_THAT(watts.problems, IsEmpty());
   EXPECT_NEAR(phase(watts, 1) / (3e-21 / 2999.8), 1, 1e-9);
+}
+
+// Light that comes back at an end mirror joins there unless the table says otherwise: Gamma - 1/2 instead of Gamma, 0.6
+// of the radiation pressure for Cosmic Explorer 1.
+TEST(ReadPorts, EndMirrorsOfTheScene) {
+  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "ETM", .entrance = Entrance::end_mirror}};
+  auto const pressure = [&](std::string const& keys) {
+    Detector const d = detector("preset: ce" + keys, {}, 1064e-9, ports);
+    EXPECT_THAT(d.problems, IsEmpty());
+    return std::abs(d.ifo->strain_per_amplitude(PortId{1}, 20));
+  };
+  double const found = pressure(""), inside = pressure(", ports: {ETM: {at: arm}}");
+  EXPECT_EQ(found, pressure(", ports: {ETM: {at: end-mirror}}"));
+  EXPECT_EQ(found, pressure(", ports: {ETM: {copies: 1}}"));
+  EXPECT_NEAR(inside / found, 1.68, 0.01) << "twin: as at the input mirror";
+}
+
+// Without light at its place a stray field is relative to rounding.
+TEST(ReadPorts, PortsWithoutLight) {
+  for (DualRecycledPreset const& p : dual_recycled_presets())
+    for (char const* at : {"as-port", "signal-cavity", "symmetric-port", "recycling-cavity", "input-bench"}) {
+      bool const leaks = p.parameters.dark_fringe_offset != 0;
+      std::string const keys = fmt::format("preset: {}, ports: {{bench: {{at: {}}}}}", p.name, at),
+                        problems = detector(keys, {}, p.parameters.wavelength).problems;
+      EXPECT_EQ(problems.empty(), leaks) << p.name << " " << at;
+      if (!leaks) {
+        EXPECT_THAT(problems, HasSubstr("dark_fringe_offset")) << p.name << " " << at;
+      }
+      EXPECT_THAT(detector(keys + ", dark_fringe_offset: 1e-15 m", {}, p.parameters.wavelength).problems, IsEmpty());
+    }
+  Detector const d = detector("preset: et-hf, ports: {bench: {at: as-port}}");
+  EXPECT_THAT(d.problems, HasSubstr("scene.yaml:2:53: error: no light is at 'as-port'"));
+  FileTexts const files = {{"phase.txt", "10 3e-12 0\n1000 0 -3e-12\n"}};
+  EXPECT_THAT(detector("preset: et-hf, ports: {bench: {at: as-port}}, responses: {bench: {phase: phase.txt, columns: "
+                       "[Hz, re, im], unit: strain}}",
+                       files)
+                  .problems,
+              IsEmpty());
+  EXPECT_THAT(detector("preset: adv, end_transmission: 0, ports: {bench: {at: end-bench}}").problems,
+              HasSubstr("add 'end_transmission: 4.4 ppm'"));
+  EXPECT_THAT(detector("preset: adv, ports: {bench: {at: end-bench, pick_off: 0}}").problems, HasSubstr("'pick_off'"));
+}
+
+// A read-out at which the slope of DARM is rounding would calibrate everything by it.
+TEST(ReadPorts, ReadoutsThatAreBlind) {
+  for (char const* keys : {"preset: et-hf, homodyne_angle: 0 rad", "preset: ce, homodyne_angle: 180 deg",
+                           "preset: adv, dark_fringe_offset: 0 m, homodyne_angle: 0 rad"})
+    EXPECT_THAT(detector(keys).problems, HasSubstr("the quadrature in which DARM does not appear")) << keys;
+  EXPECT_THAT(detector("preset: adv, dark_fringe_offset: 1e-22 m").problems, HasSubstr("with so small an offset"));
+  EXPECT_THAT(detector("preset: et-hf, homodyne_angle: 1 deg").problems, IsEmpty());
+  EXPECT_THAT(detector("preset: et-lf, homodyne_angle: 0 rad", {}, 1550e-9).problems, IsEmpty());  // detuned
+}
+
+// The power of a beam is that of the arms only where its port is in an arm.
+TEST(ReadPorts, PowerOfTheBeam) {
+  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "bench", .power = 1}};
+  auto const warnings = [&](std::string const& keys) {
+    Detector const d = detector(keys, {}, 1064e-9, ports);
+    EXPECT_THAT(d.problems, IsEmpty());
+    return d.scene.warnings();
+  };
+  EXPECT_THAT(warnings("preset: adv"), HasSubstr("the beam has 1 W"));
+  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-mirror}}"), HasSubstr("the beam has 1 W"));
+  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-bench}}"), IsEmpty());
+  std::string const closed =
+      "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %";
+  EXPECT_THAT(detector(closed, {}, 1064e-9, ports).ifo->description(), HasSubstr("P 1 W per arm"));
+  EXPECT_THAT(detector(closed + ", ports: {bench: {at: short-arm}}", {}, 1064e-9, ports).problems,
+              HasSubstr("the power in the arms is missing"));
+}
+
+TEST(ReadPorts, FilesThatDoNotHold) {
+  FileTexts const files = {{"short.txt", "20 1 0\n50 1 0\n"}, {"one.txt", "20 1 0\n"}};
+  std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
+  EXPECT_THAT(detector("preset: adv, responses: {bench: {phase: short.txt" + columns, files).problems,
+              HasSubstr("scene.yaml:2:58: error: 'short.txt' holds 20 Hz to 50 Hz, and the band of the noise asks for "
+                        "10 Hz to 100 Hz"));
+  EXPECT_THAT(detector("preset: adv, frequency_servo: {file: short.txt, columns: [Hz, re, im]}", files).problems,
+              HasSubstr("error: 'short.txt' holds"));
+  EXPECT_THAT(detector("preset: adv, responses: {bench: {phase: one.txt" + columns, files).problems,
+              HasSubstr("needs two frequencies"));
+  std::string const missing = detector("preset: adv, responses: {bench: {phase: none.txt" + columns).problems;
+  EXPECT_THAT(missing, HasSubstr("cannot read file 'none.txt'"));
+  EXPECT_THAT(missing, HasSubstr("1 error"));
 }
 
 TEST(ReadPorts, Problems) {

@@ -91,6 +91,17 @@ TEST(Ifo, PlacesAndSuggestions) {
   EXPECT_EQ(complaint("extends: aligo\nLaser: {Power: .nan, ArmPower: 1e5}\n"), "");
 }
 
+// The quadrature in which the arms do not appear would make noise of rounding; a wrong length alone is one problem.
+TEST(Ifo, WhatTheReadoutDoesNotSee) {
+  for (char const* angle : {"0", "3.141592653589793"})
+    EXPECT_THAT(complaint(std::string("extends: aligo\nOptics: {Quadrature: {dc: ") + angle + "}}\n"),
+                HasSubstr("ifo.yaml:2:27: error: at 'Optics.Quadrature.dc'"));
+  EXPECT_EQ(complaint("extends: aligo\nOptics: {Quadrature: {dc: 0.1}}\n"), "");
+  EXPECT_EQ(complaint("extends: et-lf\nOptics: {Quadrature: {dc: 0}}\n"), "");  // detuned: it sees them
+  EXPECT_THAT(complaint("extends: aligo\n", {"Infrastructure.Length=0"}), ::testing::Not(HasSubstr("not stable")));
+  EXPECT_THAT(complaint("extends: aligo\n", {"Optics.Curvature.ITM=0"}), HasSubstr("not stable"));
+}
+
 TEST(Ifo, UnknownKeysOfWholeFilesAreFine) {
   TemporaryFile const file("whole.yaml", read_ifo("aligo").yaml + "\nInfrastructureOfTheFuture: {PipR: 0.5, l0: 1}\n");
   EXPECT_EQ(read_ifo(file.name()).detector.arm_length, 3995);
