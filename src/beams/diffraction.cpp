@@ -2,10 +2,8 @@
 #include "beams/diffraction.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>
-#include <boost/math/special_functions/bessel.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/constants.hpp"
@@ -17,63 +15,112 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr Complex i{0, 1};
-using Rule = boost::math::quadrature::gauss<double, 20>;  // on panels of about half a period
+using Rule = boost::math::quadrature::gauss<double, 20>;
+constexpr double wanted = 1e-10, accepted = 1e-3;  // relative errors
+constexpr unsigned most_points = 1u << 23;
 
-// exp(-gamma r^2 + r (bx cos a + by sin a) + constant) in polar coordinates r, a about the centre of the aperture.
+// exp(constant - gamma s), s = (x - cx)^2 + (y - cy)^2 about a complex point, from the centre of the opening.
 struct Integrand {
-  Complex gamma, bx, by, constant;
-  double size() const { return std::sqrt(std::norm(bx) + std::norm(by)); }
-  bool centred() const { return bx.real() == 0 && by.real() == 0; }  // a plane wave on top of a centred Gaussian
+  Complex gamma, cx, cy, constant;
+  double distance() const { return std::sqrt(std::norm(cx) + std::norm(cy)); }
 };
 
 double inner(Opening const& a) { return std::max(0.0, a.radius - 0.5 * a.tooth_height); }
 double outer(Opening const& a) { return a.radius + 0.5 * a.tooth_height; }
 
-// Open share of the circle of radius r.
-double open_share(Opening const& a, double r) {
-  if (r <= inner(a)) return 1;
-  return r >= outer(a) ? 0 : (outer(a) - r) / a.tooth_height;
+// (e^c - e^(c - z))/z, entire.
+Complex decline(Complex c, Complex z) {
+  if (std::norm(z) > 1e-2) return (std::exp(c) - std::exp(c - z)) / z;
+  Complex term = 1, sum = 1;
+  for (int n = 2; n < 12; ++n) sum += term *= -z / double(n);
+  return std::exp(c) * sum;
 }
 
-// Terms in azimuth that exp(r b cos a) still holds: J_n(x) falls faster than exponentially beyond n = x.
-unsigned orders_of(double x) { return unsigned(x + 5 * std::cbrt(x) + 20); }
-
-// Integral over the azimuth at radius r. The rim enters by its Fourier series: harmonic m of `teeth` equal teeth of
-// open share T is 2 sin(pi m T)/(pi m), and those beyond the orders of the exponential integrate to nothing.
-Complex around(Integrand const& f, Opening const& a, double r) {
-  double const share = open_share(a, r), size = f.size();
-  unsigned const orders = orders_of(r * size);
-  unsigned const harmonics = a.teeth > 0 && share < 1 ? orders / a.teeth : 0;
-  if (f.centred() && harmonics == 0)
-    return 2 * pi * share * std::exp(f.constant - f.gamma * r * r) * boost::math::cyl_bessel_j(0, r * size);
-  unsigned const points = 2 * orders + 2;
-  Complex sum = 0;
-  for (unsigned j = 0; j < points; ++j) {
-    double const angle = 2 * pi * j / points;
-    double open = share;
-    for (unsigned m = 1; m <= harmonics; ++m)
-      open += 2 * std::sin(pi * m * share) / (pi * m) * std::cos(m * (a.teeth * (angle - a.phase) - pi));
-    sum += open * std::exp(f.constant - f.gamma * r * r + r * (f.bx * std::cos(angle) + f.by * std::sin(angle)));
-  }
-  return 2 * pi / points * sum;
+// The integrand is the divergence of (r - c) (1 - exp(-gamma s))/(2 gamma s), so the integral over an opening is that
+// of the flow through its rim r(angle): one integral of a smooth function, without a pole.
+Complex flow(Integrand const& f, double angle, double r, double slope) {
+  double const c = std::cos(angle), s = std::sin(angle);
+  Complex const x = r * c - f.cx, y = r * s - f.cy;
+  Complex const through = x * (slope * s + r * c) + y * (r * s - slope * c);
+  return 0.5 * through * decline(f.constant, f.gamma * (x * x + y * y));
 }
 
-Complex integral(Integrand const& f, Opening const& a) {
-  constexpr double most_panels = 2e5;
-  std::array<double, 3> const edges = {0, inner(a), outer(a)};
-  Complex sum = 0;
-  for (std::size_t part = 0; part < 2; ++part) {
-    double const low = edges[part], high = edges[part + 1];
-    if (!(high > low)) continue;
-    double const turns = (std::abs(f.gamma) * (high * high - low * low) + f.size() * (high - low)) / pi;
-    if (!(turns < most_panels))
-      throw NumericalError("the field so close behind an aperture cannot be integrated: go farther away");
-    double const panels = std::ceil(turns) + 1, step = (high * high - low * low) / panels;
-    for (double p = 0; p < panels; ++p)  // equal steps of r^2: r dr = d(r^2)/2
-      sum += Rule::integrate([&](double s) { return 0.5 * around(f, a, std::sqrt(s)); }, low * low + p * step,
-                             low * low + (p + 1) * step);
+// Sum over a rim, and how much the last refinement changed it.
+struct Estimate {
+  Complex value;
+  double change = infinity;
+  bool good(double part) const { return change <= part * std::abs(value); }
+};
+
+// Harmonics that exp(x cos angle) holds: they fall faster than exponentially beyond the order x.
+double orders_of(double x) { return x + 5 * std::cbrt(x) + 20; }
+
+// Round rim: an even sum over the angle has the integral but for harmonics beyond the number of points. Half of the
+// points hold all of them already.
+Estimate around_circle(Integrand const& f, double r) {
+  double const orders = orders_of(2 * r * std::abs(f.gamma) * f.distance());
+  Estimate sum;
+  for (double half = std::ceil(orders); half < most_points; half *= 2) {
+    Complex even = 0, odd = 0;
+    for (double j = 0; j < half; ++j) {
+      even += flow(f, 2 * pi * j / half, r, 0);
+      odd += flow(f, 2 * pi * (j + 0.5) / half, r, 0);
+    }
+    sum.value = pi / half * (even + odd);
+    sum.change = pi / half * std::abs(even - odd);
+    if (sum.good(wanted)) break;
   }
   return sum;
+}
+
+// Triangular teeth, edge by edge.
+Estimate around_teeth(Integrand const& f, Opening const& a) {
+  double const half = pi / a.teeth, slope = a.tooth_height / half;
+  double const edge = std::hypot(a.tooth_height, a.radius * half);
+  double const turns = 2 * (outer(a) + f.distance()) * std::abs(f.gamma) * edge / pi;
+  Estimate sum;
+  for (double panels = std::ceil(turns) + 1; panels * 2 * a.teeth * 20 < most_points; panels *= 2) {
+    Complex value = 0;
+    for (unsigned tooth = 0; tooth < a.teeth; ++tooth)
+      for (int side : {-1, 1})
+        for (double p = 0; p < panels; ++p)
+          value += Rule::integrate(
+              [&](double along) {  // from the tip
+                return flow(f, a.phase + (2.0 * tooth) * half + side * along, inner(a) + slope * along, side * slope);
+              },
+              half * p / panels, half * (p + 1) / panels);
+    sum.change = std::abs(value - sum.value);
+    sum.value = value;
+    if (sum.good(wanted)) break;
+  }
+  return sum;
+}
+
+// Teeth of random height: the mean over round rims between tips and valleys.
+Estimate around_random(Integrand const& f, Opening const& a) {
+  double const low = inner(a), high = outer(a);
+  double const turns = (high + f.distance()) * 2 * std::abs(f.gamma) * (high - low) / pi;
+  Estimate sum;
+  for (double panels = std::ceil(turns) + 1; panels < 4e4; panels *= 2) {
+    Complex value = 0;
+    for (double p = 0; p < panels; ++p)
+      value += Rule::integrate([&](double r) { return around_circle(f, r).value; }, low + (high - low) * p / panels,
+                               low + (high - low) * (p + 1) / panels);
+    value /= high - low;
+    sum.change = std::abs(value - sum.value);
+    sum.value = value;
+    if (sum.good(1e-7)) break;
+  }
+  return sum;
+}
+
+Complex integral(Integrand const& f, Opening const& a, double scale) {
+  Estimate const sum = a.tooth_height == 0 ? around_circle(f, a.radius)
+                       : a.teeth > 0       ? around_teeth(f, a)
+                                           : around_random(f, a);
+  if (!(sum.change <= accepted * std::max(std::abs(sum.value), 1e-3 * scale)))
+    throw NumericalError("the field so close behind an aperture cannot be integrated: go farther away");
+  return sum.value;
 }
 
 double wave_number(BeamInPlane const& beam) { return 2 * pi / beam.wavelength; }
@@ -90,10 +137,12 @@ double clipped_share(BeamInPlane const& beam, Opening const& a) {
 
 Complex field_behind(BeamInPlane const& beam, Opening const& a, double z, double x, double y) {
   double const k = wave_number(beam), dx = x - a.x, dy = y - a.y;
-  Complex const g = decay(beam), lens = i * k / z;
-  Integrand const f{g - 0.5 * lens, -2.0 * g * a.x - lens * dx, -2.0 * g * a.y - lens * dy,
-                    -g * (a.x * a.x + a.y * a.y) + 0.5 * lens * (dx * dx + dy * dy)};
-  return k / (2 * pi * i * z) * integral(f, a);
+  Complex const g = decay(beam), lens = 0.5 * i * k / z, gamma = g - lens;
+  // -g |r + a|^2 + lens |r - d|^2 = constant - gamma |r - c|^2
+  Complex const cx = -(g * a.x + lens * dx) / gamma, cy = -(g * a.y + lens * dy) / gamma;
+  Complex const constant = -g * (a.x * a.x + a.y * a.y) + lens * (dx * dx + dy * dy) + gamma * (cx * cx + cy * cy);
+  Complex const before = k / (2 * pi * i * z);
+  return before * integral({gamma, cx, cy, constant}, a, std::abs(free_field(beam, z, 0, 0) / before));
 }
 
 Complex free_field(BeamInPlane const& beam, double z, double x, double y) {
@@ -108,8 +157,7 @@ double axis_factor(BeamInPlane const& beam, Opening const& a, double z) {
 
 double far_axis_factor(BeamInPlane const& beam, Opening const& a) {
   double const g = 1 / (beam.w * beam.w);
-  Integrand const f{g, -2 * g * a.x, -2 * g * a.y, -g * (a.x * a.x + a.y * a.y)};
-  return std::norm(g / pi * integral(f, a));
+  return std::norm(g / pi * integral({g, -a.x, -a.y, 0}, a, pi / g));
 }
 
 double axis_ripple(BeamInPlane const& beam, Opening const& a) {

@@ -37,6 +37,7 @@ struct Footprint {
   double curvature = 0;     // 1/m, of the incoming wavefront; positive when it diverges in the direction of travel
   Astigmatism astigmatism;  // of the profile `astigmatic`, instead of radius and curvature
   double share = 1;         // q: power of the mode here relative to the main mode (eq. 1.1)
+  double hollow = 1;        // Gaussian: the light is that beyond rho, exp(-2 rho^2) = hollow, scaled up to be 1 in all
   double index = 1;         // of the medium the beam arrives in: one mode takes the etendue (lambda/index)^2 there
   double backoff = 0;       // m, how far before the centre a chief-parallel line is certain to start off the surface
   PortId port;              // where light scattered back into this mode rejoins
@@ -56,10 +57,10 @@ struct Footprint {
     if (profile == Profile::astigmatic) {
       Astigmatism const& a = astigmatism;
       double const x = dot(p - centre, a.e1) / a.w1, y = dot(p - centre, a.e2) / a.w2;
-      return 2 / (pi * a.w1 * a.w2) * exp_number(-2 * (x * x + y * y));
+      return beyond_hollow(exp_number(-2 * (x * x + y * y))) * 2 / (pi * a.w1 * a.w2);
     }
     double const rho2 = length2(offset(p)), w2 = radius * radius;
-    if (profile == Profile::gaussian) return 2 / (pi * w2) * exp_number(-2 * rho2 / w2);
+    if (profile == Profile::gaussian) return beyond_hollow(exp_number(-2 * rho2 / w2)) * 2 / (pi * w2);
     return profile == Profile::even && rho2 <= w2 ? 1 / (pi * w2) : 0;
   }
   // Slope of the wavefront at an offset from the chief ray: gradient of its lag there, to first order.
@@ -99,7 +100,7 @@ struct Footprint {
   STRAY_HD Ray sample(double u, double v) const {
     double rho = 0;
     if (profile == Profile::astigmatic) return sample_astigmatic(u, v);
-    if (profile == Profile::gaussian) rho = radius * std::sqrt(-0.5 * log_positive(u));
+    if (profile == Profile::gaussian) rho = radius * std::sqrt(-0.5 * log_positive(u * hollow));
     if (profile == Profile::even) rho = radius * std::sqrt(u);
     Frame const f = Frame::around(travel);
     SinCos const a = sincos_turn(v);
@@ -107,8 +108,9 @@ struct Footprint {
   }
 
  private:
+  STRAY_HD double beyond_hollow(double beyond) const { return beyond > hollow ? 0 : beyond / hollow; }
   STRAY_HD Ray sample_astigmatic(double u, double v) const {
-    double const rho = std::sqrt(-0.5 * log_positive(u));
+    double const rho = std::sqrt(-0.5 * log_positive(u * hollow));
     SinCos const turn = sincos_turn(v);
     Astigmatism const& a = astigmatism;
     return {centre - backoff * travel + (a.w1 * rho * turn.cos) * a.e1 + (a.w2 * rho * turn.sin) * a.e2, travel};

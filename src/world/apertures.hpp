@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the beams of a scene pass through: rims around their axes, and the rims of the mirrors that they light.
+// What the beams of a scene pass through or meet: holes around their chief rays, edges beside them, and the rims of the
+// mirrors and lenses on their way. Main beams only.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "beams/diffraction.hpp"
+#include "beams/mode.hpp"
 #include "world/world.hpp"
 
 namespace straytrace {
@@ -14,13 +17,29 @@ struct BeamAperture {
   GroupId group;
   SurfaceId surface;
   bool reflected = false;  // the rim of a mirror: what goes on is reflected
-  double along = 0;        // m, from where the beam starts; of a cavity, from its first mirror
-  BeamInPlane at;          // as it leaves the plane of the rim
-  Opening opening;         // x runs from the axis of the beam to its centre
+  double along = 0;        // m, optical, from where the beam starts; of a cavity, from its first mirror
+  double clipped = 0;      // share of the power (eq. 5.5, 5.6), of beams and rims at any angle
+  // Change of the intensity on the axis, as factor far behind (eq. 5.7), and at most at any distance, to first order in
+  // the wave from the rim; NaN: the rim is not round.
+  double axis_far = 0, ripple = 0;
+  double tilt = 0;                  // rad, between the normal of the rim and the beam
+  double w_major = 0, w_minor = 0;  // m, 1/e^2 radii
+  // For the field behind: a round beam and a round rim across it. x runs from the axis of the beam to its centre.
+  bool across = false;
+  BeamInPlane at;   // as it leaves the plane of the rim; curvature only where `across`
+  Opening opening;  // radius NaN: the rim is not round
 };
 
-// Modes of cavities between their mirrors, free beams up to the first surface, and spots on disks and caps. Gaussian
-// beams only. In the order of the beams, along each.
+// In the order of the beams, along each.
 std::vector<BeamAperture> apertures_of(World const&);
+
+// Where the main beam loses more than `least` of what it still has, and how much.
+struct MainLoss {
+  std::uint32_t beam = 0;
+  SurfaceId surface;
+  double share = 0;
+  bool beside = false;  // beside what it meets; otherwise on a screen
+};
+std::vector<MainLoss> main_losses(World const&, double least = 0.01);
 
 }  // namespace straytrace

@@ -25,6 +25,7 @@ struct Branch {
   Departure from;
   MediaStack media;
   std::size_t depth = 0;  // steps on its way; 0: the launched beam
+  double beside = -1;     // share of what arrives that passes beside the next surface; < 0: not known
 };
 
 struct Way {
@@ -36,7 +37,7 @@ struct Way {
 class Tree {
  public:
   Tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink)
-      : view_(world.view()), launch_(launch), limits_(limits), sink_(sink) {
+      : view_(world.view()), screens_(view_), launch_(launch), limits_(limits), sink_(sink) {
     ledger_.objects.resize(world.groups().size());
   }
 
@@ -71,8 +72,33 @@ class Tree {
       ledger_.media += (1 - kept) * branch.beam.field.power();
       scale(arriving.beam.field, kept);
     }
+    pass_screens(arriving, hit);
     if (!hit.surface.valid()) return end(BeamEnd::escaped, ledger_.escaped, arriving);
     arrive(arriving, hit);
+  }
+
+  // What stands beside the chief ray takes its share.
+  void pass_screens(Branch& branch, Hit const& hit) {
+    LeavingBeam& beam = branch.beam;
+    double const power = beam.field.power();
+    std::uint32_t const volume = branch.media.depth > 0 ? branch.media.current() : Surface::none;
+    double const least = std::clamp(limits_.floor / power, 1e-17, 1e-3);
+    FlightLoss const loss = screens_.loss({beam.mode, branch.from, hit, volume, least});
+    branch.beside = loss.beside;
+    if (loss.screens.empty()) return;
+    for (Screened const& s : loss.screens) book(branch, s, power);
+    scale(beam.field, std::max(0.0, 1 - loss.taken()));
+  }
+  void book(Branch const& branch, Screened const& screen, double power) {
+    LeavingBeam const& beam = branch.beam;
+    Vertex const vertex = make_vertex(view_, screen.surface, screen.point, beam.mode.travel, screen.piece);
+    double const index = view_.wavelength / beam.mode.wavelength, taken = power * screen.share;
+    BeamLedger::Object& object = ledger_.objects[view_.surfaces[screen.surface.value].group.value];
+    object.landed += taken;
+    if (vertex.wi.z > 0) object.scattered += taken * scatter_albedo(view_.laws, *vertex.optic, vertex.wi, index, 1);
+    if (beam.order > 0) object.ghosts += taken;
+    sink_.screened(
+        {screen, vertex.front, power, beam.path_length + index * screen.along, index, beam.field, beam.order}, way_);
   }
 
   void end(BeamEnd how, LongSum& column, Branch const& branch) {
@@ -105,7 +131,7 @@ class Tree {
     spot.index = vertex.n_in;
     spot.field = beam.field;
     spot.power = beam.field.power();
-    spot.clipped = beside_rim(view_, hit.surface, spot.mode);
+    spot.clipped = branch.beside >= 0 ? branch.beside : beside_rim(view_, hit.surface, spot.mode);
     spot.path_length = beam.path_length + vertex.n_in * hit.distance;
     spot.gouy = beam.gouy + (hit.distance > 0 ? gouy(beam.mode, hit.distance) : 0);
     spot.parent = branch.depth > 0 ? branch.step.spot : BeamSpot::none;
@@ -238,6 +264,7 @@ class Tree {
   }
 
   WorldView view_;
+  Screens screens_;
   BeamLaunch const& launch_;
   TreeLimits limits_;
   BeamSink& sink_;
@@ -246,57 +273,10 @@ class Tree {
   std::vector<BeamStep> way_;
 };
 
-class SpotList final : public BeamSink {
- public:
-  explicit SpotList(std::size_t most) : most_(most) {}
-  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override {
-    spots_.push_back(spot);
-    if (spots_.size() >= 2 * most_) keep();
-  }
-  std::vector<BeamSpot> take() {
-    keep();
-    return std::move(spots_);
-  }
-
- private:
-  void keep() {
-    std::stable_sort(spots_.begin(), spots_.end(), [](BeamSpot const& a, BeamSpot const& b) {
-      return a.order != b.order ? a.order < b.order : a.power > b.power;
-    });
-    if (spots_.size() > most_) spots_.resize(most_);
-  }
-  std::size_t most_;
-  std::vector<BeamSpot> spots_;
-};
-
 }  // namespace
-
-char const* name_of(BeamEnd end) {
-  static constexpr char const* names[] = {"landed", "escaped", "rejoined", "faint", "longest"};
-  return names[std::size_t(end)];
-}
-
-double BeamLedger::total() const {
-  LongSum sum;
-  for (double column :
-       {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest), double(stopped)})
-    sum += column;
-  for (Object const& o : objects) {
-    sum += o.landed;
-    sum += o.beside;
-  }
-  return sum;
-}
 
 BeamLedger grow_tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink) {
   return Tree(world, launch, limits, sink).grow();
-}
-
-std::vector<BeamSpot> beam_spots(World const& world, BeamLaunch const& launch, TreeLimits const& limits,
-                                 std::size_t most) {
-  SpotList list(most);
-  grow_tree(world, launch, limits, list);
-  return list.take();
 }
 
 }  // namespace straytrace

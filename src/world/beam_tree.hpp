@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "beams/spot.hpp"
+#include "world/screens.hpp"
 #include "world/vertex.hpp"
 
 namespace straytrace {
@@ -72,6 +73,17 @@ struct LeavingBeam {
   std::uint32_t order = 0;
 };
 
+// Light of a beam on a screen beside its chief ray.
+struct ScreenSpot {
+  Screened screen;
+  bool front = true;       // lit on the side its normal points to
+  double power = 0;        // of the beam before any screen of this flight, over the launched power
+  double path_length = 0;  // optical, from the launch to where the chief ray passes, m
+  double index = 1;        // of the medium there
+  BeamField field;         // |.|^2 = power
+  std::uint32_t order = 0;
+};
+
 enum class BeamEnd : std::uint8_t {
   landed,    // no way goes on in the order it has
   escaped,   // met nothing
@@ -87,6 +99,7 @@ class BeamSink {
  public:
   virtual ~BeamSink() = default;
   virtual void left(LeavingBeam const& /*beam*/, std::span<BeamStep const> /*way*/) {}
+  virtual void screened(ScreenSpot const&, std::span<BeamStep const> /*way*/) {}
   virtual void arrived(BeamSpot const&, std::uint32_t /*number*/, std::span<BeamStep const> /*way*/) {}
   // A beam is over: on the surface of `spot`, or behind the last step of its way (null: escaped, rejoined, faint).
   virtual void ended(BeamEnd, BeamSpot const* /*spot*/, LeavingBeam const&, std::span<BeamStep const> /*way*/) {}
@@ -110,7 +123,7 @@ class LongSum {
 // Where the launched power has gone, in shares of it.
 struct BeamLedger {
   struct Object {
-    LongSum landed;     // neither reflected nor transmitted there: absorbed or scattered
+    LongSum landed;     // neither reflected nor transmitted there: absorbed or scattered; all that a screen takes
     LongSum scattered;  // part of `landed`
     LongSum beside;     // passed beside the rim (physics.md eq. 5.5, 5.6)
     LongSum ghosts;     // part of landed + beside that ghosts brought

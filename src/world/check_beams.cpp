@@ -2,8 +2,11 @@
 // Beams that can put no light into the scene: their light meets a side that only absorbs, or nothing at all.
 #include <fmt/format.h>
 
+#include <set>
 #include <string>
+#include <utility>
 
+#include "world/apertures.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {
@@ -84,6 +87,22 @@ void warn_of_twins(Scene const& scene, World const& world) {
             "if it is the same light, keep one of them: it is counted twice");
 }
 
+// A beam that loses much at a rim is no Gaussian beam behind it. What falls beside surfaces of a followed beam is said
+// where it is lit.
+void warn_of_clipping(Scene const& scene, World const& world) {
+  auto const beams = scene.table("beams").items();
+  std::set<std::pair<std::uint32_t, std::uint32_t>> said;
+  for (MainLoss const& loss : main_losses(world)) {
+    GroupId const group = world.surfaces()[loss.surface.value].group;
+    auto const& [name, node] = beams.at(loss.beam);
+    bool const lit = node.has("lit");
+    if ((loss.beside && lit) || !said.insert({loss.beam, group.value}).second) continue;
+    node.warning(fmt::format("beam '{}' loses {:.2g} % {} '{}'", name, 100 * loss.share, loss.beside ? "beside" : "on",
+                             world.groups()[group.value]),
+                 "behind it the beam is still taken as Gaussian: widen the aperture or centre it on the beam");
+  }
+}
+
 // Sub-paths behind glass do not follow polarisation.
 void warn_of_glass_in_polarised_light(Scene const& scene, World const& world) {
   if (!world.polarised) return;
@@ -107,6 +126,7 @@ void check_beams(Scene const& scene, World const& world) {
       check_spot(node, name, f, world);
   }
   warn_of_twins(scene, world);
+  if (scene.root().healthy()) warn_of_clipping(scene, world);
   warn_of_glass_in_polarised_light(scene, world);
 }
 

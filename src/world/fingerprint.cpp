@@ -43,6 +43,7 @@ void add(Bytes& out, Footprint const& f) {
     out.add(x);
   if (f.profile == Profile::astigmatic) out.add_doubles(f.astigmatism);
   if (f.index != 1) out.add(f.index);
+  if (f.hollow != 1) out.add(f.hollow);
   if (f.free) out.add(std::uint64_t(f.origin.value));
   out.add_doubles(f.polarisation);
 }

@@ -88,12 +88,31 @@ void add_lit_surface(World& world, std::uint32_t beam, double share, std::uint32
                      std::span<BeamStep const> way) {
   Footprint f = footprint_of(spot.mode, spot.index);
   f.surface = spot.surface;
-  f.share = share * spot.power;
+  double const alone = beside_rim(world.view(), spot.surface, spot.mode);  // of lines that screens had taken, too
+  f.share = share * spot.power * (alone < 1 ? (1 - spot.clipped) / (1 - alone) : 1);
   f.polarisation = polarisation_of(spot.field);
   f.beam = beam;
   f.emits = scatters(world, spot.surface, spot.front);
   f.receives = false;
-  world.add_footprint(f, {true, spot.path_length, levers_of_way(world, way), mirror, spot.order, spot.clipped});
+  world.add_footprint(f, {true, spot.path_length, levers_of_way(world, way), mirror, spot.order, alone});
+}
+
+void add_lit_screen(World& world, std::uint32_t beam, double share, std::uint32_t mirror, ScreenSpot const& spot,
+                    std::span<BeamStep const> way) {
+  constexpr double closer = 0.95;  // edges of stripes lie between azimuths too
+  Screened const& screen = spot.screen;
+  double const nearest = closer * screen.nearest;
+  Footprint f = footprint_of(screen.mode, spot.index);
+  f.surface = screen.surface;
+  f.hollow = std::exp(-2 * nearest * nearest);
+  f.share = share * spot.power * f.hollow * screen.share / screen.alone;
+  f.backoff = screen.along;
+  f.polarisation = polarisation_of(spot.field);
+  f.beam = beam;
+  f.emits = scatters(world, screen.surface, spot.front);
+  f.receives = false;
+  double const missed = std::max(0.0, 1 - screen.alone / f.hollow);
+  world.add_footprint(f, {true, spot.path_length, levers_of_way(world, way), mirror, spot.order, missed});
 }
 
 std::vector<LitRow> lit_rows(World const& world) {

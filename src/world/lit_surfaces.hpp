@@ -21,6 +21,11 @@ std::vector<Lever> levers_of_way(World const&, std::span<BeamStep const>);
 void add_lit_surface(World&, std::uint32_t beam, double share, std::uint32_t mirror, BeamSpot const&,
                      std::span<BeamStep const> way);
 
+// The same of a screen that the beam touches: lit by the mode outside of the hole, with the power that the ledger of
+// the tree has for it.
+void add_lit_screen(World&, std::uint32_t beam, double share, std::uint32_t mirror, ScreenSpot const&,
+                    std::span<BeamStep const> way);
+
 // A row of the list that `straytrace check` prints.
 struct LitRow {
   std::uint32_t footprint = 0;

@@ -76,18 +76,29 @@ class Collector final : public BeamSink {
     BeamSpot spot;
     std::vector<BeamStep> way;
   };
-  Collector(bool behind_mirror, Wanted const& wanted) : behind_mirror_(behind_mirror), wanted_(wanted) {}
+  struct Touched {
+    ScreenSpot spot;
+    std::vector<BeamStep> way;
+  };
+  Collector(bool behind_mirror, Wanted const& wanted, double floor)
+      : behind_mirror_(behind_mirror), wanted_(wanted), floor_(floor) {}
   void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const> way) override {
     if (behind_mirror_ && way.empty()) return;  // the mirror itself, lit by the mode of the cavity
     if (!wanted_(spot.surface)) return;
     if (++count <= most_spots) met.push_back({spot, {way.begin(), way.end()}});
   }
+  void screened(ScreenSpot const& spot, std::span<BeamStep const> way) override {
+    if (!wanted_(spot.screen.surface) || !(spot.power * spot.screen.share > floor_)) return;
+    if (++count <= most_spots) touched.push_back({spot, {way.begin(), way.end()}});
+  }
   std::vector<Met> met;
+  std::vector<Touched> touched;
   std::size_t count = 0;
 
  private:
   bool behind_mirror_;
   Wanted const& wanted_;
+  double floor_;
 };
 
 }  // namespace
@@ -100,7 +111,7 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
   for (BeamLaunch const& launch : launches(world)) {
     if (launch.beam != light.number) continue;
     bool const cavity = !launch.cavity.empty();
-    Collector list(cavity, wanted);
+    Collector list(cavity, wanted, wish.floor);
     grow_tree(world, launch, {wish.floor, wish.order}, list);
     if (list.count > most_spots)
       beam["lit"].problem(
@@ -114,6 +125,8 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
                                  world.groups()[world.surfaces()[spot.surface.value].group.value]),
                      "enlarge it or move it into the beam: light beside it lights nothing here");
     }
+    for (auto const& [spot, way] : list.touched)
+      add_lit_screen(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
   }
   if (world.footprints().size() == before)
     beam.warning(fmt::format("'lit' finds no surface in beam '{}'", light.name),

@@ -63,7 +63,8 @@ void World::add_footprint(Footprint f, Feed feed) {
   double low = 0, high = 0, r_min = 0, r_max = 0;
   WorldView const now = view();
   now.shapes.visit(ref, [&](auto const& shape) { shape.extent(low, high, r_min, r_max); });
-  f.backoff = r_max + (high - low);
+  double const given = f.backoff > 0 ? f.backoff : infinity;
+  f.backoff = std::fmin(given, r_max + (high - low));
   if (feeds_.back().propagated) {  // it may have passed another part of this surface on its way
     double const before = now.cross(f.surface.value, {f.centre - 1e-6 * f.travel, -f.travel}, {}).distance;
     f.backoff = std::fmin(f.backoff, 0.5 * before);

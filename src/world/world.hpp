@@ -190,7 +190,7 @@ class World {
   BodyId add_body(std::string name, Vec3 pivot);
   GroupId add_group(std::string const& name);  // the same id for the same name
   PortId add_port(std::string name);
-  void add_footprint(Footprint, Feed = {});  // needs its surface to exist; sets backoff
+  void add_footprint(Footprint, Feed = {});  // needs its surface to exist; sets backoff, to what is given at most
   void add_receiver(std::string name, Receiver);
   // Whether sub-paths serve it, and what they start towards (`most_aims` surfaces at most).
   void cover_receiver(std::uint32_t receiver, bool behind_glass, std::vector<SurfaceId> const& aims = {}) {
