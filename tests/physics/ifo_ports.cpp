@@ -106,7 +106,13 @@ TEST(Ports, RadiationPressureEq9_2) {
       // Light that joins at the end mirror meets it half a round trip later: Gamma - 1/2.
       double const end = (mode.gain - 0.5) / mode.gain;
       EXPECT_NEAR(std::abs(strain(d, Entrance::end_mirror, hz).amplitude) / std::abs(closed) / end, 1, 0.01);
-      EXPECT_NEAR(bench / (p.end_transmission * std::abs(closed) * end), 1, 0.15) << signal;  // eq. 9.4
+      // Eq. 9.4. Light from behind joins there too, and its beat with what leaves pushes this mirror alone, by half of
+      // what a reflection does: 1/4 more.
+      double const behind = (mode.gain - 0.25) / mode.gain;
+      EXPECT_NEAR(bench / (p.end_transmission * std::abs(closed) * behind), 1, 0.01) << signal << " " << hz;
+      if (signal < 0.1) {
+        EXPECT_GT(std::fabs(bench / (p.end_transmission * std::abs(closed) * end) - 1), 0.1) << "twin: Gamma - 1/2";
+      }
       EXPECT_GT(std::fabs(2 * arm / std::abs(closed) - 1), 0.5) << "twin: a factor 2";
     }
   }
