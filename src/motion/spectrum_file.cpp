@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/document.hpp"
 #include "signal/text_table.hpp"
 
 namespace straytrace {
@@ -89,7 +90,7 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
   auto const columns = read_columns(spec, rotation);
   if (name.empty() || !columns) return {};
   std::string const text = file.data_file(name);
-  if (text.empty()) return {};
+  if (text.empty() && !file.document()->optional_file(file, name)) return {};  // said by data_file()
   Curve curve = parse_curve(text, columns->frequency, columns->value);
   if (!curve.error.empty()) {
     file.problem(fmt::format("'{}' is not a spectrum: {}", name, curve.error),

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/document.hpp"
 #include "base/embedded.hpp"
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
@@ -54,7 +55,7 @@ constexpr double et_d_asd[] = {3.50e-17, 2.22e-23, 3.56e-24, 1.16e-24, 9.39e-25,
 DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid const& grid) {
   DesignCurve design{name, std::vector<double>(grid.size(), not_a_number)};
   std::string const text = where.data_file(name);
-  if (text.empty()) return design;
+  if (text.empty() && !where.document()->optional_file(where, name)) return design;  // said by data_file()
   Curve const curve = parse_curve(text);
   if (!curve.error.empty())
     where.problem(fmt::format("'{}' is not a design curve: {}", name, curve.error),

@@ -94,7 +94,7 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
   for (std::size_t i = 0; i < table.frequencies.size(); ++i) {
     WithError const h = table.total_strain[i];
     std::vector<std::string> row = {fmt::format("{:g}", table.frequencies[i])};
-    bool const inside = table.frequencies[i] >= b.grid.edges.front() && table.frequencies[i] <= b.grid.edges.back();
+    bool const inside = table.frequencies[i] >= b.grid.edges.front() && table.frequencies[i] < b.grid.edges.back();
     row.push_back(!std::isnan(h.value) ? with_error(h.value, h.sigma) : inside ? "no answer" : "outside the grid");
     for (DesignCurve const& d : b.design) {
       double const design = design_at(d, b.grid, table.frequencies[i]);

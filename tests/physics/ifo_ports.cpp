@@ -73,7 +73,7 @@ TEST(Ports, EndBenchAndShortArmA14) {
   for (double const hz : {0.01, 30.0, 300.0}) {
     Phasor const closed = strain_per_phase_in_short_arm(arm, wavelength, hz),
                  solved = strain(d, Entrance::short_arm, hz).phase;
-    EXPECT_LT(std::abs(solved / closed - 1.0), 0.015) << hz;  // eq. 9.5
+    EXPECT_LT(std::abs(solved / closed - 1.0), 0.01) << hz;  // eq. 9.5
   }
 }
 
@@ -83,7 +83,7 @@ TEST(Ports, PoleOfTheShortArmWithSignalRecyclingEq9_5) {
   p.signal_recycling_transmission = 0.2;
   DualRecycled const d(p);
   Phasor const solved = strain(d, Entrance::short_arm, 300).phase;
-  EXPECT_NEAR(std::abs(solved / strain_per_phase_in_short_arm(arm_of(p), wavelength, 300)), 1, 0.015);
+  EXPECT_NEAR(std::abs(solved / strain_per_phase_in_short_arm(arm_of(p), wavelength, 300)), 1, 0.01);
   DifferentialMode const recycled = differential_mode(arm_of(p), 0.2);
   double const twin =
       strain_per_phase_in_arm(wavelength, 3000) * pi / (2 * finesse(arm_of(p))) * std::hypot(1, 300 / recycled.pole);
@@ -106,7 +106,13 @@ TEST(Ports, RadiationPressureEq9_2) {
       // Light that joins at the end mirror meets it half a round trip later: Gamma - 1/2.
       double const end = (mode.gain - 0.5) / mode.gain;
       EXPECT_NEAR(std::abs(strain(d, Entrance::end_mirror, hz).amplitude) / std::abs(closed) / end, 1, 0.01);
-      EXPECT_NEAR(bench / (p.end_transmission * std::abs(closed) * end), 1, 0.15) << signal;  // eq. 9.4
+      // Eq. 9.4. Light from behind joins there too, and its beat with what leaves pushes this mirror alone, by half of
+      // what a reflection does: 1/4 more.
+      double const behind = (mode.gain - 0.25) / mode.gain;
+      EXPECT_NEAR(bench / (p.end_transmission * std::abs(closed) * behind), 1, 0.01) << signal << " " << hz;
+      if (signal < 0.1) {
+        EXPECT_GT(std::fabs(bench / (p.end_transmission * std::abs(closed) * end) - 1), 0.1) << "twin: Gamma - 1/2";
+      }
       EXPECT_GT(std::fabs(2 * arm / std::abs(closed) - 1), 0.5) << "twin: a factor 2";
     }
   }

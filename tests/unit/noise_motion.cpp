@@ -59,7 +59,7 @@ TEST(ReadMotion, MeasuredSpectrum) {
 }
 
 TEST(ReadMotion, UnitsOfAFileAreMandatory) {
-  FileTexts const files = {{"tube.txt", "1 5\n10 5\n"}, {"bad.txt", "1 5\n1 five\n"}};
+  FileTexts const files = {{"tube.txt", "1 5\n10 5\n"}, {"bad.txt", "1 5\n1 five\n"}, {"empty.txt", ""}};
   auto const problem = [&](std::string const& spec) {
     return read("  a: {motion: {z: {" + spec + "}, others: still}}\n", {"a"}, files).problems;
   };
@@ -67,7 +67,8 @@ TEST(ReadMotion, UnitsOfAFileAreMandatory) {
   EXPECT_THAT(problem("asd: tube.txt, columns: [Hz, V]"), HasSubstr("\"V\" is not a unit of a motion spectrum"));
   EXPECT_THAT(problem("asd: tube.txt, columns: [m, m/sqrt(Hz)]"), HasSubstr("not a unit of frequency"));
   EXPECT_THAT(problem("asd: bad.txt, columns: [Hz, m/sqrt(Hz)]"), HasSubstr("line 2: 'five' is not a number"));
-  EXPECT_NE(problem("asd: none.txt, columns: [Hz, m/sqrt(Hz)]"), "");
+  EXPECT_THAT(problem("asd: empty.txt, columns: [Hz, m/sqrt(Hz)]"), HasSubstr("no numbers in it"));  // not no motion
+  EXPECT_THAT(problem("asd: none.txt, columns: [Hz, m/sqrt(Hz)]"), HasSubstr("1 error"));
 }
 
 TEST(ReadMotion, FormulasAddUp) {

@@ -252,5 +252,20 @@ TEST_F(ReportTables, ReportHasItsSections) {
   EXPECT_THAT(text_report(content(trace, nullptr), table(), 12), HasSubstr("C_rev off"));
 }
 
+// Without a resolved route there is no answer at a frequency of the band; beyond it nothing was asked.
+TEST_F(ReportTables, NoAnswerIsNotOutsideTheGrid) {
+  auto const count = [&](std::string const& words) {
+    std::string const text = text_report(content(trace, &noise), table(), 12);
+    int n = 0;
+    for (std::size_t at = text.find(words); at != text.npos; at = text.find(words, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("outside the grid"), 1);
+  EXPECT_EQ(count("no answer"), 0);
+  noise.total.asd.assign(noise.total.asd.size(), not_a_number);
+  EXPECT_EQ(count("outside the grid"), 1) << "twin: the frequencies of the band";
+  EXPECT_EQ(count("no answer"), 1 + 3);  // the sentence at the top says it too
+}
+
 }  // namespace
 }  // namespace straytrace::test
