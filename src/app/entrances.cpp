@@ -19,11 +19,12 @@ bool is_second_mirror(World const& world, std::uint32_t footprint) {
                      [&](Footprint const& f) { return f.standing && f.beam == all[footprint].beam; });
 }
 
-// Whether light that comes back at this footprint joins the arm at its end mirror.
-bool is_at_the_end(World const& world, std::uint32_t footprint) {
+// Where light that comes back at this footprint joins an arm.
+Entrance entrance_of(World const& world, std::uint32_t footprint) {
   bool const standing = world.footprints()[footprint].standing;
   std::uint32_t const mirror = standing ? footprint : world.feeds()[footprint].mirror;
-  return mirror != Feed::none && is_second_mirror(world, mirror);
+  if (mirror == Feed::none || !is_second_mirror(world, mirror)) return Entrance::arm;
+  return standing ? Entrance::end_mirror : Entrance::through_end;
 }
 
 double power_of_beam(Scene const& scene, World const& world, std::string const& name) {
@@ -37,13 +38,13 @@ double power_of_beam(Scene const& scene, World const& world, std::string const& 
 
 std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
   std::vector<TracedPort> ports;
-  for (std::string const& name : world.ports()) ports.push_back({.name = name, .entrance = Entrance::end_mirror});
+  for (std::string const& name : world.ports()) ports.push_back({.name = name, .entrance = Entrance::through_end});
   std::vector<bool> lit(ports.size(), false);
   for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
     Footprint const& f = world.footprints()[i];
     if (!f.port.valid()) continue;
     TracedPort& port = ports[f.port.value];
-    if (!is_at_the_end(world, i)) port.entrance = Entrance::arm;
+    port.entrance = std::min(port.entrance, entrance_of(world, i));
     if (!lit[f.port.value]) port.power = world.beam_powers[f.beam];
     lit[f.port.value] = true;
   }

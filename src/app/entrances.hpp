@@ -10,8 +10,9 @@
 
 namespace straytrace {
 
-// Ports in the order of PortId: at the second mirror of a cavity, or behind it, `end_mirror`, elsewhere `arm`. Those
-// that a faulty entry could not open stand behind them, so that nothing else complains of their names.
+// Ports in the order of PortId: behind the second mirror of a cavity `through_end`, at it `end_mirror`, elsewhere
+// `arm`; of a port at several places the first of these that holds, from the input mirror on. Those that a faulty entry
+// could not open stand behind them, so that nothing else complains of their names.
 std::vector<TracedPort> traced_ports(Scene const&, World const&);
 
 // Light that `lit` followed through a mirror of a cavity has passed it in its coupling already, twice; the places

@@ -127,6 +127,7 @@ Injection DualRecycled::injection(Entrance entrance) const {
   constexpr std::array<Way, entrance_names.size()> ways = {{{"ITM x", 1, true, true, 0},
                                                             {"ETM x", 0, true, true, 0},
                                                             {"ETM x", 1, false, true, pi / 2},
+                                                            {"ETM x", 1, false, true, pi / 2},
                                                             {"ITM x", 0, false, false, 0},
                                                             {"BS", 0, false, false, 0},
                                                             {"SRM", 0, false, false, 0},
@@ -137,6 +138,8 @@ Injection DualRecycled::injection(Entrance entrance) const {
   std::uint32_t const port = network_.number_of({network_.find(way.component), way.port});
   return {port, way.joins_leaving, way.of_leaving, way.turn};
 }
+
+double DualRecycled::share_outside(Entrance e) const { return e == Entrance::through_end ? p_.end_transmission : 1; }
 
 double DualRecycled::reference(Entrance e) const {
   Injection const i = injection(e);

@@ -102,7 +102,7 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
                       "relative to",
                       at),
           fmt::format("add '{}' to the interferometer, or give the port a file in 'responses'",
-                      e.entrance == Entrance::end_bench ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
+                      is_behind_the_end(e.entrance) ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
       continue;
     }
     double largest = 0;
@@ -128,8 +128,9 @@ RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
   Answer a;
   for (std::size_t e = 0; e < entrance_names.size(); ++e) {
     Injection const i = model_->injection(Entrance(e));
-    a.phase[e] = r.to_phase(i) / darm;
-    a.amplitude[e] = r.to_amplitude(i) / darm;
+    std::complex<double> const per_field = darm * model_->share_outside(Entrance(e));
+    a.phase[e] = r.to_phase(i) / per_field;
+    a.amplitude[e] = r.to_amplitude(i) / per_field;
   }
   return a;
 }

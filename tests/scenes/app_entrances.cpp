@@ -48,8 +48,9 @@ TEST(Entrances, EndMirrorsAreFound) {
   Folder const folder;
   std::string const found = described(folder, "");
   EXPECT_THAT(found, HasSubstr("; ITM: arm, 2 copies"));
-  EXPECT_THAT(found, HasSubstr("; ETM, disk: end-mirror, 2 copies"));
-  EXPECT_EQ(found, described(folder, "  ports: {ETM: {at: end-mirror}, disk: {at: end-mirror}}\n"));
+  EXPECT_THAT(found, HasSubstr("; ETM: end-mirror, 2 copies"));
+  EXPECT_THAT(found, HasSubstr("; disk: through-end, 2 copies"));
+  EXPECT_EQ(found, described(folder, "  ports: {ETM: {at: end-mirror}, disk: {at: through-end}}\n"));
   EXPECT_THAT(described(folder, "  ports: {ETM: {at: arm}, disk: {at: arm}}\n"), HasSubstr("; ITM, ETM, disk: arm"))
       << "twin: the table overrides";
 }

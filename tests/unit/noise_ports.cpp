@@ -131,6 +131,23 @@ TEST(ReadPorts, EndMirrorsOfTheScene) {
   EXPECT_NEAR(inside / found, 1.68, 0.01) << "twin: as at the input mirror";
 }
 
+// Light that was followed through the end mirror has T_E in its coupling: what a bench does, over T_E (eq. 9.3, 9.4).
+TEST(ReadPorts, LightFollowedThroughTheEndMirror) {
+  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "bench", .entrance = Entrance::through_end}};
+  auto const response = [&](std::string const& keys) {
+    Detector const d = detector("preset: ce" + keys, {}, 1064e-9, ports);
+    EXPECT_THAT(d.problems, IsEmpty());
+    return std::pair(std::abs(d.ifo->strain_per_phase(PortId{1}, 20)),
+                     std::abs(d.ifo->strain_per_amplitude(PortId{1}, 20)));
+  };
+  auto const found = response(""), bench = response(", ports: {bench: {at: end-bench}}"),
+             end = response(", ports: {bench: {at: end-mirror}}");
+  EXPECT_NEAR(bench.first / found.first / 5e-6, 1, 1e-9);
+  EXPECT_NEAR(bench.second / found.second / 5e-6, 1, 1e-9);
+  EXPECT_NEAR(found.first / end.first, 1, 0.01);  // eq. 9.1
+  EXPECT_NEAR(end.second / found.second, 0.75, 0.02) << "twin: as at the end mirror, Gamma - 1/2 for Gamma - 1/4";
+}
+
 // Without light at its place a stray field is relative to rounding.
 TEST(ReadPorts, PortsWithoutLight) {
   for (DualRecycledPreset const& p : dual_recycled_presets())
