@@ -7,6 +7,7 @@
 
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
+#include "ifo/ports.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {
@@ -76,6 +77,18 @@ void warn_of_input_mirrors(Scene const& scene, World const& world) {
   }
 }
 
+// Without a preset it is the one of the run, with other responses at some ports.
+void replace_interferometer(Model& model, Node const& table) {
+  if (table.has("preset") || !table.has("responses")) {
+    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength, model.world.beam_power);
+  } else if (model.detector) {
+    model.detector = with_responses(std::move(model.detector), table, model.world.ports());
+    table.refuse_unknown("interferometer with the responses of ports alone");
+  } else {
+    table.problem("the run has no interferometer whose responses could be replaced", "add a 'preset'");
+  }
+}
+
 }  // namespace
 
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
@@ -106,7 +119,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   return model;
 }
 
-void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read) {
+void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
   Scene const other = read_scene(file, {}, texts);
   if (Node const bodies = other.table("bodies")) {
     std::vector<std::string> const known = model.world.body_names();
@@ -119,10 +132,12 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     }
     model.motion = read_motion(bodies, known);
   }
-  if (Node const table = other.table("interferometer"))
-    model.detector = make_interferometer(table, model.world.ports(), model.world.wavelength, model.world.beam_power);
+  if (Node const table = other.table("interferometer")) replace_interferometer(model, table);
   if (other.table("noise")) read_noise(model, other);
-  if (!other.table("bodies") && !other.table("interferometer") && !other.table("noise"))
+  Node const interferometer = other.table("interferometer");
+  if (responses && !(interferometer && interferometer.has("responses")))
+    other.root().problem("this file holds no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
+  else if (!other.table("bodies") && !interferometer && !other.table("noise"))
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
   if (!read) return;
@@ -130,7 +145,7 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
       throw InputError(
           fmt::format("error: the run already holds a file '{}' with other content\n"
-                      "  give the file of the new motion another name",
+                      "  give the new file another name",
                       name));
 }
 

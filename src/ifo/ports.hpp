@@ -26,8 +26,9 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
 // "ITM, ETM: arm, 2 copies; SNEB: end-bench, ...", each with its strain per phase and amplitude at 10 and 100 Hz.
 std::string describe(std::vector<PortEntry> const&, Interferometer const&);
 
-// A detector of which some ports have responses from files (sub-table `responses`); the detector itself when none has.
-std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& interferometer,
-                                               std::vector<std::string> const& ports, double arm_length);
+// A detector of which some ports have responses from files, instead of those it has: table `responses` of the table
+// `interferometer`, here called the holder. The detector itself when there is none.
+std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& holder,
+                                               std::vector<std::string> const& ports);
 
 }  // namespace straytrace

@@ -36,10 +36,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   std::unique_ptr<Interferometer> ifo =
       solves ? read_recycled_interferometer(table, *network, ports, wavelength, beam_power)
              : read_closed_forms(table, ports, wavelength, beam_power);
-  double const length = table.has("arm_length") ? table.number("arm_length", dim::length)
-                        : solves                ? network->parameters.arm_length
-                                                : not_a_number;
-  ifo = with_responses(std::move(ifo), table, ports, length);
+  ifo = with_responses(std::move(ifo), table, ports);
   table.refuse_unknown("interferometer '" + name + "'");
   return ifo;
 }

@@ -22,6 +22,7 @@ class RecycledInterferometer final : public Interferometer {
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
   double copies(PortId port) const override { return ports_.at(port.value).copies; }
+  double arm_length() const override { return model_->parameters().arm_length; }
   std::string description() const override;
 
  private:
