@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/earlier.hpp"
 
+#include <sstream>
+
 namespace straytrace {
+
+void replace_as_before(Model& model, RunContent const& about) {
+  std::istringstream names(about.motion_file);
+  for (std::string name; std::getline(names, name);) replace_motion(model, name, &about.files, nullptr);
+}
 
 Earlier::Earlier(std::string input) : input_(std::move(input)) {
   if (input_.ends_with(".h5")) file_ = read_run(input_);
@@ -12,7 +19,7 @@ Model Earlier::read(std::vector<std::string> const& overrides) const {
   std::vector<std::string> all = file_->about.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
   Model model = read_model(file_->about.main_file, all, &file_->about.files);
-  if (!file_->about.motion_file.empty()) replace_motion(model, file_->about.motion_file, &file_->about.files, nullptr);
+  replace_as_before(model, file_->about);
   model.seed = file_->trace.coupling.seed;
   if (file_->trace.stop_rule.empty()) {
     model.until = {};

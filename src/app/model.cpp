@@ -9,6 +9,7 @@
 #include "app/entrances.hpp"
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
+#include "ifo/ports.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {
@@ -45,13 +46,29 @@ void read_noise(Model& model, Scene const& scene) {
   if (table) table.refuse_unknown("'noise'");
 }
 
-std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
+Band band_of(Model const& model) {
   FrequencyGrid const& grid = model.noise.grid;
+  return {grid.centre(0), grid.centre(grid.size() - 1)};
+}
+
+std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
   std::unique_ptr<Interferometer> detector =
-      make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength,
-                          {grid.centre(0), grid.centre(grid.size() - 1)});
+      make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength, band_of(model));
   check_entrances(table, model.world);
   return detector;
+}
+
+// Without a preset it is the one of the run, with other responses at some ports.
+void replace_interferometer(Model& model, Node const& table) {
+  if (table.has("preset") || !table.has("responses")) {
+    model.detector = read_detector(model, table);
+  } else if (model.detector) {
+    model.detector =
+        with_responses(std::move(model.detector), table, traced_ports(model.scene, model.world), band_of(model));
+    table.refuse_unknown("interferometer with the responses of ports alone");
+  } else {
+    table.problem("the run has no interferometer whose responses could be replaced", "add a 'preset'");
+  }
 }
 
 }  // namespace
@@ -83,7 +100,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   return model;
 }
 
-void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read) {
+void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
   Scene const other = read_scene(file, {}, texts);
   if (Node const bodies = other.table("bodies")) {
     std::vector<std::string> const known = model.world.body_names();
@@ -97,11 +114,14 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     model.motion = read_motion(bodies, known);
   }
   if (other.table("noise")) read_noise(model, other);
-  if (Node const table = other.table("interferometer"))
-    model.detector = read_detector(model, table);
+  Node const interferometer = other.table("interferometer");
+  if (interferometer)
+    replace_interferometer(model, interferometer);
   else if (other.table("noise") && model.detector)  // its files must cover the new band too
     model.detector = read_detector(model, model.scene.table("interferometer"));
-  if (!other.table("bodies") && !other.table("interferometer") && !other.table("noise"))
+  if (responses && !(interferometer && interferometer.has("responses")))
+    other.root().problem("this file holds no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
+  else if (!other.table("bodies") && !interferometer && !other.table("noise"))
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
   model.scene.throw_if_problems();
@@ -110,7 +130,7 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
       throw InputError(
           fmt::format("error: the run already holds a file '{}' with other content\n"
-                      "  give the file of the new motion another name",
+                      "  give the new file another name",
                       name));
 }
 

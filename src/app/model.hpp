@@ -66,8 +66,9 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const&, Model const&
 // Reads the scene and everything in it; throws one InputError with all problems. `texts`: of a run file, instead of
 // disk.
 Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
-// The same with motion, noise and interferometer taken from another file where it gives them.
-// `texts`: of a run file, instead of disk; `read`: gets the texts that were read.
-void replace_motion(Model&, std::string const& file, FileTexts const* texts, FileTexts* read);
+// The same with motion, noise and interferometer, or responses of its ports alone, taken from another file where it
+// gives them. `texts`: of a run file, instead of disk; `read`: gets the texts that were read; `responses`: it must hold
+// some.
+void replace_motion(Model&, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses = false);
 
 }  // namespace straytrace

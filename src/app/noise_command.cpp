@@ -8,10 +8,13 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
+#include "app/earlier.hpp"
 #include "app/session.hpp"
 
 namespace straytrace {
 namespace {
+
+std::string name_of(std::string const& path) { return std::filesystem::path(path).filename().string(); }
 
 int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
@@ -19,12 +22,15 @@ int noise(Options const& options) {
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
   if (!options.out.empty() && std::filesystem::is_directory(options.out))
     earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
-  std::string const earlier_motion = file.about.motion_file;
   FileTexts files = file.about.files;
-  if (!options.motion.empty()) {
+  std::string replaced = options.motion.empty() ? file.about.motion_file : name_of(options.motion);
+  if (!options.motion.empty())
     replace_motion(model, options.motion, nullptr, &files);
-  } else if (!earlier_motion.empty()) {
-    replace_motion(model, earlier_motion, &files, nullptr);
+  else
+    replace_as_before(model, file.about);
+  if (!options.response.empty()) {
+    replace_motion(model, options.response, nullptr, &files, true);
+    replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
   }
   NoiseBudget const budget = model.project(file.trace.coupling);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -33,7 +39,7 @@ int noise(Options const& options) {
   content.noise = &budget;
   content.interferometer = model.detector->description();
   content.files = files;
-  if (!options.motion.empty()) content.motion_file = std::filesystem::path(options.motion).filename().string();
+  content.motion_file = replaced;
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
   } else {
@@ -55,6 +61,9 @@ void add_noise(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("run", options.input, "run file (HDF5)")->required();
   command->add_option("--motion", options.motion,
                       "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
+  command->add_option(
+      "--response", options.response,
+      "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', of ports that get others");
   command->add_option("-o,--out", options.out, "folder for curves, tables and picture");
   add_force_option(*command, options);
   command->add_option("--show", options.show, "rows of the path table");

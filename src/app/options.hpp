@@ -14,7 +14,7 @@ class App;
 namespace straytrace {
 
 struct Options {
-  std::string input, out, motion;
+  std::string input, out, motion, response;
   std::vector<std::string> overrides;  // "aperture=60cm"
   std::string format = "text", until;
   std::optional<std::uint64_t> seed, histories;

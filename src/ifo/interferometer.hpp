@@ -35,7 +35,8 @@ class Interferometer {
   virtual std::complex<double> strain_per_amplitude(PortId, double hz) const = 0;
   // How many equal, independent copies of what was traced at this port the detector has (two arms: 2). Powers add.
   virtual double copies(PortId) const = 0;
-  virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
+  virtual double arm_length() const { return not_a_number; }  // m; NaN: not known
+  virtual std::string description() const = 0;                // one line for reports: formulas and numbers used
 };
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m. Where the table gives no power,

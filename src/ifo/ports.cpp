@@ -104,6 +104,7 @@ class MeasuredResponses final : public Interferometer {
                                     : found->second(found->second.amplitude, hz);
   }
   double copies(PortId port) const override { return rest_->copies(port); }
+  double arm_length() const override { return rest_->arm_length(); }
   std::string description() const override { return rest_->description() + note_; }
 
  private:
@@ -170,12 +171,12 @@ std::string describe(std::vector<PortEntry> const& entries, Interferometer const
   return text;
 }
 
-std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> ifo, Node const& interferometer,
-                                               std::vector<TracedPort> const& ports, double arm_length,
-                                               Band const& band) {
-  Node const table = interferometer.table("responses");
+std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> ifo, Node const& holder,
+                                               std::vector<TracedPort> const& ports, Band const& band) {
+  Node const table = holder.table("responses");
   if (!table) return ifo;
   std::map<std::uint32_t, Measured> measured;
+  double const arm_length = ifo ? ifo->arm_length() : not_a_number;
   for (auto const& [name, node] : table.items()) {
     auto const at = find(ports, name);
     if (at == ports.end())

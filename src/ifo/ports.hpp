@@ -32,8 +32,9 @@ double beam_power_in_arm(std::vector<TracedPort> const&, std::vector<PortEntry> 
 // the ends of the band when these lie beyond.
 std::string describe(std::vector<PortEntry> const&, Interferometer const&, Band const&);
 
-// A detector of which some ports have responses from files (sub-table `responses`); the detector itself when none has.
-std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& interferometer,
-                                               std::vector<TracedPort> const& ports, double arm_length, Band const&);
+// A detector of which some ports have responses from files, instead of those it has: table `responses` of the table
+// `interferometer`, here called the holder. The detector itself when there is none.
+std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer>, Node const& holder,
+                                               std::vector<TracedPort> const& ports, Band const&);
 
 }  // namespace straytrace

@@ -35,10 +35,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   if (!solves && name != closed_forms) return nullptr;  // said by choice()
   std::unique_ptr<Interferometer> ifo = solves ? read_recycled_interferometer(table, *network, ports, wavelength, band)
                                                : read_closed_forms(table, ports, wavelength, band);
-  double const length = table.has("arm_length") ? table.number("arm_length", dim::length)
-                        : solves                ? network->parameters.arm_length
-                                                : not_a_number;
-  ifo = with_responses(std::move(ifo), table, ports, length, band);
+  ifo = with_responses(std::move(ifo), table, ports, band);
   table.refuse_unknown("interferometer '" + name + "'");
   return ifo;
 }

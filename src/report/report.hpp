@@ -46,7 +46,8 @@ struct RunContent {
   std::string main_file, title;
   std::vector<std::string> overrides;  // as written on the command line
   std::string resolved;
-  std::string motion_file;  // of `files`, whose bodies replace those of the scene; empty: none
+  // Of `files`, what replaces tables of the scene (motion, responses), one a line, in this order; empty: nothing does.
+  std::string motion_file;
   std::string model_hash;
   std::string interferometer;         // Interferometer::description()
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
