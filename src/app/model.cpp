@@ -79,9 +79,10 @@ void refuse_input_mirrors(Scene const& scene, World const& world) {
                     "interferes there and is not followed",
                     lit.size() == 1 ? *lit.begin() + " is" : fmt::format("{} surfaces are", lit.size()), launch.name,
                     launch.passes),
-        fmt::format("write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
-                    "splitter side by a beam 'from' behind '{}', with 'at: short-arm' for its port",
-                    fmt::join(lit, ", "), launch.name));
+        fmt::format(
+            "write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
+            "splitter side, in a scene of its own, by a beam 'from' behind '{}', with 'at: short-arm' for its port",
+            fmt::join(lit, ", "), launch.name));
   }
 }
 
@@ -90,8 +91,11 @@ void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
   BeamSink nobody;
   for (BeamLaunch const& launch : launches(world)) {
     if (!table || !launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
-    table.warning(fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
-                  fmt::format("for these add a beam 'from' behind '{}', with 'at: short-arm' for its port", launch.name));
+    table.warning(
+        fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
+        fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}', with 'at: short-arm' for "
+                    "its port",
+                    launch.name));
   }
 }
 
@@ -182,8 +186,8 @@ std::vector<std::string> Model::assumptions() const {
   if (scene.root().has("ghosts"))
     for (BeamLaunch const& launch : launches(world))
       if (launch.through_input_mirror())
-        lines.push_back(fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there",
-                                    launch.name));
+        lines.push_back(
+            fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
   for (auto const& [name, material] : scene.table("materials").items())
     if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;

@@ -52,9 +52,7 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   std::string const unresolved = "unresolved", still = "still";
   bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
   if (table.has_noise)
-    c.push_back(!row.resolved ? unresolved
-                : moves       ? percent_text(row.share.value, row.share.sigma)
-                              : still);
+    c.push_back(!row.resolved ? unresolved : moves ? percent_text(row.share.value, row.share.sigma) : still);
   c.push_back(row.resolved ? with_brackets(row.coupling.mean, row.coupling.std_error) : unresolved);
   c.push_back(fmt::format("{:g}", row.reverse));
   for (WithError const& h : row.strain)

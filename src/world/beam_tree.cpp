@@ -246,29 +246,6 @@ class Tree {
   std::vector<BeamStep> way_;
 };
 
-class SpotList final : public BeamSink {
- public:
-  explicit SpotList(std::size_t most) : most_(most) {}
-  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override {
-    spots_.push_back(spot);
-    if (spots_.size() >= 2 * most_) keep();
-  }
-  std::vector<BeamSpot> take() {
-    keep();
-    return std::move(spots_);
-  }
-
- private:
-  void keep() {
-    std::stable_sort(spots_.begin(), spots_.end(), [](BeamSpot const& a, BeamSpot const& b) {
-      return a.order != b.order ? a.order < b.order : a.power > b.power;
-    });
-    if (spots_.size() > most_) spots_.resize(most_);
-  }
-  std::size_t most_;
-  std::vector<BeamSpot> spots_;
-};
-
 }  // namespace
 
 char const* name_of(BeamEnd end) {
@@ -278,8 +255,8 @@ char const* name_of(BeamEnd end) {
 
 double BeamLedger::total() const {
   LongSum sum;
-  for (double column :
-       {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest), double(stopped)})
+  for (double column : {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest),
+                        double(stopped)})
     sum += column;
   for (Object const& o : objects) {
     sum += o.landed;
@@ -290,13 +267,6 @@ double BeamLedger::total() const {
 
 BeamLedger grow_tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink) {
   return Tree(world, launch, limits, sink).grow();
-}
-
-std::vector<BeamSpot> beam_spots(World const& world, BeamLaunch const& launch, TreeLimits const& limits,
-                                 std::size_t most) {
-  SpotList list(most);
-  grow_tree(world, launch, limits, list);
-  return list.take();
 }
 
 }  // namespace straytrace

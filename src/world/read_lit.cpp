@@ -104,9 +104,10 @@ void warn_of_recombining(Node const& beam, std::string const& name, World const&
   if (surfaces.empty()) return;
   std::string names;
   for (std::string const& s : surfaces) names += (names.empty() ? "'" : ", '") + s + "'";
-  beam.warning(fmt::format("{} lit by '{}' on two ways that run together: their powers are added, not their fields",
-                           names + (surfaces.size() == 1 ? " is" : " are"), name),
-               "how fields add depends on path lengths that no drawing knows: leave one way, or state the light by 'on'");
+  beam.warning(
+      fmt::format("{} lit by '{}' on two ways that run together: their powers are added, not their fields",
+                  names + (surfaces.size() == 1 ? " is" : " are"), name),
+      "how fields add depends on path lengths that no drawing knows: leave one way, or state the light by 'on'");
 }
 
 }  // namespace

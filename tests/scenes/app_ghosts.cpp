@@ -109,12 +109,15 @@ TEST(GhostCommand, writes_files) {
 // Ctrl-C leaves a valid part: the ledger closes with what was not followed, and every row is whole.
 TEST(GhostCommand, an_interrupted_run_is_valid) {
   Folder const folder;
-  std::string scene = "straytrace: 1\nmaterials: {half: {specular: {reflect: 10 %, transmit: 90 %}}}\n"
-                      "bodies: {b: {motion: still}}\nscene:\n";
+  std::string scene =
+      "straytrace: 1\nmaterials: {half: {specular: {reflect: 10 %, transmit: 90 %}}}\n"
+      "bodies: {b: {motion: still}}\nscene:\n";
   for (int z = 1; z <= 8; ++z)
     scene += "  - {name: p" + std::to_string(z) + ", shape: {disk: {outer_radius: 1 m}}, at: [0 m, 0 m, " +
              std::to_string(z) + " m], facing: [0, 0, -1], body: b, material: half}\n";
-  write_text(folder / "a.yaml", scene + "beams: {laser: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 50 mm}}\n");
+  write_text(
+      folder / "a.yaml",
+      scene + "beams: {laser: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 50 mm}}\nreceivers: {D: {on: p8}}\n");
   Words const words{"ghosts", folder / "a.yaml", "--floor", "1e-30", "-o", folder / "out"};
   Program long_run(words);
   for (int i = 0; i < 200 && long_run.said().find("ghosts  beam laser") == std::string::npos; ++i) ::usleep(50000);

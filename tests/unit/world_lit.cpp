@@ -118,7 +118,8 @@ TEST(ReadLit, RecombiningBeamsAreAWarning) {
          "  - {name: splitter, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: [1, 0, -1], body: b, "
          "material: half}\n" +
              arms +
-             "  - {name: output, shape: {disk: {outer_radius: 5 cm}}, at: [-1 m, 0 m, 1 m], facing: [1, 0, 0], body: b, "
+             "  - {name: output, shape: {disk: {outer_radius: 5 cm}}, at: [-1 m, 0 m, 1 m], facing: [1, 0, 0], body: "
+             "b, "
              "material: white}\n"
              "beams: {probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 1 mm, lit: yes}}\n"
              "ports: {a: {beam: probe, at: output}}\n"}};
