@@ -30,7 +30,7 @@ RUN_DEPENDENT = (                                        # all that may differ b
 )
 COMMANDS_PAGE = PAGES[2]
 OPTION = re.compile(r"--[a-z-]+")
-PROGRESS = re.compile(r"^(trace|figure of merit)  ")     # comes with the clock
+PROGRESS = re.compile(r"^(trace|ghosts|figure of merit)  ")     # comes with the clock
 
 
 def normal(line):

@@ -85,9 +85,10 @@ void refuse_input_mirrors(Scene const& scene, World const& world) {
                     "interferes there and is not followed",
                     lit.size() == 1 ? *lit.begin() + " is" : fmt::format("{} surfaces are", lit.size()), launch.name,
                     launch.passes),
-        fmt::format("write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
-                    "splitter side by a beam 'from' behind '{}', with 'at: short-arm' for its port",
-                    fmt::join(lit, ", "), launch.name));
+        fmt::format(
+            "write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
+            "splitter side, in a scene of its own, by a beam 'from' behind '{}', with 'at: short-arm' for its port",
+            fmt::join(lit, ", "), launch.name));
   }
 }
 
@@ -98,7 +99,9 @@ void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
     if (!table || !launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
     table.warning(
         fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
-        fmt::format("for these add a beam 'from' behind '{}', with 'at: short-arm' for its port", launch.name));
+        fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}', with 'at: short-arm' for "
+                    "its port",
+                    launch.name));
   }
 }
 

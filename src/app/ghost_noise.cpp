@@ -13,7 +13,8 @@ namespace {
 
 char const* statement_of(GhostFamily const& f) {
   return f.sum == GhostSum::coherent
-             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written (physics.md eq. "
+             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written (physics.md "
+               "eq. "
                "10.5)"
              : "ghosts with equal levers, powers added: their static phases are independent (physics.md eq. 10.5)";
 }
@@ -38,7 +39,7 @@ std::vector<CouplingClass> ghosts_beside(World const& world, GhostSettings const
     if (launch.through_input_mirror()) continue;
     TreeLimits const limits = settings.limits(launch);
     MainBeam const main(world, launch, limits);
-    GhostFamilies families(world, main, ghost_port(world, launch, main), settings.sum);
+    GhostFamilies families(world, launch, main, ghost_port(world, launch, main), settings.sum);
     if (!families.port()) continue;
     find_ghosts(world, launch, limits, main, [&](Ghost const& g) { families.add(g); });
     for (CouplingClass& c : ghost_classes(families)) all.push_back(std::move(c));

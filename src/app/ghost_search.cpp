@@ -16,8 +16,9 @@ namespace {
 std::string no_strain(Model const& model, BeamLaunch const& launch, std::optional<PortId> port) {
   if (launch.through_input_mirror())
     return fmt::format(
-        "Light from the splitter interferes behind '{}', which passes {:.2g}: its ghosts have no share at a port and no "
-        "h. Launch the light there as a beam of its own, with 'at: short-arm' for its port.",
+        "Light from the splitter interferes behind '{}', which passes {:.2g}: its ghosts have no share at a port and "
+        "no "
+        "h. Launch the light there in a scene of its own, with 'at: short-arm' for its port.",
         launch.name, launch.passes);
   if (!port) return "No port of this beam is open on its way, so there is no h: see 'ports'.";
   if (!model.detector) return "The scene has no 'interferometer', so there is no h.";
@@ -35,16 +36,16 @@ void warn_of_rims(GhostReport& report, MainBeam const& main) {
   std::set<std::uint32_t> told;
   for (MainNode const& node : main.nodes())
     if (node.spot.clipped > much && told.insert(node.spot.surface.value).second)
-      report.warnings.push_back(fmt::format("{:.2g} of the main beam falls beside '{}'", node.spot.clipped,
-                                            report.groups[main.world().surfaces()[node.spot.surface.value].group.value]));
+      report.warnings.push_back(
+          fmt::format("{:.2g} of the main beam falls beside '{}'", node.spot.clipped,
+                      report.groups[main.world().surfaces()[node.spot.surface.value].group.value]));
 }
 
 void warn_of_floor(GhostReport& report) {
   double const left = report.ledger.floor * report.passes, found = report.recoupled_with + report.recoupled_against;
   if (left <= found) return;
-  report.warnings.push_back(
-      fmt::format("{:.2g} of the light below the floor could recouple, more than the {:.2g} found: lower 'floor'", left,
-                  found));
+  report.warnings.push_back(fmt::format(
+      "{:.2g} of the light below the floor could recouple, more than the {:.2g} found: lower 'floor'", left, found));
 }
 
 void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& families, std::string const& no_h) {
@@ -110,7 +111,7 @@ GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
   World const& world = search.model.world;
   GhostReport report = begun(search, launch);
   MainBeam const main(world, launch, report.limits);
-  GhostFamilies families(world, main, port_of(world, launch, main), search.settings.sum);
+  GhostFamilies families(world, launch, main, port_of(world, launch, main), search.settings.sum);
   std::string no_h = no_strain(search.model, launch, families.port());
   report.has_port = families.port().has_value();
   report.has_noise = no_h.empty();

@@ -15,8 +15,8 @@ struct GhostSearch {
   Model const& model;
   GhostSettings settings;
   GhostRank rank = GhostRank::power;
-  std::size_t show = 0;                      // ghosts kept as rows
-  std::atomic<bool> const* stop = nullptr;   // once true, what has not been followed is booked so
+  std::size_t show = 0;                     // ghosts kept as rows
+  std::atomic<bool> const* stop = nullptr;  // once true, what has not been followed is booked so
   std::function<void(BeamLaunch const&, std::uint64_t ended, char const* doing)> progress;  // now and then
 };
 

@@ -125,6 +125,9 @@ class Answers {
     if (csv_) entry["surfaces"] = outlines(world_, report);
     all_.push_back(std::move(entry));
     if (options_.quiet) return;
+    if (report.ledger.stopped > 0)
+      std::cerr << fmt::format("stopped early: beam '{}': {:.2g} of the launched power was not followed\n", report.beam,
+                               double(report.ledger.stopped));
     for (std::string const& w : report.warnings) std::cerr << fmt::format("warning: beam '{}': {}\n", report.beam, w);
   }
   void finish() {
@@ -155,8 +158,8 @@ int ghosts(Options const& options, Wanted const& wanted) {
   refuse_two_formats(options);
   Model const model = read_for_ghosts(options);
   if (!options.quiet) std::cerr << model.scene.warnings();
-  GhostSearch search{model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown,
-                     nullptr, {}};
+  GhostSearch search{
+      model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown, nullptr, {}};
   std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);
   if (search.rank == GhostRank::strain) require_strain(search, beams);
   Answers answers(options, model.world);
@@ -198,7 +201,9 @@ void add_ghosts(CLI::App& app, Options& options, int& exit_code) {
       app.add_subcommand("ghosts", "every ghost beam: order, power, where it ends, how much of it comes back");
   static Wanted wanted;
   add_scene_options(*command, options);
-  command->add_option("--floor", wanted.floor, "least power that is followed, over what is launched or leaves the cavity; default 1e-15")
+  command
+      ->add_option("--floor", wanted.floor,
+                   "least power that is followed, over what is launched or leaves the cavity; default 1e-15")
       ->check(number_above_zero());
   command->add_option("--order", wanted.order, "departures from the main beam, at most; default: no limit")
       ->check(whole_between(0, 1e6, "2"));

@@ -68,10 +68,14 @@ Json ledger_json(GhostReport const& report) {
                        {"beside", double(o.beside)},
                        {"ghosts", double(o.ghosts)}});
   }
-  return {{"objects", objects},           {"media", double(l.media)},
-          {"escaped", double(l.escaped)}, {"rejoined", double(l.rejoined)},
-          {"floor", double(l.floor)},     {"order", double(l.order)},
-          {"longest", double(l.longest)}, {"stopped", double(l.stopped)},
+  return {{"objects", objects},
+          {"media", double(l.media)},
+          {"escaped", double(l.escaped)},
+          {"rejoined", double(l.rejoined)},
+          {"floor", double(l.floor)},
+          {"order", double(l.order)},
+          {"longest", double(l.longest)},
+          {"stopped", double(l.stopped)},
           {"total", l.total()}};
 }
 

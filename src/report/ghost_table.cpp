@@ -68,13 +68,14 @@ std::optional<PortId> ghost_port(World const& world, BeamLaunch const& launch, M
   return best;
 }
 
-GhostFamilies::GhostFamilies(World const& world, MainBeam const& main, std::optional<PortId> port, GhostSum sum)
-    : world_(world), main_(main), port_(port), sum_(sum) {}
+GhostFamilies::GhostFamilies(World const& world, BeamLaunch const& launch, MainBeam const& main,
+                             std::optional<PortId> port, GhostSum sum)
+    : world_(world), main_(main), port_(port), sum_(sum), beam_share_(world.footprints()[launch.footprint].share) {}
 
 std::optional<double> GhostFamilies::share_at_port(Ghost const& g) const {
   Recoupling const& r = g.standing.recoupled;
   if (!port_ || !r.any || !r.against || g.order == 0) return {};
-  return r.share();
+  return beam_share_ * beam_share_ * r.share();
 }
 
 // Levers to a millionth of the wave number; those that cancel are none.
@@ -108,7 +109,7 @@ void GhostFamilies::add(Ghost const& g) {
   GhostFamily& f = families_[at->second];
   std::vector<PathStep> steps = there_and_back(g);
   double const reverse = is_own_reverse(steps) ? 1 : 2;  // C_rev: the reverse is another ghost with the same phase
-  for (std::size_t i : {0, 1}) f.field[i] += r.field[i];
+  for (std::size_t i : {0, 1}) f.field[i] += beam_share_ * r.field[i];
   f.incoherent += reverse * *share;
   f.root_sum += std::sqrt(*share);
   ++f.ghosts;

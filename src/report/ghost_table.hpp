@@ -55,13 +55,13 @@ struct GhostFamily {
 class GhostFamilies {
  public:
   static constexpr std::size_t most = 4096;
-  GhostFamilies(World const&, MainBeam const&, std::optional<PortId>, GhostSum);
+  GhostFamilies(World const&, BeamLaunch const&, MainBeam const&, std::optional<PortId>, GhostSum);
 
   void add(Ghost const&);
   std::vector<GhostFamily>& all() { return families_; }
   std::vector<GhostFamily> const& all() const { return families_; }
-  // Share of the launched mode, as all couplings are: of light that runs back along the main beam and counts at the
-  // port; nothing when it does not.
+  // Of the light that runs back along the main beam and counts at the port, as all couplings are: over the launched
+  // mode, times the square of its own share (eq. 1.2); nothing when it does not count.
   std::optional<double> share_at_port(Ghost const&) const;
   GhostStrain strain_of(Ghost const&) const;  // of this ghost alone
   std::uint64_t left_out = 0;                 // ghosts beyond the most families, and
@@ -76,6 +76,7 @@ class GhostFamilies {
   MainBeam const& main_;
   std::optional<PortId> port_;
   GhostSum sum_;
+  double beam_share_;  // q of the launched beam
   std::vector<GhostFamily> families_;
   std::map<Key, std::size_t> place_;
 };
@@ -131,9 +132,9 @@ struct GhostReport {
   std::string beam;  // name
   double power = 0;  // W launched; 0: not stated
   TreeLimits limits;
-  double floor = 0;            // over what leaves
+  double floor = 0;  // over what leaves
   GhostSum sum = GhostSum::independent;
-  double passes = 1;            // share of the launched power that leaves its cavity
+  double passes = 1;  // share of the launched power that leaves its cavity
   GhostRank rank = GhostRank::power;
   std::vector<GhostRow> rows;
   std::vector<GhostObject> objects;
@@ -144,7 +145,8 @@ struct GhostReport {
   std::vector<std::uint64_t> by_order;
   std::vector<double> power_by_order;
   double recoupled_with = 0, recoupled_against = 0;
-  // Of the families: as they count, as fields of the drawn geometry, powers added, worst case; shares at the port, strain.
+  // Of the families: as they count, as fields of the drawn geometry, powers added, worst case; shares at the port,
+  // strain.
   bool has_port = false, has_noise = false;
   std::string port;
   std::size_t families = 0;

@@ -98,8 +98,8 @@ std::string ledger_text(GhostReport const& report) {
       "Ledger of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left the "
       "scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} beyond {} "
       "surfaces{}. Sum less 1: {:.1e}.\n",
-      part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined), watts(l.floor, report.power),
-      watts(l.order, report.power), watts(l.longest, report.power), report.limits.longest,
+      part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined),
+      watts(l.floor, report.power), watts(l.order, report.power), watts(l.longest, report.power), report.limits.longest,
       l.stopped > 0 ? fmt::format(", {} when stopped early", part(l.stopped)) : "", l.total() - 1);
 }
 
@@ -143,9 +143,8 @@ std::string sums_text(GhostReport const& report) {
     text += fmt::format(
         "At port {}: {:.3g} of the main mode in {} families of equal levers, {} within each. Powers added: {:.3g}; "
         "fields with the phases as drawn (eq. 10.5): {:.3g}; worst case of all phases: {:.3g}.\n",
-        report.port, report.share, report.families,
-        report.sum == GhostSum::coherent ? "fields added" : "powers added", report.incoherent, report.coherent,
-        report.worst);
+        report.port, report.share, report.families, report.sum == GhostSum::coherent ? "fields added" : "powers added",
+        report.incoherent, report.coherent, report.worst);
   if (report.has_noise)
     text += fmt::format("h from ghosts at 10, 30, 100 Hz: {:.3g}, {:.3g}, {:.3g} /sqrt(Hz).\n", report.strain[0],
                         report.strain[1], report.strain[2]);

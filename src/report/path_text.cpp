@@ -52,9 +52,7 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   std::string const unresolved = "unresolved", still = "still";
   bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
   if (table.has_noise)
-    c.push_back(!row.resolved ? unresolved
-                : moves       ? with_brackets(100 * row.share.value, 100 * row.share.sigma)
-                              : still);
+    c.push_back(!row.resolved ? unresolved : moves ? percent_text(row.share.value, row.share.sigma) : still);
   c.push_back(row.resolved ? with_brackets(row.coupling.mean, row.coupling.std_error) : unresolved);
   c.push_back(fmt::format("{:g}", row.reverse));
   for (WithError const& h : row.strain)
@@ -89,7 +87,7 @@ Cells rest_of(PathTable const& table, std::size_t first) {
   if (has_kinds(table)) c.push_back("");
   bool const moves = power.value() > 0;
   WithError const share = power.share_of(all_power), sum = coupling.result();
-  if (table.has_noise) c.push_back(moves ? with_brackets(100 * share.value, 100 * share.sigma) : "still");
+  if (table.has_noise) c.push_back(moves ? percent_text(share.value, share.sigma) : "still");
   c.push_back(with_brackets(sum.value, sum.sigma));
   c.push_back("");
   for (ReplicaSum const& s : strain) {

@@ -77,7 +77,7 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
     bool const resolved = route.power.trusted;
     Cells row = {fmt::format("{}", route.rank), route.sequence};
     add_power(row, {route.power.mean, route.power.std_error}, resolved, beam_power);
-    row.push_back(resolved ? with_brackets(100 * route.share.value, 100 * route.share.sigma) : "-");
+    row.push_back(resolved ? percent_text(route.share.value, route.share.sigma) : "-");
     row.push_back(verdict(route.power));
     c.rows.push_back(std::move(row));
   }

@@ -179,9 +179,11 @@ std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
 // A design curve at a frequency, 1/sqrt(Hz); NaN outside the grid.
 double design_at(DesignCurve const&, FrequencyGrid const&, double hz);
 
-// "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite.
+// "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite; "1.23e-24
+// (computed)" without an error, as of routes that are not sampled.
 std::string with_error(double value, double sigma);
-// "1.23(4)e-24": the error in units of the last digit, for tables.
+// "1.23(4)e-24": the error in units of the last digit, for tables; "1.23e-24 computed" without one.
 std::string with_brackets(double value, double sigma);
+std::string percent_text(double share, double sigma);  // a share of 1 in per cent; all of it has no error: "100"
 
 }  // namespace straytrace

@@ -51,7 +51,7 @@ bool tiny(double value, double sigma) { return sigma < 1e-9 * std::fabs(value); 
 
 std::string with_error(double value, double sigma) {
   if (!std::isfinite(value) || !std::isfinite(sigma) || sigma < 0) return "unresolved";
-  if (sigma == 0) return fmt::format("{:.6g} ± 0", value);
+  if (sigma == 0) return fmt::format("{:.3g} (computed)", value);
   if (tiny(value, sigma)) return fmt::format("{:.10g} ± {:.1g}", value, sigma);
   Rounded const r = rounded(value, sigma);
   return fmt::format("{0}{2} ± {1}{2}", r.value, r.sigma, power(r.exponent));
@@ -59,13 +59,18 @@ std::string with_error(double value, double sigma) {
 
 std::string with_brackets(double value, double sigma) {
   if (!std::isfinite(value) || !std::isfinite(sigma) || sigma < 0) return "unresolved";
-  if (sigma == 0) return fmt::format("{:.6g}(0)", value);
+  if (sigma == 0) return fmt::format("{:.3g} computed", value);
   if (tiny(value, sigma)) return fmt::format("{:.10g}({:.1g})", value, sigma);
   Rounded const r = rounded(value, sigma);
   bool const below_one = r.decimals > 0 && r.sigma.starts_with("0.");
   std::string error = below_one ? r.sigma.substr(2) : r.sigma;
   if (below_one) error.erase(0, std::min(error.find_first_not_of('0'), error.size() - 1));
   return fmt::format("{}({}){}", r.value, error, power(r.exponent));
+}
+
+std::string percent_text(double share, double sigma) {
+  return sigma == 0 && std::isfinite(share) ? fmt::format("{:.3g}", 100 * share)
+                                            : with_brackets(100 * share, 100 * sigma);
 }
 
 }  // namespace straytrace

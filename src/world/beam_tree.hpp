@@ -47,9 +47,9 @@ struct TreeLimits {
   double floor = 1e-15;  // of the launched power; what leaves a surface with less is not followed, but for what
                          // returns into the cavity
   std::uint32_t order = 0xffffffffu;
-  std::uint32_t longest = 1000;                  // surfaces on one way
-  std::uint64_t beams = ~0ull;                   // after so many have ended the rest is not followed
-  std::atomic<bool> const* stop = nullptr;       // once true, the same
+  std::uint32_t longest = 1000;             // surfaces on one way
+  std::uint64_t beams = ~0ull;              // after so many have ended the rest is not followed
+  std::atomic<bool> const* stop = nullptr;  // once true, the same
 };
 
 // One surface on the way of a beam.

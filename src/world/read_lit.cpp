@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
+#include "beams/overlap.hpp"
 #include "world/lit_surfaces.hpp"
 #include "world/read_beams.hpp"
 #include "world/read_mesh.hpp"
@@ -101,6 +103,27 @@ class Collector final : public BeamSink {
   double floor_;
 };
 
+// Spots of the beam itself that lie on one surface in one mode: the beam runs together again there (a Michelson).
+void warn_of_recombining(Node const& beam, std::string const& name, World const& world,
+                         std::vector<Collector::Met> const& met) {
+  constexpr double alike = 0.1;  // share of power in the other mode
+  std::set<std::string> surfaces;
+  for (std::size_t i = 0; i < met.size(); ++i)
+    for (std::size_t j = i + 1; j < met.size(); ++j) {
+      BeamSpot const &a = met[i].spot, &b = met[j].spot;
+      if (a.order != 0 || b.order != 0 || a.surface != b.surface || a.front != b.front) continue;
+      if (!(dot(a.mode.travel, b.mode.travel) > 0.9) || !(power_overlap(a.mode, b.mode) > alike)) continue;
+      surfaces.insert(world.groups()[world.surfaces()[a.surface.value].group.value]);
+    }
+  if (surfaces.empty()) return;
+  std::string names;
+  for (std::string const& s : surfaces) names += (names.empty() ? "'" : ", '") + s + "'";
+  beam.warning(
+      fmt::format("{} lit by '{}' on two ways that run together: their powers are added, not their fields",
+                  names + (surfaces.size() == 1 ? " is" : " are"), name),
+      "how fields add depends on path lengths that no drawing knows: leave one way, or state the light by 'on'");
+}
+
 }  // namespace
 
 void light_up(Node const& beam, LitWish const& wish, Registry const& names, World& world, Lighting const& light) {
@@ -117,6 +140,7 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
       beam["lit"].problem(
           fmt::format("'{}' makes {} spots; {} are followed at most", light.name, list.count, most_spots),
           "raise 'floor', lower 'order', or name surfaces by 'only'");
+    warn_of_recombining(beam, light.name, world, list.met);
     double const share = world.footprints()[launch.footprint].share;
     for (auto const& [spot, way] : list.met) {
       add_lit_surface(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);

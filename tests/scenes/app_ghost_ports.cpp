@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <map>
 
 #include "scenes/program.hpp"
 
@@ -56,6 +57,13 @@ TEST(GhostPorts, a_filter_is_passed_twice) {
   }
 }
 
+// A beam that carries the share q of the main light counts with q^2, as its scattered light does (eq. 1.2).
+TEST(GhostPorts, the_share_of_the_beam_counts_twice) {
+  double const f = at_port(edited(line("entry", 0, 1e-6), "radius: 50 mm", "radius: 50 mm, share: 10 %"));
+  EXPECT_NEAR(f / 2.5e-9, 1, 1e-3);
+  EXPECT_GT(std::fabs(f / 2.5e-7 - 1), 0.5) << "twin: relative to the launched beam";
+}
+
 // A ghost formed before the first surface with a port has not passed the filter.
 TEST(GhostPorts, a_ghost_formed_upstream_of_the_port) {
   double const f = at_port(line("sensor", 1e-6, 0));
@@ -69,7 +77,7 @@ TEST(GhostPorts, equal_levers_add_in_power_or_as_fields) {
   json const powers = ghosts_of(scene)["port"], fields = ghosts_of(scene + "ghosts: {sum: coherent}\n")["port"];
   EXPECT_EQ(powers["families"], 1);
   EXPECT_NEAR(powers["recoupled"].get<double>() / 2e-6, 1, 1e-3);
-  double const drawn = 2 + 2 * std::cos(2 * k * 2);  // 2 m apart
+  double const drawn = 2 + 2 * std::cos(2 * k * 2);                    // 2 m apart
   EXPECT_NEAR(fields["recoupled"].get<double>() / 1e-6, drawn, 5e-3);  // the Gouy phase of 2 m is 3e-4
   EXPECT_GT(std::fabs(drawn / 2 - 1), 0.05) << "twin: the other sum";
   EXPECT_NEAR(powers["recoupled_worst_case"].get<double>() / 4e-6, 1, 1e-3);
@@ -79,14 +87,23 @@ TEST(GhostPorts, equal_levers_add_in_power_or_as_fields) {
 // A way and its reverse are two ghosts of one phase: 4 f, whatever the phases of others (eq. 1.5).
 TEST(GhostPorts, a_way_and_its_reverse_add_as_fields) {
   double const r = 1e-2;  // three equal faces: z1 z2 z3 and back; the pair entry-sensor in both orders
-  json const all = ghosts_of(line("entry", r, r, "reflect: 1 %, transmit: 99 %"), {"--show", "100"});
+  json const all =
+      ghosts_of(line("entry", r, r, "reflect: 1 %, transmit: 99 %"), {"--show", "500", "--floor", "1e-12"});
   double twice = 0, once = 0, expected = 0;
+  std::map<Words, json> found;
   for (json const& g : all["ghosts"]) {
     if (g["recoupled"].is_null() || !g["recoupled_against"].get<bool>()) continue;
     std::vector<std::string> steps = g["steps"], back(steps.rbegin(), steps.rend());
     double const f = g["recoupled"];
     once += f;
     (steps == back ? expected : twice) += f;
+    found[steps] = g;
+  }
+  for (auto const& [steps, g] : found) {
+    auto const reverse = found.find(Words(steps.rbegin(), steps.rend()));
+    ASSERT_NE(reverse, found.end());
+    EXPECT_NEAR(reverse->second["recoupled"].get<double>() / g["recoupled"].get<double>(), 1, 1e-6);
+    EXPECT_NEAR(reverse->second["difference_m"].get<double>(), g["difference_m"].get<double>(), 1e-9);
   }
   EXPECT_GT(twice / once, 1e-6);
   EXPECT_NEAR(all["port"]["recoupled_powers_added"].get<double>() / (expected + 2 * twice), 1, 1e-9);
@@ -175,24 +192,25 @@ TEST(GhostPorts, defaults_find_ghosts_behind_an_end_mirror) {
 // w^2). Twin: what the mirror passes, in the arm (eq. 9.3 with the transmission of the input mirror).
 TEST(GhostPorts, a_beam_of_its_own_in_the_short_arm_eq_9_5) {
   Folder const folder;
-  write_text(folder / "a.yaml",
-             "straytrace: 1\nmaterials: {face: {specular: {reflect: 1 ppm, transmit: 99 %}, scatter: {model: lambertian,"
-             " brdf: 1e-3 /sr}}}\nbodies: {b: {motion: {z: {power-law: {asd: 1e-12 m/sqrt(Hz), at: 10 Hz, exponent: 0,"
-             " from: 1 Hz, to: 1 kHz}}, others: still}}}\nscene:\n"
-             "  - {name: face, shape: {disk: {outer_radius: 30 cm}}, at: [0 m, 0 m, -1 m], facing: [0, 0, 1], body: b,"
-             " material: face}\n"
-             "beams: {leak: {from: [0 m, 0 m, 0 m], facing: [0, 0, -1], radius: 49 mm, power: 1 kW, lit: yes}}\n"
-             "ports: {CP: {beam: leak, at: face}}\n"
-             "interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, round_trip_loss: 0,"
-             " input_transmission: 1.4 %, arm_power: 300 kW, ports: {CP: {at: short-arm}}}\n");
+  write_text(
+      folder / "a.yaml",
+      "straytrace: 1\nmaterials: {face: {specular: {reflect: 1 ppm, transmit: 99 %}, scatter: {model: lambertian,"
+      " brdf: 1e-3 /sr}}}\nbodies: {b: {motion: {z: {power-law: {asd: 1e-12 m/sqrt(Hz), at: 10 Hz, exponent: 0,"
+      " from: 1 Hz, to: 1 kHz}}, others: still}}}\nscene:\n"
+      "  - {name: face, shape: {disk: {outer_radius: 30 cm}}, at: [0 m, 0 m, -1 m], facing: [0, 0, 1], body: b,"
+      " material: face}\n"
+      "beams: {leak: {from: [0 m, 0 m, 0 m], facing: [0, 0, -1], radius: 49 mm, power: 1 kW, lit: yes}}\n"
+      "ports: {CP: {beam: leak, at: face}}\n"
+      "interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, round_trip_loss: 0,"
+      " input_transmission: 1.4 %, arm_power: 300 kW, ports: {CP: {at: short-arm}}}\n");
   double const r1 = std::sqrt(1 - 0.014), finesse = M_PI * std::sqrt(r1) / (1 - r1),
                pole = 299792458.0 / (4 * 3000 * finesse), arm = lambda / (4 * M_PI * 3000) * 2 * k * 1e-12,
                response = arm * M_PI / (2 * finesse) * std::hypot(1, 100 / pole);
   json const ghost =
       json::parse(straytrace({"ghosts", folder / "a.yaml", "--format", "json", "--quiet"}).out)[0]["ghosts"][1];
   EXPECT_NEAR(ghost["strain"]["100"].get<double>() / (response * 1e-3), 1, 0.01);
-  Finished const traced = straytrace(
-      {"trace", folder / "a.yaml", "-o", folder / "run.h5", "--histories", "262144", "--quiet"});
+  Finished const traced =
+      straytrace({"trace", folder / "a.yaml", "-o", folder / "run.h5", "--histories", "262144", "--quiet"});
   ASSERT_EQ(traced.code, 0) << traced.err;
   json const run = json::parse(straytrace({"noise", folder / "run.h5", "--format", "json", "--quiet"}).out);
   double const f_sc = 1e-3 * lambda * lambda / (M_PI * 0.049 * 0.049), h = run["total_strain"][2]["value"];

@@ -106,6 +106,52 @@ TEST(GhostCommand, writes_files) {
   EXPECT_GT(fs::file_size(folder / "out/ghosts.png"), 5000u);
 }
 
+// Ctrl-C leaves a valid part: the ledger closes with what was not followed, and every row is whole.
+TEST(GhostCommand, an_interrupted_run_is_valid) {
+  Folder const folder;
+  std::string scene =
+      "straytrace: 1\nmaterials: {half: {specular: {reflect: 10 %, transmit: 90 %}}}\n"
+      "bodies: {b: {motion: still}}\nscene:\n";
+  for (int z = 1; z <= 8; ++z)
+    scene += "  - {name: p" + std::to_string(z) + ", shape: {disk: {outer_radius: 1 m}}, at: [0 m, 0 m, " +
+             std::to_string(z) + " m], facing: [0, 0, -1], body: b, material: half}\n";
+  write_text(
+      folder / "a.yaml",
+      scene + "beams: {laser: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 50 mm}}\nreceivers: {D: {on: p8}}\n");
+  Words const words{"ghosts", folder / "a.yaml", "--floor", "1e-30", "-o", folder / "out"};
+  Program long_run(words);
+  for (int i = 0; i < 200 && long_run.said().find("ghosts  beam laser") == std::string::npos; ++i) ::usleep(50000);
+  EXPECT_THAT(long_run.said(), HasSubstr("ghosts  beam laser  table"));
+  EXPECT_FALSE(fs::exists(folder / "out/ghosts.csv"));  // it appears complete or not at all
+  long_run.interrupt();
+  Finished const done = long_run.wait();
+  EXPECT_EQ(done.code, 85) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("Stopped early: "));
+  json const beam = json::parse(text_of(folder / "out/ghosts.json")).at(0);
+  EXPECT_FALSE(beam["complete"]);
+  EXPECT_NEAR(beam["ledger"]["total"].get<double>(), 1, 1e-10);
+  double const stopped = beam["ledger"]["stopped"];
+  EXPECT_GT(stopped, 0);
+  EXPECT_LT(stopped, 1);
+  std::string const csv = text_of(folder / "out/ghosts.csv");
+  std::ptrdiff_t const order0 = 1;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), beam["count"].get<std::ptrdiff_t>() + order0 + 1);
+  Finished const short_run = straytrace({"ghosts", folder / "a.yaml", "--order", "1", "--quiet"});  // twin
+  EXPECT_EQ(short_run.code, 0);
+  EXPECT_THAT(short_run.out, Not(HasSubstr("Stopped early")));
+}
+
+// Ways of many surfaces are cut short for people only; one of the main beam's ends is shown however many ghosts are.
+TEST(GhostCommand, rows_are_for_people) {
+  Finished const text = straytrace({"ghosts", bench, "--order", "2", "--show", "1", "--quiet"});
+  EXPECT_THAT(text.out, HasSubstr("36 more ghosts; --show N has more rows."));
+  EXPECT_THAT(text.out, HasSubstr("main > pick_off/front·R > box·land"));
+  EXPECT_EQ(straytrace({"ghosts", bench, "--order", "0", "--quiet"}).code, 0);  // the main beam alone
+  Finished const deep = straytrace({"ghosts", bench, "--floor", "1e-13", "--show", "2000", "--quiet"});
+  EXPECT_THAT(deep.out, HasSubstr(" more) > "));
+  EXPECT_THAT(straytrace({"ghosts", bench, "--floor", "1e-13", "--csv", "--quiet"}).out, Not(HasSubstr(" more) > ")));
+}
+
 TEST(GhostCommand, refuses_with_a_remedy) {
   auto const says = [](Words const& words, std::string const& what, std::string const& remedy) {
     Finished const done = straytrace(words);
@@ -116,7 +162,9 @@ TEST(GhostCommand, refuses_with_a_remedy) {
   };
   says({"ghosts", bench, "--by", "strain"}, "--by strain needs h", "take --by recoupled");
   says({"ghosts", bench, "--beam", "inptu"}, "no beam 'inptu' is launched", "did you mean 'input'?");
-  says({"ghosts", bench, "--floor", "0"}, "'0' is not a share of power", "write for example 1e-15");
+  says({"ghosts", bench, "--floor", "0"}, "'0' is not a share of power above 0", "write for example 1e-15");
+  says({"ghosts", bench, "--show", "0"}, "'0' is not a whole number from 1", "write for example 50");
+  says({"apertures", virgo_arm, "--show", "0"}, "'0' is not a whole number from 1", "write for example 20");
   says({"ghosts", bench, "--order", "two"}, "'two' is not a whole number", "write for example 2");
   says({"ghosts", bench, "--by", "size"}, "size not in", "see straytrace ghosts --help");
   Folder const folder;

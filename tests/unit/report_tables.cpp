@@ -25,7 +25,8 @@ TEST(ReportValues, DigitsFollowTheError) {
   EXPECT_EQ(with_error(-1.5e-24, 0.3e-24), "-1.5e-24 ± 0.3e-24");
   EXPECT_EQ(with_error(12345, 321), "12300 ± 300");
   EXPECT_EQ(with_error(0, 0.002), "0.000 ± 0.002");
-  EXPECT_EQ(with_error(1, 0), "1 ± 0");
+  EXPECT_EQ(with_error(20146.9, 0), "2.01e+04 (computed)");
+  EXPECT_EQ(with_brackets(1.23456e-24, 0), "1.23e-24 computed");
   EXPECT_EQ(with_error(0.61, 3e-17), "0.61 ± 3e-17");
   EXPECT_EQ(with_brackets(1.2345e-24, 0.04e-24), "1.23(4)e-24");
   EXPECT_EQ(with_brackets(6.1234, 0.012), "6.123(12)");

@@ -107,5 +107,35 @@ TEST(ReadLit, TheSameLightTwiceIsAWarning) {
   EXPECT_THAT(scene.warnings(), HasSubstr("'window' is lit by beam 'stated' too"));
 }
 
+// Light that a splitter parts and joins again: fields add there, which powers do not know.
+TEST(ReadLit, RecombiningBeamsAreAWarning) {
+  auto const warnings = [](std::string const& arms) {
+    FileTexts const texts{
+        {"a.yaml",
+         "straytrace: 1\nmaterials:\n  half: {specular: {reflect: 50 %, transmit: 50 %}}\n"
+         "  mirror: {specular: {reflect: 99 %}}\n  white: {scatter: {model: lambertian, tis: 10 %}}\n"
+         "bodies: {b: {motion: still}}\nscene:\n"
+         "  - {name: splitter, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: [1, 0, -1], body: b, "
+         "material: half}\n" +
+             arms +
+             "  - {name: output, shape: {disk: {outer_radius: 5 cm}}, at: [-1 m, 0 m, 1 m], facing: [1, 0, 0], body: "
+             "b, "
+             "material: white}\n"
+             "beams: {probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 1 mm, lit: yes}}\n"
+             "ports: {a: {beam: probe, at: output}}\n"}};
+    Scene const scene = read_scene("a.yaml", {}, &texts);
+    World const world = build_world(scene);
+    return scene.warnings();
+  };
+  std::string const one =
+      "  - {name: z, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 2 m], facing: [0, 0, -1], body: b, "
+      "material: mirror}\n";
+  std::string const other =
+      "  - {name: x, shape: {disk: {outer_radius: 5 cm}}, at: [1 m, 0 m, 1 m], facing: [-1, 0, 0], body: b, "
+      "material: mirror}\n";
+  EXPECT_THAT(warnings(one + other), HasSubstr("'output' is lit by 'probe' on two ways that run together"));
+  EXPECT_THAT(warnings(one), ::testing::Not(HasSubstr("on two ways")));  // twin: one arm
+}
+
 }  // namespace
 }  // namespace straytrace
