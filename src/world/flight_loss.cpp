@@ -17,10 +17,9 @@ constexpr double edge_on = 1e-6;  // cosine below which a flat surface takes not
 // How closely the lines lie, and how closely the edges of stripes are found where they are searched for: for light of
 // which shares below `least` are not wanted.
 struct Fineness {
-  int azimuths, rings, halvings;
+  int azimuths, most_azimuths, rings, halvings;
 };
-constexpr int most_azimuths = 1024;
-Fineness fineness(double least) { return least < 1e-5 ? Fineness{128, 32, 36} : Fineness{48, 24, 14}; }
+Fineness fineness(double least) { return least < 1e-5 ? Fineness{128, 1024, 32, 36} : Fineness{48, 192, 24, 14}; }
 
 // Where lines start and end: distance along the travel from the start of the flight over the offset, m.
 struct Slant {
@@ -61,7 +60,12 @@ class Obstacle {
         lines_(propagated(flight.mode, along)),
         stretch_(&stretch),
         fine_(fineness(flight.least)),
-        rims_(flat_rims(view, id)) {}
+        rims_(flat_rims(view, id)) {
+    Box const box = bounds_of(view, id);
+    Vec3 const o = 0.5 * (box.lower + box.upper) - lines_.origin;
+    aside_ = o - dot(o, lines_.travel) * lines_.travel;
+    size_ = 0.5 * diagonal(box);
+  }
   SurfaceId id() const { return id_; }
   double along() const { return along_; }  // m, of the plane across the beam in which offsets are taken
 
@@ -75,6 +79,7 @@ class Obstacle {
   // Lines that meet it on the stretch.
   Stripes met(double turn) const {
     Vec3 const direction = lines_.towards(turn);
+    if (passes(direction)) return {};
     if (rims_.empty()) return searched(direction);
     Stripes all;
     for (FlatRim const& rim : rims_) {
@@ -103,11 +108,8 @@ class Obstacle {
   Vec3 towards(double turn) const { return lines_.towards(turn); }
   // Enough for what is small and beside the chief ray.
   int azimuths() const {
-    Box const box = bounds_of(*view_, id_);
-    Vec3 const o = 0.5 * (box.lower + box.upper) - lines_.origin;
-    double const away = length(o - dot(o, lines_.travel) * lines_.travel), size = 0.5 * diagonal(box);
-    if (!(away > size)) return fine_.azimuths;
-    return std::clamp(int(0.4 * fine_.azimuths * away / size), fine_.azimuths, most_azimuths);
+    if (!(length(aside_) > size_)) return fine_.azimuths;
+    return std::clamp(int(0.4 * fine_.azimuths * length(aside_) / size_), fine_.azimuths, fine_.most_azimuths);
   }
 
  private:
@@ -126,6 +128,13 @@ class Obstacle {
     double const root = -a / b;
     if (a < 0) return {{0, b > 0 ? root : infinity}};
     return b < 0 ? Stripes{{root, infinity}} : Stripes{};
+  }
+  // Whether no line of this azimuth comes near the ball around it.
+  bool passes(Vec3 direction) const {
+    if (!(length2(aside_) > size_ * size_)) return false;
+    Vec3 const u = unit(direction);
+    double const ahead = dot(aside_, u);
+    return ahead < 0 || length2(aside_) - ahead * ahead > size_ * size_;
   }
   double widest() const {
     return std::sqrt(length2(lines_.towards(0)) + length2(lines_.towards(0.25)));  // and a little more
@@ -160,6 +169,8 @@ class Obstacle {
   Stretch const* stretch_;
   Fineness fine_;
   std::vector<FlatRim> rims_;  // empty: it is not flat
+  Vec3 aside_;                 // m, of the ball around it from the chief ray
+  double size_ = 0;            // m, its radius
 };
 
 // Of the line that meets it nearest to the chief ray.

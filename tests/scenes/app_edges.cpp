@@ -38,7 +38,7 @@ TEST(AperturesCommand, TableAndProfile) {
   Finished const table = straytrace({"apertures", virgo_arm, "--show", "2"});
   ASSERT_EQ(table.code, 0) << table.err;
   EXPECT_THAT(table.out, HasSubstr("ETM     2999.8  58.018"));
-  EXPECT_THAT(table.out, HasSubstr("and 70 more"));
+  EXPECT_THAT(table.out, HasSubstr("and 72 more"));
   EXPECT_THAT(straytrace({"apertures", virgo_arm, "--format", "json"}).out, HasSubstr("\"axis_factor_far\":"));
   EXPECT_EQ(straytrace({"apertures", virgo_arm, "--profile", "ETM", "--distance", "500 m"}).code, 0);
   EXPECT_THAT(straytrace({"apertures", virgo_arm, "--profile", "ETN", "--distance", "500 m"}).err,
