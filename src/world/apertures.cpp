@@ -228,6 +228,25 @@ void add_cavity(World const& world, Footprint const& one, Footprint const& two, 
   add_mirror(world, two, span, all);
 }
 
+// What leaves the launch, or the surface that it is launched at: of a cavity, what its mirror lets through.
+class FirstPower final : public BeamSink {
+ public:
+  void left(LeavingBeam const& beam, std::span<BeamStep const>) override {
+    power = std::max(power, first_ ? beam.field.power() : 0);
+    first_ = false;
+  }
+  double power = 0;
+
+ private:
+  bool first_ = true;
+};
+// Down to a part of that the main beam is followed; splitters in a loop would make ever more of it.
+TreeLimits main_limits(World const& world, BeamLaunch const& launch, double part) {
+  FirstPower first;
+  grow_tree(world, launch, {0, 0, 1}, first);
+  return {part * first.power, 0};
+}
+
 class Losses final : public BeamSink {
  public:
   Losses(std::uint32_t beam, double least, std::vector<MainLoss>& all) : beam_(beam), least_(least), all_(all) {}
@@ -257,7 +276,7 @@ std::vector<BeamAperture> apertures_of(World const& world) {
       add_cavity(world, spots[i - 1], spots[i], all);
   for (BeamLaunch const& launch : launches(world)) {
     Passed passed(world, launch, all);
-    grow_tree(world, launch, {1e-15, 0}, passed);
+    grow_tree(world, launch, main_limits(world, launch, 1e-5), passed);
   }
   std::stable_sort(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.beam < b.beam; });
   return all;
@@ -267,7 +286,7 @@ std::vector<MainLoss> main_losses(World const& world, double least) {
   std::vector<MainLoss> all;
   for (BeamLaunch const& launch : launches(world)) {
     Losses losses(launch.beam, least, all);
-    grow_tree(world, launch, {1e-15, 0}, losses);
+    grow_tree(world, launch, main_limits(world, launch, 1e-3), losses);
   }
   return all;
 }
