@@ -286,7 +286,7 @@ std::vector<MainLoss> main_losses(World const& world, double least) {
   std::vector<MainLoss> all;
   for (BeamLaunch const& launch : launches(world)) {
     Losses losses(launch.beam, least, all);
-    grow_tree(world, launch, main_limits(world, launch, 1e-3), losses);
+    grow_tree(world, launch, main_limits(world, launch, 0.1), losses);
   }
   return all;
 }
