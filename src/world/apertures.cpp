@@ -249,8 +249,10 @@ TreeLimits main_limits(World const& world, BeamLaunch const& launch, double part
 
 class Losses final : public BeamSink {
  public:
-  Losses(std::uint32_t beam, double least, std::vector<MainLoss>& all) : beam_(beam), least_(least), all_(all) {}
-  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override {
+  Losses(BeamLaunch const& launch, double least, std::vector<MainLoss>& all)
+      : launch_(launch), least_(least), all_(all) {}
+  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const> way) override {
+    if (way.empty() && launch_.arrives_at.valid()) return;  // the spot is stated
     note(spot.surface, spot.clipped, true);
   }
   void screened(ScreenSpot const& spot, std::span<BeamStep const>) override {
@@ -259,9 +261,9 @@ class Losses final : public BeamSink {
 
  private:
   void note(SurfaceId surface, double share, bool beside) {
-    if (share > least_) all_.push_back({beam_, surface, share, beside});
+    if (share > least_) all_.push_back({launch_.beam, surface, share, beside});
   }
-  std::uint32_t beam_;
+  BeamLaunch const& launch_;
   double least_;
   std::vector<MainLoss>& all_;
 };
@@ -285,7 +287,7 @@ std::vector<BeamAperture> apertures_of(World const& world) {
 std::vector<MainLoss> main_losses(World const& world, double least) {
   std::vector<MainLoss> all;
   for (BeamLaunch const& launch : launches(world)) {
-    Losses losses(launch.beam, least, all);
+    Losses losses(launch, least, all);
     grow_tree(world, launch, main_limits(world, launch, 0.1), losses);
   }
   return all;
