@@ -2,6 +2,7 @@
 // Shares that screens take off a beam on one flight, line by line.
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "base/functions.hpp"
 #include "world/beam_tree.hpp"
@@ -185,24 +186,30 @@ void keep_nearest(Screened& s, Obstacle const& o, Stripes const& met, double tur
   s.piece = hit.piece;
 }
 
-// Each line is taken by the first screen that it meets; what is left over passes beside `last`, or meets it.
-double share_out(std::vector<Obstacle> const& screens, Obstacle const* last, std::vector<Screened>& found) {
-  int count = 1;
+// Each line is taken by the first screen that it meets; what is left over passes beside `last`, or meets it. Lines that
+// miss `first`, the surface left, are dark from the start. Shares are of the light that is not.
+double share_out(std::vector<Obstacle> const& screens, Obstacle const* first, Obstacle const* last,
+                 std::vector<Screened>& found) {
+  int count = first || last ? (first ? first : last)->azimuths() : 1;
   for (Obstacle const& o : screens) count = std::max(count, o.azimuths());
-  double beside = 0;
+  double beside = 0, lit = 0;
+  Stripes const all{Stripe{}};
   for (int k = 0; k < count; ++k) {
     double const turn = (k + 0.5) / count;
-    Stripes taken;
+    Stripes taken = first ? without(all, first->met(turn)) : Stripes{};
+    lit += 1 - share_of(taken);
     for (std::size_t i = 0; i < screens.size(); ++i) {
       Stripes const met = screens[i].met(turn);
       found[i].alone += share_of(met) / count;
-      found[i].share += (taken.empty() ? share_of(met) : share_of(without(met, taken))) / count;
+      found[i].share += taken.empty() ? share_of(met) : share_of(without(met, taken));
       keep_nearest(found[i], screens[i], met, turn);
-      if (screens.size() > 1 || last) taken = together(taken, met);
+      if (screens.size() > 1 || last || first) taken = together(taken, met);
     }
-    if (last) beside += share_of(without(without({Stripe{}}, last->met(turn)), taken)) / count;
+    if (last) beside += share_of(without(without(all, last->met(turn)), taken));
   }
-  return beside;
+  lit = std::max(lit, 1e-300);
+  for (Screened& s : found) s.share /= lit;
+  return beside / lit;
 }
 
 // Between the surface left and the next one.
@@ -215,6 +222,12 @@ Stretch stretch_of(WorldView const& view, Flight const& f) {
     s.to = plane(f.to.distance - contact_distance,
                  view.normal(f.to.surface, f.mode.origin + f.to.distance * travel, f.to.piece), travel);
   return s;
+}
+
+// All of a surface that the chief ray meets there.
+Stretch about(WorldView const& view, SurfaceId id, double along) {
+  double const size = id.valid() ? diagonal(bounds_of(view, id)) : 0;
+  return {{along - size, {}}, {along + size, {}}};
 }
 
 // Where the chief ray crosses the plane of a flat surface beside it, or passes the middle of another.
@@ -248,12 +261,16 @@ std::vector<Obstacle> obstacles(WorldView const& view, Flight const& flight, std
 
 FlightLoss Screens::loss(Flight const& flight) const {
   FlightLoss loss;
-  double const reach = std::sqrt(-0.5 * std::log(flight.least));
+  SurfaceId const from = flight.from.surface, to = flight.to.surface;
+  double const reach = std::sqrt(-0.5 * std::log(flight.least)), end = to.valid() ? flight.to.distance : 0;
+  if (to.valid()) loss.beside = beside_rim(view_, to, propagated(flight.mode, end));
+  bool const rim = loss.beside > flight.least;
   std::vector<SurfaceId> const candidates = near(flight, reach);
-  if (candidates.empty()) return loss;
+  if (candidates.empty() && !rim) return loss;
   Stretch const stretch = stretch_of(view_, flight);
   std::vector<Obstacle> const screens = obstacles(view_, flight, candidates, stretch, reach);
-  if (screens.empty()) return loss;
+  bool const shadow = (rim || !screens.empty()) && from.valid() && beside_rim(view_, from, flight.mode) > flight.least;
+  if (screens.empty() && !(rim && shadow)) return loss;
   for (Obstacle const& o : screens) {
     loss.screens.emplace_back();
     loss.screens.back().surface = o.id();
@@ -261,17 +278,12 @@ FlightLoss Screens::loss(Flight const& flight) const {
     loss.screens.back().along = o.along();
     loss.screens.back().mode = propagated(flight.mode, o.along());
   }
-  if (flight.to.surface.valid()) {
-    double const end = flight.to.distance, size = diagonal(bounds_of(view_, flight.to.surface));
-    loss.beside = beside_rim(view_, flight.to.surface, propagated(flight.mode, end));
-    bool const both = loss.beside > flight.least;
-    Stretch const about{{end - size, {}}, {end + size, {}}};
-    Obstacle last(view_, flight.to.surface, flight, end, about);
-    double const left_over = share_out(screens, both ? &last : nullptr, loss.screens);
-    if (both) loss.beside = std::min(1.0, left_over / std::max(1 - loss.taken(), 1e-300));
-  } else {
-    share_out(screens, nullptr, loss.screens);
-  }
+  std::optional<Obstacle> first, last;
+  Stretch const about_start = about(view_, from, 0), about_end = about(view_, to, end);
+  if (shadow) first.emplace(view_, from, flight, 0, about_start);
+  if (rim) last.emplace(view_, to, flight, end, about_end);
+  double const left_over = share_out(screens, first ? &*first : nullptr, last ? &*last : nullptr, loss.screens);
+  if (rim) loss.beside = std::min(1.0, left_over / std::max(1 - loss.taken(), 1e-300));
   std::erase_if(loss.screens, [&](Screened const& s) { return s.share < flight.least; });
   return loss;
 }
