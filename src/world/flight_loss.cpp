@@ -20,7 +20,7 @@ constexpr double edge_on = 1e-6;  // cosine below which a flat surface takes not
 struct Fineness {
   int azimuths, most_azimuths, rings, halvings;
 };
-Fineness fineness(double least) { return least < 1e-5 ? Fineness{128, 1024, 32, 36} : Fineness{48, 192, 24, 14}; }
+Fineness fineness(double least) { return least < 1e-8 ? Fineness{128, 1024, 32, 36} : Fineness{32, 128, 24, 12}; }
 
 // Where lines start and end: distance along the travel from the start of the flight over the offset, m.
 struct Slant {
