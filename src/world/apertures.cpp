@@ -228,10 +228,31 @@ void add_cavity(World const& world, Footprint const& one, Footprint const& two, 
   add_mirror(world, two, span, all);
 }
 
+// What leaves the launch, or the surface that it is launched at: of a cavity, what its mirror lets through.
+class FirstPower final : public BeamSink {
+ public:
+  void left(LeavingBeam const& beam, std::span<BeamStep const>) override {
+    power = std::max(power, first_ ? beam.field.power() : 0);
+    first_ = false;
+  }
+  double power = 0;
+
+ private:
+  bool first_ = true;
+};
+// Down to a part of that the main beam is followed; splitters in a loop would make ever more of it.
+TreeLimits main_limits(World const& world, BeamLaunch const& launch, double part) {
+  FirstPower first;
+  grow_tree(world, launch, {0, 0, 1}, first);
+  return {part * first.power, 0};
+}
+
 class Losses final : public BeamSink {
  public:
-  Losses(std::uint32_t beam, double least, std::vector<MainLoss>& all) : beam_(beam), least_(least), all_(all) {}
-  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override {
+  Losses(BeamLaunch const& launch, double least, std::vector<MainLoss>& all)
+      : launch_(launch), least_(least), all_(all) {}
+  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const> way) override {
+    if (way.empty() && launch_.arrives_at.valid()) return;  // the spot is stated
     note(spot.surface, spot.clipped, true);
   }
   void screened(ScreenSpot const& spot, std::span<BeamStep const>) override {
@@ -240,9 +261,9 @@ class Losses final : public BeamSink {
 
  private:
   void note(SurfaceId surface, double share, bool beside) {
-    if (share > least_) all_.push_back({beam_, surface, share, beside});
+    if (share > least_) all_.push_back({launch_.beam, surface, share, beside});
   }
-  std::uint32_t beam_;
+  BeamLaunch const& launch_;
   double least_;
   std::vector<MainLoss>& all_;
 };
@@ -257,7 +278,7 @@ std::vector<BeamAperture> apertures_of(World const& world) {
       add_cavity(world, spots[i - 1], spots[i], all);
   for (BeamLaunch const& launch : launches(world)) {
     Passed passed(world, launch, all);
-    grow_tree(world, launch, {1e-15, 0}, passed);
+    grow_tree(world, launch, main_limits(world, launch, 1e-5), passed);
   }
   std::stable_sort(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.beam < b.beam; });
   return all;
@@ -266,8 +287,8 @@ std::vector<BeamAperture> apertures_of(World const& world) {
 std::vector<MainLoss> main_losses(World const& world, double least) {
   std::vector<MainLoss> all;
   for (BeamLaunch const& launch : launches(world)) {
-    Losses losses(launch.beam, least, all);
-    grow_tree(world, launch, {1e-15, 0}, losses);
+    Losses losses(launch, least, all);
+    grow_tree(world, launch, main_limits(world, launch, 0.1), losses);
   }
   return all;
 }

@@ -33,7 +33,8 @@ struct BeamAperture {
 // In the order of the beams, along each.
 std::vector<BeamAperture> apertures_of(World const&);
 
-// Where the main beam loses more than `least` of what it still has, and how much.
+// Where the main beam loses more than `least` of what it still has, and how much; until it has a tenth of what is
+// launched, or of what the mirror of a cavity lets through.
 struct MainLoss {
   std::uint32_t beam = 0;
   SurfaceId surface;

@@ -2,6 +2,7 @@
 // Shares that screens take off a beam on one flight, line by line.
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "base/functions.hpp"
 #include "world/beam_tree.hpp"
@@ -17,10 +18,9 @@ constexpr double edge_on = 1e-6;  // cosine below which a flat surface takes not
 // How closely the lines lie, and how closely the edges of stripes are found where they are searched for: for light of
 // which shares below `least` are not wanted.
 struct Fineness {
-  int azimuths, rings, halvings;
+  int azimuths, most_azimuths, rings, halvings;
 };
-constexpr int most_azimuths = 1024;
-Fineness fineness(double least) { return least < 1e-5 ? Fineness{128, 32, 36} : Fineness{48, 24, 14}; }
+Fineness fineness(double least) { return least < 1e-8 ? Fineness{128, 1024, 32, 36} : Fineness{32, 128, 24, 12}; }
 
 // Where lines start and end: distance along the travel from the start of the flight over the offset, m.
 struct Slant {
@@ -61,7 +61,12 @@ class Obstacle {
         lines_(propagated(flight.mode, along)),
         stretch_(&stretch),
         fine_(fineness(flight.least)),
-        rims_(flat_rims(view, id)) {}
+        rims_(flat_rims(view, id)) {
+    Box const box = bounds_of(view, id);
+    Vec3 const o = 0.5 * (box.lower + box.upper) - lines_.origin;
+    aside_ = o - dot(o, lines_.travel) * lines_.travel;
+    size_ = 0.5 * diagonal(box);
+  }
   SurfaceId id() const { return id_; }
   double along() const { return along_; }  // m, of the plane across the beam in which offsets are taken
 
@@ -75,6 +80,7 @@ class Obstacle {
   // Lines that meet it on the stretch.
   Stripes met(double turn) const {
     Vec3 const direction = lines_.towards(turn);
+    if (passes(direction)) return {};
     if (rims_.empty()) return searched(direction);
     Stripes all;
     for (FlatRim const& rim : rims_) {
@@ -103,11 +109,8 @@ class Obstacle {
   Vec3 towards(double turn) const { return lines_.towards(turn); }
   // Enough for what is small and beside the chief ray.
   int azimuths() const {
-    Box const box = bounds_of(*view_, id_);
-    Vec3 const o = 0.5 * (box.lower + box.upper) - lines_.origin;
-    double const away = length(o - dot(o, lines_.travel) * lines_.travel), size = 0.5 * diagonal(box);
-    if (!(away > size)) return fine_.azimuths;
-    return std::clamp(int(0.4 * fine_.azimuths * away / size), fine_.azimuths, most_azimuths);
+    if (!(length(aside_) > size_)) return fine_.azimuths;
+    return std::clamp(int(0.4 * fine_.azimuths * length(aside_) / size_), fine_.azimuths, fine_.most_azimuths);
   }
 
  private:
@@ -126,6 +129,13 @@ class Obstacle {
     double const root = -a / b;
     if (a < 0) return {{0, b > 0 ? root : infinity}};
     return b < 0 ? Stripes{{root, infinity}} : Stripes{};
+  }
+  // Whether no line of this azimuth comes near the ball around it.
+  bool passes(Vec3 direction) const {
+    if (!(length2(aside_) > size_ * size_)) return false;
+    Vec3 const u = unit(direction);
+    double const ahead = dot(aside_, u);
+    return ahead < 0 || length2(aside_) - ahead * ahead > size_ * size_;
   }
   double widest() const {
     return std::sqrt(length2(lines_.towards(0)) + length2(lines_.towards(0.25)));  // and a little more
@@ -160,6 +170,8 @@ class Obstacle {
   Stretch const* stretch_;
   Fineness fine_;
   std::vector<FlatRim> rims_;  // empty: it is not flat
+  Vec3 aside_;                 // m, of the ball around it from the chief ray
+  double size_ = 0;            // m, its radius
 };
 
 // Of the line that meets it nearest to the chief ray.
@@ -174,24 +186,30 @@ void keep_nearest(Screened& s, Obstacle const& o, Stripes const& met, double tur
   s.piece = hit.piece;
 }
 
-// Each line is taken by the first screen that it meets; what is left over passes beside `last`, or meets it.
-double share_out(std::vector<Obstacle> const& screens, Obstacle const* last, std::vector<Screened>& found) {
-  int count = 1;
+// Each line is taken by the first screen that it meets; what is left over passes beside `last`, or meets it. Lines that
+// miss `first`, the surface left, are dark from the start. Shares are of the light that is not.
+double share_out(std::vector<Obstacle> const& screens, Obstacle const* first, Obstacle const* last,
+                 std::vector<Screened>& found) {
+  int count = first || last ? (first ? first : last)->azimuths() : 1;
   for (Obstacle const& o : screens) count = std::max(count, o.azimuths());
-  double beside = 0;
+  double beside = 0, lit = 0;
+  Stripes const all{Stripe{}};
   for (int k = 0; k < count; ++k) {
     double const turn = (k + 0.5) / count;
-    Stripes taken;
+    Stripes taken = first ? without(all, first->met(turn)) : Stripes{};
+    lit += 1 - share_of(taken);
     for (std::size_t i = 0; i < screens.size(); ++i) {
       Stripes const met = screens[i].met(turn);
       found[i].alone += share_of(met) / count;
-      found[i].share += (taken.empty() ? share_of(met) : share_of(without(met, taken))) / count;
+      found[i].share += taken.empty() ? share_of(met) : share_of(without(met, taken));
       keep_nearest(found[i], screens[i], met, turn);
-      if (screens.size() > 1 || last) taken = together(taken, met);
+      if (screens.size() > 1 || last || first) taken = together(taken, met);
     }
-    if (last) beside += share_of(without(without({Stripe{}}, last->met(turn)), taken)) / count;
+    if (last) beside += share_of(without(without(all, last->met(turn)), taken));
   }
-  return beside;
+  lit = std::max(lit, 1e-300);
+  for (Screened& s : found) s.share /= lit;
+  return beside / lit;
 }
 
 // Between the surface left and the next one.
@@ -204,6 +222,12 @@ Stretch stretch_of(WorldView const& view, Flight const& f) {
     s.to = plane(f.to.distance - contact_distance,
                  view.normal(f.to.surface, f.mode.origin + f.to.distance * travel, f.to.piece), travel);
   return s;
+}
+
+// All of a surface that the chief ray meets there.
+Stretch about(WorldView const& view, SurfaceId id, double along) {
+  double const size = id.valid() ? diagonal(bounds_of(view, id)) : 0;
+  return {{along - size, {}}, {along + size, {}}};
 }
 
 // Where the chief ray crosses the plane of a flat surface beside it, or passes the middle of another.
@@ -237,12 +261,16 @@ std::vector<Obstacle> obstacles(WorldView const& view, Flight const& flight, std
 
 FlightLoss Screens::loss(Flight const& flight) const {
   FlightLoss loss;
-  double const reach = std::sqrt(-0.5 * std::log(flight.least));
+  SurfaceId const from = flight.from.surface, to = flight.to.surface;
+  double const reach = std::sqrt(-0.5 * std::log(flight.least)), end = to.valid() ? flight.to.distance : 0;
+  if (to.valid()) loss.beside = beside_rim(view_, to, propagated(flight.mode, end));
+  bool const rim = loss.beside > flight.least;
   std::vector<SurfaceId> const candidates = near(flight, reach);
-  if (candidates.empty()) return loss;
+  if (candidates.empty() && !rim) return loss;
   Stretch const stretch = stretch_of(view_, flight);
   std::vector<Obstacle> const screens = obstacles(view_, flight, candidates, stretch, reach);
-  if (screens.empty()) return loss;
+  bool const shadow = (rim || !screens.empty()) && from.valid() && beside_rim(view_, from, flight.mode) > flight.least;
+  if (screens.empty() && !(rim && shadow)) return loss;
   for (Obstacle const& o : screens) {
     loss.screens.emplace_back();
     loss.screens.back().surface = o.id();
@@ -250,17 +278,12 @@ FlightLoss Screens::loss(Flight const& flight) const {
     loss.screens.back().along = o.along();
     loss.screens.back().mode = propagated(flight.mode, o.along());
   }
-  if (flight.to.surface.valid()) {
-    double const end = flight.to.distance, size = diagonal(bounds_of(view_, flight.to.surface));
-    loss.beside = beside_rim(view_, flight.to.surface, propagated(flight.mode, end));
-    bool const both = loss.beside > flight.least;
-    Stretch const about{{end - size, {}}, {end + size, {}}};
-    Obstacle last(view_, flight.to.surface, flight, end, about);
-    double const left_over = share_out(screens, both ? &last : nullptr, loss.screens);
-    if (both) loss.beside = std::min(1.0, left_over / std::max(1 - loss.taken(), 1e-300));
-  } else {
-    share_out(screens, nullptr, loss.screens);
-  }
+  std::optional<Obstacle> first, last;
+  Stretch const about_start = about(view_, from, 0), about_end = about(view_, to, end);
+  if (shadow) first.emplace(view_, from, flight, 0, about_start);
+  if (rim) last.emplace(view_, to, flight, end, about_end);
+  double const left_over = share_out(screens, first ? &*first : nullptr, last ? &*last : nullptr, loss.screens);
+  if (rim) loss.beside = std::min(1.0, left_over / std::max(1 - loss.taken(), 1e-300));
   std::erase_if(loss.screens, [&](Screened const& s) { return s.share < flight.least; });
   return loss;
 }

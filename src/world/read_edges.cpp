@@ -42,6 +42,32 @@ void read_group(Node const& node, World& world, std::vector<std::string> const& 
                                : fmt::format("entries with inner rims: {}", fmt::join(with_rims, ", "))));
 }
 
+// Of the smallest rim that is chosen, m.
+double smallest_rim(World const& world) {
+  double radius = infinity;
+  auto const& chosen = world.edges.groups;
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
+    if (auto const rim = rim_of(world, {id}))
+      if (std::find(chosen.begin(), chosen.end(), world.groups()[world.surfaces()[id].group.value]) != chosen.end())
+        radius = std::min(radius, rim->radius);
+  return radius;
+}
+
+// Teeth and offsets that the smallest rim has no room for.
+void check_sizes(Node const& table, World const& world) {
+  double const radius = smallest_rim(world);
+  if (!(radius < infinity)) return;
+  EdgeSettings const& edges = world.edges;
+  auto const refuse = [&](std::string_view key, double size, double most, char const* of) {
+    if (!table.has(key) || !(size >= most)) return;
+    table[key].problem(fmt::format("{} of {:.4g} m does not fit a rim of radius {:.4g} m", key, size, radius),
+                       fmt::format("take less than {:.4g} m, {} of the smallest rim in 'surfaces'", most, of));
+  };
+  refuse("offset", length(edges.offset), radius, "the radius");
+  refuse("tooth_height", edges.tooth_height, radius, "the radius");
+  refuse("tooth_width", edges.tooth_width, 2 * pi * radius, "the circumference");
+}
+
 bool has_cavity(World const& world) {
   return std::any_of(world.footprints().begin(), world.footprints().end(), [](auto const& f) { return f.standing; });
 }
@@ -62,6 +88,7 @@ void read_edges(Scene const& scene, World& world) {
   if (table.has("tooth_width") && !table.has("tooth_height"))
     table["tooth_width"].problem("'tooth_width' without 'tooth_height'", "give both, or neither");
   if (table.has("tooth_height")) edges.tooth_width = table.number("tooth_width", dim::length, required, 1e-5, 1);
+  check_sizes(table, world);
   static constexpr std::array<std::string_view, 3> sums = {"independent", "geometric", "in-phase"};
   std::string const sum = table.choice("sum", sums, "independent");
   edges.sum = EdgeSettings::Sum(std::find(sums.begin(), sums.end(), sum) - sums.begin());

@@ -67,7 +67,9 @@ TEST(GhostLedger, every_watt_has_a_place) {
   EXPECT_NEAR(books.total(), 1, 1e-14);
   BeamLedger::Object const &front = books.objects[0], &dump = books.objects[2];
   EXPECT_NEAR(front.beside, std::exp(-2 * 36.0 / 25.0), 3e-3);  // ghosts that come back add a little
-  EXPECT_NEAR(dump.landed, std::pow(1 - std::exp(-2 * 36.0 / 25.0), 2) * 0.96 * 0.96, 3e-3);
+  // The back face lies in the shadow of the front. Twin: it clips a whole Gaussian again.
+  EXPECT_NEAR(dump.landed, (1 - std::exp(-2 * 36.0 / 25.0)) * 0.96 * 0.96, 3e-3);
+  EXPECT_GT(std::fabs(dump.landed - std::pow(1 - std::exp(-2 * 36.0 / 25.0), 2) * 0.96 * 0.96), 0.03);
   EXPECT_NEAR(dump.scattered, 0.3 * (dump.landed), 1e-12);
   EXPECT_GT(dump.ghosts, 1e-4);
   EXPECT_GT(books.floor + books.order, 0);

@@ -89,6 +89,24 @@ TEST(Screens, holes_in_a_row_take_each_line_once) {
   EXPECT_NEAR(taken(plate, 1), 1 - two, 2e-4);
 }
 
+// What the rim of the surface left has cut off is dark on the flight from there: a second lens of one size, and the
+// mount behind it, take nothing more. Twin: each of them sees a whole Gaussian.
+TEST(Screens, stand_in_the_shadow_of_the_surface_left) {
+  World world;
+  world.wavelength = lambda;
+  std::uint32_t const glass = coated(world, 0), black = black_optic(world);
+  BodyId const body = world.add_body("all", {});
+  for (double z : {0.0, 0.01})
+    world.add_surface(disk(0, there, {{0, 0, z}, {0, 0, -1}}), glass, glass, body, world.add_group("lens"));
+  world.add_surface(disk(1.001 * there, 1, {{0, 0, 0.02}, {0, 0, -1}}), black, black, body, world.add_group("mount"));
+  world.finish();
+  BeamLedger const ledger = ledger_of(world, launched(world, w));
+  EXPECT_NEAR(ledger.objects[0].beside, std::exp(-2.0), 1e-4);
+  EXPECT_LT(taken(ledger, 1), 1e-4);
+  EXPECT_NEAR(ledger.escaped, 1 - std::exp(-2.0), 1e-4);
+  EXPECT_GT(std::fabs(ledger.escaped - std::pow(1 - std::exp(-2.0), 3)), 0.1);
+}
+
 // Anything anywhere beside the chief ray: against lines drawn from the beam, each to the first thing that it meets.
 struct Clutter {
   World world;

@@ -38,17 +38,49 @@ TEST(AperturesCommand, TableAndProfile) {
   Finished const table = straytrace({"apertures", virgo_arm, "--show", "2"});
   ASSERT_EQ(table.code, 0) << table.err;
   EXPECT_THAT(table.out, HasSubstr("ETM     2999.8  58.018"));
-  EXPECT_THAT(table.out, HasSubstr("and 70 more"));
+  EXPECT_THAT(table.out, HasSubstr("and 72 more"));
   EXPECT_THAT(straytrace({"apertures", virgo_arm, "--format", "json"}).out, HasSubstr("\"axis_factor_far\":"));
   EXPECT_EQ(straytrace({"apertures", virgo_arm, "--profile", "ETM", "--distance", "500 m"}).code, 0);
   EXPECT_THAT(straytrace({"apertures", virgo_arm, "--profile", "ETN", "--distance", "500 m"}).err,
               HasSubstr("did you mean 'ETM'?"));
-  for (char const* distance : {"500", "-1 m", "3 s"}) {
+  for (char const* distance : {"500", "-1 m", "3 s", "0 m"}) {
     Finished const refused = straytrace({"apertures", virgo_arm, "--profile", "ETM", "--distance", distance});
     EXPECT_EQ(refused.code, 2) << distance;
     EXPECT_THAT(refused.err, HasSubstr("write for example --distance"));
   }
   EXPECT_EQ(straytrace({"apertures", virgo_arm, "--profile", "ETM"}).code, 2);
+}
+
+// Mounts, tilted mirrors and all behind them are listed; what cannot be meant is refused with a reason.
+TEST(AperturesCommand, WholeWayAndRefusals) {
+  std::string const bench = source_folder + "/examples/bench.yaml";
+  Finished const table = straytrace({"apertures", bench, "--show", "40"});
+  ASSERT_EQ(table.code, 0) << table.err;
+  for (char const* rim :
+       {"mount_1/front", "mount_2/back", "lens_2/back", "fold/front", "pick_off/front", "photodiode/sensor"})
+    EXPECT_THAT(table.out, HasSubstr(rim));
+  auto const refused = [&](Words const& words, char const* reason) {
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 2);
+    EXPECT_EQ(done.out, "");
+    EXPECT_THAT(done.err, HasSubstr(reason));
+  };
+  refused({"apertures", bench, "--show", "0"}, "not in range 1");
+  refused({"apertures", virgo_arm, "--profile", "ETM", "--distance", "1 um"}, "nearer than the beam is wide");
+  refused({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"}, "no round rim across a round beam");
+}
+
+// A lens that is too small for the main beam, by name and share, for every command; twin: one that is large enough.
+TEST(AperturesCommand, LossesOfTheMainBeamAreWarnedOf) {
+  Folder const folder;
+  std::string const text = text_of(source_folder + "/examples/bench.yaml");
+  write_text(folder / "wide.yaml", edited(text, "waist: 3 mm", "waist: 22 mm"));
+  for (char const* command : {"check", "apertures"}) {
+    std::string const said = straytrace({command, folder / "wide.yaml"}).err;
+    EXPECT_THAT(said, HasSubstr("beam 'input' loses 7."));
+    EXPECT_THAT(said, HasSubstr("% on 'mount_1/front'"));
+  }
+  EXPECT_THAT(straytrace({"check", source_folder + "/examples/bench.yaml"}).err, ::testing::Not(HasSubstr("loses")));
 }
 
 }  // namespace

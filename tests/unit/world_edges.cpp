@@ -63,6 +63,11 @@ TEST(ReadEdges, SaysWhatIsWrong) {
   EXPECT_THAT(complaint("edges: {offset: [1 mm, 0 m, 0 m]}\n"), HasSubstr("'edges' names no surfaces"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, tooth_height: 6 mm}\n"), HasSubstr("tooth_width"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, tooth_width: 6 mm}\n"), HasSubstr("without 'tooth_height'"));
+  for (char const* key : {"tooth_height: 15 cm, tooth_width: 1 cm", "tooth_height: 1 cm, tooth_width: 95 cm",
+                          "offset: [0 m, 15 cm, 0 m]"})
+    EXPECT_THAT(complaint(std::string("edges: {surfaces: \"ring*\", ") + key + "}\n"),
+                HasSubstr("does not fit a rim of radius 0.15 m"));
+  EXPECT_EQ(complaint("edges: {surfaces: \"ring*\", tooth_height: 14 cm, tooth_width: 94 cm}\n"), "no complaint");
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, sum: coherent}\n"), HasSubstr("independent"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, offset: 1 mm}\n"), HasSubstr("error"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_one, spread: 1 mm}\n"), HasSubstr("spread"));
