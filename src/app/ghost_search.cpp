@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <set>
 
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
@@ -28,17 +27,6 @@ std::string no_strain(Model const& model, BeamLaunch const& launch, std::optiona
 std::optional<PortId> port_of(World const& world, BeamLaunch const& launch, MainBeam const& main) {
   if (launch.through_input_mirror()) return {};
   return ghost_port(world, launch, main);
-}
-
-// Rims that cut more than 1 % off the main beam, which the fields of ghosts and overlaps do not know.
-void warn_of_rims(GhostReport& report, MainBeam const& main) {
-  constexpr double much = 0.01;
-  std::set<std::uint32_t> told;
-  for (MainNode const& node : main.nodes())
-    if (node.spot.clipped > much && told.insert(node.spot.surface.value).second)
-      report.warnings.push_back(
-          fmt::format("{:.2g} of the main beam falls beside '{}'", node.spot.clipped,
-                      report.groups[main.world().surfaces()[node.spot.surface.value].group.value]));
 }
 
 void warn_of_floor(GhostReport& report) {
@@ -144,7 +132,6 @@ GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
     throw NumericalError(fmt::format("the ledger of the beam '{}' does not close: {:.3g}", launch.name, off));
   table.fill(report);
   add_notes(report, main, families, no_h);
-  warn_of_rims(report, main);
   warn_of_floor(report);
   return report;
 }
