@@ -25,8 +25,8 @@ CLI::Validator whole_between(double low, double high, std::string const& example
   return {[=](std::string const& text) -> std::string {
             bool const digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
             if (digits && text.size() < 17 && std::stod(text) >= low && std::stod(text) <= high) return {};
-            return fmt::format("'{}' is not a whole number from {:g} to {:g}; write for example {}", text, low, high,
-                               example);
+            return fmt::format("'{}' is not a whole number from {:.0f} to {:.0f}; write for example {}", text, low,
+                               high, example);
           },
           ""};
 }

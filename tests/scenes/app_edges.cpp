@@ -65,7 +65,7 @@ TEST(AperturesCommand, WholeWayAndRefusals) {
     EXPECT_EQ(done.out, "");
     EXPECT_THAT(done.err, HasSubstr(reason));
   };
-  refused({"apertures", bench, "--show", "0"}, "not in range 1");
+  refused({"apertures", bench, "--show", "0"}, "is not a whole number from 1 to 1000000");
   refused({"apertures", virgo_arm, "--profile", "ETM", "--distance", "1 um"}, "nearer than the beam is wide");
   refused({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"}, "no round rim across a round beam");
 }

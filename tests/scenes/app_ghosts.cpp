@@ -145,7 +145,7 @@ TEST(GhostCommand, an_interrupted_run_is_valid) {
 TEST(GhostCommand, rows_are_for_people) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2", "--show", "1", "--quiet"});
   EXPECT_THAT(text.out, HasSubstr("36 more ghosts; --show N has more rows."));
-  EXPECT_THAT(text.out, HasSubstr("main > pick_off/front·R > box·land"));
+  EXPECT_THAT(text.out, HasSubstr("main > lens_1/front·R > box·land"));
   EXPECT_EQ(straytrace({"ghosts", bench, "--order", "0", "--quiet"}).code, 0);  // the main beam alone
   Finished const deep = straytrace({"ghosts", bench, "--floor", "1e-13", "--show", "2000", "--quiet"});
   EXPECT_THAT(deep.out, HasSubstr(" more) > "));
