@@ -6,46 +6,24 @@
 #include <cmath>
 #include <utility>
 
-#include "ifo/cavity.hpp"
-#include "ifo/dual_recycled.hpp"
+#include "physics/ifo_support.hpp"
 
 namespace straytrace {
 namespace {
 
 constexpr double wavelength = 1064e-9, k = 2 * pi / wavelength;
 
-DualRecycledParameters virgo_like() {
-  DualRecycledParameters p;
-  p.arm_length = 3000;
-  p.input_transmission = 0.014;
-  p.end_transmission = 4.4e-6;
-  p.round_trip_loss = 75e-6;
-  p.input_power = 1000;
-  return p;
-}
-ArmCavity arm_of(DualRecycledParameters const& p) {
-  return {p.arm_length, p.input_transmission, p.end_transmission, p.round_trip_loss};
-}
 // What an arm whose end mirror stands `x` off resonance sends back (eq. 6.4), relative to what arrives.
 Phasor returned(ArmCavity const& arm, double x = 0) {
   Phasor const turn = std::polar(arm.r2(), 2 * k * x);
   return -arm.r1() + arm.input_transmission * turn / (1.0 - arm.r1() * turn);
-}
-struct Strain {
-  Phasor phase, amplitude;
-  double both() const { return std::sqrt(std::norm(phase) + std::norm(amplitude)); }
-};
-Strain strain(DualRecycled const& d, Entrance e, double hz) {
-  LinearResponse const r = d.response(hz);
-  Phasor const darm = d.to_freedom(r, Freedom::darm) * d.parameters().arm_length;
-  return {r.to_phase(d.injection(e)) / darm, r.to_amplitude(d.injection(e)) / darm};
 }
 
 // Eq. 8.6 for light in a short arm. In resonant sideband extraction it meets itself behind the signal-recycling mirror
 // turned over: 1/(1 + r_s r_arm) of it is left. The power of one arm changes by 2 Re s of that.
 TEST(Places, RadiationPressureInTheShortArm) {
   for (double const signal : {1.0, 0.2, 0.05}) {
-    DualRecycledParameters p = virgo_like();
+    DualRecycledParameters p = case_a14();
     p.mirror_mass = 42;
     p.signal_recycling_transmission = signal;
     p.power_recycling_transmission = 0.05;  // no matter: the common part pushes both arms alike
@@ -127,7 +105,7 @@ TEST(Places, OffsetTurnsPhaseInTheShortArmIntoPower) {
 // x/L with the pole of the arm alone, as in eq. 9.5, and 1/(1 + r_s r_arm) of it is left. Im s is not seen.
 TEST(Places, SignalCavity) {
   for (double const signal : {1.0, 0.2}) {
-    DualRecycledParameters p = virgo_like();
+    DualRecycledParameters p = case_a14();
     p.dark_fringe_offset = 4e-12;
     p.signal_recycling_transmission = signal;
     DualRecycled const d(p);
@@ -148,7 +126,7 @@ TEST(Places, SignalCavity) {
 // is the recycled one, light from outside is relative to what the mirror sends back. The ratios are those of the
 // carriers at all frequencies: 1/(1 - r_p r_arm) and (r_p - r_arm)/(1 - r_p r_arm), the last one in another quadrature.
 TEST(Places, RecyclingCavityAndSymmetricPort) {
-  DualRecycledParameters p = virgo_like();
+  DualRecycledParameters p = case_a14();
   p.power_recycling_transmission = 0.05;
   p.dark_fringe_offset = 4e-12;
   DualRecycled const d(p);

@@ -5,38 +5,13 @@
 
 #include <cmath>
 
-#include "ifo/cavity.hpp"
-#include "ifo/dual_recycled.hpp"
 #include "ifo/fabry_perot_michelson.hpp"
+#include "physics/ifo_support.hpp"
 
 namespace straytrace {
 namespace {
 
 constexpr double wavelength = 1064e-9;
-
-// A14: AdV's arm with end mirrors as built, nothing recycled, nothing moved by light.
-DualRecycledParameters case_a14() {
-  DualRecycledParameters p;
-  p.arm_length = 3000;
-  p.input_transmission = 0.014;
-  p.end_transmission = 4.4e-6;
-  p.round_trip_loss = 75e-6;
-  p.input_power = 1000;
-  return p;
-}
-ArmCavity arm_of(DualRecycledParameters const& p) {
-  return {p.arm_length, p.input_transmission, p.end_transmission, p.round_trip_loss};
-}
-struct Strain {
-  Phasor phase, amplitude;
-  double both() const { return std::sqrt(std::norm(phase) + std::norm(amplitude)); }
-};
-Strain strain(DualRecycled const& d, Injection const& i, double hz) {
-  LinearResponse const r = d.response(hz);
-  Phasor const darm = d.to_freedom(r, Freedom::darm) * d.parameters().arm_length;
-  return {r.to_phase(i) / darm, r.to_amplitude(i) / darm};
-}
-Strain strain(DualRecycled const& d, Entrance e, double hz) { return strain(d, d.injection(e), hz); }
 
 // Eq. 9.1 and 9.10: s_arm of eq. 9.10 is of the light that leaves the input mirror, before it is reflected there.
 TEST(Ports, InsideAnArmA14) {
