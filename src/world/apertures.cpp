@@ -41,7 +41,7 @@ struct Circle {
     BeamLines const lines(mode);
     double sum = 0;
     for (int i = 0; i < azimuths; ++i)
-      for (Stripe const& s : inside.met(lines.origin, lines.towards((i + 0.5) / azimuths), lines.travel))
+      for (Stripe const& s : inside.met(lines.origin, lines.towards(sincos_turn((i + 0.5) / azimuths)), lines.travel))
         sum += std::exp(-s.to * s.to);
     return sum / azimuths;
   }

@@ -15,8 +15,7 @@ BeamLines::BeamLines(Mode const& mode) : origin(mode.origin), travel(mode.travel
   up_ = (1 / rest) * (mode.e2 - (b / a) * mode.e1);
 }
 
-Vec3 BeamLines::towards(double turn) const {
-  SinCos const a = sincos_turn(turn);
+Vec3 BeamLines::towards(SinCos a) const {
   return a.cos * across_ + a.sin * up_;
 }
 

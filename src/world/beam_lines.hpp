@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/functions.hpp"
 #include "beams/mode.hpp"
 
 namespace straytrace {
@@ -14,7 +15,7 @@ class BeamLines {
  public:
   static constexpr double farthest = 4.5;  // rho: beyond lie 3e-18 of the power
   explicit BeamLines(Mode const&);         // across the beam, at the origin of the mode
-  Vec3 towards(double turn) const;         // from the chief ray, m per unit of rho
+  Vec3 towards(SinCos azimuth) const;      // from the chief ray, m per unit of rho
   Vec3 origin, travel;
 
  private:

@@ -45,8 +45,8 @@ struct FlightLoss {
 class Screens {
  public:
   explicit Screens(WorldView const&);
-  // Lines parallel to the chief ray, of which the first screen met takes the light; at the next surface the beam is a
-  // whole Gaussian again. Features narrower than 0.14 radii of the beam may be missed on surfaces that are not flat.
+  // Each line of the beam is taken by the first screen that it meets; at the next surface the beam is a whole Gaussian
+  // again. Features narrower than 0.14 radii of the beam may be missed on surfaces that are not flat.
   FlightLoss loss(Flight const&) const;
   // Surfaces that beams of this flight may meet within `reach` radii.
   std::vector<SurfaceId> near(Flight const&, double reach) const;

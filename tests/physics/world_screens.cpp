@@ -5,6 +5,7 @@
 #include "beams/clipping.hpp"
 #include "beams_support.hpp"
 #include "ghost_support.hpp"
+#include "shapes.hpp"
 #include "world/lit_surfaces.hpp"
 
 namespace straytrace::testing {
@@ -171,6 +172,54 @@ TEST(Screens, any_shapes_against_drawn_lines) {
     EXPECT_NEAR(elsewhere, met.back() / lines, 5 * std::sqrt(met.back()) / lines + 2e-3);
     EXPECT_GT(swapped, 0.1);  // twin: booked under the name of the neighbour
   }
+}
+
+// What is narrower than the beam and stands far from its axis is found: a ring of wire, a ball.
+TEST(Screens, small_things_are_found) {
+  Clutter c;
+  c.add(torus(3e-3, 0.35e-3), {0, 0, 0}, {0, 0, 1});
+  c.world.finish();
+  auto const beyond = [](double r) { return std::exp(-2 * r * r / (there * there)); };
+  EXPECT_NEAR(taken(ledger_of(c.world, launched(c.world, w)), 0) / (beyond(2.65e-3) - beyond(3.35e-3)), 1, 1e-3);
+  for (double turn : {0.0, 0.13, 0.3, 0.44}) {
+    Clutter far;
+    Vec3 const at{w * std::cos(2 * pi * turn), w * std::sin(2 * pi * turn), 0};
+    far.add(sphere(1.3e-3), at, {0, 0, 1});
+    far.world.finish();
+    Mode const mode = circular_mode({0, 0, -1}, {0, 0, 1}, w, 0, lambda);
+    double const exact = 1 - clipped_share(Aperture{at, {0, 0, -1}, 1.3e-3}, mode);
+    EXPECT_NEAR(taken(ledger_of(far.world, launched(far.world, w)), 0) / exact, 1, 0.02) << turn;
+  }
+}
+
+// A tube around a beam that spreads takes what is wider than its far end (eq. 5.5). Twin: lines parallel to the chief
+// ray from the near end, which take nothing.
+TEST(Screens, tubes_around_a_beam_that_spreads) {
+  Clutter c;
+  c.add(cylinder(10e-3, 0, 99), {0, 0, 0}, {0, 0, 1});
+  c.add(disk(0, 1, {}), {0, 0, 100}, {0, 0, -1});
+  c.world.finish();
+  double const waist = 1e-3, z = 100, wide = waist * std::sqrt(1 + std::pow(z * lambda / (pi * waist * waist), 2));
+  EXPECT_NEAR(taken(ledger_of(c.world, launched(c.world, waist)), 0) / std::exp(-2 * 1e-4 / (wide * wide)), 1, 1e-5);
+  EXPECT_LT(std::exp(-2 * 1e-4 / (waist * waist)), 1e-80);
+}
+
+// A ball that stands with its front before a ring is lit, whichever of them is listed first. Twin: the first of the
+// list takes what both cover.
+TEST(Screens, each_line_ends_where_it_meets_first) {
+  double share[2];
+  for (int first : {0, 1}) {
+    Clutter c;
+    for (int i : {first, 1 - first})
+      i == 0 ? c.add(disk(1e-3, 10e-3, {}), {0, 0, 0}, {0, 0, -1}) : c.add(sphere(4e-3), {6e-3, 0, 0}, {0, 0, 1});
+    c.world.finish();
+    share[first] = taken(ledger_of(c.world, launched(c.world, w)), 1 - first);
+  }
+  Mode const mode = circular_mode({0, 0, -1}, {0, 0, 1}, w, 0, lambda);
+  double const exact = 1 - clipped_share(Aperture{{6e-3, 0, 0}, {0, 0, -1}, 4e-3}, mode);
+  EXPECT_NEAR(share[0] / exact, 1, 0.01);
+  EXPECT_EQ(share[0], share[1]);
+  EXPECT_GT(exact, 0.1);
 }
 
 // The light on a lit screen: drawn lines bring what the ledger says, and none of them falls into the hole.
