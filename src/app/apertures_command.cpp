@@ -120,7 +120,7 @@ double checked_distance(Named const& n, Wanted const& wanted) {
   BeamAperture const& a = n.aperture;
   if (!a.across)
     throw InputError(
-        fmt::format("error: --profile: '{}' is no round rim across a round beam\n"
+        fmt::format("error: --profile: '{}' has no round rim about the chief ray, across a round beam\n"
                     "  the field behind is computed for those; the table has what the others clip",
                     n.name));
   double const least = 2 * a.at.w;
@@ -149,9 +149,9 @@ void print_profile(Named const& n, Wanted const& wanted, bool json) {
     try {
       with.push_back(std::norm(field_behind(beam, n.aperture.opening, z, x.back(), 0)));
     } catch (NumericalError const&) {
-      throw NumericalError(fmt::format(
-          "error: the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  go farther away", z,
-          n.name, x.back()));
+      throw NumericalError(
+          fmt::format("the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  go farther away", z,
+                      n.name, x.back()));
     }
     without.push_back(std::norm(free_field(beam, z, x.back(), 0)));
   }

@@ -40,7 +40,9 @@ std::string lit_table(Model const& model) {
                           round ? fmt::format("{:.4g}", 1e3 * row.major)
                                 : fmt::format("{:.4g} x {:.4g}", 1e3 * row.major, 1e3 * row.minor),
                           fmt::format("{:.4g}", f.share), beside(row), fmt::format("{:.6g}", feed.path_length),
-                          fmt::format("{:.4g} deg", row.incidence > 1e-9 ? row.incidence * 180 / pi : 0),
+                          std::isnan(row.incidence)
+                              ? "-"
+                              : fmt::format("{:.4g} deg", row.incidence > 1e-9 ? row.incidence * 180 / pi : 0),
                           row.scatters ? port_of(world, f) : "scatters nothing"});
   }
   return "lit surfaces: 1/e^2 intensity radius, power over that of the main mode, share of it beside the surface\n" +

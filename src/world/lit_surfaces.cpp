@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "world/flat_rim.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -131,7 +133,8 @@ std::vector<LitRow> lit_rows(World const& world) {
     Vec3 const p = met.distance < infinity ? f.centre + (met.distance - f.backoff) * f.travel
                                            : view.project(f.surface, f.centre, met.piece);
     Vec3 const normal = view.normal(f.surface, p, met.piece);
-    row.incidence = angle_between(dot(normal, f.travel) < 0 ? -f.travel : f.travel, normal);
+    bool const known = met.distance < infinity || flat_rims(view, f.surface).size() == 1;
+    row.incidence = known ? angle_between(dot(normal, f.travel) < 0 ? -f.travel : f.travel, normal) : not_a_number;
     row.scatters = scatters(world, f.surface, dot(normal, f.travel) < 0);
     bool const round = f.profile == Profile::gaussian;
     row.resolution = feed.propagated || round ? 1e-15 : 1.0 / (lines_tried * lines_tried);

@@ -30,7 +30,7 @@ void add_lit_screen(World&, std::uint32_t beam, double share, std::uint32_t mirr
 struct LitRow {
   std::uint32_t footprint = 0;
   double major = 0, minor = 0;  // m, 1/e^2 intensity radii across the beam
-  double incidence = 0;         // rad, of the chief ray
+  double incidence = 0;         // rad, of the chief ray; NaN: that passes beside a surface which is not flat
   double clipped = 0;           // share that passes beside the surface; smaller than `resolution`: not resolved
   double resolution = 0;
   bool scatters = true;
