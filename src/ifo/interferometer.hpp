@@ -40,7 +40,7 @@ class Interferometer {
 };
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m. Where the table gives no power,
-// the arms have that of the first beam whose port joins there. Files of responses must cover the band.
+// the arms have that of the beams whose ports join there. Files of responses must cover the band.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
                                                     double wavelength, Band const& = {});
 

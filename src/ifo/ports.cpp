@@ -11,7 +11,28 @@
 namespace straytrace {
 namespace {
 
-constexpr double least = 1e-30;  // of light that a port lets back: nothing at all is no port
+constexpr double least = 1e-30;     // of light that a port lets back: nothing at all is no port
+constexpr double same_power = 0.1;  // relative: powers nearer than this may be rounded, or with and without a loss
+
+bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
+
+std::vector<TracedPort> inside_an_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
+  std::vector<TracedPort> inside;
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    if (is_inside_an_arm(entries[i].entrance)) inside.push_back(ports[i]);
+  return inside;
+}
+
+// Of ports that state this number, the first of each value.
+std::vector<TracedPort> different(std::vector<TracedPort> const& ports, double TracedPort::*number, double tolerance) {
+  std::vector<TracedPort> all;
+  for (TracedPort const& p : ports)
+    if (p.*number > 0 && std::none_of(all.begin(), all.end(), [&](TracedPort const& other) {
+          return agrees(p.*number, other.*number, tolerance);
+        }))
+      all.push_back(p);
+  return all;
+}
 
 std::string number(std::complex<double> response) {
   return response == 0.0 ? std::string("none") : fmt::format("{:.3g}", std::abs(response));
@@ -140,10 +161,26 @@ bool has_response_files(Node const& interferometer, std::string const& port) {
   return files && files.has(port);
 }
 
-double beam_power_in_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
-  for (std::size_t i = 0; i < ports.size(); ++i)
-    if (is_inside_an_arm(entries[i].entrance) && ports[i].power > 0) return ports[i].power;
-  return 0;
+double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> const& ports,
+                         std::vector<PortEntry> const& entries) {
+  std::vector<TracedPort> const arm = different(inside_an_arm(ports, entries), &TracedPort::power, same_power);
+  if (arm.size() > 1 && interferometer.healthy())
+    interferometer.problem(
+        fmt::format("two beams in the arms state different powers: {:.4g} W at port '{}', {:.4g} W at port '{}'",
+                    arm[0].power, arm[0].name, arm[1].power, arm[1].name),
+        "make them agree, add 'arm_power' here, or say by 'at' of its port which beam is not in an arm");
+  return arm.empty() ? 0 : arm[0].power;
+}
+
+void warn_of_other_powers(Node const& interferometer, std::vector<TracedPort> const& ports,
+                          std::vector<PortEntry> const& entries, double arm_power) {
+  for (TracedPort const& p : different(inside_an_arm(ports, entries), &TracedPort::power, same_power))
+    if (!agrees(p.power, arm_power, same_power))
+      interferometer.warning(
+          fmt::format("the beam of port '{}' has {:.4g} W, and the interferometer {:.4g} W in each arm", p.name,
+                      p.power, arm_power),
+          "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is computed "
+          "with the power of the interferometer");
 }
 
 std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo, Band const& band) {

@@ -115,8 +115,6 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
   }
 }
 
-bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
-
 }  // namespace
 
 std::span<Key<P> const> dual_recycled_keys() { return keys; }
@@ -179,7 +177,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   P p = preset.parameters;
   for (Key<P> const& k : keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);
-  if (!std::isnan(preset.parameters.arm_length) && !agrees(wavelength, p.wavelength, 1e-3))
+  if (!std::isnan(preset.parameters.arm_length) && !(std::fabs(wavelength / p.wavelength - 1) <= 1e-3))
     table.warning(fmt::format("'{}' runs at {:g} nm, the beams of the scene at {:g} nm", preset.name,
                               p.wavelength * 1e9, wavelength * 1e9),
                   fmt::format("give the beams 'wavelength: {:g} nm'; the interferometer now takes that of the beams",
@@ -198,12 +196,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   if (!table.healthy()) return nullptr;
   auto model = std::make_unique<DualRecycled>(p, modulators);
   refuse_a_blind_readout(table, *model, band);
-  double const beam_power = beam_power_in_arm(ports, entries);
-  if (beam_power > 0 && !agrees(beam_power, model->arm_power(), 0.1))
-    table.warning(fmt::format("the beam has {:.4g} W, and the interferometer {:.4g} W in each arm", beam_power,
-                              model->arm_power()),
-                  "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is "
-                  "computed with the power of the interferometer");
+  warn_of_other_powers(table, ports, entries, model->arm_power());
   auto ifo =
       std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band);
   refuse_ports_without_response(table, *ifo, entries, band);

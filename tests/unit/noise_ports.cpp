@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 struct Detector {
   Scene scene;
@@ -192,14 +193,37 @@ TEST(ReadPorts, PowerOfTheBeam) {
     EXPECT_THAT(d.problems, IsEmpty());
     return d.scene.warnings();
   };
-  EXPECT_THAT(warnings("preset: adv"), HasSubstr("the beam has 1 W"));
-  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-mirror}}"), HasSubstr("the beam has 1 W"));
+  EXPECT_THAT(warnings("preset: adv"), HasSubstr("the beam of port 'bench' has 1 W"));
+  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-mirror}}"), HasSubstr("the beam of port 'bench' has 1 W"));
   EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-bench}}"), IsEmpty());
   std::string const closed =
       "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %";
   EXPECT_THAT(detector(closed, {}, 1064e-9, ports).ifo->description(), HasSubstr("P 1 W per arm"));
   EXPECT_THAT(detector(closed + ", ports: {bench: {at: short-arm}}", {}, 1064e-9, ports).problems,
               HasSubstr("the power in the arms is missing"));
+}
+
+// Which of two powers the arms have is not for the order of the ports to decide.
+TEST(ReadPorts, PowersOfTwoBeams) {
+  TracedPort const weak = {.name = "ITM", .power = 3}, strong = {.name = "bench", .power = 650e3};
+  std::string const closed =
+      "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %";
+  for (auto const& ports : {std::vector{weak, strong}, std::vector{strong, weak}}) {
+    auto const said = [&](std::string const& keys) { return detector(keys, {}, 1064e-9, ports); };
+    EXPECT_THAT(said(closed).problems, HasSubstr("two beams in the arms state different powers"));
+    Detector const apart = said(closed + ", ports: {ITM: {at: short-arm}}");
+    ASSERT_THAT(apart.problems, IsEmpty());
+    EXPECT_THAT(apart.ifo->description(), HasSubstr("P 6.5e+05 W per arm"));
+    EXPECT_THAT(apart.scene.warnings(), IsEmpty());
+    for (std::string const& keys : {closed + ", arm_power: 660 kW", std::string("preset: adv")}) {
+      Detector const stated = said(keys);
+      EXPECT_THAT(stated.problems, IsEmpty()) << keys;
+      EXPECT_THAT(stated.scene.warnings(), HasSubstr("the beam of port 'ITM' has 3 W")) << keys;
+      EXPECT_THAT(stated.scene.warnings(), Not(HasSubstr("'bench'"))) << "twin: within 10 %";
+    }
+  }
+  std::vector<TracedPort> const near = {strong, {.name = "ETM", .power = 660e3}};
+  EXPECT_THAT(detector(closed, {}, 1064e-9, near).problems, IsEmpty());
 }
 
 TEST(ReadPorts, FilesThatDoNotHold) {
