@@ -125,7 +125,7 @@ std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector
   FabryPerotMichelson::Parameters p = read_parameters(table, wavelength);
   std::vector<PortEntry> entries = read_port_entries(table, ports, p.arms);
   p.power = read_arm_power(table, p.arm, ports, entries);
-  if (table.healthy()) warn_of_other_powers(table, ports, entries, p.power);
+  if (table.healthy()) warn_of_other_arms(table, ports, entries, p.power, p.arm.length);
   refuse_without_closed_form(table, p, entries);
   return std::make_unique<FabryPerotMichelson>(p, std::move(entries), band);
 }

@@ -18,6 +18,7 @@ struct TracedPort {
   std::string name;
   Entrance entrance = Entrance::arm;  // where its light joins when the table does not say
   double power = 0;                   // W, of its beam; 0: not stated
+  double cavity_length = 0;           // m, between the mirrors of its beam; 0: no cavity
 };
 
 // Where responses are asked for, Hz.

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double least = 1e-30;     // of light that a port lets back: nothing at all is no port
 constexpr double same_power = 0.1;  // relative: powers nearer than this may be rounded, or with and without a loss
+constexpr double same_length = 0.01;
 
 bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
 
@@ -172,15 +173,23 @@ double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> con
   return arm.empty() ? 0 : arm[0].power;
 }
 
-void warn_of_other_powers(Node const& interferometer, std::vector<TracedPort> const& ports,
-                          std::vector<PortEntry> const& entries, double arm_power) {
-  for (TracedPort const& p : different(inside_an_arm(ports, entries), &TracedPort::power, same_power))
+void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> const& ports,
+                        std::vector<PortEntry> const& entries, double arm_power, double arm_length) {
+  std::vector<TracedPort> const inside = inside_an_arm(ports, entries);
+  for (TracedPort const& p : different(inside, &TracedPort::power, same_power))
     if (!agrees(p.power, arm_power, same_power))
       interferometer.warning(
           fmt::format("the beam of port '{}' has {:.4g} W, and the interferometer {:.4g} W in each arm", p.name,
                       p.power, arm_power),
           "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is computed "
           "with the power of the interferometer");
+  for (TracedPort const& p : different(inside, &TracedPort::cavity_length, same_length))
+    if (!agrees(p.cavity_length, arm_length, same_length))
+      interferometer.warning(
+          fmt::format("the cavity of port '{}' is {:.5g} m long, and the arms of the interferometer {:.5g} m", p.name,
+                      p.cavity_length, arm_length),
+          "make them agree, or say by 'at' of its port where the beam is; strain is computed with the length of the "
+          "interferometer");
 }
 
 std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo, Band const& band) {

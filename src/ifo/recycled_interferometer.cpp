@@ -196,7 +196,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   if (!table.healthy()) return nullptr;
   auto model = std::make_unique<DualRecycled>(p, modulators);
   refuse_a_blind_readout(table, *model, band);
-  warn_of_other_powers(table, ports, entries, model->arm_power());
+  warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
   auto ifo =
       std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band);
   refuse_ports_without_response(table, *ifo, entries, band);

@@ -226,6 +226,26 @@ TEST(ReadPorts, PowersOfTwoBeams) {
   EXPECT_THAT(detector(closed, {}, 1064e-9, near).problems, IsEmpty());
 }
 
+// Strain takes the length from the interferometer: a cavity of another one would be scaled without a word.
+TEST(ReadPorts, LengthsOfCavities) {
+  std::vector<TracedPort> const ports = {{.name = "ITM", .cavity_length = 3000},
+                                         {.name = "bench", .cavity_length = 10}};
+  std::string const bench = ", ports: {bench: {at: end-bench}}",
+                    closed =
+                        "preset: fabry-perot-michelson, mirror_mass: 42 kg, input_transmission: 1.4 %, "
+                        "end_transmission: 4 ppm, arm_power: 1 kW, arm_length: ";
+  auto const warnings = [&](std::string const& keys) {
+    Detector const d = detector(keys + bench, {}, 1064e-9, ports);
+    EXPECT_THAT(d.problems, IsEmpty()) << keys;
+    return d.scene.warnings();
+  };
+  for (std::string const& longer : {std::string("preset: ce"), closed + "40 km"})
+    EXPECT_THAT(warnings(longer), HasSubstr("the cavity of port 'ITM' is 3000 m long, and the arms of the "
+                                            "interferometer 40000 m"));
+  for (std::string const& same : {std::string("preset: adv"), closed + "3.02 km"})
+    EXPECT_THAT(warnings(same), IsEmpty()) << "twin: within 1 %, and a cavity outside the arms";
+}
+
 TEST(ReadPorts, FilesThatDoNotHold) {
   FileTexts const files = {{"short.txt", "20 1 0\n50 1 0\n"}, {"one.txt", "20 1 0\n"}};
   std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
