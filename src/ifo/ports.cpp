@@ -103,6 +103,9 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
   m.calibrated = unit == "W";
   if (m.calibrated && !node.has("darm"))
     node.problem("a response in W needs that of the same read-out to DARM", "add 'darm: FILE', in W/m");
+  if (node.has("darm") && (unit == "strain" || unit == "m"))
+    node["darm"].problem(fmt::format("a response in {} is calibrated already: 'darm' would do nothing", unit),
+                         "leave it out, or write 'unit: W' when the file gives watts of the read-out");
   if (node.has("darm")) m.calibration = read_response_file(node["darm"], decibels, band);
   node.refuse_unknown(fmt::format("the responses of port '{}'", name));
   return m;
@@ -144,10 +147,11 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
   if (Node const table = interferometer.table("ports"))
     for (auto const& [name, node] : table.items()) {
       auto const at = find(ports, name);
+      PortEntry read = read_entry(node, at == ports.end() ? TracedPort{.name = name} : *at, arms);
       if (at == ports.end())
         unknown_port(node, name, ports);
       else
-        entries[std::size_t(at - ports.begin())] = read_entry(node, *at, arms);
+        entries[std::size_t(at - ports.begin())] = std::move(read);
     }
   return entries;
 }
@@ -225,10 +229,11 @@ std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> i
   double const arm_length = ifo ? ifo->arm_length() : not_a_number;
   for (auto const& [name, node] : table.items()) {
     auto const at = find(ports, name);
+    Measured read = read_measured(node, name, arm_length, band);
     if (at == ports.end())
       unknown_port(node, name, ports);
     else
-      measured[std::uint32_t(at - ports.begin())] = read_measured(node, name, arm_length, band);
+      measured[std::uint32_t(at - ports.begin())] = std::move(read);
   }
   return std::make_unique<MeasuredResponses>(std::move(ifo), std::move(measured), ports);
 }

@@ -3,31 +3,14 @@
 #include <fmt/format.h>
 
 #include "ifo/dual_recycled.hpp"
-#include "ifo/interferometer.hpp"
-#include "noise_support_scene.hpp"
+#include "noise_support_ports.hpp"
 
 namespace straytrace::testing {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
-struct Detector {
-  Scene scene;
-  std::unique_ptr<Interferometer> ifo;
-  std::string problems;
-};
-
-std::vector<TracedPort> const two_ports = {{.name = "ITM"}, {.name = "bench"}};
-
-Detector detector(std::string const& keys, FileTexts files = {}, double wavelength = 1064e-9,
-                  std::vector<TracedPort> const& ports = two_ports) {
-  Detector d{scene_of("interferometer: {" + keys + "}\n", std::move(files)), {}, {}};
-  d.ifo = make_interferometer(d.scene.root()["interferometer"], ports, wavelength);
-  d.problems = problems_of(d.scene);
-  return d;
-}
 double phase(Detector const& d, std::uint32_t port, double hz = 100) {
   return std::abs(d.ifo->strain_per_phase(PortId{port}, hz));
 }
@@ -185,67 +168,6 @@ TEST(ReadPorts, ReadoutsThatAreBlind) {
   EXPECT_THAT(detector("preset: et-lf, homodyne_angle: 0 rad", {}, 1550e-9).problems, IsEmpty());  // detuned
 }
 
-// The power of a beam is that of the arms only where its port is in an arm.
-TEST(ReadPorts, PowerOfTheBeam) {
-  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "bench", .power = 1}};
-  auto const warnings = [&](std::string const& keys) {
-    Detector const d = detector(keys, {}, 1064e-9, ports);
-    EXPECT_THAT(d.problems, IsEmpty());
-    return d.scene.warnings();
-  };
-  EXPECT_THAT(warnings("preset: adv"), HasSubstr("the beam of port 'bench' has 1 W"));
-  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-mirror}}"), HasSubstr("the beam of port 'bench' has 1 W"));
-  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-bench}}"), IsEmpty());
-  std::string const closed =
-      "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %";
-  EXPECT_THAT(detector(closed, {}, 1064e-9, ports).ifo->description(), HasSubstr("P 1 W per arm"));
-  EXPECT_THAT(detector(closed + ", ports: {bench: {at: short-arm}}", {}, 1064e-9, ports).problems,
-              HasSubstr("the power in the arms is missing"));
-}
-
-// Which of two powers the arms have is not for the order of the ports to decide.
-TEST(ReadPorts, PowersOfTwoBeams) {
-  TracedPort const weak = {.name = "ITM", .power = 3}, strong = {.name = "bench", .power = 650e3};
-  std::string const closed =
-      "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %";
-  for (auto const& ports : {std::vector{weak, strong}, std::vector{strong, weak}}) {
-    auto const said = [&](std::string const& keys) { return detector(keys, {}, 1064e-9, ports); };
-    EXPECT_THAT(said(closed).problems, HasSubstr("two beams in the arms state different powers"));
-    Detector const apart = said(closed + ", ports: {ITM: {at: short-arm}}");
-    ASSERT_THAT(apart.problems, IsEmpty());
-    EXPECT_THAT(apart.ifo->description(), HasSubstr("P 6.5e+05 W per arm"));
-    EXPECT_THAT(apart.scene.warnings(), IsEmpty());
-    for (std::string const& keys : {closed + ", arm_power: 660 kW", std::string("preset: adv")}) {
-      Detector const stated = said(keys);
-      EXPECT_THAT(stated.problems, IsEmpty()) << keys;
-      EXPECT_THAT(stated.scene.warnings(), HasSubstr("the beam of port 'ITM' has 3 W")) << keys;
-      EXPECT_THAT(stated.scene.warnings(), Not(HasSubstr("'bench'"))) << "twin: within 10 %";
-    }
-  }
-  std::vector<TracedPort> const near = {strong, {.name = "ETM", .power = 660e3}};
-  EXPECT_THAT(detector(closed, {}, 1064e-9, near).problems, IsEmpty());
-}
-
-// Strain takes the length from the interferometer: a cavity of another one would be scaled without a word.
-TEST(ReadPorts, LengthsOfCavities) {
-  std::vector<TracedPort> const ports = {{.name = "ITM", .cavity_length = 3000},
-                                         {.name = "bench", .cavity_length = 10}};
-  std::string const bench = ", ports: {bench: {at: end-bench}}",
-                    closed =
-                        "preset: fabry-perot-michelson, mirror_mass: 42 kg, input_transmission: 1.4 %, "
-                        "end_transmission: 4 ppm, arm_power: 1 kW, arm_length: ";
-  auto const warnings = [&](std::string const& keys) {
-    Detector const d = detector(keys + bench, {}, 1064e-9, ports);
-    EXPECT_THAT(d.problems, IsEmpty()) << keys;
-    return d.scene.warnings();
-  };
-  for (std::string const& longer : {std::string("preset: ce"), closed + "40 km"})
-    EXPECT_THAT(warnings(longer), HasSubstr("the cavity of port 'ITM' is 3000 m long, and the arms of the "
-                                            "interferometer 40000 m"));
-  for (std::string const& same : {std::string("preset: adv"), closed + "3.02 km"})
-    EXPECT_THAT(warnings(same), IsEmpty()) << "twin: within 1 %, and a cavity outside the arms";
-}
-
 TEST(ReadPorts, FilesThatDoNotHold) {
   FileTexts const files = {{"short.txt", "20 1 0\n50 1 0\n"}, {"one.txt", "20 1 0\n"}};
   std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
@@ -259,6 +181,16 @@ TEST(ReadPorts, FilesThatDoNotHold) {
   std::string const missing = detector("preset: adv, responses: {bench: {phase: none.txt" + columns).problems;
   EXPECT_THAT(missing, HasSubstr("cannot read file 'none.txt'"));
   EXPECT_THAT(missing, HasSubstr("1 error"));
+}
+
+// The factor that is printed is the one of eq. 9.2, also where a detuned mirror makes it another than that of the
+// field.
+TEST(ReadPorts, PrintedGainIsThatOfRadiationPressure) {
+  Detector const d = detector("preset: et-lf", {}, 1550e-9);
+  double const unit = 8 * 18.18e3 / (speed_of_light * 211 * std::pow(2 * pi * 10, 2) * 10e3);
+  EXPECT_NEAR(std::abs(d.ifo->strain_per_amplitude(PortId{0}, 10)) / unit, 80.7, 0.1);
+  EXPECT_THAT(d.ifo->description(),
+              HasSubstr("Gamma of eq. 9.2 80.68 and gain of a field in the arm without radiation pressure 43.78"));
 }
 
 TEST(ReadPorts, Problems) {
