@@ -27,6 +27,14 @@ Entrance entrance_of(World const& world, std::uint32_t footprint) {
   return standing ? Entrance::end_mirror : Entrance::through_end;
 }
 
+// Of the mirrors of a cavity, m; 0: the beam is none.
+double cavity_length(World const& world, std::uint32_t beam) {
+  std::vector<Vec3> mirrors;
+  for (Footprint const& f : world.footprints())
+    if (f.standing && f.beam == beam) mirrors.push_back(f.centre);
+  return mirrors.size() == 2 ? length(mirrors[1] - mirrors[0]) : 0;
+}
+
 double power_of_beam(Scene const& scene, World const& world, std::string const& name) {
   auto const beams = scene.table("beams").items();
   for (std::size_t i = 0; i < beams.size(); ++i)
@@ -45,7 +53,9 @@ std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
     if (!f.port.valid()) continue;
     TracedPort& port = ports[f.port.value];
     port.entrance = std::min(port.entrance, entrance_of(world, i));
-    if (!lit[f.port.value]) port.power = world.beam_powers[f.beam];
+    if (lit[f.port.value]) continue;
+    port.power = world.beam_powers[f.beam];
+    port.cavity_length = cavity_length(world, f.beam);
     lit[f.port.value] = true;
   }
   for (auto const& [name, node] : scene.table("ports").items())

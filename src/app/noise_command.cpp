@@ -16,6 +16,17 @@ namespace {
 
 std::string name_of(std::string const& path) { return std::filesystem::path(path).filename().string(); }
 
+// Into the folder of the run itself, whose own motion or responses are then replaced.
+void warn_of_own_folder(Options const& options) {
+  std::error_code none;
+  bool const own = std::filesystem::equivalent(std::filesystem::path(options.out) / "run.h5", options.input, none);
+  if (own && !(options.motion.empty() && options.response.empty()))
+    std::cerr << fmt::format(
+        "warning: '{}' is the folder of the run itself: its results and run file now are those of {}\n  choose another "
+        "one with -o to keep both\n",
+        options.out, name_of(options.motion.empty() ? options.response : options.motion));
+}
+
 int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
   RunFile const file = read_run(options.input);
@@ -48,6 +59,7 @@ int noise(Options const& options) {
     if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
   }
   if (options.out.empty()) return done;
+  warn_of_own_folder(options);
   make_folder(options.out);
   std::string const undrawn = write_results(options.out, content, paths, model);
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';

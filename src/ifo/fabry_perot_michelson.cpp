@@ -25,7 +25,8 @@ constexpr Key<K> keys[] = {
 };
 
 // Circulating power of one arm: given here or with the beam, or from the power at the recycling mirror by eq. 6.11.
-double read_arm_power(Node const& t, ArmCavity const& arm, double beam_power) {
+double read_arm_power(Node const& t, ArmCavity const& arm, std::vector<TracedPort> const& ports,
+                      std::vector<PortEntry> const& entries) {
   if (t.has("arm_power")) {
     if (t.has("input_power"))
       t["input_power"].problem("'arm_power' and 'input_power' are both given",
@@ -33,7 +34,7 @@ double read_arm_power(Node const& t, ArmCavity const& arm, double beam_power) {
     return t.number("arm_power", dim::power, required, 0);
   }
   if (!t.has("input_power")) {
-    if (beam_power > 0) return beam_power;
+    if (double const of_beam = beam_power_in_arm(t, ports, entries); of_beam > 0) return of_beam;
     t.problem("the power in the arms is missing",
               "give the beam of the arm a 'power', or add 'arm_power: 650 kW' here, or 'input_power' and "
               "'power_recycling_transmission'");
@@ -123,7 +124,8 @@ std::unique_ptr<Interferometer> read_closed_forms(Node const& table, std::vector
                                                   double wavelength, Band const& band) {
   FabryPerotMichelson::Parameters p = read_parameters(table, wavelength);
   std::vector<PortEntry> entries = read_port_entries(table, ports, p.arms);
-  p.power = read_arm_power(table, p.arm, beam_power_in_arm(ports, entries));
+  p.power = read_arm_power(table, p.arm, ports, entries);
+  if (table.healthy()) warn_of_other_arms(table, ports, entries, p.power, p.arm.length);
   refuse_without_closed_form(table, p, entries);
   return std::make_unique<FabryPerotMichelson>(p, std::move(entries), band);
 }

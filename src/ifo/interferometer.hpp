@@ -18,6 +18,7 @@ struct TracedPort {
   std::string name;
   Entrance entrance = Entrance::arm;  // where its light joins when the table does not say
   double power = 0;                   // W, of its beam; 0: not stated
+  double cavity_length = 0;           // m, between the mirrors of its beam; 0: no cavity
 };
 
 // Where responses are asked for, Hz.
@@ -40,7 +41,7 @@ class Interferometer {
 };
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m. Where the table gives no power,
-// the arms have that of the first beam whose port joins there. Files of responses must cover the band.
+// the arms have that of the beams whose ports join there. Files of responses must cover the band.
 std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vector<TracedPort> const& ports,
                                                     double wavelength, Band const& = {});
 

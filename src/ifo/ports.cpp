@@ -11,7 +11,29 @@
 namespace straytrace {
 namespace {
 
-constexpr double least = 1e-30;  // of light that a port lets back: nothing at all is no port
+constexpr double least = 1e-30;     // of light that a port lets back: nothing at all is no port
+constexpr double same_power = 0.1;  // relative: powers nearer than this may be rounded, or with and without a loss
+constexpr double same_length = 0.01;
+
+bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
+
+std::vector<TracedPort> inside_an_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
+  std::vector<TracedPort> inside;
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    if (is_inside_an_arm(entries[i].entrance)) inside.push_back(ports[i]);
+  return inside;
+}
+
+// Of ports that state this number, the first of each value.
+std::vector<TracedPort> different(std::vector<TracedPort> const& ports, double TracedPort::*number, double tolerance) {
+  std::vector<TracedPort> all;
+  for (TracedPort const& p : ports)
+    if (p.*number > 0 && std::none_of(all.begin(), all.end(), [&](TracedPort const& other) {
+          return agrees(p.*number, other.*number, tolerance);
+        }))
+      all.push_back(p);
+  return all;
+}
 
 std::string number(std::complex<double> response) {
   return response == 0.0 ? std::string("none") : fmt::format("{:.3g}", std::abs(response));
@@ -81,6 +103,9 @@ Measured read_measured(Node const& node, std::string const& name, double arm_len
   m.calibrated = unit == "W";
   if (m.calibrated && !node.has("darm"))
     node.problem("a response in W needs that of the same read-out to DARM", "add 'darm: FILE', in W/m");
+  if (node.has("darm") && (unit == "strain" || unit == "m"))
+    node["darm"].problem(fmt::format("a response in {} is calibrated already: 'darm' would do nothing", unit),
+                         "leave it out, or write 'unit: W' when the file gives watts of the read-out");
   if (node.has("darm")) m.calibration = read_response_file(node["darm"], decibels, band);
   node.refuse_unknown(fmt::format("the responses of port '{}'", name));
   return m;
@@ -122,10 +147,11 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
   if (Node const table = interferometer.table("ports"))
     for (auto const& [name, node] : table.items()) {
       auto const at = find(ports, name);
+      PortEntry read = read_entry(node, at == ports.end() ? TracedPort{.name = name} : *at, arms);
       if (at == ports.end())
         unknown_port(node, name, ports);
       else
-        entries[std::size_t(at - ports.begin())] = read_entry(node, *at, arms);
+        entries[std::size_t(at - ports.begin())] = std::move(read);
     }
   return entries;
 }
@@ -140,10 +166,34 @@ bool has_response_files(Node const& interferometer, std::string const& port) {
   return files && files.has(port);
 }
 
-double beam_power_in_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
-  for (std::size_t i = 0; i < ports.size(); ++i)
-    if (is_inside_an_arm(entries[i].entrance) && ports[i].power > 0) return ports[i].power;
-  return 0;
+double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> const& ports,
+                         std::vector<PortEntry> const& entries) {
+  std::vector<TracedPort> const arm = different(inside_an_arm(ports, entries), &TracedPort::power, same_power);
+  if (arm.size() > 1 && interferometer.healthy())
+    interferometer.problem(
+        fmt::format("two beams in the arms state different powers: {:.4g} W at port '{}', {:.4g} W at port '{}'",
+                    arm[0].power, arm[0].name, arm[1].power, arm[1].name),
+        "make them agree, add 'arm_power' here, or say by 'at' of its port which beam is not in an arm");
+  return arm.empty() ? 0 : arm[0].power;
+}
+
+void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> const& ports,
+                        std::vector<PortEntry> const& entries, double arm_power, double arm_length) {
+  std::vector<TracedPort> const inside = inside_an_arm(ports, entries);
+  for (TracedPort const& p : different(inside, &TracedPort::power, same_power))
+    if (!agrees(p.power, arm_power, same_power))
+      interferometer.warning(
+          fmt::format("the beam of port '{}' has {:.4g} W, and the interferometer {:.4g} W in each arm", p.name,
+                      p.power, arm_power),
+          "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is computed "
+          "with the power of the interferometer");
+  for (TracedPort const& p : different(inside, &TracedPort::cavity_length, same_length))
+    if (!agrees(p.cavity_length, arm_length, same_length))
+      interferometer.warning(
+          fmt::format("the cavity of port '{}' is {:.5g} m long, and the arms of the interferometer {:.5g} m", p.name,
+                      p.cavity_length, arm_length),
+          "make them agree, or say by 'at' of its port where the beam is; strain is computed with the length of the "
+          "interferometer");
 }
 
 std::string describe(std::vector<PortEntry> const& entries, Interferometer const& ifo, Band const& band) {
@@ -179,10 +229,11 @@ std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> i
   double const arm_length = ifo ? ifo->arm_length() : not_a_number;
   for (auto const& [name, node] : table.items()) {
     auto const at = find(ports, name);
+    Measured read = read_measured(node, name, arm_length, band);
     if (at == ports.end())
       unknown_port(node, name, ports);
     else
-      measured[std::uint32_t(at - ports.begin())] = read_measured(node, name, arm_length, band);
+      measured[std::uint32_t(at - ports.begin())] = std::move(read);
   }
   return std::make_unique<MeasuredResponses>(std::move(ifo), std::move(measured), ports);
 }

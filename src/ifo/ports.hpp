@@ -26,8 +26,13 @@ std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector
 Node place_of_entrance(Node const& interferometer, std::string const& port);
 // Whether files say what light of this port does, whatever the model of the interferometer says.
 bool has_response_files(Node const& interferometer, std::string const& port);
-// W that circulate in an arm, as the beams of ports inside an arm say it; 0: none does.
-double beam_power_in_arm(std::vector<TracedPort> const&, std::vector<PortEntry> const&);
+// W that circulate in an arm, as the beams of ports inside an arm say it; 0: none does. Beams that say different powers
+// are a problem of the table.
+double beam_power_in_arm(Node const& interferometer, std::vector<TracedPort> const&, std::vector<PortEntry> const&);
+// Warns of beams of ports inside an arm that state another power than the arms have (W), or whose cavity has another
+// length (m).
+void warn_of_other_arms(Node const& interferometer, std::vector<TracedPort> const&, std::vector<PortEntry> const&,
+                        double arm_power, double arm_length);
 // "ITM, ETM: arm, 2 copies; SNEB: end-bench, ...", each with its strain per phase and amplitude at 10 and 100 Hz, or at
 // the ends of the band when these lie beyond.
 std::string describe(std::vector<PortEntry> const&, Interferometer const&, Band const&);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -84,6 +85,28 @@ void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band c
                    "write 'homodyne_angle: 90 deg', or give a 'dark_fringe_offset'");
 }
 
+// Keys that would be read and do nothing, or nothing that can be built.
+void refuse_keys_at_odds(Node const& table, P const& p) {
+  if (table.has("homodyne_angle") && p.dark_fringe_offset != 0)
+    table["homodyne_angle"].problem("the read-out is the power at the dark port, where 'homodyne_angle' does nothing",
+                                    "leave it out, or write 'dark_fringe_offset: 0 m' for a homodyne detector");
+  if (std::fabs(p.schnupp_asymmetry) > 2 * p.short_arm)
+    (table.has("schnupp_asymmetry") ? table["schnupp_asymmetry"] : table)
+        .problem(fmt::format("with a mean of {:g} m and a difference of {:g} m one short arm is shorter than nothing",
+                             p.short_arm, p.schnupp_asymmetry),
+                 fmt::format("write 'short_arm: {:g} m' or more", std::fabs(p.schnupp_asymmetry) / 2));
+}
+
+void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entries) {
+  bool const served = std::any_of(entries.begin(), entries.end(), [&](PortEntry const& e) {
+    return e.entrance == Entrance::input_bench && !has_response_files(table, e.name);
+  });
+  for (char const* key : {"frequency_servo", "intensity_servo"})
+    if (table.has(key) && !served)
+      table[key].warning(fmt::format("'{}' quiets light at 'input-bench', and no port is there", key),
+                         "say by 'at: input-bench' which port is, or leave it out");
+}
+
 // A stray field is relative to the light at its port; where none is, and where what joins does not reach the read-out,
 // the solution holds rounding alone.
 void refuse_ports_without_response(Node const& table, RecycledInterferometer const& ifo,
@@ -114,8 +137,6 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
           "or give the port a file in 'responses'");
   }
 }
-
-bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= tolerance * std::fabs(b); }
 
 }  // namespace
 
@@ -158,6 +179,9 @@ double RecycledInterferometer::largest_response(Entrance e, double hz) const {
 
 std::string RecycledInterferometer::description() const {
   P const& p = model_->parameters();
+  constexpr double hz = 10;
+  double const inertia = speed_of_light * p.mirror_mass * std::pow(2 * pi * hz, 2) * p.arm_length,
+               gain = std::abs(answer(hz).amplitude[std::size_t(Entrance::arm)]) * inertia / (8 * model_->arm_power());
   std::string const readout =
       p.dark_fringe_offset != 0
           ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)
@@ -166,10 +190,11 @@ std::string RecycledInterferometer::description() const {
              "dual-recycled Fabry-Perot Michelson '{}', plane waves with radiation pressure, free of closed forms; "
              "read-out: {}, calibrated as DARM, h = (dLx - dLy)/L, CARM, MICH, PRCL and SRCL held; lambda "
              "{:g} nm, L {:g} m, P {:.5g} W per arm from "
-             "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, Gamma {:.4g} at 10 Hz, f_p {:.4g} Hz",
+             "{:.4g} W, M {:g} kg, signal recycling {:g} % tuned to {:g} deg, at {:g} Hz Gamma of "
+             "eq. 9.2 {:.4g} and gain of a field in the arm without radiation pressure {:.4g}, f_p {:.4g} Hz",
              name_, readout, p.wavelength * 1e9, p.arm_length, model_->arm_power(), p.input_power, p.mirror_mass,
-             100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi,
-             std::abs(model_->stray_gain(10).amplitude), model_->pole()) +
+             100 * p.signal_recycling_transmission, p.signal_recycling_tuning * 180 / pi, hz, gain,
+             std::abs(model_->stray_gain(hz).amplitude), model_->pole()) +
          describe(ports_, *this, band_);
 }
 
@@ -179,7 +204,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
   P p = preset.parameters;
   for (Key<P> const& k : keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);
-  if (!std::isnan(preset.parameters.arm_length) && !agrees(wavelength, p.wavelength, 1e-3))
+  if (!std::isnan(preset.parameters.arm_length) && !(std::fabs(wavelength / p.wavelength - 1) <= 1e-3))
     table.warning(fmt::format("'{}' runs at {:g} nm, the beams of the scene at {:g} nm", preset.name,
                               p.wavelength * 1e9, wavelength * 1e9),
                   fmt::format("give the beams 'wavelength: {:g} nm'; the interferometer now takes that of the beams",
@@ -195,15 +220,12 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
     if (!(largest < 1) || !(std::fabs(p.loss_difference) / 2 <= p.round_trip_loss))
       table.problem("the differences of the arms leave a mirror with a share below 0 or above 1", "make them smaller");
   }
+  refuse_keys_at_odds(table, p);
+  warn_of_idle_servos(table, entries);
   if (!table.healthy()) return nullptr;
   auto model = std::make_unique<DualRecycled>(p, modulators);
   refuse_a_blind_readout(table, *model, band);
-  double const beam_power = beam_power_in_arm(ports, entries);
-  if (beam_power > 0 && !agrees(beam_power, model->arm_power(), 0.1))
-    table.warning(fmt::format("the beam has {:.4g} W, and the interferometer {:.4g} W in each arm", beam_power,
-                              model->arm_power()),
-                  "make them agree, add 'arm_power' here, or say by 'at' of its port where the beam is; strain is "
-                  "computed with the power of the interferometer");
+  warn_of_other_arms(table, ports, entries, model->arm_power(), p.arm_length);
   auto ifo =
       std::make_unique<RecycledInterferometer>(std::string(preset.name), std::move(model), entries, servos, band);
   refuse_ports_without_response(table, *ifo, entries, band);

@@ -10,6 +10,7 @@ namespace straytrace::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // Columns h_mean, phase_only and amplitude_only of h_asd.txt.
 struct Columns {
@@ -108,6 +109,19 @@ TEST_F(NoiseResponse, RefusesWhatIsNoResponse) {
   refused(response_of("ITM", "phase: none.txt"), {"bad.yaml:3:", "none.txt"});
   refused("straytrace: 1\ninterferometer: {responses: {ITM: {phase: one.txt, columns: [Hz, re, im]}}}\n",
           {"bad.yaml:2:", "unit"});
+}
+
+// Another motion into the folder of the run replaces what the run wrote there: told; elsewhere nothing is lost.
+TEST_F(NoiseResponse, IntoTheFolderOfTheRunItself) {
+  auto const said = [&](Words const& words) {
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return done.err;
+  };
+  EXPECT_THAT(said({"noise", run, "-o", folder / "run"}), Not(HasSubstr("the run itself"))) << "twin: its own motion";
+  EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "storm"}), Not(HasSubstr("the run itself")));
+  EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "run"}),
+              HasSubstr("is the folder of the run itself: its results and run file now are those of storm.yaml"));
 }
 
 }  // namespace

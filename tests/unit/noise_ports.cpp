@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include "ifo/dual_recycled.hpp"
-#include "ifo/interferometer.hpp"
-#include "noise_support_scene.hpp"
+#include "noise_support_ports.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -12,21 +11,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-struct Detector {
-  Scene scene;
-  std::unique_ptr<Interferometer> ifo;
-  std::string problems;
-};
-
-std::vector<TracedPort> const two_ports = {{.name = "ITM"}, {.name = "bench"}};
-
-Detector detector(std::string const& keys, FileTexts files = {}, double wavelength = 1064e-9,
-                  std::vector<TracedPort> const& ports = two_ports) {
-  Detector d{scene_of("interferometer: {" + keys + "}\n", std::move(files)), {}, {}};
-  d.ifo = make_interferometer(d.scene.root()["interferometer"], ports, wavelength);
-  d.problems = problems_of(d.scene);
-  return d;
-}
 double phase(Detector const& d, std::uint32_t port, double hz = 100) {
   return std::abs(d.ifo->strain_per_phase(PortId{port}, hz));
 }
@@ -184,24 +168,6 @@ TEST(ReadPorts, ReadoutsThatAreBlind) {
   EXPECT_THAT(detector("preset: et-lf, homodyne_angle: 0 rad", {}, 1550e-9).problems, IsEmpty());  // detuned
 }
 
-// The power of a beam is that of the arms only where its port is in an arm.
-TEST(ReadPorts, PowerOfTheBeam) {
-  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "bench", .power = 1}};
-  auto const warnings = [&](std::string const& keys) {
-    Detector const d = detector(keys, {}, 1064e-9, ports);
-    EXPECT_THAT(d.problems, IsEmpty());
-    return d.scene.warnings();
-  };
-  EXPECT_THAT(warnings("preset: adv"), HasSubstr("the beam has 1 W"));
-  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-mirror}}"), HasSubstr("the beam has 1 W"));
-  EXPECT_THAT(warnings("preset: adv, ports: {bench: {at: end-bench}}"), IsEmpty());
-  std::string const closed =
-      "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %";
-  EXPECT_THAT(detector(closed, {}, 1064e-9, ports).ifo->description(), HasSubstr("P 1 W per arm"));
-  EXPECT_THAT(detector(closed + ", ports: {bench: {at: short-arm}}", {}, 1064e-9, ports).problems,
-              HasSubstr("the power in the arms is missing"));
-}
-
 TEST(ReadPorts, FilesThatDoNotHold) {
   FileTexts const files = {{"short.txt", "20 1 0\n50 1 0\n"}, {"one.txt", "20 1 0\n"}};
   std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
@@ -215,6 +181,16 @@ TEST(ReadPorts, FilesThatDoNotHold) {
   std::string const missing = detector("preset: adv, responses: {bench: {phase: none.txt" + columns).problems;
   EXPECT_THAT(missing, HasSubstr("cannot read file 'none.txt'"));
   EXPECT_THAT(missing, HasSubstr("1 error"));
+}
+
+// The factor that is printed is the one of eq. 9.2, also where a detuned mirror makes it another than that of the
+// field.
+TEST(ReadPorts, PrintedGainIsThatOfRadiationPressure) {
+  Detector const d = detector("preset: et-lf", {}, 1550e-9);
+  double const unit = 8 * 18.18e3 / (speed_of_light * 211 * std::pow(2 * pi * 10, 2) * 10e3);
+  EXPECT_NEAR(std::abs(d.ifo->strain_per_amplitude(PortId{0}, 10)) / unit, 80.7, 0.1);
+  EXPECT_THAT(d.ifo->description(),
+              HasSubstr("Gamma of eq. 9.2 80.68 and gain of a field in the arm without radiation pressure 43.78"));
 }
 
 TEST(ReadPorts, Problems) {
