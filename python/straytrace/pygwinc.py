@@ -22,6 +22,7 @@ except ImportError:
             raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install gwinc")
 
 BEYOND = ("nan", "constant", "slope")
+QUANTITIES = ("displacement", "strain")
 
 
 def _of_run(path):
@@ -43,7 +44,7 @@ def _of_budget(path):
 
 
 def _of_text(path):
-    """Columns frequency and strain of h_asd.txt or of any text; of budget.txt all columns StrayLight*_strain."""
+    """Columns frequency and strain of h_asd.txt or of two columns; of budget.txt all columns StrayLight*_strain."""
     lines = pathlib.Path(path).read_text(encoding="utf-8").splitlines()
     try:
         table = np.array([line.replace(",", " ").split() for line in lines if line.strip() and line[0] != "#"], float)
@@ -52,11 +53,15 @@ def _of_text(path):
     if table.ndim != 2 or table.shape[1] < 2:
         raise RunError(f"'{path}' has no columns of frequency and strain")
     titles = [line[1:].split() for line in lines if line.startswith("#")]
-    titles = next((t for t in titles if len(t) == table.shape[1] and t[0] == "Hz"), [])
+    titles = next((t for t in titles if len(t) == table.shape[1] and t[0] in ("Hz", "frequency_Hz")), [])
     stray = [i for i, t in enumerate(titles) if t.startswith("StrayLight") and t.endswith("_strain")]
-    if titles and not stray:
+    if titles[:1] == ["Hz"] and table.shape[1] > 2 and not stray:
         raise RunError(f"'{path}' is a budget without stray light")
-    return table[:, 0], np.sqrt(np.sum(table[:, stray or [1]] ** 2, axis=1)), ""
+    if not stray and table.shape[1] > 2 and titles[1:2] != ["h_mean"]:
+        raise RunError(f"'{path}' has {table.shape[1]} columns, and none is named h_mean or StrayLight_strain")
+    if not stray:
+        return table[:, 0], table[:, 1], ""
+    return table[:, 0], np.sqrt(np.sum(table[:, stray] ** 2, axis=1)), ""
 
 
 def read_strain(path):
@@ -76,21 +81,32 @@ def read_strain(path):
         raise RunError(f"cannot read '{path}': {error}") from error
     if not (np.all(frequency > 0) and np.all(np.diff(frequency) > 0)):
         raise RunError(f"the frequencies of '{path}' do not increase from above 0")
+    if np.any(strain < 0):
+        raise RunError(f"'{path}' is no ASD: its value at {frequency[strain < 0][0]:g} Hz is negative")
     return frequency, strain, title or path.name
 
 
 def log_log(hz, frequency, strain, beyond="nan"):
-    """Straight lines in log-log between the points. Outside them: `nan`, not known; `constant`, the value at the end;
-    `slope`, on with the power law of the last two points."""
+    """Straight lines in log-log between the points; beside a point of 0, in value over log f. Outside them: `nan`, not
+    known; `constant`, the value at the end; `slope`, on with the power law of the last two points. On from a 0 it is 0."""
     if beyond not in BEYOND:
         raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{beyond}'")
-    x, known, y = np.log(np.asarray(hz, float)), np.log(frequency), np.log(np.where(strain > 0, strain, np.nan))
+    x, known = np.log(np.asarray(hz, float)), np.log(frequency)
+    with np.errstate(divide="ignore"):
+        y = np.log(np.asarray(strain, float))
     outside = np.nan if beyond == "nan" else None
-    value = np.interp(x, known, y, left=outside, right=outside)
+    zero = np.asarray(strain) == 0
+    beside = np.interp(x, known, zero.astype(float), left=0, right=0) > 0
+    value = np.interp(x, known, np.where(zero, 0, y), left=outside, right=outside)
     if beyond == "slope":
         for side, (i, k) in ((x < known[0], (0, 1)), (x > known[-1], (-1, -2))):
-            value[side] = y[i] + (y[k] - y[i]) / (known[k] - known[i]) * (x[side] - known[i])
-    return np.exp(value)
+            value[side] = np.nan if zero[i] or zero[k] else y[i] + (y[k] - y[i]) / (known[k] - known[i]) * (x[side] - known[i])
+    value = np.exp(value)
+    value[beside] = np.interp(x[beside], known, strain)
+    for side, i in ((x < known[0], 0), (x > known[-1], -1)):
+        if zero[i] and beyond != "nan":
+            value[side] = 0
+    return value
 
 
 class StrayLight(Noise):
@@ -107,6 +123,13 @@ class StrayLight(Noise):
     @classmethod
     def of(cls, file, name="StrayLight", **values):
         """A class for `file`; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
+        unknown = sorted(set(values) - {"beyond", "quantity", "style"})
+        if unknown:
+            raise TypeError(f"StrayLight.of knows beyond, quantity and style, not {', '.join(unknown)}")
+        if values.get("beyond", cls.beyond) not in BEYOND:
+            raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{values['beyond']}'")
+        if values.get("quantity", cls.quantity) not in QUANTITIES:
+            raise ValueError(f"quantity is one of {', '.join(QUANTITIES)}, not '{values['quantity']}'")
         label = {"label": "stray light: " + read_strain(file)[2], "color": "black"}
         return type(name, (cls,), {"file": file, "style": label, **values})
 
@@ -119,6 +142,8 @@ class StrayLight(Noise):
         if not hasattr(self, "_known"):
             self.load()
         psd = log_log(self.freq, *self._known, self.beyond) ** 2
+        if self.quantity not in QUANTITIES:
+            raise ValueError(f"quantity is one of {', '.join(QUANTITIES)}, not '{self.quantity}'")
         if self.quantity == "strain":
             return psd
         if self.ifo is None:

@@ -76,8 +76,9 @@ void add_budget(CLI::App& app, Options& options, int& exit_code) {
       ->required();
   command->add_option("--at", r.at, "frequencies of the table")->default_str(r.at);
   command->add_option("--band", r.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
-  command->add_option("--points", r.points, "of the curves")->check(CLI::Range(2, 100000))->default_val(r.points);
-  command->add_option("--compare", r.compare, "design curves, or files: two columns, or budgets of pygwinc")
+  command->add_option("--points", r.points, "of the curves (default: the bins of the run, or 300)")
+      ->check(CLI::Range(2, 100000));
+  command->add_option("--compare", r.compare, "design curves, or files: two columns, runs, budgets of pygwinc")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");

@@ -21,6 +21,7 @@
 #include "report/pygwinc_ifo.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
+#include "signal/text_table.hpp"
 
 namespace straytrace {
 namespace {
@@ -47,16 +48,26 @@ double parse_margin(std::string const& text) {
   return a / b;
 }
 
-std::vector<double> grid_of(BudgetRequest const& r) {
-  double low = 5, high = 5000;
-  if (!r.band.empty()) {
-    std::vector<double> const ends = parse_frequencies(r.band, "--band");
-    if (ends.size() != 2 || !(ends[0] < ends[1]))
-      throw InputError(fmt::format("error: --band: '{}' is not a band\n  write --band \"5 Hz, 5 kHz\"", r.band));
-    low = ends[0], high = ends[1];
-  }
+// The band asked for; empty when none is.
+std::vector<double> band_of(BudgetRequest const& r) {
+  if (r.band.empty()) return {};
+  std::vector<double> ends = parse_frequencies(r.band, "--band");
+  if (ends.size() != 2 || !(ends[0] < ends[1]))
+    throw InputError(fmt::format("error: --band: '{}' is not a band\n  write --band \"5 Hz, 5 kHz\"", r.band));
+  return ends;
+}
+
+// Frequencies of curves and picture.
+std::vector<double> grid_of(std::vector<double> band, std::size_t points, std::vector<Source> const& sources) {
+  Sampled const* const first = sources.empty() ? nullptr : &sources.front().curve;
+  if (band.empty() && first && points == 0) return first->hz;
+  if (band.empty() && first) band = {std::min(first->low, first->hz.front()), std::max(first->high, first->hz.back())};
+  if (band.empty()) band = {5, 5000};
+  if (points == 0) points = 300;
   std::vector<double> hz;
-  for (std::size_t i = 0; i < r.points; ++i) hz.push_back(low * std::pow(high / low, double(i) / double(r.points - 1)));
+  for (std::size_t i = 0; i + 1 < points; ++i)
+    hz.push_back(band[0] * std::pow(band[1] / band[0], double(i) / double(points - 1)));
+  hz.push_back(band[1]);
   return hz;
 }
 
@@ -74,7 +85,14 @@ ReferenceCurve reference_curve(std::string const& name, std::vector<double> cons
                                               : fmt::format("did you mean '{}'?", near)));
   }
   curve.name = std::filesystem::path(name).filename().string();
-  Sampled const s = is_hdf5(read_file(name)) ? total_of_budget_file(name) : two_columns(name, "a design curve");
+  std::string const bytes = read_file(name);
+  if (bytes.starts_with("straytrace-run") || (is_hdf5(bytes) && !is_budget_file(bytes, name))) {
+    Source const run = stray_light(name);
+    curve.name = run.run.file;
+    curve.asd = run.curve.on(at, run.curve.asd);
+    return curve;
+  }
+  Sampled const s = is_hdf5(bytes) ? total_of_budget_file(name) : two_columns(name, "a design curve", strain_columns);
   curve.asd = s.on(at, s.asd);
   return curve;
 }
@@ -149,20 +167,28 @@ Gathered read_inputs(BudgetRequest const& r) {
 }
 
 void add_lines(BudgetOn& b, Detector const& d) {
-  std::vector<double> shot = shot_psd(d, b.table.hz), limit;
-  for (double& x : shot) x = std::sqrt(x);
+  std::vector<double> limit;
   for (double const f : b.table.hz) {
     limit.push_back(closed_forms::quantum_limit(d.arm_length, d.mirror_mass, f));
     b.metres.push_back(1 / std::sqrt(d.strain_per_length_squared(f)));
   }
-  b.lines = {{"shot noise alone", shot}, {"quantum limit", limit}};
+  // A filter cavity turns the squeezing by what moving mirrors do; beside held ones its angle is wrong.
+  if (!d.squeezer || d.squeezer->cavities.empty()) {
+    std::vector<double> shot = shot_psd(d, b.table.hz);
+    for (double& x : shot) x = std::sqrt(x);
+    b.lines.push_back({"shot noise alone", std::move(shot)});
+  }
+  b.lines.push_back({"quantum limit", std::move(limit)});
   if (std::vector<double> line = thermal_requirement(b.table); !line.empty())
     b.lines.push_back({"LIGO requirement", std::move(line)});
 }
 
 // A curve named like a fundamental noise takes its place.
 void add_curve(CurveFile const& c, Detector const& d, NoiseTable& table, std::vector<std::string>* left_out) {
-  Sampled const s = two_columns(c.file, fmt::format("the curve '{}'", c.name));
+  constexpr std::string_view metres[] = {"total_displacement"};
+  using Names = std::span<std::string_view const>;
+  Names const names = c.displacement ? Names(metres) : Names(strain_columns);
+  Sampled const s = two_columns(c.file, fmt::format("the curve '{}'", c.name), names);
   BudgetEntry e{c.name,
                 "from " + std::filesystem::path(c.file).filename().string(),
                 BudgetEntry::Kind::technical,
@@ -225,9 +251,9 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
 BudgetView gather_budget(BudgetRequest const& r) {
   BudgetView v;
   v.margin = parse_margin(r.margin);
-  std::vector<double> at = parse_frequencies(r.at, "--at"), hz = grid_of(r);
+  std::vector<double> const at = parse_frequencies(r.at, "--at"), band = band_of(r);
   Gathered const g = read_inputs(r);
-  if (r.band.empty() && !g.sources.empty()) hz = g.sources.front().curve.hz;
+  std::vector<double> const hz = grid_of(band, r.points, g.sources);
   std::vector<std::string> compare = r.compare;
   if (compare.empty() && g.ifo && !g.ifo->compare.empty()) compare = {g.ifo->compare};
   std::vector<std::string> titles;
@@ -237,12 +263,15 @@ BudgetView gather_budget(BudgetRequest const& r) {
     titles.push_back(titled ? g.ifo->title : v.inputs.back());
   }
   v.title = fmt::format("noise budget of {}", fmt::join(titles, ", "));
-  for (Source const& s : g.sources)
+  for (Source const& s : g.sources) {
     if (!s.run.entry.empty()) v.runs.push_back(s.run);
+    for (std::string const& model : s.models)
+      if (std::find(v.models.begin(), v.models.end(), model) == v.models.end()) v.models.push_back(model);
+  }
   v.grid = put_on(g, compare, hz, nullptr);
   v.at = put_on(g, compare, at, &v.left_out);
   if (g.ifo) v.ifo_yaml = g.ifo->yaml;
-  if (g.ifo) return v;
+  if (g.ifo || std::any_of(g.sources.begin(), g.sources.end(), holds_fundamental)) return v;
   v.warnings.push_back("no detector is named, so there are no fundamental noises; name one, for example 'aligo'");
   return v;
 }

@@ -9,7 +9,7 @@ namespace straytrace {
 struct BudgetRequest {
   std::vector<std::string> inputs, overrides, compare;
   std::string at = "10 Hz, 100 Hz, 1 kHz", band, margin;
-  std::size_t points = 300;
+  std::size_t points = 0;  // 0: those of the first run or budget, 300 without one
 };
 BudgetView gather_budget(BudgetRequest const&);  // throws InputError
 

@@ -30,7 +30,7 @@ Source source_of(std::vector<double> const& hz, BudgetTrace const& trace, bool s
   bool const light = stray || trace.name.starts_with("StrayLight");
   BudgetEntry entry{
       trace.name, trace.label, light ? BudgetEntry::Kind::stray_light : BudgetEntry::Kind::technical, {}, {}, "", {}};
-  Source s{std::move(entry), sampled(hz, trace), {}, {}, {}};
+  Source s{std::move(entry), sampled(hz, trace), {}, {}, {}, {}};
   for (BudgetTrace const& part : trace.parts) s.parts.push_back(source_of(hz, part, light));
   return s;
 }
@@ -89,6 +89,13 @@ bool same_curve(Sampled const& a, Sampled const& b) {
          std::equal(a.asd.begin(), a.asd.end(), b.asd.begin(), near);
 }
 
+// Light of one scene, whatever seed, motion or ports: the model hash knows of none of them.
+bool same_scene(Source const& a, Source const& b) {
+  return std::any_of(a.models.begin(), a.models.end(), [&](std::string const& model) {
+    return std::find(b.models.begin(), b.models.end(), model) != b.models.end();
+  });
+}
+
 bool is_fundamental(std::string const& name) {
   auto const all = fundamental_noises();
   return std::any_of(all.begin(), all.end(), [&](FundamentalNoise const& n) { return n.name == name; });
@@ -96,9 +103,16 @@ bool is_fundamental(std::string const& name) {
 
 }  // namespace
 
+bool holds_fundamental(Source const& s) { return is_fundamental(s.entry.name); }
+
 std::vector<double> Sampled::on(std::vector<double> const& at, std::vector<double> const& values) const {
+  constexpr double rounding = 1e-9;
   std::vector<double> out;
-  for (double const f : at) out.push_back(values.empty() ? not_a_number : read_off(hz, values, f));
+  for (double const f : at) {
+    bool const inside = f >= low * (1 - rounding) && f <= high * (1 + rounding);
+    double const held = inside && !hz.empty() ? std::clamp(f, hz.front(), hz.back()) : f;
+    out.push_back(values.empty() ? not_a_number : read_off(hz, values, held));
+  }
   return out;
 }
 
@@ -110,8 +124,8 @@ BudgetEntry Source::on(std::vector<double> const& at) const {
   return e;
 }
 
-Sampled two_columns(std::string const& file, std::string const& what) {
-  Curve const curve = parse_curve(read_file(file));
+Sampled two_columns(std::string const& file, std::string const& what, std::span<std::string_view const> names) {
+  Curve const curve = parse_named_curve(read_file(file), names);
   if (!curve.error.empty())
     throw InputError(fmt::format("error: '{}' is not {}: {}\n  give two columns: frequency in Hz and amplitude density",
                                  file, what, curve.error));
@@ -159,11 +173,15 @@ Source stray_light(std::string const& file) {
   if (!b.unresolved.empty())
     entry.note = fmt::format("a lower bound, {} route{} not resolved", b.unresolved.size(),
                              b.unresolved.size() == 1 ? " is" : "s are");
-  Source s{std::move(entry), {hz, b.total.asd, b.total.sigma}, {}, file, std::move(about)};
+  std::vector<std::string> models{about.model_hash};
+  double const low = b.grid.edges.front(), high = b.grid.edges.back();
+  Source s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high}, {}, file, std::move(about),
+           std::move(models)};
   for (NoiseTrace const& route : b.routes)
     if (route.resolved)
       s.parts.push_back({{route.name, route.name, BudgetEntry::Kind::stray_light, {}, {}, "", {}},
-                         {hz, route.asd, route.sigma},
+                         {hz, route.asd, route.sigma, low, high},
+                         {},
                          {},
                          {},
                          {}});
@@ -176,7 +194,10 @@ std::vector<Source> noises_of_budget(std::string const& name) {
   std::vector<Source> all;
   for (BudgetTrace const& part : file.total.parts) all.push_back(source_of(file.hz, part, false));
   if (file.total.parts.empty()) all.push_back(source_of(file.hz, file.total, false));
-  for (Source& s : all) s.file = name;
+  for (Source& s : all) {
+    s.file = name;
+    if (s.entry.kind == BudgetEntry::Kind::stray_light) s.models = file.models;
+  }
   return all;
 }
 
@@ -198,6 +219,11 @@ std::vector<std::string> repeats(std::vector<Source> const& all, std::vector<std
       bool const equal_run = !s.run.content.empty() && all[k].run.content == s.run.content;
       if (all[k].file != s.file && (equal_name || equal_run || same_curve(all[k].curve, s.curve)))
         say(all[k].file, s.file, s.entry.name, "name each input once; give other budgets with --compare");
+      else if (all[k].file != s.file && same_scene(all[k], s) && pairs.insert({all[k].file, s.file}).second)
+        said.push_back(
+            fmt::format("error: '{}' and '{}' hold the stray light of one scene (model {}): the sum would count it "
+                        "twice\n  pick one, or give the other with --compare",
+                        all[k].file, s.file, s.models.front().substr(0, 12)));
     }
   }
   return said;

@@ -3,20 +3,26 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "noise/fundamental/budget.hpp"
 
 namespace straytrace {
 
-// A curve of ASD that is read off where it is needed; `sigma` may be empty.
+// A curve of ASD that is read off where it is needed; `sigma` may be empty. Of a run `hz` are the centres of its bins:
+// the first and the last value hold out to the ends of its band.
 struct Sampled {
   std::vector<double> hz, asd, sigma;
+  double low = infinity, high = -infinity;  // Hz, the band; without one `hz` says where it ends
   std::vector<double> on(std::vector<double> const& at, std::vector<double> const& values) const;
 };
-Sampled two_columns(std::string const& file, std::string const& what);  // throws InputError
-Sampled total_of_budget_file(std::string const& file);                  // throws InputError
+// Two columns, or the one of a table that has one of the names; throws InputError.
+Sampled two_columns(std::string const& file, std::string const& what, std::span<std::string_view const> names);
+Sampled total_of_budget_file(std::string const& file);  // throws InputError
 
 // Where the stray light of an entry comes from.
 struct RunAbout {
@@ -30,10 +36,13 @@ struct Source {
   BudgetEntry entry;
   Sampled curve;
   std::vector<Source> parts;
-  std::string file;  // as it was named
-  RunAbout run;      // of a run file
+  std::string file;                   // as it was named
+  RunAbout run;                       // of a run file
+  std::vector<std::string> models{};  // hashes of the scenes whose stray light is in it
   BudgetEntry on(std::vector<double> const& at) const;
 };
+
+bool holds_fundamental(Source const&);  // by its name: of a budget file
 
 enum class InputKind { detector, run, budget };
 InputKind kind_of_input(std::string const& file);  // by its content; throws InputError when it is none of them

@@ -16,6 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::string_view requirement = "LIGO requirement";
+
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.3e}", x) : "-"; }
 
 Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
@@ -116,10 +118,11 @@ std::string run_line(RunAbout const& run) {
 }
 
 // Names of columns hold no spaces.
-std::string column(std::string name, char const* unit) {
+std::string joined(std::string name) {
   std::replace(name.begin(), name.end(), ' ', '_');
-  return fmt::format(" {}_{}", name, unit);
+  return name;
 }
+std::string column(std::string const& name, char const* unit) { return fmt::format(" {}_{}", joined(name), unit); }
 
 }  // namespace
 
@@ -136,7 +139,7 @@ std::string budget_text(BudgetView const& v) {
   for (ReferenceCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
   for (ReferenceCurve const& c : v.at.lines) text += row(c.name, numbers(c.asd));
   text += ratios(v) + flagged(v) + bound(v);
-  if (!thermal_requirement(v.at.table).empty())
+  if (std::any_of(v.at.lines.begin(), v.at.lines.end(), [](ReferenceCurve const& c) { return c.name == requirement; }))
     text += "LIGO requirement: a tenth of the thermal noise of suspensions and test masses (G0900670)\n";
   for (BudgetEntry const& e : v.at.table.entries)
     if (!e.note.empty()) text += fmt::format("{}: {}\n", e.name, e.note);
@@ -153,7 +156,7 @@ std::string budget_columns(BudgetView const& v) {
       v.title, build_info::version, build_info::commit);
   for (BudgetEntry const& e : t.entries) text += column(e.name, "strain");
   text += " total_strain";
-  for (ReferenceCurve const& c : v.grid.curves) text += " " + c.name;
+  for (ReferenceCurve const& c : v.grid.curves) text += " " + joined(c.name);
   for (ReferenceCurve const& c : v.grid.lines) text += column(c.name, "strain");
   std::vector<double> const total = t.total();
   if (!v.grid.metres.empty()) {
@@ -240,6 +243,7 @@ std::string budget_pygwinc(BudgetView const& v) {
   NoiseTable const& t = v.grid.table;
   file.hz = t.hz;
   file.ifo = v.ifo_yaml;
+  file.models = v.models;
   file.total = {"Total", v.title, {}, {}};
   std::string bounds;
   for (double const h : t.total()) file.total.psd.push_back(std::isfinite(h) ? h * h : 0);

@@ -29,7 +29,8 @@ struct BudgetView {
   std::string title, ifo_yaml;
   std::vector<std::string> inputs;
   std::vector<RunAbout> runs;
-  BudgetOn grid, at;  // for curves and pictures; for the table
+  std::vector<std::string> models;  // hashes of the scenes whose stray light is in it
+  BudgetOn grid, at;                // for curves and pictures; for the table
   double margin = 0.1;
   std::vector<std::string> left_out, warnings;
 };

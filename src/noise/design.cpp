@@ -56,7 +56,7 @@ DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid 
   DesignCurve design{name, std::vector<double>(grid.size(), not_a_number)};
   std::string const text = where.data_file(name);
   if (text.empty() && !where.document()->optional_file(where, name)) return design;  // said by data_file()
-  Curve const curve = parse_curve(text);
+  Curve const curve = parse_named_curve(text, strain_columns);
   if (!curve.error.empty())
     where.problem(fmt::format("'{}' is not a design curve: {}", name, curve.error),
                   "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "base/message.hpp"
 #include "report/hdf5_io.hpp"
 #include "report/pygwinc_trace.hpp"
@@ -88,6 +90,8 @@ BudgetFile read_opened(std::string const& file, Reader const& in) {
   for (std::size_t i = 0; i < budget.hz.size(); ++i)
     if (!(budget.hz[i] > (i > 0 ? budget.hz[i - 1] : 0))) refuse(file, "/Freq", "does not increase from above 0");
   budget.ifo = text_attribute(in.file(), "ifo");
+  std::istringstream models(text_attribute(in.file(), "models"));
+  for (std::string model; models >> model;) budget.models.push_back(model);
   Loader const load{file, in, budget.hz.size()};
   if (in.has("/traces")) {
     budget.total = load.version_1("/traces", "Total");

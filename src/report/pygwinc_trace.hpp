@@ -17,7 +17,8 @@ struct BudgetTrace {
 struct BudgetFile {
   std::vector<double> hz;
   BudgetTrace total;
-  std::string ifo;  // YAML text of the detector; empty: none
+  std::string ifo;                    // YAML text of the detector; empty: none
+  std::vector<std::string> models{};  // hashes of the scenes whose stray light is in it; empty: not stated
 };
 
 bool is_hdf5(std::string const& bytes);  // by its first bytes

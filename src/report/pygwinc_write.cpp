@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -42,6 +43,7 @@ std::string budget_file_bytes(BudgetFile const& budget, std::vector<std::pair<st
   out.attribute("/", "SCHEMA_VERSION", std::vector<std::uint64_t>{2});
   out.attribute("/", "date", utc_now());
   if (!budget.ifo.empty()) out.attribute("/", "ifo", budget.ifo);
+  if (!budget.models.empty()) out.attribute("/", "models", fmt::format("{}", fmt::join(budget.models, " ")));
   out.attribute("/", "plot_style", std::string("{ylabel: 'Strain [1/sqrt(Hz)]'}"));
   for (auto const& [name, value] : about) out.attribute("/", name, value);
   out.array("/Freq", budget.hz, "Hz");

@@ -2,6 +2,7 @@
 // Columns of numbers in text: motion spectra, design curves.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,5 +23,11 @@ struct Curve {
   std::string error;
 };
 Curve parse_curve(std::string_view text, std::size_t frequency_column = 1, std::size_t value_column = 2);
+
+// Columns of our own text files that hold an ASD of strain: of budget.txt and of h_asd.txt.
+constexpr std::string_view strain_columns[] = {"total_strain", "h_mean"};
+// Two columns; of more, the one that a comment above the numbers gives one of these names, where NaN is "not known". An
+// error, with the columns that are there, when none has such a name.
+Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names);
 
 }  // namespace straytrace

@@ -150,6 +150,87 @@ TEST(Budget, BadInput) {
   refused({virgo_arm}, "missing", "SI units");
 }
 
+TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not its second column, quantum noise
+  Folder const folder;
+  ASSERT_EQ(straytrace({"budget", "aligo", "-o", folder / "out", "--quiet"}).code, 0);
+  Finished const done = straytrace(
+      {"budget", "aligo", "--compare", folder / "out/budget.txt", "--at", "10 Hz, 100 Hz", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const at = Json::parse(done.out)["at"];
+  for (std::size_t i = 0; i < 2; ++i) {
+    double const curve = at["curves"][0]["strain"][i];
+    EXPECT_NEAR(curve / at["total"][i].get<double>(), 1, 1e-3);
+    EXPECT_GT(std::fabs(curve / noise(at, "Quantum")["strain"][i].get<double>() - 1), 0.01);  // twin
+  }
+  write_text(folder / "three.txt", "# Hz one two\n1 1e-22 2e-22\n1000 1e-22 2e-22\n");
+  write_text(folder / "mine.yaml", "extends: aligo\nCurves: [{name: dark, file: three.txt}]\n");
+  for (Words const& words :
+       {Words{"budget", "aligo", "--compare", folder / "three.txt"}, Words{"budget", folder / "mine.yaml"}}) {
+    Finished const refused = straytrace(words);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("3 columns (Hz, one, two), and none is named total_strain or h_mean"));
+  }
+}
+
+TEST(Budget, AComputedZeroIsKnown) {  // twin: beyond the curve nothing is known
+  Folder const folder;
+  write_text(folder / "dark.txt", "1 0\n10 0\n1000 2e-22\n");
+  write_text(folder / "mine.yaml", "extends: aligo\nCurves: [{name: dark, file: dark.txt}]\n");
+  Finished const done =
+      straytrace({"budget", folder / "mine.yaml", "--at", "5 Hz, 10 Hz, 100 Hz, 2 kHz", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const dark = noise(Json::parse(done.out)["at"], "dark")["strain"];
+  EXPECT_EQ(dark[0], 0.0);
+  EXPECT_EQ(dark[1], 0.0);
+  EXPECT_NEAR(dark[2].get<double>() / 1e-22, 1, 1e-9);  // halfway in log f
+  EXPECT_TRUE(dark[3].is_null());
+}
+
+TEST(Budget, RunsReachTheEdgesOfTheirBand) {  // 5 Hz to 1 kHz; bins are centred inside. Twin: beyond is not known
+  Folder const folder;
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
+  std::string const run = folder / "run/run.h5";
+  Json const first = Json::parse(straytrace({"budget", run, "--quiet", "--format", "json"}).out)["curves"];
+  double const centre = first["frequency_Hz"][0];
+  std::size_t const bins = first["frequency_Hz"].size();
+  Finished const done = straytrace(
+      {"budget", run, "--at", "4.99 Hz, 5 Hz, 1 kHz, 1.001 kHz", "--points", "7", "--quiet", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const all = Json::parse(done.out), stray = noise(all["at"], "StrayLight")["strain"];
+  EXPECT_GT(centre, 5);
+  EXPECT_TRUE(stray[0].is_null());
+  EXPECT_EQ(stray[1], noise(first, "StrayLight")["strain"][0]);
+  EXPECT_EQ(stray[2], noise(first, "StrayLight")["strain"][bins - 1]);
+  EXPECT_TRUE(stray[3].is_null());
+  // --points without --band: over the band of the run.
+  ASSERT_EQ(all["curves"]["frequency_Hz"].size(), 7u);
+  EXPECT_NE(bins, 7u);
+  EXPECT_NEAR(all["curves"]["frequency_Hz"][0].get<double>(), 5, 1e-9);
+  EXPECT_NEAR(all["curves"]["frequency_Hz"][6].get<double>(), 1000, 1e-9);
+}
+
+TEST(Budget, ExportedBudgetsBringTheirFundamentalNoises) {  // twin: RunAlone is warned of
+  Folder const folder;
+  ASSERT_EQ(straytrace({"budget", "aligo", "--export", "pygwinc", "-o", folder / "out", "--quiet"}).code, 0);
+  Finished const done = straytrace({"budget", folder / "out/budget.hdf5", "--at", "100 Hz"});
+  EXPECT_EQ(done.code, 0);
+  EXPECT_THAT(done.err, Not(HasSubstr("fundamental")));
+  EXPECT_THAT(done.out, Not(HasSubstr("LIGO requirement")));  // its line needs a detector
+}
+
+TEST(Budget, ShotNoiseAloneIsNotShownBesideFilterCavities) {  // their angle is made for mirrors that move
+  for (char const* name : {"aplus", "et-hf"})
+    EXPECT_THAT(straytrace({"budget", name}).out, Not(HasSubstr("shot noise alone"))) << name;
+  // Without frequency dependence it is back, and below the total.
+  Finished const done = straytrace(
+      {"budget", "aplus", "-p", "Squeezer.Type=Freq Independent", "--at", "10 Hz, 1 kHz", "--format", "json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const at = Json::parse(done.out)["at"];
+  ASSERT_EQ(at["lines"][0]["name"], "shot noise alone");
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_LT(at["lines"][0]["strain"][i].get<double>(), at["total"][i].get<double>());
+}
+
 TEST(Budget, WhatIsOutsideARunIsNotZero) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);

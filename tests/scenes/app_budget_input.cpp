@@ -39,6 +39,10 @@ struct Runs : ::testing::Test {
                     .code,
                 0);
     fs::copy_file(*folder / "seed1/run.h5", *folder / "copy.h5");
+    ASSERT_EQ(straytrace({"run", virgo_arm, "-o", *folder / "narrow", "-p", "rim=48cm", "--histories", "131072",
+                          "--seed", "2", "--quiet"})
+                  .code,
+              0);
     ASSERT_EQ(straytrace({"run", virgo_arm, "-o", *folder / "few", "--histories", "4096", "--quiet"}).code, 0);
     fs::copy_file(*folder / "few/run.h5", *folder / "few.h5");
   }
@@ -53,8 +57,21 @@ TEST_F(Runs, GivenTwiceAreRefused) {
   refused({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
   refused({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
   refused({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // nothing is resolved: the content says it
-  // Twin: another seed is another result.
-  EXPECT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), at("seed2/run.h5"), "--quiet"}).code, 0);
+  // Twin: baffles of another width scatter other light.
+  EXPECT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), at("narrow/run.h5"), "--quiet"}).code, 0);
+}
+
+TEST_F(Runs,
+       LightOfOneSceneIsNotAddedToItself) {  // a second seed estimates the same light: its sum is sqrt(2) too loud
+  refused({"adv", at("seed1/run.h5"), at("seed2/run.h5")},
+          {"seed1/run.h5' and", "seed2/run.h5' hold the stray light of one scene", "pick one", "--compare"});
+  Finished const beside = straytrace(
+      {"budget", "adv", at("seed1/run.h5"), "--compare", at("seed2/run.h5"), "--at", "10 Hz", "--format", "json"});
+  ASSERT_EQ(beside.code, 0) << beside.err;
+  Json const all = Json::parse(beside.out)["at"], other = all["curves"][0];
+  EXPECT_EQ(other["name"], "seed2/run.h5");
+  double const one = all["noises"].back()["strain"][0];
+  EXPECT_NEAR(other["strain"][0].get<double>() / one, 1, 0.3);  // the same light, within the errors of both
 }
 
 TEST_F(Runs, BudgetsThatHoldARunOrADetectorAreRefusedBesideIt) {
@@ -62,20 +79,21 @@ TEST_F(Runs, BudgetsThatHoldARunOrADetectorAreRefusedBesideIt) {
             0);
   refused({at("seed1/run.h5"), at("out/budget.hdf5")}, {"hold the same noise, 'StrayLight'"});
   refused({"adv", at("out/budget.hdf5")}, {"'adv' and", "'CoatingBrownian'", "--compare"});
-  EXPECT_EQ(straytrace({"budget", at("out/budget.hdf5"), at("seed2/run.h5"), "--quiet"}).code, 0);
+  refused({at("seed2/run.h5"), at("out/budget.hdf5")}, {"light of one scene"});  // the exported file names its model
+  EXPECT_EQ(straytrace({"budget", at("out/budget.hdf5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
 
 TEST_F(Runs, EqualTitlesAreToldApartByFolderOrFile) {
-  Finished const done = straytrace({"budget", at("seed1/run.h5"), at("seed2/run.h5"), "--format", "json", "--quiet"});
+  Finished const done = straytrace({"budget", at("seed1/run.h5"), at("narrow/run.h5"), "--format", "json", "--quiet"});
   ASSERT_EQ(done.code, 0) << done.err;
   Json const all = Json::parse(done.out), noises = all["at"]["noises"];
   ASSERT_EQ(noises.size(), 2u);
   EXPECT_EQ(noises[0]["name"], "StrayLight-seed1");
-  EXPECT_EQ(noises[1]["name"], "StrayLight-seed2");
+  EXPECT_EQ(noises[1]["name"], "StrayLight-narrow");
   EXPECT_NE(noises[0]["what"], noises[1]["what"]);
   EXPECT_EQ(all["runs"][1]["seed"], 2);
-  EXPECT_EQ(all["runs"][1]["file"], "seed2/run.h5");
-  fs::copy_file(at("seed2/run.h5"), at("other.h5"), fs::copy_options::overwrite_existing);
+  EXPECT_EQ(all["runs"][1]["file"], "narrow/run.h5");
+  fs::copy_file(at("narrow/run.h5"), at("other.h5"), fs::copy_options::overwrite_existing);
   Finished const files = straytrace({"budget", at("copy.h5"), at("other.h5"), "--quiet"});
   EXPECT_THAT(files.out, HasSubstr("StrayLight-copy"));
   EXPECT_THAT(files.out, HasSubstr("StrayLight-other"));

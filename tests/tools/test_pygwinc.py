@@ -221,6 +221,29 @@ def test_drop_in_reads_curves(folder):
             pass
 
 
+def refused(error, call, *words, **values):
+    try:
+        call(*words, **values)
+    except error as said:
+        return str(said)
+    raise AssertionError(f"{values or words} was taken")
+
+
+def test_what_is_no_curve_is_refused(folder):
+    """Unknown quantities and keywords, negative densities; a computed 0 is known. Twins: the words that there are."""
+    (folder / "curve.txt").write_text("10 0\n100 0\n10000 2e-22\n")
+    (folder / "negative.txt").write_text("10 1e-22\n100 -1e-22\n")
+    curve = folder / "curve.txt"
+    assert "'foo'" in refused(ValueError, StrayLight.of, curve, quantity="foo")
+    assert "quantty" in refused(TypeError, StrayLight.of, curve, quantty="strain")
+    assert "beyond" in refused(ValueError, StrayLight.of, curve, beyond="zero")
+    (folder / "three.txt").write_text("10 1e-22 5\n100 1e-22 5\n")
+    assert "3 columns" in refused(straytrace.RunError, read_strain, folder / "three.txt")
+    assert "100 Hz is negative" in refused(straytrace.RunError, read_strain, folder / "negative.txt")
+    h = StrayLight.of(curve, quantity="strain")(freq=np.array([5, 50, 100, 1000, 10000.0])).run().asd
+    assert np.isnan(h[0]) and close(h[1:], [0, 0, 1e-22, 2e-22], 1e-9)
+
+
 def test_without_pygwinc(folder):
     """The module imports where there is no pygwinc, and says what is missing when it is used."""
     code = ("import sys; sys.modules['gwinc'] = None; sys.path.insert(0, sys.argv[1]); import straytrace.pygwinc as s\n"
@@ -249,7 +272,7 @@ def main():
             test_each_noise(folder, table=True)
             return
         for test in (test_file_is_read, test_their_file, test_their_ifo, test_each_noise, test_drop_in,
-                     test_drop_in_beyond_the_band, test_drop_in_reads_curves, test_without_pygwinc,
+                     test_drop_in_beyond_the_band, test_drop_in_reads_curves, test_what_is_no_curve_is_refused, test_without_pygwinc,
                      test_example_of_the_page):
             test(folder)
             print(f"{test.__name__}: ok")

@@ -89,6 +89,22 @@ TEST(TextTable, ReadsColumns) {
   EXPECT_EQ(d.value, (std::vector<double>{7, 8, 9}));
 }
 
+// Of many columns the named one, not the second. Twin: without its name nothing is guessed.
+TEST(TextTable, TakesTheNamedColumnOfMany) {
+  std::string const rows = "1 5 nan 7\n10 5 8 nan\n";
+  Curve const total =
+      parse_named_curve("# a b c d\n# Hz Quantum_strain dark_strain total_strain\n" + rows, strain_columns);
+  ASSERT_EQ(total.error, "");
+  EXPECT_EQ(total.value[0], 7);
+  EXPECT_TRUE(std::isnan(total.value[1]));
+  EXPECT_EQ(parse_named_curve("# frequency_Hz h_mean sigma\n1 2 3\n4 5 nan\n", strain_columns).value,
+            (std::vector<double>{2, 5}));
+  EXPECT_EQ(parse_named_curve("# Hz much\n1 2\n4 5\n", strain_columns).value, (std::vector<double>{2, 5}));
+  std::string const other = parse_named_curve("# Hz Quantum_strain dark_strain sum\n" + rows, strain_columns).error;
+  EXPECT_EQ(other, "it has 4 columns (Hz, Quantum_strain, dark_strain, sum), and none is named total_strain or h_mean");
+  EXPECT_NE(parse_named_curve(rows, strain_columns).error.find("4 columns without names"), std::string::npos);
+}
+
 TEST(TextTable, SaysWhatIsWrong) {
   EXPECT_EQ(parse_curve("1 2\nf x").error, "line 2: 'f' is not a number (comments start with #)");
   EXPECT_NE(parse_curve("1 2\n1 3").error.find("does not increase"), std::string::npos);

@@ -14,9 +14,10 @@ namespace straytrace {
 std::vector<double> NoiseTable::total() const {
   std::vector<double> sum(hz.size(), 0.0);
   for (std::size_t i = 0; i < hz.size(); ++i) {
+    bool known = false;
     for (BudgetEntry const& e : entries)
-      if (std::isfinite(e.asd[i])) sum[i] += e.asd[i] * e.asd[i];
-    sum[i] = sum[i] > 0 ? std::sqrt(sum[i]) : not_a_number;
+      if (std::isfinite(e.asd[i])) known = true, sum[i] += e.asd[i] * e.asd[i];
+    sum[i] = known ? std::sqrt(sum[i]) : not_a_number;
   }
   return sum;
 }
@@ -67,9 +68,11 @@ double read_off(std::span<double const> hz, std::span<double const> value, doubl
   auto const last = static_cast<std::ptrdiff_t>(hz.size()) - 1;
   auto const i = static_cast<std::size_t>(
       std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, last));
+  double const low = value[i - 1], high = value[i];
   double const x = std::log(f / hz[i - 1]) / std::log(hz[i] / hz[i - 1]);
-  if (x == 0) return value[i - 1];
-  return value[i - 1] * std::pow(value[i] / value[i - 1], x);
+  if (f == hz[i - 1] || f == hz[i]) return f == hz[i] ? high : low;
+  if (low == 0 || high == 0) return low + (high - low) * x;  // a power law has no zeros
+  return low * std::pow(high / low, x);
 }
 
 }  // namespace straytrace

@@ -24,7 +24,7 @@ struct BudgetEntry {
 struct NoiseTable {
   std::vector<double> hz;
   std::vector<BudgetEntry> entries;
-  // Root of the sum of the squares of what is known, at every frequency.
+  // Root of the sum of the squares of what is known, at every frequency; NaN where nothing is.
   std::vector<double> total() const;
   // Above it an entry is not small beside the reference: margin times reference.
   static bool exceeds(double asd, double reference, double margin) { return asd > margin * reference; }
@@ -41,7 +41,8 @@ FundamentalEntries fundamental_entries(Detector const&, std::span<double const> 
 // ASD, empty when one of them is not known.
 std::vector<double> thermal_requirement(NoiseTable const&);
 
-// Straight lines in log-log; NaN outside the range and where a neighbour is not known.
+// Straight lines in log-log, beside a point of 0 in value over log f; NaN outside the range and where a neighbour is
+// not known.
 double read_off(std::span<double const> hz, std::span<double const> value, double f);
 
 }  // namespace straytrace
