@@ -15,9 +15,7 @@ BeamLines::BeamLines(Mode const& mode) : origin(mode.origin), travel(mode.travel
   up_ = (1 / rest) * (mode.e2 - (b / a) * mode.e1);
 }
 
-Vec3 BeamLines::towards(SinCos a) const {
-  return a.cos * across_ + a.sin * up_;
-}
+Vec3 BeamLines::towards(SinCos a) const { return a.cos * across_ + a.sin * up_; }
 
 Stripes without(Stripes const& all, Stripes const& gone) {
   Stripes left;

@@ -67,7 +67,8 @@ TEST(AperturesCommand, WholeWayAndRefusals) {
   };
   refused({"apertures", bench, "--show", "0"}, "is not a whole number from 1 to 1000000");
   refused({"apertures", virgo_arm, "--profile", "ETM", "--distance", "1 um"}, "nearer than the beam is wide");
-  refused({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"}, "no round rim about the chief ray, across a round beam");
+  refused({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"},
+          "no round rim about the chief ray, across a round beam");
 }
 
 // A lens that is too small for the main beam, by name and share, for every command; twin: one that is large enough.
