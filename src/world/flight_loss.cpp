@@ -40,8 +40,7 @@ Stripes behind(Obstacle const& own, Fan const& fan, Stripes const& met, Obstacle
   return gone;
 }
 
-// Each line is taken by the first screen that it meets; what is left over passes beside `last`, or meets it. Lines that
-// miss `first`, the surface left, are dark from the start. Shares are of the light that is not.
+// Gives each line to the first screen that it meets.
 class Sharing {
  public:
   Sharing(std::vector<Obstacle> const& screens, std::vector<Screened>& found)
@@ -74,6 +73,8 @@ class Sharing {
   std::vector<Stripes> met_;
 };
 
+// What no screen takes passes beside `last`, or meets it. Lines that miss `first`, the surface left, are dark from the
+// start; shares are of the light that is not. Gives what passes beside.
 double share_out(std::vector<Obstacle> const& screens, Obstacle const* first, Obstacle const* last,
                  std::vector<Screened>& found) {
   int count = first || last ? (first ? first : last)->azimuths() : 1;

@@ -49,7 +49,6 @@ class MainBeam {
   static constexpr std::size_t most_nodes = 4096;
   MainBeam(World const&, BeamLaunch const&, TreeLimits);
 
-  World const& world() const { return world_; }
   std::vector<MainNode> const& nodes() const { return nodes_; }
   bool complete() const { return complete_; }  // false: it meets more surfaces than are kept
   // After the last step of `way`; `before`: at the surface before.
