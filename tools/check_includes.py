@@ -4,21 +4,22 @@ import pathlib
 import re
 import sys
 
-ROOMS = ("base geometry optics beams signal motion scene world trace ifo noise report app").split()
+ROOMS = ("base geometry optics beams hdf5 signal motion scene world trace ifo noise report app").split()
 MAY_INCLUDE = {                        # room: rooms it may include besides itself
     "base": "",
     "geometry": "base",
     "optics": "base",
     "beams": "base geometry optics",
-    "signal": "base",
+    "hdf5": "base",
+    "signal": "base hdf5",
     "motion": "base signal",
     "scene": "base",
     "world": "base geometry optics beams scene",
     "trace": "base geometry optics beams world",
     "ifo": "base beams signal",
     "noise": "base beams signal motion trace ifo",
-    "report": "base signal motion beams scene world trace ifo noise",
-    "app": "base beams signal motion scene world trace ifo noise report",
+    "report": "base hdf5 signal motion beams scene world trace ifo noise",
+    "app": "base beams hdf5 signal motion scene world trace ifo noise report",
 }
 NARROW = {                             # (room, other): the only files it may take from there
     ("noise", "beams"): {"beams/cavity_mode.hpp"},

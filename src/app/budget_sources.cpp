@@ -10,7 +10,7 @@
 
 #include "base/message.hpp"
 #include "noise/fundamental/fundamental.hpp"
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 #include "signal/text_table.hpp"

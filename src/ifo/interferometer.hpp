@@ -10,6 +10,7 @@
 #include "base/ids.hpp"
 #include "base/table.hpp"
 #include "ifo/entrance.hpp"
+#include "signal/band.hpp"
 
 namespace straytrace {
 
@@ -19,12 +20,6 @@ struct TracedPort {
   Entrance entrance = Entrance::arm;  // where its light joins when the table does not say
   double power = 0;                   // W, of its beam; 0: not stated
   double cavity_length = 0;           // m, between the mirrors of its beam; 0: no cavity
-};
-
-// Where responses are asked for, Hz.
-struct Band {
-  double low = 10, high = 100;
-  double clamped(double hz) const { return hz < low ? low : hz > high ? high : hz; }
 };
 
 class Interferometer {

@@ -9,7 +9,7 @@
 
 #include "ifo/entrance.hpp"
 #include "ifo/interferometer.hpp"
-#include "ifo/transfer_function.hpp"
+#include "signal/transfer_function.hpp"
 
 namespace straytrace {
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "base/message.hpp"
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/report.hpp"
 #include "report/seal.hpp"
 

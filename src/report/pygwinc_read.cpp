@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "base/message.hpp"
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 

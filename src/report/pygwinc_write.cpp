@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <set>
 
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 

@@ -2,7 +2,7 @@
 // The groups of a run file, each written and read in one place. Paths and columns: schema/run-1.txt.
 #pragma once
 
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "ifo/linear_response.hpp"
-#include "ifo/transfer_function.hpp"
+#include "signal/transfer_function.hpp"
 
 namespace straytrace {
 namespace {

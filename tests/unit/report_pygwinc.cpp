@@ -10,7 +10,7 @@
 
 #include "base/message.hpp"
 #include "noise/design.hpp"
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/pygwinc_ifo.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"

@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "base/message.hpp"
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/seal.hpp"
 #include "unit/report_same.hpp"
 #include "unit/report_synthetic.hpp"

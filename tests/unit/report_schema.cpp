@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 #include "report/seal.hpp"
 #include "unit/report_synthetic.hpp"
 

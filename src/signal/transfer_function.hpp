@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/table.hpp"
-#include "ifo/interferometer.hpp"
+#include "signal/band.hpp"
 
 namespace straytrace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ifo/transfer_function.hpp"
+#include "signal/transfer_function.hpp"
 
 #include <fmt/format.h>
 

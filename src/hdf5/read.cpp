@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/message.hpp"
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 
 namespace straytrace::hdf5 {
 namespace {

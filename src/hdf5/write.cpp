@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "report/hdf5_io.hpp"
+#include "hdf5/hdf5.hpp"
 
 namespace straytrace::hdf5 {
 namespace {

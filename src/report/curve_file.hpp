@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Curves of the commands that work with data, in whatever format the name of the file asks for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace straytrace {
+
+struct CurveColumn {
+  std::string name, unit;  // "h_mean", "1/sqrt(Hz)"
+  std::vector<double> values;
+  std::string style = "line";  // in pictures: line, band-low, band-high, points, upper-limit, hidden
+};
+
+struct CurveSheet {
+  std::string title;               // one line
+  std::vector<std::string> notes;  // settings and sources, one line each: window, segment, averages, files
+  CurveColumn x;                   // Hz or GPS s
+  bool log_x = true, log_y = true;
+  std::vector<CurveColumn> y;  // all as long as x
+};
+
+// A map over time and frequency.
+struct MapSheet {
+  std::string title, unit;
+  std::vector<std::string> notes;
+  std::vector<double> time, frequency;  // GPS s and Hz, centres
+  std::vector<double> value;            // value[time * frequencies + frequency]
+  std::vector<CurveColumn> lines;       // drawn over it: values in Hz, one for each element of line_time
+  std::vector<double> line_time;        // GPS s
+};
+
+// By the ending: .txt and .csv (comment header with title, notes, units, version), .hdf5 or .h5 (gwpy; regular axes
+// only, otherwise an InputError names the text file), .png, .html (one self-contained page with picture and table),
+// .json. Complete or not at all. Throws InputError for another ending or a disk that refuses.
+void write_curves(std::string const& file, CurveSheet const&);
+void write_map(std::string const& file, MapSheet const&);
+
+}  // namespace straytrace

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Time series from and to files: columns of text, CSV, HDF5 as gwpy and GWOSC write it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "signal/series.hpp"
+
+namespace straytrace {
+
+// What is wanted of a file. A file with one channel needs no name; the unit must be in the file (HDF5 attribute, header
+// of the column: "x [um]") or here.
+struct SeriesRequest {
+  std::string channel;  // dataset of HDF5, name or number (from 1, time is not counted) of a column; empty: the only one
+  std::string unit;     // overrides the one of the file; empty: that of the file
+  GpsSpan span;
+};
+
+// From the bytes of a file; `file`: its name, for messages and by its ending for nothing: the content decides what it
+// is. Throws InputError that names what is missing, what there is, and what to write.
+TimeSeries parse_series(std::string const& bytes, std::string const& file, SeriesRequest const&);
+std::vector<std::string> channels_of(std::string const& bytes, std::string const& file);
+
+// The same from an argument of the command line, "FILE" or "FILE::CHANNEL". Reads the file.
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span);
+
+// "1234567890", "1234567890..1234567950", or the same as UTC "2019-02-01T12:00:00"; a single time is the beginning.
+// Throws InputError.
+GpsSpan parse_gps(std::string const&);
+
+// Bytes of a file that gwpy opens: one dataset for each series, with x0, dx, xunit, unit, name, channel.
+std::string series_hdf5(std::span<TimeSeries const> series);
+
+}  // namespace straytrace
