@@ -9,8 +9,8 @@
 #include <set>
 
 #include "base/message.hpp"
-#include "noise/fundamental/fundamental.hpp"
 #include "hdf5/hdf5.hpp"
+#include "noise/fundamental/fundamental.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 #include "signal/text_table.hpp"

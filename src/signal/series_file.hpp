@@ -13,8 +13,9 @@ namespace straytrace {
 // What is wanted of a file. A file with one channel needs no name; the unit must be in the file (HDF5 attribute, header
 // of the column: "x [um]") or here.
 struct SeriesRequest {
-  std::string channel;  // dataset of HDF5, name or number (from 1, time is not counted) of a column; empty: the only one
-  std::string unit;     // overrides the one of the file; empty: that of the file
+  std::string
+      channel;       // dataset of HDF5, name or number (from 1, time is not counted) of a column; empty: the only one
+  std::string unit;  // overrides the one of the file; empty: that of the file
   GpsSpan span;
 };
 

@@ -9,8 +9,8 @@
 #include <fstream>
 
 #include "base/message.hpp"
-#include "noise/design.hpp"
 #include "hdf5/hdf5.hpp"
+#include "noise/design.hpp"
 #include "report/pygwinc_ifo.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
