@@ -41,16 +41,22 @@ void say(std::string const& what, bool json) {
 
 // One sentence and what to write instead; the exit code.
 int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
-  auto const chosen = app.get_subcommands();
-  CLI::App const& command = chosen.empty() ? app : *chosen.front();
-  std::string const help = fmt::format("see straytrace {}--help", chosen.empty() ? "" : command.get_name() + " ");
+  CLI::App const* deepest = &app;
+  std::string named;
+  for (auto below = app.get_subcommands(); !below.empty(); below = deepest->get_subcommands()) {
+    deepest = below.front();
+    named += deepest->get_name() + " ";
+  }
+  CLI::App const& command = *deepest;
+  std::string const help = fmt::format("see straytrace {}--help", named);
+  bool const takes_commands = !command.get_subcommands(nullptr).empty();
   std::string const name =
-      chosen.empty() || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
+      takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
   if (name.empty()) {
     say(fmt::format("{}\n  {}", e.what(), help), json);
   } else {
     std::string const near = nearest_word(name, words_of(command));
-    std::string const what = name.starts_with('-') ? "an option" : chosen.empty() ? "a command" : "expected";
+    std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
     say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
         json);
@@ -87,7 +93,7 @@ int main(int argc, char** argv) {
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
   for (auto* add : {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render,
-                    add_importance, add_apertures, add_ghosts, add_budget})
+                    add_importance, add_apertures, add_ghosts, add_budget, add_signal})
     add(app, options, exit_code);
   try {
     app.parse(argc, argv);
