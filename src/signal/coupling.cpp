@@ -8,6 +8,7 @@
 
 #include "base/message.hpp"
 #include "signal/excess.hpp"
+#include "signal/unit_text.hpp"
 
 namespace straytrace {
 namespace {
@@ -109,23 +110,27 @@ char const* name_of(CouplingFlag flag) {
   return "";
 }
 
-std::string unit_of_ratio(std::string const& target, std::string const& witness) {
-  std::size_t const slash = std::min(witness.find('/'), witness.size());
-  std::string const above = slash < witness.size() ? witness.substr(slash + 1) : "";
-  std::string top = target == "1" && !above.empty() ? above : above.empty() ? target : target + "*" + above;
-  std::replace(top.begin() + std::ptrdiff_t(target == "1" ? 0 : target.size()), top.end(), '/', '*');
-  return top + "/" + witness.substr(0, slash);
+std::string coupling_unit(std::string const& target, std::string const& witness) {
+  return target == witness && target != "1" ? target + "/" + target : ratio_unit(target, witness);
 }
 
-std::vector<CouplingPoint> measure_coupling(PairSpectra const& injection, PairSpectra const& quiet,
+double unbiased_coherence(double c, double averages) {
+  double const chance = 1 / std::max(averages, 1.0);
+  return chance < 1 ? std::max(0.0, (c - chance) / (1 - chance)) : 0;
+}
+
+std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const& t) {
   if (injection.hz != quiet.hz)
     throw InputError(
         "error: injection and quiet stretch differ in their frequencies\n  use one segment length for both");
+  std::vector<double> const loud = coherence(injection), still = coherence(quiet);
+  auto const levels = [](CrossSpectra const& s, std::vector<double> const& c, std::size_t k) {
+    return Levels{s.input[k], s.output[k], unbiased_coherence(c[k], s.effective_averages), s.effective_averages};
+  };
   std::vector<CouplingPoint> points;
   for (std::size_t k = 1; k < injection.hz.size(); ++k) {
-    auto const levels = [k](PairSpectra const& s) { return Levels{s.x[k], s.y[k], s.coherence(k), s.averages}; };
-    points.push_back(point(levels(injection), levels(quiet), injection.raw_coherence(k), t));
+    points.push_back(point(levels(injection, loud, k), levels(quiet, still, k), loud[k], t));
     points.back().hz = injection.hz[k];
   }
   return points;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "signal/segment_transforms.hpp"
+#include "signal/cross_spectra.hpp"
 
 namespace straytrace {
 
@@ -48,14 +48,17 @@ struct CouplingThresholds {
   bool check_linear = true;        // false: several paths of one injection may reach the target
 };
 
-// "1", "m/s^2" -> "s^2/m"; "m", "m" -> "m/m".
-std::string unit_of_ratio(std::string const& target, std::string const& witness);
+// Of factors: "1/m", "m/m", "1/(m/s^2)".
+std::string coupling_unit(std::string const& target, std::string const& witness);
+
+// |S_xy|^2/(S_xx S_yy) without what n averages of independent noises share by chance: (c - 1/n)/(1 - 1/n), not below 0.
+double unbiased_coherence(double coherence, double averages);
 
 // H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: what the quiet witness makes of the
 // quiet target is taken off with it, so H is right also where the injection is weak. Error: averages of all four
 // spectra, less what witness and target share (coherence). Upper limit: the target's whole power in the injection, at
 // `confidence`, over the excess of the witness. Both spectra on one axis. Throws InputError when they are not.
-std::vector<CouplingPoint> measure_coupling(PairSpectra const& injection, PairSpectra const& quiet,
+std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const&);
 
 // Several injections on one witness: measured points by their weighted mean, whose error grows by sqrt(chi^2/dof) where

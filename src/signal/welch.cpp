@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
@@ -29,15 +28,7 @@ double weight(Window window, double turn) {  // turn: place in the segment, 0 to
   return not_a_number;
 }
 
-}  // namespace
-
-std::vector<double> window_weights(Window window, std::size_t samples) {
-  std::vector<double> w(samples);
-  for (std::size_t i = 0; i < samples; ++i) w[i] = weight(window, double(i) / double(samples));
-  return w;
-}
-
-void check_welch(std::size_t samples, double rate, WelchSettings const& s) {
+void check(std::size_t samples, double rate, WelchSettings const& s) {
   if (s.segment < 2 || s.segment > samples)
     throw InputError(
         fmt::format("error: a segment of {} samples does not fit a series of {}\n  choose between 2 and {}", s.segment,
@@ -49,8 +40,7 @@ void check_welch(std::size_t samples, double rate, WelchSettings const& s) {
 }
 
 // Variance of the mean over that of one periodogram: neighbours that share samples are not independent (Welch 1967).
-double variance_of_mean(std::vector<double> const& w, std::size_t step, std::size_t segments) {
-  double const square = std::inner_product(w.begin(), w.end(), w.begin(), 0.0);
+double variance_of_mean(std::vector<double> const& w, std::size_t step, std::size_t segments, double square) {
   double sum = 1;
   for (std::size_t m = 1; m < segments && m * step < w.size(); ++m) {
     double shared = 0;
@@ -60,19 +50,17 @@ double variance_of_mean(std::vector<double> const& w, std::size_t step, std::siz
   return sum / double(segments);
 }
 
-std::size_t welch_step(WelchSettings const& s) {
-  return std::max<std::size_t>(1, s.segment - std::size_t(std::lround(s.overlap * double(s.segment))));
-}
+}  // namespace
 
 WelchSpectrum welch(std::span<double const> samples, double rate, WelchSettings const& s) {
-  check_welch(samples.size(), rate, s);
-  std::size_t const n = s.segment, step = welch_step(s);
-  std::vector<double> const w = window_weights(s.window, n);
-  std::vector<double> part(n);
+  check(samples.size(), rate, s);
+  std::size_t const n = s.segment, step = std::max<std::size_t>(1, n - std::size_t(std::lround(s.overlap * double(n))));
+  std::vector<double> w(n), part(n);
   double sum = 0, square = 0;
-  for (double const v : w) {
-    sum += v;
-    square += v * v;
+  for (std::size_t i = 0; i < n; ++i) {
+    w[i] = weight(s.window, double(i) / double(n));
+    sum += w[i];
+    square += w[i] * w[i];
   }
   WelchSpectrum out;
   out.noise_bandwidth = rate * square / (sum * sum);
@@ -87,7 +75,7 @@ WelchSpectrum welch(std::span<double const> samples, double rate, WelchSettings 
     fft.fwd(lines, part);
     for (std::size_t k = 0; k < out.psd.size(); ++k) out.psd[k] += std::norm(lines[k]);
   }
-  double const relative = std::sqrt(variance_of_mean(w, step, out.segments));
+  double const relative = std::sqrt(variance_of_mean(w, step, out.segments, square));
   for (std::size_t k = 0; k < out.psd.size(); ++k) {
     bool const alone = k == 0 || 2 * k == n;  // no negative frequency stands beside these: real, not doubled
     out.hz.push_back(double(k) * rate / double(n));

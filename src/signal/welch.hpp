@@ -17,12 +17,6 @@ struct WelchSettings {
   bool detrend = true;  // takes the mean from each segment
 };
 
-std::vector<double> window_weights(Window, std::size_t samples);
-std::size_t welch_step(WelchSettings const&);  // samples from one segment to the next
-// Variance of an averaged PSD over that of one periodogram: neighbours that share samples are not independent.
-double variance_of_mean(std::vector<double> const& window, std::size_t step, std::size_t segments);
-void check_welch(std::size_t samples, double sample_rate, WelchSettings const&);  // throws as welch() does
-
 struct WelchSpectrum {
   std::vector<double> hz;      // from 0 to half the sample rate
   std::vector<double> psd;     // one-sided, x^2/Hz: twice the two-sided one, except at 0 and at half the sample rate

@@ -23,11 +23,11 @@ constexpr std::size_t twenty = 21 * segment / 2 + segment / 2;  // samples: 21 h
 // One stretch: the witness shakes by `level` around its quiet 1; of it the target sees `coupled`; its own noise is 1.
 struct Truth {
   double level, factor, own = 1, sensor = 0;
-  PairSpectra stretch(std::size_t samples, std::uint64_t seed) const {
+  CrossSpectra stretch(std::size_t samples, std::uint64_t seed) const {
     std::vector<double> const motion = white_noise(samples, 4 * seed, level);
     std::vector<double> const x = motion + white_noise(samples, 4 * seed + 1, sensor);
     std::vector<double> const y = factor * motion + white_noise(samples, 4 * seed + 2, own);
-    return pair_spectra(channel("ACC", "m", rate, x), channel("H", "1", rate, y), settings);
+    return cross_spectra(channel("ACC", "m", rate, x), channel("H", "1", rate, y), settings);
   }
 };
 
@@ -41,9 +41,10 @@ Outcome repeat(Truth const& loud, Truth const& still, std::size_t samples, int t
                CouplingThresholds const& t = {}) {
   Outcome o;
   for (int i = 0; i < trials; ++i) {
-    PairSpectra const a = loud.stretch(samples, 2 * std::uint64_t(i) + 1);
-    PairSpectra const b = still.stretch(samples, 2 * std::uint64_t(i) + 2);
-    PairSpectra const c{a.hz, a.x, a.y, std::vector<std::complex<double>>(a.hz.size()), a.averages};
+    CrossSpectra const a = loud.stretch(samples, 2 * std::uint64_t(i) + 1);
+    CrossSpectra const b = still.stretch(samples, 2 * std::uint64_t(i) + 2);
+    CrossSpectra c = a;
+    std::fill(c.cross.begin(), c.cross.end(), 0.0);
     std::vector<CouplingPoint> const all = measure_coupling(a, b, t), apart = measure_coupling(c, b, {});
     for (std::size_t k = 2; k + 3 < all.size(); k += 3) {  // beyond what the Hann window spreads
       ++o.flags[int(all[k].flag)];
@@ -53,7 +54,7 @@ Outcome repeat(Truth const& loud, Truth const& still, std::size_t samples, int t
       o.coverage.add(all[k].factor, all[k].sigma, loud.factor);
       o.apart.add(apart[k].factor, apart[k].sigma, loud.factor);
       o.mean += all[k].factor;
-      o.plain += std::sqrt(a.y[k + 1] / a.x[k + 1]);
+      o.plain += std::sqrt(a.output[k + 1] / a.input[k + 1]);
     }
   }
   o.mean /= std::max(1, o.coverage.all);
@@ -89,12 +90,12 @@ TEST(Coupling, ErrorsWithoutCoherenceAreThoseOfIndependentSpectra) {  // sensor 
   Truth const loud{1000, truth, 0.5, 0}, still{1, truth, 0.5, 0};
   for (int i = 0; i < 120; ++i) {  // another stretch of the same injection for the target
     auto const seed = 10 * std::uint64_t(i);
-    PairSpectra a = loud.stretch(twenty, seed + 1), b = still.stretch(twenty, seed + 2);
-    PairSpectra const other = loud.stretch(twenty, seed + 3), again = still.stretch(twenty, seed + 4);
-    a.y = other.y;
-    b.y = again.y;
-    std::fill(a.xy.begin(), a.xy.end(), 0.0);
-    std::fill(b.xy.begin(), b.xy.end(), 0.0);
+    CrossSpectra a = loud.stretch(twenty, seed + 1), b = still.stretch(twenty, seed + 2);
+    CrossSpectra const other = loud.stretch(twenty, seed + 3), again = still.stretch(twenty, seed + 4);
+    a.output = other.output;
+    b.output = again.output;
+    std::fill(a.cross.begin(), a.cross.end(), 0.0);
+    std::fill(b.cross.begin(), b.cross.end(), 0.0);
     auto const all = measure_coupling(a, b, {.check_linear = false});
     for (std::size_t k = 2; k + 3 < all.size(); k += 3)
       if (all[k].flag == CouplingFlag::measured) o.coverage.add(all[k].factor, all[k].sigma, truth);
@@ -124,11 +125,11 @@ TEST(Coupling, FringeWrappedTargetIsFlaggedR6_08) {
   };
   std::vector<double> const still = white_noise(n, 1, 0.02), slow = white_noise(n, 2, 2.5);
   std::vector<double> weak = 0.1 * slow;
-  PairSpectra const quiet = pair_spectra(channel("ACC", "m", rate, still), target(still, 3), settings);
+  CrossSpectra const quiet = cross_spectra(channel("ACC", "m", rate, still), target(still, 3), settings);
   auto const flags = [&](std::vector<double> const& motion) {
     int wrapped = 0;
     for (CouplingPoint const& p :
-         measure_coupling(pair_spectra(channel("ACC", "m", rate, motion), target(motion, 4), settings), quiet, {}))
+         measure_coupling(cross_spectra(channel("ACC", "m", rate, motion), target(motion, 4), settings), quiet, {}))
       wrapped += p.flag == CouplingFlag::not_linear;
     return wrapped;
   };
@@ -157,12 +158,10 @@ TEST(Coupling, InjectionsCombineR6_01) {
   EXPECT_EQ(of({one(1, 0.1, measured), one(2, 1, not_linear)}).flag, not_linear);
 }
 
-TEST(Coupling, UnitsOfRatios) {
-  EXPECT_EQ(unit_of_ratio("1", "m"), "1/m");
-  EXPECT_EQ(unit_of_ratio("m", "m"), "m/m");
-  EXPECT_EQ(unit_of_ratio("1", "m/s^2"), "s^2/m");
-  EXPECT_EQ(unit_of_ratio("m", "m/s^2"), "m*s^2/m");
-  EXPECT_EQ(unit_of_ratio("1", "um/s^2/count"), "s^2*count/um");
+TEST(Coupling, UnitsOfFactors) {
+  EXPECT_EQ(coupling_unit("1", "m"), "1/m");
+  EXPECT_EQ(coupling_unit("m", "m"), "m/m");
+  EXPECT_EQ(coupling_unit("1", "m/s^2"), "1/(m/s^2)");
 }
 
 }  // namespace

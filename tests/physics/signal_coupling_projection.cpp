@@ -39,13 +39,13 @@ TEST(CouplingProjection, LinearSyntheticIsTheTruthWithinFivePercentR6_08) {
   constexpr std::size_t n = 100 * 256;
   constexpr double factor = 4e-13;  // 1/m: quiet motion of 1 nm makes 4e-22, below the target's own noise
   std::vector<double> const still = white_noise(n, 1, 1e-9), loud = white_noise(n, 2, 3e-8);
-  PairSpectra const quiet = pair_spectra(channel("ACC", "m", rate, still), target_of(still, factor, 3), settings);
-  PairSpectra const injection = pair_spectra(channel("ACC", "m", rate, loud), target_of(loud, factor, 4), settings);
+  CrossSpectra const quiet = cross_spectra(channel("ACC", "m", rate, still), target_of(still, factor, 3), settings);
+  CrossSpectra const injection = cross_spectra(channel("ACC", "m", rate, loud), target_of(loud, factor, 4), settings);
   CouplingFunction const c{"ACC", "H", "m", "1/m", measure_coupling(injection, quiet, {})};
-  QuietWitness w{"m", quiet.hz, quiet.x, quiet.x};
+  QuietWitness w{"m", quiet.hz, quiet.input, quiet.input};
   for (std::size_t k = 0; k < w.hz.size(); ++k) {
-    w.asd[k] = std::sqrt(quiet.x[k]);
-    w.sigma[k] = w.asd[k] / (2 * std::sqrt(quiet.averages));
+    w.asd[k] = std::sqrt(quiet.input[k]);
+    w.sigma[k] = w.asd[k] / (2 * std::sqrt(quiet.effective_averages));
   }
   EXPECT_NEAR(mean_ratio(c, w, factor), 1, 0.02);
   Coverage coverage;
@@ -55,8 +55,8 @@ TEST(CouplingProjection, LinearSyntheticIsTheTruthWithinFivePercentR6_08) {
   EXPECT_GT(coverage.share(), 0.6);
   EXPECT_LT(coverage.share(), 0.75);
   // Twins: PSDs divided without the root; the injected witness projected instead of the quiet one.
-  EXPECT_GT(std::fabs(mean_ratio(c, {"m", w.hz, quiet.x, w.sigma}, factor) - 1), 0.05);
-  std::vector<double> injected = injection.x;
+  EXPECT_GT(std::fabs(mean_ratio(c, {"m", w.hz, quiet.input, w.sigma}, factor) - 1), 0.05);
+  std::vector<double> injected = injection.input;
   for (double& v : injected) v = std::sqrt(v);
   EXPECT_GT(mean_ratio(c, {"m", w.hz, injected, w.sigma}, factor), 20);
 }
