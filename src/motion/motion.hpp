@@ -23,7 +23,7 @@ struct Gain {
   BodyId body;
   int axis = 0;
   std::complex<double> value{1, 0};
-  std::shared_ptr<TransferFunction const> transfer;  // times `value`; none: 1. Tones have it in their value
+  std::shared_ptr<TransferFunction const> transfer = {};  // times `value`; none: 1. Tones have it in their value
 };
 
 // One independent source of motion: a one-sided displacement spectrum, stationary and Gaussian; a tone; or a drift.
@@ -31,9 +31,12 @@ struct MotionInput {
   std::string name;           // "ground z", "tube x", for messages
   Spectrum spectrum;          // m^2/Hz (rad^2/Hz for rotations); unused for a tone
   double tone_frequency = 0;  // Hz; > 0: deterministic sine of unit PEAK amplitude, gains carry the amplitudes
-  bool drift = false;         // constant velocity of 1 m/s (1 rad/s), gains carry the velocities
-  std::shared_ptr<TimeSeries const> recorded;  // m or rad: measured; `spectrum` is then its averaged periodogram
-  std::vector<Gain> gains;
+  std::vector<Gain> gains = {};
+  bool drift = false;                               // constant velocity of 1 m/s (1 rad/s), gains carry the velocities
+  std::shared_ptr<TimeSeries const> recorded = {};  // m or rad: measured; `spectrum` is then its averaged periodogram
+  // One standard deviation of the ASD (of the amplitudes of a tone) as a factor >= 1: it lies between 1/uncertainty and
+  // uncertainty times what is stated.
+  double uncertainty = 1;
 };
 
 class MotionSet {
