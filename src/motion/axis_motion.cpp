@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/document.hpp"
 #include "motion/spectrum_file.hpp"
 #include "signal/shapes.hpp"
 
@@ -56,7 +57,7 @@ Spectrum read_line(Node const& t, int axis) {
   return std::isfinite(at * width * rms.si) && rms.si > 0 ? gaussian_line(at, width, rms.si) : Spectrum();
 }
 
-void read_sine(Node const& t, int axis, double scale, AxisMotion& into) {
+void read_sine(Node const& t, int axis, double scale, double uncertainty, AxisMotion& into) {
   Quantity const size = t.amplitude("amplitude", amplitude_of(axis));
   double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
                phase = t.number("phase", dim::angle, 0);
@@ -65,7 +66,7 @@ void read_sine(Node const& t, int axis, double scale, AxisMotion& into) {
                          : size.amplitude == Amplitude::rms        ? std::sqrt(2)
                                                                    : 1;
   if (std::isfinite(size.si * frequency * phase) && size.si != 0)
-    into.tones.push_back({frequency, std::polar(1.0, phase) * (scale * to_peak * size.si)});
+    into.tones.push_back({frequency, std::polar(1.0, phase) * (scale * to_peak * size.si), uncertainty});
 }
 
 void read_reference(Node const& spec, std::string_view key, int axis, double scale, AxisMotion& into) {
@@ -103,7 +104,17 @@ std::string kind_of(Node const& spec) {
   return found;
 }
 
-void read_one(Node const& spec, int axis, AxisMotion& into) {
+// Motion known equally well makes one input.
+void add_own(OwnMotion motion, AxisMotion& into) {
+  auto const same = std::find_if(into.own.begin(), into.own.end(),
+                                 [&](OwnMotion const& o) { return o.uncertainty == motion.uncertainty; });
+  if (same == into.own.end())
+    into.own.push_back(std::move(motion));
+  else
+    same->spectrum = same->spectrum + motion.spectrum;
+}
+
+void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) {
   if (spec.kind() == Node::Kind::scalar) {
     if (spec.text() != "still") spec.problem(fmt::format("'{}' is not a motion", spec.text()), kinds);
     return;
@@ -111,7 +122,8 @@ void read_one(Node const& spec, int axis, AxisMotion& into) {
   if (spec.kind() != Node::Kind::table) return;
   std::string const kind = kind_of(spec);
   double const scale = spec.number("scale", dim::plain, 1);
-  if (kind == "sine") read_sine(spec["sine"], axis, scale, into);
+  uncertainty = read_uncertainty(spec, uncertainty);
+  if (kind == "sine") read_sine(spec["sine"], axis, scale, uncertainty, into);
   if (kind == "like" || kind == "same_as") read_reference(spec, kind, axis, scale, into);
   Spectrum s;
   if (kind == "asd") s = read_spectrum_file(spec, is_rotation(axis));
@@ -119,16 +131,31 @@ void read_one(Node const& spec, int axis, AxisMotion& into) {
   if (kind == "peterson") s = read_peterson(spec, axis);
   if (kind == "line") s = read_line(spec["line"], axis);
   if (s.total() > 0 && std::isfinite(scale))
-    into.spectrum = into.spectrum + with_resonance(spec, s.scaled(scale * scale));
+    add_own({with_resonance(spec, s.scaled(scale * scale)), uncertainty}, into);
   if (!kind.empty()) spec.refuse_unknown(fmt::format("motion '{}'", kind));
 }
 
 }  // namespace
 
-AxisMotion read_axis(Node const& node, int axis) {
+AxisMotion read_axis(Node const& node, int axis, double uncertainty) {
   AxisMotion motion;
-  for (Node const& spec : node.as_list()) read_one(spec, axis, motion);
+  for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, motion);
   return motion;
+}
+
+double read_uncertainty(Node const& table, double fallback) {
+  Node const value = table["uncertainty"];
+  if (!value) return fallback;
+  constexpr std::string_view word = "factor ";
+  if (value.kind() == Node::Kind::scalar && value.text().starts_with(word) &&
+      is_number(value.text().substr(word.size()))) {
+    double const factor = std::stod(value.text().substr(word.size()));
+    if (factor >= 1) return factor;
+    value.problem("a factor of uncertainty is at least 1", "write 'factor 1.5': from 1/1.5 to 1.5 times the ASD");
+    return fallback;
+  }
+  double const share = value.as_number(dim::plain, 0);
+  return std::isfinite(share) ? 1 + share : fallback;
 }
 
 }  // namespace straytrace

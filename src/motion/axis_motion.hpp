@@ -12,7 +12,14 @@ namespace straytrace {
 
 struct Tone {
   double frequency;                // Hz
-  std::complex<double> amplitude;  // peak, m or rad, with its phase
+  std::complex<double> amplitude;  // peak, m or rad, with its phase: Im(amplitude exp(+2 pi i f t))
+  double uncertainty = 1;          // factor, one standard deviation
+};
+
+// Gaussian motion of its own, as well known as `uncertainty` says.
+struct OwnMotion {
+  Spectrum spectrum;  // m^2/Hz or rad^2/Hz
+  double uncertainty = 1;
 };
 
 // Another coordinate of the same body: the same statistics but independent, or the very same motion.
@@ -25,7 +32,7 @@ struct AxisReference {
 
 // Independent contributions that add.
 struct AxisMotion {
-  Spectrum spectrum;  // Gaussian part, m^2/Hz or rad^2/Hz
+  std::vector<OwnMotion> own;
   std::vector<Tone> tones;
   std::vector<AxisReference> references;
 };
@@ -33,7 +40,10 @@ struct AxisMotion {
 constexpr std::string_view axis_names[6] = {"x", "y", "z", "rx", "ry", "rz"};
 constexpr bool is_rotation(int axis) { return axis >= 3; }
 
-// One specification or a list of them. Problems go to the document.
-AxisMotion read_axis(Node const&, int axis);
+// One specification or a list of them; `uncertainty` where it states none. Problems go to the document.
+AxisMotion read_axis(Node const&, int axis, double uncertainty);
+
+// `uncertainty: 30 %` or `uncertainty: factor 1.5` of a table as a factor on the ASD, one standard deviation.
+double read_uncertainty(Node const& table, double fallback);
 
 }  // namespace straytrace

@@ -34,6 +34,9 @@ struct MotionInput {
   std::vector<Gain> gains = {};
   bool drift = false;                               // constant velocity of 1 m/s (1 rad/s), gains carry the velocities
   std::shared_ptr<TimeSeries const> recorded = {};  // m or rad: measured; `spectrum` is then its averaged periodogram
+  // One standard deviation of the ASD (of the amplitudes of a tone) as a factor >= 1: it lies between 1/uncertainty and
+  // uncertainty times what is stated.
+  double uncertainty = 1;
 };
 
 class MotionSet {

@@ -47,8 +47,8 @@ class MotionReader {
   void carry_along(std::string const& name, Node const& other, Body& body);
   void resolve_axis(Draft& draft, int axis);
   void resolve_reference(Draft& draft, int axis, AxisReference const& reference);
-  std::size_t gaussian(std::string name, Spectrum spectrum);
-  std::size_t tone(double frequency);
+  std::size_t gaussian(std::string name, OwnMotion const&);
+  std::size_t tone(Tone const&);
 
   std::map<std::string, Body> bodies_;
 };
@@ -86,12 +86,13 @@ void MotionReader::read_body(std::string const& name, Body& body) {
     return;
   }
   Draft draft{name, {}, {}, {}};
+  double const uncertainty = read_uncertainty(motion, 1);
   constexpr std::array<std::string_view, 1> only_still = {"still"};
   bool const rest_still = motion.has("others") && !motion.choice("others", only_still).empty();
   bool const follows = motion.has("follows");
   for (int axis = 0; axis < 6; ++axis) {
     Node const spec = motion[axis_names[axis]];
-    if (spec) draft.written[axis] = read_axis(spec, axis);
+    if (spec) draft.written[axis] = read_axis(spec, axis, uncertainty);
     if (!spec && !is_rotation(axis) && !rest_still && !follows)
       motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, axis_names[axis]),
                      fmt::format("write '{}: still', or 'others: still' for all that is not named", axis_names[axis]));
@@ -130,9 +131,9 @@ void MotionReader::resolve_axis(Draft& draft, int axis) {
   draft.state[axis] = State::under_way;
   AxisMotion const& written = draft.written[axis];
   Terms& terms = draft.axes[axis];
-  if (written.spectrum.total() > 0)
-    terms.emplace_back(gaussian(fmt::format("{} {}", draft.name, axis_names[axis]), written.spectrum), 1.0);
-  for (Tone const& t : written.tones) terms.emplace_back(tone(t.frequency), t.amplitude);
+  for (OwnMotion const& own : written.own)
+    terms.emplace_back(gaussian(fmt::format("{} {}", draft.name, axis_names[axis]), own), 1.0);
+  for (Tone const& t : written.tones) terms.emplace_back(tone(t), t.amplitude);
   for (AxisReference const& r : written.references) resolve_reference(draft, axis, r);
   draft.state[axis] = State::done;
 }
@@ -152,23 +153,31 @@ void MotionReader::resolve_reference(Draft& draft, int axis, AxisReference const
                       fmt::format("write 'same_as: {}', or a 'sine' with its own phase", axis_names[r.axis]));
     } else {
       std::string const name = fmt::format("{} {}", draft.name, axis_names[axis]);
-      draft.axes[axis].emplace_back(gaussian(name, inputs[input].spectrum.scaled(std::norm(gain))), r.scale);
+      OwnMotion const twin{inputs[input].spectrum.scaled(std::norm(gain)), inputs[input].uncertainty};
+      draft.axes[axis].emplace_back(gaussian(name, twin), r.scale);
     }
   }
 }
 
-std::size_t MotionReader::gaussian(std::string name, Spectrum spectrum) {
-  inputs.push_back({std::move(name), std::move(spectrum), 0, {}});
+std::size_t MotionReader::gaussian(std::string name, OwnMotion const& own) {
+  MotionInput& input = inputs.emplace_back();
+  input.name = std::move(name);
+  input.spectrum = own.spectrum;
+  input.uncertainty = own.uncertainty;
   return inputs.size() - 1;
 }
 
-// Tones of one frequency are one input: their stated phases count.
-std::size_t MotionReader::tone(double frequency) {
-  auto const same =
-      std::find_if(inputs.begin(), inputs.end(), [&](MotionInput const& i) { return i.tone_frequency == frequency; });
-  if (same != inputs.end()) return static_cast<std::size_t>(same - inputs.begin());
-  inputs.push_back({fmt::format("tone {} Hz", frequency), {}, frequency, {}});
-  return inputs.size() - 1;
+// Tones of one frequency are one input: their stated phases count. The least known of them says how well it is known.
+std::size_t MotionReader::tone(Tone const& t) {
+  auto same =
+      std::find_if(inputs.begin(), inputs.end(), [&](MotionInput const& i) { return i.tone_frequency == t.frequency; });
+  if (same == inputs.end()) {
+    inputs.emplace_back().name = fmt::format("tone {} Hz", t.frequency);
+    same = inputs.end() - 1;
+    same->tone_frequency = t.frequency;
+  }
+  same->uncertainty = std::max(same->uncertainty, t.uncertainty);
+  return static_cast<std::size_t>(same - inputs.begin());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table `bodies`.
 #include <cmath>
+#include <map>
 
 #include "motion/motion.hpp"
 #include "noise_support_scene.hpp"
@@ -181,6 +182,29 @@ TEST(ReadMotion, UnknownKeysAndKinds) {
               HasSubstr("did you mean 'scale'?"));
   EXPECT_THAT(read("  a: {motion: {z: {peterson: low, like: x}, others: still}}\n", {"a"}).problems,
               HasSubstr("at once"));
+}
+
+TEST(ReadMotion, UncertaintyIsAFactorOnTheAsd) {
+  Read const r = read(
+      "  a:\n    motion:\n      uncertainty: 30 %\n      others: still\n      z: {peterson: low}\n"
+      "      x: [{peterson: low, uncertainty: factor 2}, {line: {at: 1 Hz, width: 0.1 Hz, rms: 1 um rms}}]\n"
+      "      y: {sine: {amplitude: 1 um peak, frequency: 3 Hz}}\n"
+      "  b: {motion: {z: {like: x}, x: {peterson: high}, y: still}}\n"
+      "  c: {motion: {follows: a}}\n",
+      {"a", "b", "c"});
+  ASSERT_EQ(r.problems, "");
+  std::map<std::string, std::vector<double>> of;
+  for (MotionInput const& i : r.motion.inputs) of[i.name].push_back(i.uncertainty);
+  EXPECT_EQ(of["a z"], (std::vector{1.3}));
+  EXPECT_EQ(of["a x"], (std::vector{2, 1.3}));  // known unequally: two inputs
+  EXPECT_EQ(of["tone 3 Hz"], (std::vector{1.3}));
+  EXPECT_EQ(of["b x"], (std::vector{1.0}));
+  auto const refused = [](std::string const& value) {
+    return read("  a: {motion: {z: {peterson: low, uncertainty: " + value + "}, others: still}}\n", {"a"}).problems;
+  };
+  EXPECT_THAT(refused("factor 0.5"), HasSubstr("at least 1"));
+  EXPECT_THAT(refused("3 m"), HasSubstr("'uncertainty' is a plain number"));
+  EXPECT_THAT(refused("-10 %"), HasSubstr("at least 0"));
 }
 
 }  // namespace
