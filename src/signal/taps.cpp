@@ -180,8 +180,9 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
   Quiet const quiet = quiet_of(s, quiet_span, w);
   std::vector<double> const best = strongest(visits, quiet, t);
   std::vector<TapPeak> peaks;
-  for (std::size_t k = 1; k + 1 < best.size(); ++k) {
-    if (best[k] == 0 || best[k] < best[k - 1] || best[k] <= best[k + 1]) continue;
+  for (std::size_t k = 2; k + 2 < best.size(); ++k) {
+    if (best[k] == 0 || best[k] < std::max(best[k - 1], best[k - 2]) || best[k] <= std::max(best[k + 1], best[k + 2]))
+      continue;
     std::map<std::string, std::vector<Visit const*>> by_place;
     for (Visit const& v : visits)
       if (passes(v, quiet, k, t)) by_place[v.place->name].push_back(&v);

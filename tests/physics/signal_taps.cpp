@@ -63,7 +63,7 @@ Taps tapping(std::vector<Knock> const& knocks, std::uint64_t seed) {
 TapPeak const* at_resonance(std::vector<TapPeak> const& peaks) {
   TapPeak const* best = nullptr;
   for (TapPeak const& p : peaks)
-    if (std::fabs(p.hz - resonance) < 3 && (!best || p.places[0].target_ratio > best->places[0].target_ratio)) best = &p;
+    if (std::fabs(p.hz - resonance) < 5 && (!best || p.places[0].target_ratio > best->places[0].target_ratio)) best = &p;
   return best;
 }
 
@@ -78,7 +78,7 @@ TEST(Taps, RightPlaceComesFirstAtRatioTwoR6_02) {
     Taps const t = tapping({{"tower", 1, 32}, {"link", 2, 8}, {"bench", 1, 16}, {"pipe", 0.3, 16}}, 50 + seed);
     auto const peaks = tap_peaks(t.series, t.places, t.quiet, settings, {});
     TapPeak const* const p = at_resonance(peaks);
-    if (!p || p->places.size() < 3) { std::printf("MISS %d %p %zu\n", i, (void const*)p, p ? p->places.size() : 0); for (auto& q : peaks) std::printf("%g %zu %g\n", q.hz, q.places.size(), q.places[0].target_ratio); continue; }
+    if (!p || p->places.size() < 3) continue;
     ++seen;
     right += p->places[0].place == "link";
     lead += p->lead / trials;
