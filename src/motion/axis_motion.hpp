@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/table.hpp"
+#include "motion/chain.hpp"
 #include "signal/spectrum.hpp"
 
 namespace straytrace {
@@ -16,17 +17,20 @@ struct Tone {
   double uncertainty = 1;          // factor, one standard deviation
 };
 
-// Gaussian motion of its own, as well known as `uncertainty` says.
+// Motion of its own, as well known as `uncertainty` says, seen through what stands between it and the body.
 struct OwnMotion {
-  Spectrum spectrum;  // m^2/Hz or rad^2/Hz
+  Spectrum spectrum;  // Gaussian, m^2/Hz or rad^2/Hz
   double uncertainty = 1;
+  Transfer through = {};
 };
 
-// Another coordinate of the same body: the same statistics but independent, or the very same motion.
+// Another coordinate: the same statistics but independent, or the very same motion, at the end of a chain.
 struct AxisReference {
+  std::string body;  // none: the same one
   int axis;
   double scale;
   bool coherent;
+  Transfer through;
   Node where;  // for messages
 };
 
@@ -35,6 +39,7 @@ struct AxisMotion {
   std::vector<OwnMotion> own;
   std::vector<Tone> tones;
   std::vector<AxisReference> references;
+  double drift = 0;  // m/s or rad/s
 };
 
 constexpr std::string_view axis_names[6] = {"x", "y", "z", "rx", "ry", "rz"};

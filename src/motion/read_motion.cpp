@@ -4,15 +4,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "motion/axis_motion.hpp"
 #include "motion/motion.hpp"
+#include "signal/shapes.hpp"
 
 namespace straytrace {
 namespace {
 
-using Terms = std::vector<std::pair<std::size_t, std::complex<double>>>;  // input, gain
+struct Term {
+  std::size_t input;
+  std::complex<double> gain;
+  Transfer through;
+};
+using Terms = std::vector<Term>;
 using Axes = std::array<Terms, 6>;
 
 class MotionReader {
@@ -44,11 +51,15 @@ class MotionReader {
   };
 
   void read_body(std::string const& name, Body& body);
-  void carry_along(std::string const& name, Node const& other, Body& body);
+  Axes const* carrier(std::string const& name, std::string const& target, Node const& where);
+  void carry_along(std::string const& name, Node const& other, Transfer const& through, Body& body);
   void resolve_axis(Draft& draft, int axis);
   void resolve_reference(Draft& draft, int axis, AxisReference const& reference);
   std::size_t gaussian(std::string name, OwnMotion const&);
   std::size_t tone(Tone const&);
+  std::size_t drift();
+  Term passed_on(Term term, double scale, Transfer const& through, Node const& where) const;
+  Term independent(Term const&, std::string name, AxisReference const&);
 
   std::map<std::string, Body> bodies_;
 };
@@ -99,31 +110,38 @@ void MotionReader::read_body(std::string const& name, Body& body) {
   }
   for (int axis = 0; axis < 6; ++axis) resolve_axis(draft, axis);
   body.axes = std::move(draft.axes);
-  for (char const* key : {"follows", "relative_to"})
-    if (motion.has(key)) carry_along(name, motion[key], body);
+  if (motion.has("through") && !follows)
+    motion["through"].problem("'through' says what stands between a body and the one it follows",
+                              "write 'follows: BODY' beside it, or 'through' in the motion of a coordinate");
+  if (follows) carry_along(name, motion["follows"], read_chain(motion["through"]), body);
+  if (motion.has("relative_to")) carry_along(name, motion["relative_to"], {}, body);
   motion.refuse_unknown(fmt::format("the motion of body '{}'", name));
 }
 
-// Adds the motion of another body, input by input, so that the two stay coherent.
-void MotionReader::carry_along(std::string const& name, Node const& other, Body& body) {
-  std::string const target = other.as_word();
+// The motion of a body that another one hangs on; nothing and a problem when it is unknown or hangs on that one itself.
+Axes const* MotionReader::carrier(std::string const& name, std::string const& target, Node const& where) {
   auto const hit = bodies_.find(target);
   if (hit == bodies_.end()) {
     std::vector<std::string> names;
     for (auto const& entry : bodies_) names.push_back(entry.first);
     std::string const near = nearest_word(target, names);
-    other.problem(fmt::format("body '{}' is not defined", target),
+    where.problem(fmt::format("body '{}' is not defined", target),
                   near.empty() ? "name a body of the table 'bodies'" : fmt::format("did you mean '{}'?", near));
-    return;
+    return nullptr;
   }
   if (hit->second.state == State::under_way) {
-    other.problem(fmt::format("the motion of body '{}' refers to itself through '{}'", name, target),
+    where.problem(fmt::format("the motion of body '{}' refers to itself through '{}'", name, target),
                   "let one of the bodies state its own motion");
-    return;
+    return nullptr;
   }
-  Axes const& carrier = resolve(target);
-  for (int axis = 0; axis < 6; ++axis)
-    body.axes[axis].insert(body.axes[axis].end(), carrier[axis].begin(), carrier[axis].end());
+  return &resolve(target);
+}
+
+// Adds the motion of another body, input by input, so that the two stay coherent.
+void MotionReader::carry_along(std::string const& name, Node const& other, Transfer const& through, Body& body) {
+  Axes const* const axes = carrier(name, other.as_word(), other);
+  for (int axis = 0; axes && axis < 6; ++axis)
+    for (Term const& term : (*axes)[axis]) body.axes[axis].push_back(passed_on(term, 1, through, other));
 }
 
 void MotionReader::resolve_axis(Draft& draft, int axis) {
@@ -132,31 +150,59 @@ void MotionReader::resolve_axis(Draft& draft, int axis) {
   AxisMotion const& written = draft.written[axis];
   Terms& terms = draft.axes[axis];
   for (OwnMotion const& own : written.own)
-    terms.emplace_back(gaussian(fmt::format("{} {}", draft.name, axis_names[axis]), own), 1.0);
-  for (Tone const& t : written.tones) terms.emplace_back(tone(t), t.amplitude);
+    terms.push_back({gaussian(fmt::format("{} {}", draft.name, axis_names[axis]), own), 1.0, own.through});
+  for (Tone const& t : written.tones) terms.push_back({tone(t), t.amplitude, {}});
+  if (written.drift != 0 && std::isfinite(written.drift)) terms.push_back({drift(), written.drift, {}});
   for (AxisReference const& r : written.references) resolve_reference(draft, axis, r);
   draft.state[axis] = State::done;
 }
 
 void MotionReader::resolve_reference(Draft& draft, int axis, AxisReference const& r) {
-  if (draft.state[r.axis] == State::under_way) {
+  Axes const* axes = &draft.axes;
+  if (!r.body.empty() && r.body != draft.name) {
+    axes = carrier(draft.name, r.body, r.where);
+    if (!axes) return;
+  } else if (draft.state[r.axis] == State::under_way) {
     r.where.problem(fmt::format("'{}' of body '{}' refers to itself", axis_names[axis], draft.name),
                     "let one coordinate state its own motion");
     return;
+  } else {
+    resolve_axis(draft, r.axis);
   }
-  resolve_axis(draft, r.axis);
-  for (auto const& [input, gain] : Terms(draft.axes[r.axis])) {
-    if (r.coherent) {
-      draft.axes[axis].emplace_back(input, gain * r.scale);
-    } else if (inputs[input].tone_frequency > 0) {
-      r.where.problem("a sine has a definite phase, so it has no independent twin",
-                      fmt::format("write 'same_as: {}', or a 'sine' with its own phase", axis_names[r.axis]));
-    } else {
-      std::string const name = fmt::format("{} {}", draft.name, axis_names[axis]);
-      OwnMotion const twin{inputs[input].spectrum.scaled(std::norm(gain)), inputs[input].uncertainty};
-      draft.axes[axis].emplace_back(gaussian(name, twin), r.scale);
-    }
+  for (Term const& term : Terms((*axes)[r.axis])) {
+    MotionInput const& input = inputs[term.input];
+    if (r.coherent)
+      draft.axes[axis].push_back(passed_on(term, r.scale, r.through, r.where));
+    else if (input.tone_frequency > 0 || input.drift)
+      r.where.problem(
+          fmt::format("a {} is definite, so it has no independent twin", input.drift ? "drift" : "sine"),
+          fmt::format("write 'same_as: {}', or a '{}' of its own", axis_names[r.axis], input.drift ? "drift" : "sine"));
+    else
+      draft.axes[axis].push_back(independent(term, fmt::format("{} {}", draft.name, axis_names[axis]), r));
   }
+}
+
+Term MotionReader::passed_on(Term term, double scale, Transfer const& through, Node const& where) const {
+  MotionInput const& input = inputs[term.input];
+  term.gain *= scale;
+  if (!through) return term;
+  if (input.tone_frequency > 0)
+    term.gain *= at_tone(through, input.tone_frequency, where);
+  else if (input.drift)
+    term.gain *= covers(through, 0, 0, where) ? (*through)(0).real() : 1;
+  else if (covers(through, input.spectrum.lowest(), input.spectrum.highest(), where))
+    term.through = chained(term.through, through);
+  return term;
+}
+
+// A new input with the spectrum that another coordinate has.
+Term MotionReader::independent(Term const& term, std::string name, AxisReference const& r) {
+  MotionInput const& input = inputs[term.input];
+  OwnMotion twin{input.spectrum.scaled(std::norm(term.gain)), input.uncertainty};
+  if (Transfer const& h = term.through)
+    twin.spectrum = filtered(
+        twin.spectrum, [&](double f) { return std::norm((*h)(f)); }, h->features());
+  return passed_on({gaussian(std::move(name), twin), 1.0, {}}, r.scale, r.through, r.where);
 }
 
 std::size_t MotionReader::gaussian(std::string name, OwnMotion const& own) {
@@ -180,6 +226,24 @@ std::size_t MotionReader::tone(Tone const& t) {
   return static_cast<std::size_t>(same - inputs.begin());
 }
 
+// One clock for all: only the difference of drifts moves a fringe.
+std::size_t MotionReader::drift() {
+  auto same = std::find_if(inputs.begin(), inputs.end(), [](MotionInput const& i) { return i.drift; });
+  if (same == inputs.end()) {
+    inputs.emplace_back().name = "drift";
+    same = inputs.end() - 1;
+    same->drift = true;
+  }
+  return static_cast<std::size_t>(same - inputs.begin());
+}
+
+// Equal chains become one object, so that bodies that move alike are seen to do so.
+void share_transfers(std::vector<Gain>& gains) {
+  for (auto gain = gains.begin(); gain != gains.end(); ++gain)
+    for (auto before = gains.begin(); gain->transfer && before != gain; ++before)
+      if (before->transfer && *before->transfer == *gain->transfer) gain->transfer = before->transfer;
+}
+
 }  // namespace
 
 MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies) {
@@ -198,8 +262,9 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
   set.inputs = std::move(reader.inputs);
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (int axis = 0; axis < 6; ++axis)
-      for (auto const& [input, gain] : axes[b][axis])
-        set.inputs[input].gains.push_back({BodyId{static_cast<std::uint32_t>(b)}, axis, gain});
+      for (auto const& [input, gain, through] : axes[b][axis])
+        set.inputs[input].gains.push_back({BodyId{static_cast<std::uint32_t>(b)}, axis, gain, through});
+  for (MotionInput& input : set.inputs) share_transfers(input.gains);
   std::erase_if(set.inputs, [](MotionInput const& i) { return i.gains.empty(); });
   return set;
 }
