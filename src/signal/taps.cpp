@@ -94,13 +94,15 @@ void add_local(TapAnswer& a, Visit const& v, Quiet const& q, std::size_t k, std:
 
 struct Answered {
   TapAnswer answer;
-  double log_sigma;  // of the coupling, without what all places share
+  double log_sigma = 0;  // of the coupling, without what all places share
 };
 
 Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
                 std::vector<TimeSeries> const& names) {
-  Answered out{{visits.front()->place->name, int(visits.size())}, 0};
+  Answered out;
   TapAnswer& a = out.answer;
+  a.place = visits.front()->place->name;
+  a.repeats = int(visits.size());
   std::vector<double> force, excess, ratio, sigma;
   for (Visit const* v : visits) {
     LogRatio const r = log_ratio(*v, q, k);
@@ -178,8 +180,9 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
   Quiet const quiet = quiet_of(s, quiet_span, w);
   std::vector<double> const best = strongest(visits, quiet, t);
   std::vector<TapPeak> peaks;
-  for (std::size_t k = 1; k + 1 < best.size(); ++k) {
-    if (best[k] == 0 || best[k] < best[k - 1] || best[k] <= best[k + 1]) continue;
+  for (std::size_t k = 2; k + 2 < best.size(); ++k) {
+    if (best[k] == 0 || best[k] < std::max(best[k - 1], best[k - 2]) || best[k] <= std::max(best[k + 1], best[k + 2]))
+      continue;
     std::map<std::string, std::vector<Visit const*>> by_place;
     for (Visit const& v : visits)
       if (passes(v, quiet, k, t)) by_place[v.place->name].push_back(&v);
@@ -187,7 +190,8 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
     for (auto const& [name, its] : by_place) all.push_back(answer(its, quiet, k, t, s.local));
     std::stable_sort(all.begin(), all.end(),
                      [](Answered const& a, Answered const& b) { return a.answer.ratio > b.answer.ratio; });
-    TapPeak peak{quiet.target.hz[k], {}};
+    TapPeak peak;
+    peak.hz = quiet.target.hz[k];
     for (Answered& a : all) peak.places.push_back(std::move(a.answer));
     if (all.size() > 1)
       peak.lead = std::log(peak.places[0].coupling / peak.places[1].coupling) /
