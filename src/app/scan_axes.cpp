@@ -9,6 +9,7 @@
 #include <set>
 
 #include "app/common_options.hpp"
+#include "base/constants.hpp"
 
 namespace straytrace {
 namespace {

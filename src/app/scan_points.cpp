@@ -4,20 +4,50 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "base/message.hpp"
+#include "noise/design.hpp"
+#include "noise/fundamental/budget.hpp"
 #include "report/band.hpp"
+#include "signal/text_table.hpp"
 
 namespace straytrace {
 
+namespace {
+
+// A built-in curve by its name, or a file of this machine.
+DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
+  DesignCurve curve{name, {}};
+  std::vector<std::string> const known(built_in_designs().begin(), built_in_designs().end());
+  if (std::find(known.begin(), known.end(), name) != known.end()) {
+    for (std::size_t i = 0; i < grid.size(); ++i) curve.asd.push_back(design_asd(name, grid.centre(i)));
+    return curve;
+  }
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(name, ignored)) {
+    std::string const near = nearest_word(name, known);
+    throw InputError(fmt::format("error: --against: '{}' is neither a design curve nor a file\n  {}", name,
+                                 near.empty() ? fmt::format("known: {}", fmt::join(known, ", "))
+                                              : fmt::format("did you mean '{}'?", near)));
+  }
+  Curve const table = parse_named_curve(read_file(name), strain_columns);
+  if (!table.error.empty())
+    throw InputError(fmt::format("error: --against: '{}' is not a design curve: {}\n  give two columns: frequency in Hz, "
+                                 "strain in 1/sqrt(Hz)",
+                                 name, table.error));
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    curve.asd.push_back(read_off(table.hz, table.value, grid.centre(i)));
+  return curve;
+}
+
+}  // namespace
+
 void apply(Requirement const& requirement, Model& model) {
   if (requirement.margin) model.noise.margin = *requirement.margin;
-  if (requirement.against.empty()) return;
-  model.noise.compare = {requirement.against};
-  model.design = read_design_curves(model.scene.table("noise"), model.noise);
-  model.scene.throw_if_problems();
+  if (!requirement.against.empty()) model.design = {curve_named(requirement.against, model.noise.grid)};
 }
 
 std::string name_of_line(Model const& model) {
