@@ -45,5 +45,6 @@ void add_apertures(CLI::App&, Options&, int& exit_code);
 void add_ghosts(CLI::App&, Options&, int& exit_code);
 void add_budget(CLI::App&, Options&, int& exit_code);
 void add_fit(CLI::App&, Options&, int& exit_code);
+void add_scan(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace
