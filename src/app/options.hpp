@@ -44,5 +44,7 @@ void add_importance(CLI::App&, Options&, int& exit_code);
 void add_apertures(CLI::App&, Options&, int& exit_code);
 void add_ghosts(CLI::App&, Options&, int& exit_code);
 void add_budget(CLI::App&, Options&, int& exit_code);
+void add_project(CLI::App&, Options&, int& exit_code);
+void add_fringes(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace
