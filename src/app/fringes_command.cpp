@@ -40,8 +40,7 @@ struct Prediction {
 // Other motion than that of the channels would hide what they make.
 MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
   double fastest = 0;
-  if (!o.channel.empty())
-    std::erase_if(in.model.motion.inputs, [](MotionInput const& i) { return !i.recorded; });
+  if (!o.channel.empty()) std::erase_if(in.model.motion.inputs, [](MotionInput const& i) { return !i.recorded; });
   for (MotionInput const& i : in.model.motion.inputs)
     if (i.recorded) fastest = std::max(fastest, i.recorded->rate);
   double const least = highest_motion(in.model.motion);
@@ -69,9 +68,9 @@ Prediction from_run(FringesOptions const& o) {
     if (p.lines.size() >= o.show) continue;
     std::vector<std::string> seen;
     for (Multiplicity const& m : curve.bodies)
-      seen.push_back(fmt::format("{} {}", in.model.motion.bodies[m.body.value],
-                                 m.spread > 5e-4 * m.bounces ? with_brackets(m.bounces, m.spread)
-                                                             : fmt::format("{:.3f}", m.bounces)));
+      seen.push_back(fmt::format(
+          "{} {}", in.model.motion.bodies[m.body.value],
+          m.spread > 5e-4 * m.bounces ? with_brackets(m.bounces, m.spread) : fmt::format("{:.3f}", m.bounces)));
     p.lines.push_back({curve.name, fmt::format("{}", fmt::join(seen, ", ")), std::move(curve.hz)});
   }
   if (p.lines.empty())
@@ -135,8 +134,7 @@ CurveSheet sheet_of(Prediction const& p) {
   sheet.notes = {fmt::format("|dphi/dt|/2pi (eq. 7.1), wavelength {:g} nm", p.wavelength * 1e9)};
   sheet.x = {"gps", "s", {}};
   sheet.log_x = sheet.log_y = false;
-  for (std::size_t i = 0; i < p.times.samples; ++i)
-    sheet.x.values.push_back(p.times.start + double(i) / p.times.rate);
+  for (std::size_t i = 0; i < p.times.samples; ++i) sheet.x.values.push_back(p.times.start + double(i) / p.times.rate);
   for (Line const& line : p.lines) sheet.y.push_back({line.name, "Hz", line.hz});
   return sheet;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace project: measured or drawn motion -> h(t), its spectrum and spectrogram, fringe wrapping included.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "app/common_options.hpp"
 #include "app/data_options.hpp"

@@ -35,8 +35,11 @@ std::vector<TimeSeries> strain_channels(TimeInputs const& in, StrayLight const& 
   std::vector<TimeSeries> all = {strain_series(light)};
   for (PortField const& f : light.fields)
     for (bool const phase : {true, false}) {
-      TimeSeries s{fmt::format("{} {}", in.coupling().ports[f.port.value], phase ? "Im s" : "Re s"), "1", light.times.start,
-                   light.times.rate, {}};
+      TimeSeries s{fmt::format("{} {}", in.coupling().ports[f.port.value], phase ? "Im s" : "Re s"),
+                   "1",
+                   light.times.start,
+                   light.times.rate,
+                   {}};
       for (std::complex<double> const x : f.field) s.samples.push_back(phase ? x.imag() : x.real());
       all.push_back(std::move(s));
     }
@@ -44,9 +47,10 @@ std::vector<TimeSeries> strain_channels(TimeInputs const& in, StrayLight const& 
 }
 
 std::vector<std::string> notes_of(ProjectResult const& r) {
-  return {fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}, {} realisations, {} routes, {} fields", r.times.duration(),
-                      r.times.rate, gps_text(r.times.start), r.seed, r.realisations, r.routes, r.paths),
-          r.welch};
+  return {
+      fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}, {} realisations, {} routes, {} fields", r.times.duration(),
+                  r.times.rate, gps_text(r.times.start), r.seed, r.realisations, r.routes, r.paths),
+      r.welch};
 }
 
 void write_spectrum(std::string const& file, ProjectResult const& r) {
@@ -69,23 +73,21 @@ void write_spectrum(std::string const& file, ProjectResult const& r) {
 
 }  // namespace
 
-TimeSeries strain_series(StrayLight const& light) {
-  return {"h", "1", light.times.start, light.times.rate, light.h};
-}
+TimeSeries strain_series(StrayLight const& light) { return {"h", "1", light.times.start, light.times.rate, light.h}; }
 
 std::vector<TimeSeries> motion_channels(MotionSeries const& motion, MotionSet const& set) {
   std::vector<TimeSeries> all;
   for (MovingCoordinate const& c : motion.coordinates)
-    all.push_back({fmt::format("{} {}", set.bodies[c.body.value], axis_names[c.axis]), is_rotation(c.axis) ? "rad" : "m",
-                   motion.times.start, motion.times.rate, c.position});
+    all.push_back({fmt::format("{} {}", set.bodies[c.body.value], axis_names[c.axis]),
+                   is_rotation(c.axis) ? "rad" : "m", motion.times.start, motion.times.rate, c.position});
   return all;
 }
 
 MapSheet spectrogram_of(TimeSeries const& series, double stride) {
   auto const n = std::size_t(std::lround(stride * series.rate)), step = std::max<std::size_t>(1, n / 2);
   if (n < 8 || n > series.samples.size())
-    throw InputError(fmt::format("error: --stride: {:g} s hold {} samples of {}\n  choose between {:.3g} s and {:g} s", stride,
-                                 n, series.samples.size(), 8 / series.rate, series.duration()));
+    throw InputError(fmt::format("error: --stride: {:g} s hold {} samples of {}\n  choose between {:.3g} s and {:g} s",
+                                 stride, n, series.samples.size(), 8 / series.rate, series.duration()));
   MapSheet map;
   map.title = fmt::format("spectrogram of {}", series.name);
   map.unit = "1/sqrt(Hz)";
@@ -102,8 +104,8 @@ MapSheet spectrogram_of(TimeSeries const& series, double stride) {
 }
 
 void check_time_files(TimeFiles const& f) {
-  for (auto const& [option, file] : {std::pair{"-o", f.strain}, {"--asd", f.asd}, {"--spectrogram", f.spectrogram},
-                                     {"--save-motion", f.motion}})
+  for (auto const& [option, file] :
+       {std::pair{"-o", f.strain}, {"--asd", f.asd}, {"--spectrogram", f.spectrogram}, {"--save-motion", f.motion}})
     if (std::string const why = file.empty() ? "" : curve_ending_error(file); !why.empty())
       throw InputError(fmt::format("error: {}: {}", option, why));
 }
@@ -121,8 +123,8 @@ std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& 
   if (wanted(f.motion)) write_series(f.motion, motion_channels(light.motion, in.model.motion), "motion of the bodies");
   if (wanted(f.asd)) write_spectrum(f.asd, r);
   if (wanted(f.spectrogram)) {
-    double const stride =
-        f.stride.empty() ? std::min(0.5, r.times.duration() / 4) : option_quantity(f.stride, dim::time, "--stride", "0.5 s");
+    double const stride = f.stride.empty() ? std::min(0.5, r.times.duration() / 4)
+                                           : option_quantity(f.stride, dim::time, "--stride", "0.5 s");
     write_map(f.spectrogram, spectrogram_of(strain_series(light), stride));
   }
   return written;

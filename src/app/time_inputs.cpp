@@ -39,8 +39,7 @@ void replace_motions(TimeOptions const& o, TimeInputs& in) {
                     o.channel.size(), o.body.size(), o.axis.size()));
   for (std::size_t i = 0; i < o.channel.size(); ++i) {
     auto const body = place_of(o.body[i], in.model.motion.bodies, "--body", "a body of this run");
-    auto const axis =
-        int(place_of(o.axis.size() == 1 ? o.axis[0] : o.axis[i], axis_names, "--axis", "a coordinate"));
+    auto const axis = int(place_of(o.axis.size() == 1 ? o.axis[0] : o.axis[i], axis_names, "--axis", "a coordinate"));
     GpsSpan const span = o.gps.empty() ? GpsSpan{} : parse_gps(o.gps);
     double const corner = o.corner.empty() ? 0 : option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
     replace_coordinate(in.model.motion, BodyId{std::uint32_t(body)}, axis,
@@ -86,13 +85,16 @@ class Asked {
  public:
   Asked(TimeOptions const& o, TimeInputs const& in) : asked_(o.routes) {
     if (asked_.empty()) return;
-    for (PathRow const& row : table_for(in.coupling(), &in.exact, in.model).rows) ranks_.emplace_back(row.rank, row.hash);
+    for (PathRow const& row : table_for(in.coupling(), &in.exact, in.model).rows)
+      ranks_.emplace_back(row.rank, row.hash);
   }
   bool operator()(CouplingTable const& table, CouplingClass const& c) const {
     return asked_.empty() || std::any_of(asked_.begin(), asked_.end(), [&](std::string const& word) {
              bool const number = word.find_first_not_of("0123456789") == word.npos;
              return number ? std::any_of(ranks_.begin(), ranks_.end(),
-                                         [&](auto const& r) { return fmt::format("{}", r.first) == word && r.second == c.hash; })
+                                         [&](auto const& r) {
+                                           return fmt::format("{}", r.first) == word && r.second == c.hash;
+                                         })
                            : plain(route_name(table, c)).find(plain(word)) != std::string::npos;
            });
   }
@@ -107,7 +109,8 @@ void choose_routes(TimeOptions const& o, TimeInputs& in) {
   CouplingTable const& table = in.coupling();
   std::vector<std::size_t> ports, bodies;
   for (std::string const& p : o.ports) ports.push_back(place_of(p, table.ports, "--port", "a port of this run"));
-  for (std::string const& b : o.moved_by) bodies.push_back(place_of(b, table.bodies, "--moved-by", "a body of this run"));
+  for (std::string const& b : o.moved_by)
+    bodies.push_back(place_of(b, table.bodies, "--moved-by", "a body of this run"));
   Asked const asked(o, in);
   for (std::uint32_t r = 0; r < table.classes.size(); ++r) {
     CouplingClass const& c = table.classes[r];
@@ -161,20 +164,22 @@ RecordedMotion as_motion(TimeSeries const& series, bool rotation, double corner)
   for (c.derivatives = 0; c.derivatives < 2 && d != (rotation ? dim::angle : dim::length); ++c.derivatives)
     d.second = std::int8_t(d.second + 2);
   if (!unit || d != (rotation ? dim::angle : dim::length))
-    throw InputError(fmt::format("error: --channel: '{}' is in '{}', which is no {} over time\n  write its unit: --unit {}",
-                                 series.name, series.unit, rotation ? "angle" : "displacement, velocity or acceleration",
-                                 rotation ? "urad" : "um/s^2"));
+    throw InputError(fmt::format(
+        "error: --channel: '{}' is in '{}', which is no {} over time\n  write its unit: --unit {}", series.name,
+        series.unit, rotation ? "angle" : "displacement, velocity or acceleration", rotation ? "urad" : "um/s^2"));
   if (c.derivatives > 0 && corner <= 0)
     throw InputError(
         fmt::format("error: --channel: '{}' is in {} and has to be integrated, which makes slow errors large\n  write "
                     "--corner 0.05Hz, below which the motion is taken off",
                     series.name, series.unit));
   if (series.samples.size() < 32)
-    throw InputError(fmt::format("error: --channel: '{}' has fewer than 32 samples\n  choose a longer stretch", series.name));
+    throw InputError(
+        fmt::format("error: --channel: '{}' has fewer than 32 samples\n  choose a longer stretch", series.name));
   c.factor = unit->si;
   TimeSeries displacement = as_displacement(series, c, corner);
   displacement.unit = rotation ? "rad" : "m";
-  double const segment = std::max(std::min(series.duration() / 8, 128.0), std::min(series.duration(), 8 / std::max(corner, 1e-9)));
+  double const segment =
+      std::max(std::min(series.duration() / 8, 128.0), std::min(series.duration(), 8 / std::max(corner, 1e-9)));
   return {std::make_shared<TimeSeries const>(std::move(displacement)),
           displacement_spectrum(series, c, corner, corner > 0 ? segment : std::min(series.duration() / 8, 128.0))};
 }

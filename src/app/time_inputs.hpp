@@ -26,16 +26,16 @@ struct TimeOptions {
   bool retarded = false;
 };
 
-void add_motion_options(CLI::App&, TimeOptions&);  // --motion, --body, --axis, --channel, --unit, --corner, --seed
+void add_motion_options(CLI::App&, TimeOptions&);   // --motion, --body, --axis, --channel, --unit, --corner, --seed
 void add_stretch_options(CLI::App&, TimeOptions&);  // --gps, --duration, --rate
-void add_route_options(CLI::App&, TimeOptions&);   // --route, --port, --moved-by
+void add_route_options(CLI::App&, TimeOptions&);    // --route, --port, --moved-by
 
 struct TimeInputs {
   RunFile file;
   Model model;
-  NoiseBudget exact;                       // with spectra of the motion
-  std::vector<std::uint32_t> routes;       // chosen
-  double start = 0, duration = 0;          // GPS s, s
+  NoiseBudget exact;                  // with spectra of the motion
+  std::vector<std::uint32_t> routes;  // chosen
+  double start = 0, duration = 0;     // GPS s, s
   CouplingTable const& coupling() const { return file.trace.coupling; }
 };
 

@@ -2,10 +2,10 @@
 #include "app/time_results.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "app/data_options.hpp"
 #include "motion/axis_motion.hpp"
@@ -141,9 +141,8 @@ ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, 
 }
 
 std::string project_text(ProjectResult const& r) {
-  std::string text = fmt::format(
-      "{:g} s at {:g} Hz from GPS {}, seed {}: {} routes, {} fields\n", r.times.duration(), r.times.rate,
-      gps_text(r.times.start), r.seed, r.routes, r.paths);
+  std::string text = fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {} routes, {} fields\n", r.times.duration(),
+                                 r.times.rate, gps_text(r.times.start), r.seed, r.routes, r.paths);
   text += fmt::format("phase: {:.4g} rad rms; fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.rms_phase, r.fastest.hz,
                       r.fastest.time, r.fastest_route);
   text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",

@@ -15,8 +15,8 @@ namespace straytrace {
 // light at this frequency is the first order of the fringe, whatever the amplitude.
 std::vector<double> fringe_frequency(std::span<double const> velocity, double wavelength, double bounces);
 
-// How often a route sees a body, in bounces at normal incidence: |translation lever|/2k, mean and standard deviation over
-// its paths by power.
+// How often a route sees a body, in bounces at normal incidence: |translation lever|/2k, mean and standard deviation
+// over its paths by power.
 struct Multiplicity {
   BodyId body;
   double bounces = 0, spread = 0;
@@ -32,9 +32,9 @@ FringeCurve fringe_curve(CouplingTable const&, std::uint32_t route, MotionSeries
 
 // What a frequency does in one stride of time.
 struct FringeStride {
-  double from = 0, to = 0;                   // GPS s
-  double median = 0, p95 = 0, largest = 0;   // Hz
-  double share_above = 0;                    // of the samples, above the threshold
+  double from = 0, to = 0;                  // GPS s
+  double median = 0, p95 = 0, largest = 0;  // Hz
+  double share_above = 0;                   // of the samples, above the threshold
 };
 // Strides of equal length; the last may be shorter. threshold [Hz].
 std::vector<FringeStride> by_stride(std::span<double const> hz, SampleTimes const&, double stride, double threshold);
