@@ -7,6 +7,7 @@
 
 #include "base/table.hpp"
 #include "motion/chain.hpp"
+#include "signal/series.hpp"
 #include "signal/spectrum.hpp"
 
 namespace straytrace {
@@ -22,6 +23,8 @@ struct OwnMotion {
   Spectrum spectrum;  // Gaussian, m^2/Hz or rad^2/Hz
   double uncertainty = 1;
   Transfer through = {};
+  std::shared_ptr<TimeSeries const> recorded = {};  // m or rad
+  double scale = 1;                                 // of what is recorded; in the spectrum of what is not
 };
 
 // Another coordinate: the same statistics but independent, or the very same motion, at the end of a chain.

@@ -150,7 +150,7 @@ void MotionReader::resolve_axis(Draft& draft, int axis) {
   AxisMotion const& written = draft.written[axis];
   Terms& terms = draft.axes[axis];
   for (OwnMotion const& own : written.own)
-    terms.push_back({gaussian(fmt::format("{} {}", draft.name, axis_names[axis]), own), 1.0, own.through});
+    terms.push_back({gaussian(fmt::format("{} {}", draft.name, axis_names[axis]), own), own.scale, own.through});
   for (Tone const& t : written.tones) terms.push_back({tone(t), t.amplitude, {}});
   if (written.drift != 0 && std::isfinite(written.drift)) terms.push_back({drift(), written.drift, {}});
   for (AxisReference const& r : written.references) resolve_reference(draft, axis, r);
@@ -206,9 +206,17 @@ Term MotionReader::independent(Term const& term, std::string name, AxisReference
 }
 
 std::size_t MotionReader::gaussian(std::string name, OwnMotion const& own) {
+  auto const same = std::find_if(inputs.begin(), inputs.end(), [&](MotionInput const& i) {
+    return own.recorded && i.recorded && i.recorded->samples == own.recorded->samples;
+  });
+  if (same != inputs.end()) {  // one record is one motion
+    same->uncertainty = std::max(same->uncertainty, own.uncertainty);
+    return static_cast<std::size_t>(same - inputs.begin());
+  }
   MotionInput& input = inputs.emplace_back();
   input.name = std::move(name);
   input.spectrum = own.spectrum;
+  input.recorded = own.recorded;
   input.uncertainty = own.uncertainty;
   return inputs.size() - 1;
 }
