@@ -113,7 +113,12 @@ std::vector<double> Realisations::band(std::size_t from, std::size_t to) const {
 
 ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, StrayLight const& light,
                              Realisations const& all) {
-  ProjectResult r{light.times, s.paths.seed, all.size(), in.routes.size(), light.paths};
+  ProjectResult r;
+  r.times = light.times;
+  r.seed = s.paths.seed;
+  r.realisations = all.size();
+  r.routes = in.routes.size();
+  r.paths = light.paths;
   r.rms_phase = light.rms_phase;
   r.rule = light.rule;
   r.fastest = light.fastest;
