@@ -17,6 +17,7 @@
 #include "world/hit.hpp"
 #include "world/inner_rim.hpp"
 #include "world/receiver.hpp"
+#include "world/scatter_spread.hpp"
 #include "world/search.hpp"
 #include "world/search_kernels.hpp"
 #include "world/steering.hpp"
@@ -157,6 +158,7 @@ struct MaterialInfo {
   std::string name, source;
   std::vector<LawInfo> laws;
   std::uint32_t optic = 0;
+  ScatterSpread spread;
 };
 
 // Owns all arrays. Built from a scene by build_world, or piece by piece by tests.
