@@ -7,6 +7,7 @@
 
 #include "app/common_options.hpp"
 #include "app/data_options.hpp"
+#include "app/project_coupling.hpp"
 #include "app/time_results.hpp"
 
 namespace straytrace {
@@ -16,6 +17,7 @@ struct ProjectOptions {
   TimeOptions time;
   TimeFiles files;
   DataOptions data;  // segments, --format, --quiet
+  CouplingProjectionOptions coupling;
   std::uint32_t realisations = 1;
 };
 
@@ -36,7 +38,24 @@ TimeDomainSettings settings_of(TimeOptions const& o, TimeInputs const& in) {
   return s;
 }
 
+// A coupling function instead of a run.
+int project_coupling_file(ProjectOptions const& o) {
+  if (o.coupling.witness.empty())
+    throw InputError(
+        fmt::format("error: '{}' is a coupling function, and no quiet witness is given\n  write --witness "
+                    "FILE::CHANNEL",
+                    o.time.run));
+  CouplingProjectionOptions c = o.coupling;
+  c.coupling = o.time.run;
+  c.asd = o.files.asd;
+  c.data = o.data;
+  c.data.unit = o.time.unit;
+  c.data.gps = o.time.gps;
+  return project_measured_coupling(c);
+}
+
 int project(ProjectOptions const& o) {
+  if (o.time.run.ends_with(".csv") || !o.coupling.witness.empty()) return project_coupling_file(o);
   check_time_files(o.files);
   TimeInputs const in = read_time_inputs(o.time);
   TimeDomainSettings settings = settings_of(o.time, in);
@@ -66,7 +85,10 @@ void add_project(CLI::App& app, Options&, int& exit_code) {
   ProjectOptions& o = *options;
   auto* const command = app.add_subcommand(
       "project", "measured or drawn motion through a run in the time domain: h(t), spectrum, spectrogram");
-  command->add_option("run", o.time.run, "run file (HDF5)")->required();
+  command->add_option("run", o.time.run, "run file (HDF5), or coupling function (CSV) with --witness")->required();
+  command->add_option("--witness", o.coupling.witness, "FILE::CHANNEL, quiet, that a measured coupling is taken times");
+  command->add_option("--target", o.coupling.target, "FILE::CHANNEL to compare that projection with");
+  command->add_option("--coupling-unit", o.coupling.coupling_unit, "of the factors, where the CSV does not say it: 1/m");
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);

@@ -32,6 +32,13 @@ Level level_of(TimeSeries const& s, WelchSettings const& settings, std::string& 
   return level;
 }
 
+// What stands above the stroke of "1/m" or "1/(m/s^2)".
+std::string target_unit(CouplingFunction const& c) {
+  for (std::string const& below : {"/" + c.witness_unit, "/(" + c.witness_unit + ")"})
+    if (c.unit.ends_with(below)) return c.unit.substr(0, c.unit.size() - below.size());
+  return c.unit;
+}
+
 CurveSheet sheet_of(ProjectedCoupling const& p, Level const* target, std::string const& unit) {
   CurveSheet sheet;
   sheet.title = fmt::format("{} projected onto {} by a measured coupling", p.witness, p.target);
@@ -106,7 +113,7 @@ int project_measured_coupling(CouplingProjectionOptions const& o) {
       target.asd.push_back(i < all.asd.size() ? all.asd[i] : not_a_number);
     unit = asd_unit(series.unit);
   }
-  if (unit.empty()) unit = coupling.target_unit.empty() ? "1/sqrt(Hz)" : asd_unit(coupling.target_unit);
+  if (unit.empty()) unit = asd_unit(target_unit(coupling));
   CurveSheet sheet = sheet_of(p, o.target.empty() ? nullptr : &target, unit);
   sheet.notes = {source_note(witness), note};
   if (o.data.json())
