@@ -46,5 +46,6 @@ void add_ghosts(CLI::App&, Options&, int& exit_code);
 void add_budget(CLI::App&, Options&, int& exit_code);
 void add_project(CLI::App&, Options&, int& exit_code);
 void add_fringes(CLI::App&, Options&, int& exit_code);
+void add_fit(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

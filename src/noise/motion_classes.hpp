@@ -34,8 +34,8 @@ struct MotionClass {
   std::vector<Member> members;
   bool drift = false;
 
-  // Mean-square phase per unit of kappa; a drift has none.
-  double variance() const { return tone_frequency > 0 ? 0.5 : reference.total(); }
+  // Mean-square phase per unit of kappa; a drift is no motion about a mean.
+  double variance() const { return drift ? 0 : tone_frequency > 0 ? 0.5 : reference.total(); }
 };
 
 std::vector<MotionClass> group_by_shape(MotionSet const&);
