@@ -21,8 +21,8 @@ struct ProjectOptions {
   std::uint32_t realisations = 1;
 };
 
-// Fields in all that are summed without being asked for fewer: about a second for a minute of 4 kHz.
-constexpr std::size_t usual_paths = 4096;
+// Fields in all, copies aside, that are summed without being asked for others: seconds for a minute at 8 kHz.
+constexpr std::size_t usual_paths = 2048;
 
 TimeDomainSettings settings_of(TimeOptions const& o, TimeInputs const& in) {
   TimeDomainSettings s;
@@ -92,7 +92,7 @@ void add_project(CLI::App& app, Options&, int& exit_code) {
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);
-  command->add_option("--paths-per-route", o.time.per_route, "fields drawn for each route; default: about 4096 in all")
+  command->add_option("--paths-per-route", o.time.per_route, "fields drawn for each route; default: about 2048 in all, at least 16")
       ->check(whole_between(1, 1e6, "64"));
   command->add_option("--realisations", o.realisations, "independent draws of motion and static phases")
       ->check(whole_between(1, 1e5, "20"));

@@ -92,7 +92,7 @@ std::string text_of(ProjectedCoupling const& p, Level const* target, std::string
 int project_measured_coupling(CouplingProjectionOptions const& o) {
   if (!o.asd.empty())
     if (std::string const why = curve_ending_error(o.asd); !why.empty())
-      throw InputError(fmt::format("error: --asd: {}", why));
+      throw InputError(fmt::format("error: --asd: {}", why.substr(why.find(' ') + 1)));
   TimeSeries const witness = series_of(o.data, o.witness);
   CouplingFunction const coupling =
       parse_coupling(read_file(o.coupling), o.coupling, o.coupling_unit, o.coupling_unit.empty() ? "" : witness.unit);

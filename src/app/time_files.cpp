@@ -107,7 +107,7 @@ void check_time_files(TimeFiles const& f) {
   for (auto const& [option, file] :
        {std::pair{"-o", f.strain}, {"--asd", f.asd}, {"--spectrogram", f.spectrogram}, {"--save-motion", f.motion}})
     if (std::string const why = file.empty() ? "" : curve_ending_error(file); !why.empty())
-      throw InputError(fmt::format("error: {}: {}", option, why));
+      throw InputError(fmt::format("error: {}: {}", option, why.substr(why.find(' ') + 1)));
 }
 
 std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& in, StrayLight const& light,
