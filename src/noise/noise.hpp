@@ -28,6 +28,9 @@ struct NoiseTrace {
   std::vector<double> asd;                       // 1/sqrt(Hz)
   std::vector<double> sigma;                     // one standard error of asd, Monte Carlo only
   std::vector<double> phase_asd, amplitude_asd;  // the two quadratures alone (eq. 9.1 and 9.2)
+  // Share of the PSD that motion of about this frequency makes to first order; the rest is fringe wrapping of slower
+  // motion. NaN where there is no noise.
+  std::vector<double> linear_share;
   double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
   bool resolved = true;
   std::string why_not;
