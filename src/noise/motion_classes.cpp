@@ -51,9 +51,9 @@ class Sum {
  public:
   void add(std::complex<double> x) {
     sum_ += x;
-    size_ += std::abs(x);
+    size_ += std::fabs(x.real()) + std::fabs(x.imag());
   }
-  std::complex<double> value() const { return std::abs(sum_) > 1e-14 * size_ ? sum_ : 0; }
+  std::complex<double> value() const { return std::norm(sum_) > 1e-28 * size_ * size_ ? sum_ : 0; }
 
  private:
   std::complex<double> sum_ = 0;
