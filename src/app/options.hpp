@@ -44,5 +44,6 @@ void add_importance(CLI::App&, Options&, int& exit_code);
 void add_apertures(CLI::App&, Options&, int& exit_code);
 void add_ghosts(CLI::App&, Options&, int& exit_code);
 void add_budget(CLI::App&, Options&, int& exit_code);
+void add_couple(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

@@ -9,7 +9,7 @@
 
 namespace straytrace {
 
-struct Event {
+struct LoudStretch {
   double from = 0, to = 0;   // GPS s
   double hz = 0;             // where it is surest
   double ratio = 0;          // of ASDs there, event over quiet
@@ -26,6 +26,6 @@ struct EventSettings {
 };
 
 // Neighbouring stretches that pass are one event. Throws InputError when the record is shorter than a stretch.
-std::vector<Event> find_events(TimeSeries const& record, TimeSeries const& quiet, EventSettings const&);
+std::vector<LoudStretch> find_events(TimeSeries const& record, TimeSeries const& quiet, EventSettings const&);
 
 }  // namespace straytrace

@@ -108,7 +108,7 @@ TEST(Events, InjectionIsFoundInTimeAndFrequencyR6_01) {
       x[i] += std::sqrt(2 * 1.5 * 8 * 2 / fs) * std::sin(2 * pi * 40 * double(i) / fs);
     TimeSeries const record = channel("H", "1", fs, x), quiet = channel("H", "1", fs, white_noise(n, seed + 50));
     auto const events = find_events(record, quiet, s);
-    for (Event const& e : events) {
+    for (LoudStretch const& e : events) {
       bool const right = e.hz == 40 && e.from <= 1e9 + 110 && e.to >= 1e9 + 120 && e.from >= 1e9 + 85 && e.to <= 1e9 + 145;
       (right ? found : spurious) += 1;
       if (!right) continue;
