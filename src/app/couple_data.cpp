@@ -32,7 +32,8 @@ void add_couple_outputs(CLI::App& command, DataOptions& o) {
 }
 
 ChannelPair read_pair(PairOptions const& o, GpsSpan span) {
-  auto both = aligned({series_argument(o.witness, o.witness_unit, span), series_argument(o.target, o.target_unit, span)});
+  auto both =
+      aligned({series_argument(o.witness, o.witness_unit, span), series_argument(o.target, o.target_unit, span)});
   return {std::move(both[0]), std::move(both[1])};
 }
 
@@ -49,8 +50,8 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
   a.file = head.substr(0, colons);
   if (colons != head.npos) a.channel = head.substr(colons + 2);
   if (a.file.empty())
-    throw InputError(fmt::format("error: {}: '{}' names no stretch\n  write {} 1000000000..1000000060, or a file", option,
-                                 text, option));
+    throw InputError(fmt::format("error: {}: '{}' names no stretch\n  write {} 1000000000..1000000060, or a file",
+                                 option, text, option));
   return a;
 }
 
@@ -68,9 +69,7 @@ ToMetres to_metres(bool displacement, std::string const& unit) {
   return {integrations_to_displacement(unit), known ? known->si : 1, "m"};
 }
 
-double factor_at(ToMetres const& m, double hz) {
-  return m.scale / std::pow(2 * pi * hz, m.times);
-}
+double factor_at(ToMetres const& m, double hz) { return m.scale / std::pow(2 * pi * hz, m.times); }
 
 void in_metres(ToMetres const& m, std::vector<LinePoint>& points) {
   for (LinePoint& p : points) {

@@ -33,16 +33,23 @@ std::string text_of(ImpulseResponse const& r, ImpulseOptions const& o, std::stri
   for (RingDown const& m : r.modes)
     table.rows.push_back({plus_minus(m.hz, m.hz_sigma), plus_minus(m.quality, m.quality_sigma),
                           plus_minus(m.tau, m.tau * m.quality_sigma / m.quality),
-                          plus_minus(m.amplitude, m.amplitude_sigma), fmt::format("{:.0f} of {}", m.chi_square, m.degrees)});
+                          plus_minus(m.amplitude, m.amplitude_sigma),
+                          fmt::format("{:.0f} of {}", m.chi_square, m.degrees)});
   return text + aligned(table);
 }
 
 nlohmann::json json_of(ImpulseResponse const& r) {
   nlohmann::json modes = nlohmann::json::array();
   for (RingDown const& m : r.modes)
-    modes.push_back({{"frequency", m.hz}, {"frequency_sigma", m.hz_sigma}, {"quality", m.quality},
-                     {"quality_sigma", m.quality_sigma}, {"tau", m.tau}, {"amplitude", m.amplitude},
-                     {"amplitude_sigma", m.amplitude_sigma}, {"chi_square", m.chi_square}, {"degrees", m.degrees}});
+    modes.push_back({{"frequency", m.hz},
+                     {"frequency_sigma", m.hz_sigma},
+                     {"quality", m.quality},
+                     {"quality_sigma", m.quality_sigma},
+                     {"tau", m.tau},
+                     {"amplitude", m.amplitude},
+                     {"amplitude_sigma", m.amplitude_sigma},
+                     {"chi_square", m.chi_square},
+                     {"degrees", m.degrees}});
   return {{"stretches", r.stretches}, {"modes", modes}, {"response_sigma", r.value_sigma}};
 }
 
@@ -98,11 +105,16 @@ int run_events(EventOptions o) {
   Columns table{{"from", "to", "frequency", "x quiet", "significance", "with all looks", "bins"}, {}, {}};
   nlohmann::json list = nlohmann::json::array();
   for (LoudStretch const& e : events) {
-    table.rows.push_back({gps_text(e.from), gps_text(e.to), fmt::format("{:g} Hz", e.hz), fmt::format("{:.3g}", e.ratio),
-                          fmt::format("{:.1f}", e.significance), fmt::format("{:.1f}", e.overall),
-                          std::to_string(e.bins)});
-    list.push_back({{"from", e.from}, {"to", e.to}, {"frequency", e.hz}, {"ratio", e.ratio},
-                    {"significance", e.significance}, {"overall_significance", e.overall}, {"bins", e.bins}});
+    table.rows.push_back({gps_text(e.from), gps_text(e.to), fmt::format("{:g} Hz", e.hz),
+                          fmt::format("{:.3g}", e.ratio), fmt::format("{:.1f}", e.significance),
+                          fmt::format("{:.1f}", e.overall), std::to_string(e.bins)});
+    list.push_back({{"from", e.from},
+                    {"to", e.to},
+                    {"frequency", e.hz},
+                    {"ratio", e.ratio},
+                    {"significance", e.significance},
+                    {"overall_significance", e.overall},
+                    {"bins", e.bins}});
   }
   CurveSheet sheet;
   sheet.title = "events of " + all.name;

@@ -47,9 +47,10 @@ Amplitude mean_drive(std::vector<LinePoint> const& points) {
 HarmonicFit fit_of(Driven const& d, LineOptions const& o) {
   int const orders = std::min(o.harmonics, int(std::floor(0.49 * d.pair.target.rate / d.frequency())));
   if (orders < 3)
-    throw InputError(fmt::format("error: at {:g} Hz the target has no third harmonic of {:.4g} Hz\n  give it at a higher "
-                                 "rate",
-                                 d.pair.target.rate, d.frequency()));
+    throw InputError(
+        fmt::format("error: at {:g} Hz the target has no third harmonic of {:.4g} Hz\n  give it at a higher "
+                    "rate",
+                    d.pair.target.rate, d.frequency()));
   std::vector<std::vector<LinePoint>> harmonics;
   for (int n = 1; n <= orders; ++n) harmonics.push_back(follow_line(d.pair.target, d.drive, d.window, n));
   return fit_harmonics(harmonics, o.z_max);
@@ -59,16 +60,18 @@ std::string verdict(Driven const& d, LineOptions const& o, HarmonicFit const& f)
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
   if (f.limit_only && f.open) return "no harmonic tells a fringe from a line\n";
   if (f.limit_only)
-    return fmt::format("linear as far as harmonics tell: phase amplitude below {:.3g} rad, effective motion below {:.3g} m "
-                       "peak (95 %)\n",
-                       f.z_limit, metres(f.z_limit));
+    return fmt::format(
+        "linear as far as harmonics tell: phase amplitude below {:.3g} rad, effective motion below {:.3g} m "
+        "peak (95 %)\n",
+        f.z_limit, metres(f.z_limit));
   double const sigma = (f.z_high - f.z_low) / 2;
   std::string out = fmt::format("fringe at {:.1f} sigma: phase amplitude {} rad, effective motion {} m peak\n",
                                 f.significance, plus_minus(f.z, sigma), plus_minus(metres(f.z), metres(sigma)));
   for (double const z : f.others) out += fmt::format("  {:.3g} rad, {:.3g} m fits as well\n", z, metres(z));
-  return out + fmt::format("G |cos phi_0| {:.3g}, G |sin phi_0| {:.3g} {}; chi^2 {:.1f} of {} degrees; lambda {:g} nm, "
-                           "multiplicity {:g}\n",
-                           f.odd, f.even, d.pair.target.unit, f.chi_square, f.degrees, d.wavelength * 1e9, o.multiplicity);
+  return out + fmt::format(
+                   "G |cos phi_0| {:.3g}, G |sin phi_0| {:.3g} {}; chi^2 {:.1f} of {} degrees; lambda {:g} nm, "
+                   "multiplicity {:g}\n",
+                   f.odd, f.even, d.pair.target.unit, f.chi_square, f.degrees, d.wavelength * 1e9, o.multiplicity);
 }
 
 nlohmann::json json_of(Driven const& d, LineOptions const& o, HarmonicFit const& f, Amplitude const& coupling) {
@@ -76,17 +79,27 @@ nlohmann::json json_of(Driven const& d, LineOptions const& o, HarmonicFit const&
   Amplitude const first = amplitude_of(f.harmonics[0]);
   for (Harmonic const& h : f.harmonics) {
     Amplitude const a = amplitude_of(h), ratio = over(a, first);
-    list.push_back({{"order", h.order}, {"amplitude", a.value}, {"sigma", number_or_null(a.sigma)},
-                    {"upper_limit", a.limit}, {"over_first", number_or_null(first.limit ? not_a_number : ratio.value)},
+    list.push_back({{"order", h.order},
+                    {"amplitude", a.value},
+                    {"sigma", number_or_null(a.sigma)},
+                    {"upper_limit", a.limit},
+                    {"over_first", number_or_null(first.limit ? not_a_number : ratio.value)},
                     {"over_first_sigma", number_or_null(first.limit ? not_a_number : ratio.sigma)}});
   }
   bool const known = !f.limit_only;
-  return {{"frequency", d.frequency()}, {"drive_unit", d.unit}, {"coupling", coupling.value},
-          {"coupling_sigma", number_or_null(coupling.sigma)}, {"coupling_unit", d.coupling_unit},
-          {"upper_limit", coupling.limit}, {"harmonics", list}, {"verdict", known ? "fringe" : "linear"},
-          {"z", number_or_null(known ? f.z : not_a_number)}, {"z_low", number_or_null(known ? f.z_low : not_a_number)},
+  return {{"frequency", d.frequency()},
+          {"drive_unit", d.unit},
+          {"coupling", coupling.value},
+          {"coupling_sigma", number_or_null(coupling.sigma)},
+          {"coupling_unit", d.coupling_unit},
+          {"upper_limit", coupling.limit},
+          {"harmonics", list},
+          {"verdict", known ? "fringe" : "linear"},
+          {"z", number_or_null(known ? f.z : not_a_number)},
+          {"z_low", number_or_null(known ? f.z_low : not_a_number)},
           {"z_high", number_or_null(known ? f.z_high : not_a_number)},
-          {"z_limit", number_or_null(f.open ? not_a_number : f.z_limit)}, {"significance", f.significance},
+          {"z_limit", number_or_null(f.open ? not_a_number : f.z_limit)},
+          {"significance", f.significance},
           {"other_z", f.others},
           {"motion", number_or_null(known ? motion_of_phase(f.z, d.wavelength, o.multiplicity) : not_a_number)}};
 }
@@ -101,11 +114,10 @@ int run_lines(LineOptions const& o) {
     table.rows.push_back({std::to_string(h.order), fmt::format("{:.4g} Hz", h.order * d.frequency()),
                           text(amplitude_of(h)), first.limit ? "" : text(over(amplitude_of(h), first))});
   table.rows[0][3] = "1";
-  std::string const said =
-      fmt::format("{}: {:.5g} Hz, {} {} peak, {} windows of {:g} s\ncoupling at the line {} {}\n", d.pair.witness.name,
-                  d.frequency(), plus_minus(drive.value, drive.sigma), d.unit, d.drive.size(), d.window, text(coupling),
-                  d.coupling_unit) +
-      aligned(table) + verdict(d, o, f);
+  std::string const said = fmt::format("{}: {:.5g} Hz, {} {} peak, {} windows of {:g} s\ncoupling at the line {} {}\n",
+                                       d.pair.witness.name, d.frequency(), plus_minus(drive.value, drive.sigma), d.unit,
+                                       d.drive.size(), d.window, text(coupling), d.coupling_unit) +
+                           aligned(table) + verdict(d, o, f);
   answer_with_result(o.data, line_sheet(d), said, json_of(d, o, f, coupling));
   return 0;
 }

@@ -29,8 +29,8 @@ struct NoiseCoupling {
 // One witness over all injections.
 struct Coupled {
   CouplingFunction coupling;
-  CrossSpectra quiet;           // witness in the unit of the coupling
-  TransferEstimate linear;      // H1 of all injections
+  CrossSpectra quiet;       // witness in the unit of the coupling
+  TransferEstimate linear;  // H1 of all injections
   std::vector<std::string> notes;
 };
 
@@ -70,7 +70,8 @@ Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::stri
   WelchSettings const w = welch_of(o.data, both[0]);
   Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}};
   Segments const segments(both[0].samples.size(), both[0].rate, w);
-  s.notes = {fmt::format("{}: {}", option + 2, source_note(both[0])), fmt::format("{}: {}", option + 2, source_note(both[1])),
+  s.notes = {fmt::format("{}: {}", option + 2, source_note(both[0])),
+             fmt::format("{}: {}", option + 2, source_note(both[1])),
              welch_note(w, both[0].rate, segments.count(), segments.effective(), segments.noise_bandwidth())};
   return s;
 }
@@ -84,7 +85,8 @@ void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses)
   for (std::string const& s : stretches) {
     StretchArgument const where = parse_stretch(s, s == o.quiet ? "--quiet" : "--injection");
     std::string const& w = witnesses.front();
-    shortest = std::min(shortest, channel_in(where, w.empty() ? where.channel : w, o.witness_unit, "--witness").duration());
+    shortest =
+        std::min(shortest, channel_in(where, w.empty() ? where.channel : w, o.witness_unit, "--witness").duration());
   }
   o.data.segment = fmt::format("{} s", std::min(8.0, shortest / 16));
 }
@@ -147,9 +149,10 @@ std::vector<Row> peaks(std::vector<Coupled> const& all) {
 std::string count_line(CouplingFunction const& c) {
   std::array<std::size_t, 5> n{};
   for (CouplingPoint const& p : c.points) ++n[std::size_t(p.flag)];
-  return fmt::format("{}: of {} frequencies {} measured, {} upper limits, {} below the thresholds, {} without data, {} "
-                     "not linear\n",
-                     c.witness, c.points.size(), n[0], n[1], n[2], n[3], n[4]);
+  return fmt::format(
+      "{}: of {} frequencies {} measured, {} upper limits, {} below the thresholds, {} without data, {} "
+      "not linear\n",
+      c.witness, c.points.size(), n[0], n[1], n[2], n[3], n[4]);
 }
 
 std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
@@ -182,7 +185,8 @@ CurveSheet sheet_of(std::vector<Coupled> const& all) {
   for (Coupled const& c : all) {
     std::string const prefix = all.size() > 1 ? c.coupling.witness + "_" : "";
     for (CurveColumn& column : coupling_columns(c.coupling, prefix)) sheet.y.push_back(std::move(column));
-    CurveColumn h{prefix + "h1", c.coupling.unit, {}, "hidden"}, sigma{prefix + "h1_sigma", c.coupling.unit, {}, "hidden"};
+    CurveColumn h{prefix + "h1", c.coupling.unit, {}, "hidden"},
+        sigma{prefix + "h1_sigma", c.coupling.unit, {}, "hidden"};
     for (CouplingPoint const& p : c.coupling.points) {
       h.values.push_back(std::abs(c.linear.value[line_at(c.quiet, p.hz)]));
       sigma.values.push_back(c.linear.modulus_sigma[line_at(c.quiet, p.hz)]);
@@ -191,8 +195,9 @@ CurveSheet sheet_of(std::vector<Coupled> const& all) {
     sheet.y.push_back(std::move(sigma));
     sheet.notes.insert(sheet.notes.end(), c.notes.begin(), c.notes.end());
   }
-  sheet.notes.emplace_back("coupling = sqrt((target_inj^2 - target_quiet^2)/(witness_inj^2 - witness_quiet^2)); upper "
-                           "limits: 95 %");
+  sheet.notes.emplace_back(
+      "coupling = sqrt((target_inj^2 - target_quiet^2)/(witness_inj^2 - witness_quiet^2)); upper "
+      "limits: 95 %");
   return sheet;
 }
 
@@ -202,8 +207,7 @@ int run_noise(NoiseCoupling o) {
   std::vector<std::string> const witnesses = o.witness.empty() ? std::vector<std::string>{""} : o.witness;
   if (!o.save.empty() && witnesses.size() > 1)
     throw InputError("error: --save holds one coupling, and there are several witnesses\n  name one --witness");
-  if (o.data.average == "median")
-    throw InputError("error: --average median: couplings need means\n  leave it out");
+  if (o.data.average == "median") throw InputError("error: --average median: couplings need means\n  leave it out");
   settle_segment(o, witnesses);
   FrequencyBand const band = o.data.band.empty() ? FrequencyBand{0, infinity} : option_band(o.data.band, "--band");
   std::vector<Coupled> all;
@@ -218,7 +222,8 @@ int run_noise(NoiseCoupling o) {
     throw InputError("error: --band: no frequency of the spectra lies in it\n  choose it wider, or a longer --segment");
   for (Coupled const& c : all)
     if (c.coupling.points.size() != all.front().coupling.points.size())
-      throw InputError("error: the witnesses have different frequencies\n  choose --segment, and a --band that all cover");
+      throw InputError(
+          "error: the witnesses have different frequencies\n  choose --segment, and a --band that all cover");
   answer(o.data, sheet_of(all), text_of(o, all));
   save_coupling(o.save, all.front().coupling, o.data.quiet);
   return 0;

@@ -18,15 +18,17 @@ namespace {
 
 std::size_t bin_of(FrequencyGrid const& grid, double hz) {
   auto const edge = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
-  return edge == grid.edges.begin() || edge == grid.edges.end() ? grid.size() : std::size_t(edge - grid.edges.begin()) - 1;
+  return edge == grid.edges.begin() || edge == grid.edges.end() ? grid.size()
+                                                                : std::size_t(edge - grid.edges.begin()) - 1;
 }
 
 double scale_to(CouplingFunction const& c, std::string const& unit) {
   auto const have = parse_unit(c.unit), want = parse_unit(unit);
   if (!have || !want || !(have->dimension == want->dimension))
-    throw InputError(fmt::format("error: --measured: the coupling is in {}, the prediction in {}\n  measure strain against "
-                                 "displacement: couple noise --displacement",
-                                 c.unit, unit));
+    throw InputError(
+        fmt::format("error: --measured: the coupling is in {}, the prediction in {}\n  measure strain against "
+                    "displacement: couple noise --displacement",
+                    c.unit, unit));
   return have->si / want->si;
 }
 
@@ -71,7 +73,8 @@ Overlay overlay_of(CouplingFunction const& c, PredictedCoupling const& p, std::s
     ++out.measured;
   }
   if (out.points.empty())
-    throw InputError("error: --measured: no measured factor or limit lies in the band of the prediction\n  choose --band");
+    throw InputError(
+        "error: --measured: no measured factor or limit lies in the band of the prediction\n  choose --band");
   if (out.measured > 0) out.mean_ratio /= weight;
   for (OverlayPoint const& q : out.points)
     if (counts(q)) out.chi_square += std::pow((std::log(q.ratio) - out.mean_ratio) / q.error, 2);
@@ -86,10 +89,11 @@ std::string overlay_text(Overlay const& o, std::size_t show) {
   for (std::size_t i = 0; i < o.points.size(); i += step) {
     OverlayPoint const& p = o.points[i];
     bool const limit = p.measured.flag == CouplingFlag::upper_limit;
-    table.rows.push_back({fmt::format("{:g} Hz", p.measured.hz),
-                          limit ? fmt::format("<= {:.3g}", p.measured.factor) : plus_minus(p.measured.factor, p.measured.sigma),
-                          plus_minus(p.predicted, p.predicted_sigma), fmt::format("{}{:.3g}", limit ? "<= " : "", p.ratio),
-                          std::isfinite(p.significance) ? fmt::format("{:.1f}", p.significance) : "unknown"});
+    table.rows.push_back(
+        {fmt::format("{:g} Hz", p.measured.hz),
+         limit ? fmt::format("<= {:.3g}", p.measured.factor) : plus_minus(p.measured.factor, p.measured.sigma),
+         plus_minus(p.predicted, p.predicted_sigma), fmt::format("{}{:.3g}", limit ? "<= " : "", p.ratio),
+         std::isfinite(p.significance) ? fmt::format("{:.1f}", p.significance) : "unknown"});
   }
   std::string text = aligned(table);
   if (o.measured > 0)
@@ -104,14 +108,21 @@ std::string overlay_text(Overlay const& o, std::size_t show) {
 nlohmann::json overlay_json(Overlay const& o) {
   nlohmann::json points = nlohmann::json::array();
   for (OverlayPoint const& p : o.points)
-    points.push_back({{"frequency", p.measured.hz}, {"measured", p.measured.factor},
-                      {"measured_sigma", number_or_null(p.measured.sigma)}, {"flag", name_of(p.measured.flag)},
-                      {"predicted", p.predicted}, {"predicted_sigma", p.predicted_sigma}, {"ratio", p.ratio},
+    points.push_back({{"frequency", p.measured.hz},
+                      {"measured", p.measured.factor},
+                      {"measured_sigma", number_or_null(p.measured.sigma)},
+                      {"flag", name_of(p.measured.flag)},
+                      {"predicted", p.predicted},
+                      {"predicted_sigma", p.predicted_sigma},
+                      {"ratio", p.ratio},
                       {"significance", number_or_null(p.significance)}});
-  return {{"points", points}, {"unit", o.unit},
+  return {{"points", points},
+          {"unit", o.unit},
           {"mean_ratio", number_or_null(o.measured > 0 ? std::exp(o.mean_ratio) : not_a_number)},
           {"mean_ratio_sigma", number_or_null(std::exp(o.mean_ratio) * o.mean_sigma)},
-          {"chi_square", o.chi_square}, {"measured", o.measured}, {"above_limit", o.above_limit}};
+          {"chi_square", o.chi_square},
+          {"measured", o.measured},
+          {"above_limit", o.above_limit}};
 }
 
 void add_overlay(CurveSheet& sheet, Overlay const& o) {
@@ -128,7 +139,8 @@ void add_overlay(CurveSheet& sheet, Overlay const& o) {
     });
     auto const i = std::size_t(near - sheet.x.values.begin());
     double const rank = p.measured.flag == CouplingFlag::measured
-                            ? 1 + (std::isfinite(p.measured.sigma) ? p.measured.factor / p.measured.sigma : 0) : 0;
+                            ? 1 + (std::isfinite(p.measured.sigma) ? p.measured.factor / p.measured.sigma : 0)
+                            : 0;
     if (rank <= sure[i]) continue;
     sure[i] = rank;
     bool const measured = p.measured.flag == CouplingFlag::measured;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
 
@@ -21,9 +22,9 @@ struct OverlayPoint {
 };
 struct Overlay {
   std::string unit;
-  std::vector<OverlayPoint> points;  // measured and limits within the band of the prediction
+  std::vector<OverlayPoint> points;                       // measured and limits within the band of the prediction
   double mean_ratio = 0, mean_sigma = 0, chi_square = 0;  // of ln(ratio), weighted; of the measured points against it
-  std::size_t measured = 0, above_limit = 0;  // limits that the prediction exceeds by 3 standard deviations
+  std::size_t measured = 0, above_limit = 0;              // limits that the prediction exceeds by 3 standard deviations
 };
 
 CouplingFunction read_coupling(std::string const& file, std::string const& unit, std::string const& witness_unit);

@@ -34,9 +34,9 @@ BodyAxis place_of(PredictOptions const& o, std::vector<std::string> const& bodie
   auto const body = std::find(bodies.begin(), bodies.end(), o.body);
   if (body == bodies.end()) {
     std::string const near = nearest_word(o.body, bodies);
-    throw InputError(fmt::format("error: --body: the run has no body '{}'\n  {}", o.body,
-                                 near.empty() ? fmt::format("bodies: {}", fmt::join(bodies, ", "))
-                                              : fmt::format("did you mean '{}'?", near)));
+    throw InputError(fmt::format(
+        "error: --body: the run has no body '{}'\n  {}", o.body,
+        near.empty() ? fmt::format("bodies: {}", fmt::join(bodies, ", ")) : fmt::format("did you mean '{}'?", near)));
   }
   return {BodyId{std::uint32_t(body - bodies.begin())},
           int(std::find(axes.begin(), axes.end(), o.axis) - axes.begin())};
@@ -78,10 +78,12 @@ std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, boo
   for (double const f : {10.0, 30.0, 100.0, 300.0, 1000.0})
     for (std::size_t i = 0; i < p.grid.size(); ++i)
       if (f >= p.grid.edges[i] && f < p.grid.edges[i + 1])
-        curve.rows.push_back({fmt::format("{:g} Hz", f), p.factor[i] > 0 ? plus_minus(p.factor[i], p.sigma[i]) : "unresolved"});
-  Columns routes{{"route", "share", fmt::format("phase [rad/{}]", unit), "multiplicity", fmt::format("linear to [{} peak]", unit)},
-                 {true},
-                 {}};
+        curve.rows.push_back(
+            {fmt::format("{:g} Hz", f), p.factor[i] > 0 ? plus_minus(p.factor[i], p.sigma[i]) : "unresolved"});
+  Columns routes{
+      {"route", "share", fmt::format("phase [rad/{}]", unit), "multiplicity", fmt::format("linear to [{} peak]", unit)},
+      {true},
+      {}};
   for (std::size_t i = 0; i < std::min(o.show, p.routes.size()); ++i) {
     PredictedRoute const& r = p.routes[i];
     routes.rows.push_back({r.name, r.resolved ? fmt::format("{:.2g} %", 100 * r.share) : "unresolved",
@@ -89,7 +91,8 @@ std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, boo
                            fmt::format("{:.3g}", 1 / r.phase)});
   }
   text += aligned(curve) + aligned(routes);
-  if (p.routes.size() > o.show) text += fmt::format("and {} more routes: --show {}\n", p.routes.size() - o.show, p.routes.size());
+  if (p.routes.size() > o.show)
+    text += fmt::format("and {} more routes: --show {}\n", p.routes.size() - o.show, p.routes.size());
   for (std::string const& u : p.unresolved) text += "unresolved: " + u + "\n";
   return text + fmt::format("linear up to {:.3g} {} peak\n", p.linear_to, unit);
 }
@@ -100,13 +103,14 @@ std::string driven_text(DrivenResponse const& d, double peak, double hz, char co
     most = std::max(most, r.phase_peak);
     cutoff = std::max(cutoff, r.cutoff);
   }
-  return fmt::format("driven with {:.4g} {} peak at {:g} Hz: phase up to {:.3g} rad, {} {:.4g} Hz\n", peak, unit, hz, most,
-                     most > 1 ? "fringe wrapped, shelf up to" : "linear; fastest fringe", cutoff);
+  return fmt::format("driven with {:.4g} {} peak at {:g} Hz: phase up to {:.3g} rad, {} {:.4g} Hz\n", peak, unit, hz,
+                     most, most > 1 ? "fringe wrapped, shelf up to" : "linear; fastest fringe", cutoff);
 }
 
 void add_curve(CurveSheet& sheet, std::string const& name, std::string const& unit, std::vector<double> const& value,
                std::vector<double> const& sigma) {
-  CurveColumn mean{name, unit, {}}, low{name + "_low", unit, {}, "band-low"}, high{name + "_high", unit, {}, "band-high"};
+  CurveColumn mean{name, unit, {}}, low{name + "_low", unit, {}, "band-low"},
+      high{name + "_high", unit, {}, "band-high"};
   for (std::size_t i = 0; i < value.size(); ++i) {
     bool const known = value[i] > 0;
     mean.values.push_back(known ? value[i] : not_a_number);
@@ -119,8 +123,12 @@ void add_curve(CurveSheet& sheet, std::string const& name, std::string const& un
 nlohmann::json routes_json(PredictedCoupling const& p) {
   nlohmann::json list = nlohmann::json::array();
   for (PredictedRoute const& r : p.routes)
-    list.push_back({{"route", r.name}, {"share", number_or_null(r.resolved ? r.share : not_a_number)}, {"phase", r.phase},
-                    {"multiplicity", r.multiplicity}, {"linear_to", 1 / r.phase}, {"resolved", r.resolved},
+    list.push_back({{"route", r.name},
+                    {"share", number_or_null(r.resolved ? r.share : not_a_number)},
+                    {"phase", r.phase},
+                    {"multiplicity", r.multiplicity},
+                    {"linear_to", 1 / r.phase},
+                    {"resolved", r.resolved},
                     {"why_not", r.why_not}});
   return list;
 }
@@ -137,8 +145,7 @@ void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, M
   CouplingTable const& table = file.trace.coupling;
   if (!o.amplitude.empty()) {
     double const peak = peak_of(o, where.axis > 2);
-    if (o.frequency.empty())
-      throw InputError("error: --amplitude needs --frequency\n  write --frequency \"0.5 Hz\"");
+    if (o.frequency.empty()) throw InputError("error: --amplitude needs --frequency\n  write --frequency \"0.5 Hz\"");
     double const hz = option_quantity(o.frequency, dim::frequency, "--frequency", "0.5 Hz");
     if (!(hz > 0)) throw InputError("error: --frequency: it is not positive\n  write --frequency \"0.5 Hz\"");
     DrivenResponse const d = drive_body(table, model.motion.bodies, *model.detector, grid, where, peak, hz);
@@ -164,7 +171,8 @@ int run_predict(PredictOptions const& o) {
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
   replace_as_before(model, file.about);
   if (!model.detector)
-    throw InputError("error: the run has no interferometer, so nothing couples to h\n  trace a scene with 'interferometer'");
+    throw InputError(
+        "error: the run has no interferometer, so nothing couples to h\n  trace a scene with 'interferometer'");
   BodyAxis const where = place_of(o, model.motion.bodies);
   FrequencyGrid const grid = grid_of(o, model);
   PredictedCoupling const p = predict_coupling(file.trace.coupling, model.motion.bodies, *model.detector, grid, where);
@@ -176,7 +184,11 @@ int run_predict(PredictOptions const& o) {
   for (std::size_t i = 0; i < grid.size(); ++i) out.sheet.x.values.push_back(grid.centre(i));
   add_curve(out.sheet, "predicted", unit, p.factor, p.sigma);
   out.text = linear_text(o, p, where.axis > 2);
-  out.result = {{"body", o.body}, {"axis", o.axis}, {"linear_to", p.linear_to}, {"routes", routes_json(p)}, {"unresolved", p.unresolved}};
+  out.result = {{"body", o.body},
+                {"axis", o.axis},
+                {"linear_to", p.linear_to},
+                {"routes", routes_json(p)},
+                {"unresolved", p.unresolved}};
   add_motion(out, o, file, model, where, grid);
   if (!o.measured.empty()) {
     Overlay const overlay = overlay_of(read_coupling(o.measured, o.unit, o.witness_unit), p, unit);
@@ -214,7 +226,8 @@ void add_couple_predict(CLI::App& couple, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace couple predict demo/run.h5 --body tube --axis z\n"
-      "  straytrace couple predict demo/run.h5 --body tube --axis z --amplitude \"2 um peak\" --frequency \"0.5 Hz\" -o "
+      "  straytrace couple predict demo/run.h5 --body tube --axis z --amplitude \"2 um peak\" --frequency \"0.5 Hz\" "
+      "-o "
       "tube.png");
   command->callback([options, &exit_code] { exit_code = run_predict(*options); });
 }

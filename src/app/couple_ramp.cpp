@@ -15,9 +15,7 @@ namespace {
 
 using Verdict = RampFit::Verdict;
 
-char const* word(Verdict v) {
-  return v == Verdict::linear ? "linear" : v == Verdict::fringe ? "fringe" : "neither";
-}
+char const* word(Verdict v) { return v == Verdict::linear ? "linear" : v == Verdict::fringe ? "fringe" : "neither"; }
 
 std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
@@ -25,22 +23,25 @@ std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
   for (LinePoint const& p : d.drive) most = std::max(most, std::abs(p.amplitude));
   std::string out = fmt::format("{}: {:.5g} Hz, up to {:.3g} {} peak, {} windows of {:g} s\n", d.pair.witness.name,
                                 d.frequency(), most, d.unit, r.points, d.window);
-  out += fmt::format("straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
-                     plus_minus(r.slope, r.slope_sigma), d.coupling_unit, r.chi_linear, r.points - 1, r.chi_fringe,
-                     r.points - 2, r.significance);
+  out +=
+      fmt::format("straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
+                  plus_minus(r.slope, r.slope_sigma), d.coupling_unit, r.chi_linear, r.points - 1, r.chi_fringe,
+                  r.points - 2, r.significance);
   if (r.verdict == Verdict::linear)
-    return out + (r.open ? "verdict: linear\n"
-                         : fmt::format("verdict: linear; phase amplitude at the largest drive below {:.3g} rad, effective "
-                                       "motion below {:.3g} m peak (95 %)\n",
-                                       r.z_limit, metres(r.z_limit)));
+    return out + (r.open
+                      ? "verdict: linear\n"
+                      : fmt::format("verdict: linear; phase amplitude at the largest drive below {:.3g} rad, effective "
+                                    "motion below {:.3g} m peak (95 %)\n",
+                                    r.z_limit, metres(r.z_limit)));
   if (r.verdict == Verdict::neither)
-    return out + "verdict: neither: the target does not follow from the drive; a static phase that drifts, or another "
-                 "source, does that\n";
+    return out +
+           "verdict: neither: the target does not follow from the drive; a static phase that drifts, or another "
+           "source, does that\n";
   double const sigma = (r.z_high - r.z_low) / 2;
-  return out + fmt::format("verdict: fringe; phase amplitude at the largest drive {} rad, effective motion {} m peak, "
-                           "coupling of small motion {:.3g} {}\n",
-                           plus_minus(r.z, sigma), plus_minus(metres(r.z), metres(sigma)), r.small_slope,
-                           d.coupling_unit);
+  return out + fmt::format(
+                   "verdict: fringe; phase amplitude at the largest drive {} rad, effective motion {} m peak, "
+                   "coupling of small motion {:.3g} {}\n",
+                   plus_minus(r.z, sigma), plus_minus(metres(r.z), metres(sigma)), r.small_slope, d.coupling_unit);
 }
 
 CurveSheet sheet_of(Driven const& d, RampFit const& r) {
@@ -75,9 +76,15 @@ int run_ramp(LineOptions const& o) {
   bool const fringe = r.verdict == Verdict::fringe;
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
   answer_with_result(o.data, sheet_of(d, r), text_of(d, o, r),
-                     {{"verdict", word(r.verdict)}, {"significance", r.significance}, {"frequency", d.frequency()},
-                      {"slope", r.slope}, {"slope_sigma", r.slope_sigma}, {"unit", d.coupling_unit},
-                      {"chi_square_linear", r.chi_linear}, {"chi_square_fringe", r.chi_fringe}, {"points", r.points},
+                     {{"verdict", word(r.verdict)},
+                      {"significance", r.significance},
+                      {"frequency", d.frequency()},
+                      {"slope", r.slope},
+                      {"slope_sigma", r.slope_sigma},
+                      {"unit", d.coupling_unit},
+                      {"chi_square_linear", r.chi_linear},
+                      {"chi_square_fringe", r.chi_fringe},
+                      {"points", r.points},
                       {"z", number_or_null(fringe ? r.z : not_a_number)},
                       {"z_low", number_or_null(fringe ? r.z_low : not_a_number)},
                       {"z_high", number_or_null(fringe ? r.z_high : not_a_number)},
@@ -90,7 +97,8 @@ int run_ramp(LineOptions const& o) {
 }  // namespace
 
 void add_couple_ramp(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("ramp", "a drive that grows: linear or fringe coupling, with significance");
+  auto* const command =
+      couple.add_subcommand("ramp", "a drive that grows: linear or fringe coupling, with significance");
   auto const options = std::make_shared<LineOptions>();
   LineOptions& o = *options;
   add_line_options(*command, o);

@@ -41,11 +41,12 @@ std::string text_of(CouplingFunction const& c, std::size_t windows, std::size_t 
     };
     measured += c.points[i].flag == CouplingFlag::measured;
     limits += c.points[i].flag == CouplingFlag::upper_limit;
-    if (height(i) > 0 && (i == 0 || height(i) >= height(i - 1)) && (i + 1 == c.points.size() || height(i) > height(i + 1)))
+    if (height(i) > 0 && (i == 0 || height(i) >= height(i - 1)) &&
+        (i + 1 == c.points.size() || height(i) > height(i + 1)))
       peaks.push_back(c.points[i]);
   }
-  std::string text = fmt::format("{}: {} windows, {} frequencies measured, {} upper limits\n", c.witness, windows,
-                                 measured, limits);
+  std::string text =
+      fmt::format("{}: {} windows, {} frequencies measured, {} upper limits\n", c.witness, windows, measured, limits);
   std::stable_sort(peaks.begin(), peaks.end(),
                    [](CouplingPoint const& a, CouplingPoint const& b) { return a.factor > b.factor; });
   Columns table{{"frequency", "coupling [" + c.unit + "]", "significance", "coherence"}, {}, {}};
@@ -67,8 +68,8 @@ int run_sweep(SweepOptions o) {
   std::vector<RidgePoint> ridge = ridge_coupling(pair.witness, pair.target, o.ridge);
   ToMetres const metres = to_metres(o.pair.displacement, pair.witness.unit);
   convert(ridge, metres);
-  double const resolution = o.resolution.empty() ? 2 / o.ridge.window
-                                                 : option_quantity(o.resolution, dim::frequency, "--resolution", "1 Hz");
+  double const resolution =
+      o.resolution.empty() ? 2 / o.ridge.window : option_quantity(o.resolution, dim::frequency, "--resolution", "1 Hz");
   TimeSeries witness = pair.witness;
   witness.unit = metres.unit;
   CouplingFunction const c = coupling_of_ridge(ridge, witness, pair.target, resolution);

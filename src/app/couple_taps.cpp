@@ -44,8 +44,9 @@ std::string remark(TapAnswer const& a) {
 
 // The strongest peaks, in the order of frequency.
 std::vector<TapPeak> strongest(std::vector<TapPeak> peaks, std::size_t count) {
-  std::stable_sort(peaks.begin(), peaks.end(),
-                   [](TapPeak const& a, TapPeak const& b) { return a.places[0].target_ratio > b.places[0].target_ratio; });
+  std::stable_sort(peaks.begin(), peaks.end(), [](TapPeak const& a, TapPeak const& b) {
+    return a.places[0].target_ratio > b.places[0].target_ratio;
+  });
   if (peaks.size() > count) peaks.resize(count);
   std::sort(peaks.begin(), peaks.end(), [](TapPeak const& a, TapPeak const& b) { return a.hz < b.hz; });
   return peaks;

@@ -18,7 +18,7 @@ struct BodyAxis {
 struct PredictedRoute {
   std::string name;
   std::vector<double> factor, sigma;  // strain per m (per rad for rotations); one standard error, Monte Carlo
-  double phase = 0;         // rms over its paths, by recoupled power, of the phase per m (per rad): |J|
+  double phase = 0;                   // rms over its paths, by recoupled power, of the phase per m (per rad): |J|
   double multiplicity = 0;  // |J| lambda/4 pi: normal-incidence bounces that would do as much; translations only
   bool resolved = true;
   std::string why_not;
@@ -42,8 +42,8 @@ PredictedCoupling predict_coupling(CouplingTable const&, std::vector<std::string
 
 struct DrivenRoute {
   std::string name;
-  double phase_peak = 0;   // rad, rms over its paths: z
-  double cutoff = 0;       // Hz, z f_m: the edge of its shelf; of its first line where z is below 1
+  double phase_peak = 0;  // rad, rms over its paths: z
+  double cutoff = 0;      // Hz, z f_m: the edge of its shelf; of its first line where z is below 1
   bool resolved = true;
 };
 struct DrivenResponse {

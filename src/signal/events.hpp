@@ -10,12 +10,12 @@
 namespace straytrace {
 
 struct LoudStretch {
-  double from = 0, to = 0;   // GPS s
-  double hz = 0;             // where it is surest
-  double ratio = 0;          // of ASDs there, event over quiet
-  double significance = 0;   // there, of one bin and stretch
-  double overall = 0;        // with all bins and stretches that were looked at: what noise alone would show
-  std::size_t bins = 0;      // that pass
+  double from = 0, to = 0;  // GPS s
+  double hz = 0;            // where it is surest
+  double ratio = 0;         // of ASDs there, event over quiet
+  double significance = 0;  // there, of one bin and stretch
+  double overall = 0;       // with all bins and stretches that were looked at: what noise alone would show
+  std::size_t bins = 0;     // that pass
 };
 
 struct EventSettings {
