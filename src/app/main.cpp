@@ -41,9 +41,15 @@ void say(std::string const& what, bool json) {
 
 // One sentence and what to write instead; the exit code.
 int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
-  auto const chosen = app.get_subcommands();
-  CLI::App const& command = chosen.empty() ? app : *chosen.front();
-  std::string const help = fmt::format("see straytrace {}--help", chosen.empty() ? "" : command.get_name() + " ");
+  auto chosen = app.get_subcommands();
+  std::string words;
+  CLI::App const* deepest = &app;
+  for (auto next = chosen; !next.empty(); next = deepest->get_subcommands()) {
+    deepest = next.front();
+    words += deepest->get_name() + " ";
+  }
+  CLI::App const& command = *deepest;
+  std::string const help = fmt::format("see straytrace {}--help", words);
   std::string const name =
       chosen.empty() || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
   if (name.empty()) {
@@ -86,8 +92,9 @@ int main(int argc, char** argv) {
   Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
-  for (auto* add : {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render,
-                    add_importance, add_apertures, add_ghosts, add_budget, add_fit, add_scan, add_project, add_fringes})
+  for (auto* add :
+       {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render, add_importance,
+        add_apertures, add_ghosts, add_budget, add_fit, add_scan, add_project, add_fringes, add_couple})
     add(app, options, exit_code);
   try {
     app.parse(argc, argv);

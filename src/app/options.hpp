@@ -48,5 +48,6 @@ void add_project(CLI::App&, Options&, int& exit_code);
 void add_fringes(CLI::App&, Options&, int& exit_code);
 void add_fit(CLI::App&, Options&, int& exit_code);
 void add_scan(CLI::App&, Options&, int& exit_code);
+void add_couple(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/fringe_lines.hpp"
 
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/special_functions/bessel.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 
 #include "base/message.hpp"
@@ -97,9 +97,10 @@ double motion_of_phase(double z, double wavelength, double multiplicity) {
 
 RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold, double z_max) {
   if (drive.size() != target.size() || drive.size() < 4)
-    throw InputError(fmt::format("error: a ramp of {} windows tells nothing\n  at least 4 are needed: choose a shorter "
-                                 "--window",
-                                 drive.size()));
+    throw InputError(
+        fmt::format("error: a ramp of {} windows tells nothing\n  at least 4 are needed: choose a shorter "
+                    "--window",
+                    drive.size()));
   std::vector<double> a, h, sigma;
   for (std::size_t i = 0; i < drive.size(); ++i) {
     a.push_back(std::abs(drive[i].amplitude));

@@ -42,7 +42,8 @@ Knocked knocked(std::uint64_t seed, double noise, double tau = 0.35) {
     f[i + 2] = newton;
   }
   std::vector<double> const y = ringing(f, 91.3, tau) + 0.5 * ringing(f, 153.7, 0.1);
-  return {channel("HAMMER", "N", rate, f + white_noise(n, seed, 0.01)), channel("H", "1", rate, y + white_noise(n, seed + 1000, noise))};
+  return {channel("HAMMER", "N", rate, f + white_noise(n, seed, 0.01)),
+          channel("H", "1", rate, y + white_noise(n, seed + 1000, noise))};
 }
 
 ImpulseResponse response(Knocked const& k) {
@@ -63,7 +64,8 @@ TEST(Impulse, ResponseAndModesOfAKnockR6_02) {
   double worst = 0;
   for (std::size_t i = 5; i < 500; ++i) {
     double const t = double(i) / rate;
-    double const truth = std::exp(-t / 0.35) * std::cos(2 * pi * 91.3 * t) + 0.5 * std::exp(-t / 0.1) * std::cos(2 * pi * 153.7 * t);
+    double const truth =
+        std::exp(-t / 0.35) * std::cos(2 * pi * 91.3 * t) + 0.5 * std::exp(-t / 0.1) * std::cos(2 * pi * 153.7 * t);
     worst = std::max(worst, std::fabs(r.value[i] / rate - truth));
   }
   EXPECT_LT(worst, 0.06) << "of 1.5; the coherence damps what is below the noise";
@@ -108,8 +110,9 @@ TEST(Events, InjectionIsFoundInTimeAndFrequencyR6_01) {
       x[i] += std::sqrt(2 * 1.5 * 8 * 2 / fs) * std::sin(2 * pi * 40 * double(i) / fs);
     TimeSeries const record = channel("H", "1", fs, x), quiet = channel("H", "1", fs, white_noise(n, seed + 50));
     auto const events = find_events(record, quiet, s);
-    for (Event const& e : events) {
-      bool const right = e.hz == 40 && e.from <= 1e9 + 110 && e.to >= 1e9 + 120 && e.from >= 1e9 + 85 && e.to <= 1e9 + 145;
+    for (LoudStretch const& e : events) {
+      bool const right =
+          e.hz == 40 && e.from <= 1e9 + 110 && e.to >= 1e9 + 120 && e.from >= 1e9 + 85 && e.to <= 1e9 + 145;
       (right ? found : spurious) += 1;
       if (!right) continue;
       EXPECT_GT(e.significance, 5);
