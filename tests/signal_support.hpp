@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-<<<<<<< HEAD
 // Synthetic channels with known truth.
-=======
-// Series for tests of the signal room.
->>>>>>> 2b11fd42a4f7fb5244898e5cba2341f18b327db3
 #pragma once
 
 #include <cmath>
@@ -18,13 +14,16 @@
 
 namespace straytrace::testing {
 
-<<<<<<< HEAD
-// Gaussian white noise of unit variance; each seed is another channel.
-inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, double rms = 1) {
+// Gaussian white noise; each seed is another channel.
+inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, double sigma = 1) {
   Rng rng(seed, 0, 0, Stream::source);
   std::vector<double> x(count);
-  for (double& v : x) v = rms * std::sqrt(-2 * std::log(rng.uniform())) * std::cos(2 * pi * rng.uniform());
+  for (double& v : x) v = sigma * std::sqrt(-2 * std::log(1 - rng.uniform())) * std::cos(2 * pi * rng.uniform());
   return x;
+}
+
+inline TimeSeries series_with(std::vector<double> samples, double rate, std::string unit = "m", double start = 1e9) {
+  return {"X1:TEST", std::move(unit), start, rate, std::move(samples)};
 }
 
 inline std::vector<double> operator+(std::vector<double> a, std::vector<double> const& b) {
@@ -49,17 +48,7 @@ struct Coverage {
     ++all;
   }
   double share() const { return double(inside) / all; }
-=======
-inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, double sigma = 1) {
-  Rng rng(seed, 0, 0, Stream::source);
-  std::vector<double> x(count);
-  for (double& v : x) v = sigma * std::sqrt(-2 * std::log(1 - rng.uniform())) * std::cos(2 * pi * rng.uniform());
-  return x;
-}
-
-inline TimeSeries series_with(std::vector<double> samples, double rate, std::string unit = "m", double start = 1e9) {
-  return {"X1:TEST", std::move(unit), start, rate, std::move(samples)};
-}
+};
 
 // Second-order low pass driven by x: y'' + (w/Q) y' + w^2 y = x, by exact steps of the bilinear transform with its
 // frequencies warped to the resonance.
@@ -83,7 +72,6 @@ struct Oscillator {
 
  private:
   double constant() const { return 2 * pi * hz / std::tan(pi * hz / rate); }
->>>>>>> 2b11fd42a4f7fb5244898e5cba2341f18b327db3
 };
 
 }  // namespace straytrace::testing
