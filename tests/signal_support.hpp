@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Series for tests of the signal room.
+// Synthetic channels with known truth.
 #pragma once
 
 #include <cmath>
@@ -14,6 +14,7 @@
 
 namespace straytrace::testing {
 
+// Gaussian white noise; each seed is another channel.
 inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, double sigma = 1) {
   Rng rng(seed, 0, 0, Stream::source);
   std::vector<double> x(count);
@@ -24,6 +25,30 @@ inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, do
 inline TimeSeries series_with(std::vector<double> samples, double rate, std::string unit = "m", double start = 1e9) {
   return {"X1:TEST", std::move(unit), start, rate, std::move(samples)};
 }
+
+inline std::vector<double> operator+(std::vector<double> a, std::vector<double> const& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += b[i];
+  return a;
+}
+inline std::vector<double> operator*(double factor, std::vector<double> a) {
+  for (double& v : a) v *= factor;
+  return a;
+}
+
+inline TimeSeries channel(std::string name, std::string unit, double rate, std::vector<double> samples,
+                          double start = 1e9) {
+  return {std::move(name), std::move(unit), start, rate, std::move(samples)};
+}
+
+// Share of values within one standard error of the truth.
+struct Coverage {
+  int inside = 0, all = 0;
+  void add(double value, double sigma, double truth) {
+    inside += std::fabs(value - truth) <= sigma;
+    ++all;
+  }
+  double share() const { return double(inside) / all; }
+};
 
 // Second-order low pass driven by x: y'' + (w/Q) y' + w^2 y = x, by exact steps of the bilinear transform with its
 // frequencies warped to the resonance.
