@@ -24,6 +24,16 @@ double gaussian_power(std::span<MotionClass const> classes, std::span<double con
   return sum;
 }
 
+// Hz, below which there is a thousandth of the power: tails do not decide on the resolution.
+double lowest_of(Spectrum const& s) {
+  double low = s.lowest(), high = s.highest();
+  while (high > 1.001 * low) {
+    double const middle = std::sqrt(low * high);
+    (s.power(0, middle) < 1e-3 * s.total() ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
 
 struct PhaseSpectra::Slow : SlowPhase {
@@ -37,13 +47,14 @@ struct PhaseSpectra::Slow : SlowPhase {
 
 PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
     : classes_(std::move(classes)), grid_(std::move(grid)) {
-  double lowest = infinity, highest = 0;
+  double lowest = infinity, highest = 0, lowest_power = infinity;
   for (MotionClass const& c : classes_) {
     if (!is_gaussian(c)) continue;
     lowest = std::min(lowest, c.reference.lowest());
     highest = std::max(highest, c.reference.highest());
+    lowest_power = std::min(lowest_power, lowest_of(c.reference));
   }
-  resolution_ = std::min({0.01, grid_.edges.front() / 10, grid_.width(0) / 8, std::max(lowest / 2, 0.002)});
+  resolution_ = std::min({0.01, grid_.edges.front() / 10, grid_.width(0) / 8, std::max(lowest_power / 2, 0.002)});
   auto const bins = lowest < highest ? static_cast<std::size_t>(std::ceil(64 * std::log2(highest / lowest))) : 0;
   for (std::size_t i = 0; bins > 0 && i <= bins; ++i)
     fine_.push_back(lowest * std::pow(highest / lowest, static_cast<double>(i) / static_cast<double>(bins)));

@@ -54,7 +54,7 @@ class PhaseSpectra {
   double mean_square_phase(std::span<double const> kappa) const;
 
   // Hz, spacing of the lines of the transform: 0.01 Hz, a tenth of the band's lower end, an eighth of its first bin or
-  // half the lowest frequency of any motion (not below 2 mHz), whichever is least.
+  // half the frequency below which a thousandth of any motion's power lies (not below 2 mHz), whichever is least.
   double resolution() const { return resolution_; }
 
  private:
