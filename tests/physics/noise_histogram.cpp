@@ -13,7 +13,8 @@ Strengths spread(std::vector<double> const& strength, std::size_t count, double 
   for (std::size_t i = 0; i < count; ++i) {
     Rng rng(11, i, 0, Stream::source);
     for (double k : strength)
-      s.kappa.push_back(k * std::exp(sigma * std::sqrt(-2 * std::log(rng.uniform())) * std::cos(2 * pi * rng.uniform())));
+      s.kappa.push_back(k *
+                        std::exp(sigma * std::sqrt(-2 * std::log(rng.uniform())) * std::cos(2 * pi * rng.uniform())));
   }
   return s;
 }
