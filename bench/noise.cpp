@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The noise stage against brute force in the time domain, and its accuracy. One JSON line per comparison.
+#include "noise/noise.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include <time.h>
 
 #include "base/rng.hpp"
-#include "noise/noise.hpp"
 #include "noise/strength_nodes.hpp"
 #include "signal/shapes.hpp"
 
@@ -121,7 +122,7 @@ double series_seconds_per_path(int coordinates) {
 }
 
 Strengths strengths_of(CouplingTable const& t, MotionSet const& m, PhaseSpectra const& spectra) {
-  Strengths out{spectra.classes().size(), {}};
+  Strengths out{spectra.classes().size(), {}, {}};
   for (PathRecord const& r : t.classes[0].records)
     for (double k : kappa_of(m, spectra.classes(), r.levers)) out.kappa.push_back(k);
   return out;
@@ -184,12 +185,12 @@ void projection(std::string const& name, int classes, double error, double goal_
 int main() {
   using namespace straytrace::bench;
   double const one = error_of(1, 10000), two = error_of(2, 1000), three = error_of(3, 1000);
-  for (auto const& [name, error, count] :
-       {std::tuple{"histogram of 1 class against the sum over records", one, 10000},
-        std::tuple{"nodes of 2 classes against the sum over records", two, 1000},
-        std::tuple{"nodes of 3 classes against the sum over records", three, 1000}})
-    std::printf("%s\n",
-                nlohmann::ordered_json{{"name", name}, {"records", count}, {"error", error}, {"goal", 1e-4}}.dump().c_str());
+  for (auto const& [name, error, count] : {std::tuple{"histogram of 1 class against the sum over records", one, 10000},
+                                           std::tuple{"nodes of 2 classes against the sum over records", two, 1000},
+                                           std::tuple{"nodes of 3 classes against the sum over records", three, 1000}})
+    std::printf(
+        "%s\n",
+        nlohmann::ordered_json{{"name", name}, {"records", count}, {"error", error}, {"goal", 1e-4}}.dump().c_str());
   projection("1e6 records, 1 class", 1, one, 0.5);
   projection("1e6 records, 2 classes", 2, two, 5);
   projection("1e6 records, 3 classes", 3, three, 5);

@@ -98,6 +98,18 @@ std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
   return edge;
 }
 
+double PhaseSpectra::split_hz(std::span<double const> kappa) const {
+  std::size_t const edge = split(kappa);
+  return edge > 0 ? fine_[edge] : 0;
+}
+
+Steps PhaseSpectra::fast_steps(std::size_t c, double from_hz) const {
+  std::vector<double> only(classes_.size());
+  only[c] = 1;
+  auto const edge = std::lower_bound(fine_.begin(), fine_.end(), from_hz) - fine_.begin();
+  return fast_part(only, static_cast<std::size_t>(edge));
+}
+
 LowPart PhaseSpectra::slow_part(Slow const& slow, std::span<double const> kappa) const {
   bool const unmoved = slow.highest == 0 && slow.tones.empty();
   LowPart low = unmoved ? LowPart{resolution_, {0}, 0.5, 0} : transform(slow, resolution_);
@@ -123,12 +135,11 @@ void PhaseSpectra::add_tone(LowPart const& low, double hz, double mean_square, s
 }
 
 std::vector<double> PhaseSpectra::response(LowPart const& low, std::size_t c, double kept) const {
-  std::vector<double> power(grid_.size()), only(classes_.size());
-  only[c] = 1;
+  std::vector<double> power(grid_.size());
   if (is_tone(classes_[c]))
     add_tone(low, classes_[c].tone_frequency, classes_[c].variance(), power);
   else if (is_gaussian(classes_[c]))
-    modulate(low, fast_part(only, 0), grid_power_[c], grid_.edges, power);
+    modulate(low, fast_steps(c, 0), grid_power_[c], grid_.edges, power);
   for (std::size_t i = 0; i < grid_.size(); ++i) power[i] *= kept / grid_.width(i);
   return power;
 }
@@ -157,7 +168,7 @@ PhaseSpectrum PhaseSpectra::strong(std::span<double const> kappa, std::vector<bo
   Slow slow;
   slow.classes = classes_;
   slow.kappa = kappa;
-  slow.highest = edge > 0 ? fine_[edge] : 0;
+  slow.highest = split_hz(kappa);
   double rate = 0, fast_power = 0;
   for (std::size_t c = 0; c < classes_.size(); ++c) {
     if (is_tone(classes_[c]) && kappa[c] > 0) slow.tones.push_back({classes_[c].tone_frequency, std::sqrt(kappa[c])});

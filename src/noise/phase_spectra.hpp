@@ -48,6 +48,9 @@ class PhaseSpectra {
   // The same spectrum of strong classes alone (kappa of the others is zero), with the responses of weak ones.
   PhaseSpectrum strong(std::span<double const> kappa, std::vector<bool> const& responses) const;
 
+  double split_hz(std::span<double const> kappa) const;   // f1 of eq. 7.14
+  Steps fast_steps(std::size_t c, double from_hz) const;  // reference of a class above such a split
+
   std::vector<MotionClass> const& classes() const { return classes_; }
   FrequencyGrid const& grid() const { return grid_; }
   // rad^2; a drift counts as pi^2/3, the variance of a phase that is anywhere.
