@@ -67,7 +67,8 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
         weak_[c] = !spectra.is_strong(c, k);
   if (any_negative()) {
     start(0.1, options.most, false);
-    return use_means(std::move(lattice_));
+    use_means(std::move(lattice_));
+    return;
   }
   start(options.step, options.most, true);
   while (!use_strengths()) {
@@ -177,8 +178,9 @@ void StrengthNodes::use_means(Lattice cells) {
     std::uint32_t const n = cells.of[i];
     double const w = paths_.weight.empty() ? 1 : paths_.weight[i];
     weight[n] += w;
+    double const share = weight[n] > 0 ? w / weight[n] : 1;
     for (std::size_t c : cells.cells[n].strong)
-      kappa_[n][c] += weight[n] > 0 ? (paths_.of(i)[c] - kappa_[n][c]) * w / weight[n] : 0;
+      kappa_[n][c] += (paths_.of(i)[c] - kappa_[n][c]) * share;
   }
   for (std::size_t n = 0; n < kappa_.size(); ++n) cells.cells[n].nodes = {static_cast<std::uint32_t>(n)};
   lattice_ = std::move(cells);
