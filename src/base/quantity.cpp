@@ -59,6 +59,26 @@ constexpr std::array units{
     Unit{"ppb", 1e-9, dim::plain},
 };
 
+// Of sensors, for data: not part of the language of scenes, where N, T and A are names of parameters.
+constexpr std::array sensor_units{
+    Unit{"N", 1, {2, 2, -4}},
+    Unit{"kN", 1e3, {2, 2, -4}},
+    Unit{"mN", 1e-3, {2, 2, -4}},
+    Unit{"Pa", 1, {-2, 2, -4}},
+    Unit{"mPa", 1e-3, {-2, 2, -4}},
+    Unit{"uPa", 1e-6, {-2, 2, -4}},
+    Unit{"T", 1, {-4, 0, 2, 0, 0, 0, 2}},
+    Unit{"uT", 1e-6, {-4, 0, 2, 0, 0, 0, 2}},
+    Unit{"nT", 1e-9, {-4, 0, 2, 0, 0, 0, 2}},
+    Unit{"pT", 1e-12, {-4, 0, 2, 0, 0, 0, 2}},
+    Unit{"A", 1, {4, 2, -6, 0, 0, 0, -2}},
+    Unit{"mA", 1e-3, {4, 2, -6, 0, 0, 0, -2}},
+    Unit{"mV", 1e-3, voltage},
+    Unit{"uV", 1e-6, voltage},
+    Unit{"kV", 1e3, voltage},
+    Unit{"nV", 1e-9, voltage},
+};
+
 struct Meant {
   std::string_view written, unit;
 };
@@ -77,13 +97,19 @@ Unit const* find_unit(std::string_view name) {
   return hit == units.end() ? nullptr : &*hit;
 }
 
+Unit const* find_sensor_unit(std::string_view name) {
+  auto const hit =
+      std::find_if(sensor_units.begin(), sensor_units.end(), [&](Unit const& u) { return u.name == name; });
+  return hit == sensor_units.end() ? nullptr : &*hit;
+}
+
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Reads a unit expression; every function leaves `at_` behind what it understood.
 class UnitReader {
  public:
-  explicit UnitReader(std::string_view text) : text_(text) {}
+  explicit UnitReader(std::string_view text, bool sensors = false) : text_(text), sensors_(sensors) {}
 
   std::size_t at() const { return at_; }
   void skip_spaces() {
@@ -143,6 +169,7 @@ class UnitReader {
       return Quantity{std::sqrt(inner->si), *d, {}};
     }
     Unit const* unit = find_unit(name);
+    if (!unit && sensors_) unit = find_sensor_unit(name);
     if (!unit || (at_ < text_.size() && text_[at_] == '(')) return {};
     return raised({unit->factor, unit->dimension, {}});
   }
@@ -196,6 +223,7 @@ class UnitReader {
   }
 
   std::string_view text_;
+  bool sensors_;
   std::size_t at_ = 0;
 };
 
@@ -218,9 +246,10 @@ std::optional<Quantity> parse_unit(std::string_view text) {
     auto const after = text.find_first_not_of(' ');
     if (after == std::string_view::npos || text[after] != '/') return {};
   }
-  auto const unit = leading_unit(text);
-  if (!unit || unit->length != text.size()) return {};
-  return unit->unit;
+  UnitReader whole(text, true);
+  auto const unit = whole.product(0);
+  if (!unit || whole.at() != text.size()) return {};
+  return unit;
 }
 
 std::optional<LeadingUnit> leading_unit(std::string_view text) {

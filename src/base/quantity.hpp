@@ -33,7 +33,8 @@ struct Quantity {
 std::string name_of(Dimension);         // "length", "angle", "BRDF (1/sr)", or the unit in SI symbols
 std::string example_unit(Dimension);    // what a user may write: "m", "deg", "1/sr", "m/sqrt(Hz)"
 std::string accepted_units(Dimension);  // "rad, mrad, urad, deg, arcmin, arcsec"
-// Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood.
+// Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood. Besides
+// the units of the language it knows those of sensors: N, Pa, T, A, mV.
 std::optional<Quantity> parse_unit(std::string_view);
 
 struct LeadingUnit {

@@ -22,6 +22,9 @@ bool draw_law_picture(std::string const& json_file, std::string const& png_file,
 // The same for a noise budget, from the JSON that `straytrace budget --format json` prints.
 bool draw_budget_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 
+// Curves or a map, from the JSON of report/curve_file.hpp.
+bool draw_curves_picture(std::string const& json_file, std::string const& png_file, std::string& message);
+
 // Beam tree over the surfaces it meets, from the JSON of `straytrace ghosts -o`.
 bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 

@@ -18,6 +18,24 @@ std::vector<double> logarithmic_knots(double from, double to, double per_decade)
   return hz;
 }
 
+using Function = std::function<double(double)>;
+
+struct Knot {
+  double hz, value;
+};
+
+// Sets knots between two until the curve is followed.
+void refine(Function const& curve, Function const& scale, Knot a, Knot b, std::vector<double>& knots) {
+  constexpr double tolerance = 1e-5, negligible = 1e-12, narrowest = 1e-6;
+  if (b.hz < a.hz * (1 + narrowest)) return;
+  double const middle = std::sqrt(a.hz * b.hz), line = std::sqrt(a.value * b.value);
+  Knot const m{middle, curve(middle)};
+  if (!(std::fabs(m.value - line) > tolerance * m.value + negligible * scale(middle))) return;
+  refine(curve, scale, a, m, knots);
+  knots.push_back(middle);
+  refine(curve, scale, m, b, knots);
+}
+
 }  // namespace
 
 Spectrum power_law_asd(double asd, double at_hz, double exponent, double from_hz, double to_hz) {
@@ -43,6 +61,23 @@ Spectrum peterson(GroundModel model, double from_hz, double to_hz) {
   std::vector<double> psd;
   for (double f : hz) psd.push_back(std::pow(peterson_asd(model, f), 2));
   return Spectrum(hz, psd);
+}
+
+Spectrum filtered(Spectrum const& s, Function const& factor, std::span<double const> features, Function const& scale) {
+  if (!(s.highest() > s.lowest())) return s;
+  std::vector<double> knots = s.hz(), coarse = logarithmic_knots(s.lowest(), s.highest(), 16), extra;
+  knots.insert(knots.end(), coarse.begin(), coarse.end());
+  for (double const f : features)
+    if (f > s.lowest() && f < s.highest()) knots.push_back(f);
+  std::sort(knots.begin(), knots.end());
+  knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+  std::vector<double> values;
+  for (double const f : knots) values.push_back(factor(f));
+  Function const& beside = scale ? scale : factor;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+    refine(factor, beside, {knots[i], values[i]}, {knots[i + 1], values[i + 1]}, extra);
+  extra.insert(extra.end(), knots.begin(), knots.end());
+  return s.multiplied(factor, extra);
 }
 
 double transmissibility(double hz, double resonance_hz, double quality) {

@@ -84,7 +84,139 @@ std::vector<std::string> headings(std::string_view text, std::size_t columns) {
   return found;
 }
 
+std::string trimmed(std::string_view text) {
+  auto const first = text.find_first_not_of(" \t\r\""), last = text.find_last_not_of(" \t\r\"");
+  return first == text.npos ? "" : std::string(text.substr(first, last + 1 - first));
+}
+
+// Cells of a row of words: between commas, semicolons or tabs where there are any, otherwise between blanks, and
+// "[um]" belongs to what stands before it.
+std::vector<std::string> cells(std::string_view line) {
+  bool const marked = line.find_first_of(",;\t") != line.npos;
+  std::vector<std::string> found;
+  std::string cell;
+  int depth = 0;
+  auto const finish = [&] {
+    if (std::string const text = trimmed(cell); !text.empty() && !marked && text[0] == '[' && !found.empty())
+      found.back() += " " + text;
+    else if (marked || !text.empty())
+      found.push_back(text);
+    cell.clear();
+  };
+  for (char const c : line) {
+    depth += (c == '[' || c == '(') - (c == ']' || c == ')');
+    bool const end = marked ? c == ',' || c == ';' || c == '\t' : c == ' ' || c == '\r';
+    if (end && depth <= 0)
+      finish();
+    else
+      cell += c;
+  }
+  finish();
+  return found;
+}
+
+// "x [um]" and "x (um)".
+void name_column(std::string const& cell, NamedColumns& into) {
+  for (auto const& [open, close] : {std::pair{'[', ']'}, std::pair{'(', ')'}})
+    if (auto const begin = cell.find(open); begin != cell.npos && begin > 0 && cell.back() == close) {
+      into.name.push_back(trimmed(cell.substr(0, begin)));
+      into.unit.push_back(trimmed(cell.substr(begin + 1, cell.size() - begin - 2)));
+      return;
+    }
+  into.name.push_back(cell);
+  into.unit.emplace_back();
+}
+
+// "0,5 1,2" or "0,5;1,2": every word a number with one comma and no point.
+bool has_decimal_commas(std::string_view line) {
+  std::size_t words = 0;
+  while (true) {
+    auto const start = line.find_first_not_of(" \t;\r");
+    if (start == line.npos) return words >= 2;
+    line.remove_prefix(start);
+    std::string_view const word = line.substr(0, line.find_first_of(" \t;\r"));
+    line.remove_prefix(word.size());
+    auto const comma = word.find(',');
+    if (comma == word.npos || comma == 0 || comma + 1 == word.size() || word.find(',', comma + 1) != word.npos ||
+        word.find_first_not_of("0123456789,+-eE") != word.npos)
+      return false;
+    ++words;
+  }
+}
+
+// What describes the columns: the row of words above the numbers, or the comments.
+struct Headings {
+  std::vector<std::string> row;
+  std::vector<std::vector<std::string>> comments;
+
+  // The comment that names units goes before one that does not, a later before an earlier.
+  std::vector<std::string> best(std::size_t columns) const {
+    if (!row.empty()) return row;
+    std::vector<std::string> found;
+    bool with_units = false;
+    for (auto const& cells : comments) {
+      bool const units = std::any_of(cells.begin(), cells.end(), [](auto const& c) { return c.ends_with(']'); });
+      if (cells.size() != columns || (with_units && !units)) continue;
+      found = cells;
+      with_units = units;
+    }
+    return found;
+  }
+};
+
+void add_row(std::vector<double> const& row, std::size_t number, NamedColumns& into) {
+  if (into.column.empty()) into.column.resize(row.size());
+  if (row.size() != into.column.size()) {
+    into.error =
+        fmt::format("line {} has {} columns, the lines before have {}", number, row.size(), into.column.size());
+    return;
+  }
+  for (std::size_t i = 0; i < row.size(); ++i) into.column[i].push_back(row[i]);
+  into.line.push_back(number);
+}
+
+// Names and units once the numbers are known.
+void name_all(Headings const& headings, NamedColumns& table) {
+  std::vector<std::string> const titles = headings.best(table.column.size());
+  if (!titles.empty() && titles.size() != table.column.size())
+    table.error = fmt::format(
+        "line {} has {} numbers, and the row of names has {} (numbers are written with a point, 0.5, not with a comma)",
+        table.line.front(), table.column.size(), titles.size());
+  else if (titles.empty())
+    table.name.resize(table.column.size()), table.unit.resize(table.column.size());
+  for (std::string const& title : table.error.empty() ? titles : std::vector<std::string>()) name_column(title, table);
+}
+
 }  // namespace
+
+NamedColumns parse_named_columns(std::string_view text) {
+  NamedColumns table;
+  Headings headings;
+  std::vector<double> row;
+  for (std::size_t number = 1; !text.empty() && table.error.empty(); ++number) {
+    auto const end = std::min(text.find('\n'), text.size());
+    std::string_view const line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    row.clear();
+    std::string_view const bad = read_row(line, row, Unknown::taken);
+    auto const start = line.find_first_not_of(" \t\r#%");
+    if (start == line.npos) continue;
+    bool const comment = line.substr(0, start).find_first_of("#%") != line.npos;
+    if (comment && table.line.empty()) headings.comments.push_back(cells(line.substr(start)));
+    if (comment) continue;
+    if (has_decimal_commas(line))
+      table.error = fmt::format("line {}: '{}' has decimal commas; write 0.5 instead of 0,5", number, trimmed(line));
+    else if (!bad.empty() && row.empty() && table.line.empty() && headings.row.empty())
+      headings.row = cells(line.substr(0, line.find('#')));
+    else if (!bad.empty())
+      table.error = fmt::format("line {}: '{}' is not a number (comments start with #)", number, bad);
+    else if (!row.empty())
+      add_row(row, number, table);
+  }
+  if (table.error.empty() && table.line.empty()) table.error = "no numbers in it";
+  if (table.error.empty()) name_all(headings, table);
+  return table;
+}
 
 TextTable parse_columns(std::string_view text) { return read_rows(text, Unknown::refused); }
 

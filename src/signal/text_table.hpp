@@ -17,6 +17,16 @@ struct TextTable {
 };
 TextTable parse_columns(std::string_view text);
 
+// Columns with what the file says about them: in a first row of words (CSV), or in a comment above the numbers that has
+// one name for each column; "x [um]" and "x (um)" name a unit. NaN stays NaN: a caller knows where it is allowed.
+struct NamedColumns {
+  std::vector<std::string> name, unit;  // one for each column; empty where none is given
+  std::vector<std::vector<double>> column;
+  std::vector<std::size_t> line;  // of the file, one for each row
+  std::string error;              // as of TextTable; decimal commas are told apart and named
+};
+NamedColumns parse_named_columns(std::string_view text);
+
 // Two columns as functions of frequency, counted from 1. The frequency must increase; a first row at 0 Hz is dropped.
 struct Curve {
   std::vector<double> hz, value;

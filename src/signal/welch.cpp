@@ -1,86 +1,103 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/welch.hpp"
 
+#include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
+#include "signal/segments.hpp"
 
 namespace straytrace {
 namespace {
 
-double weight(Window window, double turn) {  // turn: place in the segment, 0 to 1
-  switch (window) {
-    case Window::rectangular:
-      return 1;
-    case Window::hann:
-      return 0.5 - 0.5 * std::cos(2 * pi * turn);
-    case Window::hamming:
-      return 0.54 - 0.46 * std::cos(2 * pi * turn);
-    case Window::blackman:
-      return 0.42 - 0.5 * std::cos(2 * pi * turn) + 0.08 * std::cos(4 * pi * turn);
+std::vector<double> mean_periodogram(std::span<double const> samples, Segments& segments) {
+  std::vector<double> sum(segments.lines(), 0);
+  for (std::size_t s = 0; s < segments.count(); ++s) {
+    Complexes const& lines = segments.transform(samples, s);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += std::norm(lines[k]);
   }
-  return not_a_number;
+  for (double& v : sum) v /= double(segments.count());
+  return sum;
 }
 
-void check(std::size_t samples, double rate, WelchSettings const& s) {
-  if (s.segment < 2 || s.segment > samples)
-    throw InputError(
-        fmt::format("error: a segment of {} samples does not fit a series of {}\n  choose between 2 and {}", s.segment,
-                    samples, samples));
-  if (!(s.overlap >= 0 && s.overlap < 1))
-    throw InputError(fmt::format("error: an overlap of {:g} is not a share\n  choose from 0 to below 1", s.overlap));
-  if (!(rate > 0 && rate < infinity))
-    throw InputError(fmt::format("error: a sample rate of {:g} Hz\n  it is positive", rate));
+std::vector<double> median_periodogram(std::span<double const> samples, Segments& segments) {
+  std::size_t const n = segments.count();
+  std::vector<std::vector<double>> all(segments.lines(), std::vector<double>(n));
+  for (std::size_t s = 0; s < n; ++s) {
+    Complexes const& lines = segments.transform(samples, s);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k][s] = std::norm(lines[k]);
+  }
+  std::vector<double> median;
+  for (std::vector<double>& values : all) {
+    std::sort(values.begin(), values.end());
+    median.push_back((values[n / 2] + values[(n - 1) / 2]) / 2 / median_bias(n));
+  }
+  return median;
 }
 
-// Variance of the mean over that of one periodogram: neighbours that share samples are not independent (Welch 1967).
-double variance_of_mean(std::vector<double> const& w, std::size_t step, std::size_t segments, double square) {
-  double sum = 1;
-  for (std::size_t m = 1; m < segments && m * step < w.size(); ++m) {
-    double shared = 0;
-    for (std::size_t i = m * step; i < w.size(); ++i) shared += w[i] * w[i - m * step];
-    sum += 2 * (1 - double(m) / double(segments)) * std::pow(shared / square, 2);
+// Variance of the mean over that of the median, both relative, of n independent periodograms. The order statistics of
+// exponential variables are sums of independent ones with means 1/n, 1/(n-1), ... (Renyi).
+double median_efficiency(std::size_t n) {
+  std::size_t const low = (n + 1) / 2;  // the lower of the two in the middle
+  double mean = 0, variance = 0;
+  for (std::size_t i = 0; i < low; ++i) {
+    double const step = 1 / double(n - i);
+    mean += step;
+    variance += step * step;
   }
-  return sum / double(segments);
+  if (n % 2 == 0) {
+    double const half = 0.5 / double(n - low);
+    mean += half;
+    variance += half * half;
+  }
+  return mean * mean / (double(n) * variance);
 }
 
 }  // namespace
 
+double median_bias(std::size_t n) {  // scipy.signal.welch has the same; exact for even n too
+  double bias = 1;
+  for (std::size_t i = 2; i <= n - 1; i += 2) bias += 1 / double(i + 1) - 1 / double(i);
+  return bias;
+}
+
 WelchSpectrum welch(std::span<double const> samples, double rate, WelchSettings const& s) {
-  check(samples.size(), rate, s);
-  std::size_t const n = s.segment, step = std::max<std::size_t>(1, n - std::size_t(std::lround(s.overlap * double(n))));
-  std::vector<double> w(n), part(n);
-  double sum = 0, square = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    w[i] = weight(s.window, double(i) / double(n));
-    sum += w[i];
-    square += w[i] * w[i];
-  }
+  Segments segments(samples.size(), rate, s);
+  bool const median = s.average == Average::median;
   WelchSpectrum out;
-  out.noise_bandwidth = rate * square / (sum * sum);
-  out.psd.assign(n / 2 + 1, 0);
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  std::vector<std::complex<double>> lines;
-  for (std::size_t begin = 0; begin + n <= samples.size(); begin += step, ++out.segments) {
-    double mean = 0;
-    for (std::size_t i = 0; s.detrend && i < n; ++i) mean += samples[begin + i] / double(n);
-    for (std::size_t i = 0; i < n; ++i) part[i] = w[i] * (samples[begin + i] - mean);
-    fft.fwd(lines, part);
-    for (std::size_t k = 0; k < out.psd.size(); ++k) out.psd[k] += std::norm(lines[k]);
-  }
-  double const relative = std::sqrt(variance_of_mean(w, step, out.segments, square));
+  out.even = s.segment % 2 == 0;
+  out.segments = segments.count();
+  out.noise_bandwidth = segments.noise_bandwidth();
+  out.effective_averages = segments.effective() * (median ? median_efficiency(segments.count()) : 1);
+  out.psd = median ? median_periodogram(samples, segments) : mean_periodogram(samples, segments);
   for (std::size_t k = 0; k < out.psd.size(); ++k) {
-    bool const alone = k == 0 || 2 * k == n;  // no negative frequency stands beside these: real, not doubled
-    out.hz.push_back(double(k) * rate / double(n));
-    out.psd[k] *= (alone ? 1 : 2) / (rate * square * double(out.segments));
-    out.sigma.push_back(out.psd[k] * relative * (alone ? std::sqrt(2) : 1));
+    out.hz.push_back(segments.hz(k));
+    out.psd[k] *= segments.density(k);
+    out.sigma.push_back(out.psd[k] * std::sqrt((segments.is_real_line(k) ? 2 : 1) / out.effective_averages));
+  }
+  return out;
+}
+
+Interval confidence(WelchSpectrum const& s, double probability) {
+  if (!(probability > 0 && probability < 1))
+    throw InputError(
+        fmt::format("error: a confidence of {:g} is not between 0 and 1\n  write for example 0.95", probability));
+  Interval out;
+  double low[2], high[2];
+  for (int real = 0; real < 2; ++real) {
+    double const freedom = (real != 0 ? 1 : 2) * s.effective_averages;
+    boost::math::chi_squared const law(freedom);
+    low[real] = freedom / quantile(law, (1 + probability) / 2);
+    high[real] = freedom / quantile(law, (1 - probability) / 2);
+  }
+  for (std::size_t k = 0; k < s.psd.size(); ++k) {
+    int const real = s.is_real_line(k) ? 1 : 0;
+    out.low.push_back(s.psd[k] * low[real]);
+    out.high.push_back(s.psd[k] * high[real]);
   }
   return out;
 }

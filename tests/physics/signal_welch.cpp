@@ -63,7 +63,7 @@ TEST(Welch, UnitSineR2_15) {  // Hann, 4000 samples: ENBW 1.5 bins = 3.75 Hz, pe
 TEST(Welch, ZeroAndNyquistAreNotDoubledR2_15) {  // Parseval: the integral is the mean square, whatever is in the ends
   std::vector<double> level(1000, 3.0), alternating(1000), mixed = white(1000, 2);
   for (std::size_t i = 0; i < 1000; ++i) alternating[i] = i % 2 == 0 ? 2 : -2;
-  WelchSettings const whole{.segment = 1000, .overlap = 0, .window = Window::rectangular, .detrend = false};
+  WelchSettings const whole{.segment = 1000, .overlap = 0, .window = Window::rectangular, .detrend = Detrend::none};
   WelchSpectrum const dc = welch(level, rate, whole), nyquist = welch(alternating, rate, whole);
   EXPECT_NEAR(power(dc), 9, 1e-9);
   EXPECT_NEAR(dc.psd[0] * 10, 9, 1e-9);  // 10 Hz per bin; doubled it were 18
@@ -86,7 +86,7 @@ TEST(Welch, DetrendTakesTheMeanOfEachSegment) {
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += i < 4000 ? 5 : 7;
   WelchSettings s{.segment = 4000, .overlap = 0};
   EXPECT_LT(welch(x, rate, s).psd[0], 1e-20);
-  s.detrend = false;
+  s.detrend = Detrend::none;
   EXPECT_GT(welch(x, rate, s).psd[0], 1);
 }
 
@@ -97,7 +97,7 @@ TEST(Welch, ErrorsAreThoseOfRepeatedSeries) {  // spread over 400 series against
     std::size_t bins = 0;
     for (int i = 0; i < series; ++i) {
       WelchSpectrum const s =
-          welch(white(4096, 100 + std::uint64_t(i)), rate, {.segment = 512, .overlap = overlap, .detrend = false});
+          welch(white(4096, 100 + std::uint64_t(i)), rate, {.segment = 512, .overlap = overlap, .detrend = Detrend::none});
       for (std::size_t k = 8; k < 248; k += 4, ++bins) {
         sum += s.psd[k];
         square += s.psd[k] * s.psd[k];

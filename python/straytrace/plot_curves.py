@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws curves or a map from the JSON of the data commands: python3 -m straytrace.plot_curves CURVES_JSON -o curves.png"""
+
+import argparse
+import json
+import pathlib
+import sys
+import textwrap
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.colors import LogNorm, Normalize  # noqa: E402
+
+from .plot import GREY, LIGHT, STYLE, save  # noqa: E402
+from .words import shortened  # noqa: E402
+
+COLOURS = ("#0072B2", "#D00000", "#228833", "#7A00CC", "#E66101", "#00857A", "#7B5B2E", "#8C8CD9")
+SIZE = (10.0, 6.0)  # inches at 100 dpi
+MOST_NOTES = 6
+
+
+def values(numbers):
+    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
+
+
+def label(column):
+    return f"{column['name']} [{column['unit']}]" if column["unit"] not in ("", "1") else column["name"]
+
+
+def clock(x, unit):
+    """Times of GPS are counted from the first, which the label names."""
+    if unit != "s" or not x.size or abs(x[0]) < 1e6:
+        return x, None
+    origin = np.floor(x[0])
+    return x - origin, f"time after GPS {origin:.0f} [s]"
+
+
+def draw_columns(axes, x, columns):
+    band_low, colour = None, -1
+    for column in columns:
+        y, style = values(column["values"]), column["style"]
+        if style == "hidden":
+            continue
+        if style == "band-low":
+            band_low = y
+            continue
+        if style == "band-high" and band_low is not None:
+            axes.fill_between(x, band_low, y, color=COLOURS[max(colour, 0) % len(COLOURS)], alpha=0.25, lw=0)
+            band_low = None
+            continue
+        colour += 1
+        tint = COLOURS[colour % len(COLOURS)]
+        name = shortened(label(column), 48)
+        if style == "points":
+            axes.plot(x, y, ".", color=tint, label=name)
+        elif style == "upper-limit":
+            axes.plot(x, y, "v", mfc="none", color=tint, ms=5, label=f"{name}, upper limit")
+        else:
+            axes.plot(x, y, color=tint, lw=1.3, label=name)
+
+
+def units_of(columns):
+    """The unit that all drawn columns share, or nothing."""
+    units = {column["unit"] for column in columns if column["style"] != "hidden"}
+    return units.pop() if len(units) == 1 else ""
+
+
+def can_be_logarithmic(arrays):
+    known = np.concatenate([a[np.isfinite(a)] for a in arrays] or [np.array([])])
+    return known.size > 0 and np.any(known > 0)
+
+
+def draw_sheet(axes, sheet):
+    x, words = clock(values(sheet["x"]["values"]), sheet["x"]["unit"])
+    draw_columns(axes, x, sheet["y"])
+    drawn = [values(c["values"]) for c in sheet["y"] if c["style"] != "hidden"]
+    if sheet["log_x"] and can_be_logarithmic([x]):
+        axes.set_xscale("log")
+        axes.set_xlim(np.min(x[x > 0]), np.max(x))
+    elif x.size > 1:
+        axes.set_xlim(x[0], x[-1])
+    if sheet["log_y"] and can_be_logarithmic(drawn):
+        axes.set_yscale("log", nonpositive="mask")
+    axes.set_xlabel(words or label(sheet["x"]))
+    unit = units_of(sheet["y"])
+    axes.set_ylabel(f"[{unit}]" if unit not in ("", "1") else "")
+    axes.legend(loc="best")
+    axes.grid(True, which="major", color=LIGHT, lw=0.7)
+    axes.set_axisbelow(True)
+
+
+def edges(centres):
+    centres = np.asarray(centres, dtype=float)
+    if centres.size < 2:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    middle = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
+
+
+def draw_map(figure, axes, sheet):
+    f = np.array(sheet["frequency_Hz"], dtype=float)
+    z = np.array([values(row) for row in sheet["value"]])
+    origin = np.floor(sheet["time_s"][0]) if abs(sheet["time_s"][0]) >= 1e6 else 0.0
+    known = z[np.isfinite(z) & (z > 0)]
+    low, high = (np.percentile(known, 1), known.max()) if known.size else (1, 10)
+    norm = LogNorm(low, max(high, low * 1.0001)) if sheet["unit"] != "1" else Normalize(0, max(high, 1e-9))
+    mesh = axes.pcolormesh(edges(np.array(sheet["time_s"]) - origin), edges(f), z.T, norm=norm, cmap="viridis",
+                           rasterized=True)
+    if f.size > 1 and f[0] >= 0:
+        positive = f[f > 0]
+        axes.set_ylim(positive[0] if positive.size else 0, f[-1])
+        if positive.size > 2 and positive[-1] / positive[0] > 30:
+            axes.set_yscale("log")
+    for column, colour in zip(sheet["lines"], ("white", "#ff6666", "#ffcc00", "#66ffff") * len(sheet["lines"])):
+        axes.plot(np.array(sheet["line_time_s"]) - origin, values(column["values"]), color=colour, lw=1.0,
+                  label=shortened(column["name"], 40))
+    if sheet["lines"]:
+        axes.legend(loc="upper right", facecolor="#333333", labelcolor="white")
+    bar = figure.colorbar(mesh, ax=axes)
+    bar.set_label(f"[{sheet['unit']}]" if sheet["unit"] != "1" else "normalised")
+    axes.set(xlabel=f"time after GPS {origin:.0f} [s]" if origin else "time [s]", ylabel="frequency [Hz]")
+
+
+def picture(sheet):
+    figure, axes = plt.subplots(figsize=SIZE, dpi=100)
+    if "frequency_Hz" in sheet:
+        draw_map(figure, axes, sheet)
+    else:
+        draw_sheet(axes, sheet)
+    axes.set_title("\n".join(textwrap.wrap(shortened(sheet["title"], 160), 90)))
+    text = "\n".join(shortened(note, 150) for note in sheet["notes"][:MOST_NOTES])
+    figure.text(0.01, 0.012, text, fontsize=7.5, color=GREY, linespacing=1.4)
+    figure.tight_layout(rect=(0, 0.03 + 0.022 * text.count("\n"), 1, 1))
+    return figure
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="straytrace.plot_curves", description=__doc__)
+    parser.add_argument("curves", type=pathlib.Path)
+    parser.add_argument("-o", "--out", type=pathlib.Path, required=True)
+    asked = parser.parse_args(arguments)
+    try:
+        sheet = json.loads(asked.curves.read_text(encoding="utf-8"))
+        with plt.rc_context(STYLE | {"font.size": 9.5, "legend.fontsize": 8.5, "axes.titlesize": 11}):
+            save(picture(sheet), asked.out)
+    except (OSError, ValueError, KeyError) as error:
+        print(f"error: {asked.curves}: {type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "signal/series.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/message.hpp"
+#include "signal/filters.hpp"
+#include "signal/gps.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double sample_slack = 0.02;  // share of a sample by which clocks may disagree: 0.2 us of GPS, and rounding
+
+std::string span_text(TimeSeries const& s) { return fmt::format("{}..{}", gps_text(s.start), gps_text(s.end())); }
+
+// Whole number of samples of `s` between its start and `time`; NaN when `time` is between two samples.
+double whole_steps(TimeSeries const& s, double time) {
+  double const steps = (time - s.start) * s.rate, whole = std::round(steps);
+  return std::abs(steps - whole) < std::max(sample_slack, 4e-7 * s.rate) && std::abs(steps - whole) < 0.3 ? whole : NAN;
+}
+
+TimeSeries part(TimeSeries const& s, std::size_t first, std::size_t last) {
+  TimeSeries out{s.name, s.unit, s.time(first), s.rate, {}};
+  out.samples.assign(s.samples.begin() + std::ptrdiff_t(first), s.samples.begin() + std::ptrdiff_t(last));
+  return out;
+}
+
+std::size_t factor_between(TimeSeries const& fast, TimeSeries const& slow) {
+  double const ratio = fast.rate / slow.rate, factor = std::round(ratio);
+  if (std::abs(ratio - factor) > 1e-9 * ratio)
+    throw InputError(fmt::format(
+        "error: '{}' has {:g} Hz and '{}' {:g} Hz, and no whole factor lies between them\n  resample one of them first",
+        fast.name, fast.rate, slow.name, slow.rate));
+  return std::size_t(factor);
+}
+
+}  // namespace
+
+TimeSeries cut(TimeSeries const& s, GpsSpan span) {
+  double const slack = sample_slack / s.rate + 4e-7;
+  bool const inside = span.from < span.to && (span.from <= -1e300 || span.from >= s.start - slack) &&
+                      (span.to >= 1e300 || span.to <= s.end() + slack) && span.from < s.end() && span.to > s.start;
+  if (!inside)
+    throw InputError(
+        fmt::format("error: '{}' holds GPS {}, and {}..{} is asked for\n  choose a span inside it with --gps A..B",
+                    s.name, span_text(s), span.from <= -1e300 ? "its start" : gps_text(span.from),
+                    span.to >= 1e300 ? "its end" : gps_text(span.to)));
+  double const count = double(s.samples.size());
+  double const from = std::ceil((std::max(span.from, s.start) - s.start) * s.rate - s.rate * slack);
+  double const to = std::ceil((std::min(span.to, s.end()) - s.start) * s.rate - s.rate * slack);
+  auto const first = std::size_t(std::clamp(from, 0.0, count)), last = std::size_t(std::clamp(to, 0.0, count));
+  if (last < first + 2)
+    throw InputError(
+        fmt::format("error: GPS {}..{} holds fewer than two samples of '{}', which has {:g} Hz\n  choose a longer span",
+                    gps_text(span.from), gps_text(span.to), s.name, s.rate));
+  return part(s, first, last);
+}
+
+std::vector<TimeSeries> aligned(std::vector<TimeSeries> const& all) {
+  if (all.size() < 2) return all;
+  TimeSeries const& slow =
+      *std::min_element(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.rate < b.rate; });
+  double from = -1e300, to = 1e300;
+  for (TimeSeries const& s : all) {
+    from = std::max(from, s.start);
+    to = std::min(to, s.end());
+  }
+  double const first = std::ceil((from - slow.start) * slow.rate - sample_slack);
+  double const start = slow.start + first / slow.rate;
+  if (to - start < 2 / slow.rate) {
+    std::string spans;
+    for (TimeSeries const& s : all) spans += fmt::format("\n  '{}': GPS {}", s.name, span_text(s));
+    throw InputError("error: the series have no stretch in common" + spans);
+  }
+  auto const count = std::size_t(std::floor((to - start) * slow.rate + sample_slack));
+  std::vector<TimeSeries> out;
+  for (TimeSeries const& s : all) {
+    std::size_t const factor = factor_between(s, slow);
+    double const steps = whole_steps(s, start);
+    if (std::isnan(steps))
+      throw InputError(
+          fmt::format("error: the samples of '{}' stand between those of '{}'\n  they must be taken at the same times",
+                      s.name, slow.name));
+    TimeSeries const same = factor == 1 ? s : decimated(s, factor, std::size_t(steps) % factor);
+    out.push_back(part(same, std::size_t(steps) / factor, std::size_t(steps) / factor + count));
+    out.back().start = start;
+    out.back().rate = slow.rate;
+  }
+  return out;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "signal/series_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "base/message.hpp"
+#include "base/quantity.hpp"
+#include "signal/gps.hpp"
+#include "signal/series_sources.hpp"
+#include "signal/unit_text.hpp"
+
+namespace straytrace {
+namespace series_source {
+
+void refuse(std::string const& file, std::string const& what, std::string const& suggestion) {
+  Problem const problem{{1, 0, 0}, what, suggestion, Severity::error, 1};
+  throw InputError({problem}, fmt::format("{}: error: {}\n  {}", file, what, suggestion), {"", file});
+}
+
+std::string unit_or_refuse(std::string const& file, std::string const& place, std::string const* found,
+                           std::string const& wanted) {
+  if (wanted.empty() && !found)
+    refuse(file, fmt::format("{} has no unit", place), "say it with --unit, for example --unit um/s^2");
+  std::string const text = wanted.empty() ? *found : wanted;
+  if (auto const unit = unit_of_file(text)) return *unit;
+  std::string const near = likely_unit(text);
+  refuse(file, fmt::format("'{}' of {} is not a unit", text, place),
+         near.empty() ? "say the unit with --unit, for example --unit m/s^2, V or count"
+                      : fmt::format("did you mean '{}'? say it with --unit", near));
+}
+
+std::string choices(std::vector<std::string> const& names) {
+  std::size_t const most = 12;
+  std::vector<std::string> const shown(names.begin(), names.begin() + std::ptrdiff_t(std::min(names.size(), most)));
+  return fmt::format("{}{}", fmt::join(shown, ", "),
+                     names.size() > most ? fmt::format(" and {} more", names.size() - most) : "");
+}
+
+}  // namespace series_source
+
+namespace {
+
+bool is_hdf5_file(std::string const& bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
+
+std::string bytes_of(std::string const& file) {
+  auto const refuse = [&](int error) {
+    throw InputError(
+        fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, std::strerror(error)));
+  };
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown)) refuse(EISDIR);
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  if (!stream || stream.bad()) refuse(errno != 0 ? errno : EIO);
+  return bytes;
+}
+
+double one_time(std::string const& text, std::string const& all) {
+  double value = 0;
+  auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code == std::errc() && end == text.data() + text.size() && std::abs(value) < 1e12) return value;
+  if (auto const utc = gps_of_utc(text)) return *utc;
+  throw InputError(
+      fmt::format("error: '{}' in '{}' is neither a GPS time nor UTC\n  write for example 1234567890..1234567950, or "
+                  "2019-02-01T12:00:00..2019-02-01T12:01:00",
+                  text, all));
+}
+
+std::string without_blanks_around(std::string const& text) {
+  auto const first = text.find_first_not_of(' ');
+  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
+}  // namespace
+
+TimeSeries parse_series(std::string const& bytes, std::string const& file, SeriesRequest const& wanted) {
+  if (is_hdf5_file(bytes)) return series_source::from_hdf5(bytes, file, wanted);
+  return series_source::from_text(bytes, file, wanted);
+}
+
+std::vector<std::string> channels_of(std::string const& bytes, std::string const& file) {
+  if (is_hdf5_file(bytes)) return series_source::names_in_hdf5(bytes, file);
+  return series_source::names_in_text(bytes, file);
+}
+
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span) {
+  auto const mark = argument.find("::");
+  std::string const file = argument.substr(0, mark);
+  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), unit, span};
+  return parse_series(bytes_of(file), std::filesystem::path(file).filename().string(), wanted);
+}
+
+GpsSpan parse_gps(std::string const& text) {
+  auto const mark = text.find("..");
+  std::string const from = without_blanks_around(text.substr(0, mark));
+  GpsSpan span;
+  if (mark == text.npos) return {one_time(from, text), span.to};
+  std::string const to = without_blanks_around(text.substr(mark + 2));
+  if (!from.empty()) span.from = one_time(from, text);
+  if (!to.empty()) span.to = one_time(to, text);
+  if (!(span.from < span.to))
+    throw InputError(fmt::format("error: '{}' ends before it begins\n  write the earlier time first", text));
+  return span;
+}
+
+}  // namespace straytrace

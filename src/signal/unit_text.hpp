@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Unit strings of files: as astropy and gwpy write them ("m / Hz(1/2)", "ct", "") and as parse_unit reads them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace straytrace {
+
+// What parse_unit reads, with the same meaning: "m / s2" -> "m/s^2", "ct" -> "count", "" and "strain" -> "1". Empty
+// when neither of the two languages has it.
+std::optional<std::string> unit_of_file(std::string_view);
+// As astropy's generic format: "m/sqrt(Hz)" -> "m / Hz(1/2)", "1" -> "".
+std::string gwpy_unit(std::string_view unit);
+
+// "m" -> "m/sqrt(Hz)" and "m^2/Hz"; "1" -> "1/sqrt(Hz)" and "1/Hz"; "m/s^2" -> "m^2/s^4/Hz".
+std::string asd_unit(std::string const& unit);
+std::string psd_unit(std::string const& unit);
+// Of a transfer function: "V/m" for V above and m below, "1" where they are equal.
+std::string ratio_unit(std::string const& above, std::string const& below);
+
+}  // namespace straytrace
