@@ -64,8 +64,8 @@ Prediction from_run(FringesOptions const& o) {
   for (auto const& [coupling, r] : order) {
     FringeCurve curve = fringe_curve(in.coupling(), r, motion);
     if (curve.bodies.empty()) continue;
+    if (p.lines.size() >= o.show) break;
     for (std::size_t i = 0; i < curve.hz.size(); ++i) p.largest[i] = std::max(p.largest[i], curve.hz[i]);
-    if (p.lines.size() >= o.show) continue;
     std::vector<std::string> seen;
     for (Multiplicity const& m : curve.bodies)
       seen.push_back(fmt::format(
@@ -169,7 +169,7 @@ int fringes(FringesOptions const& o) {
     double const stride =
         o.stride.empty() ? p.times.duration() / 10 : option_quantity(o.stride, dim::time, "--stride", "60 s");
     std::vector<FringeStride> const strides = by_stride(p.largest, p.times, stride, above);
-    text += "\nlargest of the routes, by stride\n" + strides_text(strides, above);
+    text += "\nlargest of these routes, by stride\n" + strides_text(strides, above);
     if (above > 0) {
       std::vector<FringeStretch> const stretches = stretches_above(strides, above);
       for (FringeStretch const& s : stretches)
