@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace fit edge: effective motion from where the shelf of the noise ends.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "app/fit_options.hpp"
 #include "base/message.hpp"
