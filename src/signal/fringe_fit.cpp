@@ -25,25 +25,12 @@ double longest_delay(FringeFitSettings const& s) {
   return longest;
 }
 
-struct SampleSpan {
-  std::size_t from = 0, to = 0;
-};
-
-// Samples of the target that every witness covers, with the delays.
 SampleSpan overlap(FringeRecords const& r, double delay) {
-  TimeSeries const& h = r.target;
-  double from = h.start, to = h.end();
-  for (TimeSeries const& x : r.witnesses) {
-    from = std::max(from, x.start + delay);
-    to = std::min(to, x.end() - delay);
-  }
-  if (!(to > from)) {
-    std::string spans = fmt::format("'{}' GPS {:.3f} to {:.3f}", h.name, h.start, h.end());
-    for (TimeSeries const& x : r.witnesses) spans += fmt::format(", '{}' {:.3f} to {:.3f}", x.name, x.start, x.end());
-    throw InputError(fmt::format("error: the records do not overlap: {}\n  give records of the same time", spans));
-  }
-  auto const first = std::size_t(std::ceil((from - h.start) * h.rate - 1e-3));
-  return {first, std::min(h.samples.size(), std::size_t(std::floor((to - h.start) * h.rate + 1e-3)))};
+  SampleSpan const span = covered(r, delay);
+  if (span.to > span.from) return span;
+  std::string spans = fmt::format("'{}' GPS {:.3f} to {:.3f}", r.target.name, r.target.start, r.target.end());
+  for (TimeSeries const& x : r.witnesses) spans += fmt::format(", '{}' {:.3f} to {:.3f}", x.name, x.start, x.end());
+  throw InputError(fmt::format("error: the records do not overlap: {}\n  give records of the same time", spans));
 }
 
 void check_samples(TimeSeries const& x) {
@@ -250,6 +237,19 @@ void report_significance(FringeFit& out, FringeProblem const& problem, RefinedFi
 }
 
 }  // namespace
+
+SampleSpan covered(FringeRecords const& r, double delay) {
+  TimeSeries const& h = r.target;
+  double from = h.start, to = h.end();
+  for (TimeSeries const& x : r.witnesses) {
+    double const reach = delay + (x.rate < h.rate || delay > 0 ? 16 / x.rate : 0);
+    from = std::max(from, x.start + reach);
+    to = std::min(to, x.end() - reach);
+  }
+  if (!(to > from)) return {};
+  auto const first = std::size_t(std::ceil((from - h.start) * h.rate - 1e-3));
+  return {first, std::min(h.samples.size(), std::size_t(std::floor((to - h.start) * h.rate + 1e-3)))};
+}
 
 FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& settings) {
   check(given, settings);

@@ -8,7 +8,7 @@
 
 #include "base/constants.hpp"
 #include "base/functions.hpp"
-#include "signal/fringe_fit.hpp"
+#include "signal/fringe_search.hpp"
 #include "signal/interpolate.hpp"
 
 namespace straytrace {
@@ -27,17 +27,11 @@ struct Span {
   std::size_t first = 0, count = 0;
 };
 
-Span covered(FringeRecords const& r, FringeFit const& fit) {
-  double from = r.target.start, to = r.target.end(), delay = 0;
+Span span_of(FringeRecords const& r, FringeFit const& fit) {
+  double delay = 0;
   for (FittedPath const& p : fit.paths) delay = std::max(delay, std::fabs(p.delay.value));
-  for (TimeSeries const& x : r.witnesses) {
-    from = std::max(from, x.start + delay);
-    to = std::min(to, x.end() - delay);
-  }
-  auto const first = std::size_t(std::ceil((from - r.target.start) * r.target.rate - 1e-3));
-  auto const last =
-      std::min(r.target.samples.size(), std::size_t(std::floor((to - r.target.start) * r.target.rate + 1e-3)));
-  return {r.target.time(first), first, last > first ? last - first : 0};
+  SampleSpan const span = covered(r, delay);
+  return {r.target.time(span.from), span.from, span.to - span.from};
 }
 
 // exp(i(phi + theta)) of one path, times sqrt(f_r).
@@ -64,7 +58,7 @@ double mask(double hz, double low, double high) {
 }  // namespace
 
 FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, FringeFit const& fit) {
-  Span const span = covered(r, fit);
+  Span const span = span_of(r, fit);
   // Room behind the end, so that the filter does not wrap into the beginning.
   std::size_t const n = power_of_two_above(span.count + std::size_t(2 * r.target.rate));
   Field sum(n), lines, series;
