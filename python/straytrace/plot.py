@@ -64,14 +64,30 @@ def limits(curves):
     return max(values.min() / 2, top * 1e-8), top
 
 
+def draw_bands(axes, noise):
+    """What static phases and inputs leave open: the wide pale band is speckle, the hatched one the inputs."""
+    bands, f = noise.bands, noise.frequency
+    if bands is None:
+        return
+    axes.fill_between(f, np.maximum(bands.speckle_05, 1e-300), bands.speckle_95, color="#56B4E9", alpha=0.22, lw=0,
+                      label="one realisation: 5 to 95 %", zorder=1)
+    axes.plot(f, bands.speckle_95, color="#56B4E9", lw=0.8, zorder=1)
+    if bands.sources:
+        axes.fill_between(f, np.maximum(bands.input_low, 1e-300), bands.input_high, facecolor="none", hatch="////",
+                          edgecolor="#E69F00", alpha=0.7, lw=0.6, label="stated input uncertainty", zorder=2)
+
+
 def draw_budget(axes, run, band):
     noise, total = run.noise, run.noise.total
     f = noise.frequency
     shown = [total.mean, total.amplitude]
+    if noise.bands is not None:
+        shown.append(noise.bands.speckle_95)
     bound = " (lower bound)" if noise.unresolved else ""
     axes.plot(f, total.mean, color="black", lw=2.2, label="stray light, total" + bound, zorder=5)
     low = np.maximum(total.mean - total.sigma, 1e-300)
     axes.fill_between(f, low, total.mean + total.sigma, color="black", alpha=0.25, lw=0, label="± one standard error")
+    draw_bands(axes, noise)
     axes.plot(f, total.phase, color="black", lw=1.1, ls=(0, (4, 3)), label="phase quadrature alone", zorder=4)
     axes.plot(f, total.amplitude, color="black", lw=1.1, ls=(0, (1, 1.5)), label="amplitude quadrature alone", zorder=4)
     for k, (name, design) in enumerate(noise.design.items()):

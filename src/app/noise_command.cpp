@@ -43,7 +43,7 @@ int noise(Options const& options) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
   }
-  NoiseBudget const budget = model.project(file.trace.coupling);
+  NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PathTable const paths = table_for(file.trace.coupling, &budget, model);
   RunContent content = file.content();

@@ -25,7 +25,7 @@ int run(Options const& options) {
   FolderLock const lock(options.out);
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
   std::optional<NoiseBudget> budget;                                                // from here on nothing is expensive
-  if (model.detector) budget = model.project(traced.coupling);
+  if (model.detector) budget = model.project_with_bands(traced.coupling);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
   RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
   std::string const undrawn = write_results(options.out, content, paths, model);

@@ -17,7 +17,8 @@
 
 namespace straytrace {
 
-// d(coordinate of body)/d(input), complex for tones whose axes move with different phase; real otherwise.
+// d(coordinate of body)/d(input). `value` is complex for tones, whose coordinates move as Im(value exp(+2 pi i f t)),
+// real otherwise; `transfer` counts for exp(-2 pi i f t).
 // axis: 0..2 translations x, y, z along the world axes; 3..5 rotations about them through the body's pivot.
 struct Gain {
   BodyId body;
@@ -44,13 +45,17 @@ class MotionSet {
   std::vector<MotionInput> inputs;
   std::vector<std::string> bodies;  // names; BodyId = position
 
-  // |sum over bodies and axes of lever times gain|^2: factor from the PSD of input i to the PSD of the phase of a path
-  // (rad^2/m^2); for a tone the square of its phase amplitude z (physics.md eq. 7.2, 7.12).
-  double sensitivity(std::size_t i, std::span<Lever const> levers) const;
+  // |sum over bodies and axes of lever times gain times transfer function|^2: factor from the PSD of input i at a
+  // frequency to the PSD of the phase of a path (rad^2/m^2); for a tone, at any frequency, the square of its phase
+  // amplitude z (physics.md eq. 7.2, 7.12), for a drift that of its phase rate [rad^2/s^2].
+  double sensitivity(std::size_t i, std::span<Lever const> levers, double hz) const;
 };
 
 // Reads the table `bodies` of a scene. Every body must have a motion ("still" is a statement, not a default).
 // Problems go to the document. `bodies`: names in the order of BodyId.
 MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies);
+
+// Names in the order of BodyId: the bodies of the table, then their elastic modes as "body/mode".
+std::vector<std::string> bodies_and_modes(Node const& bodies_table);
 
 }  // namespace straytrace

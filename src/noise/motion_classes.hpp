@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Independent inputs of the motion grouped by the shape of their spectrum: the phase of a path then depends on its
-// levers through one number per class.
+// Independent inputs of the motion grouped by the shape of the spectra that they give to phases: the phase of a path
+// then depends on its levers through one number per class.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,15 +11,31 @@
 
 namespace straytrace {
 
-// The phase of a path has the PSD kappa * reference from this class; for a tone its square peak amplitude is
-// z^2 = kappa (physics.md eq. 1.10, 7.11).
+// The phase of a path has the PSD sum over classes of kappa * reference; for a tone its square peak amplitude is
+// z^2 = kappa (physics.md eq. 1.10, 7.11), for a drift the square of its rate [rad^2/s^2].
+//
+// Where one input reaches bodies through transfer functions H_k, with sums of lever times gain a_k,
+//
+//   |sum_k a_k H_k|^2 = sum_k a_k (sum_l a_l) |H_k|^2 - sum_{k<l} a_k a_l |H_k - H_l|^2
+//
+// so the classes are |H_k|^2 S and |H_k - H_l|^2 S: a kappa may be negative, their sum is not, and what the bodies have
+// in common (sum_l a_l = 0) leaves without a difference of large numbers.
 struct MotionClass {
-  Spectrum reference;                                   // m^2/Hz
-  double tone_frequency = 0;                            // Hz; > 0: a tone
-  std::vector<std::pair<std::size_t, double>> members;  // input, its PSD over the reference
+  using Transfer = std::shared_ptr<TransferFunction const>;  // none: 1
+  struct Member {
+    std::size_t input;
+    double scale;                      // its PSD over the reference
+    Transfer first = {}, second = {};  // |H|^2 of one, or of the difference of two
+    bool difference = false;
+  };
 
-  // Mean-square phase per unit of kappa.
-  double variance() const { return tone_frequency > 0 ? 0.5 : reference.total(); }
+  Spectrum reference;         // m^2/Hz
+  double tone_frequency = 0;  // Hz; > 0: a tone
+  std::vector<Member> members;
+  bool drift = false;
+
+  // Mean-square phase per unit of kappa; a drift is no motion about a mean.
+  double variance() const { return drift ? 0 : tone_frequency > 0 ? 0.5 : reference.total(); }
 };
 
 std::vector<MotionClass> group_by_shape(MotionSet const&);

@@ -3,50 +3,54 @@
 #include <algorithm>
 #include <cmath>
 
+#include "noise/motion_classes.hpp"
 #include "report/band.hpp"
 #include "report/replicas.hpp"
 
 namespace straytrace {
 namespace {
 
-// Variance of each input's displacement (a tone of unit amplitude has 1/2), in the band or in all.
-std::vector<double> input_powers(MotionSet const& motion, double low, double high) {
-  std::vector<double> powers;
-  for (MotionInput const& input : motion.inputs) {
-    bool const tone = input.tone_frequency > 0;
-    bool const all = high <= low;
-    if (tone)
-      powers.push_back(all || (input.tone_frequency >= low && input.tone_frequency <= high) ? 0.5 : 0);
-    else
-      powers.push_back(all ? input.spectrum.total() : input.spectrum.power(low, high));
+// What shakes, and the mean-square phase in the band, or in all, per unit of kappa of each class.
+struct Shaking {
+  MotionSet const* motion = nullptr;
+  std::vector<MotionClass> classes = {};
+  std::vector<double> power = {};
+};
+
+Shaking shaking_of(MotionSet const& motion, double low, double high) {
+  Shaking s{&motion, group_by_shape(motion), {}};
+  bool const all = high <= low;
+  for (MotionClass const& c : s.classes) {
+    bool const inside = all || (c.tone_frequency >= low && c.tone_frequency <= high);
+    s.power.push_back(c.tone_frequency > 0 ? (inside ? c.variance() : 0)
+                      : all                ? c.variance()
+                                           : c.reference.power(low, high));
   }
-  return powers;
+  return s;
 }
 
 struct BodyPart {
   double phase2 = 0, lever2 = 0;  // rad^2; (rad/m)^2; weighted sums over paths
 };
 
-void add_lever(BodyPart& part, double weight, Lever const& lever, MotionSet const* motion,
-               std::vector<double> const& powers) {
+void add_lever(BodyPart& part, double weight, Lever const& lever, Shaking const* shaking) {
   part.lever2 += weight * (lever.d[0] * lever.d[0] + lever.d[1] * lever.d[1] + lever.d[2] * lever.d[2]);
-  if (!motion) return;
-  for (std::size_t i = 0; i < powers.size(); ++i)
-    if (powers[i] > 0) part.phase2 += weight * powers[i] * motion->sensitivity(i, {&lever, 1});
+  if (!shaking) return;
+  std::vector<double> const kappa = kappa_of(*shaking->motion, shaking->classes, {&lever, 1});
+  for (std::size_t i = 0; i < kappa.size(); ++i) part.phase2 += weight * shaking->power[i] * kappa[i];
 }
 
 // The body that shakes the phase most; without motion, the one with the largest lever.
-void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, MotionSet const* motion,
-               std::vector<double> const& powers) {
+void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, Shaking const* shaking) {
   std::map<std::uint32_t, BodyPart> parts;
   double weights = 0;
   for (PathRecord const& r : c.records) {
     weights += r.weight;
-    for (Lever const& lever : r.levers) add_lever(parts[lever.body.value], r.weight, lever, motion, powers);
+    for (Lever const& lever : r.levers) add_lever(parts[lever.body.value], r.weight, lever, shaking);
   }
   double best = 0;
   for (auto const& [body, part] : parts) {
-    double const size = motion ? part.phase2 : part.lever2;
+    double const size = shaking ? part.phase2 : part.lever2;
     if (size <= best || body >= names.size()) continue;
     best = size;
     row.body = names[body];
@@ -164,8 +168,12 @@ WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double h
   return curve_at(trace.asd, trace.sigma, grid, hz);
 }
 
+double band_at(std::vector<double> const& curve, FrequencyGrid const& grid, double hz) {
+  return curve_at(curve, std::vector<double>(curve.size(), 0.0), grid, hz).value;
+}
+
 double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz) {
-  return curve_at(curve.asd, std::vector<double>(curve.asd.size(), 0.0), grid, hz).value;
+  return band_at(curve.asd, grid, hz);
 }
 
 WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
@@ -189,19 +197,20 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
     for (double const f : table.frequencies) table.total_strain.push_back(strain_at(budget->total, budget->grid, f));
   }
   // In the linear regime the motion inside the band makes the noise; where fringes wrap, all of it does.
-  std::vector<double> in_band, all;
+  Shaking in_band, all;
   if (motion) {
-    in_band = input_powers(*motion, table.low, table.high);
-    all = input_powers(*motion, 0, 0);
+    in_band = shaking_of(*motion, table.low, table.high);
+    all = shaking_of(*motion, 0, 0);
   }
   for (std::size_t i = 0; i < coupling.classes.size(); ++i) {
     CouplingClass const& c = coupling.classes[i];
     PathRow row = row_of(coupling, c);
     if (table.has_noise) {
       add_noise(row, budget->routes[i], budget->grid, table.frequencies);
+      row.regime = regime(budget->routes[i], budget->grid, table.low, table.high);
       row.power = band_power(budget->routes[i], budget->grid, table.low, table.high);
     }
-    find_body(row, c, coupling.bodies, motion, row.rms_phase < 1 ? in_band : all);
+    find_body(row, c, coupling.bodies, !motion ? nullptr : row.rms_phase < 1 ? &in_band : &all);
     table.rows.push_back(std::move(row));
   }
   if (table.has_noise) find_shares(table.rows);

@@ -18,6 +18,17 @@ std::vector<double> logarithmic_knots(double from, double to, double per_decade)
   return hz;
 }
 
+// Sets knots between two until the curve is followed, with what is lost to rounding at 1e-14 of the largest value.
+void refine(std::function<double(double)> const& curve, double a, double at_a, double b, double at_b, double floor,
+            std::vector<double>& knots) {
+  constexpr double tolerance = 1e-5, narrowest = 1e-6;
+  double const middle = std::sqrt(a * b), value = curve(middle), line = std::sqrt(at_a * at_b);
+  if (b < a * (1 + narrowest) || !(std::fabs(value - line) > tolerance * value + floor)) return;
+  refine(curve, a, at_a, middle, value, floor, knots);
+  knots.push_back(middle);
+  refine(curve, middle, value, b, at_b, floor, knots);
+}
+
 }  // namespace
 
 Spectrum power_law_asd(double asd, double at_hz, double exponent, double from_hz, double to_hz) {
@@ -43,6 +54,23 @@ Spectrum peterson(GroundModel model, double from_hz, double to_hz) {
   std::vector<double> psd;
   for (double f : hz) psd.push_back(std::pow(peterson_asd(model, f), 2));
   return Spectrum(hz, psd);
+}
+
+Spectrum filtered(Spectrum const& s, std::function<double(double)> const& factor, std::span<double const> features) {
+  if (!(s.highest() > s.lowest())) return s;
+  std::vector<double> knots = s.hz(), coarse = logarithmic_knots(s.lowest(), s.highest(), 16), extra;
+  knots.insert(knots.end(), coarse.begin(), coarse.end());
+  for (double const f : features)
+    if (f > s.lowest() && f < s.highest()) knots.push_back(f);
+  std::sort(knots.begin(), knots.end());
+  knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+  std::vector<double> values;
+  for (double const f : knots) values.push_back(factor(f));
+  double const floor = 1e-14 * *std::max_element(values.begin(), values.end());
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+    refine(factor, knots[i], values[i], knots[i + 1], values[i + 1], floor, extra);
+  extra.insert(extra.end(), knots.begin(), knots.end());
+  return s.multiplied(factor, extra);
 }
 
 double transmissibility(double hz, double resonance_hz, double quality) {

@@ -22,39 +22,84 @@ bool covers(std::vector<double> const& samples, double hz) {
 
 }  // namespace
 
-TransferFunction::TransferFunction(std::string name, std::vector<double> hz, std::vector<C> values)
-    : name_(std::move(name)), hz_(std::move(hz)) {
+TransferFunction::TransferFunction(std::string name, std::vector<double> hz, std::vector<C> values) : gain_(1) {
+  Table t{std::move(name), std::move(hz), {}, {}};
   for (C const& v : values) {
-    log_modulus_.push_back(std::log(std::abs(v)));
-    double const turn = phase_.empty() ? 0 : std::remainder(std::arg(v) - phase_.back(), 2 * pi);
-    phase_.push_back(phase_.empty() ? std::arg(v) : phase_.back() + turn);
+    t.log_modulus.push_back(std::log(std::abs(v)));
+    double const turn = t.phase.empty() ? 0 : std::remainder(std::arg(v) - t.phase.back(), 2 * pi);
+    t.phase.push_back(t.phase.empty() ? std::arg(v) : t.phase.back() + turn);
   }
+  tables_.push_back(std::move(t));
+}
+
+TransferFunction TransferFunction::oscillator(double hz, double quality, Response response) {
+  TransferFunction t({}, {}, 1);
+  t.oscillators_.push_back({hz, quality, response});
+  return t;
+}
+
+TransferFunction TransferFunction::product(TransferFunction const& a, TransferFunction const& b) {
+  TransferFunction both = a;
+  auto const append = [](auto& to, auto const& more) { to.insert(to.end(), more.begin(), more.end()); };
+  append(both.zeros_, b.zeros_);
+  append(both.poles_, b.poles_);
+  append(both.oscillators_, b.oscillators_);
+  append(both.tables_, b.tables_);
+  both.gain_ *= b.gain_;
+  return both;
 }
 
 C TransferFunction::operator()(double hz) const {
-  if (!hz_.empty()) return between(hz);
   C value = gain_;
   C const s{0, -hz};
   for (double const z : zeros_) value *= z == 0 ? s : 1.0 + s / z;
   for (double const p : poles_) value /= p == 0 ? s : 1.0 + s / p;
+  for (Oscillator const& o : oscillators_) {
+    double const x = hz / o.hz;
+    C const drag{0, -x / o.quality};
+    C const above = o.response == Response::support ? 1.0 + drag : o.response == Response::relative ? x * x : 1;
+    value *= above / (1 - x * x + drag);
+  }
+  for (Table const& t : tables_) value *= t(hz);
   return value;
 }
 
-C TransferFunction::between(double hz) const {
-  if (!covers(hz_, hz))
+C TransferFunction::Table::operator()(double f) const {
+  if (!covers(hz, f) && !holds)
     throw InputError(
         fmt::format("error: '{}' holds {:g} Hz to {:g} Hz, and {:g} Hz is asked for\n  give a file that covers the "
                     "band, or choose 'band' in 'noise' inside it",
-                    name_, hz_.front(), hz_.back(), hz));
-  auto const above = std::clamp<std::ptrdiff_t>(std::upper_bound(hz_.begin(), hz_.end(), hz) - hz_.begin(), 1,
-                                                std::ptrdiff_t(hz_.size()) - 1);
+                    name, hz.front(), hz.back(), f));
+  if (holds) f = std::clamp(f, hz.front(), hz.back());
+  auto const above =
+      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, std::ssize(hz) - 1);
   auto const b = std::size_t(above), a = b - 1;
-  double const share = std::log(hz / hz_[a]) / std::log(hz_[b] / hz_[a]);
-  return std::polar(std::exp(std::lerp(log_modulus_[a], log_modulus_[b], share)),
-                    std::lerp(phase_[a], phase_[b], share));
+  double const share = std::log(f / hz[a]) / std::log(hz[b] / hz[a]);
+  return std::polar(std::exp(std::lerp(log_modulus[a], log_modulus[b], share)), std::lerp(phase[a], phase[b], share));
 }
 
-TransferFunction read_response_file(Node const& file, bool decibels, Band const& band) {
+TransferFunction TransferFunction::holding_ends() const {
+  TransferFunction t = *this;
+  for (Table& table : t.tables_) table.holds = true;
+  return t;
+}
+
+Band TransferFunction::range() const {
+  Band range{0, infinity};
+  for (Table const& t : tables_)
+    if (!t.holds) range = {std::max(range.low, t.hz.front()), std::min(range.high, t.hz.back())};
+  return range;
+}
+
+std::vector<double> TransferFunction::features() const {
+  std::vector<double> hz = zeros_;
+  hz.insert(hz.end(), poles_.begin(), poles_.end());
+  for (Oscillator const& o : oscillators_) hz.push_back(o.hz);
+  for (Table const& t : tables_) hz.insert(hz.end(), t.hz.begin(), t.hz.end());
+  return hz;
+}
+
+TransferFunction read_response_file(Node const& file, bool decibels, std::optional<Band> const& band) {
   std::string const name = file.as_word();
   if (name.empty()) return {};
   std::optional<std::string> const text = file.document()->optional_file(file, name);
@@ -94,9 +139,9 @@ TransferFunction read_response_file(Node const& file, bool decibels, Band const&
     file.file_problem(name, 0, 0, "a response needs two frequencies at least", "give more lines: Hz and two numbers");
     return {};
   }
-  if (!covers(hz, band.low) || !covers(hz, band.high))
+  if (band && (!covers(hz, band->low) || !covers(hz, band->high)))
     file.problem(fmt::format("'{}' holds {:g} Hz to {:g} Hz, and the band of the noise asks for {:.4g} Hz to {:.4g} Hz",
-                             name, hz.front(), hz.back(), band.low, band.high),
+                             name, hz.front(), hz.back(), band->low, band->high),
                  "give a file that covers the band, or choose 'band' in 'noise' inside it");
   return {name, std::move(hz), std::move(values)};
 }
@@ -111,7 +156,7 @@ bool read_columns_are_decibels(Node const& table) {
   return false;
 }
 
-TransferFunction read_transfer_function(Node const& table, Band const& band) {
+TransferFunction read_transfer_function(Node const& table, std::optional<Band> const& band) {
   if (table.kind() != Node::Kind::table) {
     table.problem("a transfer function is a table", "write {gain: 1000, poles: [10 Hz]} or {file: loop.txt}");
     return {};

@@ -31,7 +31,7 @@ double variance(MotionSet const& m, std::uint32_t body, int axis) {
   double sum = 0;
   for (std::size_t i = 0; i < m.inputs.size(); ++i) {
     MotionInput const& input = m.inputs[i];
-    sum += m.sensitivity(i, {&l, 1}) * (input.tone_frequency > 0 ? 0.5 : input.spectrum.total());
+    sum += m.sensitivity(i, {&l, 1}, 1) * (input.tone_frequency > 0 ? 0.5 : input.spectrum.total());
   }
   return sum;
 }
@@ -109,7 +109,8 @@ TEST(ReadMotion, LikeIsIndependentAndSameAsIsCoherent) {
   Lever l{BodyId{0}, {1, 0, 1, 0, 0, 0}};  // x and z in phase
   auto const both = [&](MotionSet const& m) {
     double sum = 0;
-    for (std::size_t i = 0; i < m.inputs.size(); ++i) sum += m.sensitivity(i, {&l, 1}) * m.inputs[i].spectrum.total();
+    for (std::size_t i = 0; i < m.inputs.size(); ++i)
+      sum += m.sensitivity(i, {&l, 1}, 1) * m.inputs[i].spectrum.total();
     return sum;
   };
   Read const like = read(z + "{like: z, scale: 0.5}}}\n", {"a"}),
@@ -142,7 +143,7 @@ TEST(ReadMotion, BodiesShareMotion) {
   double relative = 0;
   std::vector<Lever> const levers = {{BodyId{0}, {0, 0, 1}}, {BodyId{1}, {0, 0, -1}}};
   for (std::size_t i = 0; i < r.motion.inputs.size(); ++i)
-    relative += r.motion.sensitivity(i, levers) * r.motion.inputs[i].spectrum.total();
+    relative += r.motion.sensitivity(i, levers, 1) * r.motion.inputs[i].spectrum.total();
   EXPECT_NEAR(relative / 1e-12, 1, 1e-9);
   EXPECT_THAT(read(ground + "  a: {motion: {follows: grund}}\n", {"a"}).problems, HasSubstr("did you mean 'ground'?"));
   EXPECT_THAT(read("  a: {motion: {follows: b}}\n  b: {motion: {follows: a}}\n", {"a"}).problems,
@@ -157,7 +158,7 @@ TEST(ReadMotion, TonesOfOneFrequencyAreOneInput) {
   ASSERT_EQ(r.problems, "");
   ASSERT_EQ(r.motion.inputs.size(), 1u);
   Lever const l{BodyId{0}, {1, 1, 0, 0, 0, 0}};
-  EXPECT_NEAR(std::sqrt(r.motion.sensitivity(0, {&l, 1})) / 5e-6, 1, 1e-12);
+  EXPECT_NEAR(std::sqrt(r.motion.sensitivity(0, {&l, 1}, 1)) / 5e-6, 1, 1e-12);
 }
 
 TEST(ReadMotion, ResonanceAmplifies) {
