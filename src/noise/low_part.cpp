@@ -64,6 +64,24 @@ std::vector<double> covariance(SlowPhase const& p, double spacing, std::size_t n
   return r;
 }
 
+// Plans of transforms are kept: making one takes longer than using it.
+Eigen::FFT<double>& transforms() {
+  thread_local Eigen::FFT<double> fft = [] {
+    Eigen::FFT<double> half;
+    half.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    return half;
+  }();
+  return fft;
+}
+
+// The least of 2^a {1, 5/4, 3/2} that is not below n: few plans, and quick ones.
+std::size_t quick_size(double n) {
+  std::size_t const below = std::bit_floor(static_cast<std::size_t>(std::min(n, 1e9)));
+  for (std::size_t quarters : {4, 5, 6})
+    if (static_cast<double>(below / 4 * quarters) >= n) return below / 4 * quarters;
+  return 2 * below;
+}
+
 // exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
 std::vector<double> correlation(SlowPhase const& p, std::vector<double> r, double spacing, double constant) {
   std::size_t const n = r.size();
@@ -100,8 +118,7 @@ double norm1(std::vector<double> const& v) {
 
 // One transform at n samples; false when the sampling rate was too low.
 bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& low) {
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  Eigen::FFT<double>& fft = transforms();
   std::vector<double> r = covariance(p, spacing, n, fft);
   double const r0 = r[0];
   double unmoved = std::exp(-r0);
@@ -120,9 +137,11 @@ bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& l
   bool clean = true;
   for (std::size_t k = 0; k <= n / 2; ++k) {
     double const s = lines[k].real() * step;
-    low.density[k] = s > floor ? s : 0;
-    clean = clean && (k < 3 * n / 8 || s <= floor);
+    low.density[k] = std::fabs(s) > floor ? s : 0;  // negative only between nodes of an interpolation
+    clean = clean && (k < 3 * n / 8 || std::fabs(s) <= floor);
   }
+  auto const last = std::find_if(low.density.rbegin(), low.density.rend(), [](double d) { return d != 0; });
+  low.density.resize(std::max<std::ptrdiff_t>(1, low.density.rend() - last));
   return clean;
 }
 
@@ -131,11 +150,11 @@ bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& l
 LowPart transform(SlowPhase const& p, double resolution) {
   double spacing = spacing_for(p.tones, resolution);
   double const rate = 2 * reach(p);
-  std::size_t n = std::max(fewest, std::bit_ceil(static_cast<std::size_t>(std::min(rate / spacing, 1e9))));
+  std::size_t n = quick_size(std::max(static_cast<double>(fewest), rate / spacing));
   if (n > usual_most && p.tones.empty()) {
     n = usual_most;
     spacing = std::min(rate / static_cast<double>(n), 4 * spacing);
-    n = std::bit_ceil(static_cast<std::size_t>(rate / spacing));
+    n = quick_size(rate / spacing);
   }
   LowPart low;
   for (; n <= most; n *= 2)
@@ -143,6 +162,29 @@ LowPart transform(SlowPhase const& p, double resolution) {
   throw NumericalError(
       fmt::format("motion too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
                   reach(p), spacing));
+}
+
+LowPart drifting(LowPart const& low, double hz) {
+  double const lines = std::round(hz / low.spacing);
+  if (lines == 0) return low;
+  if (!(lines < static_cast<double>(most)))
+    throw NumericalError(
+        fmt::format("drift too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing));
+  auto const shift = static_cast<std::size_t>(lines), size = low.density.size();
+  LowPart out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
+  for (std::size_t k = 0; k < size; ++k) {  // one-sided densities: the two-sided one is half of it, even
+    out.density[k + shift] += low.density[k] / 2;
+    if (k > 0) out.density[k < shift ? shift - k : k - shift] += low.density[k] / 2;
+    if (k == shift && k > 0) out.density[0] += low.density[k] / 2;
+  }
+  out.density[shift] += low.constant / low.spacing;
+  return out;
+}
+
+double total(LowPart const& low) {
+  double sum = low.constant + low.density[0] * low.spacing / 2;
+  for (std::size_t k = 1; k < low.density.size(); ++k) sum += low.density[k] * low.spacing;
+  return sum;
 }
 
 }  // namespace straytrace

@@ -34,4 +34,10 @@ struct LowPart {
 // samples. Throws NumericalError beyond 2^24.
 LowPart transform(SlowPhase const&, double resolution);
 
+// Under a steady drift of the phase by `hz` turns per second, taken to the nearest line: C(tau) cos(2 pi hz tau). The
+// unmoved light becomes a line. Throws NumericalError beyond 2^24 lines.
+LowPart drifting(LowPart const&, double hz);
+
+double total(LowPart const&);  // its power, constant included: 1/2
+
 }  // namespace straytrace

@@ -10,14 +10,14 @@ std::vector<MotionClass> group_by_shape(MotionSet const& motion) {
   for (std::size_t i = 0; i < motion.inputs.size(); ++i) {
     MotionInput const& input = motion.inputs[i];
     bool const tone = input.tone_frequency > 0;
-    if (!tone && !(input.spectrum.total() > 0)) continue;
+    if (!tone && !input.drift && !(input.spectrum.total() > 0)) continue;
     auto const same = std::find_if(classes.begin(), classes.end(), [&](MotionClass const& c) {
-      return !tone && c.tone_frequency == 0 && same_shape(c.reference, input.spectrum);
+      return !tone && !input.drift && c.tone_frequency == 0 && !c.drift && same_shape(c.reference, input.spectrum);
     });
     if (same != classes.end())
       same->members.emplace_back(i, input.spectrum.total() / same->reference.total());
     else
-      classes.push_back({input.spectrum, input.tone_frequency, {{i, 1.0}}});
+      classes.push_back({input.spectrum, input.tone_frequency, {{i, 1.0}}, input.drift});
   }
   return classes;
 }

@@ -10,15 +10,17 @@
 
 namespace straytrace {
 
-// The phase of a path has the PSD kappa * reference from this class; for a tone its square peak amplitude is
-// z^2 = kappa (physics.md eq. 1.10, 7.11).
+// The phase of a path has the PSD kappa * reference from this class, kappa of either sign as long as that of all
+// classes together is a PSD; for a tone its square peak amplitude is z^2 = kappa (physics.md eq. 1.10, 7.11); for a
+// drift kappa is the square of its steady rate [rad^2/s^2].
 struct MotionClass {
   Spectrum reference;                                   // m^2/Hz
   double tone_frequency = 0;                            // Hz; > 0: a tone
   std::vector<std::pair<std::size_t, double>> members;  // input, its PSD over the reference
+  bool drift = false;                                   // constant velocity
 
-  // Mean-square phase per unit of kappa.
-  double variance() const { return tone_frequency > 0 ? 0.5 : reference.total(); }
+  // Mean-square phase per unit of kappa; a drift is no motion about a mean.
+  double variance() const { return drift ? 0 : tone_frequency > 0 ? 0.5 : reference.total(); }
 };
 
 std::vector<MotionClass> group_by_shape(MotionSet const&);
