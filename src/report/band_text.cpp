@@ -44,7 +44,8 @@ std::string band_text(NoiseBudget const& b, std::vector<double> const& frequenci
   text +=
       "\ninput: brackets of all materials at their low ends, at their high ends; independent standard deviations\n"
       "combine in quadrature. speckle: one realisation of the unknown static phases, once they are what they are;\n"
-      "where fringes wrap the spread is an upper bound. Routes are added in power; 'all in phase' is the linear sum of\n"
+      "where fringes wrap the spread is an upper bound. Routes are added in power; 'all in phase' is the linear sum "
+      "of\n"
       "their ASDs, the worst way in which the mean strengths of routes can add, and not a forecast.\n\n";
   return text + sources(b.bands);
 }

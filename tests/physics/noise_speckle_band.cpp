@@ -61,7 +61,8 @@ TEST(SpeckleBand, OneRigidBodyIsOneSpeckle) {  // A20: 200 equal paths, toleranc
 
 TEST(SpeckleBand, RoutesOfOneBodyAreStillOneSpeckle) {  // one motion, not one route, makes a speckle
   std::vector<CouplingClass> routes;
-  for (std::uint64_t i = 0; i < 200; ++i) routes.push_back(known_class(i, 1.0 / 200, {record(0, 1.0 / 200, {lever(0, 2, two_k)})}));
+  for (std::uint64_t i = 0; i < 200; ++i)
+    routes.push_back(known_class(i, 1.0 / 200, {record(0, 1.0 / 200, {lever(0, 2, two_k)})}));
   Percentiles const p = band_of(routes, one_body(weak), BothQuadratures());
   EXPECT_LT(deviation(p.p95, 2.996), 0.03);
   EXPECT_LT(deviation(p.coherent, 14.14), 1e-3);  // A20, eq. 10.4: linear sum of ASDs
@@ -119,7 +120,8 @@ double realised(double phi0, double rms, std::uint64_t seed) {
   std::vector<double> y;
   std::vector<std::array<double, 3>> slow;  // frequency, amplitude, phase
   Rng rng(seed, 0, 0, Stream::source);
-  for (int k = 0; k < 60; ++k) slow.push_back({0.3 + 0.2 * (k + rng.uniform()) / 60, rms * std::sqrt(2.0 / 60), 2 * pi * rng.uniform()});
+  for (int k = 0; k < 60; ++k)
+    slow.push_back({0.3 + 0.2 * (k + rng.uniform()) / 60, rms * std::sqrt(2.0 / 60), 2 * pi * rng.uniform()});
   for (int i = 0; i < 1200 * rate; ++i) {
     double const t = i / rate;
     double phase = phi0 + 1e-2 * std::sin(2 * pi * 10 * t);
