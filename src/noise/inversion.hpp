@@ -38,7 +38,7 @@ Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSprea
 // The ASD of the total, with its standard error, when the motion of a body is `scale` times what it is.
 using Projected = std::function<NoiseTrace(double scale)>;
 // Largest factor up to which ALL smaller ones meet the line: noise of wrapped fringes does not grow with every motion.
-// Looks between 1e-4 and 1e4 in 8 steps per decade and at the crossing more closely.
+// Looks between 1e-4 and 100 in 8 steps per decade and at the crossing more closely.
 Inversion invert_motion(Projected const&, std::vector<double> const& line);
 
 // Motion with the gains of one body times `scale`: of what it does by itself and of what carries it.

@@ -114,9 +114,9 @@ TEST(SpeckleBand, AGhostHasAKnownModulus) {  // |a|^2 (1 + cos beta): its larges
 }
 
 // One-sided PSD near 10 Hz of Im(e^{i phi0 + i phi(t)}) for Gaussian motion of rms phase `rms` around 0.4 Hz with a
-// weak line of phase at 10 Hz: 20 minutes at 256 Hz.
+// weak line of phase at 10 Hz: 20 minutes at 64 Hz.
 double realised(double phi0, double rms, std::uint64_t seed) {
-  constexpr double rate = 256;
+  constexpr double rate = 64;
   std::vector<double> y;
   std::vector<std::array<double, 3>> slow;  // frequency, amplitude, phase
   Rng rng(seed, 0, 0, Stream::source);
@@ -129,7 +129,7 @@ double realised(double phi0, double rms, std::uint64_t seed) {
     y.push_back(std::sin(phase));
   }
   double power = 0;  // of the line and its sidebands, 8 to 12 Hz
-  auto const psd = welch(y, rate, {.segment = 2560});
+  auto const psd = welch(y, rate, {.segment = 640});
   for (std::size_t i = 0; i < psd.hz.size(); ++i)
     if (psd.hz[i] > 8 && psd.hz[i] < 12) power += psd.psd[i];
   return power;
