@@ -78,6 +78,7 @@ class StrengthNodes {
   bool use_strengths();  // if they are no more than the nodes
   void use_means(Lattice);
   bool any_negative() const;
+  void weigh(Cell const&, std::span<double const> kappa, std::vector<double>& weight) const;
   void compute();
   bool smooth() const;
   double position(Cell const&, std::size_t c, double kappa) const;  // in steps from the cell's centre
