@@ -80,7 +80,7 @@ TEST(StaticPhase, BothQuadraturesAddUp) {  // R4.11; eq. 7.10 with a known phase
       double power = im.constant + im.psd[0] * 0.01;  // flat down to zero
       for (std::size_t i = 0; i < im.psd.size(); ++i) {
         power += im.psd[i] * (edges[i + 1] - edges[i]);
-        EXPECT_NEAR(im.psd[i] + re.psd[i], 2 * mean.psd[i], 1e-6 * mean.psd[0]);
+        EXPECT_NEAR(im.psd[i] + re.psd[i], 2 * mean.psd[i], 1e-4 * mean.psd[i]);
       }
       double const variance = std::pow(two_k * rms, 2);
       EXPECT_NEAR(power, (1 - std::cos(2 * phi_0) * std::exp(-2 * variance)) / 2, 1e-4) << rms << ' ' << phi_0;

@@ -19,7 +19,7 @@ TEST(Parseval, HoldsForEveryStrengthAndKindOfMotion) {  // tolerance 2e-5 of wha
   MotionClass const tone_class{{}, 1.7, {}};
   MotionClass drift_class{{}, 0, {}};
   drift_class.drift = true;
-  std::vector<double> edges = {0.01, 0.1};
+  std::vector<double> edges = {0.01, 0.02, 0.1};
   while (edges.back() < 3000) edges.push_back(edges.back() * 1.3);
   PhaseSpectra const spectra({line, law, tone_class, drift_class, cross}, FrequencyGrid{edges});
   double const turn = std::pow(2 * pi * 30, 2), of_law = 1 / law.variance();
