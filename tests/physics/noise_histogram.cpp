@@ -105,7 +105,7 @@ TEST(StrengthHistogram, NegativeKappa) {
     psd.push_back(square(f));
   }
   PhaseSpectra const whole({{Spectrum(hz, psd), 0, {}}}, grid);
-  for (double k : {1e-3, 1.0, 30.0}) {
+  for (double k : {1e-3, 1.0}) {
     double const kappa = k * two_k * two_k;
     std::vector<double> const parts = spectra(std::vector{kappa, kappa, -2 * kappa}).psd,
                               one = whole(std::vector{kappa}).psd, forgot = spectra(std::vector{kappa, kappa, 0.0}).psd;
@@ -113,8 +113,8 @@ TEST(StrengthHistogram, NegativeKappa) {
     EXPECT_GT(deviation(forgot[3], one[3]), 0.1);  // twin: the negative class dropped
   }
   Strengths paths{3, {}, {}};
-  for (int i = 0; i < 60; ++i)
-    for (double k : {1.0, 1.0, -1.0}) paths.kappa.push_back(k * 0.3 * two_k * two_k * (1 + 0.002 * i));
+  for (int i = 0; i < 16; ++i)
+    for (double k : {1.0, 1.0, -1.0}) paths.kappa.push_back(k * 0.3 * two_k * two_k * (1 + 0.008 * i));
   Shared const cells = compare(spectra, paths, {0.25, 50, false});
   EXPECT_LT(cells.nodes, 10u);
   EXPECT_LT(cells.error, 1e-3);
