@@ -22,7 +22,7 @@ struct Row {
   std::string body, axis, unit;
   double rms = 0, rate = 0, drift = 0;            // m, m/s, m/s (rad); random motion and tones
   std::array<double, bands_from.size()> above{};  // rms above a frequency
-  std::vector<double> kappa;
+  std::vector<double> kappa = {};
 
   bool moves() const { return rms > 0 || drift != 0; }
 };

@@ -20,7 +20,9 @@ enum class Stream : std::uint32_t {
   window = 4,
   record = 5,
   receiver = 6,
-  backward = 8
+  backward = 8,
+  motion = 9,
+  static_phase = 10
 };
 
 class Rng {

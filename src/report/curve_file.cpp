@@ -71,6 +71,9 @@ std::string curve_ending_error(std::string const& file) {
                      file);
 }
 
+std::string curve_json(CurveSheet const& sheet) { return curve_format::json(sheet); }
+std::string curve_json(MapSheet const& map) { return curve_format::json(map); }
+
 void write_curves(std::string const& file, CurveSheet const& sheet) { write_file(file, bytes_of(file, sheet)); }
 void write_map(std::string const& file, MapSheet const& map) { write_file(file, bytes_of(file, map)); }
 

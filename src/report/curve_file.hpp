@@ -36,6 +36,9 @@ struct MapSheet {
 // .json. Complete or not at all. Throws InputError for another ending or a disk that refuses.
 void write_curves(std::string const& file, CurveSheet const&);
 void write_map(std::string const& file, MapSheet const&);
+// What the .json files hold, for standard output.
+std::string curve_json(CurveSheet const&);
+std::string curve_json(MapSheet const&);
 // What write_curves would say about the ending, before anything is computed; empty: nothing.
 std::string curve_ending_error(std::string const& file);
 

@@ -218,7 +218,7 @@ class Parser {
     std::size_t const begin = at_;
     std::string const id(word());
     if (peek() == '(' && (is_function(id) || !lookup_.find(id).known)) return function(id, begin);
-    if (is_unit_name(id) || parse_unit(id))
+    if (auto const unit = leading_unit(id); unit && unit->length == id.size())
       refuse(fmt::format("unit '{}' has no number before it", id), fmt::format("write '1 {}'", id), begin,
              begin + id.size());
     auto const found = lookup_.find(id);

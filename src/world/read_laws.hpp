@@ -15,6 +15,7 @@ struct LawReading {
   std::string material;
   std::vector<PoolRef> laws;  // what was read
   Optic* optic = nullptr;     // of the material
+  ScatterSpread spread = {};  // of a preset, around the case that is taken
 
   template <class Law>
   void add(Law const& law) {

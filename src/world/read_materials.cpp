@@ -88,6 +88,7 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
     if (law.has("weight")) optic.weight[i] = read_weight(law, out.world, out.laws[i]);
     info.laws.push_back(about);
   }
+  info.spread.widen(read_spread(law));
   if (!model.empty()) law.refuse_unknown(fmt::format("scatter law '{}'", model));
 }
 
@@ -140,7 +141,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
   names.black = world.add_optic({});
   for (auto const& [name, node] : scene.table("materials").items()) {
     Optic optic;
-    MaterialInfo info{name, node.word("source", "not given"), {}, 0};
+    MaterialInfo info{name, node.word("source", "not given"), {}, 0, {}};
     read_specular(node, world, names, optic);
     optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
     LawReading reading{world, name, {}, &optic};
@@ -150,6 +151,10 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
         optic.law[i] = reading.laws[i];
         info.laws.push_back(provenance_of(node["preset"].text()));
       }
+      info.spread = reading.spread;
+      if (node.has("uncertainty")) read_factor(node["uncertainty"], info.spread);
+    } else {
+      info.spread = read_spread(node);
     }
     for (Node const& law : node.list("scatter")) read_law(law, reading, optic, info);
     if (reading.laws.size() > std::size_t(Optic::most_laws))

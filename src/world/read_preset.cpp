@@ -50,6 +50,12 @@ void read_preset(Node const& material, LawReading& out, Optic& optic) {
     for (int i = 0; i < 3; ++i) values[i] = given[std::size_t(i)];
   }
   double const value = values[which];
+  if (value > 0) {
+    out.spread.low = values[0] / value;
+    out.spread.high = values[2] / value;
+  }
+  out.spread.of_reflection = preset->gives == Gives::reflect;
+  out.spread.status = preset->status;
   if (preset->gives == Gives::reflect) {
     optic.reflect = value;
   } else if (preset->gives == Gives::tis_75 && !own) {

@@ -18,6 +18,7 @@
 #include "world/inner_rim.hpp"
 #include "world/mode_shapes.hpp"
 #include "world/receiver.hpp"
+#include "world/scatter_spread.hpp"
 #include "world/search.hpp"
 #include "world/search_kernels.hpp"
 #include "world/steering.hpp"
@@ -159,6 +160,7 @@ struct MaterialInfo {
   std::string name, source;
   std::vector<LawInfo> laws;
   std::uint32_t optic = 0;
+  ScatterSpread spread;
 };
 
 // Owns all arrays. Built from a scene by build_world, or piece by piece by tests.

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What uncertain scatter and uncertain motion do to the total (docs/theory/errors.md).
+#pragma once
+
+#include <array>
+
+#include "noise/noise.hpp"
+
+namespace straytrace {
+
+// How well one material is known, as ratios to what was traced, and where it stands.
+struct MaterialSpread {
+  std::string name, status;
+  double low = 1, high = 1;  // bracket: a range
+  double factor = 1;         // one standard deviation of the logarithm
+  bool of_reflection = false;
+  std::vector<GroupId> groups;
+};
+
+// Times that a route scatters on the material (reflects, where its reflectance is meant).
+int scatters_on(MaterialSpread const&, std::vector<PathStep> const& steps);
+
+// Factor on the coupling of a class when the BRDF of the material is `ratio` times what was traced: ratio^scatters. Of
+// a row `other`: the mean over those of its routes that have names, once when none has.
+double coupling_factor(MaterialSpread const&, CouplingClass const&, double ratio);
+
+// Fills the input band, its sources and `taken_as_exact`. Brackets of all materials go to their low ends together and
+// to their high ends together; standard deviations of materials and of motions combine in quadrature of their
+// logarithms. Motion is projected anew with each uncertain body at its low and high end.
+void add_input_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Interferometer const&, NoiseSettings const&,
+                    std::vector<MaterialSpread> const&);
+
+}  // namespace straytrace

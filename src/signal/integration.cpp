@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "signal/integration.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "base/constants.hpp"
+#include "base/message.hpp"
+#include "base/quantity.hpp"
+#include "signal/padding.hpp"
+#include "signal/sections.hpp"
+
+namespace straytrace {
+namespace {
+
+// In SI, with the unit after `times` integrations.
+TimeSeries prepared(TimeSeries const& s, int times, double corner) {
+  auto const unit = parse_unit(s.unit);
+  auto const seconds = power_of(dim::time, times);
+  auto const after = unit && seconds ? straytrace::times(unit->dimension, *seconds) : std::nullopt;
+  if (times < 0 || times > 2 || !after)
+    throw InputError(
+        fmt::format("error: '{}' in {} cannot be integrated {} times\n  give its unit with --unit, for example m/s^2",
+                    s.name, s.unit, times));
+  if (!(corner > 0 && corner < s.rate / 4))
+    throw InputError(
+        fmt::format("error: a high pass at {:g} Hz for '{}' with {:g} Hz\n  choose it above 0 and below a quarter of "
+                    "the sample rate",
+                    corner, s.name, s.rate));
+  TimeSeries out = s;
+  out.unit = example_unit(*after);
+  if (out.unit.empty()) out.unit = "1";
+  for (double& x : out.samples) x = to_si(x, *unit);
+  return out;
+}
+
+}  // namespace
+
+int integrations_to_displacement(std::string const& unit) {
+  auto const u = parse_unit(unit);
+  for (int times = 0; u && times <= 2; ++times)
+    if (u->dimension == Dimension{2, 0, static_cast<std::int8_t>(-2 * times)}) return times;
+  throw InputError(fmt::format(
+      "error: '{}' is no unit of displacement, velocity or acceleration\n  give m, m/s or m/s^2 with --unit; "
+      "of counts or volts, the calibrated one",
+      unit));
+}
+
+double integrated_asd(double asd, double hz, int times) { return asd / std::pow(2 * pi * hz, times); }
+
+TimeSeries integrated(TimeSeries const& s, int times, double corner) {
+  TimeSeries out = prepared(s, times, corner);
+  double const mean = std::accumulate(out.samples.begin(), out.samples.end(), 0.0) / double(out.samples.size());
+  for (double& x : out.samples) x -= mean;
+  out.samples = filtered(out.samples, std::size_t(std::ceil(3 * s.rate / corner)), [&](double cycles) {
+    double const f = cycles * s.rate, ratio = std::pow(f / corner, 4);
+    return f == 0 ? 0 : ratio / (1 + ratio) / std::pow(std::complex<double>(0, 2 * pi * f), times);
+  });
+  return out;
+}
+
+TimeSeries integrated_causal(TimeSeries const& s, int times, double corner) {
+  TimeSeries out = prepared(s, times, corner);
+  out.samples = once(butterworth(2 * times + 2, 2 * corner / s.rate, 1), std::move(out.samples));
+  for (int i = 0; i < times; ++i) {
+    double sum = 0, before = 0;
+    for (double& x : out.samples) {
+      sum += (before + x) / 2 / s.rate;
+      before = x;
+      x = sum;
+    }
+  }
+  return out;
+}
+
+}  // namespace straytrace
