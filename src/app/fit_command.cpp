@@ -2,9 +2,9 @@
 // straytrace fit: fringe noise in a measured h(t) from a measured motion.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "app/common_options.hpp"
 #include "app/fit_report.hpp"
@@ -46,9 +46,10 @@ void write_fit(FitOptions const& o, FitAnswer const& answer, FringeModel const& 
 int fit(FitOptions const& o) {
   check_outputs(o.data);
   if (!o.subtract.empty() && !o.subtract.ends_with(".hdf5") && !o.subtract.ends_with(".h5"))
-    throw InputError(fmt::format("error: --subtract: '{}' does not end in .hdf5\n  the residual is written as gwpy "
-                                 "reads it",
-                                 o.subtract));
+    throw InputError(
+        fmt::format("error: --subtract: '{}' does not end in .hdf5\n  the residual is written as gwpy "
+                    "reads it",
+                    o.subtract));
   if (!o.run.empty() && !o.gain.empty())
     throw InputError("error: --gain-per-field: the run has the responses of its ports\n  leave one of the two out");
   std::vector<RoutePrediction> const routes = predictions(o);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace fit edge: effective motion from where the shelf of the noise ends.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "app/fit_options.hpp"
 #include "base/message.hpp"
@@ -123,9 +123,9 @@ void add_fit_edge(CLI::App& fit, FitOptions&, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace fit edge --target examples/data/swinging_baffle.hdf5::h --witness "
-      "examples/data/swinging_baffle.hdf5::x --band \"12 Hz..110 Hz\"\n"
+      "examples/data/swinging_baffle.hdf5::x --band \"12 Hz..90 Hz\"\n"
       "  straytrace fit edge --target examples/data/swinging_baffle.hdf5::h --witness "
-      "examples/data/swinging_baffle.hdf5::x --band \"12 Hz..110 Hz\" --stride \"5 s\" --factor 0.5..2");
+      "examples/data/swinging_baffle.hdf5::x --band \"12 Hz..90 Hz\" --stride \"5 s\" --factor 0.5..2");
   command->callback([&exit_code] { exit_code = edge(own); });
 }
 

@@ -15,10 +15,10 @@ namespace {
 TimeSeries in_si(TimeSeries x, Dimension wanted, std::string const& option, std::string const& unit_option) {
   auto const unit = parse_unit(x.unit);
   if (!unit || unit->dimension != wanted)
-    throw InputError(fmt::format("error: {}: '{}' is in '{}', not {}\n  {}", option, x.name, x.unit, described(wanted),
-                                 wanted == dim::length
-                                     ? "integrate accelerations to displacement first, or say the unit with " + unit_option
-                                     : "say the unit with " + unit_option));
+    throw InputError(fmt::format(
+        "error: {}: '{}' is in '{}', not {}\n  {}", option, x.name, x.unit, described(wanted),
+        wanted == dim::length ? "integrate accelerations to displacement first, or say the unit with " + unit_option
+                              : "say the unit with " + unit_option));
   for (double& v : x.samples) v = to_si(v, *unit);
   x.unit = wanted == dim::length ? "m" : "1";
   return x;
@@ -35,15 +35,21 @@ SearchRange range_or(FitOptions const& o, std::string const& text, Dimension dim
   return is_free(o, name) ? when_free : SearchRange{fixed, fixed};
 }
 
-SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route) {
+// 0.5 to 6, as far as the sample rate holds the fringes (eq. 7.13); the upper end is said with the result.
+SearchRange default_multiplicity(FringeRecords const& r, FringeFitSettings const& s) {
+  double const single = 2 * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
+  double const most = 0.99 * r.target.rate / (2.2 * single);
+  return {0.5, most > 1 ? std::min(6.0, most) : 6.0};
+}
+
+SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, SearchRange otherwise) {
   Dimension const plain = dim::plain;
   if (route) {
     double const w = route->multiplicity, wide = std::max(0.3 * std::fabs(w), 2 * route->spread);
     return range_or(o, o.multiplicity, plain, "multiplicity", "0.5..6", {w - wide, w + wide}, w);
   }
   bool const nothing_said = o.multiplicity.empty() && o.free.empty();
-  return nothing_said ? SearchRange{0.5, 6}
-                      : range_or(o, o.multiplicity, plain, "multiplicity", "0.5..6", {0.5, 6}, 1);
+  return nothing_said ? otherwise : range_or(o, o.multiplicity, plain, "multiplicity", "0.5..6", otherwise, 1);
 }
 
 double option_share(std::string const& text, std::string const& option, std::string const& example) {
@@ -115,15 +121,19 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
   if (records.witnesses.size() > 1) {
     bool const free = o.ratio == "free" || (o.ratio.empty() && is_free(o, "ratio"));
-    s.ratio = free ? SearchRange{0, 2}
-                   : o.ratio.empty() ? SearchRange{1, 1} : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
+    s.ratio = free              ? SearchRange{0, 2}
+              : o.ratio.empty() ? SearchRange{1, 1}
+                                : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
   }
-  double const gain =
-      o.gain.empty() ? 0 : option_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
+  double const gain = o.gain.empty() ? 0 : option_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
   for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths : 0); ++i) {
     RoutePrediction const* const route = routes.empty() ? nullptr : &routes[i];
     FringePath path{route ? fmt::format("path {}", route->rank) : fmt::format("path {}", i + 1),
-                    multiplicity_of(o, route), delay, drift, {}, {}};
+                    multiplicity_of(o, route, default_multiplicity(records, s)),
+                    delay,
+                    drift,
+                    {},
+                    {}};
     if (route) {
       path.phase = route->phase;
       path.amplitude = route->amplitude;
@@ -136,7 +146,8 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
 }
 
 void add_record_options(CLI::App& command, FitOptions& o) {
-  command.add_option("--target", o.target, "record with the noise: FILE or FILE::CHANNEL; h(t) before noise subtraction");
+  command.add_option("--target", o.target,
+                     "record with the noise: FILE or FILE::CHANNEL; h(t) before noise subtraction");
   command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
   command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL, a displacement");
   command.add_option("--witness2", o.witness2, "motion of a second body: the fit takes x_1 - ratio x_2");

@@ -16,8 +16,8 @@ struct Model;
 
 struct FitOptions {
   DataOptions data;
-  std::string run, body, axis;     // of the model; none: fit data alone
-  std::vector<std::size_t> rows;   // --path: ranks in its path table
+  std::string run, body, axis;    // of the model; none: fit data alone
+  std::vector<std::size_t> rows;  // --path: ranks in its path table
   std::string target, target_unit, witness, witness2, witness_unit;
   std::string wavelength, multiplicity, delay, drift, ratio, gain;
   std::vector<std::string> free;
@@ -30,10 +30,10 @@ struct FitOptions {
 struct RoutePrediction {
   std::size_t rank = 0;
   std::string route, port, body, axis;
-  double coupling = 0, sigma = 0;           // f_r, mean over the speckle, of one copy of the port; Monte-Carlo error
-  bool speckle = true;                      // scattered light: one realisation varies; a ghost does not
-  double multiplicity = 0, spread = 0;      // rms over the paths in units of 2k, and their standard deviation
-  StrainResponse phase, amplitude;          // of its port; keep the model alive
+  double coupling = 0, sigma = 0;       // f_r, mean over the speckle, of one copy of the port; Monte-Carlo error
+  bool speckle = true;                  // scattered light: one realisation varies; a ghost does not
+  double multiplicity = 0, spread = 0;  // rms over the paths in units of 2k, and their standard deviation
+  StrainResponse phase, amplitude;      // of its port; keep the model alive
 };
 // Throws InputError when the run has no such row, detector or motion of that body.
 std::vector<RoutePrediction> predictions(FitOptions const&);

@@ -2,10 +2,10 @@
 #include "app/fit_report.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "base/message.hpp"
 #include "noise/speckle.hpp"
@@ -61,9 +61,13 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
     out += line("amplitude G", value_text(p.amplitude, unit.c_str()));
   }
   out += line("static phase", value_text(p.phase, "rad"));
-  out += line("multiplicity W", value_text(p.multiplicity, ""));
-  out += line("effective motion", fmt::format("{:.4g} um peak ({:.4g} um pp)", 1e6 * effective_peak(a, p),
-                                              2e6 * effective_peak(a, p)));
+  SearchRange const& searched = a.settings.paths[i].multiplicity;
+  out +=
+      line("multiplicity W",
+           value_text(p.multiplicity, "") +
+               (searched.free() ? fmt::format(", searched from {:.3g} to {:.3g}", searched.low, searched.high) : ""));
+  out += line("effective motion",
+              fmt::format("{:.4g} um peak ({:.4g} um pp)", 1e6 * effective_peak(a, p), 2e6 * effective_peak(a, p)));
   if (p.delay.sigma > 0) out += line("delay", value_text(scaled(p.delay, 1e3), "ms"));
   if (p.drift.sigma > 0) out += line("drift of the phase", value_text(p.drift, "rad/s"));
   out += line("chi^2 gained",
@@ -187,9 +191,9 @@ std::string fit_text(FitAnswer const& a) {
   std::string witness = a.records.witnesses[0].name;
   if (a.records.witnesses.size() > 1)
     witness += fmt::format(" - {} x {}", value_text(fit.ratio, ""), a.records.witnesses[1].name);
-  std::string out = fmt::format("{} against {}, {:g} to {:g} Hz, {:g} nm, W in units of 4 pi/lambda\n",
-                                a.records.target.name, witness, a.settings.low, a.settings.high,
-                                a.settings.wavelength * 1e9);
+  std::string out =
+      fmt::format("{} against {}, {:g} to {:g} Hz, {:g} nm, W in units of 4 pi/lambda\n", a.records.target.name,
+                  witness, a.settings.low, a.settings.high, a.settings.wavelength * 1e9);
   out += fmt::format("fitted GPS {} to {}, tested to {}; phases at GPS {} and the mean of the motion\n",
                      gps_text(fit.start), gps_text(fit.split), gps_text(fit.end), gps_text(fit.middle));
   out += verdict_text(fit.verdict) + "\n";
@@ -222,18 +226,20 @@ nlohmann::json fit_json(FitAnswer const& a) {
     out["correlation"].push_back(std::vector<double>(fit.correlation.begin() + std::ptrdiff_t(i * n),
                                                      fit.correlation.begin() + std::ptrdiff_t((i + 1) * n)));
   if (fit.test.seconds > 0)
-    out["out_of_sample"] = {{"seconds", fit.test.seconds},
-                            {"chi2", {{"without", fit.test.without}, {"with", fit.test.with}, {"degrees", fit.test.degrees}}},
-                            {"scale", number(fit.test.scale)},
-                            {"reduction", number(fit.test.reduction)}};
+    out["out_of_sample"] = {
+        {"seconds", fit.test.seconds},
+        {"chi2", {{"without", fit.test.without}, {"with", fit.test.with}, {"degrees", fit.test.degrees}}},
+        {"scale", number(fit.test.scale)},
+        {"reduction", number(fit.test.reduction)}};
   return out;
 }
 
 TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {
   if (a.fit.verdict != FitVerdict::found)
-    throw InputError(fmt::format("error: --subtract: {}; nothing was subtracted and no residual written\n  leave the "
-                                 "option out, or fit another witness, band or stretch",
-                                 verdict_text(a.fit.verdict)));
+    throw InputError(
+        fmt::format("error: --subtract: {}; nothing was subtracted and no residual written\n  leave the "
+                    "option out, or fit another witness, band or stretch",
+                    verdict_text(a.fit.verdict)));
   TimeSeries rest = a.records.target;
   rest.name += "_RESIDUAL";
   for (std::size_t i = 0; i < model.values.size(); ++i) rest.samples[model.first + i] -= model.values[i];
@@ -257,8 +263,8 @@ CurveSheet fit_curves(FitAnswer const& a, FringeModel const& model) {
     sheet.notes.push_back(text.substr(at, end - at));
     at = end + 1;
   }
-  sheet.notes.push_back(welch_note(welch_settings, h.rate, before.segments, before.effective_averages,
-                                   before.noise_bandwidth));
+  sheet.notes.push_back(
+      welch_note(welch_settings, h.rate, before.segments, before.effective_averages, before.noise_bandwidth));
   sheet.x = {"frequency", "Hz", {}, "line"};
   std::vector<std::size_t> lines;
   for (std::size_t k = 1; k < before.hz.size(); ++k)

@@ -40,12 +40,13 @@ Levers levers_of(CouplingClass const& c, std::uint32_t body) {
 std::uint32_t body_named(CouplingTable const& table, std::string const& name) {
   auto const at = std::find(table.bodies.begin(), table.bodies.end(), name);
   if (at != table.bodies.end()) return std::uint32_t(at - table.bodies.begin());
-  throw InputError(fmt::format("error: --body: the run has no body '{}'\n  it is one of: {}", name,
-                               fmt::join(table.bodies, ", ")));
+  throw InputError(
+      fmt::format("error: --body: the run has no body '{}'\n  it is one of: {}", name, fmt::join(table.bodies, ", ")));
 }
 
 // rms lever and its spread in units of 2k, with the sign of the mean where that is clear.
-void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingClass const& c, std::string const& axis) {
+void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingClass const& c,
+                       std::string const& axis) {
   Levers const levers = levers_of(c, body_named(table, p.body));
   std::size_t a = std::size_t(std::max_element(levers.square.begin(), levers.square.end()) - levers.square.begin());
   if (!axis.empty()) a = std::size_t(std::find(axes.begin(), axes.end(), axis) - axes.begin());
@@ -53,9 +54,10 @@ void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingC
   double const two_k = 4 * pi / table.wavelength, mean = levers.sum[a] / levers.weight;
   double const rms = std::sqrt(levers.square[a] / levers.weight);
   if (!(rms > 0))
-    throw InputError(fmt::format("error: motion of '{}' along {} does not change the phase of path {}\n  choose "
-                                 "another --body or --axis",
-                                 p.body, p.axis, p.rank));
+    throw InputError(
+        fmt::format("error: motion of '{}' along {} does not change the phase of path {}\n  choose "
+                    "another --body or --axis",
+                    p.body, p.axis, p.rank));
   p.multiplicity = (mean < 0 ? -1 : 1) * rms / two_k;
   p.spread = std::sqrt(std::max(0.0, rms * rms - mean * mean)) / two_k;
 }

@@ -16,7 +16,8 @@ namespace straytrace {
 namespace {
 
 constexpr char const* kinds =
-    "write still, {asd: FILE, columns: [Hz, m/sqrt(Hz)]}, {series: FILE}, {power-law: ...}, {peterson: typical}, "
+    "write still, {asd: FILE, columns: [Hz, m/sqrt(Hz)]}, {series: FILE}, {csd: FILE}, {power-law: ...}, {peterson: "
+    "typical}, "
     "{line: ...}, "
     "{sine: ...}, {drift: 2 um/h}, {from: ground}, {like: z} or {same_as: z}";
 
@@ -105,7 +106,7 @@ Spectrum with_resonance(Node const& spec, Spectrum const& s) {
 std::string kind_of(Node const& spec) {
   std::string found;
   for (char const* key :
-       {"asd", "series", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as"}) {
+       {"asd", "series", "csd", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as"}) {
     if (!spec.has(key)) continue;
     if (!found.empty())
       spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found, key),
@@ -145,6 +146,15 @@ void read_record(Node const& spec, int axis, double scale, double uncertainty, A
     into.own.push_back({record->spectrum, uncertainty, through, record->displacement, scale});
 }
 
+void read_member(Node const& spec, int axis, double scale, AxisMotion& into) {
+  auto joint = read_joint(spec, is_rotation(axis));
+  Transfer const through = read_chain(spec["through"]);
+  if (!joint || !covers(through, joint->unit.lowest(), joint->unit.highest(), spec["through"])) return;
+  joint->scale = scale;
+  joint->through = through;
+  into.joint.push_back(std::move(*joint));
+}
+
 void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) {
   if (spec.kind() == Node::Kind::scalar) {
     if (spec.text() != "still") spec.problem(fmt::format("'{}' is not a motion", spec.text()), kinds);
@@ -160,6 +170,8 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
     read_sine(spec, axis, scale, uncertainty, into);
   else if (kind == "drift")
     into.drift += scale * spec.number("drift", speed_of(axis));
+  else if (kind == "csd")
+    read_member(spec, axis, scale, into);
   else if (kind == "series")
     read_record(spec, axis, scale, uncertainty, into);
   else if (Spectrum const s = read_gaussian(spec, kind, axis); s.total() > 0 && std::isfinite(scale)) {
@@ -172,10 +184,8 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
 
 }  // namespace
 
-AxisMotion read_axis(Node const& node, int axis, double uncertainty) {
-  AxisMotion motion;
-  for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, motion);
-  return motion;
+void read_axis(Node const& node, int axis, double uncertainty, AxisMotion& into) {
+  for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, into);
 }
 
 double read_uncertainty(Node const& table, double fallback) {

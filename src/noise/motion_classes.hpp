@@ -24,8 +24,8 @@ struct MotionClass {
   using Transfer = std::shared_ptr<TransferFunction const>;  // none: 1
   struct Member {
     std::size_t input;
-    double scale;            // its PSD over the reference
-    Transfer first, second;  // |H|^2 of one, or of the difference of two
+    double scale;                      // its PSD over the reference
+    Transfer first = {}, second = {};  // |H|^2 of one, or of the difference of two
     bool difference = false;
   };
 

@@ -9,13 +9,13 @@
 
 namespace straytrace {
 
-struct Event {
-  double from = 0, to = 0;   // GPS s
-  double hz = 0;             // where it is surest
-  double ratio = 0;          // of ASDs there, event over quiet
-  double significance = 0;   // there, of one bin and stretch
-  double overall = 0;        // with all bins and stretches that were looked at: what noise alone would show
-  std::size_t bins = 0;      // that pass
+struct LoudStretch {
+  double from = 0, to = 0;  // GPS s
+  double hz = 0;            // where it is surest
+  double ratio = 0;         // of ASDs there, event over quiet
+  double significance = 0;  // there, of one bin and stretch
+  double overall = 0;       // with all bins and stretches that were looked at: what noise alone would show
+  std::size_t bins = 0;     // that pass
 };
 
 struct EventSettings {
@@ -26,6 +26,6 @@ struct EventSettings {
 };
 
 // Neighbouring stretches that pass are one event. Throws InputError when the record is shorter than a stretch.
-std::vector<Event> find_events(TimeSeries const& record, TimeSeries const& quiet, EventSettings const&);
+std::vector<LoudStretch> find_events(TimeSeries const& record, TimeSeries const& quiet, EventSettings const&);
 
 }  // namespace straytrace

@@ -20,7 +20,7 @@ struct Harmonic {
 };
 
 struct HarmonicFit {
-  std::vector<Harmonic> harmonics;  // orders 1, 2, ...
+  std::vector<Harmonic> harmonics;                 // orders 1, 2, ...
   double z = not_a_number, z_low = 0, z_high = 0;  // peak phase, rad; one standard error
   double significance = 0;                         // of z > 0, standard deviations
   double z_limit = 0;                              // 95 %
@@ -40,14 +40,14 @@ double motion_of_phase(double z, double wavelength, double multiplicity);
 
 struct RampFit {
   enum class Verdict { linear, fringe, neither } verdict = Verdict::linear;
-  double slope = 0, slope_sigma = 0;         // target per drive, linear fit
-  double chi_linear = 0, chi_fringe = 0;     // degrees: points less 1, less 2
+  double slope = 0, slope_sigma = 0;      // target per drive, linear fit
+  double chi_linear = 0, chi_fringe = 0;  // degrees: points less 1, less 2
   int points = 0;
-  double significance = 0;                   // of the fringe over the line, standard deviations
-  double z = 0, z_low = 0, z_high = 0;       // peak phase at the largest drive, rad
-  double z_limit = 0;                        // 95 %
+  double significance = 0;              // of the fringe over the line, standard deviations
+  double z = 0, z_low = 0, z_high = 0;  // peak phase at the largest drive, rad
+  double z_limit = 0;                   // 95 %
   bool open = false;
-  double small_slope = 0;                    // target per drive of the fringe at small drive: G' z/drive
+  double small_slope = 0;  // target per drive of the fringe at small drive: G' z/drive
 };
 // Amplitude of the target's line against that of the drive: straight line, or C J_1(z) with z in proportion to the
 // drive. `fringe` when that is better by `threshold` standard deviations and fits; `neither` when both miss the points

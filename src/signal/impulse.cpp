@@ -54,9 +54,10 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
     ++s.count;
   }
   if (s.count < 2)
-    throw InputError(fmt::format("error: {} of {} knocks lie with their whole stretch inside the data; two are needed\n  "
-                                 "choose a lower --threshold or a shorter --length",
-                                 s.count, starts.size()));
+    throw InputError(
+        fmt::format("error: {} of {} knocks lie with their whole stretch inside the data; two are needed\n  "
+                    "choose a lower --threshold or a shorter --length",
+                    s.count, starts.size()));
   return s;
 }
 
@@ -116,17 +117,20 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
                                  ImpulseSettings const& s) {
   if (force.rate != target.rate || force.samples.size() != target.samples.size())
     throw InputError("error: force and target do not share their samples");
-  auto const n = std::size_t(std::lround(s.length * force.rate)), silent = std::size_t(std::lround(s.before * force.rate));
+  auto const n = std::size_t(std::lround(s.length * force.rate)),
+             silent = std::size_t(std::lround(s.before * force.rate));
   if (n < 32 || n > force.samples.size() || silent * 2 > n)
-    throw InputError(fmt::format("error: a stretch of {:g} s does not fit the data\n  choose --length between {:g} and {:g} s",
-                                 s.length, 32 / force.rate, force.duration()));
+    throw InputError(
+        fmt::format("error: a stretch of {:g} s does not fit the data\n  choose --length between {:g} and {:g} s",
+                    s.length, 32 / force.rate, force.duration()));
   Sums const sums = sums_of(force, target, starts, n, silent);
   ImpulseResponse r;
   r.stretches = sums.count;
   for (std::size_t k = 0; k <= n / 2; ++k) {
     r.hz.push_back(double(k) * force.rate / double(n));
     r.response.push_back(sums.force[k] > 0 ? sums.cross[k] / sums.force[k] : 0);
-    double const raw = sums.force[k] * sums.target[k] > 0 ? std::norm(sums.cross[k]) / (sums.force[k] * sums.target[k]) : 0;
+    double const raw =
+        sums.force[k] * sums.target[k] > 0 ? std::norm(sums.cross[k]) / (sums.force[k] * sums.target[k]) : 0;
     r.coherence.push_back(unbiased_coherence(std::min(raw, 1.0), double(sums.count)));
     double const left = std::max(0.0, sums.target[k] * (1 - raw)) / double(sums.count - 1);  // noise of one stretch
     r.sigma.push_back(sums.force[k] > 0 ? std::sqrt(left / sums.force[k] / 2) : infinity);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/line.hpp"
 
+#include <boost/math/tools/minima.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <tuple>
 
@@ -20,9 +20,10 @@ constexpr int nearest_noise = 3, farthest_noise = 10;  // resolutions beside a l
 std::size_t window_samples(TimeSeries const& s, double window) {
   auto const n = std::size_t(std::lround(window * s.rate));
   if (!(window > 0) || n < 16 || n > s.samples.size())
-    throw InputError(fmt::format("error: a window of {:g} s does not fit '{}', which has {:g} s at {:g} Hz\n  choose "
-                                 "--window between {:g} s and {:g} s",
-                                 window, s.name, s.duration(), s.rate, 16 / s.rate, s.duration()));
+    throw InputError(
+        fmt::format("error: a window of {:g} s does not fit '{}', which has {:g} s at {:g} Hz\n  choose "
+                    "--window between {:g} s and {:g} s",
+                    window, s.name, s.duration(), s.rate, 16 / s.rate, s.duration()));
   return n;
 }
 
@@ -39,7 +40,8 @@ LineWindow::LineWindow(std::span<double const> samples, double rate) : rate_(rat
 }
 
 std::complex<double> LineWindow::at(double hz) const {
-  double const turn = -2 * pi * hz / rate_, middle = double(samples_.size()) / 2, c = std::cos(turn), s = std::sin(turn);
+  double const turn = -2 * pi * hz / rate_, middle = double(samples_.size()) / 2, c = std::cos(turn),
+               s = std::sin(turn);
   double re = 0, im = 0;
   for (std::size_t begin = 0; begin < samples_.size(); begin += 1024) {  // rounding of the steps stays below 1e-12
     double const start = std::fmod(turn * (double(begin) - middle), 2 * pi);
@@ -94,9 +96,10 @@ double LineWindow::peak_sigma(double amplitude, double sigma) const {
 
 std::vector<LinePoint> track_line(TimeSeries const& s, LineBand const& b) {
   if (!(b.low > 0 && b.low < b.high && b.high < s.rate / 2))
-    throw InputError(fmt::format("error: a line between {:g} and {:g} Hz cannot be followed in '{}', which has {:g} Hz\n  "
-                                 "choose a band between 0 and {:g} Hz",
-                                 b.low, b.high, s.name, s.rate, s.rate / 2));
+    throw InputError(
+        fmt::format("error: a line between {:g} and {:g} Hz cannot be followed in '{}', which has {:g} Hz\n  "
+                    "choose a band between 0 and {:g} Hz",
+                    b.low, b.high, s.name, s.rate, s.rate / 2));
   std::size_t const n = window_samples(s, b.window);
   std::vector<LinePoint> track;
   for (std::size_t begin = 0; begin + n <= s.samples.size(); begin += n / 2) {
@@ -118,7 +121,8 @@ std::vector<LinePoint> follow_line(TimeSeries const& s, std::span<LinePoint cons
   for (LinePoint const& t : track) {
     double const first = std::round((t.time - window / 2 - s.start) * s.rate);
     if (first < 0 || std::size_t(first) + n > s.samples.size())
-      throw InputError(fmt::format("error: '{}' does not cover the stretch of the drive\n  give both the same --gps", s.name));
+      throw InputError(
+          fmt::format("error: '{}' does not cover the stretch of the drive\n  give both the same --gps", s.name));
     LineWindow const w(std::span(s.samples).subspan(std::size_t(first), n), s.rate);
     LinePoint p = t;
     p.hz = harmonic * t.hz;

@@ -31,10 +31,10 @@ class LineWindow {
 };
 
 struct LinePoint {
-  double time = 0;                           // GPS s, middle of the window
+  double time = 0;  // GPS s, middle of the window
   double hz = 0, hz_sigma = 0;
-  std::complex<double> amplitude;            // peak
-  double sigma = 0;                          // of each quadrature, and of |amplitude| where it is well above
+  std::complex<double> amplitude;  // peak
+  double sigma = 0;                // of each quadrature, and of |amplitude| where it is well above
 };
 
 struct LineBand {
@@ -45,6 +45,7 @@ struct LineBand {
 // (0, rate/2) or a window longer than the series.
 std::vector<LinePoint> track_line(TimeSeries const&, LineBand const&);
 // Amplitudes of another channel at harmonic n of the tracked frequencies, on the same samples.
-std::vector<LinePoint> follow_line(TimeSeries const&, std::span<LinePoint const> track, double window, int harmonic = 1);
+std::vector<LinePoint> follow_line(TimeSeries const&, std::span<LinePoint const> track, double window,
+                                   int harmonic = 1);
 
 }  // namespace straytrace

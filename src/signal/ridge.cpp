@@ -13,8 +13,8 @@
 namespace straytrace {
 namespace {
 
-constexpr double foot = 1e-3;         // of the highest power: where the ridge ends
-constexpr std::size_t beside = 10;    // bins on each side that show the noise
+constexpr double foot = 1e-3;       // of the highest power: where the ridge ends
+constexpr std::size_t beside = 10;  // bins on each side that show the noise
 // Noise of neighbouring lines under a Hann window is correlated: transform of w^2 over its sum.
 constexpr double hann_correlation[] = {1, -2.0 / 3, 1.0 / 6};
 
@@ -24,7 +24,8 @@ struct Ridge {
 
 Ridge ridge_of(Complexes const& x, std::size_t low, std::size_t high) {
   auto const louder = [](auto const& a, auto const& b) { return std::norm(a) < std::norm(b); };
-  auto const top = std::size_t(std::max_element(x.begin() + std::ptrdiff_t(low), x.begin() + std::ptrdiff_t(high), louder) - x.begin());
+  auto const top = std::size_t(
+      std::max_element(x.begin() + std::ptrdiff_t(low), x.begin() + std::ptrdiff_t(high), louder) - x.begin());
   Ridge r{top, top};
   double const least = foot * std::norm(x[top]);
   while (r.low > 1 && std::norm(x[r.low - 1]) > least) --r.low;
@@ -74,9 +75,10 @@ std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries con
   if (witness.rate != target.rate || witness.samples.size() != target.samples.size())
     throw InputError("error: witness and target do not share their samples");
   if (!(s.low > 0 && s.low < s.high && s.high <= witness.rate / 2))
-    throw InputError(fmt::format("error: no sweep between {:g} and {:g} Hz can be seen at {:g} Hz\n  choose --band "
-                                 "between 0 and {:g} Hz",
-                                 s.low, s.high, witness.rate, witness.rate / 2));
+    throw InputError(
+        fmt::format("error: no sweep between {:g} and {:g} Hz can be seen at {:g} Hz\n  choose --band "
+                    "between 0 and {:g} Hz",
+                    s.low, s.high, witness.rate, witness.rate / 2));
   WelchSettings const settings{.segment = std::size_t(std::lround(s.window * witness.rate))};
   Segments of_x(witness.samples.size(), witness.rate, settings), of_y(target.samples.size(), target.rate, settings);
   auto const low = std::size_t(std::max(1.0, std::floor(s.low * s.window)));

@@ -10,9 +10,9 @@
 namespace straytrace {
 
 struct RidgePoint {
-  double time = 0;             // GPS s, middle of the window
-  double witness = 0;          // rms of the witness along the ridge in this window, its unit
-  CouplingPoint coupling;      // hz: centre of the ridge; coherence: share of the target's power there
+  double time = 0;         // GPS s, middle of the window
+  double witness = 0;      // rms of the witness along the ridge in this window, its unit
+  CouplingPoint coupling;  // hz: centre of the ridge; coherence: share of the target's power there
 };
 
 struct RidgeSettings {
@@ -22,8 +22,8 @@ struct RidgeSettings {
   double significance = 3;    // of the target; below: an upper limit
 };
 
-// Each half-overlapping window: the strongest line of the witness and its width by chirp; there H = <conj(x) y>/<|x|^2>.
-// |H| with its error from the target beside the ridge; upper limits at 95 %. Both series on equal samples.
+// Each half-overlapping window: the strongest line of the witness and its width by chirp; there H = <conj(x)
+// y>/<|x|^2>. |H| with its error from the target beside the ridge; upper limits at 95 %. Both series on equal samples.
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const&);
 
 // One coupling function from all windows: those of a bin of `resolution` Hz combined as injections are.

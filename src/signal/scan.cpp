@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/scan.hpp"
 
-#include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/roots.hpp>
+
+#include <algorithm>
 #include <cmath>
 
 namespace straytrace {
@@ -16,7 +17,8 @@ struct Minimum {
 };
 
 // Where the function first reaches `level` going from `start` towards `end` in steps; `end` when it does not.
-double crossing(std::function<double(double)> const& f, double level, double start, double end, double step, bool* open) {
+double crossing(std::function<double(double)> const& f, double level, double start, double end, double step,
+                bool* open) {
   double const sign = end > start ? 1 : -1;
   for (double a = start; sign * (end - a) > 0;) {
     double const b = sign > 0 ? std::min(end, a + step) : std::max(end, a - step);
@@ -42,8 +44,8 @@ ScanResult scan_minimum(std::function<double(double)> const& f, double from, dou
     bool const left = i == 0 || value[std::size_t(i)] <= value[std::size_t(i) - 1];
     bool const right = i == steps || value[std::size_t(i)] < value[std::size_t(i) + 1];
     if (!left || !right) continue;
-    auto const [at, v] =
-        boost::math::tools::brent_find_minima(f, from + step * std::max(0, i - 1), from + step * std::min(steps, i + 1), bits);
+    auto const [at, v] = boost::math::tools::brent_find_minima(f, from + step * std::max(0, i - 1),
+                                                               from + step * std::min(steps, i + 1), bits);
     minima.push_back(v <= value[std::size_t(i)] ? Minimum{at, v} : Minimum{from + step * i, value[std::size_t(i)]});
   }
   std::stable_sort(minima.begin(), minima.end(), [](Minimum const& a, Minimum const& b) { return a.value < b.value; });

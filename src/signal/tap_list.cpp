@@ -89,6 +89,8 @@ class ListReader {
 
 }  // namespace
 
-std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& file) { return ListReader(file).read(csv); }
+std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& file) {
+  return ListReader(file).read(csv);
+}
 
 }  // namespace straytrace

@@ -70,13 +70,14 @@ LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
   for (double const l : left) sum += squared(l - mean);
   double const shared = n / v.force.averages;  // overlapping segments are worth less
   double const y = v.target.mean[k] - q.target.mean[k], x = v.force.mean[k] - q.force.mean[k];
-  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2,
-          std::sqrt((n - 1) / n * sum * shared), std::log(x) / 2};
+  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2, std::sqrt((n - 1) / n * sum * shared),
+          std::log(x) / 2};
 }
 
 bool passes(Visit const& v, Quiet const& q, std::size_t k, TapThresholds const& t) {
   auto const rose = [k](Stretch const& loud, Stretch const& still, double by) {
-    return still.mean[k] > 0 && loud.mean[k] >= squared(std::max(by, 1.0)) * still.mean[k] && loud.mean[k] > still.mean[k];
+    return still.mean[k] > 0 && loud.mean[k] >= squared(std::max(by, 1.0)) * still.mean[k] &&
+           loud.mean[k] > still.mean[k];
   };
   return rose(v.target, q.target, t.target) && rose(v.force, q.force, t.force) &&
          excess_significance({v.target.mean[k], v.target.averages}, {q.target.mean[k], q.target.averages}) >=
@@ -155,14 +156,16 @@ std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> place
   std::vector<std::string> errors;
   for (TapPlace const& p : places) {
     GpsSpan const span{p.start, p.start + p.duration};
-    double const segments = (p.duration * s.target.rate - double(w.segment)) / (double(w.segment) * (1 - w.overlap)) + 1;
+    double const segments =
+        (p.duration * s.target.rate - double(w.segment)) / (double(w.segment) * (1 - w.overlap)) + 1;
     if (span.from < s.target.start || span.to > s.target.end() + 1e-6)
       errors.push_back(fmt::format("error: '{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
                                    s.target.start, s.target.end()));
     else if (segments < 3)
-      errors.push_back(fmt::format("error: '{}' at {} lasts {} s, which is fewer than three segments\n  choose a shorter "
-                                   "--segment",
-                                   p.name, p.start, p.duration));
+      errors.push_back(
+          fmt::format("error: '{}' at {} lasts {} s, which is fewer than three segments\n  choose a shorter "
+                      "--segment",
+                      p.name, p.start, p.duration));
     else {
       out.push_back({&p, stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}});
       for (TimeSeries const& l : s.local) out.back().local.push_back(stretch_of(l, span, w));
@@ -194,8 +197,8 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
     peak.hz = quiet.target.hz[k];
     for (Answered& a : all) peak.places.push_back(std::move(a.answer));
     if (all.size() > 1)
-      peak.lead = std::log(peak.places[0].coupling / peak.places[1].coupling) /
-                  std::hypot(all[0].log_sigma, all[1].log_sigma);
+      peak.lead =
+          std::log(peak.places[0].coupling / peak.places[1].coupling) / std::hypot(all[0].log_sigma, all[1].log_sigma);
     peaks.push_back(std::move(peak));
   }
   return peaks;

@@ -36,9 +36,10 @@ struct TapAnswer {
   double ratio = 0, sigma = 0;               // target_ratio/force_ratio, mean of the repeats: what places are ranked by
   double coupling = 0, coupling_sigma = 0;   // target unit per unit of force, quiet levels taken off
   double significance = 0;                   // of the excess of the target
-  double slope = not_a_number, slope_sigma = not_a_number;  // of log target against log force over the repeats; 1: linear
+  double slope = not_a_number,
+         slope_sigma = not_a_number;  // of log target against log force over the repeats; 1: linear
   bool not_linear = false;
-  std::string local;       // accelerometer that rose most, and by how much; empty without any
+  std::string local;  // accelerometer that rose most, and by how much; empty without any
   double local_ratio = 0;
 };
 

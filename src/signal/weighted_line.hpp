@@ -22,9 +22,9 @@ inline WeightedMean weighted_mean(std::span<double const> y, std::span<double co
 }
 
 struct WeightedLine {
-  double offset = 0, slope = 0;                // at x = 0; dy/dx
-  double slope_sigma = 0, offset_sigma = 0;    // from the errors stated
-  double chi_square = 0;                       // dof: points less two
+  double offset = 0, slope = 0;              // at x = 0; dy/dx
+  double slope_sigma = 0, offset_sigma = 0;  // from the errors stated
+  double chi_square = 0;                     // dof: points less two
 };
 // Slope and errors are NaN or infinite when all x are equal.
 inline WeightedLine weighted_line(std::span<double const> x, std::span<double const> y, std::span<double const> sigma) {

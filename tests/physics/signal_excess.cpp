@@ -14,9 +14,13 @@ namespace {
 using namespace straytrace::testing;
 
 TEST(Excess, ClosedFormsOfFAndChiSquareR6_01) {
-  // F(2, 2): P(> r) = 1/(1 + r); chi-square with 2 degrees: exp(-r); scipy.stats.f.sf(4, 40, 40) = 1.349e-5.
+  // F(2, 2): P(> r) = 1/(1 + r); chi-square with 2 degrees: exp(-r); scipy.stats.f.sf(4, 40, 40).
   EXPECT_NEAR(probability_of_sigmas(excess_significance({9, 1}, {1, 1})), 0.1, 1e-12);
   EXPECT_NEAR(probability_of_sigmas(excess_significance({9, 1}, {1, 1e9})), std::exp(-9), 1e-12);
+  EXPECT_NEAR(probability_of_sigmas(excess_significance({4, 20}, {1, 20})), 1.335958173e-5, 1e-13);
+  EXPECT_NEAR(excess_significance({9, 20}, {1, 20}), 6.356217, 1e-5);
+  EXPECT_NEAR(excess_significance({3, 20}, {1, 1e9}), 6.071098, 1e-5);
+  EXPECT_NEAR(excess_significance({3, 20}, {1, 20}), 3.371616, 1e-5);
   EXPECT_NEAR(probability_of_sigmas(3), 1.3498980e-3, 1e-10);
   EXPECT_NEAR(sigmas_of_probability(1.3498980e-3), 3, 1e-7);
   EXPECT_NEAR(excess_significance({0.2, 12}, {1, 12}), -excess_significance({1, 12}, {0.2, 12}), 1e-9);

@@ -29,7 +29,9 @@ TEST(Line, IsTrackedWithItsErrorsR6_03) {
   Coverage frequency, height;
   double pull = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    TimeSeries const s = channel("DRIVE", "m", rate, sampled(n, [](double t) { return amplitude * std::cos(2 * pi * hz * t); }) + white_noise(n, seed, 1));
+    TimeSeries const s =
+        channel("DRIVE", "m", rate,
+                sampled(n, [](double t) { return amplitude * std::cos(2 * pi * hz * t); }) + white_noise(n, seed, 1));
     auto const track = track_line(s, {35, 40, 4});
     for (std::size_t i = 0; i < track.size(); i += 2) {
       frequency.add(track[i].hz, track[i].hz_sigma, hz);
@@ -53,7 +55,8 @@ TEST(Line, IsTrackedWithItsErrorsR6_03) {
 
 TEST(Line, WanderingDriveIsFollowed) {  // 30 to 33 Hz in 60 s
   auto const n = std::size_t(60 * rate);
-  TimeSeries const s = channel("DRIVE", "m", rate, sampled(n, [](double t) { return std::sin(2 * pi * (30 * t + 0.025 * t * t)); }));
+  TimeSeries const s =
+      channel("DRIVE", "m", rate, sampled(n, [](double t) { return std::sin(2 * pi * (30 * t + 0.025 * t * t)); }));
   for (LinePoint const& p : track_line(s, {25, 40, 4})) EXPECT_NEAR(p.hz, 30 + 0.05 * (p.time - s.start), 2e-3);
   EXPECT_THROW(track_line(s, {0, 40, 4}), InputError);
   EXPECT_THROW(track_line(s, {20, 300, 4}), InputError);
@@ -64,7 +67,8 @@ TEST(Line, WanderingDriveIsFollowed) {  // 30 to 33 Hz in 60 s
 struct Fringe {
   double z, phi, gain = 1, noise = 0.02;
   TimeSeries drive, target;
-  Fringe(double phase_peak, double static_phase, std::uint64_t seed, double noise_rms = 0.02) : z(phase_peak), phi(static_phase), noise(noise_rms) {
+  Fringe(double phase_peak, double static_phase, std::uint64_t seed, double noise_rms = 0.02)
+      : z(phase_peak), phi(static_phase), noise(noise_rms) {
     auto const n = std::size_t(40 * rate);
     auto const motion = sampled(n, [](double t) { return std::sin(2 * pi * 20.3 * t); });
     std::vector<double> y(n);
@@ -125,7 +129,8 @@ RampFit ramp(double z, std::uint64_t seed, double noise = 0.2, double drift = 0)
     double const phi = drift * double(i) / double(n);
     y[i] = z > 0 ? std::sin(phi + z * motion[i]) : motion[i];
   }
-  TimeSeries const drive = channel("DRIVE", "m", rate, motion), target = channel("H", "1", rate, y + white_noise(n, seed, noise));
+  TimeSeries const drive = channel("DRIVE", "m", rate, motion),
+                   target = channel("H", "1", rate, y + white_noise(n, seed, noise));
   auto const track = track_line(drive, {18, 22, 4});
   return fit_ramp(track, follow_line(target, track, 4));
 }
@@ -184,9 +189,11 @@ TEST(Ridge, CouplingAlongASweepR6_04) {  // 20 to 120 Hz in 50 s; the target ans
   EXPECT_GT(coverage.all, 0.8 * windows);
   TimeSeries const quiet = channel("H", "1", rate, white_noise(n, 20, 3e-3));
   int measured = 0;
-  for (RidgePoint const& p : ridge_coupling(witness, quiet, {.low = 15, .high = 125, .window = 1})) measured += p.coupling.flag == CouplingFlag::measured;
+  for (RidgePoint const& p : ridge_coupling(witness, quiet, {.low = 15, .high = 125, .window = 1}))
+    measured += p.coupling.flag == CouplingFlag::measured;
   EXPECT_LE(measured, 4) << "Rayleigh: beyond 3 sigma of a quadrature lies exp(-4.5) = 1.1 %";
-  auto const function = coupling_of_ridge(ridge_coupling(witness, quiet, {.low = 15, .high = 125, .window = 1}), witness, quiet, 1);
+  auto const function =
+      coupling_of_ridge(ridge_coupling(witness, quiet, {.low = 15, .high = 125, .window = 1}), witness, quiet, 1);
   EXPECT_EQ(function.unit, "1/Pa");
   for (std::size_t i = 1; i < function.points.size(); ++i) EXPECT_GT(function.points[i].hz, function.points[i - 1].hz);
 }

@@ -45,7 +45,8 @@ Taps tapping(std::vector<Knock> const& knocks, std::uint64_t seed) {
   Rng rng(seed, 1, 0, Stream::source);
   for (Knock const& k : knocks) {
     std::vector<double> f(n);
-    for (std::size_t i = 200; i < n; i += std::size_t(rate)) f[i + std::size_t(100 * rng.uniform())] = k.newton * std::pow(4, rng.uniform());
+    for (std::size_t i = 200; i < n; i += std::size_t(rate))
+      f[i + std::size_t(100 * rng.uniform())] = k.newton * std::pow(4, rng.uniform());
     std::vector<double> y = k.factor * answered(f);
     for (double& v : y)
       if (k.saturates > 0) v = k.saturates * std::sin(v / k.saturates);
@@ -63,7 +64,8 @@ Taps tapping(std::vector<Knock> const& knocks, std::uint64_t seed) {
 TapPeak const* at_resonance(std::vector<TapPeak> const& peaks) {
   TapPeak const* best = nullptr;
   for (TapPeak const& p : peaks)
-    if (std::fabs(p.hz - resonance) < 5 && (!best || p.places[0].target_ratio > best->places[0].target_ratio)) best = &p;
+    if (std::fabs(p.hz - resonance) < 5 && (!best || p.places[0].target_ratio > best->places[0].target_ratio))
+      best = &p;
   return best;
 }
 
@@ -85,7 +87,10 @@ TEST(Taps, RightPlaceComesFirstAtRatioTwoR6_02) {
     std::map<std::string, TapAnswer> by;
     for (TapAnswer const& a : p->places) by[a.place] = a;
     double const value = std::log(by["tower"].coupling / by["bench"].coupling);  // truth 0
-    coverage.add(value, std::hypot(by["tower"].coupling_sigma / by["tower"].coupling, by["bench"].coupling_sigma / by["bench"].coupling), 0);
+    coverage.add(value,
+                 std::hypot(by["tower"].coupling_sigma / by["tower"].coupling,
+                            by["bench"].coupling_sigma / by["bench"].coupling),
+                 0);
     EXPECT_EQ(p->places[0].local, "ACC_A");
     EXPECT_FALSE(by["tower"].target_ratio < by["link"].target_ratio) << "twin: ranked by the target alone";
   }
@@ -141,7 +146,8 @@ TEST(Taps, NothingIsKeptOfQuietPlaces) {
 }
 
 TEST(Taps, ListsAreReadAndRefused) {
-  auto const places = parse_tap_list("# of May\nplace,start,duration,strength\n\"tower\", 1000000000 ,20,soft\nlink,1e9,20\n", "taps.csv");
+  auto const places = parse_tap_list(
+      "# of May\nplace,start,duration,strength\n\"tower\", 1000000000 ,20,soft\nlink,1e9,20\n", "taps.csv");
   ASSERT_EQ(places.size(), 2u);
   EXPECT_EQ(places[0].name, "tower");
   EXPECT_EQ(places[0].strength, "soft");

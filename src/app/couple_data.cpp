@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/couple_data.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "app/build_info.hpp"
+#include "base/message.hpp"
+#include "report/report.hpp"
+#include "signal/coupling_file.hpp"
+#include "signal/integration.hpp"
+#include "signal/series_file.hpp"
+
+namespace straytrace {
+
+void add_pair_options(CLI::App& command, PairOptions& o, char const* witness) {
+  command.add_option("--witness", o.witness, witness)->required();
+  command.add_option("--target", o.target, "FILE::CHANNEL of strain, or of what is disturbed")->required();
+  command.add_option("--witness-unit", o.witness_unit, "where the file does not say it: m/s^2");
+  command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
+  command.add_flag("--displacement", o.displacement, "witness in m, from m/s^2 or m/s");
+}
+
+void add_couple_outputs(CLI::App& command, DataOptions& o) {
+  command
+      .add_option("-o,--out", o.out, "file to write, by its ending: .txt .csv .hdf5 .json .png .html; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--format", o.format, "text or json")->check(CLI::IsMember({"text", "json"}));
+  command.add_flag("--silent", o.quiet, "results only");
+}
+
+ChannelPair read_pair(PairOptions const& o, GpsSpan span) {
+  auto both =
+      aligned({series_argument(o.witness, o.witness_unit, span), series_argument(o.target, o.target_unit, span)});
+  return {std::move(both[0]), std::move(both[1])};
+}
+
+StretchArgument parse_stretch(std::string const& text, std::string const& option) {
+  StretchArgument a;
+  auto const at = text.rfind('@');
+  std::string const head = at == text.npos ? text : text.substr(0, at);
+  if (at != text.npos) a.span = parse_gps(text.substr(at + 1));
+  if (at == text.npos && head.find("..") != head.npos && head.find_first_of("0123456789") == 0) {
+    a.span = parse_gps(head);
+    return a;
+  }
+  auto const colons = head.find("::");
+  a.file = head.substr(0, colons);
+  if (colons != head.npos) a.channel = head.substr(colons + 2);
+  if (a.file.empty())
+    throw InputError(fmt::format("error: {}: '{}' names no stretch\n  write {} 1000000000..1000000060, or a file",
+                                 option, text, option));
+  return a;
+}
+
+TimeSeries channel_in(StretchArgument const& stretch, std::string const& channel, std::string const& unit,
+                      std::string const& option) {
+  if (channel.find("::") != channel.npos) return series_argument(channel, unit, stretch.span);
+  std::string const file = stretch.file.empty() ? channel : stretch.file;
+  if (file.empty()) throw InputError(fmt::format("error: {} is missing\n  write {} FILE::CHANNEL", option, option));
+  return series_argument(stretch.file.empty() || channel.empty() ? file : file + "::" + channel, unit, stretch.span);
+}
+
+ToMetres to_metres(bool displacement, std::string const& unit) {
+  if (!displacement) return {0, 1, unit};
+  auto const known = parse_unit(unit);
+  return {integrations_to_displacement(unit), known ? known->si : 1, "m"};
+}
+
+double factor_at(ToMetres const& m, double hz) { return m.scale / std::pow(2 * pi * hz, m.times); }
+
+void in_metres(ToMetres const& m, std::vector<LinePoint>& points) {
+  for (LinePoint& p : points) {
+    p.amplitude *= factor_at(m, p.hz);
+    p.sigma *= factor_at(m, p.hz);
+  }
+}
+
+void answer_with_result(DataOptions const& o, CurveSheet const& sheet, std::string const& text,
+                        nlohmann::json const& result) {
+  if (o.json()) {
+    CurveSheet whole = sheet;
+    whole.notes.push_back(fmt::format("straytrace {} ({})", build_info::version, build_info::commit));
+    nlohmann::json all = nlohmann::json::parse(curve_json(whole));
+    all["result"] = result;
+    std::cout << all.dump(1) << '\n';
+  } else {
+    std::cout << text;
+  }
+  write_outputs(o, sheet);
+}
+
+std::vector<CurveColumn> coupling_columns(CouplingFunction const& c, std::string const& prefix) {
+  CurveColumn value{prefix + "coupling", c.unit, {}, "points"}, low{prefix + "coupling_low", c.unit, {}, "band-low"},
+      high{prefix + "coupling_high", c.unit, {}, "band-high"}, limit{prefix + "upper_limit", c.unit, {}, "upper-limit"},
+      wrapped{prefix + "fringe_wrapped", c.unit, {}, "hidden"};
+  std::vector<CurveColumn> seen{{prefix + "witness_ratio", "1", {}, "hidden"},
+                                {prefix + "target_ratio", "1", {}, "hidden"},
+                                {prefix + "significance", "1", {}, "hidden"},
+                                {prefix + "coherence", "1", {}, "hidden"}};
+  for (CouplingPoint const& p : c.points) {
+    bool const measured = p.flag == CouplingFlag::measured;
+    value.values.push_back(measured ? p.factor : not_a_number);
+    low.values.push_back(measured && p.factor > p.sigma ? p.factor - p.sigma : not_a_number);
+    high.values.push_back(measured ? p.factor + p.sigma : not_a_number);
+    limit.values.push_back(p.flag == CouplingFlag::upper_limit ? p.factor : not_a_number);
+    wrapped.values.push_back(p.flag == CouplingFlag::not_linear ? p.factor : not_a_number);
+    double const also[] = {p.witness_ratio, p.target_ratio, p.significance, p.coherence};
+    for (std::size_t i = 0; i < seen.size(); ++i) seen[i].values.push_back(also[i]);
+  }
+  std::vector<CurveColumn> all{value, low, high, limit, wrapped};
+  all.insert(all.end(), seen.begin(), seen.end());
+  return all;
+}
+
+void save_coupling(std::string const& file, CouplingFunction const& c, bool quiet) {
+  if (file.empty()) return;
+  write_files({{file, coupling_csv(c)}});
+  if (!quiet) std::cerr << fmt::format("wrote {}\n", file);
+}
+
+nlohmann::json number_or_null(double v) { return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json(nullptr); }
+
+std::string plus_minus(double value, double sigma) {
+  return std::isfinite(sigma) && sigma > 0 ? with_error(value, sigma) : fmt::format("{:.3g}", value);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the subcommands of straytrace couple share: channels in stretches, displacement, results.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/data_options.hpp"
+#include "signal/coupling.hpp"
+#include "signal/line.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace straytrace {
+
+// Each adds its own subcommand to `couple`.
+void add_couple_noise(CLI::App& couple, int& exit_code);
+void add_couple_taps(CLI::App& couple, int& exit_code);
+void add_couple_lines(CLI::App& couple, int& exit_code);
+void add_couple_ramp(CLI::App& couple, int& exit_code);
+void add_couple_sweep(CLI::App& couple, int& exit_code);
+void add_couple_impulse(CLI::App& couple, int& exit_code);
+void add_couple_events(CLI::App& couple, int& exit_code);
+void add_couple_predict(CLI::App& couple, int& exit_code);
+
+// -o, --format, and --silent for results only: `--quiet` names the stretch without injection.
+void add_couple_outputs(CLI::App&, DataOptions&);
+
+// A witness and a target with their units, over one stretch.
+struct PairOptions {
+  std::string witness, target, witness_unit, target_unit;
+  bool displacement = false;
+};
+void add_pair_options(CLI::App&, PairOptions&, char const* witness);
+struct ChannelPair {
+  TimeSeries witness, target;  // on equal samples
+};
+ChannelPair read_pair(PairOptions const&, GpsSpan);
+
+// "A..B", "FILE", "FILE@A..B", "FILE::CHANNEL", "FILE::CHANNEL@A..B": where an injection is.
+struct StretchArgument {
+  std::string file, channel;
+  GpsSpan span;
+};
+StretchArgument parse_stretch(std::string const& text, std::string const& option);
+// "FILE::CHANNEL", or a channel of the file that the stretch names.
+TimeSeries channel_in(StretchArgument const&, std::string const& channel, std::string const& unit,
+                      std::string const& option);
+
+// How a witness becomes metres: divide by (2 pi f)^times.
+struct ToMetres {
+  int times = 0;
+  double scale = 1;  // of its unit to SI
+  std::string unit;  // "m", or the unit as it is
+};
+ToMetres to_metres(bool displacement, std::string const& unit);
+double factor_at(ToMetres const&, double hz);
+void in_metres(ToMetres const&, std::vector<LinePoint>&);
+
+// Answers with numbers that are no curve: beside the curves under "result".
+void answer_with_result(DataOptions const&, CurveSheet const&, std::string const& text, nlohmann::json const& result);
+// Columns coupling, its band and upper limits, for the points of a coupling; `prefix` before their names.
+std::vector<CurveColumn> coupling_columns(CouplingFunction const&, std::string const& prefix);
+void save_coupling(std::string const& file, CouplingFunction const&, bool quiet);  // CSV of pemcoupling
+nlohmann::json number_or_null(double);
+std::string plus_minus(double value, double sigma);  // "1.23e-9 ± 0.04e-9"; bare without an error
+
+}  // namespace straytrace

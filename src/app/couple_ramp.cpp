@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace couple ramp: does a driven line grow with its drive, or wrap?
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "app/couple_driven.hpp"
+#include "signal/fringe_lines.hpp"
+
+namespace straytrace {
+namespace {
+
+using Verdict = RampFit::Verdict;
+
+char const* word(Verdict v) { return v == Verdict::linear ? "linear" : v == Verdict::fringe ? "fringe" : "neither"; }
+
+std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
+  auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
+  double most = 0;
+  for (LinePoint const& p : d.drive) most = std::max(most, std::abs(p.amplitude));
+  std::string out = fmt::format("{}: {:.5g} Hz, up to {:.3g} {} peak, {} windows of {:g} s\n", d.pair.witness.name,
+                                d.frequency(), most, d.unit, r.points, d.window);
+  out +=
+      fmt::format("straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
+                  plus_minus(r.slope, r.slope_sigma), d.coupling_unit, r.chi_linear, r.points - 1, r.chi_fringe,
+                  r.points - 2, r.significance);
+  if (r.verdict == Verdict::linear)
+    return out + (r.open
+                      ? "verdict: linear\n"
+                      : fmt::format("verdict: linear; phase amplitude at the largest drive below {:.3g} rad, effective "
+                                    "motion below {:.3g} m peak (95 %)\n",
+                                    r.z_limit, metres(r.z_limit)));
+  if (r.verdict == Verdict::neither)
+    return out +
+           "verdict: neither: the target does not follow from the drive; a static phase that drifts, or another "
+           "source, does that\n";
+  double const sigma = (r.z_high - r.z_low) / 2;
+  return out + fmt::format(
+                   "verdict: fringe; phase amplitude at the largest drive {} rad, effective motion {} m peak, "
+                   "coupling of small motion {:.3g} {}\n",
+                   plus_minus(r.z, sigma), plus_minus(metres(r.z), metres(sigma)), r.small_slope, d.coupling_unit);
+}
+
+CurveSheet sheet_of(Driven const& d, RampFit const& r) {
+  CurveSheet sheet = line_sheet(d);
+  sheet.title = fmt::format("ramp of {} in {}", d.pair.witness.name, d.pair.target.name);
+  sheet.notes.push_back(fmt::format("verdict: {}, fringe better by {:.2f} sigma", word(r.verdict), r.significance));
+  CurveColumn line{"linear", d.pair.target.unit, {}}, time{"time", "s", sheet.x.values, "hidden"};
+  sheet.x = sheet.y[1];
+  sheet.x.style = "line";
+  for (double const a : sheet.x.values) line.values.push_back(r.slope * a);
+  sheet.y = {time, sheet.y[0], sheet.y[2], sheet.y[3], line};
+  sheet.y[2].style = "points";
+  sheet.log_x = true;
+  return sheet;
+}
+
+// The coupling at the line with the verdict as its flag, for the projection.
+CouplingFunction coupling_of(Driven const& d, RampFit const& r) {
+  CouplingPoint p;
+  p.hz = d.frequency();
+  p.factor = r.verdict == Verdict::linear ? r.slope : r.small_slope;
+  p.sigma = r.verdict == Verdict::linear ? r.slope_sigma : not_a_number;
+  p.flag = r.verdict == Verdict::linear ? CouplingFlag::measured : CouplingFlag::not_linear;
+  p.significance = r.slope / r.slope_sigma;
+  return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
+}
+
+int run_ramp(LineOptions const& o) {
+  check_outputs(o.data);
+  Driven const d = follow_drive(o);
+  RampFit const r = fit_ramp(d.drive, d.target, o.significance, o.z_max);
+  bool const fringe = r.verdict == Verdict::fringe;
+  auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
+  answer_with_result(o.data, sheet_of(d, r), text_of(d, o, r),
+                     {{"verdict", word(r.verdict)},
+                      {"significance", r.significance},
+                      {"frequency", d.frequency()},
+                      {"slope", r.slope},
+                      {"slope_sigma", r.slope_sigma},
+                      {"unit", d.coupling_unit},
+                      {"chi_square_linear", r.chi_linear},
+                      {"chi_square_fringe", r.chi_fringe},
+                      {"points", r.points},
+                      {"z", number_or_null(fringe ? r.z : not_a_number)},
+                      {"z_low", number_or_null(fringe ? r.z_low : not_a_number)},
+                      {"z_high", number_or_null(fringe ? r.z_high : not_a_number)},
+                      {"z_limit", number_or_null(r.open ? not_a_number : r.z_limit)},
+                      {"motion", number_or_null(fringe ? metres(r.z) : not_a_number)}});
+  save_coupling(o.save, coupling_of(d, r), o.data.quiet);
+  return 0;
+}
+
+}  // namespace
+
+void add_couple_ramp(CLI::App& couple, int& exit_code) {
+  auto* const command =
+      couple.add_subcommand("ramp", "a drive that grows: linear or fringe coupling, with significance");
+  auto const options = std::make_shared<LineOptions>();
+  LineOptions& o = *options;
+  add_line_options(*command, o);
+  command->add_option("--significance", o.significance, "from which a fringe is called one, standard deviations")
+      ->default_str("3")
+      ->check(CLI::Range(0.0, 37.0));
+  command->add_option("--save", o.save, "CSV of pemcoupling with the verdict as flag, for straytrace project");
+  add_couple_outputs(*command, o.data);
+  command->footer(
+      "Examples:\n"
+      "  straytrace couple ramp --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
+      "\"4 Hz..6 Hz\" --window \"1 s\"\n"
+      "  straytrace couple ramp --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
+      "\"4 Hz..6 Hz\" --window \"1 s\" --significance 5 -o ramp.png --save line.csv");
+  command->callback([options, &exit_code] { exit_code = run_ramp(*options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace couple on the example records, whose truth is known (docs/reference/couple.md).
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <sstream>
+
+#include "program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+std::string data(std::string const& name) { return source_folder + "/examples/data/" + name; }
+
+json answer(Words words) {
+  words.insert(words.end(), {"--format", "json"});
+  Finished const f = straytrace(words);
+  EXPECT_EQ(f.code, 0) << f.err;
+  return f.code == 0 ? json::parse(f.out) : json();
+}
+
+Words noise_words() {
+  return {"couple",      "noise",
+          "--witness",   data("shaken.csv") + "::ACC",
+          "--target",    data("shaken.csv") + "::H",
+          "--injection", "24..48",
+          "--quiet",     "0..24",
+          "--segment",   "1 s"};
+}
+
+// |H| of the mode at 12 Hz, tau 0.15 s, 4e-22 per um/s^2.
+double mode(double hz) {
+  double const r = std::exp(-1 / (0.15 * 50)), turn = 2 * M_PI * 12 / 50;
+  std::complex<double> const z = std::polar(1.0, -2 * M_PI * hz / 50);
+  return 4e-22 / 1e-6 / std::abs(1.0 - 2 * r * std::cos(turn) * z + r * r * z * z);
+}
+
+TEST(Couple, NoiseFindsTheTruthAndIsReadBackR6_01) {
+  Folder const folder;
+  std::string const csv = folder / "acc.csv";
+  Words words = noise_words();
+  words.insert(words.end(), {"--save", csv, "--silent"});
+  Finished const f = straytrace(words);
+  ASSERT_EQ(f.code, 0) << f.err;
+  EXPECT_THAT(f.out, HasSubstr("coupling [1/(um/s^2)]"));
+  std::string const saved = text_of(csv);
+  EXPECT_TRUE(saved.starts_with("frequency,factor,factor_counts,flag,"));
+  EXPECT_THAT(saved, HasSubstr("Upper Limit"));
+  int inside = 0, measured = 0;
+  std::istringstream lines(saved);
+  for (std::string line; std::getline(lines, line);) {
+    double hz = 0, factor = 0, sigma = 0;
+    if (std::sscanf(line.c_str(), "%lf,%lf,,Real,%lf", &hz, &factor, &sigma) != 3 || hz < 3) continue;
+    ++measured;
+    inside += std::fabs(factor * 1e6 - mode(hz)) < 2 * sigma * 1e6;
+  }
+  EXPECT_GT(measured, 3);
+  EXPECT_GE(inside, 0.8 * measured);
+}
+
+TEST(Couple, StretchesMayBeFilesAndTheWitnessMetres) {
+  Finished const f = straytrace({"couple", "noise", "--injection", data("shaken.csv") + "::ACC@24..48", "--quiet",
+                                 data("shaken.csv") + "@0..24", "--target", "H", "--displacement", "--segment", "1 s"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  EXPECT_THAT(f.out, HasSubstr("coupling [1/m]"));
+}
+
+TEST(Couple, TapsNameTheRightPlaceR6_02) {
+  json const j =
+      answer({"couple", "taps", "--force", data("taps.csv") + "::HAMMER", "--target", data("taps.csv") + "::H",
+              "--list", data("tap_list.csv"), "--quiet", "0..8", "--band", "29 Hz..33 Hz"});
+  ASSERT_FALSE(j["result"].empty());
+  for (json const& peak : j["result"]) EXPECT_EQ(peak["places"][0]["place"], "link");
+  EXPECT_FALSE(j["result"][0]["places"][0]["not_linear"]);
+}
+
+TEST(Couple, LinesAndRampFindThePhaseR6_03) {
+  Words const common{"--witness", data("shaker.csv") + "::DRIVE",
+                     "--target",  data("shaker.csv") + "::H",
+                     "--band",    "4 Hz..6 Hz",
+                     "--window",  "1 s"};
+  auto const with = [&](Words words, Words const& more) {
+    words.insert(words.end(), common.begin(), common.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  json const lines = answer(with({"couple", "lines"}, {"--gps", "20..28"}))["result"];
+  double const z = 4 * M_PI * 100e-9 / 1064e-9;
+  EXPECT_EQ(lines["verdict"], "fringe");
+  EXPECT_NEAR(lines["z"], z, 3 * (double(lines["z_high"]) - double(lines["z_low"])) / 2);
+  EXPECT_NEAR(lines["motion"], 100e-9, 20e-9);
+  Folder const folder;
+  json const ramp = answer(with({"couple", "ramp"}, {"--gps", "0..20", "--save", folder / "line.csv"}))["result"];
+  EXPECT_EQ(ramp["verdict"], "fringe");
+  EXPECT_NEAR(ramp["z"], 2 * z, 3 * (double(ramp["z_high"]) - double(ramp["z_low"])) / 2);
+  EXPECT_THAT(text_of(folder / "line.csv"), HasSubstr("Fringe wrapped"));
+}
+
+TEST(Couple, SweepImpulseAndEvents) {
+  Finished const sweep =
+      straytrace({"couple", "sweep", "--witness", data("sweep.csv") + "::MIC", "--target", data("sweep.csv") + "::H",
+                  "--band", "8 Hz..45 Hz", "--window", "1 s", "--show", "1"});
+  EXPECT_EQ(sweep.code, 0) << sweep.err;
+  EXPECT_THAT(sweep.out, HasSubstr("coupling [1/Pa]"));
+  json const knock =
+      answer({"couple", "impulse", "--force", data("taps.csv") + "::HAMMER", "--target", data("taps.csv") + "::H",
+              "--gps", "26..32", "--length", "1.5 s", "--modes", "1"})["result"];
+  ASSERT_EQ(knock["modes"].size(), 1u);
+  EXPECT_NEAR(knock["modes"][0]["frequency"], 31, 0.05);
+  EXPECT_NEAR(knock["modes"][0]["quality"], M_PI * 31 * 0.3, 4);
+  json const events = answer({"couple", "events", data("shaken.csv") + "::H", "--quiet", "0..24", "--segment", "1 s",
+                              "--averages", "12"})["result"];
+  ASSERT_FALSE(events.empty());
+  EXPECT_NEAR(events[0]["frequency"], 12, 2);
+  EXPECT_GE(events[0]["to"], 30.0);
+}
+
+TEST(Couple, RefusalsNameTheRemedy) {
+  auto const said = [](Words const& words) {
+    Finished const f = straytrace(words);
+    EXPECT_EQ(f.code, 2);
+    EXPECT_EQ(f.out, "");
+    return f.err;
+  };
+  Words two = noise_words();
+  two.insert(two.end(), {"--witness", data("shaken.csv") + "::H", "--save", "x.csv"});
+  EXPECT_THAT(said(two), HasSubstr("--save holds one coupling"));
+  Words ending = noise_words();
+  ending.insert(ending.end(), {"-o", "x.doc"});
+  EXPECT_THAT(said(ending), HasSubstr("x.doc"));
+  EXPECT_THAT(
+      said({"couple", "ramp", "--witness", data("shaker.csv") + "::DRIVE", "--target", data("shaker.csv") + "::H"}),
+      HasSubstr("write --band"));
+  EXPECT_THAT(said({"couple", "nois"}), HasSubstr("did you mean 'noise'?"));
+  EXPECT_THAT(said({"couple", "noise", "--targ", "x"}), HasSubstr("straytrace couple noise --help"));
+  EXPECT_THAT(said({"couple", "taps", "--force", data("taps.csv") + "::HAMER", "--target", data("taps.csv") + "::H",
+                    "--list", data("tap_list.csv"), "--quiet", "0..8"}),
+              HasSubstr("did you mean 'HAMMER'?"));
+}
+
+}  // namespace
+}  // namespace straytrace::testing
