@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
 
+from .plot_bands import draw_bands  # noqa: E402
 from .run import RunError, open_run  # noqa: E402
 from .words import hertz, plain, power_of_ten, shortened  # noqa: E402
 
@@ -64,25 +65,10 @@ def limits(curves):
     return max(values.min() / 2, top * 1e-8), top
 
 
-def draw_bands(axes, noise):
-    """What static phases and inputs leave open: the wide pale band is speckle, the hatched one the inputs."""
-    bands, f = noise.bands, noise.frequency
-    if bands is None:
-        return
-    axes.fill_between(f, np.maximum(bands.speckle_05, 1e-300), bands.speckle_95, color="#56B4E9", alpha=0.22, lw=0,
-                      label="one realisation: 5 to 95 %", zorder=1)
-    axes.plot(f, bands.speckle_95, color="#56B4E9", lw=0.8, zorder=1)
-    if bands.sources:
-        axes.fill_between(f, np.maximum(bands.input_low, 1e-300), bands.input_high, facecolor="none", hatch="////",
-                          edgecolor="#E69F00", alpha=0.7, lw=0.6, label="stated input uncertainty", zorder=2)
-
-
 def draw_budget(axes, run, band):
     noise, total = run.noise, run.noise.total
     f = noise.frequency
-    shown = [total.mean, total.amplitude]
-    if noise.bands is not None:
-        shown.append(noise.bands.speckle_95)
+    shown = [total.mean, total.amplitude] + ([noise.bands.speckle_95] if noise.bands else [])
     bound = " (lower bound)" if noise.unresolved else ""
     axes.plot(f, total.mean, color="black", lw=2.2, label="stray light, total" + bound, zorder=5)
     low = np.maximum(total.mean - total.sigma, 1e-300)

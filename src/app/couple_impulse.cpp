@@ -153,10 +153,12 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   add_couple_outputs(*command, o.data);
   command->footer(
       "Examples:\n"
-      "  straytrace couple impulse --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --length "
-      "\"1.5 s\"\n"
-      "  straytrace couple impulse --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --length "
-      "\"1.5 s\" --band \"10 Hz..45 Hz\" --modes 1 -o response.txt");
+      "  straytrace couple impulse --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --gps "
+      "26..32 "
+      "--length \"1.5 s\"\n"
+      "  straytrace couple impulse --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --gps "
+      "26..32 "
+      "--length \"1.5 s\" --band \"10 Hz..45 Hz\" --modes 1 -o response.txt");
   command->callback([options, &exit_code] { exit_code = run_impulse(*options); });
 }
 

@@ -64,8 +64,8 @@ Prediction from_run(FringesOptions const& o) {
   for (auto const& [coupling, r] : order) {
     FringeCurve curve = fringe_curve(in.coupling(), r, motion);
     if (curve.bodies.empty()) continue;
+    if (p.lines.size() >= o.show) break;
     for (std::size_t i = 0; i < curve.hz.size(); ++i) p.largest[i] = std::max(p.largest[i], curve.hz[i]);
-    if (p.lines.size() >= o.show) continue;
     std::vector<std::string> seen;
     for (Multiplicity const& m : curve.bodies)
       seen.push_back(fmt::format(
@@ -139,10 +139,16 @@ CurveSheet sheet_of(Prediction const& p) {
   return sheet;
 }
 
-// The spectrogram of a channel with the curves over it.
-MapSheet overlay_of(FringesOptions const& o, Prediction const& p, double stride) {
-  TimeSeries const under = cut(series_argument(o.overlay, "", {}), {p.times.start, p.times.start + p.times.duration()});
-  MapSheet map = spectrogram_of(under, stride);
+// The spectrogram of a channel, up to twice the largest prediction, with the curves over it.
+MapSheet overlay_of(FringesOptions const& o, Prediction const& p) {
+  TimeSeries const all = series_argument(o.overlay, "", {});
+  double const from = std::max(all.start, p.times.start), to = std::min(all.end(), p.times.start + p.times.duration());
+  if (!(from < to))
+    throw InputError(
+        fmt::format("error: --overlay: '{}' has no time in common with the prediction\n  it holds GPS {} to {}",
+                    all.name, gps_text(all.start), gps_text(all.end())));
+  double const top = *std::max_element(p.largest.begin(), p.largest.end());
+  MapSheet map = spectrogram_of(cut(all, {from, to}), std::min(0.5, (to - from) / 8), 0, std::max(2 * top, 20.0));
   auto const step = std::max<std::size_t>(1, p.times.samples / 4000);
   for (std::size_t i = 0; i < p.times.samples; i += step)
     map.line_time.push_back(p.times.start + double(i) / p.times.rate);
@@ -163,7 +169,7 @@ int fringes(FringesOptions const& o) {
     double const stride =
         o.stride.empty() ? p.times.duration() / 10 : option_quantity(o.stride, dim::time, "--stride", "60 s");
     std::vector<FringeStride> const strides = by_stride(p.largest, p.times, stride, above);
-    text += "\nlargest of the routes, by stride\n" + strides_text(strides, above);
+    text += "\nlargest of these routes, by stride\n" + strides_text(strides, above);
     if (above > 0) {
       std::vector<FringeStretch> const stretches = stretches_above(strides, above);
       for (FringeStretch const& s : stretches)
@@ -172,12 +178,10 @@ int fringes(FringesOptions const& o) {
       if (stretches.empty()) text += fmt::format("never above {:g} Hz\n", above);
     }
   }
-  if (o.overlay.empty()) {
+  if (o.overlay.empty())
     answer(o.data, sheet_of(p), text);
-  } else {
-    double const stride = o.time.duration.empty() ? 0.5 : std::min(0.5, p.times.duration() / 8);
-    answer(o.data, overlay_of(o, p, stride), text);
-  }
+  else
+    answer(o.data, overlay_of(o, p), text);
   return done;
 }
 

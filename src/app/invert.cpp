@@ -51,9 +51,9 @@ Traced traced(Options const& options, Requirement const& requirement) {
 
 [[noreturn]] void refuse(std::string const& word, char const* kind, std::vector<std::string> const& known) {
   std::string const near = nearest_word(word, known);
-  throw InputError(fmt::format("error: --invert: there is no {} '{}' here\n  {}", kind, word,
-                               near.empty() ? fmt::format("known: {}", fmt::join(known, ", "))
-                                            : fmt::format("did you mean '{}'?", near)));
+  throw InputError(fmt::format(
+      "error: --invert: there is no {} '{}' here\n  {}", kind, word,
+      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
 }
 
 Answer scatter_answer(Traced const& t, std::string const& name) {
@@ -98,9 +98,10 @@ int invert(Options const& options, Requirement const& requirement, InvertOrder c
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
   if (!std::regex_match(order.what, m, form))
-    throw InputError(fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
-                                 "or \"param(NAME)\" with NAME=lo..hi",
-                                 order.what));
+    throw InputError(
+        fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
+                    "or \"param(NAME)\" with NAME=lo..hi",
+                    order.what));
   std::string const kind = m[1], name = m[2];
   if (kind == "param") return invert_parameter(options, requirement, order, name, axes);
   if (!axes.empty())

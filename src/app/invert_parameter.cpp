@@ -26,8 +26,8 @@ class Search {
   Search(Scanner& scanner, ScanAxis const& axis, bool quiet) : scanner_(scanner), axis_(axis), quiet_(quiet) {}
 
   Probe at(double number) {
-    std::string const value = axis_.unit.empty() ? fmt::format("{:.12g}", number)
-                                                 : fmt::format("{:.12g} {}", number, axis_.unit);
+    std::string const value =
+        axis_.unit.empty() ? fmt::format("{:.12g}", number) : fmt::format("{:.12g} {}", number, axis_.unit);
     if (!quiet_) std::cerr << fmt::format("scan  {} = {}\n", axis_.name, value);
     Probe p{number, scanner_.at({axis_.name + "=" + value})};
     if (std::isnan(p.point.ratio.value))
@@ -57,9 +57,10 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, std::string const& na
     return x.point.ratio.value - y.point.ratio.value > 3 * std::hypot(x.point.ratio.sigma, y.point.ratio.sigma);
   };
   if (!above(p, b.fails) && !above(b.meets, p)) return;
-  throw InputError(fmt::format(
-      "error: h/line does not go one way with '{}': {}, {} and {}\n  scan the range first, and ask where it is monotonic",
-      name, words(b.meets, unit), words(p, unit), words(b.fails, unit)));
+  throw InputError(
+      fmt::format("error: h/line does not go one way with '{}': {}, {} and {}\n  scan the range first, and ask where "
+                  "it is monotonic",
+                  name, words(b.meets, unit), words(p, unit), words(b.fails, unit)));
 }
 
 }  // namespace
@@ -67,7 +68,8 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, std::string const& na
 int invert_parameter(Options const& options, Requirement const& requirement, InvertOrder const& order,
                      std::string const& name, std::vector<ScanAxis> const& axes) {
   if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
-    throw InputError(fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
+    throw InputError(
+        fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
   ScanAxis const& axis = axes.front();
   if (!options.out.empty()) make_folder(options.out + "/runs");
   Scanner scanner(options, requirement, options.out);

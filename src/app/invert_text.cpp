@@ -52,11 +52,10 @@ std::string sentence(Answer const& a) {
                          with_error(all.scale, all.sigma), subject_words(a), at) +
              in_numbers(a);
     case Verdict::always:
-      return fmt::format("{}: everything that was looked at stays under {}: it does not decide.\n", a.what, a.line);
+      return fmt::format("{}: every factor that was looked at stays under {}: it does not decide.\n", a.what, a.line);
     case Verdict::never:
-      return fmt::format(
-          "{}: nothing helps: light that it does not touch alone is a factor {:.3g} above {} at {}.\n", a.what,
-          all.rest, a.line, at);
+      return fmt::format("{}: nothing helps: light that it does not touch alone is a factor {:.3g} above {} at {}.\n",
+                         a.what, all.rest, a.line, at);
     default:
       return fmt::format("{}: {} has no value in the band: nothing was compared.\n", a.what, a.line);
   }

@@ -97,7 +97,8 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   read_ghosts(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
   if (Node const table = model.scene.root()["scan"])
-    table.problem("a model has no table 'scan'", "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
+    table.problem("a model has no table 'scan'",
+                  "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
   return model;
 }

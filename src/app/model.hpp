@@ -57,7 +57,7 @@ struct Model {
   std::string hash() const;  // of what decides the trace
   NoiseBudget project(CouplingTable const&) const;
   NoiseBudget project_with_bands(CouplingTable const&) const;  // input and speckle bands too
-  std::vector<std::string> assumptions() const;  // lines for reports
+  std::vector<std::string> assumptions() const;                // lines for reports
 };
 
 std::vector<MaterialSpread> material_spreads(World const&);  // of all materials in the way of light

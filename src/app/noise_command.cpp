@@ -10,6 +10,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "report/band.hpp"
 
 namespace straytrace {
 namespace {
@@ -55,6 +56,7 @@ int noise(Options const& options) {
     std::cout << summary_json(content, paths) << '\n';
   } else {
     std::cout << path_text(paths, options.show ? options.show : model.paths_shown) << '\n'
+              << band_summary(budget, paths.frequencies) << '\n'
               << headline(budget, paths) << '\n';
     if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
   }

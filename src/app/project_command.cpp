@@ -88,11 +88,14 @@ void add_project(CLI::App& app, Options&, int& exit_code) {
   command->add_option("run", o.time.run, "run file (HDF5), or coupling function (CSV) with --witness")->required();
   command->add_option("--witness", o.coupling.witness, "FILE::CHANNEL, quiet, that a measured coupling is taken times");
   command->add_option("--target", o.coupling.target, "FILE::CHANNEL to compare that projection with");
-  command->add_option("--coupling-unit", o.coupling.coupling_unit, "of the factors, where the CSV does not say it: 1/m");
+  command->add_option("--coupling-unit", o.coupling.coupling_unit,
+                      "of the factors, where the CSV does not say it: 1/m");
   add_motion_options(*command, o.time);
   add_stretch_options(*command, o.time);
   add_route_options(*command, o.time);
-  command->add_option("--paths-per-route", o.time.per_route, "fields drawn for each route; default: about 2048 in all, at least 16")
+  command
+      ->add_option("--paths-per-route", o.time.per_route,
+                   "fields drawn for each route; default: about 2048 in all, at least 16")
       ->check(whole_between(1, 1e6, "64"));
   command->add_option("--realisations", o.realisations, "independent draws of motion and static phases")
       ->check(whole_between(1, 1e5, "20"));

@@ -67,8 +67,8 @@ std::string text_of(ProjectedCoupling const& p, Level const* target, std::string
     measured += q.flag == CouplingFlag::measured;
     limits += q.flag == CouplingFlag::upper_limit;
   }
-  std::string text = fmt::format("{} frequencies: {} measured, {} upper limits, {} unknown\n", p.points.size(), measured,
-                                 limits, p.points.size() - measured - limits);
+  std::string text = fmt::format("{} frequencies: {} measured, {} upper limits, {} unknown\n", p.points.size(),
+                                 measured, limits, p.points.size() - measured - limits);
   for (double const hz : {10.0, 30.0, 100.0}) {
     ProjectedPoint const* nearest = nullptr;
     for (ProjectedPoint const& q : p.points)

@@ -8,6 +8,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "report/band.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
 
@@ -35,6 +36,7 @@ int run(Options const& options) {
   } else {
     if (budget)
       std::cout << path_text(paths, model.paths_shown) << '\n'
+                << band_summary(*budget, paths.frequencies) << '\n'
                 << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
                 << headline(*budget, paths) << '\n';
     if (!content.receivers.empty())

@@ -50,7 +50,8 @@ void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bo
   if (count.empty() && !open) refuse(word, "the range does not say how many values it has", axis.name);
   double const n = count.empty() ? 2 : std::stod(count);
   if (n < 2 || n > double(most_points)) refuse(word, "a range has at least 2 values", axis.name);
-  if (logarithmic && !(low.value > 0 && high.value > 0)) refuse(word, "logarithmic steps need values above 0", axis.name);
+  if (logarithmic && !(low.value > 0 && high.value > 0))
+    refuse(word, "logarithmic steps need values above 0", axis.name);
   if (low.value == high.value) refuse(word, "the range has no width", axis.name);
   axis.unit = low.unit;
   axis.range = true;
@@ -102,13 +103,15 @@ std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool ope
       axes.push_back(parse_axis(word, open));
       points *= double(axes.back().values.size());
       if (!names.insert(axes.back().name).second)
-        throw InputError(fmt::format("error: '{}' is given twice\n  write all its values in one list", axes.back().name));
+        throw InputError(
+            fmt::format("error: '{}' is given twice\n  write all its values in one list", axes.back().name));
     } catch (InputError const& e) {
       errors.push_back(e);
     }
   throw_all(errors);
   if (points > double(most_points))
-    throw InputError(fmt::format("error: {:.0f} combinations are more than {}\n  take fewer values", points, most_points));
+    throw InputError(
+        fmt::format("error: {:.0f} combinations are more than {}\n  take fewer values", points, most_points));
   return axes;
 }
 

@@ -90,7 +90,8 @@ void add_invert_options(CLI::App& command, ScanOrder& order) {
   command.add_option("--against", order.requirement.against,
                      "design curve by name or file; default: the first of the model's 'compare'");
   command.add_flag("--per-frequency", order.invert.per_frequency, "the requirement of each frequency alone as well");
-  command.add_option("--tolerance", order.invert.tolerance, "of param: width of the answer over the range; default 0.01")
+  command
+      .add_option("--tolerance", order.invert.tolerance, "of param: width of the answer over the range; default 0.01")
       ->check(CLI::Range(1e-6, 0.5));
 }
 

@@ -29,17 +29,17 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(name, ignored)) {
     std::string const near = nearest_word(name, known);
-    throw InputError(fmt::format("error: --against: '{}' is neither a design curve nor a file\n  {}", name,
-                                 near.empty() ? fmt::format("known: {}", fmt::join(known, ", "))
-                                              : fmt::format("did you mean '{}'?", near)));
+    throw InputError(fmt::format(
+        "error: --against: '{}' is neither a design curve nor a file\n  {}", name,
+        near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
   }
   Curve const table = parse_named_curve(read_file(name), strain_columns);
   if (!table.error.empty())
-    throw InputError(fmt::format("error: --against: '{}' is not a design curve: {}\n  give two columns: frequency in Hz, "
-                                 "strain in 1/sqrt(Hz)",
-                                 name, table.error));
-  for (std::size_t i = 0; i < grid.size(); ++i)
-    curve.asd.push_back(read_off(table.hz, table.value, grid.centre(i)));
+    throw InputError(
+        fmt::format("error: --against: '{}' is not a design curve: {}\n  give two columns: frequency in Hz, "
+                    "strain in 1/sqrt(Hz)",
+                    name, table.error));
+  for (std::size_t i = 0; i < grid.size(); ++i) curve.asd.push_back(read_off(table.hz, table.value, grid.centre(i)));
   return curve;
 }
 

@@ -27,8 +27,8 @@ struct Requirement {
   std::string against;           // design curve by name or file; of the model where empty
 };
 void apply(Requirement const&, Model&);
-std::string name_of_line(Model const&);                          // "0.1 x adv-lal"; empty without a curve
-std::vector<double> line_of(Model const&);                       // ASD per bin; NaN: none
+std::string name_of_line(Model const&);                                       // "0.1 x adv-lal"; empty without a curve
+std::vector<double> line_of(Model const&);                                    // ASD per bin; NaN: none
 void judge(ScanPoint&, NoiseBudget const&, std::vector<double> const& line);  // ratio, worst_hz, unresolved
 
 class Scanner {

@@ -63,8 +63,9 @@ std::string scan_text(ScanTable const& t) {
 
 std::string scan_csv(ScanTable const& t) {
   std::string text = fmt::format("# straytrace scan of {}\n# line: {}\n", t.model, t.line.empty() ? "none" : t.line);
-  text += "# h: one-sided strain ASD [1/sqrt(Hz)]; sigma: one standard error, Monte Carlo; with unresolved routes h and "
-          "ratio are lower bounds\n";
+  text +=
+      "# h: one-sided strain ASD [1/sqrt(Hz)]; sigma: one standard error, Monte Carlo; with unresolved routes h and "
+      "ratio are lower bounds\n";
   for (ScanAxis const& axis : t.axes) text += csv_text(axis.name) + ",";
   for (double const f : Scanner::frequencies) text += fmt::format("h_{0:g}Hz,h_{0:g}Hz_sigma,", f);
   text += "worst_ratio,worst_ratio_sigma,worst_Hz,unresolved,histories,from,complete,model_hash\n";

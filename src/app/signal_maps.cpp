@@ -121,7 +121,7 @@ void add_signal_maps(CLI::App& signal, int& exit_code) {
   q.footer(
       "Examples:\n"
       "  straytrace signal q examples/data/bench.csv::acc --band \"5 Hz..40 Hz\"\n"
-      "  straytrace signal q examples/data/bench.csv::bench --q 6 --band \"10 Hz..60 Hz\" -o q.csv");
+      "  straytrace signal q examples/data/bench.csv::bench --q 6 --band \"10 Hz..40 Hz\" -o q.csv");
   q.callback([t, &exit_code] { exit_code = show_q(*t); });
 }
 

@@ -9,6 +9,7 @@
 #include "motion/axis_motion.hpp"
 #include "signal/gps.hpp"
 #include "signal/series_file.hpp"
+#include "signal/unit_text.hpp"
 
 namespace straytrace {
 namespace {
@@ -83,22 +84,25 @@ std::vector<TimeSeries> motion_channels(MotionSeries const& motion, MotionSet co
   return all;
 }
 
-MapSheet spectrogram_of(TimeSeries const& series, double stride) {
+MapSheet spectrogram_of(TimeSeries const& series, double stride, double low, double high) {
   auto const n = std::size_t(std::lround(stride * series.rate)), step = std::max<std::size_t>(1, n / 2);
   if (n < 8 || n > series.samples.size())
     throw InputError(fmt::format("error: --stride: {:g} s hold {} samples of {}\n  choose between {:.3g} s and {:g} s",
                                  stride, n, series.samples.size(), 8 / series.rate, series.duration()));
   MapSheet map;
   map.title = fmt::format("spectrogram of {}", series.name);
-  map.unit = "1/sqrt(Hz)";
+  map.unit = asd_unit(series.unit);
   map.notes = {fmt::format("Hann segments of {:g} s, half overlapping; ASD, one-sided", stride)};
   WelchSettings settings;
   settings.segment = n;
   for (std::size_t from = 0; from + n <= series.samples.size(); from += step) {
     WelchSpectrum const w = welch(std::span(series.samples).subspan(from, n), series.rate, settings);
     map.time.push_back(series.time(from) + stride / 2);
-    map.frequency.assign(w.hz.begin() + 1, w.hz.end());
-    for (std::size_t k = 1; k < w.psd.size(); ++k) map.value.push_back(std::sqrt(w.psd[k]));
+    for (std::size_t k = 1; k < w.psd.size(); ++k) {
+      if (w.hz[k] < low || w.hz[k] > high) continue;
+      if (from == 0) map.frequency.push_back(w.hz[k]);
+      map.value.push_back(std::sqrt(w.psd[k]));
+    }
   }
   return map;
 }
@@ -125,7 +129,7 @@ std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& 
   if (wanted(f.spectrogram)) {
     double const stride = f.stride.empty() ? std::min(0.5, r.times.duration() / 4)
                                            : option_quantity(f.stride, dim::time, "--stride", "0.5 s");
-    write_map(f.spectrogram, spectrogram_of(strain_series(light), stride));
+    write_map(f.spectrogram, spectrogram_of(strain_series(light), stride, r.band_low, r.band_high));
   }
   return written;
 }

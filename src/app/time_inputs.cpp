@@ -60,7 +60,7 @@ void choose_times(TimeOptions const& o, TimeInputs& in) {
   bool const recorded = std::isfinite(from);
   double const all = recorded ? to - from : usual_duration;
   GpsSpan const span = o.gps.empty() ? GpsSpan{} : parse_gps(o.gps);
-  in.start = span.from > -1e299 ? span.from : recorded ? from : 0;
+  in.start = std::max(span.from > -1e299 ? span.from : recorded ? from : 0, from);
   double const asked = span.to < 1e299 ? span.to - in.start : recorded ? to - in.start : all;
   in.duration = o.duration.empty() ? asked : option_quantity(o.duration, dim::time, "--duration", "64 s");
   if (!(in.duration > 0 && in.duration <= 1e6))

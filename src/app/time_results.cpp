@@ -68,20 +68,22 @@ BandLevel nothing(double hz) {
   return {hz, hz, hz, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number};
 }
 
-// Largest translation over half the legs' mean length: what eq. 2.6 leaves out if all of it were transverse.
+// What eq. 2.6 leaves out if the largest translation were transverse to the mean leg of each path; mean by power.
 double second_order_of(TimeInputs const& in, StrayLight const& light) {
-  double motion = 0, phase = 0;
+  double motion = 0, phase = 0, power = 0;
   for (MovingCoordinate const& c : light.motion.coordinates)
     for (double x : c.position)
       if (!is_rotation(c.axis)) motion = std::max(motion, std::fabs(x));
   for (std::uint32_t r : in.routes) {
     CouplingClass const& c = in.coupling().classes[r];
+    double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
     for (PathRecord const& record : c.records) {
-      double const leg = record.path_length / double(std::max<std::size_t>(1, c.steps.size()) - (c.steps.size() > 1));
-      if (leg > 0) phase = std::max(phase, second_order_phase(motion, leg, in.coupling().wavelength));
+      if (!(record.path_length > 0)) continue;
+      phase += record.weight * second_order_phase(motion, record.path_length / legs, in.coupling().wavelength);
+      power += record.weight;
     }
   }
-  return phase;
+  return power > 0 ? phase / power : 0;
 }
 
 std::string level_text(BandLevel const& b, std::size_t realisations) {
@@ -153,7 +155,7 @@ std::string project_text(ProjectResult const& r) {
   text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
                       r.rule.least(), r.rule.margin);
   text += fmt::format(
-      "left out (eq. 2.6): second order up to {:.2g} rad, delay up to {:.2g} cycle at 100 Hz{}, tilt of the rays\n",
+      "left out (eq. 2.6): second order about {:.2g} rad, delay up to {:.2g} cycle at 100 Hz{}, tilt of the rays\n",
       r.second_order, delay_cycles(100, r.delay * speed_of_light) / (r.retarded ? 2 : 1),
       r.retarded ? " about half of each path" : "");
   text += fmt::format("h(t) holds {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, r.welch);

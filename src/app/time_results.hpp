@@ -62,8 +62,8 @@ std::string project_json(ProjectResult const&);
 // Names of the files.
 std::vector<std::string> write_time_files(TimeFiles const&, TimeInputs const&, StrayLight const&, ProjectResult const&);
 
-// Welch spectra stride by stride, half overlapping; ASD.
-MapSheet spectrogram_of(TimeSeries const&, double stride);
+// Welch spectra stride by stride, half overlapping; ASD of the lines from low to high [Hz].
+MapSheet spectrogram_of(TimeSeries const&, double stride, double low, double high);
 // "tube z": every coordinate that moves.
 std::vector<TimeSeries> motion_channels(MotionSeries const&, MotionSet const&);
 

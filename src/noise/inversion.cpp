@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/message.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -126,7 +128,7 @@ Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, Mater
 }
 
 Inversion invert_motion(Projected const& projected, Doubles const& line) {
-  constexpr int steps = 8, decades = 4;
+  constexpr int steps = 8, first = -4 * steps, last = 2 * steps;  // per decade
   Inversion out;
   out.bins.resize(line.size());
   std::vector<Crossed> crossed(line.size());
@@ -135,14 +137,23 @@ Inversion invert_motion(Projected const& projected, Doubles const& line) {
     auto const hit = seen.find(scale);
     return hit != seen.end() ? hit->second : seen.emplace(scale, projected(scale)).first->second;
   };
+  auto const can = [&](double scale) {  // motion may be too strong for any transform
+    try {
+      at(scale);
+    } catch (NumericalError const&) {
+      return false;
+    }
+    return true;
+  };
   NoiseTrace const &still = at(0), &as_is = at(1);
-  for (int k = -decades * steps; k <= decades * steps; ++k) {
+  for (int k = first; k <= last; ++k) {
     double const scale = std::pow(10, double(k) / steps), before = std::pow(10, double(k - 1) / steps);
     bool const all_crossed = std::all_of(crossed.begin(), crossed.end(), [](Crossed const& c) { return c.above > 0; });
     if (all_crossed) break;
+    if (scale > 1 && !can(scale)) break;
     NoiseTrace const& t = at(scale);
     for (std::size_t i = 0; i < line.size(); ++i)
-      if (crossed[i].above == 0 && t.asd[i] > line[i]) crossed[i] = {k == -decades * steps ? 0 : before, scale};
+      if (crossed[i].above == 0 && t.asd[i] > line[i]) crossed[i] = {k == first ? 0 : before, scale};
   }
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (!(line[i] > 0)) continue;

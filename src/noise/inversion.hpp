@@ -23,21 +23,22 @@ struct Allowed {
 };
 
 struct Inversion {
-  std::vector<Allowed> bins;   // each frequency alone
-  Allowed all;                 // every frequency at once
-  std::size_t decides = 0;     // bin that sets `all`
-  double touched = 0;          // largest share of the PSD, over the bins, of routes that it acts on
-  bool first_order = false;    // rows `other` without named routes take part
+  std::vector<Allowed> bins;  // each frequency alone
+  Allowed all;                // every frequency at once
+  std::size_t decides = 0;    // bin that sets `all`
+  double touched = 0;         // largest share of the PSD, over the bins, of routes that it acts on
+  bool first_order = false;   // rows `other` without named routes take part
 };
 
 // Largest factor on the BRDF of a material: total(s) = sum over n of s^n A_n, A_n the routes with n scatters on it.
 // `line`: ASD per bin, NaN: not compared. Monte-Carlo errors of routes are taken as common to a route and its reverse.
-Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSpread const&, std::vector<double> const& line);
+Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSpread const&,
+                         std::vector<double> const& line);
 
 // The ASD of the total, with its standard error, when the motion of a body is `scale` times what it is.
 using Projected = std::function<NoiseTrace(double scale)>;
 // Largest factor up to which ALL smaller ones meet the line: noise of wrapped fringes does not grow with every motion.
-// Looks between 1e-4 and 1e4 in 8 steps per decade and at the crossing more closely.
+// Looks between 1e-4 and 100 in 8 steps per decade and at the crossing more closely.
 Inversion invert_motion(Projected const&, std::vector<double> const& line);
 
 // Motion with the gains of one body times `scale`: of what it does by itself and of what carries it.

@@ -31,7 +31,8 @@ Spectrum of_difference(Spectrum const& s, Transfer const& a, Transfer const& b) 
   std::vector<double> const more = b ? b->features() : std::vector<double>();
   features.insert(features.end(), more.begin(), more.end());
   return filtered(
-      s, [&](double f) { return std::norm(at(a, f) - at(b, f)); }, features);
+      s, [&](double f) { return std::norm(at(a, f) - at(b, f)); }, features,
+      [&](double f) { return std::norm(at(a, f)) + std::norm(at(b, f)); });
 }
 
 void add(std::vector<MotionClass>& classes, Spectrum spectrum, MotionClass::Member member) {

@@ -47,18 +47,18 @@ struct DesignCurve {
 
 // One thing that is not exactly known, and what it does to the total (docs/theory/errors.md).
 struct InputSource {
-  std::string name;            // "material steel", "motion of tube"
-  std::string statement;       // "bracket x 0.33 to 3.3 (assumed)", "one sigma: factor 1.3"
-  double low = 1, high = 1;    // least and largest factor on the ASD of the total, over the band
-  double share = 0;            // of the noise power of the band on routes that it acts on
+  std::string name;          // "material steel", "motion of tube"
+  std::string statement;     // "bracket x 0.33 to 3.3 (assumed)", "one sigma: factor 1.3"
+  double low = 1, high = 1;  // least and largest factor on the ASD of the total, over the band
+  double share = 0;          // of the noise power of the band on routes that it acts on
 };
 // What stands beside the Monte-Carlo error of the total; 1/sqrt(Hz), empty when not made.
 struct NoiseBands {
-  std::vector<double> input_low, input_high;                    // what materials and motion leave open
-  std::vector<double> speckle_05, speckle_50, speckle_95;       // percentiles of one realisation of the static phases
-  std::vector<double> coherent;                                 // linear sum of the ASDs of all routes: upper bound
-  std::vector<InputSource> sources;                             // those with a stated spread
-  std::vector<std::string> taken_as_exact;                      // those without
+  std::vector<double> input_low, input_high;               // what materials and motion leave open
+  std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases
+  std::vector<double> coherent;                            // linear sum of the ASDs of all routes: upper bound
+  std::vector<InputSource> sources;                        // those with a stated spread
+  std::vector<std::string> taken_as_exact;                 // those without
   bool made() const { return !speckle_50.empty(); }
 };
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "noise/percentiles.hpp"
 
-#include <algorithm>
 #include <boost/math/special_functions/erf.hpp>
+
+#include <algorithm>
 #include <cmath>
 
 #include "base/constants.hpp"

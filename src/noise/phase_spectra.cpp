@@ -24,6 +24,16 @@ double gaussian_power(std::span<MotionClass const> classes, std::span<double con
   return sum;
 }
 
+// Hz, below which there is a thousandth of the power: tails do not decide on the resolution.
+double lowest_of(Spectrum const& s) {
+  double low = s.lowest(), high = s.highest();
+  while (high > 1.001 * low) {
+    double const middle = std::sqrt(low * high);
+    (s.power(0, middle) < 1e-3 * s.total() ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
 
 struct PhaseSpectra::Slow : SlowPhase {
@@ -37,13 +47,14 @@ struct PhaseSpectra::Slow : SlowPhase {
 
 PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
     : classes_(std::move(classes)), grid_(std::move(grid)) {
-  double lowest = infinity, highest = 0;
+  double lowest = infinity, highest = 0, lowest_power = infinity;
   for (MotionClass const& c : classes_) {
     if (!is_gaussian(c)) continue;
     lowest = std::min(lowest, c.reference.lowest());
     highest = std::max(highest, c.reference.highest());
+    lowest_power = std::min(lowest_power, lowest_of(c.reference));
   }
-  resolution_ = std::min({0.01, grid_.edges.front() / 10, grid_.width(0) / 8, std::max(lowest / 2, 0.002)});
+  resolution_ = std::min({0.01, grid_.edges.front() / 10, grid_.width(0) / 8, std::max(lowest_power / 2, 0.002)});
   auto const bins = lowest < highest ? static_cast<std::size_t>(std::ceil(64 * std::log2(highest / lowest))) : 0;
   for (std::size_t i = 0; bins > 0 && i <= bins; ++i)
     fine_.push_back(lowest * std::pow(highest / lowest, static_cast<double>(i) / static_cast<double>(bins)));
@@ -87,6 +98,18 @@ std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
   return edge;
 }
 
+double PhaseSpectra::split_hz(std::span<double const> kappa) const {
+  std::size_t const edge = split(kappa);
+  return edge > 0 ? fine_[edge] : 0;
+}
+
+Steps PhaseSpectra::fast_steps(std::size_t c, double from_hz) const {
+  std::vector<double> only(classes_.size());
+  only[c] = 1;
+  auto const edge = std::lower_bound(fine_.begin(), fine_.end(), from_hz) - fine_.begin();
+  return fast_part(only, static_cast<std::size_t>(edge));
+}
+
 LowPart PhaseSpectra::slow_part(Slow const& slow, std::span<double const> kappa) const {
   bool const unmoved = slow.highest == 0 && slow.tones.empty();
   LowPart low = unmoved ? LowPart{resolution_, {0}, 0.5, 0} : transform(slow, resolution_);
@@ -112,12 +135,11 @@ void PhaseSpectra::add_tone(LowPart const& low, double hz, double mean_square, s
 }
 
 std::vector<double> PhaseSpectra::response(LowPart const& low, std::size_t c, double kept) const {
-  std::vector<double> power(grid_.size()), only(classes_.size());
-  only[c] = 1;
+  std::vector<double> power(grid_.size());
   if (is_tone(classes_[c]))
     add_tone(low, classes_[c].tone_frequency, classes_[c].variance(), power);
   else if (is_gaussian(classes_[c]))
-    modulate(low, fast_part(only, 0), grid_power_[c], grid_.edges, power);
+    modulate(low, fast_steps(c, 0), grid_power_[c], grid_.edges, power);
   for (std::size_t i = 0; i < grid_.size(); ++i) power[i] *= kept / grid_.width(i);
   return power;
 }
@@ -146,7 +168,7 @@ PhaseSpectrum PhaseSpectra::strong(std::span<double const> kappa, std::vector<bo
   Slow slow;
   slow.classes = classes_;
   slow.kappa = kappa;
-  slow.highest = edge > 0 ? fine_[edge] : 0;
+  slow.highest = split_hz(kappa);
   double rate = 0, fast_power = 0;
   for (std::size_t c = 0; c < classes_.size(); ++c) {
     if (is_tone(classes_[c]) && kappa[c] > 0) slow.tones.push_back({classes_[c].tone_frequency, std::sqrt(kappa[c])});

@@ -48,13 +48,16 @@ class PhaseSpectra {
   // The same spectrum of strong classes alone (kappa of the others is zero), with the responses of weak ones.
   PhaseSpectrum strong(std::span<double const> kappa, std::vector<bool> const& responses) const;
 
+  double split_hz(std::span<double const> kappa) const;   // f1 of eq. 7.14
+  Steps fast_steps(std::size_t c, double from_hz) const;  // reference of a class above such a split
+
   std::vector<MotionClass> const& classes() const { return classes_; }
   FrequencyGrid const& grid() const { return grid_; }
   // rad^2; a drift counts as pi^2/3, the variance of a phase that is anywhere.
   double mean_square_phase(std::span<double const> kappa) const;
 
   // Hz, spacing of the lines of the transform: 0.01 Hz, a tenth of the band's lower end, an eighth of its first bin or
-  // half the lowest frequency of any motion (not below 2 mHz), whichever is least.
+  // half the frequency below which a thousandth of any motion's power lies (not below 2 mHz), whichever is least.
   double resolution() const { return resolution_; }
 
  private:

@@ -66,11 +66,12 @@ struct Sum {
 };
 
 Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra) {
-  Strengths out{spectra.classes().size(), {}};
+  Strengths out{spectra.classes().size(), {}, {}};
   for (CouplingClass const& c : table.classes) {
     for (PathRecord const& record : c.records) {
       std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.levers);
       out.kappa.insert(out.kappa.end(), kappa.begin(), kappa.end());
+      out.weight.push_back(record.weight);
     }
   }
   return out;

@@ -30,13 +30,10 @@ class Sweep {
 
 // Neighbouring bins of a width that hardly differs.
 struct Octave {
-  double low, high, narrowest;
+  double high, narrowest;
   // How finely the low part must be known at a frequency that reaches these bins: a quarter of a bin, or half a step
-  // of the modulation (1.1 % of its frequency) where that is far.
-  double step(double hz) const {
-    double const away = hz < low ? low - hz : hz > high ? hz - high : 0;
-    return std::max(narrowest / 4, 0.0055 * away);
-  }
+  // of the modulation (1.1 % of its frequency) where that comes from far above.
+  double step(double hz) const { return std::max(narrowest / 4, 0.0055 * (hz - high)); }
 };
 
 // The low part as lines at their centres of power, and what counts as unshifted.
@@ -97,7 +94,7 @@ void modulate(LowPart const& low, Steps const& fast, std::span<double const> uns
     double narrowest = width(first);
     for (; next < bin_power.size() && width(next) < 2 * width(first) && width(next) > 0.5 * width(first); ++next)
       narrowest = std::min(narrowest, width(next));
-    Condensed const c = condensed(low, {edges[first], edges[next], narrowest});
+    Condensed const c = condensed(low, {edges[next], narrowest});
     for (std::size_t i = first; i < next; ++i) bin_power[i] += c.at_zero * unshifted[i];
     add_sidebands(c.lines, fast, edges.subspan(first, next - first + 1), bin_power.subspan(first, next - first));
   }

@@ -25,6 +25,11 @@ struct Part {
   double surviving, mean_square;
 };
 
+// Gains to inputs in the root of their power: by linear coupling that in the bin counts, where fringes wrap all of it.
+struct Metrics {
+  MatrixXcd in_bin, everywhere;
+};
+
 class SpeckleLaw {
  public:
   SpeckleLaw(NoiseBudget const& b, CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo)
@@ -40,7 +45,8 @@ class SpeckleLaw {
   std::array<double, 3> at(std::size_t bin) const {  // percentiles of the PSD
     MatrixXcd gamma = MatrixXcd::Zero(gains_.inputs(), gains_.inputs()), relation = gamma;
     RandomVector v;
-    for (Part const& p : parts_) add(p, bin, gamma, relation, v);
+    Metrics const metrics{gains_.to_inputs(b_.grid, bin, false), gains_.to_inputs(b_.grid, bin, true)};
+    for (Part const& p : parts_) add(p, bin, metrics, gamma, relation, v);
     auto const copies = std::max(1, int(std::lround(copies_)));
     MatrixXd const covariance = real_covariance(gamma, relation) / copies;
     Eigen::SelfAdjointEigenSolver<MatrixXd> const modes(covariance);
@@ -98,16 +104,14 @@ class SpeckleLaw {
     return both > 0 ? p.surviving * (phase * phase + amplitude * amplitude) / both : 0;
   }
 
-  void add(Part const& p, std::size_t bin, MatrixXcd& gamma, MatrixXcd& relation, RandomVector& v) const {
+  void add(Part const& p, std::size_t bin, Metrics const& metrics, MatrixXcd& gamma, MatrixXcd& relation,
+           RandomVector& v) const {
     double const psd = std::pow(b_.routes[p.route].asd[bin], 2);
     if (!(psd > 0)) return;
-    MatrixXcd to_inputs = gains_.to_inputs(b_.grid, bin, p.mean_square > 1);
-    auto const moments = [&] { return MatrixXcd(to_inputs * p.directions * to_inputs.adjoint()); };
-    MatrixXcd all = moments();
-    if (!(all.trace().real() > 0)) {  // moved elsewhere in frequency
-      to_inputs = gains_.to_inputs(b_.grid, bin, true);
-      all = moments();
-    }
+    auto const moments = [&](MatrixXcd const& m) { return MatrixXcd(m * p.directions * m.adjoint()); };
+    bool const elsewhere = p.mean_square > 1 || !(moments(metrics.in_bin).trace().real() > 0);
+    MatrixXcd const& to_inputs = elsewhere ? metrics.everywhere : metrics.in_bin;
+    MatrixXcd const all = moments(to_inputs);
     double const trace = all.trace().real();
     if (!(trace > 0)) return;
     Complex const share = relation_of(p, bin);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Spread of one realisation of the unknown static phases around the mean (physics.md section 10, docs/theory/spectra.md).
+// Spread of one realisation of the unknown static phases around the mean (physics.md section 10,
+// docs/theory/spectra.md).
 #pragma once
 
 #include "noise/noise.hpp"
@@ -15,9 +16,9 @@ namespace straytrace {
 // modulus and an unknown phase.
 void add_speckle_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Interferometer const&);
 
-// How much of one static phase survives in the spectrum of a route: 1: the phase decides which quadrature moves; 0: slow
-// motion turns the field through all phases, both quadratures always count. exp(-2 x) for Gaussian motion of mean-square
-// phase x: exact for x << 1 and x >> 1; 1 where tones move it, 0 where it drifts.
+// How much of one static phase survives in the spectrum of a route: 1: the phase decides which quadrature moves; 0:
+// slow motion turns the field through all phases, both quadratures always count. exp(-2 x) for Gaussian motion of
+// mean-square phase x: exact for x << 1 and x >> 1; 1 where tones move it, 0 where it drifts.
 double surviving_phase(double gaussian_mean_square, double tone_mean_square, bool drifts);
 
 }  // namespace straytrace

@@ -65,8 +65,12 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
     for (std::size_t c = 0; c < paths.classes; ++c)
       if (double const k = paths.of(i)[c]; k != 0 && !spectra.classes()[c].drift && !weak_[c])
         weak_[c] = !spectra.is_strong(c, k);
-  lattice_.step = options.step;
-  start(options.most);
+  if (any_negative()) {
+    start(0.1, options.most, false);
+    use_means(std::move(lattice_));
+    return;
+  }
+  start(options.step, options.most, true);
   while (!use_strengths()) {
     compute();
     if (!options.refine || smooth() || !halve(options.most)) return;
@@ -118,14 +122,20 @@ void StrengthNodes::place_nodes(Lattice& lattice) {
   }
 }
 
-void StrengthNodes::start(std::size_t most) {
-  double widening = 1;
-  for (;; widening *= 1.5) {
-    Lattice lattice{lattice_.step * widening, drift_step * widening, {}, {}};
+bool StrengthNodes::any_negative() const {
+  for (std::size_t i = 0; i < paths_.size(); ++i)
+    for (std::size_t c = 0; c < paths_.classes; ++c)
+      if (double const k = paths_.of(i)[c]; k < 0 && spectra_.is_strong(c, k)) return true;
+  return false;
+}
+
+void StrengthNodes::start(double step, std::size_t most, bool stencils) {
+  for (double widening = 1;; widening *= 1.5) {
+    Lattice lattice{step * widening, drift_step * widening, {}, {}};
     if (!sort_into(lattice, most)) continue;
     node_.clear();
     kappa_.clear();
-    place_nodes(lattice);
+    if (stencils) place_nodes(lattice);
     if (kappa_.size() > most && lattice.cells.size() > 1) continue;
     lattice_ = std::move(lattice);
     return;
@@ -157,18 +167,26 @@ bool StrengthNodes::halve(std::size_t most) {
 bool StrengthNodes::use_strengths() {
   Lattice exact{same, same, {}, {}};
   if (!sort_into(exact, kappa_.size())) return false;
-  kappa_.assign(exact.cells.size(), {});
-  for (std::size_t i = paths_.size(); i-- > 0;) {
-    std::vector<double>& kappa = kappa_[exact.of[i]];
-    kappa.assign(paths_.classes, 0);
-    for (std::size_t c : exact.cells[exact.of[i]].strong) kappa[c] = paths_.of(i)[c];
+  use_means(std::move(exact));
+  return true;
+}
+
+void StrengthNodes::use_means(Lattice cells) {
+  kappa_.assign(cells.cells.size(), std::vector<double>(paths_.classes));
+  std::vector<double> weight(kappa_.size());
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    std::uint32_t const n = cells.of[i];
+    double const w = paths_.weight.empty() ? 1 : paths_.weight[i];
+    weight[n] += w;
+    double const share = weight[n] > 0 ? w / weight[n] : 1;
+    for (std::size_t c : cells.cells[n].strong)
+      kappa_[n][c] += (paths_.of(i)[c] - kappa_[n][c]) * share;
   }
-  for (std::size_t n = 0; n < exact.cells.size(); ++n) exact.cells[n].nodes = {static_cast<std::uint32_t>(n)};
-  lattice_ = std::move(exact);
+  for (std::size_t n = 0; n < kappa_.size(); ++n) cells.cells[n].nodes = {static_cast<std::uint32_t>(n)};
+  lattice_ = std::move(cells);
   first_basis_.clear();
   basis_.clear();
   compute();
-  return true;
 }
 
 void StrengthNodes::compute() {

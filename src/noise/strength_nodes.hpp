@@ -15,6 +15,7 @@ namespace straytrace {
 struct Strengths {
   std::size_t classes = 0;
   std::vector<double> kappa;
+  std::vector<double> weight;  // power of each path; empty: all equal
   std::span<double const> of(std::size_t path) const { return std::span(kappa).subspan(path * classes, classes); }
   std::size_t size() const { return classes ? kappa.size() / classes : 0; }
 };
@@ -72,9 +73,11 @@ class StrengthNodes {
   bool sort_into(Lattice&, std::size_t most) const;  // false: more cells than that
   void place_nodes(Lattice&);
   std::uint32_t node_at(Lattice const&, Address const&);
-  void start(std::size_t most);
+  void start(double step, std::size_t most, bool stencils);
   bool halve(std::size_t most);
   bool use_strengths();  // if they are no more than the nodes
+  void use_means(Lattice);
+  bool any_negative() const;
   void compute();
   bool smooth() const;
   double position(Cell const&, std::size_t c, double kappa) const;  // in steps from the cell's centre

@@ -27,7 +27,25 @@ std::string sources(NoiseBands const& bands) {
   return text;
 }
 
+std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies, std::vector<double> const& low,
+                   std::vector<double> const& high) {
+  std::string text;
+  for (double const hz : frequencies)
+    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", number(band_at(low, b.grid, hz)),
+                        number(band_at(high, b.grid, hz)));
+  return text;
+}
+
 }  // namespace
+
+std::string band_summary(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  if (!b.bands.made()) return "";
+  NoiseBands const& d = b.bands;
+  std::string text = fmt::format("one realisation (5 to 95 %) at {:g} Hz: {}\n", fmt::join(frequencies, ", "),
+                                 ranges(b, frequencies, d.speckle_05, d.speckle_95));
+  if (d.sources.empty()) return text + "inputs are taken as exact: no bracket or uncertainty is stated\n";
+  return text + fmt::format("what inputs leave open: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
+}
 
 std::string band_text(NoiseBudget const& b, std::vector<double> const& frequencies) {
   if (!b.bands.made()) return "";
@@ -44,7 +62,8 @@ std::string band_text(NoiseBudget const& b, std::vector<double> const& frequenci
   text +=
       "\ninput: brackets of all materials at their low ends, at their high ends; independent standard deviations\n"
       "combine in quadrature. speckle: one realisation of the unknown static phases, once they are what they are;\n"
-      "where fringes wrap the spread is an upper bound. Routes are added in power; 'all in phase' is the linear sum of\n"
+      "where fringes wrap the spread is an upper bound. Routes are added in power; 'all in phase' is the linear sum "
+      "of\n"
       "their ASDs, the worst way in which the mean strengths of routes can add, and not a forecast.\n\n";
   return text + sources(b.bands);
 }

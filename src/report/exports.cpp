@@ -61,10 +61,10 @@ std::string csv_row(PathRow const& row) {
   for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
   return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
                             number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
-                            number(row.rms_phase), row.regime, number(row.length_mean),
-                            number(row.length_min), number(row.length_max), row.coupling.scored,
-                            number(row.coupling.largest_share), number(row.coupling.effective_scores),
-                            row.by_reverse ? "reverse" : "itself", name_of(row.kind), csv_text(row.statement));
+                            number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
+                            number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
+                            number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself",
+                            name_of(row.kind), csv_text(row.statement));
 }
 
 Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
@@ -205,8 +205,9 @@ std::string asd_text(RunContent const& run) {
       b.unresolved.empty() ? "# unresolved: none\n" : "# LOWER BOUND, these routes are unresolved and not included:\n";
   for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
   text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
-  text += "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
-          "phase_only amplitude_only coherent design ratio\n";
+  text +=
+      "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
+      "phase_only amplitude_only coherent design ratio\n";
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
     double const h = b.total.asd.at(i), s = b.total.sigma.at(i);
     double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);

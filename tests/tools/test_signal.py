@@ -244,7 +244,7 @@ class Files(unittest.TestCase):
 
     def test_outputs_are_refused_before_work(self):
         message = ask("psd", self.folder / "missing.txt", "-o", self.folder / "x.jpg", code=2)
-        self.assertIn(".txt, .csv, .hdf5", message)
+        self.assertIn("end it with .txt, .csv", message)
         self.assertIn("cannot read", ask("psd", self.folder / "missing.txt", code=2))
 
 

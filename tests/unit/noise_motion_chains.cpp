@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies that hang on others, that drift, and that move together as measured.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "motion/joint_motion.hpp"

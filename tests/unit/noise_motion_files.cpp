@@ -126,6 +126,28 @@ TEST(ReadMotionFiles, LineKeepsItsPower) {  // a line between the frequencies of
   EXPECT_NEAR(r.motion.inputs.at(0).recorded->samples[10], 1e-6 * std::sin(2 * pi * 50.03 / 64), 1e-21);
 }
 
+// R4.04: a tone, and the same tone as a sampled series, turn the phase of a path alike. z = 118 rad; 1e-12 relative.
+TEST(ReadMotionFiles, ToneAndItsSamplesR4_04) {
+  double const rate = 512, f = 5, lever = 4 * pi / 1064e-9, start = 1234567890;
+  TimeSeries samples{"POSITION", "um", start, rate, {}};
+  for (int i = 0; i < 4096; ++i) samples.samples.push_back(10 * std::sin(2 * pi * std::fmod(f * i / rate, 1) + pi / 6));
+  Read const series = read("series: x.hdf5", {{"x.hdf5", series_hdf5({&samples, 1})}}),
+             tone = read("sine: {amplitude: 10 um peak, frequency: 5 Hz, phase: 30 deg}");
+  ASSERT_EQ(series.problems + tone.problems, "");
+  Gain const &of_series = series.motion.inputs.at(0).gains.at(0), &of_tone = tone.motion.inputs.at(0).gains.at(0);
+  TimeSeries const& recorded = *series.motion.inputs[0].recorded;
+  EXPECT_EQ(recorded.start, start);
+  double worst = 0, twin = 0;
+  for (std::size_t i = 0; i < recorded.samples.size(); ++i) {
+    double const turn = 2 * pi * std::fmod(f * double(i) / rate, 1),
+                 phase = lever * of_series.value.real() * recorded.samples[i];
+    worst = std::max(worst, std::fabs(phase - lever * std::imag(of_tone.value * std::polar(1.0, turn))));
+    twin = std::max(twin, std::fabs(phase - lever * std::real(of_tone.value * std::polar(1.0, turn))));
+  }
+  EXPECT_LT(worst, 1e-12 * lever * 10e-6);
+  EXPECT_GT(twin, 1);  // cosine for sine
+}
+
 TEST(ReadMotionFiles, OneRecordIsOneMotion) {
   TimeSeries const record = noise_of(16, 2000, 1e-6, "m");
   FileTexts const files = {{"x.hdf5", series_hdf5({&record, 1})}};

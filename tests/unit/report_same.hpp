@@ -115,15 +115,17 @@ inline bool same(NoiseBands const& a, NoiseBands const& b) {
 }
 
 inline bool same(NoiseTrace const& a, NoiseTrace const& b) {
-  return a.name == b.name && same_bits(a.linear_share, b.linear_share) && a.hash == b.hash && same_bits(a.asd, b.asd) && same_bits(a.sigma, b.sigma) &&
-         same_bits(a.phase_asd, b.phase_asd) && same_bits(a.amplitude_asd, b.amplitude_asd) &&
-         same_bits(a.mean_square_phase, b.mean_square_phase) && a.resolved == b.resolved && a.why_not == b.why_not;
+  return a.name == b.name && same_bits(a.linear_share, b.linear_share) && a.hash == b.hash && same_bits(a.asd, b.asd) &&
+         same_bits(a.sigma, b.sigma) && same_bits(a.phase_asd, b.phase_asd) &&
+         same_bits(a.amplitude_asd, b.amplitude_asd) && same_bits(a.mean_square_phase, b.mean_square_phase) &&
+         a.resolved == b.resolved && a.why_not == b.why_not;
 }
 
 inline bool same(NoiseBudget const& a, NoiseBudget const& b) {
-  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && same(a.bands, b.bands) && a.routes.size() == b.routes.size() &&
-               a.unresolved == b.unresolved && same_bits(a.unresolved_hint, b.unresolved_hint) &&
-               a.design.size() == b.design.size() && same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
+  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && same(a.bands, b.bands) &&
+               a.routes.size() == b.routes.size() && a.unresolved == b.unresolved &&
+               same_bits(a.unresolved_hint, b.unresolved_hint) && a.design.size() == b.design.size() &&
+               same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
   for (std::size_t i = 0; equal && i < a.routes.size(); ++i) equal = same(a.routes[i], b.routes[i]);
   for (std::size_t i = 0; equal && i < a.design.size(); ++i)
     equal = a.design[i].name == b.design[i].name && same_bits(a.design[i].asd, b.design[i].asd);
