@@ -34,7 +34,7 @@ Fitted scaled(Fitted f, double factor) {
   return f;
 }
 
-std::string line(char const* name, std::string const& value) { return fmt::format("  {:<22}{}\n", name, value); }
+std::string line(char const* name, std::string const& value) { return fmt::format("  {:<24}{}\n", name, value); }
 
 std::string prediction_text(FittedPath const& p, RoutePrediction const& r) {
   AgainstPrediction const a = against(p, r);

@@ -6,8 +6,8 @@
 
 namespace straytrace {
 
-// Samples of the target where every witness is known: with delays either way, and, where it is sampled more slowly, with
-// the 16 samples that interpolation reaches for. Empty where there are none.
+// Samples of the target where every witness is known: with delays either way, and, where it is sampled more slowly,
+// with the 16 samples that interpolation reaches for. Empty where there are none.
 struct SampleSpan {
   std::size_t from = 0, to = 0;
 };

@@ -102,7 +102,8 @@ TEST(FringeLines, CutOffOfLargeMotion) {  // R2.39
   EXPECT_LT(deviation(cutoff(phase_amplitude(900e-6, wavelength), 0.12), 1275.5), 1e-4);
 }
 
-TEST(FringeLines, PlateauAndRmsMeanOfMicroseism) {  // R2.41; the plateau also against the lines below a third of the edge
+TEST(FringeLines,
+     PlateauAndRmsMeanOfMicroseism) {  // R2.41; the plateau also against the lines below a third of the edge
   double const hz = 0.35, top = cutoff(phase_amplitude(3e-6, wavelength), hz), g = 1.955e-20;
   EXPECT_LT(deviation(top, 12.40), 1e-3);
   double const plateau = g * std::sqrt(shelf_psd(0, top)), rms_mean = g / std::sqrt(2 * top);

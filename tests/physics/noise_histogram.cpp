@@ -48,7 +48,8 @@ FrequencyGrid const grid = logarithmic_grid(3, 100, 12);
 MotionClass const ground{power_law_asd(3e-9, 1, -2, 0.1, 300), 0, {}};
 double const unit = 3 / ground.variance();  // a phase of 1.7 rad rms
 
-// R4.08. Tolerance: three times the phase power that each path by itself takes to first order, above a split of its own.
+// R4.08. Tolerance: three times the phase power that each path by itself takes to first order, above a split of its
+// own.
 TEST(StrengthHistogram, OneClassAgreesWithTheSumOverPaths) {
   PhaseSpectra const spectra({ground}, grid);
   Strengths const paths = spread({unit}, 120, 1.2);
