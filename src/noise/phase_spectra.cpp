@@ -49,6 +49,7 @@ PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
     : classes_(std::move(classes)), grid_(std::move(grid)) {
   double lowest = infinity, highest = 0, lowest_power = infinity;
   for (MotionClass const& c : classes_) {
+    variance_.push_back(c.variance());
     if (!is_gaussian(c)) continue;
     lowest = std::min(lowest, c.reference.lowest());
     highest = std::max(highest, c.reference.highest());
@@ -78,13 +79,13 @@ PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
 double PhaseSpectra::mean_square_phase(std::span<double const> kappa) const {
   double sum = 0;
   for (std::size_t c = 0; c < classes_.size(); ++c)
-    sum += !classes_[c].drift ? kappa[c] * classes_[c].variance() : is_strong(c, kappa[c]) ? pi * pi / 3 : 0;
+    sum += !classes_[c].drift ? kappa[c] * variance_[c] : is_strong(c, kappa[c]) ? pi * pi / 3 : 0;
   return sum;
 }
 
 bool PhaseSpectra::is_strong(std::size_t c, double kappa) const {
   if (classes_[c].drift) return drift_hz(kappa) >= resolution_ / 2;
-  return std::fabs(kappa) * classes_[c].variance() >= weak / (is_tone(classes_[c]) ? 1 : classes_.size());
+  return std::fabs(kappa) * variance_[c] >= weak / (is_tone(classes_[c]) ? 1 : classes_.size());
 }
 
 // The lowest edge above which all that is left is weak.
@@ -137,7 +138,7 @@ void PhaseSpectra::add_tone(LowPart const& low, double hz, double mean_square, s
 std::vector<double> PhaseSpectra::response(LowPart const& low, std::size_t c, double kept) const {
   std::vector<double> power(grid_.size());
   if (is_tone(classes_[c]))
-    add_tone(low, classes_[c].tone_frequency, classes_[c].variance(), power);
+    add_tone(low, classes_[c].tone_frequency, variance_[c], power);
   else if (is_gaussian(classes_[c]))
     modulate(low, fast_steps(c, 0), grid_power_[c], grid_.edges, power);
   for (std::size_t i = 0; i < grid_.size(); ++i) power[i] *= kept / grid_.width(i);
@@ -210,7 +211,7 @@ PhaseSpectrum PhaseSpectra::operator()(std::span<double const> kappa) const {
       in_exponent[c] = kappa[c];
     else if (kappa[c] != 0)
       is_weak[c] = true;
-    if (is_weak[c]) weak_power += kappa[c] * classes_[c].variance();
+    if (is_weak[c]) weak_power += kappa[c] * variance_[c];
   }
   PhaseSpectrum s = strong(in_exponent, is_weak);
   for (std::size_t i = 0; i < grid_.size(); ++i) {

@@ -52,6 +52,7 @@ class PhaseSpectra {
   Steps fast_steps(std::size_t c, double from_hz) const;  // reference of a class above such a split
 
   std::vector<MotionClass> const& classes() const { return classes_; }
+  double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept: it is asked for by every path
   FrequencyGrid const& grid() const { return grid_; }
   // rad^2; a drift counts as pi^2/3, the variance of a phase that is anywhere.
   double mean_square_phase(std::span<double const> kappa) const;
@@ -70,6 +71,7 @@ class PhaseSpectra {
   std::vector<double> first_order(std::span<double const> kappa, std::span<double const> psd) const;
 
   std::vector<MotionClass> classes_;
+  std::vector<double> variance_;
   FrequencyGrid grid_;
   double resolution_ = 0;
   std::vector<double> fine_;                      // Hz, edges of logarithmic bins of 1.1 % over all spectra

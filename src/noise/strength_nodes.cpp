@@ -271,7 +271,7 @@ void StrengthNodes::shares(std::size_t path, std::vector<Share>& out) const {
   weigh(cell, kappa, weight);
   double weak_power = 0;
   for (std::size_t c = 0; c < kappa.size(); ++c)
-    if (cell.at[c] == none) weak_power += kappa[c] * spectra_.classes()[c].variance();
+    if (cell.at[c] == none) weak_power += kappa[c] * spectra_.variance(c);
   for (std::size_t n = 0; n < weight.size(); ++n) {
     if (weight[n] == 0) continue;
     std::uint32_t basis = first_basis_[cell.nodes[n]];
