@@ -115,7 +115,7 @@ int run_lines(LineOptions const& o) {
                           text(amplitude_of(h)), first.limit ? "" : text(over(amplitude_of(h), first))});
   table.rows[0][3] = "1";
   std::string const said = fmt::format("{}: {:.5g} Hz, {} {} peak, {} windows of {:g} s\ncoupling at the line {} {}\n",
-                                       d.pair.witness.name, d.frequency(), plus_minus(drive.value, drive.sigma), d.unit,
+                                       d.pair.witness.name, d.frequency(), fmt::format("{:.4g}", drive.value), d.unit,
                                        d.drive.size(), d.window, text(coupling), d.coupling_unit) +
                            aligned(table) + verdict(d, o, f);
   answer_with_result(o.data, line_sheet(d), said, json_of(d, o, f, coupling));
@@ -136,9 +136,9 @@ void add_couple_lines(CLI::App& couple, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace couple lines --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
-      "\"4 Hz..6 Hz\" --gps 20..28 --window \"1 s\"\n"
+      "\"9 Hz..11 Hz\" --gps 20..28 --window \"1 s\"\n"
       "  straytrace couple lines --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
-      "\"4 Hz..6 Hz\" --window \"1 s\" --multiplicity 2 --format json");
+      "\"9 Hz..11 Hz\" --window \"1 s\" --multiplicity 2 --format json");
   command->callback([options, &exit_code] { exit_code = run_lines(*options); });
 }
 

@@ -65,7 +65,7 @@ struct Spectra {
 
 Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
   StretchArgument const where = parse_stretch(stretch, option);
-  auto const both = aligned({channel_in(where, witness.empty() ? where.channel : witness, o.witness_unit, "--witness"),
+  auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
                              channel_in(where, o.target, o.target_unit, "--target")});
   WelchSettings const w = welch_of(o.data, both[0]);
   Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}};
@@ -84,9 +84,7 @@ void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses)
   stretches.push_back(o.quiet);
   for (std::string const& s : stretches) {
     StretchArgument const where = parse_stretch(s, s == o.quiet ? "--quiet" : "--injection");
-    std::string const& w = witnesses.front();
-    shortest =
-        std::min(shortest, channel_in(where, w.empty() ? where.channel : w, o.witness_unit, "--witness").duration());
+    shortest = std::min(shortest, channel_in(where, witnesses.front(), o.witness_unit, "--witness").duration());
   }
   o.data.segment = fmt::format("{} s", std::min(8.0, shortest / 16));
 }
@@ -204,7 +202,8 @@ CurveSheet sheet_of(std::vector<Coupled> const& all) {
 int run_noise(NoiseCoupling o) {
   check_outputs(o.data);
   o.thresholds.check_linear = !o.accept_incoherent;
-  std::vector<std::string> const witnesses = o.witness.empty() ? std::vector<std::string>{""} : o.witness;
+  std::vector<std::string> const witnesses =
+      o.witness.empty() ? std::vector{parse_stretch(o.injection.front(), "--injection").channel} : o.witness;
   if (!o.save.empty() && witnesses.size() > 1)
     throw InputError("error: --save holds one coupling, and there are several witnesses\n  name one --witness");
   if (o.data.average == "median") throw InputError("error: --average median: couplings need means\n  leave it out");

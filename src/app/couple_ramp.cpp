@@ -110,9 +110,9 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace couple ramp --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
-      "\"4 Hz..6 Hz\" --window \"1 s\"\n"
+      "\"9 Hz..11 Hz\" --window \"1 s\"\n"
       "  straytrace couple ramp --witness examples/data/shaker.csv::DRIVE --target examples/data/shaker.csv::H --band "
-      "\"4 Hz..6 Hz\" --window \"1 s\" --significance 5 -o ramp.png --save line.csv");
+      "\"9 Hz..11 Hz\" --window \"1 s\" --significance 5 -o ramp.png --save line.csv");
   command->callback([options, &exit_code] { exit_code = run_ramp(*options); });
 }
 

@@ -120,7 +120,7 @@ std::vector<double> root_spectrum(MotionSet const& motion, BodyId body, Frequenc
 std::string answer_text(Answer const& a, bool per_frequency) {
   std::string text = sentence(a);
   if (a.inversion.touched > 0)
-    text += fmt::format("It acts on {:.3g} % of the noise power at most frequencies, at most.\n",
+    text += fmt::format("Routes that it acts on carry at most {:.3g} % of the noise power at any frequency.\n",
                         100 * a.inversion.touched);
   else
     text += "No resolved route is touched by it.\n";

@@ -39,12 +39,11 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
       continue;
     }
     auto const stroke = bodies[b].find('/');
-    bodies_table.problem(
-        fmt::format("{} '{}' has no motion", stroke == std::string::npos ? "body" : "mode", bodies[b]),
-        stroke == std::string::npos
-            ? fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum", bodies[b])
-            : fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'", bodies[b].substr(stroke + 1),
-                          bodies[b].substr(0, stroke)));
+    bodies_table.problem(fmt::format("{} '{}' has no motion", stroke == std::string::npos ? "body" : "mode", bodies[b]),
+                         stroke == std::string::npos
+                             ? fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum", bodies[b])
+                             : fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'",
+                                           bodies[b].substr(stroke + 1), bodies[b].substr(0, stroke)));
   }
   reader.finish();
   set.inputs = std::move(reader.inputs);

@@ -179,8 +179,7 @@ void StrengthNodes::use_means(Lattice cells) {
     double const w = paths_.weight.empty() ? 1 : paths_.weight[i];
     weight[n] += w;
     double const share = weight[n] > 0 ? w / weight[n] : 1;
-    for (std::size_t c : cells.cells[n].strong)
-      kappa_[n][c] += (paths_.of(i)[c] - kappa_[n][c]) * share;
+    for (std::size_t c : cells.cells[n].strong) kappa_[n][c] += (paths_.of(i)[c] - kappa_[n][c]) * share;
   }
   for (std::size_t n = 0; n < kappa_.size(); ++n) cells.cells[n].nodes = {static_cast<std::uint32_t>(n)};
   lattice_ = std::move(cells);
@@ -227,43 +226,49 @@ double StrengthNodes::position(Cell const& cell, std::size_t c, double kappa) co
   return std::log(std::fabs(kappa)) / lattice_.step_of(spectra_.classes()[c]) - (cell.at[c] >> 1);
 }
 
+// Along each axis and for each pair of axes, in the order of `offsets`.
+void StrengthNodes::weigh(Cell const& cell, std::span<double const> kappa, std::vector<double>& weight) const {
+  weight.assign(cell.nodes.size(), 0);
+  weight[0] = 1;
+  if (cell.nodes.size() == 1) return;
+  std::size_t const strong = cell.strong.size();
+  thread_local std::vector<double> x;
+  thread_local std::vector<std::size_t> beside;  // the next point on each axis, on the side of the path
+  thread_local std::vector<int> above;
+  x.clear();
+  beside.clear();
+  above.clear();
+  std::size_t next = 1;
+  for (std::size_t c : cell.strong) {
+    bool const drift = spectra_.classes()[c].drift;
+    int const m = drift ? 1 : reach(strong);
+    double const at = position(cell, c, kappa[c]);
+    std::array<double, 9> p = lagrange(at, m);
+    if (drift) p = {std::max(-at, 0.0), 1 - std::fabs(at), std::max(at, 0.0)};
+    weight[0] += p[m] - 1;
+    x.push_back(std::fabs(at));
+    above.push_back(at >= 0);
+    beside.push_back(next + m - (at < 0));
+    for (int k = 0; k <= 2 * m; ++k)
+      if (k != m) weight[next++] += p[k];
+  }
+  for (std::size_t i = 0; i < strong; ++i) {
+    for (std::size_t j = i + 1; j < strong; ++j, next += 4) {
+      double const cross = x[i] * x[j];
+      weight[0] += cross;
+      weight[beside[i]] -= cross;
+      weight[beside[j]] -= cross;
+      weight[next + 2 * above[i] + above[j]] += cross;
+    }
+  }
+}
+
 void StrengthNodes::shares(std::size_t path, std::vector<Share>& out) const {
   out.clear();
   std::span<double const> const kappa = paths_.of(path);
   Cell const& cell = lattice_.cells[lattice_.of[path]];
-  std::size_t const strong = cell.nodes.size() == 1 ? 0 : cell.strong.size();
-  thread_local std::vector<double> weight, x;
-  thread_local std::vector<std::size_t> axis;  // of each class: its first point in the list
-  weight.assign(cell.nodes.size(), 0);
-  weight[0] = 1;
-  x.assign(strong, 0);
-  axis.assign(strong, 1);
-  for (std::size_t i = 0, next = 1; i < strong; ++i) {
-    std::size_t const c = cell.strong[i];
-    bool const drift = spectra_.classes()[c].drift;
-    int const m = drift ? 1 : reach(strong);
-    x[i] = position(cell, c, kappa[c]);
-    axis[i] = next;
-    std::array<double, 9> p = lagrange(x[i], m);
-    if (drift) p = {std::max(-x[i], 0.0), 1 - std::fabs(x[i]), std::max(x[i], 0.0)};
-    weight[0] += p[m] - 1;
-    for (int k = 0; k <= 2 * m; ++k)
-      if (k != m) weight[next++] += p[k];
-  }
-  std::size_t corner = cell.nodes.size() - 2 * strong * (strong > 0 ? strong - 1 : 0);
-  auto const beside = [&](std::size_t i) {
-    int const m = spectra_.classes()[cell.strong[i]].drift ? 1 : reach(strong);
-    return axis[i] + m - (x[i] < 0);
-  };
-  for (std::size_t i = 0; i < strong; ++i) {
-    for (std::size_t j = i + 1; j < strong; ++j, corner += 4) {
-      double const cross = std::fabs(x[i] * x[j]);
-      weight[0] += cross;
-      weight[beside(i)] -= cross;
-      weight[beside(j)] -= cross;
-      weight[corner + 2 * (x[i] >= 0) + (x[j] >= 0)] += cross;
-    }
-  }
+  thread_local std::vector<double> weight;
+  weigh(cell, kappa, weight);
   double weak_power = 0;
   for (std::size_t c = 0; c < kappa.size(); ++c)
     if (cell.at[c] == none) weak_power += kappa[c] * spectra_.classes()[c].variance();

@@ -17,7 +17,7 @@ struct Strengths {
   std::vector<double> kappa;
   std::vector<double> weight;  // power of each path; empty: all equal
   std::span<double const> of(std::size_t path) const { return std::span(kappa).subspan(path * classes, classes); }
-  std::size_t size() const { return classes ? kappa.size() / classes : 0; }
+  std::size_t size() const { return classes ? kappa.size() / classes : weight.size(); }
 };
 
 // The spectrum of every path is a sum of few spectra of nodes, which lie on a lattice in ln |kappa| of the strong
@@ -78,6 +78,7 @@ class StrengthNodes {
   bool use_strengths();  // if they are no more than the nodes
   void use_means(Lattice);
   bool any_negative() const;
+  void weigh(Cell const&, std::span<double const> kappa, std::vector<double>& weight) const;
   void compute();
   bool smooth() const;
   double position(Cell const&, std::size_t c, double kappa) const;  // in steps from the cell's centre

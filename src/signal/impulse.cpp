@@ -14,6 +14,7 @@
 namespace straytrace {
 namespace {
 
+constexpr std::size_t noise_bins = 8;  // on each side over which noise is averaged: few stretches know little
 constexpr std::size_t most_bins = 40;  // on each side of a peak that are fitted
 
 double median(std::vector<double> v) {
@@ -125,6 +126,7 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
                     s.length, 32 / force.rate, force.duration()));
   Sums const sums = sums_of(force, target, starts, n, silent);
   ImpulseResponse r;
+  std::vector<double> left;  // |Y - H F|^2 of one stretch
   r.stretches = sums.count;
   for (std::size_t k = 0; k <= n / 2; ++k) {
     r.hz.push_back(double(k) * force.rate / double(n));
@@ -132,8 +134,13 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
     double const raw =
         sums.force[k] * sums.target[k] > 0 ? std::norm(sums.cross[k]) / (sums.force[k] * sums.target[k]) : 0;
     r.coherence.push_back(unbiased_coherence(std::min(raw, 1.0), double(sums.count)));
-    double const left = std::max(0.0, sums.target[k] * (1 - raw)) / double(sums.count - 1);  // noise of one stretch
-    r.sigma.push_back(sums.force[k] > 0 ? std::sqrt(left / sums.force[k] / 2) : infinity);
+    left.push_back(std::max(0.0, sums.target[k] * (1 - raw)) / double(sums.count - 1));
+  }
+  for (std::size_t k = 0; k <= n / 2; ++k) {
+    std::size_t const from = k > noise_bins ? k - noise_bins : 0, to = std::min(k + noise_bins, n / 2);
+    double mean = 0;
+    for (std::size_t i = from; i <= to; ++i) mean += left[i] / double(to - from + 1);
+    r.sigma.push_back(sums.force[k] > 0 ? std::sqrt(mean / sums.force[k] / 2) : infinity);
   }
   to_time(r, n, force.rate);
   double const rings = double(n - silent) / force.rate;

@@ -57,10 +57,10 @@ std::complex<double> LineWindow::at(double hz) const {
   return {2 * re / sum_, 2 * im / sum_};
 }
 
-double LineWindow::sigma(double hz) const {
+double LineWindow::sigma(double hz, double spacing) const {
   double power = 0;
   int count = 0;
-  for (int k = nearest_noise; k <= farthest_noise; ++k)
+  for (int k = nearest_noise; k <= farthest_noise && (k + nearest_noise) * resolution() <= spacing * 1.001; ++k)
     for (double const f : {hz - k * resolution(), hz + k * resolution()})
       if (f > resolution() && f < rate_ / 2 - resolution()) {
         power += std::norm(at(f)) / 2;  // |a|^2 of noise has twice the variance of a quadrature
@@ -101,6 +101,11 @@ std::vector<LinePoint> track_line(TimeSeries const& s, LineBand const& b) {
                     "choose a band between 0 and {:g} Hz",
                     b.low, b.high, s.name, s.rate, s.rate / 2));
   std::size_t const n = window_samples(s, b.window);
+  if (b.window * b.low < fewest_periods)
+    throw InputError(
+        fmt::format("error: a window of {:g} s holds {:.1f} periods of a line at {:g} Hz, and {:g} are needed "
+                    "to tell noise from harmonics\n  choose --window {:g} s or more",
+                    b.window, b.window * b.low, b.low, fewest_periods, std::ceil(10 * fewest_periods / b.low) / 10));
   std::vector<LinePoint> track;
   for (std::size_t begin = 0; begin + n <= s.samples.size(); begin += n / 2) {
     LineWindow const w(std::span(s.samples).subspan(begin, n), s.rate);
@@ -108,7 +113,7 @@ std::vector<LinePoint> track_line(TimeSeries const& s, LineBand const& b) {
     p.time = s.time(begin) + double(n) / (2 * s.rate);
     p.hz = w.peak(b.low, b.high);
     p.amplitude = w.at(p.hz);
-    p.sigma = w.sigma(p.hz);
+    p.sigma = w.sigma(p.hz, p.hz);
     p.hz_sigma = w.peak_sigma(std::abs(p.amplitude), p.sigma);
     track.push_back(p);
   }
@@ -128,7 +133,7 @@ std::vector<LinePoint> follow_line(TimeSeries const& s, std::span<LinePoint cons
     p.hz = harmonic * t.hz;
     p.hz_sigma = harmonic * t.hz_sigma;
     p.amplitude = w.at(p.hz);
-    p.sigma = w.sigma(p.hz);
+    p.sigma = w.sigma(p.hz, t.hz);
     out.push_back(p);
   }
   return out;

@@ -48,19 +48,20 @@ FrequencyGrid const grid = logarithmic_grid(3, 100, 12);
 MotionClass const ground{power_law_asd(3e-9, 1, -2, 0.1, 300), 0, {}};
 double const unit = 3 / ground.variance();  // a phase of 1.7 rad rms
 
-TEST(StrengthHistogram, OneClassAgreesWithTheSumOverPaths) {  // R4.08: 1e-4
+// R4.08. Tolerance: three times the phase power that each path by itself takes to first order, above a split of its own.
+TEST(StrengthHistogram, OneClassAgreesWithTheSumOverPaths) {
   PhaseSpectra const spectra({ground}, grid);
-  Strengths const paths = spread({unit}, 300, 1.2);
+  Strengths const paths = spread({unit}, 120, 1.2);
   Shared const usual = compare(spectra, paths, {});
   EXPECT_LT(usual.nodes, 100u);
-  EXPECT_LT(usual.error, 1e-4);
-  EXPECT_GT(compare(spectra, paths, {3, 400, false}).error, 1e-4);  // twin: twelve times as coarse
+  EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
+  EXPECT_GT(compare(spectra, paths, {3, 400, false}).error, 3 * PhaseSpectra::weak);  // twin: twelve times as coarse
 }
 
 // A narrow line leaves Gaussian tails, where spectra of different strength differ by decades: the step must adapt.
 TEST(StrengthHistogram, StepFollowsTheSteepestBin) {
   PhaseSpectra const spectra({{gaussian_line(0.2, 0.05, 1e-6), 0, {}}}, grid);
-  Strengths const paths = spread({two_k * two_k}, 200, 0.5);
+  Strengths const paths = spread({two_k * two_k}, 150, 0.5);
   Shared const usual = compare(spectra, paths, {}, 1e-12), coarse = compare(spectra, paths, {0.25, 400, false}, 1e-12);
   EXPECT_LT(usual.error, 1e-4);
   EXPECT_LT(usual.step, 0.25);
@@ -71,8 +72,8 @@ TEST(StrengthHistogram, SeveralClasses) {  // two strong ones and one that is li
   MotionClass const other{power_law_asd(3e-9, 1, -1.2, 0.1, 300), 0, {}},
       quiet{power_law_asd(1e-16, 100, -1, 20, 1000), 0, {}};
   PhaseSpectra const spectra({ground, other, quiet}, grid);
-  Strengths const paths = spread({unit, 0.5 / other.variance(), 1e-5 / quiet.variance()}, 150, 0.4);
-  Shared const usual = compare(spectra, paths, {0.2, 140, false});
+  Strengths const paths = spread({unit, 0.5 / other.variance(), 1e-5 / quiet.variance()}, 100, 0.4);
+  Shared const usual = compare(spectra, paths, {0.2, 90, false});
   EXPECT_GT(usual.step, StrengthNodes::same);
   EXPECT_LT(usual.error, 5e-4);
 }
@@ -104,7 +105,7 @@ TEST(StrengthHistogram, NegativeKappa) {
     psd.push_back(square(f));
   }
   PhaseSpectra const whole({{Spectrum(hz, psd), 0, {}}}, grid);
-  for (double k : {1e-3, 1.0, 30.0}) {
+  for (double k : {1e-3, 1.0}) {
     double const kappa = k * two_k * two_k;
     std::vector<double> const parts = spectra(std::vector{kappa, kappa, -2 * kappa}).psd,
                               one = whole(std::vector{kappa}).psd, forgot = spectra(std::vector{kappa, kappa, 0.0}).psd;
@@ -112,8 +113,8 @@ TEST(StrengthHistogram, NegativeKappa) {
     EXPECT_GT(deviation(forgot[3], one[3]), 0.1);  // twin: the negative class dropped
   }
   Strengths paths{3, {}, {}};
-  for (int i = 0; i < 60; ++i)
-    for (double k : {1.0, 1.0, -1.0}) paths.kappa.push_back(k * 0.3 * two_k * two_k * (1 + 0.002 * i));
+  for (int i = 0; i < 16; ++i)
+    for (double k : {1.0, 1.0, -1.0}) paths.kappa.push_back(k * 0.3 * two_k * two_k * (1 + 0.008 * i));
   Shared const cells = compare(spectra, paths, {0.25, 50, false});
   EXPECT_LT(cells.nodes, 10u);
   EXPECT_LT(cells.error, 1e-3);

@@ -13,13 +13,14 @@ double power_of(PhaseSpectra const& spectra, PhaseSpectrum const& s) {
   return sum;
 }
 
-TEST(Parseval, HoldsForEveryStrengthAndKindOfMotion) {  // tolerance 2e-5 of what the bins hold, 1e-6 of the whole
+TEST(Parseval,
+     HoldsForEveryStrengthAndKindOfMotion) {  // tolerance 1e-4 for what lies below the bins, 1e-6 for all lines
   MotionClass const line{gaussian_line(2, 0.3, 1), 0, {}}, law{power_law_asd(1, 1, -2, 1, 100), 0, {}},
       cross{power_law_asd(1, 1, -1.5, 1, 100), 0, {}};
   MotionClass const tone_class{{}, 1.7, {}};
   MotionClass drift_class{{}, 0, {}};
   drift_class.drift = true;
-  std::vector<double> edges = {0.01, 0.1};
+  std::vector<double> edges = {0.01, 0.02, 0.1};
   while (edges.back() < 3000) edges.push_back(edges.back() * 1.3);
   PhaseSpectra const spectra({line, law, tone_class, drift_class, cross}, FrequencyGrid{edges});
   double const turn = std::pow(2 * pi * 30, 2), of_law = 1 / law.variance();
@@ -35,7 +36,7 @@ TEST(Parseval, HoldsForEveryStrengthAndKindOfMotion) {  // tolerance 2e-5 of wha
                                                                            {2, 1e-5 * of_law, 4, turn, 0},
                                                                            {1, 4 * of_law, 0, 0, -of_law}}) {
     PhaseSpectrum const s = spectra(kappa);
-    EXPECT_NEAR(power_of(spectra, s), 0.5, 2e-5) << kappa[0] << ' ' << kappa[1] << ' ' << kappa[2] << ' ' << kappa[3];
+    EXPECT_NEAR(power_of(spectra, s), 0.5, 1e-4) << kappa[0] << ' ' << kappa[1] << ' ' << kappa[2] << ' ' << kappa[3];
     EXPECT_NEAR(s.total, 0.5, 0.5e-6);
     if (kappa[0] == 1) {
       EXPECT_GT(std::fabs(power_of(spectra, s) - s.constant - 0.5), 1e-3);  // twin: without the unmoved light

@@ -57,7 +57,9 @@ TEST(PredictedCoupling, DrivenBodyHasLinesAndAShelfEq7_2) {
   for (std::size_t i = 0; i < fine.size(); ++i) {
     double const power = std::pow(d.budget.total.asd[i], 2) * fine.width(i);
     double const n = std::round(fine.centre(i) / hz), line = std::pow(std::cyl_bessel_j(n, z), 2) * 1e-20;  // eq. 7.4
-    if (n < 30) EXPECT_NEAR(power, line, 2e-3 * 1e-20);
+    if (n < 30) {
+      EXPECT_NEAR(power, line, 2e-3 * 1e-20);
+    }
     (fine.centre(i) < 12.5 ? inside : outside) += power;
   }
   EXPECT_LT(outside, 0.05 * inside);

@@ -82,7 +82,7 @@ TEST(Couple, TapsNameTheRightPlaceR6_02) {
 TEST(Couple, LinesAndRampFindThePhaseR6_03) {
   Words const common{"--witness", data("shaker.csv") + "::DRIVE",
                      "--target",  data("shaker.csv") + "::H",
-                     "--band",    "4 Hz..6 Hz",
+                     "--band",    "9 Hz..11 Hz",
                      "--window",  "1 s"};
   auto const with = [&](Words words, Words const& more) {
     words.insert(words.end(), common.begin(), common.end());

@@ -39,6 +39,9 @@ TEST(CurveFile, JsonKeepsStylesAndSaysNull) {
 TEST(CurveFile, IrregularAxesNameTheTextFile) {
   EXPECT_EQ(curve_format::regular_step({1, 2, 4}), 0);
   EXPECT_NEAR(curve_format::regular_step({1, 1.1, 1.2}), 0.1, 1e-12);
+  std::vector<double> gps;
+  for (int i = 0; i < 1000; ++i) gps.push_back(1234567890 + i / 100.0);
+  EXPECT_EQ(curve_format::regular_step(gps), 0.01) << "to the last bit, in spite of the rounding of GPS times";
   try {
     curve_format::hdf5(sheet(), "out/h.hdf5");
     FAIL() << "an irregular axis was written";
