@@ -64,12 +64,13 @@ def tap_list():
 
 
 def shaker():
-    """100 Hz: a line at 10 Hz, 20 to 200 nm in ten steps of 2 s, then 100 nm for 8 s; H = 1e-20 sin(0.5 + 4 pi x/lambda)."""
+    """100 Hz: a line at 10 Hz, 20 to 200 nm in ten steps of 2 s, then 100 nm for 8 s, seen with 0.1 nm of noise; H = 1e-20 sin(0.5 + 4 pi x/lambda)."""
     draw, rate = random.Random(3), 100
     peak = [20e-9 * (1 + i // (2 * rate)) if i < 20 * rate else 100e-9 for i in range(28 * rate)]
     drive = [a * math.sin(2 * math.pi * 10 * i / rate) for i, a in enumerate(peak)]
+    seen = added([1e9 * x for x in drive], noise(draw, len(drive), 0.1))
     strain = added([1e-20 * math.sin(0.5 + 4 * math.pi * x / WAVELENGTH) for x in drive], noise(draw, len(drive), 5e-22))
-    return record(rate, "DRIVE [nm],H [1]", [[1e9 * x for x in drive], strain])
+    return record(rate, "DRIVE [nm],H [1]", [seen, strain])
 
 
 def sweep():
