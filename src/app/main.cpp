@@ -41,19 +41,27 @@ void say(std::string const& what, bool json) {
 
 // One sentence and what to write instead; the exit code.
 int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
-                    })
+  CLI::App const* deepest = &app;
+  std::string named;
+  for (auto below = app.get_subcommands(); !below.empty(); below = deepest->get_subcommands()) {
+    deepest = below.front();
+    named += deepest->get_name() + " ";
+  }
+  CLI::App const& command = *deepest;
+  std::string const help = fmt::format("see straytrace {}--help", named);
+  bool const takes_commands = !command.get_subcommands(nullptr).empty();
   std::string const name =
       takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
-if (name.empty()) {
-  say(fmt::format("{}\n  {}", e.what(), help), json);
-} else {
-  std::string const near = nearest_word(name, words_of(command));
-  std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
-  say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
-                  near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
-      json);
-}
-return input_error;
+  if (name.empty()) {
+    say(fmt::format("{}\n  {}", e.what(), help), json);
+  } else {
+    std::string const near = nearest_word(name, words_of(command));
+    std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
+    say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
+                    near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
+        json);
+  }
+  return input_error;
 }
 
 // Before the command line is understood.
@@ -84,27 +92,27 @@ int main(int argc, char** argv) {
   Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
-  add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render, add_importance, add_apertures,
-      add_ghosts, add_budget, add_fit, add_scan, add_project, add_fringes, add_couple, add_signal
-})
+  for (auto* add :
+       {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render, add_importance,
+        add_apertures, add_ghosts, add_budget, add_scan, add_signal, add_project, add_fringes, add_couple, add_fit})
     add(app, options, exit_code);
-try {
-  app.parse(argc, argv);
-} catch (CLI::ParseError const& e) {
-  return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
-} catch (InputError const& e) {
-  std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
-  return input_error;
-} catch (std::filesystem::filesystem_error const& e) {
-  say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
-  return input_error;
-} catch (std::exception const& e) {
-  say(e.what(), json);
-  return numerical_failure;
-}
-if (!std::cout.flush()) {
-  std::cerr << "error: the results could not be written to the standard output\n";
-  return input_error;
-}
-return exit_code;
+  try {
+    app.parse(argc, argv);
+  } catch (CLI::ParseError const& e) {
+    return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
+  } catch (InputError const& e) {
+    std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
+    return input_error;
+  } catch (std::filesystem::filesystem_error const& e) {
+    say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
+    return input_error;
+  } catch (std::exception const& e) {
+    say(e.what(), json);
+    return numerical_failure;
+  }
+  if (!std::cout.flush()) {
+    std::cerr << "error: the results could not be written to the standard output\n";
+    return input_error;
+  }
+  return exit_code;
 }
