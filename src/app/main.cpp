@@ -41,22 +41,21 @@ void say(std::string const& what, bool json) {
 
 // One sentence and what to write instead; the exit code.
 int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
-  auto chosen = app.get_subcommands();
   std::string words;
   CLI::App const* deepest = &app;
-  for (auto next = chosen; !next.empty(); next = deepest->get_subcommands()) {
+  for (auto next = app.get_subcommands(); !next.empty(); next = deepest->get_subcommands()) {
     deepest = next.front();
     words += deepest->get_name() + " ";
   }
   CLI::App const& command = *deepest;
   std::string const help = fmt::format("see straytrace {}--help", words);
-  std::string const name =
-      chosen.empty() || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
+  bool const wants_command = !command.get_subcommands(nullptr).empty();
+  std::string const name = wants_command || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
   if (name.empty()) {
     say(fmt::format("{}\n  {}", e.what(), help), json);
   } else {
     std::string const near = nearest_word(name, words_of(command));
-    std::string const what = name.starts_with('-') ? "an option" : chosen.empty() ? "a command" : "expected";
+    std::string const what = name.starts_with('-') ? "an option" : wants_command ? "a command" : "expected";
     say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
         json);
