@@ -24,8 +24,7 @@ inline std::vector<double> normal_numbers(std::uint64_t seed, std::size_t n) {
 }
 
 // ASD `floor` at high frequency, rising as 1/f below `corner`: white noise and its running sum.
-inline std::vector<double> detector_noise(std::uint64_t seed, std::size_t n, double rate, double floor,
-                                          double corner) {
+inline std::vector<double> detector_noise(std::uint64_t seed, std::size_t n, double rate, double floor, double corner) {
   std::vector<double> x = normal_numbers(seed, n), slow = normal_numbers(seed + 1000000, n);
   double const white = floor * std::sqrt(rate / 2);
   double sum = 0;

@@ -14,12 +14,16 @@
 
 namespace straytrace::testing {
 
-// Gaussian white noise of unit variance; each seed is another channel.
-inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, double rms = 1) {
+// Gaussian white noise; each seed is another channel.
+inline std::vector<double> white_noise(std::size_t count, std::uint64_t seed, double sigma = 1) {
   Rng rng(seed, 0, 0, Stream::source);
   std::vector<double> x(count);
-  for (double& v : x) v = rms * std::sqrt(-2 * std::log(rng.uniform())) * std::cos(2 * pi * rng.uniform());
+  for (double& v : x) v = sigma * std::sqrt(-2 * std::log(1 - rng.uniform())) * std::cos(2 * pi * rng.uniform());
   return x;
+}
+
+inline TimeSeries series_with(std::vector<double> samples, double rate, std::string unit = "m", double start = 1e9) {
+  return {"X1:TEST", std::move(unit), start, rate, std::move(samples)};
 }
 
 inline std::vector<double> operator+(std::vector<double> a, std::vector<double> const& b) {
@@ -44,6 +48,30 @@ struct Coverage {
     ++all;
   }
   double share() const { return double(inside) / all; }
+};
+
+// Second-order low pass driven by x: y'' + (w/Q) y' + w^2 y = x, by exact steps of the bilinear transform with its
+// frequencies warped to the resonance.
+struct Oscillator {
+  double hz, quality, rate;
+
+  // Response at z = exp(2 pi i f/rate), phases of instruments.
+  std::complex<double> response(double f) const {
+    double const k = constant(), w = 2 * pi * hz;
+    std::complex<double> const z = std::polar(1.0, 2 * pi * f / rate), s = k * (z - 1.0) / (z + 1.0);
+    return 1.0 / (s * s + w / quality * s + w * w);
+  }
+  std::vector<double> driven(std::vector<double> const& x) const {
+    double const k = constant(), w = 2 * pi * hz, a0 = k * k + w / quality * k + w * w;
+    double const a1 = (2 * w * w - 2 * k * k) / a0, a2 = (k * k - w / quality * k + w * w) / a0;
+    std::vector<double> y(x.size(), 0.0);
+    for (std::size_t i = 2; i < x.size(); ++i)
+      y[i] = (x[i] + 2 * x[i - 1] + x[i - 2]) / a0 - a1 * y[i - 1] - a2 * y[i - 2];
+    return y;
+  }
+
+ private:
+  double constant() const { return 2 * pi * hz / std::tan(pi * hz / rate); }
 };
 
 }  // namespace straytrace::testing

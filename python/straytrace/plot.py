@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
 
+from .plot_bands import draw_bands  # noqa: E402
 from .run import RunError, open_run  # noqa: E402
 from .words import hertz, plain, power_of_ten, shortened  # noqa: E402
 
@@ -67,11 +68,12 @@ def limits(curves):
 def draw_budget(axes, run, band):
     noise, total = run.noise, run.noise.total
     f = noise.frequency
-    shown = [total.mean, total.amplitude]
+    shown = [total.mean, total.amplitude] + ([noise.bands.speckle_95] if noise.bands else [])
     bound = " (lower bound)" if noise.unresolved else ""
     axes.plot(f, total.mean, color="black", lw=2.2, label="stray light, total" + bound, zorder=5)
     low = np.maximum(total.mean - total.sigma, 1e-300)
     axes.fill_between(f, low, total.mean + total.sigma, color="black", alpha=0.25, lw=0, label="± one standard error")
+    draw_bands(axes, noise)
     axes.plot(f, total.phase, color="black", lw=1.1, ls=(0, (4, 3)), label="phase quadrature alone", zorder=4)
     axes.plot(f, total.amplitude, color="black", lw=1.1, ls=(0, (1, 1.5)), label="amplitude quadrature alone", zorder=4)
     for k, (name, design) in enumerate(noise.design.items()):

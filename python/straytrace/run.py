@@ -39,6 +39,21 @@ class Curve:
     resolved: bool = True
     why_not: str = ""
     mean_square_phase: float = 0.0    # rad^2
+    linear_share: np.ndarray | None = None    # of the PSD, by motion of that frequency; None before schema 1.5
+
+
+@dataclass
+class Bands:
+    """Beside the Monte-Carlo error of the total, 1/sqrt(Hz)."""
+
+    input_low: np.ndarray             # what brackets and uncertainties of the input leave open
+    input_high: np.ndarray
+    speckle_05: np.ndarray            # percentiles of one realisation of the static phases
+    speckle_50: np.ndarray
+    speckle_95: np.ndarray
+    coherent: np.ndarray              # linear sum of the ASDs of the routes
+    sources: list                     # (name, statement, least and largest factor on the total, share of the noise)
+    taken_as_exact: list
 
 
 @dataclass
@@ -51,6 +66,7 @@ class Noise:
     faint: list                       # unresolved too, but too faint to move the total
     design: dict                      # name: ASD
     margin: float                     # of the first design curve
+    bands: Bands | None = None        # None where only the mean was made
 
     def power(self, curve, low=0.0, high=np.inf):
         """Integral of the PSD over the band, strain^2, with its error (errors of bins add)."""
@@ -162,6 +178,16 @@ def _routes(file, ports):
     )
 
 
+def _bands(group):
+    if "bands" not in group:
+        return None
+    bands = group["bands"]
+    curves = [bands[name][()] for name in ("input_low", "input_high", "speckle_05", "speckle_50", "speckle_95", "coherent")]
+    sources = list(zip(_texts(bands["source"]), _texts(bands["statement"]), bands["source_low"][()].tolist(),
+                       bands["source_high"][()].tolist(), bands["source_share"][()].tolist()))
+    return Bands(*curves, sources, _texts(bands["taken_as_exact"]))
+
+
 def _noise(file):
     if "noise" not in file:
         return None
@@ -170,19 +196,23 @@ def _noise(file):
     arrays = {name: routes[name][()] for name in columns}
     names, why = _texts(routes["name"]), _texts(routes["why_not"])
     resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
+    shares = routes["linear_share"][()] if "linear_share" in routes else None
     design = group["design"]
     return Noise(
         frequency=group["frequency"][()],
         edges=group["frequency_edges"][()],
-        total=Curve("total", *(total[name][()] for name in columns)),
+        total=Curve("total", *(total[name][()] for name in columns),
+                    linear_share=total["linear_share"][()] if "linear_share" in total else None),
         routes=[
-            Curve(names[i], *(arrays[c][i] for c in columns), bool(resolved[i]), why[i], float(phase[i]))
+            Curve(names[i], *(arrays[c][i] for c in columns), bool(resolved[i]), why[i], float(phase[i]),
+                  shares[i] if shares is not None else None)
             for i in range(len(names))
         ],
         unresolved=_texts(group["unresolved"]),
         faint=_texts(group["faint"]),
         design=dict(zip(_texts(design["name"]), design["asd"][()])),
         margin=float(group.attrs["margin"]),
+        bands=_bands(group),
     )
 
 

@@ -19,11 +19,9 @@ bool only_motion(Scene const& scene) {
 }
 
 int check_motion(Scene const& scene, Options const& options) {
-  std::vector<std::string> names;
-  for (auto const& [name, node] : scene.table("bodies").items()) {
-    names.push_back(name);
+  for (auto const& [name, node] : scene.table("bodies").items())
     if (node.kind() == Node::Kind::table) node.has("pivot");
-  }
+  std::vector<std::string> const names = bodies_and_modes(scene.table("bodies"));
   read_motion(scene.table("bodies"), names);
   scene.throw_if_problems();
   if (options.json())

@@ -11,6 +11,7 @@
 #include <iterator>
 
 #include "app/common_options.hpp"
+#include "app/inspect_motion.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "world/material_presets.hpp"
@@ -195,6 +196,7 @@ int inspect(Inspected const& i, Options const& options) {
     throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
   FileTexts texts;
   Scene const scene = own || whole ? read_scene(own ? i.scene : i.what, options.overrides) : scene_of(i, texts);
+  if (whole && shows_motion(scene)) return inspect_motion(scene, i.plot, options);
   World world;
   Registry names;
   read_media(scene, world, names);
@@ -230,16 +232,19 @@ int inspect(Inspected const& i, Options const& options) {
 
 void add_inspect(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
-      app.add_subcommand("inspect", "what a material, a preset or a BSDF file contains as understood");
+      app.add_subcommand("inspect", "what a material, a preset, a BSDF file or a motion file contains as understood");
   static Inspected what;
   command
-      ->add_option("what", what.what,
-                   "material of a scene, preset, BSDF file (CSV), list of materials (newmtl, .mtl), or scene")
+      ->add_option(
+          "what", what.what,
+          "material of a scene, preset, BSDF file (CSV), list of materials (newmtl, .mtl), scene, or motion file")
       ->required();
   command->add_option("scene", what.scene, "scene that holds the material");
   command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
-  command->add_option("--plot", what.plot, "draw BSDF against |beta - beta0| and TIS against angle into this PNG file");
+  command->add_option(
+      "--plot", what.plot,
+      "draw BSDF against |beta - beta0| and TIS against angle, or the ASDs of motion, into this PNG file");
   command->add_option("--beyond", what.beyond, "of a BSDF file: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
   command->add_option("--angles", what.angles, "of a BSDF file: from_normal or from_specular")

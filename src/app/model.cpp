@@ -10,6 +10,7 @@
 #include "app/ghost_noise.hpp"
 #include "base/message.hpp"
 #include "ifo/ports.hpp"
+#include "noise/speckle_band.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {
@@ -95,7 +96,9 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   read_orders(model);
   read_ghosts(model.scene);
   warn_of_ghosts_left_out(model.scene, model.world);
-  if (Node const table = model.scene.root()["scan"]) table.problem("this version has no 'scan'", "leave it out");
+  if (Node const table = model.scene.root()["scan"])
+    table.problem("a model has no table 'scan'",
+                  "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
   return model;
 }
@@ -148,6 +151,21 @@ NoiseBudget Model::project(CouplingTable const& coupling) const {
   budget.design = design;
   budget.margin = noise.margin;
   return budget;
+}
+
+NoiseBudget Model::project_with_bands(CouplingTable const& coupling) const {
+  NoiseBudget budget = project(coupling);
+  add_input_band(budget, coupling, motion, *detector, noise, material_spreads(world));
+  add_speckle_band(budget, coupling, motion, *detector);
+  return budget;
+}
+
+std::vector<MaterialSpread> material_spreads(World const& world) {
+  std::vector<MaterialSpread> all;
+  for (PlacedMaterial const& m : placed_materials(world))
+    all.push_back(
+        {m.name, m.spread.status, m.spread.low, m.spread.high, m.spread.factor, m.spread.of_reflection, m.groups});
+  return all;
 }
 
 std::vector<std::string> Model::assumptions() const {

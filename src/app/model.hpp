@@ -10,6 +10,7 @@
 
 #include "ifo/interferometer.hpp"
 #include "motion/motion.hpp"
+#include "noise/input_band.hpp"
 #include "noise/noise.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
@@ -55,8 +56,11 @@ struct Model {
 
   std::string hash() const;  // of what decides the trace
   NoiseBudget project(CouplingTable const&) const;
-  std::vector<std::string> assumptions() const;  // lines for reports
+  NoiseBudget project_with_bands(CouplingTable const&) const;  // input and speckle bands too
+  std::vector<std::string> assumptions() const;                // lines for reports
 };
+
+std::vector<MaterialSpread> material_spreads(World const&);  // of all materials in the way of light
 
 // Worst error over the goals, scaled so that all hold when it is below wanted_error().
 double stop_rule_error(StopRule const&, Model const&, CouplingTable const&);

@@ -10,6 +10,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "report/band.hpp"
 
 namespace straytrace {
 namespace {
@@ -43,7 +44,7 @@ int noise(Options const& options) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
   }
-  NoiseBudget const budget = model.project(file.trace.coupling);
+  NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PathTable const paths = table_for(file.trace.coupling, &budget, model);
   RunContent content = file.content();
@@ -55,6 +56,7 @@ int noise(Options const& options) {
     std::cout << summary_json(content, paths) << '\n';
   } else {
     std::cout << path_text(paths, options.show ? options.show : model.paths_shown) << '\n'
+              << band_summary(budget, paths.frequencies) << '\n'
               << headline(budget, paths) << '\n';
     if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
   }

@@ -44,6 +44,11 @@ void add_importance(CLI::App&, Options&, int& exit_code);
 void add_apertures(CLI::App&, Options&, int& exit_code);
 void add_ghosts(CLI::App&, Options&, int& exit_code);
 void add_budget(CLI::App&, Options&, int& exit_code);
+void add_project(CLI::App&, Options&, int& exit_code);
+void add_fringes(CLI::App&, Options&, int& exit_code);
+void add_fit(CLI::App&, Options&, int& exit_code);
+void add_scan(CLI::App&, Options&, int& exit_code);
 void add_couple(CLI::App&, Options&, int& exit_code);
+void add_signal(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

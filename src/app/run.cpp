@@ -8,6 +8,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "report/band.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
 
@@ -25,7 +26,7 @@ int run(Options const& options) {
   FolderLock const lock(options.out);
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
   std::optional<NoiseBudget> budget;                                                // from here on nothing is expensive
-  if (model.detector) budget = model.project(traced.coupling);
+  if (model.detector) budget = model.project_with_bands(traced.coupling);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
   RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
   std::string const undrawn = write_results(options.out, content, paths, model);
@@ -35,6 +36,7 @@ int run(Options const& options) {
   } else {
     if (budget)
       std::cout << path_text(paths, model.paths_shown) << '\n'
+                << band_summary(*budget, paths.frequencies) << '\n'
                 << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
                 << headline(*budget, paths) << '\n';
     if (!content.receivers.empty())

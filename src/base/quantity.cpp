@@ -60,24 +60,17 @@ constexpr std::array units{
 };
 
 // Of sensors, for data: not part of the language of scenes, where N, T and A are names of parameters.
-constexpr std::array sensor_units{
-    Unit{"N", 1, {2, 2, -4}},
-    Unit{"kN", 1e3, {2, 2, -4}},
-    Unit{"mN", 1e-3, {2, 2, -4}},
-    Unit{"Pa", 1, {-2, 2, -4}},
-    Unit{"mPa", 1e-3, {-2, 2, -4}},
-    Unit{"uPa", 1e-6, {-2, 2, -4}},
-    Unit{"T", 1, {-4, 0, 2, 0, 0, 0, 2}},
-    Unit{"uT", 1e-6, {-4, 0, 2, 0, 0, 0, 2}},
-    Unit{"nT", 1e-9, {-4, 0, 2, 0, 0, 0, 2}},
-    Unit{"pT", 1e-12, {-4, 0, 2, 0, 0, 0, 2}},
-    Unit{"A", 1, {4, 2, -6, 0, 0, 0, -2}},
-    Unit{"mA", 1e-3, {4, 2, -6, 0, 0, 0, -2}},
-    Unit{"mV", 1e-3, voltage},
-    Unit{"uV", 1e-6, voltage},
-    Unit{"kV", 1e3, voltage},
-    Unit{"nV", 1e-9, voltage},
-};
+constexpr std::array sensor_units{Unit{"N", 1, {2, 2, -4}},
+                                  Unit{"kN", 1e3, {2, 2, -4}},
+                                  Unit{"Pa", 1, {-2, 2, -4}},
+                                  Unit{"mPa", 1e-3, {-2, 2, -4}},
+                                  Unit{"uPa", 1e-6, {-2, 2, -4}},
+                                  Unit{"T", 1, {-4, 0, 2, 0, 0, 0, 2}},
+                                  Unit{"nT", 1e-9, {-4, 0, 2, 0, 0, 0, 2}},
+                                  Unit{"pT", 1e-12, {-4, 0, 2, 0, 0, 0, 2}},
+                                  Unit{"A", 1, {4, 2, -6, 0, 0, 0, -2}},
+                                  Unit{"mV", 1e-3, voltage},
+                                  Unit{"uV", 1e-6, voltage}};
 
 struct Meant {
   std::string_view written, unit;
@@ -92,16 +85,12 @@ constexpr std::array spellings{
     Meant{"radian", "rad"}, Meant{"radians", "rad"}, Meant{"steradian", "sr"}, Meant{"\xc2\xb0", "deg"},
 };
 
-Unit const* find_unit(std::string_view name) {
-  auto const hit = std::find_if(units.begin(), units.end(), [&](Unit const& u) { return u.name == name; });
-  return hit == units.end() ? nullptr : &*hit;
+template <class List>
+Unit const* find_in(List const& list, std::string_view name) {
+  auto const hit = std::find_if(list.begin(), list.end(), [&](Unit const& u) { return u.name == name; });
+  return hit == list.end() ? nullptr : &*hit;
 }
-
-Unit const* find_sensor_unit(std::string_view name) {
-  auto const hit =
-      std::find_if(sensor_units.begin(), sensor_units.end(), [&](Unit const& u) { return u.name == name; });
-  return hit == sensor_units.end() ? nullptr : &*hit;
-}
+Unit const* find_unit(std::string_view name) { return find_in(units, name); }
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -169,7 +158,7 @@ class UnitReader {
       return Quantity{std::sqrt(inner->si), *d, {}};
     }
     Unit const* unit = find_unit(name);
-    if (!unit && sensors_) unit = find_sensor_unit(name);
+    if (!unit && sensors_) unit = find_in(sensor_units, name);
     if (!unit || (at_ < text_.size() && text_[at_] == '(')) return {};
     return raised({unit->factor, unit->dimension, {}});
   }

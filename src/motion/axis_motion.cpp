@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/document.hpp"
+#include "motion/series_motion.hpp"
 #include "motion/spectrum_file.hpp"
 #include "signal/shapes.hpp"
 
@@ -15,7 +16,9 @@ namespace straytrace {
 namespace {
 
 constexpr char const* kinds =
-    "write still, {asd: FILE, columns: [Hz, m/sqrt(Hz)]}, {power-law: ...}, {peterson: typical}, {line: ...}, "
+    "write still, {asd: FILE, columns: [Hz, m/sqrt(Hz)]}, {series: FILE}, {csd: FILE}, {power-law: ...}, {peterson: "
+    "typical}, "
+    "{line: ...}, "
     "{sine: ...}, {drift: 2 um/h}, {from: ground}, {like: z} or {same_as: z}";
 
 Dimension asd_of(int axis) { return is_rotation(axis) ? dim::angle_asd : dim::displacement_asd; }
@@ -102,7 +105,8 @@ Spectrum with_resonance(Node const& spec, Spectrum const& s) {
 // Exactly one of the keys that say what kind of motion it is.
 std::string kind_of(Node const& spec) {
   std::string found;
-  for (char const* key : {"asd", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as"}) {
+  for (char const* key :
+       {"asd", "series", "csd", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as"}) {
     if (!spec.has(key)) continue;
     if (!found.empty())
       spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found, key),
@@ -116,7 +120,7 @@ std::string kind_of(Node const& spec) {
 // Motion known equally well makes one input.
 void add_own(OwnMotion motion, AxisMotion& into) {
   auto const same = std::find_if(into.own.begin(), into.own.end(), [&](OwnMotion const& o) {
-    return o.uncertainty == motion.uncertainty && !o.through && !motion.through;
+    return o.uncertainty == motion.uncertainty && !o.through && !motion.through && !o.recorded && !motion.recorded;
   });
   if (same == into.own.end())
     into.own.push_back(std::move(motion));
@@ -130,6 +134,25 @@ Spectrum read_gaussian(Node const& spec, std::string_view kind, int axis) {
   if (kind == "peterson") return read_peterson(spec, axis);
   if (kind == "line") return read_line(spec["line"], axis);
   return {};
+}
+
+void read_record(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
+  auto const record = read_recorded(spec, is_rotation(axis));
+  Transfer const through = read_chain(spec["through"]);
+  if (spec.has("resonance"))
+    spec["resonance"].problem("a record goes through a resonance as a link of a chain",
+                              "write 'through: {resonance: {frequency: ..., quality: ...}}'");
+  if (record && covers(through, record->spectrum.lowest(), record->spectrum.highest(), spec["through"]))
+    into.own.push_back({record->spectrum, uncertainty, through, record->displacement, scale});
+}
+
+void read_member(Node const& spec, int axis, double scale, AxisMotion& into) {
+  auto joint = read_joint(spec, is_rotation(axis));
+  Transfer const through = read_chain(spec["through"]);
+  if (!joint || !covers(through, joint->unit.lowest(), joint->unit.highest(), spec["through"])) return;
+  joint->scale = scale;
+  joint->through = through;
+  into.joint.push_back(std::move(*joint));
 }
 
 void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) {
@@ -147,6 +170,10 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
     read_sine(spec, axis, scale, uncertainty, into);
   else if (kind == "drift")
     into.drift += scale * spec.number("drift", speed_of(axis));
+  else if (kind == "csd")
+    read_member(spec, axis, scale, into);
+  else if (kind == "series")
+    read_record(spec, axis, scale, uncertainty, into);
   else if (Spectrum const s = read_gaussian(spec, kind, axis); s.total() > 0 && std::isfinite(scale)) {
     Transfer const through = read_chain(spec["through"]);
     if (covers(through, s.lowest(), s.highest(), spec["through"]))
@@ -157,10 +184,8 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
 
 }  // namespace
 
-AxisMotion read_axis(Node const& node, int axis, double uncertainty) {
-  AxisMotion motion;
-  for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, motion);
-  return motion;
+void read_axis(Node const& node, int axis, double uncertainty, AxisMotion& into) {
+  for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, into);
 }
 
 double read_uncertainty(Node const& table, double fallback) {

@@ -7,6 +7,8 @@
 
 #include "base/table.hpp"
 #include "motion/chain.hpp"
+#include "motion/joint_motion.hpp"
+#include "signal/series.hpp"
 #include "signal/spectrum.hpp"
 
 namespace straytrace {
@@ -22,6 +24,8 @@ struct OwnMotion {
   Spectrum spectrum;  // Gaussian, m^2/Hz or rad^2/Hz
   double uncertainty = 1;
   Transfer through = {};
+  std::shared_ptr<TimeSeries const> recorded = {};  // m or rad
+  double scale = 1;                                 // of what is recorded; in the spectrum of what is not
 };
 
 // Another coordinate: the same statistics but independent, or the very same motion, at the end of a chain.
@@ -39,14 +43,15 @@ struct AxisMotion {
   std::vector<OwnMotion> own;
   std::vector<Tone> tones;
   std::vector<AxisReference> references;
+  std::vector<JointMotion> joint;
   double drift = 0;  // m/s or rad/s
 };
 
 constexpr std::string_view axis_names[6] = {"x", "y", "z", "rx", "ry", "rz"};
 constexpr bool is_rotation(int axis) { return axis >= 3; }
 
-// One specification or a list of them; `uncertainty` where it states none. Problems go to the document.
-AxisMotion read_axis(Node const&, int axis, double uncertainty);
+// Adds one specification or a list of them; `uncertainty` where it states none. Problems go to the document.
+void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
 
 // `uncertainty: 30 %` or `uncertainty: factor 1.5` of a table as a factor on the ASD, one standard deviation.
 double read_uncertainty(Node const& table, double fallback);

@@ -10,18 +10,18 @@
 namespace straytrace {
 namespace {
 
-using Damping = TransferFunction::Damping;
+using Response = TransferFunction::Response;
 
 constexpr double standard_gravity = 9.80665;  // m/s^2
 constexpr char const* links =
     "write {resonance: {frequency: 8 Hz, quality: 50}}, {pendulum: {frequency: 0.6 Hz, quality: 10}}, {zeros: [...], "
     "poles: [...], gain: 1} or {file: FILE, columns: [Hz, re, im]}";
 
-TransferFunction read_oscillator(Node const& t, Damping damping, std::string_view what) {
+TransferFunction read_oscillator(Node const& t, Response response, std::string_view what) {
   double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
                quality = t.number("quality", dim::plain, required, 0.5);
   t.refuse_unknown(what);
-  return std::isfinite(frequency * quality) ? TransferFunction::oscillator(frequency, quality, damping)
+  return std::isfinite(frequency * quality) ? TransferFunction::oscillator(frequency, quality, response)
                                             : TransferFunction({}, {}, 1);
 }
 
@@ -40,7 +40,7 @@ TransferFunction read_chain_of_masses(Node const& t) {
   for (std::size_t i = 0; i < masses.size(); ++i)
     if (!std::isfinite(masses[i] * lengths[i] * quality)) return chain;  // said already
   for (double const hz : pendulum_modes(masses, lengths))
-    chain = TransferFunction::product(chain, TransferFunction::oscillator(hz, quality, Damping::inertial));
+    chain = TransferFunction::product(chain, TransferFunction::oscillator(hz, quality, Response::inertial));
   return chain;
 }
 
@@ -53,17 +53,18 @@ TransferFunction read_table_or_roots(Node const& link) {
 }
 
 TransferFunction read_link(Node const& link) {
-  bool const resonance = link.has("resonance"), pendulum = link.has("pendulum");
-  if (link.kind() != Node::Kind::table || resonance + pendulum > 1) {
+  bool const resonance = link.has("resonance"), pendulum = link.has("pendulum"), mode = link.has("mode");
+  if (link.kind() != Node::Kind::table || resonance + pendulum + mode > 1) {
     link.problem("this is not one link of a chain", links);
     return {{}, {}, 1};
   }
-  if (!resonance && !pendulum) {
+  if (!resonance && !pendulum && !mode) {
     if (link.has("file") || link.has("gain")) return read_table_or_roots(link);
     link.problem("this link of a chain does not say what it does", links);
     return {{}, {}, 1};
   }
-  TransferFunction const t = resonance ? read_oscillator(link.table("resonance"), Damping::support, "'resonance'")
+  TransferFunction const t = resonance ? read_oscillator(link.table("resonance"), Response::support, "'resonance'")
+                             : mode    ? read_oscillator(link.table("mode"), Response::relative, "'mode'")
                                        : read_stages(link["pendulum"]);
   link.refuse_unknown("a link of a chain");
   return t;
@@ -103,7 +104,7 @@ TransferFunction read_stages(Node const& stages) {
   TransferFunction chain({}, {}, 1);
   for (Node const& stage : stages.as_list()) {
     if (stage.kind() == Node::Kind::table)
-      chain = TransferFunction::product(chain, read_oscillator(stage, Damping::inertial, "'pendulum'"));
+      chain = TransferFunction::product(chain, read_oscillator(stage, Response::inertial, "'pendulum'"));
     else
       stage.problem("a stage of a suspension is a table", "write {frequency: 0.6 Hz, quality: 10}");
   }

@@ -20,8 +20,8 @@ bool covers(Transfer const&, double low, double high, Node const& where);
 std::complex<double> at_tone(Transfer const&, double hz, Node const& where);
 
 // `through` of a motion: one link or a list of them, from the carrier to the body. A link is {resonance: {frequency:,
-// quality:}}, {pendulum: STAGES}, {zeros:, poles:, gain:} or {file: FILE, columns: [Hz, re, im]}, which may say
-// `beyond: hold`. Problems go to the document.
+// quality:}}, {mode: {...}} for what it moves relative to its carrier, {pendulum: STAGES}, {zeros:, poles:, gain:} or
+// {file: FILE, columns: [Hz, re, im]}, which may say `beyond: hold`. Problems go to the document.
 Transfer read_chain(Node const& through);
 
 // Stages of a suspension, from its support to the last mass: {frequency: 0.6 Hz, quality: 10} or a list of them, one

@@ -55,4 +55,7 @@ class MotionSet {
 // Problems go to the document. `bodies`: names in the order of BodyId.
 MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies);
 
+// Names in the order of BodyId: the bodies of the table, then their elastic modes as "body/mode".
+std::vector<std::string> bodies_and_modes(Node const& bodies_table);
+
 }  // namespace straytrace

@@ -8,31 +8,16 @@
 #include <optional>
 
 #include "base/document.hpp"
+#include "motion/calibration.hpp"
+#include "signal/shapes.hpp"
 #include "signal/text_table.hpp"
 
 namespace straytrace {
 namespace {
 
-// How a value of the second column becomes a PSD: PSD = (factor * value)^power / (2 pi f)^(2 derivatives).
-struct Conversion {
-  double factor = 1;
-  int power = 2, derivatives = 0;
-  double psd(double hz, double value) const {
-    double const x = power == 2 ? std::pow(factor * value, 2) : factor * value;
-    return x / std::pow(2 * pi * hz, 2 * derivatives);
-  }
-};
-
-std::optional<Conversion> conversion(Quantity const& unit, bool rotation) {
-  for (int derivatives = 0; derivatives <= 2; ++derivatives) {
-    Dimension asd = rotation ? dim::angle_asd : dim::displacement_asd,
-              psd = rotation ? dim::angle_psd : dim::displacement_psd;
-    asd.second = static_cast<std::int8_t>(asd.second - 2 * derivatives);
-    psd.second = static_cast<std::int8_t>(psd.second - 4 * derivatives);
-    if (unit.dimension == asd) return Conversion{unit.si, 2, derivatives};
-    if (unit.dimension == psd) return Conversion{unit.si, 1, derivatives};
-  }
-  return {};
+double psd(Calibration const& c, double hz, double value) {
+  double const squared = c.is_psd ? c.factor * c.factor * value : std::pow(c.factor * value, 2);
+  return squared / std::pow(2 * pi * hz, 2 * c.derivatives);
 }
 
 std::size_t column_number(Node const& node) {
@@ -45,7 +30,7 @@ std::size_t column_number(Node const& node) {
 struct Columns {
   std::size_t frequency = 1, value = 2;  // counted from 1
   double hz = 1;                         // unit of the frequency column
-  Conversion conversion;
+  Calibration calibration;
 };
 
 std::optional<Columns> read_columns(Node const& spec, bool rotation) {
@@ -68,17 +53,15 @@ std::optional<Columns> read_columns(Node const& spec, bool rotation) {
     if (units.size() > 2) units = {units[c.frequency - 1], units[c.value - 1]};
   }
   auto const hz = parse_unit(units[0].as_word()), value = parse_unit(units[1].as_word());
-  auto const how = value ? conversion(*value, rotation) : std::nullopt;
+  auto const how = value ? read_calibration(spec, *value, true, rotation, units[1]) : std::nullopt;
   if (!hz || hz->dimension != dim::frequency)
     units[0].problem(fmt::format("\"{}\" is not a unit of frequency", units[0].text()), "write 'Hz'");
-  if (!how)
-    units[1].problem(
-        fmt::format("\"{}\" is not a unit of a {} spectrum", units[1].text(), rotation ? "rotation" : "motion"),
-        rotation ? "write 'rad/sqrt(Hz)' or 'rad^2/Hz'"
-                 : "write 'm/sqrt(Hz)' or 'm^2/Hz' (velocity and acceleration: 'm/s/sqrt(Hz)', 'm/s^2/sqrt(Hz)')");
+  if (!value)
+    units[1].problem(fmt::format("\"{}\" is not a unit", units[1].text()),
+                     fmt::format("write for example '{}'", example));
   if (!hz || hz->dimension != dim::frequency || !how) return {};
   c.hz = hz->si;
-  c.conversion = *how;
+  c.calibration = *how;
   return c;
 }
 
@@ -99,9 +82,13 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
   }
   for (std::size_t i = 0; i < curve.hz.size(); ++i) {
     curve.hz[i] *= columns->hz;
-    curve.value[i] = columns->conversion.psd(curve.hz[i], curve.value[i]);
+    curve.value[i] = psd(columns->calibration, curve.hz[i], curve.value[i]);
   }
-  return Spectrum(std::move(curve.hz), std::move(curve.value));
+  Spectrum const s(std::move(curve.hz), std::move(curve.value));
+  Transfer const& response = columns->calibration.response;
+  if (!response || !covers(response, s.lowest(), s.highest(), spec["calibration"])) return s;
+  return filtered(
+      s, [&](double f) { return std::norm((*response)(f)); }, response->features());
 }
 
 }  // namespace straytrace

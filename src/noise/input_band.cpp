@@ -102,7 +102,9 @@ void add_materials(NoiseBudget& b, Materials const& all, Spread& spread) {
       continue;
     }
     InputSource source{"material " + one.name, words(one), 1, 1, share};
-    auto const scaled = [&](double ratio) { return total_psd(b, [&](std::size_t r) { return all.factor(m, r, ratio); }); };
+    auto const scaled = [&](double ratio) {
+      return total_psd(b, [&](std::size_t r) { return all.factor(m, r, ratio); });
+    };
     spread.range(scaled(one.low), scaled(one.high), source);
     if (one.factor > 1) spread.sigma(scaled(1 / one.factor), scaled(one.factor), source);
     b.bands.sources.push_back(std::move(source));

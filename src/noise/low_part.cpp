@@ -18,7 +18,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t fewest = std::size_t{1} << 14, usual_most = std::size_t{1} << 20, most = std::size_t{1} << 24;
+constexpr std::size_t fewest = std::size_t{1} << 14, usual_most = std::size_t{1} << 20;
 
 // Frequency beyond which the spectrum is below 1e-17: Gaussian tail of the fringe rate (8.9 sigma), products of the
 // motion with itself, Bessel tails of the tones.
@@ -51,17 +51,22 @@ double spacing_for(std::vector<PhaseTone> const& tones, double limit) {
 
 using Lines = std::vector<std::complex<double>>;
 
-// Autocovariance of the Gaussian part at all lags n/(N spacing).
-std::vector<double> covariance(SlowPhase const& p, double spacing, std::size_t n, Eigen::FFT<double>& fft) {
-  Lines half(n / 2 + 1);
-  auto const last = std::min(static_cast<std::size_t>(p.highest / spacing + 1), n / 2);
-  for (std::size_t k = 1; k <= last; ++k) {
-    double const f = static_cast<double>(k);
-    half[k] = 0.5 * static_cast<double>(n) * p.power((f - 0.5) * spacing, (f + 0.5) * spacing);
-  }
-  std::vector<double> r;
-  fft.inv(r, half, static_cast<Eigen::Index>(n));
-  return r;
+// Plans of transforms are kept: making one takes longer than using it.
+Eigen::FFT<double>& transforms() {
+  thread_local Eigen::FFT<double> fft = [] {
+    Eigen::FFT<double> half;
+    half.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    return half;
+  }();
+  return fft;
+}
+
+// The least of 2^a {1, 5/4, 3/2} that is not below n: few plans, and quick ones.
+std::size_t quick_size(double n) {
+  std::size_t const below = std::bit_floor(static_cast<std::size_t>(std::min(n, 1e9)));
+  for (std::size_t quarters : {4, 5, 6})
+    if (static_cast<double>(below / 4 * quarters) >= n) return below / 4 * quarters;
+  return 2 * below;
 }
 
 // exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
@@ -98,51 +103,103 @@ double norm1(std::vector<double> const& v) {
   return sum;
 }
 
-// One transform at n samples; false when the sampling rate was too low.
-bool try_transform(SlowPhase const& p, double spacing, std::size_t n, LowPart& low) {
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  std::vector<double> r = covariance(p, spacing, n, fft);
-  double const r0 = r[0];
-  double unmoved = std::exp(-r0);
-  for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
-  std::vector<double> const c = correlation(p, std::move(r), spacing, unmoved);
+}  // namespace
+
+std::vector<double> covariance(SlowPhase const& p, LagGrid const& lags) {
+  std::size_t const n = lags.samples;
+  Lines half(n / 2 + 1);
+  auto const last = std::min(static_cast<std::size_t>(p.highest / lags.spacing + 1), n / 2);
+  for (std::size_t k = 1; k <= last; ++k) {
+    double const f = static_cast<double>(k);
+    half[k] = 0.5 * static_cast<double>(n) * p.power((f - 0.5) * lags.spacing, (f + 0.5) * lags.spacing);
+  }
+  std::vector<double> r;
+  transforms().inv(r, half, static_cast<Eigen::Index>(n));
+  return r;
+}
+
+bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double rounding, LowPart& low) {
+  std::size_t const n = lags.samples;
   Lines lines;
-  fft.fwd(lines, c);
-  double const step = 1 / (static_cast<double>(n) * spacing);
+  transforms().fwd(lines, c);
+  double const step = 1 / (static_cast<double>(n) * lags.spacing), floor = 2.2e-16 * rounding * step;
+  low.spacing = lags.spacing;
+  low.samples = n;
+  low.density.assign(n / 2 + 1, 0);
+  bool clean = true;
+  for (std::size_t k = 0; k <= n / 2; ++k) {
+    double const s = lines[k].real() * step;
+    low.density[k] = std::fabs(s) > floor ? s : 0;  // negative only in sums of pairs and between nodes
+    clean = clean && (k < 3 * n / 8 || std::fabs(s) <= floor);
+  }
+  auto const last = std::find_if(low.density.rbegin(), low.density.rend(), [](double d) { return d != 0; });
+  low.density.resize(std::max<std::ptrdiff_t>(1, low.density.rend() - last));
+  return clean;
+}
+
+double rounding_of(SlowPhase const& p, std::vector<double> const& c, double r0, double constant) {
   // Rounding of R enters C relative to R(0) and at random, like that of the transform; that of the tones repeats with
   // their period and adds up; the constant part leaves its own.
   double rounding = 64 * (1 + r0) * norm2(c), peaks = 0;
   for (PhaseTone const& t : p.tones) peaks += 1 + t.peak;
-  if (peaks > 0) rounding += 8 * peaks * (norm1(c) + unmoved * std::sqrt(static_cast<double>(n)));
-  double const floor = 2.2e-16 * rounding * step;
-  low = {spacing, std::vector<double>(n / 2 + 1), unmoved / 2, n};
-  bool clean = true;
-  for (std::size_t k = 0; k <= n / 2; ++k) {
-    double const s = lines[k].real() * step;
-    low.density[k] = s > floor ? s : 0;
-    clean = clean && (k < 3 * n / 8 || s <= floor);
-  }
-  return clean;
+  if (peaks > 0) rounding += 8 * peaks * (norm1(c) + constant * std::sqrt(static_cast<double>(c.size())));
+  return rounding;
 }
 
-}  // namespace
-
 LowPart transform(SlowPhase const& p, double resolution) {
+  LowPart low;
+  LagGrid lags = lags_for(p, resolution);
+  for (; lags.samples <= most_samples; lags.samples *= 2) {
+    std::vector<double> r = covariance(p, lags);
+    double const r0 = r[0];
+    double unmoved = std::exp(-r0);
+    for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
+    std::vector<double> const c = correlation(p, std::move(r), lags.spacing, unmoved);
+    low.constant = unmoved / 2;
+    if (transform_lags(c, lags, rounding_of(p, c, r0, unmoved), low)) return low;
+  }
+  throw too_strong(p, lags);
+}
+
+NumericalError too_strong(SlowPhase const& p, LagGrid const& lags) {
+  return NumericalError(
+      fmt::format("motion too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
+                  reach(p), lags.spacing));
+}
+
+LagGrid lags_for(SlowPhase const& p, double resolution) {
   double spacing = spacing_for(p.tones, resolution);
   double const rate = 2 * reach(p);
-  std::size_t n = std::max(fewest, std::bit_ceil(static_cast<std::size_t>(std::min(rate / spacing, 1e9))));
+  std::size_t n = quick_size(std::max(static_cast<double>(fewest), rate / spacing));
   if (n > usual_most && p.tones.empty()) {
     n = usual_most;
     spacing = std::min(rate / static_cast<double>(n), 4 * spacing);
-    n = std::bit_ceil(static_cast<std::size_t>(rate / spacing));
+    n = quick_size(rate / spacing);
   }
-  LowPart low;
-  for (; n <= most; n *= 2)
-    if (try_transform(p, spacing, n, low)) return low;
-  throw NumericalError(
-      fmt::format("motion too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
-                  reach(p), spacing));
+  return {spacing, n};
+}
+
+LowPart drifting(LowPart const& low, double hz) {
+  double const lines = std::round(hz / low.spacing);
+  if (lines == 0) return low;
+  if (!(lines < static_cast<double>(most_samples)))
+    throw NumericalError(
+        fmt::format("drift too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing));
+  auto const shift = static_cast<std::size_t>(lines), size = low.density.size();
+  LowPart out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
+  for (std::size_t k = 0; k < size; ++k) {  // one-sided densities: the two-sided one is half of it, even
+    out.density[k + shift] += low.density[k] / 2;
+    if (k > 0) out.density[k < shift ? shift - k : k - shift] += low.density[k] / 2;
+    if (k == shift && k > 0) out.density[0] += low.density[k] / 2;
+  }
+  out.density[shift] += low.constant / low.spacing;
+  return out;
+}
+
+double total(LowPart const& low) {
+  double sum = low.constant + low.density[0] * low.spacing / 2;
+  for (std::size_t k = 1; k < low.density.size(); ++k) sum += low.density[k] * low.spacing;
+  return sum;
 }
 
 }  // namespace straytrace

@@ -2,8 +2,10 @@
 // Spectrum of the slow, strong part of the phase of a path by one Fourier transform, exact for any strength.
 #pragma once
 
-#include <span>
+#include <cstddef>
 #include <vector>
+
+#include "base/message.hpp"
 
 namespace straytrace {
 
@@ -33,5 +35,26 @@ struct LowPart {
 // `resolution`: the spacing of lines is at most this [Hz]; coarser only when the fringe rate would need more than 2^20
 // samples. Throws NumericalError beyond 2^24.
 LowPart transform(SlowPhase const&, double resolution);
+
+// The parts of it, for sums of several such exponentials: lags n/(samples spacing), n < samples.
+struct LagGrid {
+  double spacing;  // Hz, of the lines
+  std::size_t samples;
+};
+LagGrid lags_for(SlowPhase const&, double resolution);
+// Autocovariance of the Gaussian part at all lags, rad^2.
+std::vector<double> covariance(SlowPhase const&, LagGrid const&);
+// Error of a correlation and its transform, in units of the last place: below it a line is only rounding. `r0`: R(0).
+double rounding_of(SlowPhase const&, std::vector<double> const& correlation, double r0, double constant);
+// Transforms a correlation without its constant part; false when the sampling rate was too low.
+bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, LowPart&);
+NumericalError too_strong(SlowPhase const&, LagGrid const&);
+constexpr std::size_t most_samples = std::size_t{1} << 24;
+
+// Under a steady drift of the phase by `hz` turns per second, taken to the nearest line: C(tau) cos(2 pi hz tau). The
+// unmoved light becomes a line. Throws NumericalError beyond 2^24 lines.
+LowPart drifting(LowPart const&, double hz);
+
+double total(LowPart const&);  // its power, constant included: 1/2
 
 }  // namespace straytrace

@@ -31,7 +31,8 @@ Spectrum of_difference(Spectrum const& s, Transfer const& a, Transfer const& b) 
   std::vector<double> const more = b ? b->features() : std::vector<double>();
   features.insert(features.end(), more.begin(), more.end());
   return filtered(
-      s, [&](double f) { return std::norm(at(a, f) - at(b, f)); }, features);
+      s, [&](double f) { return std::norm(at(a, f) - at(b, f)); }, features,
+      [&](double f) { return std::norm(at(a, f)) + std::norm(at(b, f)); });
 }
 
 void add(std::vector<MotionClass>& classes, Spectrum spectrum, MotionClass::Member member) {
@@ -51,9 +52,9 @@ class Sum {
  public:
   void add(std::complex<double> x) {
     sum_ += x;
-    size_ += std::abs(x);
+    size_ += std::fabs(x.real()) + std::fabs(x.imag());
   }
-  std::complex<double> value() const { return std::abs(sum_) > 1e-14 * size_ ? sum_ : 0; }
+  std::complex<double> value() const { return std::norm(sum_) > 1e-28 * size_ * size_ ? sum_ : 0; }
 
  private:
   std::complex<double> sum_ = 0;

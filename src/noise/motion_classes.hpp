@@ -24,8 +24,8 @@ struct MotionClass {
   using Transfer = std::shared_ptr<TransferFunction const>;  // none: 1
   struct Member {
     std::size_t input;
-    double scale;            // its PSD over the reference
-    Transfer first, second;  // |H|^2 of one, or of the difference of two
+    double scale;                      // its PSD over the reference
+    Transfer first = {}, second = {};  // |H|^2 of one, or of the difference of two
     bool difference = false;
   };
 
@@ -34,8 +34,8 @@ struct MotionClass {
   std::vector<Member> members;
   bool drift = false;
 
-  // Mean-square phase per unit of kappa; a drift has none.
-  double variance() const { return tone_frequency > 0 ? 0.5 : reference.total(); }
+  // Mean-square phase per unit of kappa; a drift is no motion about a mean.
+  double variance() const { return drift ? 0 : tone_frequency > 0 ? 0.5 : reference.total(); }
 };
 
 std::vector<MotionClass> group_by_shape(MotionSet const&);

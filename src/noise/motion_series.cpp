@@ -82,8 +82,9 @@ void Drawing::add_gaussian(MotionInput const& input, std::uint32_t number) {
     Lines& lines = at(gain).lines;
     if (lines.size() <= last) lines.resize(last + 1);
     for (std::size_t k = 1; k <= last; ++k) {
+      if (drawn[k] == 0.0) continue;
       std::complex<double> const t = gain.transfer ? (*gain.transfer)(static_cast<double>(k) * spacing) : 1.0;
-      if (drawn[k] != 0.0) lines[k] += drawn[k] * gain.value * std::conj(t);  // c_k goes with exp(+2 pi i f t)
+      lines[k] += drawn[k] * gain.value * std::conj(t);  // c_k goes with exp(+2 pi i f t)
     }
   }
 }
@@ -131,10 +132,9 @@ void Drawing::add_recorded(MotionInput const& input) {
   for (Gain const& gain : input.gains) {
     std::vector<double> x = measured;
     if (gain.transfer) {
-      double const static_gain = std::real((*gain.transfer)(times_.rate / static_cast<double>(2 * period_)));
-      x = filtered(
-          made_periodic(x, period_ + period_ / 4 * 2), times_.rate, [&](double hz) { return (*gain.transfer)(hz); },
-          static_gain);
+      TransferFunction const response = gain.transfer->holding_ends();  // a record holds every frequency
+      double const lowest = times_.rate / static_cast<double>(2 * period_);
+      x = filtered(made_periodic(x, period_ + period_ / 4 * 2), times_.rate, response, std::real(response(lowest)));
       x.resize(times_.samples);
     }
     std::vector<double> const v = slope(x, times_.rate);

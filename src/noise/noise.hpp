@@ -28,6 +28,9 @@ struct NoiseTrace {
   std::vector<double> asd;                       // 1/sqrt(Hz)
   std::vector<double> sigma;                     // one standard error of asd, Monte Carlo only
   std::vector<double> phase_asd, amplitude_asd;  // the two quadratures alone (eq. 9.1 and 9.2)
+  // Share of the PSD that motion of about this frequency makes to first order; the rest is fringe wrapping of slower
+  // motion. NaN where there is no noise.
+  std::vector<double> linear_share;
   double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
   bool resolved = true;
   std::string why_not;
@@ -44,18 +47,18 @@ struct DesignCurve {
 
 // One thing that is not exactly known, and what it does to the total (docs/theory/errors.md).
 struct InputSource {
-  std::string name;            // "material steel", "motion of tube"
-  std::string statement;       // "bracket x 0.33 to 3.3 (assumed)", "one sigma: factor 1.3"
-  double low = 1, high = 1;    // least and largest factor on the ASD of the total, over the band
-  double share = 0;            // of the noise power of the band on routes that it acts on
+  std::string name;          // "material steel", "motion of tube"
+  std::string statement;     // "bracket x 0.33 to 3.3 (assumed)", "one sigma: factor 1.3"
+  double low = 1, high = 1;  // least and largest factor on the ASD of the total, over the band
+  double share = 0;          // of the noise power of the band on routes that it acts on
 };
 // What stands beside the Monte-Carlo error of the total; 1/sqrt(Hz), empty when not made.
 struct NoiseBands {
-  std::vector<double> input_low, input_high;                    // what materials and motion leave open
-  std::vector<double> speckle_05, speckle_50, speckle_95;       // percentiles of one realisation of the static phases
-  std::vector<double> coherent;                                 // linear sum of the ASDs of all routes: upper bound
-  std::vector<InputSource> sources;                             // those with a stated spread
-  std::vector<std::string> taken_as_exact;                      // those without
+  std::vector<double> input_low, input_high;               // what materials and motion leave open
+  std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases
+  std::vector<double> coherent;                            // linear sum of the ASDs of all routes: upper bound
+  std::vector<InputSource> sources;                        // those with a stated spread
+  std::vector<std::string> taken_as_exact;                 // those without
   bool made() const { return !speckle_50.empty(); }
 };
 

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "base/message.hpp"
-#include "noise/cells.hpp"
 #include "noise/noise.hpp"
 #include "noise/phase_spectra.hpp"
 #include "noise/route_noise.hpp"
+#include "noise/strength_nodes.hpp"
 
 namespace straytrace {
 namespace {
@@ -35,8 +35,9 @@ std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, Fr
 
 // PSDs of one curve, before roots are taken.
 struct Sum {
-  explicit Sum(std::size_t bins) : phase(bins), amplitude(bins) {}
+  explicit Sum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins) {}
   Bins phase, amplitude;                    // 1/Hz
+  Bins linear;                              // of both, first order in the motion of the bin
   std::array<Bins, replica_count> without;  // both, without one replica
   double mean_square_phase = 0, power = 0;
   bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
@@ -45,6 +46,7 @@ struct Sum {
     for (std::size_t i = 0; i < phase.size(); ++i) {
       phase[i] += factor * t.phase[i] * route.psd[i];
       amplitude[i] += factor * t.amplitude[i] * route.psd[i];
+      linear[i] += factor * t.both(i) * route.linear[i];
     }
     for (std::size_t r = 0; r < replica_count; ++r) {
       if (route.without[r].empty()) continue;
@@ -63,6 +65,18 @@ struct Sum {
   }
 };
 
+Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra) {
+  Strengths out{spectra.classes().size(), {}, {}};
+  for (CouplingClass const& c : table.classes) {
+    for (PathRecord const& record : c.records) {
+      std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.levers);
+      out.kappa.insert(out.kappa.end(), kappa.begin(), kappa.end());
+      out.weight.push_back(record.weight);
+    }
+  }
+  return out;
+}
+
 // Root, with the standard error sigma_asd = sigma_psd / (2 asd).
 NoiseTrace finished(std::string name, Sum const& sum) {
   NoiseTrace t;
@@ -80,6 +94,7 @@ NoiseTrace finished(std::string name, Sum const& sum) {
     t.sigma.push_back(psd > 0 ? sigma / (2 * t.asd.back()) : sigma);
     t.phase_asd.push_back(std::sqrt(sum.phase[i]));
     t.amplitude_asd.push_back(std::sqrt(sum.amplitude[i]));
+    t.linear_share.push_back(psd > 0 ? sum.linear[i] / psd : not_a_number);
   }
   return t;
 }
@@ -118,13 +133,10 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   auto const start = std::chrono::steady_clock::now();
   std::size_t const bins = settings.grid.size();
   PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
-  Cells const cells = make_cells(table, motion, spectra.classes());
-  std::vector<Bins> cell_psd;
+  Strengths const strengths = strengths_of(table, motion, spectra);
   std::vector<double> strength;
-  for (std::vector<double> const& kappa : cells.kappa) {
-    cell_psd.push_back(spectra(kappa).psd);
-    strength.push_back(spectra.mean_square_phase(kappa));
-  }
+  for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
+  StrengthNodes const nodes(spectra, strengths);
   std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
 
   NoiseBudget budget;
@@ -132,10 +144,11 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   budget.margin = settings.margin;
   Sum total(bins), unresolved(bins), faint(bins);
   std::vector<std::pair<std::size_t, Sum>> doubtful;
-  for (std::size_t r = 0; r < table.classes.size(); ++r) {
+  for (std::size_t r = 0, first = 0; r < table.classes.size(); first += table.classes[r++].records.size()) {
     CouplingClass const& c = table.classes[r];
-    RouteSpectrum route = route_spectrum(table, c, cells.of[r], cell_psd, strength);
+    RouteSpectrum route = route_spectrum(table, c, first, nodes, strength);
     route.psd.resize(bins);
+    route.linear.resize(bins);
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
     Sum own(bins);
     double const factor = c.reverse * ifo.copies(c.port);
@@ -161,8 +174,8 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   bool const nothing =
       std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
   if (nothing && !budget.unresolved.empty())  // no answer is not zero
-    for (Bins NoiseTrace::*curve :
-         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd})
+    for (Bins NoiseTrace::*curve : {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::phase_asd,
+                                    &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
       (budget.total.*curve).assign(bins, not_a_number);
   if (!budget.total.resolved) budget.total.why_not = "a lower bound: some routes are unresolved";
   budget.unresolved_hint = largest_ratio(unresolved, total);

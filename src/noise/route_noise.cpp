@@ -2,7 +2,6 @@
 #include "noise/route_noise.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 
 #include "base/constants.hpp"
@@ -17,8 +16,31 @@ double mean_without(CouplingTable const& table, CouplingClass const& c, std::siz
   return (total - c.replica_sum[replica]) / static_cast<double>(table.histories - table.replica_histories[replica]);
 }
 
-void add(Bins& to, double factor, Bins const& what) {
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * what[i];
+// Weights of the basis spectra, of all records and of those of each replica.
+struct Histogram {
+  explicit Histogram(std::size_t size) : all(size) {}
+  void add(std::size_t replica, std::span<StrengthNodes::Share const> shares, double weight) {
+    std::vector<double>& own = of[replica];
+    own.resize(all.size());
+    for (StrengthNodes::Share const& s : shares) {
+      all[s.basis] += weight * s.weight;
+      own[s.basis] += weight * s.weight;
+    }
+  }
+  std::vector<double> all;
+  std::array<std::vector<double>, replica_count> of;
+};
+
+Bins sum_of(std::span<double const> weight, std::vector<StrengthNodes::Basis> const& basis,
+            Bins StrengthNodes::Basis::*part) {
+  Bins sum(basis.empty() ? 0 : (basis.front().*part).size());
+  for (std::size_t b = 0; b < weight.size(); ++b)
+    for (std::size_t i = 0; weight[b] != 0 && i < sum.size(); ++i) sum[i] += weight[b] * (basis[b].*part)[i];
+  return sum;
+}
+
+void scale(Bins& bins, double factor) {
+  for (double& b : bins) b = std::max(0.0, b * factor);
 }
 
 class EffectiveNumber {
@@ -46,46 +68,48 @@ double jackknife_variance(std::span<double const> without) {
   return (n - 1) / n * sum;
 }
 
-RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::span<std::uint32_t const> cell,
-                             std::span<Bins const> cell_psd, std::span<double const> strength) {
-  std::size_t const bins = cell_psd.empty() ? 0 : cell_psd.front().size();
+RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,
+                             StrengthNodes const& nodes, std::span<double const> mean_square_phase) {
   RouteSpectrum route;
-  route.psd.assign(bins, 0);
   route.exact = c.deterministic();
-  std::map<std::uint32_t, double> all;
-  std::array<std::map<std::uint32_t, double>, replica_count> share;  // weight per replica and cell
+  Histogram histogram(nodes.basis().size());
+  std::array<double, replica_count> own = {};
   double weight = 0;
   EffectiveNumber power, noise;
+  std::vector<StrengthNodes::Share> shares;
   for (std::size_t i = 0; i < c.records.size(); ++i) {
-    double const w = c.records[i].weight;
-    all[cell[i]] += w;
-    share[replica_of(c.records[i].history)][cell[i]] += w;
+    double const w = c.records[i].weight, strength = mean_square_phase[first + i];
+    std::size_t const replica = replica_of(c.records[i].history);
+    nodes.shares(first + i, shares);
+    histogram.add(replica, shares, w);
+    own[replica] += w;
     weight += w;
+    route.mean_square_phase += w * strength;
     power.add(w);
-    noise.add(w * strength[cell[i]] / (1 + strength[cell[i]]));  // wrapped fringes have a largest power
+    noise.add(w * strength / (1 + strength));  // wrapped fringes have a largest power
   }
   route.paths_of_power = power.value();
   route.paths_of_noise = noise.value();
+  route.psd = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::psd);
+  route.linear = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::linear);
   if (!(weight > 0)) return route;
-  Bins sum(bins);
-  for (auto const& [k, w] : all) {
-    add(sum, w, cell_psd[k]);
-    route.mean_square_phase += w / weight * strength[k];
-  }
-  add(route.psd, c.coupling.mean / weight, sum);
+  route.mean_square_phase /= weight;
+  Bins const sum = route.psd;
+  scale(route.psd, c.coupling.mean / weight);
+  scale(route.linear, c.coupling.mean / weight);
   if (route.exact) return route;
 
   double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
   for (std::size_t r = 0; r < replica_count; ++r) {
     if (table.replica_histories[r] == 0 || table.replica_histories[r] == table.histories) continue;
-    double left = weight;
-    for (auto const& [k, w] : share[r]) left -= w;
+    double const left = weight - own[r];
     bool const alone = left <= 1e-12 * weight;  // no record elsewhere: only the mean changes
     Bins& psd = route.without[r] = sum;
-    if (!alone)
-      for (auto const& [k, w] : share[r]) add(psd, -w, cell_psd[k]);
-    double const factor = mean_without(table, c, r, total) / (alone ? weight : left);
-    for (double& p : psd) p = std::max(0.0, p * factor);
+    if (!alone) {
+      Bins const of_replica = sum_of(histogram.of[r], nodes.basis(), &StrengthNodes::Basis::psd);
+      for (std::size_t i = 0; i < of_replica.size(); ++i) psd[i] -= of_replica[i];
+    }
+    scale(psd, mean_without(table, c, r, total) / (alone ? weight : left));
   }
   return route;
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "noise/strength_nodes.hpp"
 #include "trace/coupling.hpp"
 
 namespace straytrace {
@@ -16,6 +17,7 @@ using Bins = std::vector<double>;
 // PSD of Im s [1/Hz] per bin: all histories, and all but those of one replica (empty where a replica has none).
 struct RouteSpectrum {
   Bins psd;
+  Bins linear;  // part of psd, as in PhaseSpectrum
   std::array<Bins, replica_count> without;
   bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
@@ -25,10 +27,10 @@ struct RouteSpectrum {
   bool rests_on_few() const { return paths_of_noise > 0 && paths_of_noise < std::min(30.0, 0.3 * paths_of_power); }
 };
 
-// psd = mean * sum over records of (their share) * (spectrum of their cell); each class mean and the shares of its
-// records are taken anew without each replica. `cell`: of each record; `strength`: mean-square phase of each cell.
-RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::span<std::uint32_t const> cell,
-                             std::span<Bins const> cell_psd, std::span<double const> strength);
+// psd = mean * sum over records of (their share) * (their spectrum); each class mean and the shares of its records are
+// taken anew without each replica. `first`: number of its first record among the paths of `nodes`.
+RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::size_t first, StrengthNodes const& nodes,
+                             std::span<double const> mean_square_phase);
 
 // Replica of a history: block of 4096 histories modulo their number.
 std::size_t replica_of(std::uint64_t history);

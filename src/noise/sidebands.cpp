@@ -2,6 +2,7 @@
 #include "noise/sidebands.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace straytrace {
 namespace {
@@ -27,6 +28,39 @@ class Sweep {
   bool fresh_ = true;
 };
 
+// Neighbouring bins of a width that hardly differs.
+struct Octave {
+  double high, narrowest;
+  // How finely the low part must be known at a frequency that reaches these bins: a quarter of a bin, or half a step
+  // of the modulation (1.1 % of its frequency) where that comes from far above.
+  double step(double hz) const { return std::max(narrowest / 4, 0.0055 * (hz - high)); }
+};
+
+// The low part as lines at their centres of power, and what counts as unshifted.
+struct Condensed {
+  Kernel lines;
+  double at_zero;
+};
+
+Condensed condensed(LowPart const& low, Octave const& octave) {
+  Condensed out{{}, low.constant + low.density[0] * low.spacing / 2};
+  std::size_t k = 1;
+  auto const hz = [&](std::size_t i) { return static_cast<double>(i) * low.spacing; };
+  for (; k < low.density.size() && hz(k) < octave.step(0) / 2; ++k) out.at_zero += low.density[k] * low.spacing;
+  while (k < low.density.size()) {
+    double const first = hz(k), end = first + octave.step(first);
+    double power = 0, moment = 0;
+    for (; k < low.density.size() && hz(k) < end; ++k) {
+      power += low.density[k];
+      moment += low.density[k] * hz(k);
+    }
+    if (power == 0) continue;
+    out.lines.hz.push_back(std::clamp(moment / power, first, end));
+    out.lines.power.push_back(power * low.spacing);
+  }
+  return out;
+}
+
 }  // namespace
 
 void add_sidebands(Kernel const& kernel, Steps const& steps, std::span<double const> e, std::span<double> bin_power) {
@@ -41,6 +75,36 @@ void add_sidebands(Kernel const& kernel, Steps const& steps, std::span<double co
     for (std::size_t i = bin_power.size(); i-- > 0;)  // frequencies below the line: |f - g| grows downwards
       if (e[i] < g) bin_power[i] += half * folded(std::max(g - e[i + 1], 0.0), g - e[i]);
   }
+}
+
+void add_lines(LowPart const& low, std::span<double const> edges, std::span<double> bin_power) {
+  std::size_t bin = 0;
+  for (std::size_t k = 0; k < low.density.size(); ++k) {
+    double const from = (static_cast<double>(k) - 0.5) * low.spacing, to = from + low.spacing;
+    while (bin < bin_power.size() && edges[bin + 1] <= from) ++bin;
+    for (std::size_t i = bin; i < bin_power.size() && edges[i] < to; ++i)
+      bin_power[i] += low.density[k] * (std::min(to, edges[i + 1]) - std::max(from, edges[i]));
+  }
+}
+
+void modulate(LowPart const& low, Steps const& fast, std::span<double const> unshifted, std::span<double const> edges,
+              std::span<double> bin_power) {
+  auto const width = [&](std::size_t i) { return edges[i + 1] - edges[i]; };
+  for (std::size_t first = 0, next = 0; first < bin_power.size(); first = next) {
+    double narrowest = width(first);
+    for (; next < bin_power.size() && width(next) < 2 * width(first) && width(next) > 0.5 * width(first); ++next)
+      narrowest = std::min(narrowest, width(next));
+    Condensed const c = condensed(low, {edges[next], narrowest});
+    for (std::size_t i = first; i < next; ++i) bin_power[i] += c.at_zero * unshifted[i];
+    add_sidebands(c.lines, fast, edges.subspan(first, next - first + 1), bin_power.subspan(first, next - first));
+  }
+}
+
+Steps as_steps(LowPart const& low) {
+  Steps steps{{0}, low.density};
+  for (std::size_t k = 0; k < low.density.size(); ++k)
+    steps.edges.push_back((static_cast<double>(k) + 0.5) * low.spacing);
+  return steps;
 }
 
 }  // namespace straytrace

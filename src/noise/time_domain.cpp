@@ -64,7 +64,9 @@ void draw_by_rule(StrayLight& light, MotionSet const& motion, std::span<StrayPat
 
 }  // namespace
 
-double SamplingRule::automatic() const { return std::exp2(std::ceil(std::log2(std::max(1024.0, 2 * least())))); }
+double SamplingRule::automatic() const {
+  return std::exp2(std::floor(std::log2(std::max({1023.0, least(), 5 * fringe}))) + 1);
+}
 
 std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeries const& motion, Delay delay,
                                     unsigned threads) {

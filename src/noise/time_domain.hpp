@@ -17,7 +17,7 @@ namespace straytrace {
 struct SamplingRule {
   double fringe = 0, margin = 0;  // Hz
   double least() const { return 2 * (fringe + margin); }
-  double automatic() const;  // Hz: the smallest power of two with twice that, at least 1024
+  double automatic() const;  // Hz: the smallest power of two above that and above five times the fringe, from 1024
 };
 
 struct TimeDomainSettings {

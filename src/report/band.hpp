@@ -12,8 +12,17 @@ constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (physics.md 
 
 // {low, high}, or the whole grid when high <= low.
 std::pair<double, double> band_of(FrequencyGrid const&, double low, double high);
+// How the noise of a route comes about over the band: "linear" where motion of the same frequency makes most of it,
+// "wrapped" where fringes wrap, "linear > 13 Hz" and "linear < 5 Hz" with one change, "mixed" with more. Without shares
+// per frequency by the rms phase alone; "-" where nothing moves.
+std::string regime(NoiseTrace const&, FrequencyGrid const&, double low, double high);
 // The bin that holds hz; NaN outside the grid.
 WithError strain_at(NoiseTrace const&, FrequencyGrid const&, double hz);
+// Of a band or other curve on the bins, between their centres straight in log-log.
+double band_at(std::vector<double> const& curve, FrequencyGrid const&, double hz);
+// Input and speckle bands at some frequencies, and where they come from; empty where they were not made.
+std::string band_text(NoiseBudget const&, std::vector<double> const& frequencies);
+std::string band_summary(NoiseBudget const&, std::vector<double> const& frequencies);  // two lines of it
 // Integral of the PSD over the bins whose centres lie in the band, strain^2; errors of bins add (they are correlated).
 WithError band_power(NoiseTrace const&, FrequencyGrid const&, double low, double high);
 

@@ -54,7 +54,10 @@ double regular_step(std::vector<double> const& axis) {
   double const step = (axis.back() - axis.front()) / double(axis.size() - 1);
   for (std::size_t i = 0; i < axis.size(); ++i)
     if (!(std::abs(axis[i] - axis[0] - double(i) * step) <= 1e-6 * step + 4e-16 * std::abs(axis[i]))) return 0;
-  return step;
+  // GPS times are rounded to 0.2 us: the whole rate is meant where they cannot tell it from ours.
+  double const rate = 1 / step, whole = std::round(rate);
+  double const rounding = 5e-16 * std::abs(axis.back()) / (axis.back() - axis.front());
+  return whole >= 1 && std::abs(rate / whole - 1) <= rounding ? 1 / whole : step;
 }
 
 std::string hdf5(CurveSheet const& sheet, std::string const& file) {

@@ -43,11 +43,6 @@ std::string reverse_words(bool on) {
             : "C_rev off: reverse routes are not added in amplitude";
 }
 
-std::string regime(double rms_phase) {
-  if (std::isnan(rms_phase)) return "";
-  return rms_phase > wrapped_from ? "wrapped" : "linear";
-}
-
 std::string csv_titles(PathTable const& table) {
   std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
@@ -66,10 +61,10 @@ std::string csv_row(PathRow const& row) {
   for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
   return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
                             number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
-                            number(row.rms_phase), regime(row.rms_phase), number(row.length_mean),
-                            number(row.length_min), number(row.length_max), row.coupling.scored,
-                            number(row.coupling.largest_share), number(row.coupling.effective_scores),
-                            row.by_reverse ? "reverse" : "itself", name_of(row.kind), csv_text(row.statement));
+                            number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
+                            number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
+                            number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself",
+                            name_of(row.kind), csv_text(row.statement));
 }
 
 Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
@@ -110,7 +105,7 @@ Json json_of(PathTable const& table, PathRow const& row) {
   j["moving_body"] = row.body;
   j["lever_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.lever);
   j["rms_phase_rad"] = row.rms_phase;
-  j["regime"] = regime(row.rms_phase);
+  j["regime"] = row.regime;
   j["path_length_m"] = {{"mean", row.length_mean}, {"min", row.length_min}, {"max", row.length_max}};
   j["histories_scored"] = row.coupling.scored;
   j["largest_history_share"] = row.coupling.largest_share;
@@ -171,6 +166,25 @@ void add_receivers(Json& j, RunContent const& run) {
   j["receivers"] = table["receivers"];
 }
 
+void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequencies) {
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    double const hz = frequencies[i];
+    Json& h = j["total_strain"][i];
+    h["input"] = {band_at(b.bands.input_low, b.grid, hz), band_at(b.bands.input_high, b.grid, hz)};
+    h["speckle_percentiles"] = {{"5", band_at(b.bands.speckle_05, b.grid, hz)},
+                                {"50", band_at(b.bands.speckle_50, b.grid, hz)},
+                                {"95", band_at(b.bands.speckle_95, b.grid, hz)}};
+    h["coherent_sum"] = band_at(b.bands.coherent, b.grid, hz);
+  }
+  j["inputs"] = Json::array();
+  for (InputSource const& s : b.bands.sources)
+    j["inputs"].push_back({{"name", s.name},
+                           {"statement", s.statement},
+                           {"factor_on_total", {s.low, s.high}},
+                           {"share", s.share > 0 ? Json(s.share) : Json(nullptr)}});
+  j["taken_as_exact"] = b.bands.taken_as_exact;
+}
+
 // Names may hold bytes that are not UTF-8; they are replaced, never thrown at.
 std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
@@ -181,19 +195,29 @@ std::string asd_text(RunContent const& run) {
   NoiseBudget const& b = *run.noise;
   std::string text = file_header(run) + "# one-sided strain ASD, mean over static phases\n# " +
                      reverse_words(run.trace->coupling.reverse_routes) + "\n";
-  text += "# sigma, h_low, h_high: one standard error of the Monte Carlo\n";
+  text += "# h_low, h_high: one standard error of the Monte Carlo\n";
+  text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open\n";
+  text += "# speckle_05, _50, _95: percentiles of one realisation of the static phases\n";
+  text += "# coherent: linear sum of the ASDs of all routes, as if all were in phase: upper bound\n";
+  text += "# resolved: 1, or 0 where the values are lower bounds\n";
   text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
   text +=
       b.unresolved.empty() ? "# unresolved: none\n" : "# LOWER BOUND, these routes are unresolved and not included:\n";
   for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
   text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
-  text += "# frequency_Hz h_mean sigma h_low h_high phase_only amplitude_only design ratio\n";
+  text +=
+      "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
+      "phase_only amplitude_only coherent design ratio\n";
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
     double const h = b.total.asd.at(i), s = b.total.sigma.at(i);
     double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);
-    text += fmt::format("{:.9e} {:.9e} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e}\n", b.grid.centre(i), h, s,
-                        std::max(0.0, h - s), h + s, b.total.phase_asd.at(i), b.total.amplitude_asd.at(i), design,
-                        h / design);
+    auto const band = [&](std::vector<double> const& curve) { return curve.empty() ? not_a_number : curve.at(i); };
+    NoiseBands const& d = b.bands;
+    text += fmt::format("{:.9e} {:.9e} {:.9e} {:.9e}", b.grid.centre(i), h, std::max(0.0, h - s), h + s);
+    for (auto const* curve : {&d.input_low, &d.input_high, &d.speckle_05, &d.speckle_50, &d.speckle_95})
+      text += fmt::format(" {:.9e}", band(*curve));
+    text += fmt::format(" {} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e}\n", int(b.unresolved.empty()), s,
+                        b.total.phase_asd.at(i), b.total.amplitude_asd.at(i), band(d.coherent), design, h / design);
   }
   return text;
 }
@@ -235,6 +259,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
     h["frequency_Hz"] = table.frequencies[i];
     j["total_strain"].push_back(h);
   }
+  if (run.noise && run.noise->bands.made()) add_bands(j, *run.noise, table.frequencies);
   j["unresolved"] = Json::array();
   for (PathRow const& row : table.rows)
     if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});

@@ -168,8 +168,12 @@ WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double h
   return curve_at(trace.asd, trace.sigma, grid, hz);
 }
 
+double band_at(std::vector<double> const& curve, FrequencyGrid const& grid, double hz) {
+  return curve_at(curve, std::vector<double>(curve.size(), 0.0), grid, hz).value;
+}
+
 double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz) {
-  return curve_at(curve.asd, std::vector<double>(curve.asd.size(), 0.0), grid, hz).value;
+  return band_at(curve.asd, grid, hz);
 }
 
 WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
@@ -203,6 +207,7 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
     PathRow row = row_of(coupling, c);
     if (table.has_noise) {
       add_noise(row, budget->routes[i], budget->grid, table.frequencies);
+      row.regime = regime(budget->routes[i], budget->grid, table.low, table.high);
       row.power = band_power(budget->routes[i], budget->grid, table.low, table.high);
     }
     find_body(row, c, coupling.bodies, !motion ? nullptr : row.rms_phase < 1 ? &in_band : &all);

@@ -16,11 +16,6 @@ using Cells = std::vector<std::string>;
 
 std::string number(double x, char const* form) { return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-"; }
 
-std::string regime(double rms_phase) {
-  if (!(rms_phase > 0)) return "-";
-  return rms_phase > wrapped_from ? "wrapped" : "linear";
-}
-
 // The column `kind` is there when the table holds more than scattered light.
 bool has_kinds(PathTable const& table) {
   return std::any_of(table.rows.begin(), table.rows.end(),
@@ -60,7 +55,7 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   c.push_back(row.body.empty() ? "-" : row.body);
   c.push_back(row.body.empty() ? "-" : number(row.lever, "{:.3g}"));
   c.push_back(number(row.rms_phase, "{:.2g}"));
-  c.push_back(regime(row.rms_phase));
+  c.push_back(row.regime.empty() ? "-" : row.regime);
   c.push_back(number(row.length_mean, "{:.6g}"));
   return c;
 }

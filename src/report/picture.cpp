@@ -169,6 +169,10 @@ bool draw_curves_picture(std::string const& json_file, std::string const& png_fi
   return draw({"straytrace.plot_curves", json_file, "-o", png_file}, png_file, message);
 }
 
+bool draw_scan_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
+  return draw({"straytrace.plot_scan", json_file, "-o", png_file}, png_file, message);
+}
+
 bool draw_budget_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
   return draw({"straytrace.plot_budget", json_file, "-o", png_file}, png_file, message);
 }

@@ -28,4 +28,7 @@ bool draw_curves_picture(std::string const& json_file, std::string const& png_fi
 // Beam tree over the surfaces it meets, from the JSON of `straytrace ghosts -o`.
 bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 
+// Requirement or ratio over the parameters of a scan, from the JSON of `straytrace scan`.
+bool draw_scan_picture(std::string const& json_file, std::string const& png_file, std::string& message);
+
 }  // namespace straytrace

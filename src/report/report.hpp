@@ -22,7 +22,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 4;
+constexpr int run_schema_major = 1, run_schema_minor = 5;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -133,6 +133,7 @@ struct PathRow {
   std::string body;               // whose motion contributes most; empty without motion
   double lever = 0;               // rad/m, rms over the paths of that body's translations
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
+  std::string regime;             // report/band.hpp, over the band; empty without a budget
   std::size_t folded_routes = 0;  // of `other`: how many it sums
   std::vector<FoldedRow> folded;  // the largest of them, descending
   double length_mean = 0, length_min = 0, length_max = 0;  // m, optical; NaN without records

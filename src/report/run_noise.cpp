@@ -17,10 +17,23 @@ constexpr CurveColumn curves[] = {{"mean", &NoiseTrace::asd},
                                   {"sigma", &NoiseTrace::sigma},
                                   {"phase", &NoiseTrace::phase_asd},
                                   {"amplitude", &NoiseTrace::amplitude_asd}};
+constexpr char const* linear_share = "linear_share";  // since schema 1.5
+
+struct BandColumn {
+  char const* name;
+  Doubles NoiseBands::*member;
+};
+constexpr BandColumn band_columns[] = {{"input_low", &NoiseBands::input_low},   {"input_high", &NoiseBands::input_high},
+                                       {"speckle_05", &NoiseBands::speckle_05}, {"speckle_50", &NoiseBands::speckle_50},
+                                       {"speckle_95", &NoiseBands::speckle_95}, {"coherent", &NoiseBands::coherent}};
 
 void append_bins(Doubles& to, Doubles const& from, std::size_t bins, std::string const& name) {
   if (from.size() != bins) throw NumericalError("noise curve '" + name + "' has the wrong number of frequencies");
   to.insert(to.end(), from.begin(), from.end());
+}
+
+Doubles shares_of(NoiseTrace const& t, std::size_t bins) {
+  return t.linear_share.empty() ? Doubles(bins, not_a_number) : t.linear_share;
 }
 
 void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
@@ -29,6 +42,9 @@ void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std:
     for (NoiseTrace const& t : routes) append_bins(all, t.*(curve.member), bins, t.name);
     out.array(std::string("/noise/routes/") + curve.name, all, strain, {routes.size(), bins});
   }
+  Doubles shares;
+  for (NoiseTrace const& t : routes) append_bins(shares, shares_of(t, bins), bins, t.name);
+  out.array(std::string("/noise/routes/") + linear_share, shares, "1", {routes.size(), bins});
   std::vector<std::string> names, why;
   std::vector<std::uint64_t> hash;
   std::vector<std::uint8_t> resolved, faint;
@@ -60,6 +76,45 @@ void write_design(hdf5::Writer& out, std::vector<DesignCurve> const& design, std
   out.array("/noise/design/asd", all, strain, {design.size(), bins});
 }
 
+void write_bands(hdf5::Writer& out, NoiseBands const& bands, std::size_t bins) {
+  out.group("/noise/bands", "beside the Monte-Carlo error of the total: what inputs and static phases leave open");
+  for (BandColumn const& column : band_columns) {
+    Doubles checked;
+    append_bins(checked, bands.*(column.member), bins, column.name);
+    out.array(std::string("/noise/bands/") + column.name, checked, strain);
+  }
+  std::vector<std::string> names, statements;
+  Doubles low, high, share;
+  for (InputSource const& s : bands.sources) {
+    names.push_back(s.name);
+    statements.push_back(s.statement);
+    low.push_back(s.low);
+    high.push_back(s.high);
+    share.push_back(s.share);
+  }
+  out.strings("/noise/bands/source", names);
+  out.strings("/noise/bands/statement", statements);
+  out.array("/noise/bands/source_low", low, "1");
+  out.array("/noise/bands/source_high", high, "1");
+  out.array("/noise/bands/source_share", share, "1");
+  out.strings("/noise/bands/taken_as_exact", bands.taken_as_exact);
+}
+
+NoiseBands read_bands(hdf5::Reader const& in, std::size_t bins) {
+  NoiseBands bands;
+  for (BandColumn const& column : band_columns)
+    bands.*(column.member) = in.rows<double>(std::string("/noise/bands/") + column.name, bins);
+  std::vector<std::string> const names = in.strings("/noise/bands/source");
+  auto const statements = in.strings("/noise/bands/statement", names.size());
+  auto const low = in.rows<double>("/noise/bands/source_low", names.size());
+  auto const high = in.rows<double>("/noise/bands/source_high", names.size());
+  auto const share = in.rows<double>("/noise/bands/source_share", names.size());
+  for (std::size_t i = 0; i < names.size(); ++i)
+    bands.sources.push_back({names[i], statements[i], low[i], high[i], share[i]});
+  bands.taken_as_exact = in.strings("/noise/bands/taken_as_exact");
+  return bands;
+}
+
 Doubles slice(Doubles const& all, std::size_t row, std::size_t bins) {
   auto const begin = all.begin() + std::ptrdiff_t(row * bins);
   return {begin, begin + std::ptrdiff_t(bins)};
@@ -86,6 +141,9 @@ void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
     Doubles const all = in.rows<double>(std::string("/noise/routes/") + curve.name, n, bins);
     for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
   }
+  if (!in.has(std::string("/noise/routes/") + linear_share)) return;
+  Doubles const all = in.rows<double>(std::string("/noise/routes/") + linear_share, n, bins);
+  for (std::size_t i = 0; i < n; ++i) b.routes[i].linear_share = slice(all, i, bins);
 }
 
 void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
@@ -95,6 +153,8 @@ void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
   total.why_not = in.attribute_text("/noise/total", "why_not");
   for (CurveColumn const& curve : curves)
     total.*(curve.member) = in.rows<double>(std::string("/noise/total/") + curve.name, bins);
+  if (in.has(std::string("/noise/total/") + linear_share))
+    total.linear_share = in.rows<double>(std::string("/noise/total/") + linear_share, bins);
 }
 
 }  // namespace
@@ -121,10 +181,14 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
     append_bins(checked, b.total.*(curve.member), bins, "total");
     out.array(std::string("/noise/total/") + curve.name, checked, strain);
   }
+  Doubles shares;
+  append_bins(shares, shares_of(b.total, bins), bins, "total");
+  out.array(std::string("/noise/total/") + linear_share, shares, "1");
   out.group("/noise/routes", "one row per row of /classes");
   write_routes(out, b.routes, bins);
   out.group("/noise/design", "curves to compare with, on the centres of the bins");
   write_design(out, b.design, bins);
+  if (b.bands.made()) write_bands(out, b.bands, bins);
 }
 
 NoiseBudget read_noise(hdf5::Reader const& in) {
@@ -141,6 +205,7 @@ NoiseBudget read_noise(hdf5::Reader const& in) {
   std::vector<std::string> const names = in.strings("/noise/design/name");
   Doubles const all = in.rows<double>("/noise/design/asd", names.size(), bins);
   for (std::size_t i = 0; i < names.size(); ++i) b.design.push_back({names[i], slice(all, i, bins)});
+  if (in.has("/noise/bands")) b.bands = read_bands(in, bins);
   return b;
 }
 

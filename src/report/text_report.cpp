@@ -250,6 +250,8 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
     text += run.noise ? verdict_sentence(*run.noise, table.low, table.high) + "\n"
                       : std::string("Couplings only: the noise was not computed.\n");
     text += strain_table(run, table);
+    if (run.noise && run.noise->bands.made())
+      text += section("Input and speckle") + band_text(*run.noise, table.frequencies);
     text += section("Routes") + path_text(table, show);
   }
   if (received) text += section("Receivers") + receiver_text(receiver_table(run), show);

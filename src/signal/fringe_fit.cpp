@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/fringe_fit.hpp"
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -25,25 +25,12 @@ double longest_delay(FringeFitSettings const& s) {
   return longest;
 }
 
-struct SampleSpan {
-  std::size_t from = 0, to = 0;
-};
-
-// Samples of the target that every witness covers, with the delays.
 SampleSpan overlap(FringeRecords const& r, double delay) {
-  TimeSeries const& h = r.target;
-  double from = h.start, to = h.end();
-  for (TimeSeries const& x : r.witnesses) {
-    from = std::max(from, x.start + delay);
-    to = std::min(to, x.end() - delay);
-  }
-  if (!(to > from)) {
-    std::string spans = fmt::format("'{}' GPS {:.3f} to {:.3f}", h.name, h.start, h.end());
-    for (TimeSeries const& x : r.witnesses) spans += fmt::format(", '{}' {:.3f} to {:.3f}", x.name, x.start, x.end());
-    throw InputError(fmt::format("error: the records do not overlap: {}\n  give records of the same time", spans));
-  }
-  auto const first = std::size_t(std::ceil((from - h.start) * h.rate - 1e-3));
-  return {first, std::min(h.samples.size(), std::size_t(std::floor((to - h.start) * h.rate + 1e-3)))};
+  SampleSpan const span = covered(r, delay);
+  if (span.to > span.from) return span;
+  std::string spans = fmt::format("'{}' GPS {:.3f} to {:.3f}", r.target.name, r.target.start, r.target.end());
+  for (TimeSeries const& x : r.witnesses) spans += fmt::format(", '{}' {:.3f} to {:.3f}", x.name, x.start, x.end());
+  throw InputError(fmt::format("error: the records do not overlap: {}\n  give records of the same time", spans));
 }
 
 void check_samples(TimeSeries const& x) {
@@ -58,9 +45,10 @@ void check(FringeRecords const& r, FringeFitSettings const& s) {
     throw InputError("error: a fit needs one witness of the motion, or two\n  name them");
   double const most = r.target.rate / 2;
   if (!(s.low > 0 && s.high > s.low && s.high < most))
-    throw InputError(fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
-                                 "'{}'\n  choose a band inside",
-                                 s.low, s.high, most, r.target.name));
+    throw InputError(
+        fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
+                    "'{}'\n  choose a band inside",
+                    s.low, s.high, most, r.target.name));
   check_samples(r.target);
   for (TimeSeries const& x : r.witnesses) check_samples(x);
 }
@@ -108,8 +96,7 @@ FringeFrame frame_of(FringeRecords const& r, FringeFitSettings const& s, double 
 }
 
 void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double& trials) {
-  for (std::size_t p = 0; p < s.paths.size(); ++p)
-    trials += search_grid(stretch, s, p, s.ratio.low).transforms();
+  for (std::size_t p = 0; p < s.paths.size(); ++p) trials += search_grid(stretch, s, p, s.ratio.low).transforms();
   if (trials * double(stretch.model_samples()) > 3e10)
     throw InputError(fmt::format(
         "error: the search would take {:.3g} transforms of {} samples\n  narrow the ranges of multiplicity, drift and "
@@ -158,8 +145,8 @@ OutOfSample test_of(FringeProblem const& fitted, RefinedFit const& fit, FringeSt
   for (FringePath const& p : fitted.settings.paths) problem.responses.push_back(rest.response(p.phase, p.amplitude));
   std::vector<double> const& hz = fitted.stretch.hz();
   for (double const f : rest.hz()) {
-    auto const i = std::size_t(std::clamp<std::ptrdiff_t>(
-        std::lower_bound(hz.begin(), hz.end(), f) - hz.begin(), 0, std::ptrdiff_t(hz.size()) - 1));
+    auto const i = std::size_t(std::clamp<std::ptrdiff_t>(std::lower_bound(hz.begin(), hz.end(), f) - hz.begin(), 0,
+                                                          std::ptrdiff_t(hz.size()) - 1));
     problem.psd.push_back(fitted.psd[i]);
   }
   Eigen::VectorXd const h = rest.whitened(rest.target(), problem.psd);
@@ -198,8 +185,14 @@ void report_parameters(FringeFit& out, FringeProblem const& problem, RefinedFit 
     double const a = fit.fit.linear[i], b = fit.fit.linear[i + 1], r = std::hypot(a, b);
     turn.block<2, 2>(i, i) << a / r, b / r, -b / (r * r), a / (r * r);
     FringeShape const& shape = fit.place.shapes[p];
-    out.paths[p] = {problem.settings.paths[p].name, {r},           {std::atan2(b, a)}, {shape.multiplicity},
-                    {shape.delay},                  {shape.drift}, 0,                  0};
+    out.paths[p] = {problem.settings.paths[p].name,
+                    {r},
+                    {std::atan2(b, a)},
+                    {shape.multiplicity},
+                    {shape.delay},
+                    {shape.drift},
+                    0,
+                    0};
     out.names.push_back(fmt::format("amplitude {}", p + 1));
     out.names.push_back(fmt::format("phase {}", p + 1));
   }
@@ -245,6 +238,19 @@ void report_significance(FringeFit& out, FringeProblem const& problem, RefinedFi
 
 }  // namespace
 
+SampleSpan covered(FringeRecords const& r, double delay) {
+  TimeSeries const& h = r.target;
+  double from = h.start, to = h.end();
+  for (TimeSeries const& x : r.witnesses) {
+    double const reach = delay + (x.rate < h.rate || delay > 0 ? 16 / x.rate : 0);
+    from = std::max(from, x.start + reach);
+    to = std::min(to, x.end() - reach);
+  }
+  if (!(to > from)) return {};
+  auto const first = std::size_t(std::ceil((from - h.start) * h.rate - 1e-3));
+  return {first, std::min(h.samples.size(), std::size_t(std::floor((to - h.start) * h.rate + 1e-3)))};
+}
+
 FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& settings) {
   check(given, settings);
   double const delay = longest_delay(settings);
@@ -259,12 +265,12 @@ FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& setti
   FringeFrame const frame = frame_of(records, settings, out.middle);
   out.means = frame.means;
   FringeStretch const stretch(records, span.from, split, frame);
-  std::size_t const parameters =
-      2 * settings.paths.size() + free_parameters(settings, settings.paths.size()).size();
+  std::size_t const parameters = 2 * settings.paths.size() + free_parameters(settings, settings.paths.size()).size();
   if (stretch.degrees() < 4 * double(parameters))
-    throw InputError(fmt::format("error: {:.0f} independent data for {} parameters\n  give a longer stretch or a wider "
-                                 "band, or fix some of them",
-                                 stretch.degrees(), parameters));
+    throw InputError(
+        fmt::format("error: {:.0f} independent data for {} parameters\n  give a longer stretch or a wider "
+                    "band, or fix some of them",
+                    stretch.degrees(), parameters));
   check_work(stretch, settings, out.trials);
   FringeProblem problem{stretch, settings, {}, stretch.psd(stretch.target())};
   for (FringePath const& p : settings.paths) problem.responses.push_back(stretch.response(p.phase, p.amplitude));

@@ -8,7 +8,7 @@
 
 #include "base/constants.hpp"
 #include "base/functions.hpp"
-#include "signal/fringe_fit.hpp"
+#include "signal/fringe_search.hpp"
 #include "signal/interpolate.hpp"
 
 namespace straytrace {
@@ -27,17 +27,11 @@ struct Span {
   std::size_t first = 0, count = 0;
 };
 
-Span covered(FringeRecords const& r, FringeFit const& fit) {
-  double from = r.target.start, to = r.target.end(), delay = 0;
+Span span_of(FringeRecords const& r, FringeFit const& fit) {
+  double delay = 0;
   for (FittedPath const& p : fit.paths) delay = std::max(delay, std::fabs(p.delay.value));
-  for (TimeSeries const& x : r.witnesses) {
-    from = std::max(from, x.start + delay);
-    to = std::min(to, x.end() - delay);
-  }
-  auto const first = std::size_t(std::ceil((from - r.target.start) * r.target.rate - 1e-3));
-  auto const last = std::min(r.target.samples.size(),
-                             std::size_t(std::floor((to - r.target.start) * r.target.rate + 1e-3)));
-  return {r.target.time(first), first, last > first ? last - first : 0};
+  SampleSpan const span = covered(r, delay);
+  return {r.target.time(span.from), span.from, span.to - span.from};
 }
 
 // exp(i(phi + theta)) of one path, times sqrt(f_r).
@@ -46,13 +40,11 @@ void add_field(Field& field, FringeRecords const& r, FringeFit const& fit, Fitte
   std::vector<double> u(span.count, 0.0);
   for (std::size_t w = 0; w < r.witnesses.size(); ++w) {
     auto const x = interpolated(r.witnesses[w], span.start - p.delay.value, r.target.rate, span.count);
-    for (std::size_t i = 0; i < span.count; ++i)
-      u[i] += (w ? -fit.ratio.value : 1) * (x[i] - fit.means[w]);
+    for (std::size_t i = 0; i < span.count; ++i) u[i] += (w ? -fit.ratio.value : 1) * (x[i] - fit.means[w]);
   }
   for (std::size_t i = 0; i < span.count; ++i) {
     double const t = span.start - fit.middle + double(i) / r.target.rate;
-    double const phase =
-        p.phase.value + 4 * pi * p.multiplicity.value * u[i] / wavelength + p.drift.value * t;
+    double const phase = p.phase.value + 4 * pi * p.multiplicity.value * u[i] / wavelength + p.drift.value * t;
     SinCos const turn = sincos_turn(phase / (2 * pi));
     field[i] += p.amplitude.value * std::complex<double>(turn.cos, turn.sin);
   }
@@ -66,7 +58,7 @@ double mask(double hz, double low, double high) {
 }  // namespace
 
 FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, FringeFit const& fit) {
-  Span const span = covered(r, fit);
+  Span const span = span_of(r, fit);
   // Room behind the end, so that the filter does not wrap into the beginning.
   std::size_t const n = power_of_two_above(span.count + std::size_t(2 * r.target.rate));
   Field sum(n), lines, series;
@@ -79,7 +71,8 @@ FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, Fri
       double const hz = double(k) * r.target.rate / double(n), m = mask(hz, s.low, s.high);
       if (m == 0) continue;
       std::complex<double> const above = lines[k], below = std::conj(lines[n - k]);
-      std::complex<double> const real = 0.5 * (above + below), imaginary = std::complex<double>(0, -0.5) * (above - below);
+      std::complex<double> const real = 0.5 * (above + below),
+                                 imaginary = std::complex<double>(0, -0.5) * (above - below);
       FringePath const& path = s.paths[p];
       std::complex<double> const phase = path.phase ? std::conj(path.phase(hz)) : 1;
       std::complex<double> const amplitude = path.amplitude ? std::conj(path.amplitude(hz)) : 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Dense>
+
 #include <algorithm>
 #include <cmath>
 
@@ -38,8 +39,7 @@ struct Linearised {
 
 Linearised linearised(FringeProblem const& problem, FringePlace const& place, std::vector<FreeParameter> const& free,
                       Eigen::VectorXd const& target, Eigen::MatrixXd const& columns, Eigen::VectorXd const& linear) {
-  Linearised out{target - columns * linear,
-                 Eigen::MatrixXd(target.size(), columns.cols() + Eigen::Index(free.size()))};
+  Linearised out{target - columns * linear, Eigen::MatrixXd(target.size(), columns.cols() + Eigen::Index(free.size()))};
   out.jacobian.leftCols(columns.cols()) = columns;
   for (std::size_t i = 0; i < free.size(); ++i) {
     double const step = small_step(problem, place, free[i]);

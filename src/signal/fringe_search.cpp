@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/fringe_search.hpp"
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,8 @@ Eigen::MatrixXd orthonormal(Eigen::MatrixXd columns, Eigen::MatrixXd const& othe
          Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
-// chi^2 that two columns take from y, which is free of the others already; nothing where they are nearly spanned by them.
+// chi^2 that two columns take from y, which is free of the others already; nothing where they are nearly spanned by
+// them.
 double gain_of(Eigen::MatrixXd const& columns, Eigen::MatrixXd const& others, Eigen::VectorXd const& y) {
   Eigen::Matrix2d gram = columns.transpose() * columns;
   double const whole = gram.trace();
@@ -136,8 +137,8 @@ std::vector<FringePlace> scan(FringeProblem const& problem, FringePlace const& o
   if (!others.shapes.empty()) {
     Eigen::MatrixXd all(y.size(), 2 * Eigen::Index(others.shapes.size()));
     for (std::size_t p = 0; p < others.shapes.size(); ++p)
-      all.middleCols(2 * Eigen::Index(p), 2) = two_columns(
-          stretch, problem.psd, stretch.columns(problem.responses[p], others.shapes[p], others.ratio));
+      all.middleCols(2 * Eigen::Index(p), 2) =
+          two_columns(stretch, problem.psd, stretch.columns(problem.responses[p], others.shapes[p], others.ratio));
     fixed = orthonormal(all, Eigen::MatrixXd(y.size(), 0));
     y -= fixed * (fixed.transpose() * y);
   }
@@ -145,8 +146,7 @@ std::vector<FringePlace> scan(FringeProblem const& problem, FringePlace const& o
   for (double const ratio : grid.ratio)
     for (double const drift : grid.drift)
       for (std::size_t w = 0; w < grid.multiplicity.size(); ++w) {
-        FringeColumns const columns =
-            stretch.columns(problem.responses[path], {grid.multiplicity[w], 0, drift}, ratio);
+        FringeColumns const columns = stretch.columns(problem.responses[path], {grid.multiplicity[w], 0, drift}, ratio);
         for (double const delay : grid.delay) {
           double const gain = gain_of(
               two_columns(stretch, problem.psd, delay == 0 ? columns : stretch.delayed(columns, delay)), fixed, y);

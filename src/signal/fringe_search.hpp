@@ -6,6 +6,13 @@
 
 namespace straytrace {
 
+// Samples of the target where every witness is known: with delays either way, and, where it is sampled more slowly,
+// with the 16 samples that interpolation reaches for. Empty where there are none.
+struct SampleSpan {
+  std::size_t from = 0, to = 0;
+};
+SampleSpan covered(FringeRecords const&, double longest_delay);
+
 struct FringePlace {
   std::vector<FringeShape> shapes;  // of the paths
   double ratio = 0;

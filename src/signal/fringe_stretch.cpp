@@ -89,10 +89,10 @@ FringeStretch::FringeStretch(FringeRecords const& records, std::size_t from, std
   auto const end = std::min(std::size_t(std::floor(frame.high * duration_)), samples_ / 2 - 1);
   for (std::size_t k = first_line_; k <= end; ++k) hz_.push_back(double(k) / duration_);
   if (hz_.size() < 8)
-    throw InputError(
-        fmt::format("error: {:.3g} s hold {} lines between {:g} and {:g} Hz, too few to fit\n  give a longer stretch or "
-                    "a wider band",
-                    duration_, hz_.size(), frame.low, frame.high));
+    throw InputError(fmt::format(
+        "error: {:.3g} s hold {} lines between {:g} and {:g} Hz, too few to fit\n  give a longer stretch or "
+        "a wider band",
+        duration_, hz_.size(), frame.low, frame.high));
   double fourth = 0;
   for (std::size_t i = 0; i < samples_; ++i) {
     taper_.push_back(taper(double(i) / double(samples_)));
@@ -144,8 +144,7 @@ FringeColumns FringeStretch::columns(Response const& response, FringeShape const
   std::vector<std::complex<double>> field(samples_);
   double const per_metre = 2 * shape.multiplicity / frame_.wavelength, per_second = shape.drift / (2 * pi);
   for (std::size_t i = 0; i < samples_; ++i) {
-    SinCos const turn =
-        sincos_turn(per_metre * u[i] + per_second * (start_ - frame_.middle + double(i) / rate_));
+    SinCos const turn = sincos_turn(per_metre * u[i] + per_second * (start_ - frame_.middle + double(i) / rate_));
     field[i] = {taper_[i] * turn.cos, taper_[i] * turn.sin};
   }
   auto const lines = transform(field);

@@ -15,7 +15,7 @@
 namespace straytrace {
 namespace {
 
-// In SI, without its mean, with the unit after `times` integrations.
+// In SI, with the unit after `times` integrations.
 TimeSeries prepared(TimeSeries const& s, int times, double corner) {
   auto const unit = parse_unit(s.unit);
   auto const seconds = power_of(dim::time, times);
@@ -32,8 +32,7 @@ TimeSeries prepared(TimeSeries const& s, int times, double corner) {
   TimeSeries out = s;
   out.unit = example_unit(*after);
   if (out.unit.empty()) out.unit = "1";
-  double const mean = std::accumulate(s.samples.begin(), s.samples.end(), 0.0) / double(s.samples.size());
-  for (double& x : out.samples) x = to_si(x - mean, *unit);
+  for (double& x : out.samples) x = to_si(x, *unit);
   return out;
 }
 
@@ -53,6 +52,8 @@ double integrated_asd(double asd, double hz, int times) { return asd / std::pow(
 
 TimeSeries integrated(TimeSeries const& s, int times, double corner) {
   TimeSeries out = prepared(s, times, corner);
+  double const mean = std::accumulate(out.samples.begin(), out.samples.end(), 0.0) / double(out.samples.size());
+  for (double& x : out.samples) x -= mean;
   out.samples = filtered(out.samples, std::size_t(std::ceil(3 * s.rate / corner)), [&](double cycles) {
     double const f = cycles * s.rate, ratio = std::pow(f / corner, 4);
     return f == 0 ? 0 : ratio / (1 + ratio) / std::pow(std::complex<double>(0, 2 * pi * f), times);

@@ -58,7 +58,7 @@ struct Found {
 Found described(H5::DataSet const& set, std::string const& path) {
   Found f;
   f.path = f.name = path;
-  for (char const* key : {"channel", "name"})
+  for (char const* key : {"name", "channel"})
     if (auto const text = words(set, key); text && !text->empty() && *text != "None") f.name = *text;
   f.start = first_number(set, "x0", "t0", "Xstart", "epoch");
   f.step = first_number(set, "dx", "dt", "Xspacing");

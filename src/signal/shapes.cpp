@@ -18,15 +18,22 @@ std::vector<double> logarithmic_knots(double from, double to, double per_decade)
   return hz;
 }
 
-// Sets knots between two until the curve is followed, with what is lost to rounding at 1e-14 of the largest value.
-void refine(std::function<double(double)> const& curve, double a, double at_a, double b, double at_b, double floor,
-            std::vector<double>& knots) {
-  constexpr double tolerance = 1e-5, narrowest = 1e-6;
-  double const middle = std::sqrt(a * b), value = curve(middle), line = std::sqrt(at_a * at_b);
-  if (b < a * (1 + narrowest) || !(std::fabs(value - line) > tolerance * value + floor)) return;
-  refine(curve, a, at_a, middle, value, floor, knots);
+using Function = std::function<double(double)>;
+
+struct Knot {
+  double hz, value;
+};
+
+// Sets knots between two until the curve is followed.
+void refine(Function const& curve, Function const& scale, Knot a, Knot b, std::vector<double>& knots) {
+  constexpr double tolerance = 1e-5, negligible = 1e-12, narrowest = 1e-6;
+  if (b.hz < a.hz * (1 + narrowest)) return;
+  double const middle = std::sqrt(a.hz * b.hz), line = std::sqrt(a.value * b.value);
+  Knot const m{middle, curve(middle)};
+  if (!(std::fabs(m.value - line) > tolerance * m.value + negligible * scale(middle))) return;
+  refine(curve, scale, a, m, knots);
   knots.push_back(middle);
-  refine(curve, middle, value, b, at_b, floor, knots);
+  refine(curve, scale, m, b, knots);
 }
 
 }  // namespace
@@ -56,7 +63,7 @@ Spectrum peterson(GroundModel model, double from_hz, double to_hz) {
   return Spectrum(hz, psd);
 }
 
-Spectrum filtered(Spectrum const& s, std::function<double(double)> const& factor, std::span<double const> features) {
+Spectrum filtered(Spectrum const& s, Function const& factor, std::span<double const> features, Function const& scale) {
   if (!(s.highest() > s.lowest())) return s;
   std::vector<double> knots = s.hz(), coarse = logarithmic_knots(s.lowest(), s.highest(), 16), extra;
   knots.insert(knots.end(), coarse.begin(), coarse.end());
@@ -66,9 +73,9 @@ Spectrum filtered(Spectrum const& s, std::function<double(double)> const& factor
   knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
   std::vector<double> values;
   for (double const f : knots) values.push_back(factor(f));
-  double const floor = 1e-14 * *std::max_element(values.begin(), values.end());
+  Function const& beside = scale ? scale : factor;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i)
-    refine(factor, knots[i], values[i], knots[i + 1], values[i + 1], floor, extra);
+    refine(factor, beside, {knots[i], values[i]}, {knots[i + 1], values[i + 1]}, extra);
   extra.insert(extra.end(), knots.begin(), knots.end());
   return s.multiplied(factor, extra);
 }

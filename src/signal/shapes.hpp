@@ -19,8 +19,10 @@ Spectrum peterson(GroundModel, double from_hz, double to_hz);
 double peterson_asd(GroundModel, double hz);  // m/sqrt(Hz)
 
 // PSD times a function of frequency, on knots set until straight lines in log-log miss it by less than 1e-5 half way
-// between them. `features`: frequencies [Hz] near which it has peaks or bends, between the knots of the spectrum.
-Spectrum filtered(Spectrum const&, std::function<double(double)> const& factor, std::span<double const> features);
+// between them, or 1e-12 of `scale`, what it is small beside, if that is given. `features`: frequencies
+// [Hz] near which it has peaks or bends, between the knots of the spectrum.
+Spectrum filtered(Spectrum const&, std::function<double(double)> const& factor, std::span<double const> features,
+                  std::function<double(double)> const& scale = {});
 
 // |T|^2 of a mode of a tube, baffle or mount on top of what carries it, physics.md eq. 11.2.
 double transmissibility(double hz, double resonance_hz, double quality);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "signal/shelf_edge.hpp"
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 #include <unsupported/Eigen/FFT>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -24,9 +24,9 @@ constexpr int smear = 2;        // shapes to either side that are averaged: frin
 struct StrideData {
   double start = 0;
   std::vector<double> hz, psd;
-  double averages = 0;             // independent ones, of the spectrum
-  double independent = 0;          // share of the lines
-  std::vector<double> x, y;        // witnesses at the model's rate
+  double averages = 0;       // independent ones, of the spectrum
+  double independent = 0;    // share of the lines
+  std::vector<double> x, y;  // witnesses at the model's rate
   double rate = 0;
   std::size_t segment = 0, first = 0;  // samples of the model; first line in the band
 };
@@ -59,7 +59,8 @@ Eigen::VectorXd shape(StrideData const& d, std::vector<double> const& u, double 
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(Eigen::Index(d.hz.size()));
   double segments = 0;
   for (std::size_t begin = 0; begin + n <= u.size(); begin += n / 2, ++segments) {
-    for (std::size_t i = 0; i < n; ++i) part[i] = field[begin + i] * (0.5 - 0.5 * std::cos(2 * pi * double(i) / double(n)));
+    for (std::size_t i = 0; i < n; ++i)
+      part[i] = field[begin + i] * (0.5 - 0.5 * std::cos(2 * pi * double(i) / double(n)));
     fft.fwd(lines, part);
     for (Eigen::Index k = 0; k < sum.size(); ++k)
       sum[k] += std::norm(lines[d.first + std::size_t(k)]) + std::norm(lines[n - d.first - std::size_t(k)]);
@@ -172,25 +173,29 @@ Layout layout_of(FringeRecords const& r, ShelfEdgeSettings const& s) {
     to = std::min(to, x.end());
   }
   if (!(to - from >= s.stride))
-    throw InputError(fmt::format("error: the records share {:.3g} s, a stride takes {:g} s\n  give records of the same "
-                                 "time, or a shorter stride",
-                                 std::max(0.0, to - from), s.stride));
+    throw InputError(
+        fmt::format("error: the records share {:.3g} s, a stride takes {:g} s\n  give records of the same "
+                    "time, or a shorter stride",
+                    std::max(0.0, to - from), s.stride));
   if (!(s.low > 0 && s.high > s.low && s.high < r.target.rate / 2))
-    throw InputError(fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
-                                 "'{}'\n  choose a band inside",
-                                 s.low, s.high, r.target.rate / 2, r.target.name));
+    throw InputError(
+        fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
+                    "'{}'\n  choose a band inside",
+                    s.low, s.high, r.target.rate / 2, r.target.name));
   if (!(s.segment * 4 <= s.stride && (s.high - s.low) * s.segment > 12))
-    throw InputError(fmt::format("error: segments of {:g} s do not suit strides of {:g} s and a band of {:g} Hz\n  a "
-                                 "stride holds at least four, and the band a dozen lines of 1/segment",
-                                 s.segment, s.stride, s.high - s.low));
-  double const fringe = 2 * s.factor.high *
-                        fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
+    throw InputError(
+        fmt::format("error: segments of {:g} s do not suit strides of {:g} s and a band of {:g} Hz\n  a "
+                    "stride holds at least four, and the band a dozen lines of 1/segment",
+                    s.segment, s.stride, s.high - s.low));
+  double const fringe =
+      2 * s.factor.high * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
   // Shapes whose edge lies beyond the band are not asked for.
   double const highest = std::min(fringe, 1.2 * s.high);
   if (2.2 * highest >= r.target.rate)
-    throw InputError(fmt::format("error: '{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz need more than {:.0f} Hz "
-                                 "(eq. 7.13)\n  lower the band or the factor",
-                                 r.target.name, r.target.rate, highest, std::ceil(2.2 * highest)));
+    throw InputError(
+        fmt::format("error: '{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz need more than {:.0f} Hz "
+                    "(eq. 7.13)\n  lower the band or the factor",
+                    r.target.name, r.target.rate, highest, std::ceil(2.2 * highest)));
   Layout out;
   out.factor = std::size_t(std::max(1.0, std::floor(r.target.rate / (2.4 * 1.2 * s.high))));
   out.segment = out.factor * 2 * std::size_t(std::lround(s.segment * r.target.rate / double(2 * out.factor)));
@@ -206,9 +211,8 @@ StrideData stride_data(FringeRecords const& r, ShelfEdgeSettings const& s, Layou
   d.start = r.target.time(begin);
   d.rate = r.target.rate / double(l.factor);
   d.segment = l.segment / l.factor;
-  WelchSpectrum const w =
-      welch({r.target.samples.data() + begin, std::min(l.stride, r.target.samples.size() - begin)}, r.target.rate,
-            {l.segment});
+  WelchSpectrum const w = welch({r.target.samples.data() + begin, std::min(l.stride, r.target.samples.size() - begin)},
+                                r.target.rate, {l.segment});
   for (std::size_t k = 0; k < w.hz.size(); ++k) {
     if (w.hz[k] < s.low || w.hz[k] > s.high) continue;
     if (d.hz.empty()) {
@@ -273,9 +277,8 @@ ShelfEdgeFit fit_shelf_edge(FringeRecords const& records, ShelfEdgeSettings cons
   double const spacing = (s.ratio.high - s.ratio.low) / places;
   std::vector<AtRatio> all;
   for (int i = 0; i <= places; ++i) all.push_back(at_ratio(data, s, s.ratio.low + spacing * i));
-  auto const best = std::max_element(all.begin(), all.end(), [](AtRatio const& a, AtRatio const& b) {
-    return a.twice_log < b.twice_log;
-  });
+  auto const best = std::max_element(all.begin(), all.end(),
+                                     [](AtRatio const& a, AtRatio const& b) { return a.twice_log < b.twice_log; });
   bool const at_end = best == all.begin() || best == all.end() - 1;
   ShelfEdgeFit out = best->fit;
   out.ratio.at_end = at_end;

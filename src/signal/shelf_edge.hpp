@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Effective motion from where the shelf of fringe noise ends (requirements R2.40, R2.41): edge = factor * 2 v_max/lambda
-// (physics.md eq. 7.1, 7.2), stride by stride. Only powers are compared, so that static phase, drift and delays below a
-// segment do not matter.
+// Effective motion from where the shelf of fringe noise ends (requirements R2.40, R2.41): edge = factor * 2
+// v_max/lambda (physics.md eq. 7.1, 7.2), stride by stride. Only powers are compared, so that static phase, drift and
+// delays below a segment do not matter.
 #pragma once
 
 #include <vector>
@@ -30,14 +30,14 @@ struct EdgeStride {
 
 struct ShelfEdgeFit {
   std::vector<EdgeStride> strides;
-  Fitted factor;                 // weighted mean; its error grows with the scatter of the strides when that is larger
+  Fitted factor;  // weighted mean; its error grows with the scatter of the strides when that is larger
   Fitted ratio;
-  double chi2 = 0;               // of the strides about the mean
-  std::size_t used = 0;          // significant strides
+  double chi2 = 0;       // of the strides about the mean
+  std::size_t used = 0;  // significant strides
 };
 
-// Whittle likelihood of Welch spectra; model: G^2 times the spectrum of exp(i theta), mean over the static phase, plus a
-// floor n_0 + n_2 f^-2 + n_4 f^-4 with no negative part. Throws InputError as fit_fringes.
+// Whittle likelihood of Welch spectra; model: G^2 times the spectrum of exp(i theta), mean over the static phase, plus
+// a floor n_0 + n_2 f^-2 + n_4 f^-4 with no negative part. Throws InputError as fit_fringes.
 ShelfEdgeFit fit_shelf_edge(FringeRecords const&, ShelfEdgeSettings const&);
 
 }  // namespace straytrace

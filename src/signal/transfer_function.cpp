@@ -32,9 +32,9 @@ TransferFunction::TransferFunction(std::string name, std::vector<double> hz, std
   tables_.push_back(std::move(t));
 }
 
-TransferFunction TransferFunction::oscillator(double hz, double quality, Damping damping) {
+TransferFunction TransferFunction::oscillator(double hz, double quality, Response response) {
   TransferFunction t({}, {}, 1);
-  t.oscillators_.push_back({hz, quality, damping});
+  t.oscillators_.push_back({hz, quality, response});
   return t;
 }
 
@@ -57,7 +57,8 @@ C TransferFunction::operator()(double hz) const {
   for (Oscillator const& o : oscillators_) {
     double const x = hz / o.hz;
     C const drag{0, -x / o.quality};
-    value *= (o.damping == Damping::support ? 1.0 + drag : 1.0) / (1 - x * x + drag);
+    C const above = o.response == Response::support ? 1.0 + drag : o.response == Response::relative ? x * x : 1;
+    value *= above / (1 - x * x + drag);
   }
   for (Table const& t : tables_) value *= t(hz);
   return value;

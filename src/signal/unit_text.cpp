@@ -130,7 +130,7 @@ class Factors {
 
   double exponent_value() {
     bool const bracket = take('(');
-    double const above = number(), value = take('/') && bracket ? above / number() : above;
+    double const above = number(), value = bracket && take('/') ? above / number() : above;
     if (bracket) take(')');
     return value;
   }

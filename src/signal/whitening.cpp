@@ -5,11 +5,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "base/constants.hpp"
 #include "base/message.hpp"
 #include "signal/padding.hpp"
 
 namespace straytrace {
+namespace {
+
+// Without its mean, with both ends brought to zero over so many samples: a step there would drown the faint lines.
+std::vector<double> faded(std::vector<double> x, std::size_t length) {
+  double const mean = std::accumulate(x.begin(), x.end(), 0.0) / double(x.size());
+  for (double& v : x) v -= mean;
+  for (std::size_t i = 0; i < std::min(length, x.size() / 2); ++i) {
+    double const share = std::pow(std::sin(pi / 2 * (double(i) + 0.5) / double(length)), 2);
+    x[i] *= share;
+    x[x.size() - 1 - i] *= share;
+  }
+  return x;
+}
+
+}  // namespace
 
 TimeSeries whitened(TimeSeries const& s, WelchSettings const& settings) {
   WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
@@ -21,7 +38,7 @@ TimeSeries whitened(TimeSeries const& s, WelchSettings const& settings) {
                     s.name));
   TimeSeries out = s;
   out.unit = "1";
-  out.samples = filtered(s.samples, settings.segment, [&](double cycles) -> std::complex<double> {
+  out.samples = filtered(faded(s.samples, settings.segment / 2), 0, [&](double cycles) -> std::complex<double> {
     double const f = cycles * s.rate, line = f / step;
     if (line < 1) return 0;
     auto const k = std::min(std::size_t(line), spectrum.psd.size() - 2);

@@ -9,7 +9,7 @@ namespace straytrace {
 
 // Divided, line by line and without phase, by its own ASD (Welch, straight between its lines) and by sqrt(2/rate): of
 // stationary Gaussian noise the result has variance 1 and one-sided PSD 2/rate at all frequencies; no unit. What is
-// below the first line of the ASD is removed. Within half a segment of the ends it is uncertain.
+// below the first line of the ASD is removed. Both ends fade to zero over half a segment.
 TimeSeries whitened(TimeSeries const&, WelchSettings const&);
 
 }  // namespace straytrace

@@ -108,6 +108,7 @@ std::string World::fingerprint() const {
   for (Body const& b : bodies_) {
     out.add(b.name);
     out.add(b.pivot);
+    for (ElasticMode const& mode : b.modes) out.add(mode.description);
   }
   for (auto const* names : {&groups_, &ports_, &receiver_names_})
     for (std::string const& name : *names) out.add(name);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "world/flat_rim.hpp"
+#include "world/levers.hpp"
 
 namespace straytrace {
 namespace {
@@ -73,16 +74,8 @@ Footprint footprint_of(Mode const& mode, double index) {
 
 std::vector<Lever> levers_of_way(World const& world, std::span<BeamStep const> way) {
   std::vector<Lever> levers;
-  for (BeamStep const& step : way) {
-    BodyId const body = world.surfaces()[step.surface.value].body;
-    if (!body.valid()) continue;
-    auto at = std::find_if(levers.begin(), levers.end(), [&](Lever const& l) { return l.body == body; });
-    if (at == levers.end()) at = levers.insert(levers.end(), Lever{body, {}});
-    Vec3 const kappa = step.n_in * step.in - step.n_out * step.out;
-    Vec3 const turn = cross(step.point - world.bodies()[body.value].pivot, kappa);
-    double const sum[6] = {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z};
-    for (int i = 0; i < 6; ++i) at->d[i] += sum[i];
-  }
+  for (BeamStep const& step : way)
+    add_hit(levers, world, step.surface, step.point, step.n_in * step.in - step.n_out * step.out);
   return levers;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "beams/overlap.hpp"
+#include "world/levers.hpp"
 
 namespace straytrace {
 namespace {
@@ -91,24 +92,16 @@ class MainSink final : public BeamSink {
 
 void add(std::vector<Lever>& to, std::vector<Lever> const& what, double factor) {
   for (Lever const& l : what) {
-    auto at = std::find_if(to.begin(), to.end(), [&](Lever const& t) { return t.body == l.body; });
-    if (at == to.end()) at = to.insert(to.end(), Lever{l.body, {}});
-    for (int i = 0; i < 6; ++i) at->d[i] += factor * l.d[i];
+    Lever& at = lever_of(to, l.body);
+    for (int i = 0; i < 6; ++i) at.d[i] += factor * l.d[i];
   }
 }
 
 }  // namespace
 
-void add_levers(std::vector<Lever>& levers, World const& world, SurfaceId surface, Vec3 point, Vec3 kappa) {
-  BodyId const body = world.surfaces()[surface.value].body;
-  if (!body.valid()) return;
-  Vec3 const turn = cross(point - world.bodies()[body.value].pivot, kappa);
-  add(levers, {{body, {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z}}}, 1);
-}
-
 void add_levers(std::vector<Lever>& levers, World const& world, std::span<BeamStep const> way) {
   double const k = 2 * pi / world.wavelength;
-  for (BeamStep const& s : way) add_levers(levers, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
+  for (BeamStep const& s : way) add_hit(levers, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
 }
 
 MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limits) : world_(world), launch_(launch) {
@@ -188,8 +181,8 @@ std::vector<Lever> MainBeam::levers(Recoupling const& r, std::span<BeamStep cons
   if (r.against) {
     add(levers, node.levers, 1);  // the way back: each hit adds the same again
     if (!launch_.cavity.empty())  // the mode itself is reflected there
-      add_levers(levers, world_, launch_.arrives_at, launch_.mode.origin,
-                 -4 * pi / world_.wavelength * launch_.mode.travel);
+      add_hit(levers, world_, launch_.arrives_at, launch_.mode.origin,
+              -4 * pi / world_.wavelength * launch_.mode.travel);
   } else {
     add(levers, node.ways[r.way].levers, -1);
   }

@@ -66,7 +66,6 @@ class MainBeam {
 };
 
 // Phase Jacobians of the steps, rad/m and rad: each hit k (n_in in - n_out out) (eq. 2.2).
-void add_levers(std::vector<Lever>&, World const&, SurfaceId, Vec3 point, Vec3 kappa);
 void add_levers(std::vector<Lever>&, World const&, std::span<BeamStep const>);
 
 }  // namespace straytrace

@@ -232,6 +232,17 @@ void read_bodies(Scene const& scene, World& world, Registry& names) {
       if (Node const p = node["pivot"]) pivot = read_vector(p, dim::length);
     names.bodies[name] = world.add_body(name, pivot);
   }
+  for (auto const& [name, node] : scene.table("bodies").items()) {  // after all bodies, whose numbers stay
+    if (node.kind() != Node::Kind::table || !node.has("modes")) continue;
+    for (auto const& [mode, spec] : node.table("modes").items()) {
+      if (spec.kind() != Node::Kind::table || !spec.has("shape")) {
+        spec.problem("a mode has a shape", "write {shape: {beam: ...}, motion: {...}}");
+        continue;
+      }
+      ElasticMode elastic = read_elastic_mode(spec["shape"]);
+      if (elastic.shape) world.add_mode(names.bodies[name], name + "/" + mode, std::move(elastic));
+    }
+  }
 }
 
 void read_surfaces(Scene const& scene, World& world, Registry& names) {

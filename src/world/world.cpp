@@ -44,6 +44,12 @@ BodyId World::add_body(std::string name, Vec3 pivot) {
   return {std::uint32_t(bodies_.size() - 1)};
 }
 
+BodyId World::add_mode(BodyId of, std::string name, ElasticMode mode) {
+  mode.id = add_body(std::move(name), {});
+  bodies_[of.value].modes.push_back(mode);
+  return mode.id;
+}
+
 GroupId World::add_group(std::string const& name) {
   auto const found = std::find(groups_.begin(), groups_.end(), name);
   if (found != groups_.end()) return {std::uint32_t(found - groups_.begin())};

@@ -16,6 +16,7 @@
 #include "scene/scene.hpp"
 #include "world/hit.hpp"
 #include "world/inner_rim.hpp"
+#include "world/mode_shapes.hpp"
 #include "world/receiver.hpp"
 #include "world/scatter_spread.hpp"
 #include "world/search.hpp"
@@ -136,6 +137,7 @@ struct Body {
   std::string name;
   Vec3 pivot;               // m, rotations are about it
   bool pivot_given = true;  // NaN given: the place of the body's first surface
+  std::vector<ElasticMode> modes = {};
 };
 
 // How the beam came to a footprint: its chief ray from where it was launched. Light that rejoins goes the same way
@@ -190,6 +192,8 @@ class World {
     return {std::uint32_t(surfaces_.size() - 1)};
   }
   BodyId add_body(std::string name, Vec3 pivot);
+  // Its coordinate is a body of its own, of this name; returns that.
+  BodyId add_mode(BodyId of, std::string name, ElasticMode);
   GroupId add_group(std::string const& name);  // the same id for the same name
   PortId add_port(std::string name);
   void add_footprint(Footprint, Feed = {});  // needs its surface to exist; sets backoff, to what is given at most

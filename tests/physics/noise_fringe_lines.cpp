@@ -96,5 +96,23 @@ TEST(FringeLines, ManyLinesMakeAShelf) {  // A4, tolerance 1 %
   EXPECT_GT(deviation(mean, closed * std::sqrt(pi / 2)), 0.1);  // twin: the rms-mean level, root of pi/2 higher
 }
 
+TEST(FringeLines, CutOffOfLargeMotion) {  // R2.39
+  EXPECT_LT(deviation(cutoff(phase_amplitude(600e-6, wavelength), 0.06), 425.2), 1e-4);
+  EXPECT_LT(deviation(cutoff(phase_amplitude(600e-6, wavelength), 0.12), 850.4), 1e-4);
+  EXPECT_LT(deviation(cutoff(phase_amplitude(900e-6, wavelength), 0.12), 1275.5), 1e-4);
+}
+
+TEST(FringeLines,
+     PlateauAndRmsMeanOfMicroseism) {  // R2.41; the plateau also against the lines below a third of the edge
+  double const hz = 0.35, top = cutoff(phase_amplitude(3e-6, wavelength), hz), g = 1.955e-20;
+  EXPECT_LT(deviation(top, 12.40), 1e-3);
+  double const plateau = g * std::sqrt(shelf_psd(0, top)), rms_mean = g / std::sqrt(2 * top);
+  EXPECT_LT(deviation(plateau, 3.13e-21), 2e-3);
+  EXPECT_LT(deviation(rms_mean, 3.93e-21), 2e-3);
+  double const seen = g * std::sqrt(fringes(sine(hz, 3e-6), {0.5 * hz, 12.5 * hz}).psd[0]);
+  EXPECT_LT(deviation(seen, plateau), 0.1);
+  EXPECT_GT(deviation(seen, rms_mean), 0.1);  // twin: the two levels confused
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Monte-Carlo error of the noise, and what sharing spectra between paths costs.
+// The Monte-Carlo error of the noise.
 #include "base/rng.hpp"
-#include "noise/cells.hpp"
 #include "noise/route_noise.hpp"
 #include "noise_support.hpp"
 
@@ -69,46 +68,6 @@ TEST(Replicas, JackknifeOfAMean) {  // of a plain mean it is the textbook error,
   }
   EXPECT_LT(deviation(jackknife_variance(without), sum2 / 7 / 8), 1e-12);
   EXPECT_TRUE(std::isnan(jackknife_variance(std::vector<double>{1})));
-}
-
-// Levers spread over a factor 30, from linear coupling to strong wrapping, against the sum over single records.
-double worst_bin(double step) {
-  CouplingTable table = random_table(7, 0.5, 0.8);
-  table.classes[0].records.resize(150);
-  MotionSet const motion = moving({power_law_asd(3e-9, 1, -2, 0.1, 300)});
-  PhaseSpectra const spectra(group_by_shape(motion), logarithmic_grid(3, 300, 20));
-  Cells const cells = make_cells(table, motion, spectra.classes(), step);
-  EXPECT_LT(cells.kappa.size(), 80u);
-  std::size_t const bins = spectra.grid().size();
-  std::vector<double> direct(bins), shared(bins);
-  for (std::size_t i = 0; i < 150; ++i) {
-    PathRecord const& r = table.classes[0].records[i];
-    std::vector<double> const one = spectra(kappa_of(motion, spectra.classes(), r.levers)).psd,
-                              cell = spectra(cells.kappa[cells.of[0][i]]).psd;
-    for (std::size_t k = 0; k < bins; ++k) {
-      direct[k] += r.weight * one[k];
-      shared[k] += r.weight * cell[k];
-    }
-  }
-  double worst = 0;
-  for (std::size_t k = 0; k < bins; ++k) worst = std::max(worst, deviation(shared[k], direct[k]));
-  return worst;
-}
-
-TEST(Cells, AgreeWithTheSumOverRecords) {  // tolerance 1e-3
-  double const fine = worst_bin(0.1), coarse = worst_bin(1);
-  RecordProperty("deviation_in_millionths", static_cast<int>(1e6 * fine));
-  EXPECT_LT(fine, 1e-3);
-  EXPECT_GT(coarse, 1e-3);  // twin: cells ten times as wide
-}
-
-TEST(Cells, StepGrowsUntilTheyAreFew) {
-  CouplingTable const table = random_table(7, 0.5, 0.8);
-  MotionSet const motion = moving({power_law_asd(1e-7, 1, -2, 0.1, 300)});
-  Cells const cells = make_cells(table, motion, group_by_shape(motion), 1e-4, 100);
-  EXPECT_LE(cells.kappa.size(), 100u);
-  EXPECT_GT(cells.step, 1e-3);
-  EXPECT_GT(make_cells(table, motion, group_by_shape(motion), 1e-4, 100000).kappa.size(), 800u);
 }
 
 }  // namespace

@@ -9,10 +9,10 @@
 namespace straytrace::testing {
 namespace {
 
-using Damping = TransferFunction::Damping;
+using Response = TransferFunction::Response;
 using Shared = std::shared_ptr<TransferFunction const>;
 
-Shared oscillator(double hz, double quality, Damping damping) {
+Shared oscillator(double hz, double quality, Response damping) {
   return std::make_shared<TransferFunction const>(TransferFunction::oscillator(hz, quality, damping));
 }
 
@@ -50,8 +50,8 @@ double power_of(MotionSet const& set, std::vector<Lever> const& levers, double l
 // The sum over classes is the square of the sum of amplitudes, at all frequencies. Tolerance: knots, 1e-5 half way.
 TEST(MotionThroughTransfers, ClassesAddUpToTheSquareOfTheSum) {
   Spectrum const drive = power_law_asd(1e-7, 1, -2, 0.05, 200);
-  MotionSet const set = driven(drive, {nullptr, oscillator(0.6, 20, Damping::inertial),
-                                       oscillator(8, 50, Damping::support), oscillator(21, 3, Damping::support)});
+  MotionSet const set = driven(drive, {nullptr, oscillator(0.6, 20, Response::inertial),
+                                       oscillator(8, 50, Response::support), oscillator(21, 3, Response::support)});
   for (std::vector<double> const& a : {std::vector<double>{1, 0, 0, 0},
                                        {1, -1, 0, 0},
                                        {0.3, 2, -1, 0},
@@ -70,7 +70,7 @@ TEST(MotionThroughTransfers, ClassesAddUpToTheSquareOfTheSum) {
 TEST(MotionThroughTransfers, SuspendedBenchAgainstTheGround) {
   double const f0 = 0.6, q = 20;
   Spectrum const ground = power_law_asd(1e-7, 1, -2, 0.001, 100);
-  MotionSet const set = driven(ground, {nullptr, oscillator(f0, q, Damping::inertial)});
+  MotionSet const set = driven(ground, {nullptr, oscillator(f0, q, Response::inertial)});
   std::vector<Lever> const between = along_z({-two_k, two_k});
   for (double f : {0.001, 0.003, 0.01, 0.1}) {  // H - 1 = (x^2 + i x/Q)/(1 - x^2 - i x/Q)
     double const x = f / f0, above = x * x * x * x + x * x / (q * q), below = std::pow(1 - x * x, 2) + x * x / (q * q);
@@ -85,11 +85,11 @@ TEST(MotionThroughTransfers, SuspendedBenchAgainstTheGround) {
 
 TEST(MotionThroughTransfers, CommonMotionCancels) {
   Spectrum const ground = power_law_asd(1e-6, 1, -2, 0.01, 100);
-  Shared const table = oscillator(8, 100, Damping::support);
+  Shared const table = oscillator(8, 100, Response::support);
   MotionSet const set = driven(ground, {table, table, nullptr});
   EXPECT_EQ(power_of(set, along_z({two_k, -two_k, 0}), 0.01, 100), 0);
   // Through twin benches, one 1e-6 softer: the difference of the two is small and known.
-  MotionSet const twins = driven(ground, {table, oscillator(8 * (1 - 1e-6), 100, Damping::support)});
+  MotionSet const twins = driven(ground, {table, oscillator(8 * (1 - 1e-6), 100, Response::support)});
   double const left = psd_at(twins, along_z({two_k, -two_k}), 8), x = 1e-6 * 100 * 2;
   EXPECT_LT(deviation(left / psd_at(twins, along_z({two_k, 0}), 8), x * x), 1e-3);
 }
@@ -97,7 +97,7 @@ TEST(MotionThroughTransfers, CommonMotionCancels) {
 // Transfer functions of unlike origin agree on the sign of their phases: a resonance by formula and as a table, whose
 // phases in a file are for exp(+2 pi i f t), hang on one ground.
 TEST(MotionThroughTransfers, TableAndFormulaAgree) {
-  TransferFunction const formula = TransferFunction::oscillator(8, 5, Damping::support);
+  TransferFunction const formula = TransferFunction::oscillator(8, 5, Response::support);
   std::vector<double> hz;
   std::vector<std::complex<double>> values;
   for (double f = 0.01; f < 200; f *= 1.01) {
@@ -118,10 +118,10 @@ TEST(MotionThroughTransfers, TableAndFormulaAgree) {
 // --- against time series --------------------------------------------------------------------------------------------
 
 // Motion of a mass on a spring, integrated sample by sample (trapezium rule, resonance prewarped).
-std::vector<double> integrated(std::vector<double> const& support, double rate, double hz, double q, Damping damping) {
+std::vector<double> integrated(std::vector<double> const& support, double rate, double hz, double q, Response damping) {
   double const w = 2 * rate * std::tan(pi * hz / rate), drag = w / q;
   double const s = 2 * rate, a0 = s * s + drag * s + w * w, a1 = 2 * (w * w - s * s), a2 = s * s - drag * s + w * w;
-  double const d = damping == Damping::support ? drag * s : 0, b0 = w * w + d, b1 = 2 * w * w, b2 = w * w - d;
+  double const d = damping == Response::support ? drag * s : 0, b0 = w * w + d, b1 = 2 * w * w, b2 = w * w - d;
   std::vector<double> x(support.size());
   for (std::size_t i = 2; i < x.size(); ++i)
     x[i] = (b0 * support[i] + b1 * support[i - 1] + b2 * support[i - 2] - a1 * x[i - 1] - a2 * x[i - 2]) / a0;
@@ -133,14 +133,14 @@ TEST(MotionThroughTransfers, AgreesWithTimeSeriesOfTwoFilteredCopies) {  // Welc
   Rng rng(20260, 1, 0, Stream::source);
   std::vector<double> drive(std::size_t{1} << 19);
   for (double& x : drive) x = std::sqrt(-2 * std::log(rng.uniform())) * std::cos(2 * pi * rng.uniform());
-  std::vector<double> const bench = integrated(drive, rate, 1.2, 5, Damping::inertial),
-                            baffle = integrated(drive, rate, 4, 8, Damping::support);
+  std::vector<double> const bench = integrated(drive, rate, 1.2, 5, Response::inertial),
+                            baffle = integrated(drive, rate, 4, 8, Response::support);
   std::vector<double> phase(drive.size());
   for (std::size_t i = 0; i < phase.size(); ++i) phase[i] = 1.5 * bench[i] - baffle[i];
   WelchSpectrum const measured = welch(phase, rate, {8192, 0.5, Window::hann, true});
 
   Spectrum const white({0.1, rate / 2}, {2 / rate, 2 / rate});
-  MotionSet const set = driven(white, {oscillator(1.2, 5, Damping::inertial), oscillator(4, 8, Damping::support)});
+  MotionSet const set = driven(white, {oscillator(1.2, 5, Response::inertial), oscillator(4, 8, Response::support)});
   std::vector<Lever> const levers = along_z({1.5, -1}), bench_alone = along_z({1.5, 0}),
                            baffle_alone = along_z({0, -1});
   int rejected = 0;
@@ -164,7 +164,7 @@ TEST(MotionThroughTransfers, AgreesWithTimeSeriesOfTwoFilteredCopies) {  // Welc
 // Strong motion: up-conversion of light between a bench and the ground it hangs on sees the relative motion.
 TEST(MotionThroughTransfers, FringesOfASuspendedBench) {
   Spectrum const swell = gaussian_line(0.15, 0.01, 3e-6);
-  MotionSet const set = driven(swell, {nullptr, oscillator(0.6, 20, Damping::inertial)});
+  MotionSet const set = driven(swell, {nullptr, oscillator(0.6, 20, Response::inertial)});
   MotionSet alone;  // the relative motion by hand, as one body
   alone.inputs.push_back({"relative",
                           filtered(swell,

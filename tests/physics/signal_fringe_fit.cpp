@@ -30,7 +30,6 @@ FringeFitSettings around(double low, double high) {
   return s;
 }
 
-
 // The fit states phases at the mean of the witness.
 double phase_at_mean(FringeFit const& fit, double phase, double multiplicity) {
   return std::remainder(phase + 4 * pi * multiplicity * fit.means[0] / 1064e-9, 2 * pi);
@@ -108,7 +107,8 @@ TEST(FringeFit, TimeDomainAgreesWithFrequencyDomainR6_07) {
   EXPECT_NEAR(samples.with / samples.degrees, 1, 0.1);
 }
 
-// A witness that has nothing to do with it: false alarms as often as stated, 1e-3 here 0.05 so that they can be counted.
+// A witness that has nothing to do with it: false alarms as often as stated, 1e-3 here 0.05 so that they can be
+// counted.
 TEST(FringeFit, WrongWitnessIsNoFringe) {
   int alarms = 0, found = 0;
   int const trials = 200;
@@ -125,8 +125,8 @@ TEST(FringeFit, WrongWitnessIsNoFringe) {
   EXPECT_LE(found, 3);
 }
 
-// Broken twins: the linear model of R2.37 (multiplicity so small that fringes do not wrap) and a wrong multiplicity find
-// nothing in strong fringes.
+// Broken twins: the linear model of R2.37 (multiplicity so small that fringes do not wrap) and a wrong multiplicity
+// find nothing in strong fringes.
 TEST(FringeFit, WrongModelsAreRejected) {
   TimeSeries h = quiet(3);
   add_fringes(h, baffle, 2e-21, 0.4, 1);

@@ -96,8 +96,8 @@ TEST(Welch, ErrorsAreThoseOfRepeatedSeries) {  // spread over 400 series against
     constexpr int series = 400;
     std::size_t bins = 0;
     for (int i = 0; i < series; ++i) {
-      WelchSpectrum const s =
-          welch(white(4096, 100 + std::uint64_t(i)), rate, {.segment = 512, .overlap = overlap, .detrend = Detrend::none});
+      WelchSpectrum const s = welch(white(4096, 100 + std::uint64_t(i)), rate,
+                                    {.segment = 512, .overlap = overlap, .detrend = Detrend::none});
       for (std::size_t k = 8; k < 248; k += 4, ++bins) {
         sum += s.psd[k];
         square += s.psd[k] * s.psd[k];

@@ -32,7 +32,7 @@ double difference(Curve const& a, Curve const& b) {
   if (a.empty() || a.size() != b.size()) return infinity;
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i].size() != 9 || a[i][0] != b[i][0] || !(a[i][1] > 0)) return infinity;
+    if (a[i].size() != 16 || a[i][0] != b[i][0] || !(a[i][1] > 0)) return infinity;
     largest = std::max(largest, std::fabs(a[i][1] / b[i][1] - 1));
   }
   return largest;

@@ -102,12 +102,12 @@ def check_labels_fit(path):
 
 
 def check_curves(path):
-    """Loads with numpy as gwpy does: two columns of nine."""
+    """Loads with numpy as gwpy does: two columns of sixteen."""
     table = np.loadtxt(path)
     frequency, h = np.loadtxt(path, usecols=(0, 1), unpack=True)
-    assert table.shape[1] == 9 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
-    np.testing.assert_allclose(table[:, 3], np.maximum(h - table[:, 2], 0), rtol=1e-3, atol=0)
-    np.testing.assert_allclose(table[:, 8], h / table[:, 7], rtol=1e-5)
+    assert table.shape[1] == 16 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
+    np.testing.assert_allclose(table[:, 2], np.maximum(h - table[:, 10], 0), rtol=1e-3, atol=0)
+    np.testing.assert_allclose(table[:, 15], h / table[:, 14], rtol=1e-5)
 
 
 def check_refusals(folder):

@@ -102,16 +102,30 @@ inline bool same(CouplingTable const& a, CouplingTable const& b) {
   return equal;
 }
 
+inline bool same(NoiseBands const& a, NoiseBands const& b) {
+  bool equal = same_bits(a.input_low, b.input_low) && same_bits(a.input_high, b.input_high) &&
+               same_bits(a.speckle_05, b.speckle_05) && same_bits(a.speckle_50, b.speckle_50) &&
+               same_bits(a.speckle_95, b.speckle_95) && same_bits(a.coherent, b.coherent) &&
+               a.taken_as_exact == b.taken_as_exact && a.sources.size() == b.sources.size();
+  for (std::size_t i = 0; equal && i < a.sources.size(); ++i)
+    equal = a.sources[i].name == b.sources[i].name && a.sources[i].statement == b.sources[i].statement &&
+            same_bits(a.sources[i].low, b.sources[i].low) && same_bits(a.sources[i].high, b.sources[i].high) &&
+            same_bits(a.sources[i].share, b.sources[i].share);
+  return equal;
+}
+
 inline bool same(NoiseTrace const& a, NoiseTrace const& b) {
-  return a.name == b.name && a.hash == b.hash && same_bits(a.asd, b.asd) && same_bits(a.sigma, b.sigma) &&
-         same_bits(a.phase_asd, b.phase_asd) && same_bits(a.amplitude_asd, b.amplitude_asd) &&
-         same_bits(a.mean_square_phase, b.mean_square_phase) && a.resolved == b.resolved && a.why_not == b.why_not;
+  return a.name == b.name && same_bits(a.linear_share, b.linear_share) && a.hash == b.hash && same_bits(a.asd, b.asd) &&
+         same_bits(a.sigma, b.sigma) && same_bits(a.phase_asd, b.phase_asd) &&
+         same_bits(a.amplitude_asd, b.amplitude_asd) && same_bits(a.mean_square_phase, b.mean_square_phase) &&
+         a.resolved == b.resolved && a.why_not == b.why_not;
 }
 
 inline bool same(NoiseBudget const& a, NoiseBudget const& b) {
-  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && a.routes.size() == b.routes.size() &&
-               a.unresolved == b.unresolved && same_bits(a.unresolved_hint, b.unresolved_hint) &&
-               a.design.size() == b.design.size() && same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
+  bool equal = same_bits(a.grid.edges, b.grid.edges) && same(a.total, b.total) && same(a.bands, b.bands) &&
+               a.routes.size() == b.routes.size() && a.unresolved == b.unresolved &&
+               same_bits(a.unresolved_hint, b.unresolved_hint) && a.design.size() == b.design.size() &&
+               same_bits(a.margin, b.margin) && same_bits(a.seconds, b.seconds);
   for (std::size_t i = 0; equal && i < a.routes.size(); ++i) equal = same(a.routes[i], b.routes[i]);
   for (std::size_t i = 0; equal && i < a.design.size(); ++i)
     equal = a.design[i].name == b.design[i].name && same_bits(a.design[i].asd, b.design[i].asd);

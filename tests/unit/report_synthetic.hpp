@@ -168,6 +168,20 @@ inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24)
   for (std::size_t i = 0; i < bin_count; ++i)
     design.asd.push_back(design_asd(std::sqrt(b.grid.edges[i] * b.grid.edges[i + 1])));
   b.design.push_back(design);
+  for (std::size_t i = 0; i < bin_count; ++i) {
+    double const h = b.total.asd[i];
+    b.bands.input_low.push_back(0.5 * h);
+    b.bands.input_high.push_back(2 * h);
+    b.bands.speckle_05.push_back(0.2265 * h);
+    b.bands.speckle_50.push_back(0.8326 * h);
+    b.bands.speckle_95.push_back(1.7308 * h);
+    b.bands.coherent.push_back(1.9 * h);
+    b.total.linear_share.push_back(i < bin_count / 2 ? 0.1 : 0.9);
+    b.routes[0].linear_share.push_back(i < bin_count / 2 ? 0.1 : 0.9);
+    for (std::size_t r = 1; r < b.routes.size(); ++r) b.routes[r].linear_share.push_back(r == 1 ? 0.05 : 0.97);
+  }
+  b.bands.sources = {{"material steel", "bracket: x 0.25 to 4 (assumed)", 0.5, 2, 0.8}};
+  b.bands.taken_as_exact = {"motion of tube"};
   b.seconds = 0.5;
   return b;
 }

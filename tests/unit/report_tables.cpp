@@ -94,7 +94,7 @@ TEST_F(ReportTables, SharesWithAnUnresolvedRouteWouldNot) {
 // Band power of h = a constant: a^2 times the width of the bins inside.
 TEST_F(ReportTables, BandPowerIntegratesThePsd) {
   FrequencyGrid const grid{{10, 20, 40, 80}};
-  NoiseTrace const flat{"", 0, {2, 2, 2}, {0.1, 0.1, 0.1}, {}, {}, 0, true, ""};
+  NoiseTrace const flat{"", 0, {2, 2, 2}, {0.1, 0.1, 0.1}, {}, {}, {}, 0, true, ""};
   WithError const p = band_power(flat, grid, 10, 50);
   EXPECT_DOUBLE_EQ(p.value, 4 * 30);
   EXPECT_DOUBLE_EQ(p.sigma, 2 * 2 * 0.1 * 30);
@@ -152,6 +152,7 @@ TEST_F(ReportTables, TextSaysUnresolvedAndSums) {
   EXPECT_THAT(text, HasSubstr("sum of resolved routes (lower bound)"));
   EXPECT_THAT(text, HasSubstr("unresolved: " + noise.routes[4].name + ": one history carries 31 % of the sum"));
   EXPECT_THAT(text, HasSubstr("wrapped"));
+  EXPECT_THAT(text, HasSubstr("linear > "));
   noise.routes[4].resolved = trace.coupling.classes[4].coupling.trusted = true;
   EXPECT_THAT(path_text(table(), 3), Not(HasSubstr("unresolved")));
 }
@@ -195,17 +196,42 @@ TEST_F(ReportTables, JsonHasNullWhereNothingIsResolved) {
   EXPECT_EQ(s["warnings"].size(), 2u);
 }
 
-TEST_F(ReportTables, AsdTextHasNineColumnsPerFrequency) {
+TEST_F(ReportTables, AsdTextHasSixteenColumnsPerFrequency) {
   std::istringstream lines(asd_text(content(trace, &noise)));
   std::size_t rows = 0;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("#")) continue;
     ++rows;
     std::istringstream words(line);
-    EXPECT_EQ(std::distance(std::istream_iterator<std::string>(words), {}), 9);
+    EXPECT_EQ(std::distance(std::istream_iterator<std::string>(words), {}), 16);
   }
   EXPECT_EQ(rows, bin_count);
   EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("LOWER BOUND"));
+}
+
+TEST_F(ReportTables, BandsStandInReportAndSummary) {
+  std::string const text = text_report(content(trace, &noise), table(), 3);
+  EXPECT_THAT(text, HasSubstr("speckle 5 %"));
+  EXPECT_THAT(text, HasSubstr("material steel  bracket: x 0.25 to 4 (assumed)"));
+  EXPECT_THAT(text, HasSubstr("stated for: motion of tube"));
+  EXPECT_THAT(summary_json(content(trace, &noise), table()), HasSubstr("\"speckle_percentiles\""));
+  noise.bands = {};
+  EXPECT_THAT(text_report(content(trace, &noise), table(), 3), Not(HasSubstr("speckle 5 %")));
+}
+
+TEST(ReportRegime, TellsWhereItChanges) {
+  FrequencyGrid const grid{{10, 20, 40, 80, 160}};
+  NoiseTrace t;
+  EXPECT_EQ(regime(t, grid, 10, 160), "-");
+  t.mean_square_phase = 4;
+  EXPECT_EQ(regime(t, grid, 10, 160), "wrapped");  // no shares: by the rms phase
+  t.linear_share = {0.1, 0.2, 0.8, 0.9};
+  EXPECT_EQ(regime(t, grid, 10, 160), "linear > 40 Hz");
+  EXPECT_EQ(regime(t, grid, 40, 160), "linear");
+  t.linear_share = {0.9, 0.2, not_a_number, 0.1};
+  EXPECT_EQ(regime(t, grid, 10, 160), "linear < 20 Hz");
+  t.linear_share = {0.9, 0.2, 0.7, 0.1};
+  EXPECT_EQ(regime(t, grid, 10, 160), "mixed");
 }
 
 // One bin at 4 times the line, the rest at a fifth.
@@ -213,7 +239,7 @@ NoiseBudget simple(double first) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};
   b.design.push_back({"adv-lal", {1e-22, 1e-22}});
-  b.total = {"total", 0, {first * 1e-23, 0.2e-23}, {0.1 * first * 1e-23, 0.01e-23}, {}, {}, 0, true, ""};
+  b.total = {"total", 0, {first * 1e-23, 0.2e-23}, {0.1 * first * 1e-23, 0.01e-23}, {}, {}, {}, 0, true, ""};
   return b;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "trace/tally/route.hpp"
+#include "world/levers.hpp"
 
 namespace straytrace {
 namespace {
@@ -173,32 +174,19 @@ std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const
                              std::uint32_t goal) {
   double const k = 2 * pi / world.wavelength;
   std::vector<Lever> levers;
-  auto const lever_of = [&](BodyId body) -> Lever& {
-    auto at = std::find_if(levers.begin(), levers.end(), [&](Lever const& l) { return l.body == body; });
-    if (at == levers.end()) at = levers.insert(levers.end(), Lever{body, {}});
-    return *at;
-  };
-  auto const add = [&](SurfaceId surface, Vec3 point, Vec3 kappa) {  // kappa: rad/m
-    BodyId const body = world.surfaces()[surface.value].body;
-    if (!body.valid()) return;  // a measuring plane belongs to no body
-    Lever& lever = lever_of(body);
-    Vec3 const turn = cross(point - world.bodies()[body.value].pivot, kappa);
-    double const add_up[6] = {kappa.x, kappa.y, kappa.z, turn.x, turn.y, turn.z};
-    for (int i = 0; i < 6; ++i) lever.d[i] += add_up[i];
-  };
   for (PassedVertex const& v : vertices)
-    if (v.surface.valid()) add(v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
+    if (v.surface.valid()) add_hit(levers, world, v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
   // The way of the beam to the lit surface and, for light that rejoins, the way back.
   for (std::uint32_t const end : ends_of(world, source, goal))
     for (Lever const& fed : world.feeds()[end].levers) {
-      Lever& lever = lever_of(fed.body);
+      Lever& lever = lever_of(levers, fed.body);
       for (int i = 0; i < 6; ++i) lever.d[i] += k * fed.d[i];
     }
   // The main mode itself bounces on the mirrors of a cavity: only what differs from it counts (eq. 2.5).
   auto const subtract_main = [&](std::uint32_t mirror) {
     if (mirror == Feed::none) return;
     Footprint const& f = world.footprints()[mirror];
-    add(f.surface, f.centre, -2 * k * f.travel);
+    add_hit(levers, world, f.surface, f.centre, -2 * k * f.travel);
   };
   std::uint32_t const from = mirror_of(world, source), to = mirror_of(world, goal);
   subtract_main(from);

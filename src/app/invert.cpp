@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/invert.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <regex>
+
+#include "app/earlier.hpp"
+#include "app/invert_text.hpp"
+#include "base/message.hpp"
+#include "noise/inversion.hpp"
+#include "world/scattered_share.hpp"
+
+namespace straytrace {
+namespace {
+
+// What a one-run inversion needs.
+struct Traced {
+  Model model;
+  CouplingTable coupling;
+  bool complete = true;
+};
+
+Traced traced(Options const& options, Requirement const& requirement) {
+  Traced t;
+  if (options.input.ends_with(".h5")) {
+    RunFile file = read_run(options.input);
+    t.model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
+    replace_as_before(t.model, file.about);
+    t.coupling = std::move(file.trace.coupling);
+  } else {
+    t.model = read_model(options.input, options.overrides);
+    apply(options, t.model);
+    std::string const folder = options.out, run = folder.empty() ? "" : folder + "/run.h5";
+    if (!folder.empty()) make_folder(folder);
+    TraceResult result = trace_model(t.model, options, run);
+    t.complete = !result.checkpointed();
+    if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
+    t.coupling = std::move(result.coupling);
+  }
+  apply(requirement, t.model);
+  if (!t.model.detector) throw InputError("error: a requirement needs noise, and the scene has no 'interferometer'");
+  if (t.model.design.empty())
+    throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
+  return t;
+}
+
+[[noreturn]] void refuse(std::string const& word, char const* kind, std::vector<std::string> const& known) {
+  std::string const near = nearest_word(word, known);
+  throw InputError(fmt::format(
+      "error: --invert: there is no {} '{}' here\n  {}", kind, word,
+      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+}
+
+Answer scatter_answer(Traced const& t, std::string const& name) {
+  std::vector<std::string> names;
+  for (MaterialSpread const& m : material_spreads(t.model.world)) names.push_back(m.name);
+  for (MaterialSpread const& m : material_spreads(t.model.world)) {
+    if (m.name != name) continue;
+    NoiseBudget const budget = t.model.project(t.coupling);
+    Answer a = answer_about(t.model, budget, invert_scatter(budget, t.coupling, m, line_of(t.model)));
+    for (MaterialInfo const& info : t.model.world.materials)
+      if (info.name == name) a.tis = scattered_share(t.model.world, info);
+    a.subject = Answer::Subject::scatter;
+    return a;
+  }
+  refuse(name, "material that scatters", names);
+}
+
+Answer motion_answer(Traced const& t, std::string const& name) {
+  std::vector<std::string> const& bodies = t.model.motion.bodies;
+  auto const hit = std::find(bodies.begin(), bodies.end(), name);
+  if (hit == bodies.end()) refuse(name, "body", bodies);
+  BodyId const body{std::uint32_t(hit - bodies.begin())};
+  NoiseBudget const budget = t.model.project(t.coupling);
+  auto const at = [&](double scale) {
+    return project_noise(t.coupling, with_scaled_body(t.model.motion, body, scale), *t.model.detector, t.model.noise)
+        .total;
+  };
+  Answer a = answer_about(t.model, budget, invert_motion(at, line_of(t.model)));
+  a.subject = Answer::Subject::motion;
+  a.motion = root_spectrum(t.model.motion, body, t.model.noise.grid);
+  return a;
+}
+
+void print(Answer const& a, Options const& options, bool per_frequency) {
+  std::cout << (options.json() ? answer_json(a) : answer_text(a, per_frequency));
+}
+
+}  // namespace
+
+int invert(Options const& options, Requirement const& requirement, InvertOrder const& order,
+           std::vector<ScanAxis> const& axes) {
+  static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
+  std::smatch m;
+  if (!std::regex_match(order.what, m, form))
+    throw InputError(
+        fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
+                    "or \"param(NAME)\" with NAME=lo..hi",
+                    order.what));
+  std::string const kind = m[1], name = m[2];
+  if (kind == "param") return invert_parameter(options, requirement, order, name, axes);
+  if (!axes.empty())
+    throw InputError(fmt::format("error: --invert \"{}\" looks at one model\n  set parameters with -p", order.what));
+  Traced const t = traced(options, requirement);
+  Answer answer = kind == "brdf" ? scatter_answer(t, name) : motion_answer(t, name);
+  answer.what = order.what;
+  answer.complete = t.complete;
+  print(answer, options, order.per_frequency);
+  return t.complete ? done : checkpointed;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// --invert "param(NAME)" NAME=lo..hi: traces at both ends and halves the range as far as the errors allow.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <iostream>
+
+#include "app/invert.hpp"
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double sure = 2;  // standard errors
+
+struct Probe {
+  double number;
+  ScanPoint point;
+  bool meets() const { return point.unresolved.empty() && point.ratio.value + sure * point.ratio.sigma < 1; }
+  bool fails() const { return point.ratio.value - sure * point.ratio.sigma > 1; }
+};
+
+class Search {
+ public:
+  Search(Scanner& scanner, ScanAxis const& axis, bool quiet) : scanner_(scanner), axis_(axis), quiet_(quiet) {}
+
+  Probe at(double number) {
+    std::string const value =
+        axis_.unit.empty() ? fmt::format("{:.12g}", number) : fmt::format("{:.12g} {}", number, axis_.unit);
+    if (!quiet_) std::cerr << fmt::format("scan  {} = {}\n", axis_.name, value);
+    Probe p{number, scanner_.at({axis_.name + "=" + value})};
+    if (std::isnan(p.point.ratio.value))
+      throw InputError("error: there is no line to stay under, or no answer\n  name a design curve: --against adv-lal");
+    return p;
+  }
+
+ private:
+  Scanner& scanner_;
+  ScanAxis const& axis_;
+  bool quiet_;
+};
+
+std::string words(Probe const& p, std::string const& unit) {
+  return fmt::format("{:.6g}{}{} (h/line {}{})", p.number, unit.empty() ? "" : " ", unit,
+                     p.point.unresolved.empty() ? "" : "> ", with_error(p.point.ratio.value, p.point.ratio.sigma));
+}
+
+struct Bracket {
+  Probe meets, fails;        // the nearest known ends
+  std::vector<Probe> doubt;  // between them, within two standard errors of the line
+};
+
+// The ratio between two probes lies between theirs, within errors.
+void refuse_other_shapes(Bracket const& b, Probe const& p, std::string const& name, std::string const& unit) {
+  auto const above = [](Probe const& x, Probe const& y) {  // x clearly above y
+    return x.point.ratio.value - y.point.ratio.value > 3 * std::hypot(x.point.ratio.sigma, y.point.ratio.sigma);
+  };
+  if (!above(p, b.fails) && !above(b.meets, p)) return;
+  throw InputError(
+      fmt::format("error: h/line does not go one way with '{}': {}, {} and {}\n  scan the range first, and ask where "
+                  "it is monotonic",
+                  name, words(b.meets, unit), words(p, unit), words(b.fails, unit)));
+}
+
+}  // namespace
+
+int invert_parameter(Options const& options, Requirement const& requirement, InvertOrder const& order,
+                     std::string const& name, std::vector<ScanAxis> const& axes) {
+  if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
+    throw InputError(
+        fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
+  ScanAxis const& axis = axes.front();
+  if (!options.out.empty()) make_folder(options.out + "/runs");
+  Scanner scanner(options, requirement, options.out);
+  Search search(scanner, axis, options.quiet);
+  Probe const low = search.at(axis.numbers.front());
+  if (!low.point.complete) return checkpointed;
+  Probe const high = search.at(axis.numbers.back());
+  if (!high.point.complete) return checkpointed;
+  std::string const ends = fmt::format("{} and {}", words(low, axis.unit), words(high, axis.unit));
+  nlohmann::ordered_json j{{"question", order.what}, {"line", scanner.line()}};
+  std::string text;
+  if (low.meets() && high.meets()) {
+    j["verdict"] = "always";
+    text = fmt::format("{}: both ends stay under {}: {}.\n", order.what, scanner.line(), ends);
+  } else if (!low.meets() && !high.meets()) {
+    j["verdict"] = low.fails() && high.fails() ? "never" : "undecided";
+    text = fmt::format("{}: neither end is known to stay under {}: {}.\n", order.what, scanner.line(), ends);
+  } else if (!low.fails() && !high.fails()) {
+    j["verdict"] = "undecided";
+    text = fmt::format("{}: neither end is known to exceed {}: {}. Trace longer.\n", order.what, scanner.line(), ends);
+  } else {
+    Bracket b{low.meets() ? low : high, low.meets() ? high : low, {}};
+    double const wanted = order.tolerance * std::fabs(high.number - low.number);
+    while (std::fabs(b.fails.number - b.meets.number) > wanted) {
+      Probe const p = search.at(0.5 * (b.meets.number + b.fails.number));
+      if (!p.point.complete) return checkpointed;
+      refuse_other_shapes(b, p, name, axis.unit);
+      if (!p.meets() && !p.fails()) {
+        b.doubt.push_back(p);
+        break;
+      }
+      (p.meets() ? b.meets : b.fails) = p;
+    }
+    j["verdict"] = "found";
+    j["meets"] = b.meets.number;
+    j["exceeds"] = b.fails.number;
+    j["unit"] = axis.unit;
+    j["limited_by_errors"] = !b.doubt.empty();
+    text = fmt::format("{}: the total stays under {} at {} and exceeds it at {}.\n", order.what, scanner.line(),
+                       words(b.meets, axis.unit), words(b.fails, axis.unit));
+    if (!b.doubt.empty())
+      text += fmt::format("At {} the answer is within two standard errors: trace longer for a narrower one.\n",
+                          words(b.doubt.front(), axis.unit));
+  }
+  std::cout << (options.json() ? j.dump(2) + "\n" : text);
+  return done;
+}
+
+}  // namespace straytrace

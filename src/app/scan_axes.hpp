@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// "aperture=50cm..80cm:7" and "n=40,80,160": the values that a scan gives to parameters.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace straytrace {
+
+struct ScanAxis {
+  std::string name;
+  std::vector<std::string> values;  // as -p takes them: "0.55 m", "80"
+  std::vector<double> numbers;      // for pictures, in the unit written; NaN where a value is not a number
+  std::string unit;                 // of the numbers; empty: plain
+  bool range = false;               // given as lo..hi, with or without a count
+};
+
+// Throws one InputError with all problems. `open`: a range may stand without a count, as --invert takes it.
+std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool open);
+
+// "name=value" of each parameter, for every combination; the last parameter changes first.
+std::vector<std::vector<std::string>> combinations(std::vector<ScanAxis> const&);
+
+}  // namespace straytrace

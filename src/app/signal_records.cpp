@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace signal displacement, whiten, rms, convert.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <numeric>
+
+#include "app/options.hpp"
+#include "app/signal_command.hpp"
+#include "base/constants.hpp"
+#include "base/message.hpp"
+#include "report/report.hpp"
+#include "signal/band_rms.hpp"
+#include "signal/filters.hpp"
+#include "signal/integration.hpp"
+#include "signal/unit_text.hpp"
+#include "signal/whitening.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Asked : DataOptions {
+  std::vector<std::string> files;
+  std::string to = "displacement", domain = "frequency", corner = "1 Hz", stride, rate;
+  std::vector<std::string> notches;
+  bool asd = false;
+};
+
+std::string summary(TimeSeries const& s) {
+  auto const [low, high] = std::minmax_element(s.samples.begin(), s.samples.end());
+  double const mean = std::accumulate(s.samples.begin(), s.samples.end(), 0.0) / double(s.samples.size());
+  return fmt::format("{}: {} samples at {:g} Hz, mean {:.4g}, rms {:.4g}, from {:.4g} to {:.4g} {}\n", s.name,
+                     s.samples.size(), s.rate, mean, rms(s.samples), *low, *high, s.unit);
+}
+
+CurveSheet sheet_of(std::vector<TimeSeries> const& all, std::string const& title,
+                    std::vector<std::string> const& notes) {
+  CurveSheet sheet{title, notes, {"time", "s", {}}, false, false, {}};
+  for (std::size_t i = 0; i < all[0].samples.size(); ++i) sheet.x.values.push_back(all[0].time(i));
+  for (TimeSeries const& s : all) sheet.y.push_back({s.name, s.unit, s.samples});
+  return sheet;
+}
+
+// Records to stdout in short, and to files; HDF5 keeps the rate to the last bit.
+void answer_records(DataOptions const& o, std::vector<TimeSeries> const& all, std::string const& title,
+                    std::vector<std::string> const& notes) {
+  CurveSheet const sheet = sheet_of(all, title, notes);
+  std::string text = note_lines(notes);
+  for (TimeSeries const& s : all) text += summary(s);
+  DataOptions others = o;
+  std::erase_if(others.out, [&](std::string const& file) {
+    std::string const ending = std::filesystem::path(file).extension().string();
+    if (ending != ".hdf5" && ending != ".h5") return false;
+    write_file(file, series_hdf5(all));
+    if (!o.quiet) std::cerr << fmt::format("wrote {}\n", file);
+    return true;
+  });
+  answer(others, sheet, text);
+}
+
+int integrations(Asked const& o, TimeSeries const& s) {
+  int const times = integrations_to_displacement(s.unit) - (o.to == "velocity" ? 1 : 0);
+  if (times < 0)
+    throw InputError(
+        fmt::format("error: '{}' in {} is no velocity after integrating\n  leave --to velocity away", s.name, s.unit));
+  return times;
+}
+
+// eq. 11.3 line by line, with the confidence of the spectrum.
+CurveSheet displacement_asd(Asked const& o, TimeSeries const& s, int times) {
+  WelchSettings const settings = welch_of(o, s);
+  WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
+  Interval const interval = confidence(spectrum);
+  double const factor = parse_unit(s.unit)->si;
+  std::string const unit = asd_unit(o.to == "velocity" ? "m/s" : "m");
+  CurveSheet sheet{
+      fmt::format("{} of {}", o.to, o.files[0]),
+      {source_note(s),
+       welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages, spectrum.noise_bandwidth),
+       fmt::format("ASD/(2 pi f)^{}; low, high: 95 % confidence for Gaussian noise", times)},
+      {"frequency", "Hz", {}},
+      true,
+      true,
+      {{"asd", unit, {}}, {"asd low", unit, {}, "band-low"}, {"asd high", unit, {}, "band-high"}}};
+  for (std::size_t k = 1; k < spectrum.hz.size(); ++k) {
+    sheet.x.values.push_back(spectrum.hz[k]);
+    for (auto const& [column, psd] : {std::pair{0, spectrum.psd[k]}, {1, interval.low[k]}, {2, interval.high[k]}})
+      sheet.y[std::size_t(column)].values.push_back(factor * integrated_asd(std::sqrt(psd), spectrum.hz[k], times));
+  }
+  if (!o.band.empty()) keep_band(sheet, band_of(o, {}, s.rate / 2));
+  return sheet;
+}
+
+int displacement(Asked const& o) {
+  check_outputs(o);
+  TimeSeries const s = series_of(o, o.files[0]);
+  int const times = integrations(o, s);
+  if (o.asd) {
+    CurveSheet const sheet = displacement_asd(o, s, times);
+    answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, 12));
+    return done;
+  }
+  double const corner = option_quantity(o.corner, dim::frequency, "--corner", "1 Hz");
+  bool const causal = o.domain == "causal";
+  TimeSeries const x = causal ? integrated_causal(s, times, corner) : integrated(s, times, corner);
+  answer_records(
+      o, {x}, fmt::format("{} of {}", o.to, o.files[0]),
+      {source_note(s), fmt::format("integrated {} times {}, high pass at {:g} Hz; uncertain within {:g} s of {}", times,
+                                   causal ? "sample by sample" : "in the frequency domain", corner, 1 / corner,
+                                   causal ? "the beginning" : "both ends")});
+  return done;
+}
+
+int whiten(Asked const& o) {
+  check_outputs(o);
+  TimeSeries const s = series_of(o, o.files[0]);
+  WelchSettings const settings = welch_of(o, s);
+  answer_records(
+      o, {whitened(s, settings)}, fmt::format("{}, whitened", o.files[0]),
+      {source_note(s),
+       fmt::format(
+           "divided by its own ASD ({} of segments of {:g} s) and sqrt(2/rate); uncertain within {:g} s of both ends",
+           o.average, double(settings.segment) / s.rate, double(settings.segment) / s.rate / 2)});
+  return done;
+}
+
+int show_trend(Asked const& o, TimeSeries const& s, FrequencyBand band) {
+  RmsTrend const trend = rms_trend(s, band.low, band.high, option_quantity(o.stride, dim::time, "--stride", "10 s"));
+  CurveSheet sheet{fmt::format("rms of {} from {:g} Hz to {:g} Hz", o.files[0], band.low, band.high),
+                   {source_note(s),
+                    "band-passed without phase, then rms of each stride; sigma: one standard error for Gaussian noise"},
+                   {"time", "s", trend.time},
+                   false,
+                   true,
+                   {{"rms", s.unit, trend.rms}, {"sigma", s.unit, trend.sigma, "hidden"}}};
+  answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, 20));
+  return done;
+}
+
+int show_rms(Asked const& o) {
+  check_outputs(o);
+  TimeSeries const s = series_of(o, o.files[0]);
+  FrequencyBand const band = band_of(o, {0, s.rate / 2}, s.rate / 2);
+  if (!o.stride.empty()) return show_trend(o, s, band);
+  WelchSettings const settings = welch_of(o, s);
+  WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
+  BandPower const p = band_power(spectrum, settings, band.low, band.high);
+  double const value = std::sqrt(p.power), sigma = p.power > 0 ? p.sigma / (2 * value) : 0;
+  CurveSheet sheet{fmt::format("rms of {}", o.files[0]),
+                   {source_note(s), welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages,
+                                               spectrum.noise_bandwidth)},
+                   {"low", "Hz", {band.low}},
+                   false,
+                   false,
+                   {{"high", "Hz", {band.high}},
+                    {"rms", s.unit, {value}},
+                    {"sigma", s.unit, {sigma}},
+                    {"rms of the filtered record", s.unit, {rms(band_passed(s, band.low, band.high).samples)}}}};
+  answer(o, sheet,
+         note_lines(sheet.notes) +
+             fmt::format("{:g} Hz to {:g} Hz: rms {} {} from the PSD, {:.4g} {} of the band-passed record\n", band.low,
+                         band.high, with_error(value, sigma), s.unit, sheet.y[3].values[0], s.unit));
+  return done;
+}
+
+TimeSeries filtered_as_asked(Asked const& o, TimeSeries s) {
+  if (!o.band.empty()) {
+    FrequencyBand const band = band_of(o, {}, s.rate / 2);
+    s = band_passed(s, band.low, band.high);
+  }
+  for (std::string const& notch : o.notches) s = notched(s, option_quantity(notch, dim::frequency, "--notch", "50 Hz"));
+  if (o.rate.empty()) return s;
+  double const rate = option_quantity(o.rate, dim::frequency, "--rate", "256 Hz"), factor = std::round(s.rate / rate);
+  if (!(factor >= 1 && std::abs(s.rate / rate - factor) < 1e-9 * factor))
+    throw InputError(
+        fmt::format("error: --rate: {:g} Hz is no whole part of {:g} Hz\n  write for example --rate \"{:g} Hz\"", rate,
+                    s.rate, s.rate / 2));
+  return decimated(s, std::size_t(factor));
+}
+
+int convert(Asked const& o) {
+  check_outputs(o);
+  std::vector<TimeSeries> all;
+  std::vector<std::string> notes;
+  for (std::string const& file : o.files) {
+    TimeSeries const s = series_of(o, file);
+    notes.push_back(source_note(s));
+    all.push_back(filtered_as_asked(o, s));
+  }
+  answer_records(o, aligned(all), fmt::format("{}", fmt::join(o.files, ", ")), notes);
+  return done;
+}
+
+CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+  CLI::App& command = *signal.add_subcommand(name, what);
+  command.add_option("data", o->files, "record: FILE or FILE::CHANNEL")->required()->expected(1);
+  add_span_options(command, *o);
+  return command;
+}
+
+void add_displacement(CLI::App& signal, int& exit_code) {
+  auto const o = std::make_shared<Asked>();
+  CLI::App& c =
+      one_record(signal, "displacement", "accelerometer or velocity meter to displacement: x = a/(2 pi f)^2", o);
+  c.add_option("--to", o->to, "displacement or velocity")
+      ->check(CLI::IsMember({"displacement", "velocity"}))
+      ->default_str(o->to);
+  c.add_option("--domain", o->domain, "of the record: frequency (no phase error) or causal (from past samples)")
+      ->check(CLI::IsMember({"frequency", "causal"}))
+      ->default_str(o->domain);
+  c.add_option("--corner", o->corner, "of the high pass of the record")->default_str(o->corner);
+  c.add_flag("--asd", o->asd, "the spectrum of it instead of the record");
+  add_band_option(c, *o, "of --asd: frequencies to show and write");
+  add_welch_options(c, *o);
+  add_output_options(c, *o);
+  c.footer(
+      "Examples:\n"
+      "  straytrace signal displacement examples/data/bench.csv::acc --corner \"2 Hz\" -o x.hdf5\n"
+      "  straytrace signal displacement examples/data/bench.csv::acc --asd --segment \"4 s\"");
+  c.callback([o, &exit_code] { exit_code = displacement(*o); });
+}
+
+void add_rms(CLI::App& signal, int& exit_code) {
+  auto const o = std::make_shared<Asked>();
+  CLI::App& c = one_record(signal, "rms", "rms within a band, of the whole record or stride by stride", o);
+  add_band_option(c, *o, "default: 0 to half the sample rate");
+  c.add_option("--stride", o->stride, "a trend: one value for each stride, for example \"10 s\"");
+  add_welch_options(c, *o);
+  add_output_options(c, *o);
+  c.footer(
+      "Examples:\n"
+      "  straytrace signal rms examples/data/bench.csv::acc --band \"5 Hz..20 Hz\"\n"
+      "  straytrace signal rms examples/data/bench.csv::acc --band \"5 Hz..20 Hz\" --stride \"4 s\" -o trend.csv");
+  c.callback([o, &exit_code] { exit_code = show_rms(*o); });
+}
+
+}  // namespace
+
+void add_signal_records(CLI::App& signal, int& exit_code) {
+  add_displacement(signal, exit_code);
+  auto const w = std::make_shared<Asked>();
+  CLI::App& white = one_record(signal, "whiten", "a record with the same power at all frequencies", w);
+  add_welch_options(white, *w);
+  add_output_options(white, *w);
+  white.footer(
+      "Examples:\n"
+      "  straytrace signal whiten examples/data/bench.csv::acc --segment \"2 s\" -o white.hdf5\n"
+      "  straytrace signal whiten examples/data/bench.csv::acc --average median");
+  white.callback([w, &exit_code] { exit_code = whiten(*w); });
+  add_rms(signal, exit_code);
+
+  auto const o = std::make_shared<Asked>();
+  CLI::App& c = *signal.add_subcommand("convert", "from one format to another, with filters, on a common clock");
+  c.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
+  add_span_options(c, *o);
+  add_band_option(c, *o, "band pass without phase (Butterworth of order 4, both ways)");
+  c.add_option("--notch", o->notches, "removes a line, without phase (Q 30); may be repeated")->allow_extra_args(false);
+  c.add_option("--rate", o->rate, "lower sample rate, behind a low pass without phase");
+  add_output_options(c, *o);
+  c.footer(
+      "Examples:\n"
+      "  straytrace signal convert examples/data/bench.csv::acc examples/data/bench.csv::bench -o bench.hdf5\n"
+      "  straytrace signal convert examples/data/bench.csv::acc --notch \"50 Hz\" --rate \"64 Hz\" -o slow.txt");
+  c.callback([o, &exit_code] { exit_code = convert(*o); });
+}
+
+}  // namespace straytrace

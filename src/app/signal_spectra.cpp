@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace signal psd, coherence, transfer.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "app/options.hpp"
+#include "app/signal_command.hpp"
+#include "base/constants.hpp"
+#include "base/message.hpp"
+#include "signal/cross_spectra.hpp"
+#include "signal/unit_text.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t shown = 12;
+
+struct Asked : DataOptions {
+  std::vector<std::string> files;
+  bool power = false;
+  double confidence = 0.95;
+  std::string estimator = "h1", output_unit;
+};
+
+CurveSheet frequency_sheet(std::string title, std::vector<double> hz) {
+  return {std::move(title), {}, {"frequency", "Hz", std::move(hz)}, true, true, {}};
+}
+
+void finish(Asked const& o, CurveSheet sheet, double nyquist) {
+  if (!o.band.empty()) keep_band(sheet, band_of(o, {}, nyquist));
+  answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, shown));
+}
+
+// Columns of one record: the density and both ends of its confidence interval.
+void add_density(Asked const& o, TimeSeries const& s, WelchSpectrum const& spectrum, CurveSheet& sheet) {
+  Interval const interval = confidence(spectrum, o.confidence);
+  std::string const kind = o.power ? "psd" : "asd",
+                    name = o.files.size() > 1 ? fmt::format("{} {}", s.name, kind) : kind;
+  std::string const unit = o.power ? psd_unit(s.unit) : asd_unit(s.unit);
+  auto const column = [&](std::string const& ending, std::vector<double> values, char const* style) {
+    for (double& v : values) v = o.power ? v : std::sqrt(v);
+    sheet.y.push_back({name + ending, unit, std::move(values), style});
+  };
+  column("", spectrum.psd, "line");
+  column(" low", interval.low, "band-low");
+  column(" high", interval.high, "band-high");
+}
+
+int psd(Asked const& o) {
+  check_outputs(o);
+  CurveSheet sheet;
+  double nyquist = 0;
+  for (std::string const& file : o.files) {
+    TimeSeries const s = series_of(o, file);
+    WelchSettings const settings = welch_of(o, s);
+    WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
+    if (sheet.y.empty())
+      sheet = frequency_sheet(fmt::format("{} of {}", o.power ? "PSD" : "ASD", fmt::join(o.files, ", ")), spectrum.hz);
+    if (sheet.x.values != spectrum.hz)
+      throw InputError(fmt::format(
+          "error: '{}' has other frequencies than '{}'\n  give both the same --segment and rate, or write two files",
+          file, o.files[0]));
+    add_density(o, s, spectrum, sheet);
+    sheet.notes.push_back(source_note(s));
+    sheet.notes.push_back(
+        welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages, spectrum.noise_bandwidth));
+    nyquist = s.rate / 2;
+  }
+  sheet.notes.push_back(fmt::format("low, high: {:g} % confidence for Gaussian noise", 100 * o.confidence));
+  finish(o, std::move(sheet), nyquist);
+  return done;
+}
+
+struct Pair {
+  TimeSeries input, output;
+  WelchSettings settings;
+  CrossSpectra spectra;
+  std::vector<std::string> notes;
+};
+
+Pair read_pair(Asked const& o) {
+  check_outputs(o);
+  std::string const unit_of_output = o.output_unit.empty() ? o.unit : o.output_unit;
+  std::vector<TimeSeries> both = aligned(
+      {series_argument(o.files[0], o.unit, span_of(o)), series_argument(o.files[1], unit_of_output, span_of(o))});
+  Pair p{both[0], both[1], welch_of(o, both[0]), {}, {}};
+  p.spectra = cross_spectra(p.input.samples, p.output.samples, p.input.rate, p.settings);
+  p.notes = {"input " + source_note(p.input), "output " + source_note(p.output),
+             welch_note(p.settings, p.input.rate, p.spectra.segments, p.spectra.effective_averages,
+                        p.spectra.noise_bandwidth)};
+  if (p.spectra.effective_averages < 2)
+    throw InputError(
+        "error: a coherence needs two segments or more; of one it is 1 everywhere\n  choose --segment shorter");
+  return p;
+}
+
+int show_coherence(Asked const& o) {
+  Pair const p = read_pair(o);
+  double const n = p.spectra.effective_averages, level = coherence_level(n, 1 - o.confidence);
+  CurveSheet sheet = frequency_sheet(fmt::format("coherence of {} and {}", o.files[0], o.files[1]), p.spectra.hz);
+  std::vector<double> const c = coherence(p.spectra);
+  Interval const interval = coherence_interval(c, n, o.confidence);
+  sheet.log_y = false;
+  sheet.notes = p.notes;
+  sheet.notes.push_back(
+      fmt::format("level {:.6g}: independent records exceed it with probability {:g}; low, high: {:g} % confidence",
+                  level, 1 - o.confidence, 100 * o.confidence));
+  sheet.y = {{"coherence", "1", c},
+             {"low", "1", interval.low, "band-low"},
+             {"high", "1", interval.high, "band-high"},
+             {"level", "1", std::vector<double>(c.size(), level)}};
+  finish(o, std::move(sheet), p.input.rate / 2);
+  return done;
+}
+
+int show_transfer(Asked const& o) {
+  Pair const p = read_pair(o);
+  bool const first = o.estimator == "h1";
+  TransferEstimate const t = first ? h1(p.spectra) : h2(p.spectra);
+  CurveSheet sheet =
+      frequency_sheet(fmt::format("{} from {} to {}", first ? "H1" : "H2", o.files[0], o.files[1]), t.hz);
+  std::vector<double> modulus, phase, phase_sigma;
+  for (std::size_t k = 0; k < t.hz.size(); ++k) {
+    modulus.push_back(std::abs(t.value[k]));
+    phase.push_back(std::arg(t.value[k]) * 180 / pi);
+    phase_sigma.push_back(t.phase_sigma[k] * 180 / pi);
+  }
+  std::string const unit = ratio_unit(p.output.unit, p.input.unit);
+  sheet.notes = p.notes;
+  sheet.notes.push_back(
+      "sigma: one standard error from coherence and averages; phase of exp(+2 pi i f t): a delay falls");
+  sheet.y = {{"modulus", unit, modulus},
+             {"modulus_sigma", unit, t.modulus_sigma, "hidden"},
+             {"phase", "deg", phase, "hidden"},
+             {"phase_sigma", "deg", phase_sigma, "hidden"},
+             {"coherence", "1", t.coherence, "hidden"}};
+  finish(o, std::move(sheet), p.input.rate / 2);
+  return done;
+}
+
+CLI::App& common(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+  CLI::App& command = *signal.add_subcommand(name, what);
+  add_span_options(command, *o);
+  add_band_option(command, *o, "frequencies to show and write: \"10 Hz..1 kHz\"; default: all");
+  add_welch_options(command, *o);
+  command.add_option("--confidence", o->confidence, "of intervals and levels")
+      ->check(CLI::Range(0.01, 0.9999))
+      ->default_str("0.95");
+  add_output_options(command, *o);
+  return command;
+}
+
+CLI::App& with_pair(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+  CLI::App& command = common(signal, name, what, o);
+  command.add_option("data", o->files, "input and output: FILE or FILE::CHANNEL")->required()->expected(2);
+  command.add_option("--output-unit", o->output_unit, "of the output, where it differs from --unit");
+  return command;
+}
+
+}  // namespace
+
+void add_signal_spectra(CLI::App& signal, int& exit_code) {
+  auto const o = std::make_shared<Asked>();
+  CLI::App& density = common(signal, "psd", "one-sided amplitude or power spectral density", o);
+  density.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
+  density.add_flag("--power", o->power, "power densities; otherwise amplitude densities, their roots");
+  density.footer(
+      "Examples:\n"
+      "  straytrace signal psd examples/data/bench.csv::acc --segment \"4 s\"\n"
+      "  straytrace signal psd examples/data/bench.csv::acc --average median --band \"5 Hz..50 Hz\" -o acc.hdf5");
+  density.callback([o, &exit_code] { exit_code = psd(*o); });
+
+  auto const c = std::make_shared<Asked>();
+  CLI::App& coherent =
+      with_pair(signal, "coherence", "coherence of two records, with the level that chance reaches", c);
+  coherent.footer(
+      "Examples:\n"
+      "  straytrace signal coherence examples/data/bench.csv::acc examples/data/bench.csv::bench --segment \"4 s\"\n"
+      "  straytrace signal coherence examples/data/bench.csv::1 examples/data/bench.csv::2 -o coherence.csv");
+  coherent.callback([c, &exit_code] { exit_code = show_coherence(*c); });
+
+  auto const t = std::make_shared<Asked>();
+  CLI::App& ratio = with_pair(signal, "transfer", "transfer function from one record to another, with errors", t);
+  ratio.add_option("--estimator", t->estimator, "h1: noise in the output; h2: noise in the input")
+      ->check(CLI::IsMember({"h1", "h2"}))
+      ->default_str(t->estimator);
+  ratio.footer(
+      "Examples:\n"
+      "  straytrace signal transfer examples/data/bench.csv::acc examples/data/bench.csv::bench --segment \"4 s\"\n"
+      "  straytrace signal transfer examples/data/bench.csv::1 examples/data/bench.csv::2 --estimator h2 -o h.txt");
+  ratio.callback([t, &exit_code] { exit_code = show_transfer(*t); });
+}
+
+}  // namespace straytrace

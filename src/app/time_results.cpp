@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/time_results.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/data_options.hpp"
+#include "motion/axis_motion.hpp"
+#include "signal/gps.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double level_hz[] = {10, 30, 100};
+constexpr double level_width = 0.1;  // of the frequency, on both sides
+
+// Mean PSD of the chosen routes between two frequencies, by the spectra of the motion.
+double exact_psd(TimeInputs const& in, double low, double high) {
+  FrequencyGrid const& grid = in.exact.grid;
+  if (low < grid.edges.front() || high > grid.edges.back()) return not_a_number;
+  double power = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
+    if (width <= 0) continue;
+    for (std::uint32_t r : in.routes) power += width * in.exact.routes[r].asd[i] * in.exact.routes[r].asd[i];
+  }
+  return power / (high - low);
+}
+
+double percentile(std::vector<double> sorted, double below) {
+  if (sorted.size() < 5) return not_a_number;
+  double const place = below * double(sorted.size() - 1);
+  auto const i = std::min(std::size_t(place), sorted.size() - 2);
+  return std::sqrt(sorted[i] + (place - double(i)) * (sorted[i + 1] - sorted[i]));
+}
+
+// Standard error of the mean: scatter of the realisations, or of the segments of the only one.
+double relative_error(std::vector<double> const& values, double mean, WelchSpectrum const& w, std::size_t lines) {
+  if (values.size() < 2) return 1 / std::sqrt(w.effective_averages * std::max(1.0, double(lines) / 1.5));
+  double square = 0;
+  for (double v : values) square += (v - mean) * (v - mean);
+  return std::sqrt(square / double(values.size() * (values.size() - 1))) / mean;
+}
+
+BandLevel level(TimeInputs const& in, Realisations const& all, std::size_t from, std::size_t to) {
+  BandLevel b;
+  double const half = all.hz()[1] / 2;
+  b.low = all.hz()[from] - half;
+  b.high = all.hz()[to] + half;
+  b.hz = (b.low + b.high) / 2;
+  std::vector<double> values = all.band(from, to);
+  double mean = 0;
+  for (double v : values) mean += v / double(values.size());
+  b.asd = std::sqrt(mean);
+  b.sigma = mean > 0 ? b.asd * relative_error(values, mean, all.last(), to - from + 1) / 2 : 0;
+  std::sort(values.begin(), values.end());
+  b.below = percentile(values, 0.05);
+  b.median = percentile(values, 0.5);
+  b.above = percentile(values, 0.95);
+  b.exact = std::sqrt(exact_psd(in, b.low, b.high));
+  return b;
+}
+
+BandLevel nothing(double hz) {
+  return {hz, hz, hz, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number};
+}
+
+// What eq. 2.6 leaves out if the largest translation were transverse to the mean leg of each path; mean by power.
+double second_order_of(TimeInputs const& in, StrayLight const& light) {
+  double motion = 0, phase = 0, power = 0;
+  for (MovingCoordinate const& c : light.motion.coordinates)
+    for (double x : c.position)
+      if (!is_rotation(c.axis)) motion = std::max(motion, std::fabs(x));
+  for (std::uint32_t r : in.routes) {
+    CouplingClass const& c = in.coupling().classes[r];
+    double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
+    for (PathRecord const& record : c.records) {
+      if (!(record.path_length > 0)) continue;
+      phase += record.weight * second_order_phase(motion, record.path_length / legs, in.coupling().wavelength);
+      power += record.weight;
+    }
+  }
+  return power > 0 ? phase / power : 0;
+}
+
+std::string level_text(BandLevel const& b, std::size_t realisations) {
+  if (!std::isfinite(b.asd)) return fmt::format("h({:g} Hz): outside the band of the run or of the record", b.hz);
+  std::string text = fmt::format("h({:g} Hz) = {} /sqrt(Hz)", b.hz, with_error(b.asd, b.sigma));
+  if (std::isfinite(b.below))
+    text += fmt::format(", {:.3g} to {:.3g} in 90 % of {} realisations", b.below, b.above, realisations);
+  else if (realisations == 1)
+    text += " in this realisation";
+  return text + (std::isfinite(b.exact) ? fmt::format("; mean by spectra {:.4g}", b.exact) : "");
+}
+
+}  // namespace
+
+void Realisations::add(WelchSpectrum const& w) {
+  psd_.push_back(w.psd);
+  last_ = w;
+}
+
+std::vector<double> Realisations::band(std::size_t from, std::size_t to) const {
+  std::vector<double> out;
+  for (std::vector<double> const& psd : psd_) {
+    double sum = 0;
+    for (std::size_t k = from; k <= to; ++k) sum += psd[k];
+    out.push_back(sum / double(to - from + 1));
+  }
+  return out;
+}
+
+ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, StrayLight const& light,
+                             Realisations const& all) {
+  ProjectResult r;
+  r.times = light.times;
+  r.seed = s.paths.seed;
+  r.realisations = all.size();
+  r.routes = in.routes.size();
+  r.paths = light.paths;
+  r.rms_phase = light.rms_phase;
+  r.rule = light.rule;
+  r.fastest = light.fastest;
+  r.fastest_route = light.fastest_route;
+  r.delay = light.longest_delay;
+  r.second_order = second_order_of(in, light);
+  r.retarded = s.delay == Delay::half_path;
+  r.band_low = s.band_low;
+  r.band_high = std::min(s.band_high, light.times.rate / 2);
+  for (MotionInput const& input : in.model.motion.inputs) r.recorded |= input.recorded && !input.gains.empty();
+  double const spacing = all.hz()[1];
+  for (double hz : level_hz) {
+    auto const from = std::size_t(std::ceil(hz * (1 - level_width) / spacing)),
+               to = std::size_t(std::floor(hz * (1 + level_width) / spacing));
+    bool const resolved = from >= 1 && to >= from && to < all.hz().size() && hz * (1 - level_width) > r.band_low &&
+                          hz * (1 + level_width) < r.band_high;
+    r.levels.push_back(resolved ? level(in, all, from, to) : nothing(hz));
+    r.levels.back().hz = hz;
+  }
+  for (std::size_t k = 1; k + 1 < all.hz().size(); ++k)
+    if (all.hz()[k] > r.band_low && all.hz()[k] < r.band_high) r.spectrum.push_back(level(in, all, k, k));
+  WelchSpectrum const& w = all.last();
+  r.welch = fmt::format("Welch: {:g} s, {} segments, ENBW {:.4g} Hz", 1 / spacing, w.segments, w.noise_bandwidth);
+  return r;
+}
+
+std::string project_text(ProjectResult const& r) {
+  std::string text = fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {} routes, {} fields\n", r.times.duration(),
+                                 r.times.rate, gps_text(r.times.start), r.seed, r.routes, r.paths);
+  text += fmt::format("phase: {:.4g} rad rms; fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.rms_phase, r.fastest.hz,
+                      r.fastest.time, r.fastest_route);
+  text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
+                      r.rule.least(), r.rule.margin);
+  text += fmt::format(
+      "left out (eq. 2.6): second order about {:.2g} rad, delay up to {:.2g} cycle at 100 Hz{}, tilt of the rays\n",
+      r.second_order, delay_cycles(100, r.delay * speed_of_light) / (r.retarded ? 2 : 1),
+      r.retarded ? " about half of each path" : "");
+  text += fmt::format("h(t) holds {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, r.welch);
+  for (BandLevel const& b : r.levels) text += level_text(b, r.realisations) + "\n";
+  if (r.recorded) text += "mean by spectra: as if the recorded motion were stationary and Gaussian\n";
+  text.pop_back();
+  return text;
+}
+
+std::string project_json(ProjectResult const& r) {
+  auto const number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(); };
+  nlohmann::ordered_json j = {{"gps", r.times.start},
+                              {"duration", r.times.duration()},
+                              {"rate", r.times.rate},
+                              {"least_rate", r.rule.least()},
+                              {"seed", r.seed},
+                              {"realisations", r.realisations},
+                              {"routes", r.routes},
+                              {"fields", r.paths},
+                              {"rms_phase", r.rms_phase},
+                              {"largest_fringe_frequency", r.fastest.hz},
+                              {"largest_fringe_gps", r.fastest.time},
+                              {"largest_fringe_route", r.fastest_route},
+                              {"second_order_phase", r.second_order},
+                              {"longest_delay", r.delay},
+                              {"retarded", r.retarded},
+                              {"band", {r.band_low, r.band_high}}};
+  for (BandLevel const& b : r.levels)
+    j["strain"].push_back({{"frequency", b.hz},
+                           {"low", b.low},
+                           {"high", b.high},
+                           {"asd", number(b.asd)},
+                           {"sigma", number(b.sigma)},
+                           {"percentile_5", number(b.below)},
+                           {"percentile_50", number(b.median)},
+                           {"percentile_95", number(b.above)},
+                           {"mean_by_spectra", number(b.exact)}});
+  return j.dump(2);
+}
+
+}  // namespace straytrace

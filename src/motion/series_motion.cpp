@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion/series_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "signal/fourier.hpp"
+#include "signal/series_file.hpp"
+#include "signal/welch.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double longest_segment = 128;  // s, unless it is stated or the high pass needs more
+constexpr double lines_below = 4;        // of the periodogram that the high pass must have below it
+
+double high_passed(double hz, double corner) {
+  double const x = std::pow(hz / corner, 4);
+  return corner > 0 ? (std::isfinite(x) ? x / (1 + x) : 1) : 1;
+}
+
+// Amplitude of the displacement over that of the reading, for exp(+2 pi i f t).
+std::complex<double> conversion(Calibration const& c, double hz, double corner) {
+  std::complex<double> value = c.factor * high_passed(hz, corner);
+  if (c.response) value *= std::conj((*c.response)(std::max({hz, c.response->range().low, corner})));
+  return value / std::pow(std::complex<double>(0, 2 * pi * hz), c.derivatives);
+}
+
+std::vector<double> without_line(std::vector<double> x) {
+  double const n = static_cast<double>(x.size()), middle = (n - 1) / 2;
+  double mean = 0, slope = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mean += x[i] / n;
+    slope += x[i] * (static_cast<double>(i) - middle);
+  }
+  slope *= 12 / (n * (n * n - 1));
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] -= mean + slope * (static_cast<double>(i) - middle);
+  return x;
+}
+
+// `margin` samples on both sides, reflected through the end points and faded out to zero.
+std::vector<double> continued(std::vector<double> const& x, std::size_t margin) {
+  std::vector<double> out(x.size() + 2 * margin);
+  std::copy(x.begin(), x.end(), out.begin() + std::ptrdiff_t(margin));
+  for (std::size_t i = 1; i <= margin; ++i) {
+    double const fade = 0.5 + 0.5 * std::cos(pi * double(i) / double(margin + 1));
+    out[margin - i] = fade * (2 * x.front() - x[i]);
+    out[margin + x.size() - 1 + i] = fade * (2 * x.back() - x[x.size() - 1 - i]);
+  }
+  return out;
+}
+
+// Steps of constant density between edges, from lines of the same spacing: nothing is lost between them.
+Spectrum as_steps(std::vector<double> const& density, double spacing, std::size_t first) {
+  constexpr double widest = 1e-3, edge = 1e-9;
+  std::vector<double> hz, psd;
+  for (std::size_t k = first; k < density.size();) {
+    auto const joined = std::max<std::size_t>(1, std::size_t(widest * double(k)));
+    std::size_t const end = std::min(density.size(), k + joined);
+    double power = 0;
+    for (std::size_t i = k; i < end; ++i) power += density[i];
+    hz.insert(hz.end(), {(double(k) - 0.5) * spacing * (1 + edge), (double(end) - 0.5) * spacing});
+    psd.insert(psd.end(), 2, power / double(end - k));
+    k = end;
+  }
+  return Spectrum(std::move(hz), std::move(psd));
+}
+
+// Nothing and a problem when the record cannot give what is asked for.
+std::optional<double> read_segment(Node const& spec, double duration, double highpass) {
+  double const usual =
+                   std::min(duration, std::max(std::min(duration / 8, longest_segment), 2 * lines_below / highpass)),
+               segment =
+                   spec.number("segment", dim::time, highpass > 0 ? usual : std::min(duration / 8, longest_segment));
+  if (!std::isfinite(segment)) return {};
+  if (segment > duration) {
+    spec["segment"].problem(fmt::format("the record lasts {:.6g} s", duration), "write a shorter segment");
+    return {};
+  }
+  if (highpass > 0 && highpass * segment < lines_below) {
+    spec.problem(fmt::format("a high pass at {:g} Hz needs segments of {:.3g} s, and there are {:.3g} s", highpass,
+                             lines_below / highpass, segment),
+                 "write a higher 'highpass', a longer 'segment', or give a longer record");
+    return {};
+  }
+  return segment;
+}
+
+std::optional<TimeSeries> read_series(Node const& spec) {
+  Node const file = spec["series"];
+  std::string const name = file.as_word();
+  SeriesRequest request{spec.has("channel") ? spec.word("channel") : "", spec.has("unit") ? spec.word("unit") : "", {}};
+  if (name.empty()) return {};
+  std::string const bytes = file.data_file(name);
+  if (bytes.empty()) return {};  // said by data_file()
+  try {
+    if (spec.has("span")) request.span = parse_gps(spec.word("span"));
+    return parse_series(bytes, name, request);
+  } catch (InputError const& e) {
+    std::string text = e.what();
+    for (std::size_t at; (at = text.find("--unit ")) != text.npos;) text.replace(at, 7, "unit: ");
+    for (std::size_t at; (at = text.find("--unit")) != text.npos;) text.replace(at, 6, "'unit'");
+    if (auto const at = text.find("error: "); at != text.npos) text.erase(0, at + 7);
+    auto const line = text.find("\n  ");
+    file.problem(fmt::format("'{}': {}", name, text.substr(0, line)),
+                 line == text.npos ? "give a record of samples" : text.substr(line + 3));
+    return {};
+  }
+}
+
+}  // namespace
+
+TimeSeries as_displacement(TimeSeries const& readings, Calibration const& c, double highpass) {
+  TimeSeries out = readings;
+  if (c.derivatives == 0 && !c.response && highpass == 0) {
+    for (double& x : out.samples) x *= c.factor;
+    return out;
+  }
+  std::vector<double> const x = without_line(readings.samples);
+  double const settle = highpass > 0 ? 3 / highpass : readings.duration() / 10;
+  auto const margin = std::min(x.size() - 1, static_cast<std::size_t>(settle * readings.rate));
+  std::vector<double> wide = continued(x, margin);
+  std::size_t const count = good_length(wide.size());
+  wide.resize(count);
+  Fourier fourier;
+  Complexes lines = fourier.forward(wide);
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    lines[k] *= k == 0 && highpass > 0 ? 0 : conversion(c, double(k) * readings.rate / double(count), highpass);
+  wide = fourier.inverse(lines, count);
+  std::copy_n(wide.begin() + std::ptrdiff_t(margin), x.size(), out.samples.begin());
+  return out;
+}
+
+Spectrum displacement_spectrum(TimeSeries const& readings, Calibration const& c, double highpass, double segment) {
+  auto const samples =
+      std::clamp<std::size_t>(std::size_t(std::lround(segment * readings.rate)), 4, readings.samples.size());
+  WelchSettings settings;
+  settings.segment = samples;
+  settings.detrend = Detrend::linear;
+  WelchSpectrum const w = welch(readings.samples, readings.rate, settings);
+  std::vector<double> density = w.psd;
+  for (std::size_t k = 1; k < density.size(); ++k) density[k] *= std::norm(conversion(c, w.hz[k], highpass));
+  return as_steps(density, readings.rate / double(samples), 1);
+}
+
+std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
+  double const highpass = spec.number("highpass", dim::frequency, 0, 0);
+  auto series = read_series(spec);
+  if (!series) return {};
+  Node const unit_at = spec.has("unit") ? spec["unit"] : spec["series"];
+  auto const unit = parse_unit(series->unit);
+  auto const calibration = read_calibration(spec, unit.value_or(Quantity{}), false, rotation, unit_at);
+  if (!calibration || !std::isfinite(highpass)) return {};
+  if (calibration->derivatives > 0 && highpass == 0) {
+    spec.problem("velocity and acceleration are integrated, and what is slower than the record has no end",
+                 "add 'highpass: 0.05 Hz': below it the motion is taken off");
+    return {};
+  }
+  if (series->samples.size() < 32) {
+    spec["series"].problem("the record has fewer than 32 samples", "give a longer one");
+    return {};
+  }
+  auto const segment = read_segment(spec, series->duration(), highpass);
+  double const lowest = std::max(highpass, segment ? 1 / *segment : 0);
+  if (!segment || !covers(calibration->response, lowest, series->rate / 2, spec["calibration"])) return {};
+  TimeSeries displacement = as_displacement(*series, *calibration, highpass);
+  displacement.unit = rotation ? "rad" : "m";
+  return RecordedMotion{std::make_shared<TimeSeries const>(std::move(displacement)),
+                        displacement_spectrum(*series, *calibration, highpass, *segment)};
+}
+
+}  // namespace straytrace

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise/inversion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+using Doubles = std::vector<double>;
+using Verdict = Allowed::Verdict;
+
+// sum of s^n A_n in one bin, with the squares of the errors of its terms.
+struct Powers {
+  std::map<int, double> psd;
+  std::vector<std::pair<int, double>> errors;  // n, one standard error of the PSD of a route
+
+  double at(double s) const {
+    double sum = 0;
+    for (auto const& [n, a] : psd) sum += a * std::pow(s, n);
+    return sum;
+  }
+  double slope(double s) const {
+    double sum = 0;
+    for (auto const& [n, a] : psd) sum += n * a * std::pow(s, n - 1);
+    return sum;
+  }
+  double sigma(double s) const {  // a route and its reverse may share their numbers: twice the squares
+    double sum = 0;
+    for (auto const& [n, e] : errors) sum += 2 * std::pow(e * std::pow(s, n), 2);
+    return std::sqrt(sum);
+  }
+};
+
+constexpr double most = 1e12, least = 1e-12;
+
+// The sum rises with s, so there is one crossing at most.
+Allowed crossing(Powers const& powers, double line) {
+  Allowed out;
+  double const limit = line * line, rest = powers.psd.contains(0) ? powers.psd.at(0) : 0;
+  if (!(line > 0)) return out;
+  out.rest = std::sqrt(rest) / line;
+  if (rest > limit) {
+    out.verdict = Verdict::never;
+    out.scale = 0;
+    return out;
+  }
+  if (powers.at(most) <= limit) {
+    out.verdict = Verdict::always;
+    out.scale = infinity;
+    return out;
+  }
+  double low = std::log(least), high = std::log(most);
+  for (int i = 0; i < 100; ++i) {
+    double const middle = 0.5 * (low + high);
+    (powers.at(std::exp(middle)) > limit ? high : low) = middle;
+  }
+  out.verdict = Verdict::found;
+  out.scale = std::exp(0.5 * (low + high));
+  out.sigma = powers.sigma(out.scale) / powers.slope(out.scale);
+  return out;
+}
+
+// The strictest of the bins.
+void decide(Inversion& out) {
+  out.all = {};
+  for (std::size_t i = 0; i < out.bins.size(); ++i) {
+    Allowed const& a = out.bins[i];
+    if (a.verdict == Verdict::no_answer) continue;
+    bool const worse_rest = a.verdict == Verdict::never && out.all.verdict == Verdict::never && a.rest > out.all.rest;
+    if (out.all.verdict == Verdict::no_answer || a.scale < out.all.scale || worse_rest) {
+      out.all = a;
+      out.decides = i;
+    }
+  }
+}
+
+void add_route(std::vector<Powers>& bins, NoiseTrace const& t, int n, double share) {
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    bins[i].psd[n] += share * t.asd[i] * t.asd[i];
+    if (t.sigma[i] > 0) bins[i].errors.emplace_back(n, share * 2 * t.asd[i] * t.sigma[i]);
+  }
+}
+
+// Numbers of scatters of a class and the shares of its power that have them.
+std::map<int, double> scatters(CouplingClass const& c, MaterialSpread const& material, bool& first_order) {
+  if (!c.steps.empty()) return {{scatters_on(material, c.steps), 1.0}};
+  std::map<int, double> shares;
+  double weight = 0;
+  for (FoldedRoute const& f : c.folded) {
+    if (f.steps.empty() || !(f.mean > 0)) continue;
+    shares[scatters_on(material, f.steps)] += f.mean;
+    weight += f.mean;
+  }
+  first_order = true;
+  if (!(weight > 0)) return {{1, 1.0}};
+  for (auto& [n, share] : shares) share /= weight;
+  return shares;
+}
+
+struct Crossed {
+  double below = 0, above = 0;  // scales around the first crossing; above 0: none
+};
+
+}  // namespace
+
+Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, MaterialSpread const& material,
+                         Doubles const& line) {
+  Inversion out;
+  std::vector<Powers> bins(b.grid.size());
+  for (std::size_t r = 0; r < b.routes.size(); ++r) {
+    if (!b.routes[r].resolved) continue;
+    bool guessed = false;
+    for (auto const& [n, share] : scatters(table.classes[r], material, guessed)) add_route(bins, b.routes[r], n, share);
+    bool const loud = std::any_of(b.routes[r].asd.begin(), b.routes[r].asd.end(), [](double h) { return h > 0; });
+    out.first_order = out.first_order || (guessed && loud);
+  }
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    out.bins.push_back(crossing(bins[i], line[i]));
+    double const all = bins[i].at(1), rest = bins[i].psd.contains(0) ? bins[i].psd.at(0) : 0;
+    if (all > 0) out.touched = std::max(out.touched, 1 - rest / all);
+  }
+  decide(out);
+  return out;
+}
+
+Inversion invert_motion(Projected const& projected, Doubles const& line) {
+  constexpr int steps = 8, first = -4 * steps, last = 2 * steps;  // per decade
+  Inversion out;
+  out.bins.resize(line.size());
+  std::vector<Crossed> crossed(line.size());
+  std::map<double, NoiseTrace> seen;
+  auto const at = [&](double scale) -> NoiseTrace const& {
+    auto const hit = seen.find(scale);
+    return hit != seen.end() ? hit->second : seen.emplace(scale, projected(scale)).first->second;
+  };
+  auto const can = [&](double scale) {  // motion may be too strong for any transform
+    try {
+      at(scale);
+    } catch (NumericalError const&) {
+      return false;
+    }
+    return true;
+  };
+  NoiseTrace const &still = at(0), &as_is = at(1);
+  for (int k = first; k <= last; ++k) {
+    double const scale = std::pow(10, double(k) / steps), before = std::pow(10, double(k - 1) / steps);
+    bool const all_crossed = std::all_of(crossed.begin(), crossed.end(), [](Crossed const& c) { return c.above > 0; });
+    if (all_crossed) break;
+    if (scale > 1 && !can(scale)) break;
+    NoiseTrace const& t = at(scale);
+    for (std::size_t i = 0; i < line.size(); ++i)
+      if (crossed[i].above == 0 && t.asd[i] > line[i]) crossed[i] = {k == first ? 0 : before, scale};
+  }
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (!(line[i] > 0)) continue;
+    Allowed& a = out.bins[i];
+    a.rest = still.asd[i] / line[i];
+    if (as_is.asd[i] > 0) out.touched = std::max(out.touched, 1 - std::pow(still.asd[i] / as_is.asd[i], 2));
+    a.verdict = still.asd[i] > line[i] ? Verdict::never : crossed[i].above > 0 ? Verdict::found : Verdict::always;
+    a.scale = a.verdict == Verdict::never ? 0 : crossed[i].above > 0 ? crossed[i].above : infinity;
+  }
+  // Between two steps by the straight line of the logarithms: exact where noise is proportional to motion.
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    Allowed& a = out.bins[i];
+    if (a.verdict != Verdict::found) continue;
+    double const lower = crossed[i].below > 0 ? crossed[i].below : crossed[i].above / 1.3335;
+    double const low = at(lower).asd[i], high = at(crossed[i].above).asd[i];
+    double const slope = std::log(high / low) / std::log(crossed[i].above / lower);
+    a.scale = crossed[i].above * std::pow(line[i] / high, 1 / slope);
+    a.sigma = a.scale * (at(crossed[i].above).sigma[i] / high) / slope;
+  }
+  decide(out);
+  if (out.all.verdict != Verdict::found) return out;
+  double low = crossed[out.decides].below, high = crossed[out.decides].above;
+  auto const meets = [&](double scale) {
+    NoiseTrace const t = projected(scale);
+    for (std::size_t i = 0; i < line.size(); ++i)
+      if (t.asd[i] > line[i]) return false;
+    return true;
+  };
+  for (int i = 0; i < 12 && low > 0; ++i) (meets(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
+  if (low > 0) out.all.scale = std::sqrt(low * high);
+  return out;
+}
+
+MotionSet with_scaled_body(MotionSet const& motion, BodyId body, double scale) {
+  MotionSet out = motion;
+  for (MotionInput& input : out.inputs)
+    for (Gain& gain : input.gains)
+      if (gain.body == body) gain.value *= scale;
+  return out;
+}
+
+}  // namespace straytrace

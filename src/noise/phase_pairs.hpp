@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Fields whose static phases are known: coherent families (physics.md eq. 10.5) and one quadrature of one realisation.
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "noise/phase_spectra.hpp"
+
+namespace straytrace {
+
+// One term weight * exp(-(own R(0) - cross R(tau))) of a correlation, summed over the classes in the exponent; a tone
+// is a factor J_0(sqrt(2 own - 2 cross cos(2 pi f tau))). own = cross = kappa is a path by itself (eq. 1.11). PSDs of
+// motion come in through kappa, so that part of a cross-covariance that is odd in tau is left out: nothing, unless two
+// paths see one input through transfers of different phase.
+struct PhasePair {
+  double weight = 1;
+  std::vector<double> own, cross;  // per class; |cross| <= own
+};
+
+// Averages over the bins of the grid of the one-sided PSD, 1/Hz; single terms may be negative. Zero: below what a
+// transform resolves.
+struct PairSpectrum {
+  std::vector<double> psd;
+  double constant =
+      0;  // power at f = 0; with all psd the sum of the weights over two, times one less cross/own at tau = 0
+};
+// Slow motion by one transform, weak fast motion to first order (eq. 7.14). Throws NumericalError for a drift.
+PairSpectrum pair_spectrum(PhaseSpectra const&, std::span<PhasePair const>);
+
+// PSD of Im s of one path with static phase phi_0 [rad]: C(tau) - cos(2 phi_0) exp(-(R(0) + R(tau))); that of Re s with
+// phi_0 + pi/2. Its mean over phi_0 is the spectrum of PhaseSpectra. A tone of known phase makes a mean over that
+// phase.
+std::vector<PhasePair> with_static_phase(std::span<double const> kappa, double phi_0);
+
+// A specular path: its field, root of its recoupled power times exp(i phase), and its levers.
+struct CoherentPath {
+  std::complex<double> field;
+  std::vector<Lever> levers;
+};
+// Fields added, the common phase averaged. At most `most_coherent` paths.
+constexpr std::size_t most_coherent = 64;
+std::vector<PhasePair> coherent_family(MotionSet const&, std::vector<MotionClass> const&,
+                                       std::span<CoherentPath const>);
+
+}  // namespace straytrace

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Paths share spectra: the weighted histogram of ln kappa (requirement R4.08).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "noise/phase_spectra.hpp"
+
+namespace straytrace {
+
+// Strengths of many paths: one number per path and class, path by path.
+struct Strengths {
+  std::size_t classes = 0;
+  std::vector<double> kappa;
+  std::vector<double> weight;  // power of each path; empty: all equal
+  std::span<double const> of(std::size_t path) const { return std::span(kappa).subspan(path * classes, classes); }
+  std::size_t size() const { return classes ? kappa.size() / classes : weight.size(); }
+};
+
+// The spectrum of every path is a sum of few spectra of nodes, which lie on a lattice in ln |kappa| of the strong
+// classes: Lagrange polynomials of 9 points for one strong class; for several, polynomials of 5 points along each and
+// the bilinear cross term of each pair. A drift, whose line moves through the bins, is shared between its two
+// neighbours. Weak classes are first order: each path adds kappa times the response of its nodes. The step is halved
+// until the spectra of neighbours differ by less than a factor e^0.8 (several classes e^0.4) in every bin within twelve
+// decades of the highest, or the nodes are `most`. When the paths have fewer different strengths than that, these are
+// the nodes.
+class StrengthNodes {
+ public:
+  struct Options {
+    double step = 0.25;      // of ln kappa, at first
+    std::size_t most = 400;  // nodes
+    bool refine = true;
+  };
+  StrengthNodes(PhaseSpectra const&, Strengths const&, Options);
+  StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths) : StrengthNodes(spectra, paths, Options()) {}
+
+  // The spectrum of a path is the sum of weight times basis spectrum.
+  struct Share {
+    std::uint32_t basis;
+    double weight;
+  };
+  void shares(std::size_t path, std::vector<Share>& out) const;  // replaces what is in `out`
+
+  struct Basis {
+    std::vector<double> psd, linear;  // as in PhaseSpectrum
+  };
+  std::vector<Basis> const& basis() const { return basis_; }
+  double step() const { return lattice_.step; }  // that was used; `same`: the strengths themselves
+  static constexpr double same = 1e-6;           // strengths whose logarithms agree within this are one
+  std::size_t nodes() const { return kappa_.size(); }
+
+ private:
+  // Per class the rounded position on the lattice times two, plus one where kappa is negative.
+  using Address = std::vector<std::int32_t>;
+  static constexpr std::int32_t none = INT32_MIN;  // not strong
+  struct Hash {
+    std::size_t operator()(Address const&) const;
+  };
+  struct Cell {
+    Address at;
+    std::vector<std::size_t> strong;   // classes
+    std::vector<std::uint32_t> nodes;  // in the order of `offsets`
+  };
+  struct Lattice {
+    double step = 0, drift_step = 0;
+    std::vector<Cell> cells;
+    std::vector<std::uint32_t> of;  // per path
+    double step_of(MotionClass const& c) const { return c.drift ? drift_step : step; }
+  };
+  bool sort_into(Lattice&, std::size_t most) const;  // false: more cells than that
+  void place_nodes(Lattice&);
+  std::uint32_t node_at(Lattice const&, Address const&);
+  void start(double step, std::size_t most, bool stencils);
+  bool halve(std::size_t most);
+  bool use_strengths();  // if they are no more than the nodes
+  void use_means(Lattice);
+  bool any_negative() const;
+  void weigh(Cell const&, std::span<double const> kappa, std::vector<double>& weight) const;
+  void compute();
+  bool smooth() const;
+  double position(Cell const&, std::size_t c, double kappa) const;  // in steps from the cell's centre
+
+  PhaseSpectra const& spectra_;
+  Strengths const& paths_;
+  std::vector<bool> weak_;  // per class: some path is weak in it
+  Lattice lattice_;
+  std::unordered_map<Address, std::uint32_t, Hash> node_;
+  std::vector<std::vector<double>> kappa_;  // per node, of strong classes
+  std::vector<std::uint32_t> first_basis_;  // per node: its own; those of the weak classes follow
+  std::vector<Basis> basis_;
+};
+
+}  // namespace straytrace

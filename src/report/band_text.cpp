@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What stands beside the Monte-Carlo error, in words.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "report/band.hpp"
+#include "report/columns.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string number(double h) { return std::isnan(h) ? "-" : fmt::format("{:.2e}", h); }
+
+std::string sources(NoiseBands const& bands) {
+  Columns c;
+  c.titles = {"input", "stated", "h(total) x", "share of noise/%"};
+  c.left = {true, true};
+  for (InputSource const& s : bands.sources)
+    c.rows.push_back({s.name, s.statement, fmt::format("{:.3g} to {:.3g}", s.low, s.high),
+                      s.share > 0 ? fmt::format("{:.3g}", 100 * s.share) : "-"});
+  std::string text = bands.sources.empty() ? "" : aligned(c) + "\n";
+  if (!bands.taken_as_exact.empty())
+    text += fmt::format("No bracket or uncertainty is stated for: {}. They are taken as exact.\n",
+                        fmt::join(bands.taken_as_exact, ", "));
+  return text;
+}
+
+std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies, std::vector<double> const& low,
+                   std::vector<double> const& high) {
+  std::string text;
+  for (double const hz : frequencies)
+    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", number(band_at(low, b.grid, hz)),
+                        number(band_at(high, b.grid, hz)));
+  return text;
+}
+
+}  // namespace
+
+std::string band_summary(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  if (!b.bands.made()) return "";
+  NoiseBands const& d = b.bands;
+  std::string text = fmt::format("one realisation (5 to 95 %) at {:g} Hz: {}\n", fmt::join(frequencies, ", "),
+                                 ranges(b, frequencies, d.speckle_05, d.speckle_95));
+  if (d.sources.empty()) return text + "inputs are taken as exact: no bracket or uncertainty is stated\n";
+  return text + fmt::format("what inputs leave open: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
+}
+
+std::string band_text(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  if (!b.bands.made()) return "";
+  Columns c;
+  c.titles = {"frequency/Hz", "input low", "high", "speckle 5 %", "50 %", "95 %", "routes in power", "all in phase"};
+  for (double const hz : frequencies) {
+    std::vector<std::string> row{fmt::format("{:g}", hz)};
+    for (auto const* curve : {&b.bands.input_low, &b.bands.input_high, &b.bands.speckle_05, &b.bands.speckle_50,
+                              &b.bands.speckle_95, &b.total.asd, &b.bands.coherent})
+      row.push_back(number(band_at(*curve, b.grid, hz)));
+    c.rows.push_back(std::move(row));
+  }
+  std::string text = aligned(c);
+  text +=
+      "\ninput: brackets of all materials at their low ends, at their high ends; independent standard deviations\n"
+      "combine in quadrature. speckle: one realisation of the unknown static phases, once they are what they are;\n"
+      "where fringes wrap the spread is an upper bound. Routes are added in power; 'all in phase' is the linear sum "
+      "of\n"
+      "their ASDs, the worst way in which the mean strengths of routes can add, and not a forecast.\n\n";
+  return text + sources(b.bands);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace project and fringes on a small run: files, choices, refusals.
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+// A bench behind the end mirror, traced once: one route per surface, 1e5 histories.
+class Projected : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<Folder>();
+    write_text(*folder_ / "shaking.yaml",
+               "straytrace: 1\nbodies:\n  ITM: {motion: still}\n  ETM: {motion: still}\n  bench: {motion: {z: {sine: "
+               "{amplitude: 5 um peak, frequency: 1.14 Hz}}, others: still}}\n");
+    Finished const traced = Program({"run", source_folder + "/examples/end_bench.yaml", "-o", *folder_ / "run",
+                                     "--histories", "4e4", "--quiet"})
+                                .wait();
+    ASSERT_EQ(traced.code, 0) << traced.err;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static std::string at(std::string const& name) { return *folder_ / name; }
+  static Finished straytrace(Words words) { return Program(words).wait(); }
+  static Words project(Words more) {
+    Words all = {"project", at("run/run.h5"), "--motion", at("shaking.yaml"), "--duration", "8s", "--route", "1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+ private:
+  static std::unique_ptr<Folder> folder_;
+};
+std::unique_ptr<Folder> Projected::folder_;
+
+TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 um peak to peak at 1.14 Hz
+  Finished const got = straytrace(project({"--format", "json", "--seed", "3"}));
+  ASSERT_EQ(got.code, 0) << got.err;
+  auto const answer = nlohmann::json::parse(got.out);
+  EXPECT_GT(answer["largest_fringe_frequency"].get<double>(), 67.2);
+  EXPECT_LT(answer["largest_fringe_frequency"].get<double>(), 70);  // levers spread by 1 %
+  EXPECT_EQ(answer["rate"].get<double>(), 1024);
+  EXPECT_GT(answer["strain"][1]["asd"].get<double>(), 0);
+  EXPECT_EQ(straytrace(project({"--format", "json", "--seed", "3", "--threads", "1"})).out, got.out);
+  EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);
+}
+
+TEST_F(Projected, SavedMotionGivesTheSameStrain) {
+  ASSERT_EQ(straytrace(project({"-o", at("h.csv"), "--save-motion", at("x.hdf5"), "--rate", "1024"})).code, 0);
+  Finished const again =
+      straytrace({"project", at("run/run.h5"), "--motion", at("shaking.yaml"), "--body", "bench", "--axis", "z",
+                  "--channel", at("x.hdf5") + "::bench z", "--route", "1", "--rate", "1024", "-o", at("again.csv")});
+  ASSERT_EQ(again.code, 0) << again.err;
+  std::string const first = text_of(at("h.csv")), second = text_of(at("again.csv"));
+  auto const numbers = [](std::string const& text) { return text.substr(text.find("\n0,")); };
+  ASSERT_NE(first.find("\n0,"), first.npos) << first.substr(0, 500);
+  EXPECT_EQ(numbers(first).substr(0, 3000), numbers(second).substr(0, 3000));
+}
+
+TEST_F(Projected, RefusesARateThatAliases) {  // R4.10
+  Finished const got = straytrace(project({"--rate", "128", "-o", at("none.csv")}));
+  EXPECT_EQ(got.code, 2);
+  EXPECT_NE(got.err.find("eq. 7.13"), got.err.npos) << got.err;
+  EXPECT_NE(got.err.find("must be above"), got.err.npos) << got.err;
+  EXPECT_FALSE(fs::exists(at("none.csv")));
+}
+
+TEST_F(Projected, SaysWhatIsWrongWithTheCommandLine) {
+  auto const error = [](Words const& words) {
+    Finished const got = straytrace(words);
+    EXPECT_EQ(got.code, 2) << got.out;
+    return got.err;
+  };
+  EXPECT_NE(error(project({"--body", "bench"})).find("0 times --channel"), std::string::npos);
+  EXPECT_NE(error(project({"--moved-by", "bensh"})).find("did you mean 'bench'?"), std::string::npos);
+  EXPECT_NE(error({"project", at("run/run.h5"), "--route", "nowhere"}).find("no route"), std::string::npos);
+  EXPECT_NE(error(project({"--asd", "h.doc"})).find("--asd"), std::string::npos);
+  EXPECT_NE(error({"fringes", "--channel", "x.hdf5"}).find("--wavelength"), std::string::npos);
+}
+
+TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
+  Finished const of_run = straytrace({"fringes", at("run/run.h5"), "--motion", at("shaking.yaml"), "--duration", "8s",
+                                      "--route", "1", "--stride", "4s", "--above", "50Hz"});
+  ASSERT_EQ(of_run.code, 0) << of_run.err;
+  EXPECT_NE(of_run.out.find("67.3"), of_run.out.npos) << of_run.out;
+  EXPECT_NE(of_run.out.find("bench 1.00"), of_run.out.npos) << of_run.out;
+  EXPECT_NE(of_run.out.find("above 50 Hz from GPS 0 to 8"), of_run.out.npos) << of_run.out;
+  ASSERT_EQ(straytrace(project({"--save-motion", at("y.hdf5")})).code, 0);
+  Finished const of_channel = straytrace({"fringes", "--wavelength", "1064nm", "--bounces", "2", "--channel",
+                                          at("y.hdf5") + "::bench z", "-o", at("fringes.csv")});
+  ASSERT_EQ(of_channel.code, 0) << of_channel.err;
+  EXPECT_NE(of_channel.out.find("134.6"), of_channel.out.npos) << of_channel.out;  // two bounces
+}
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace scan: tables over parameters, runs kept by hash, requirements from a line.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <sstream>
+
+#include "scenes/program.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// The scene with few rings, motion as a parameter, and a line of its own: 10 / f^2 in units of 1e-30.
+class Scan : public ::testing::Test {
+ protected:
+  Scan() {
+    std::string text =
+        edited(text_of(et_hf), "  rings: 1500", "  rings: 20\n  moves: 1e-15 m/sqrt(Hz)\n  black: 1e-4 /sr");
+    text = edited(text, "asd: 1e-15 m/sqrt(Hz)", "asd: moves");
+    text = edited(text, "brdf: 1e-4 /sr}", "brdf: black}");
+    text = edited(text, "points_per_decade: 400}", "points_per_decade: 10}");
+    text = edited(text, "band: [2.5 Hz", "compare: [line.txt], margin: 1, band: [2.5 Hz");
+    write_text(scene, text);
+    write_text(folder / "line.txt", "# frequency_Hz asd\n1 1e-27\n1000 1e-27\n");
+  }
+  Finished run(Words words) const {
+    words.insert(words.begin(), {"scan", scene});
+    words.insert(words.end(), {"--histories", "140000", "--quiet"});
+    return straytrace(words);
+  }
+  Json json(Words words) const {
+    words.insert(words.end(), {"--format", "json"});
+    Finished const r = run(words);
+    EXPECT_EQ(r.code, 0) << r.err;
+    return Json::parse(r.out, nullptr, false);
+  }
+
+  Folder const folder;
+  std::string const scene = folder / "arm.yaml";
+};
+
+std::string digits(double x) {
+  std::ostringstream text;
+  text.precision(12);
+  text << x;
+  return text.str();
+}
+
+double h(Json const& table, std::size_t point) { return table["points"][point]["strain"][0]["value"].get<double>(); }
+
+TEST_F(Scan, TableOverParameters) {
+  Json const j = json({"moves=1e-15 m/sqrt(Hz),2e-15 m/sqrt(Hz)", "black=1e-4/sr..4e-4/sr:2", "-o", folder / "out"});
+  ASSERT_EQ(j["points"].size(), 4u);
+  EXPECT_TRUE(j["complete"].get<bool>());
+  // Linear coupling and one scatter on the rings: h ~ motion, h ~ sqrt(BRDF). Equal motion: the same light.
+  EXPECT_NEAR(h(j, 1) / h(j, 0), 2, 0.05);
+  EXPECT_NEAR(h(j, 2) / h(j, 0), 2, 1e-9);
+  EXPECT_EQ(j["points"][0]["from"], "traced");
+  EXPECT_EQ(j["points"][2]["from"], "same trace");
+  EXPECT_EQ(j["points"][0]["model_hash"], j["points"][2]["model_hash"]);
+  EXPECT_NE(j["points"][0]["model_hash"], j["points"][1]["model_hash"]);
+  for (char const* name : {"scan.csv", "scan.json", "scan.txt"})
+    EXPECT_TRUE(fs::exists(folder / "out/" + name)) << name;
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "out/runs"), fs::directory_iterator()), 2);
+  // The same command takes what is there, with the same numbers.
+  Json const again =
+      json({"moves=1e-15 m/sqrt(Hz),2e-15 m/sqrt(Hz)", "black=1e-4/sr..4e-4/sr:2", "-o", folder / "out"});
+  EXPECT_EQ(again["points"][0]["from"], "stored");
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(h(again, i), h(j, i));
+  std::istringstream csv(text_of(folder / "out/scan.csv"));
+  std::size_t rows = 0;
+  for (std::string line; std::getline(csv, line);) rows += !line.starts_with('#');
+  EXPECT_EQ(rows, 5u);
+}
+
+TEST_F(Scan, WrongWords) {
+  struct {
+    Words words;
+    std::string says;
+  } const wrong[] = {{{}, "nothing to scan"},
+                     {{"black=1e-4/sr..4e-4/sr"}, "how many values"},
+                     {{"black=1e-4/sr..4 cm:3"}, "same unit"},
+                     {{"=3"}, "does not name a parameter"},
+                     {{"black=1e-4/sr,"}, "a value is missing"},
+                     {{"black=1e-4/sr,2e-4/sr", "black=1e-3/sr"}, "given twice"},
+                     {{"blck=1e-4/sr"}, "blck"},
+                     {{"--invert", "colour(baffle)"}, "is not a question"},
+                     {{"--invert", "brdf(bafle)"}, "did you mean 'baffle'?"},
+                     {{"--invert", "motion(tube)"}, "there is no body 'tube'"},
+                     {{"--invert", "param(black)"}, "needs one range"},
+                     {{"--invert", "brdf(baffle)", "--margin", "much"}, "is not a margin"},
+                     {{"--invert", "brdf(baffle)", "black=1e-4/sr"}, "with -p"}};
+  for (auto const& w : wrong) {
+    Finished const r = run(w.words);
+    EXPECT_EQ(r.code, 2) << w.says;
+    EXPECT_THAT(r.err, HasSubstr(w.says));
+  }
+}
+
+// The line at a factor of what the total is at its worst frequency.
+TEST_F(Scan, RequirementsFromOneRun) {
+  double const worst = json({"moves=1e-15 m/sqrt(Hz)"})["points"][0]["worst_ratio"]["value"].get<double>();
+  std::string const margin = digits(worst / 2);
+  auto const scale = [&](std::string const& what) {
+    return json({"--invert", what, "--margin", margin})["answer"]["scale"].get<double>();
+  };
+  EXPECT_NEAR(scale("brdf(mirror)"), 0.5, 1e-4);     // h ~ beta: two scatters
+  EXPECT_NEAR(scale("brdf(baffle)"), 0.25, 1e-4);    // h ~ sqrt(beta)
+  EXPECT_NEAR(scale("motion(baffles)"), 0.5, 2e-3);  // linear
+  Json const never = json({"--invert", "motion(mirror)", "--margin", margin});
+  EXPECT_EQ(never["answer"]["verdict"], "never");
+  EXPECT_EQ(json({"--invert", "motion(mirror)", "--margin", digits(2 * worst)})["answer"]["verdict"], "always");
+  Finished const text = run({"--invert", "brdf(baffle)", "--margin", margin, "--per-frequency"});
+  EXPECT_THAT(text.out, HasSubstr("Scattered share at normal incidence: 0.000314 now"));
+  EXPECT_THAT(text.out, HasSubstr("largest factor"));
+}
+
+TEST_F(Scan, RequirementOfAParameterIsAnInterval) {
+  double const worst = json({"moves=1e-15 m/sqrt(Hz)"})["points"][0]["worst_ratio"]["value"].get<double>();
+  Json const j = json({"--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..2e-15 m/sqrt(Hz)", "--margin",
+                       digits(worst), "--tolerance", "0.2"});
+  EXPECT_EQ(j["verdict"], "found");
+  EXPECT_LT(j["meets"].get<double>(), 1e-15);
+  EXPECT_GT(j["exceeds"].get<double>(), 1e-15);
+  EXPECT_EQ(json({"--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..0.2e-15 m/sqrt(Hz)", "--margin",
+                  digits(worst)})["verdict"],
+            "always");
+}
+
+}  // namespace
+}  // namespace straytrace::testing

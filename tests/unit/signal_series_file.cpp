@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Series from text and CSV. HDF5 is compared with h5py by tests/tools/test_signal.py.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "base/message.hpp"
+#include "signal/series_file.hpp"
+#include "signal/text_table.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string message(std::function<void()> const& action) {
+  try {
+    action();
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(SeriesFile, CsvWithUnitsAndComments) {
+  std::string const text = "# a title, with commas\ntime [ms],\"x [um]\",y [V]\n0,1,5\n250,2,6 # aside\n500,3,7\n";
+  TimeSeries const x = parse_series(text, "a.csv", {.channel = "x", .unit = "", .span = {}});
+  EXPECT_EQ(x.name, "x");
+  EXPECT_EQ(x.unit, "um");
+  EXPECT_EQ(x.rate, 4);
+  EXPECT_EQ(x.samples, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(parse_series(text, "a.csv", {.channel = "2", .unit = "", .span = {}}).unit, "V");
+  EXPECT_EQ(parse_series(text, "a.csv", {.channel = "y", .unit = "count", .span = {}}).unit, "count");
+  EXPECT_EQ(channels_of(text, "a.csv"), (std::vector<std::string>{"x", "y"}));
+}
+
+TEST(SeriesFile, NamesInCommentsOfText) {  // the comment with units goes before the one without
+  NamedColumns const t = parse_named_columns("# made today by us\n# time [s], x [m/s^2]\n# time x\n0 1\n1 2\n");
+  EXPECT_EQ(t.error, "");
+  EXPECT_EQ(t.name, (std::vector<std::string>{"time", "x"}));
+  EXPECT_EQ(t.unit, (std::vector<std::string>{"s", "m/s^2"}));
+  NamedColumns const blank = parse_named_columns("# t [s] bench z [um]\n");
+  EXPECT_EQ(blank.error, "no numbers in it");
+}
+
+TEST(SeriesFile, FewDigitsStillGiveTheRate) {  // 1/128 s printed to 0.1 ms; a gap of one sample is seen all the same
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += std::to_string(1e6 + double(i) / 128).substr(0, 12) + " 1\n";
+  TimeSeries const s = parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {}});
+  EXPECT_EQ(s.rate, 128);
+  text += std::to_string(1e6 + 1001.0 / 128) + " 1\n";
+  EXPECT_NE(
+      message([&] { parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {}}); }).find("line 1001: a gap"),
+      std::string::npos);
+  // outside of the span nobody minds
+  EXPECT_EQ(parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {1e6, 1e6 + 5}}).samples.size(), 640u);
+}
+
+TEST(SeriesFile, DecimalCommasAreNamed) {
+  for (char const* text : {"0,0 1,5\n0,1 2,5\n", "t;x\n0,0;1,5\n0,1;2,5\n"})
+    EXPECT_NE(
+        message([&] { parse_series(text, "a.csv", {.channel = "", .unit = "m", .span = {}}); }).find("decimal commas"),
+        std::string::npos)
+        << text;
+  EXPECT_NE(parse_named_columns("t,x\n0,0,1,5\n0,1,2,5\n").error.find("not with a comma"), std::string::npos);
+  EXPECT_EQ(parse_named_columns("0,1\n1,2\n").column.size(), 2u) << "whole numbers between commas";
+}
+
+TEST(SeriesFile, MessagesSayWhatToWrite) {
+  auto const refusal = [](std::string const& text, SeriesRequest const& wanted) {
+    return message([&] { parse_series(text, "a.txt", wanted); });
+  };
+  EXPECT_EQ(refusal("0 1\n1 2\n", {}),
+            "a.txt: error: column 2 has no unit\n  say it with --unit, for example --unit um/s^2");
+  EXPECT_EQ(
+      refusal("0 1\n1 nan\n", {"", "m", {}}),
+      "a.txt: error: line 2: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");
+  EXPECT_EQ(refusal("5\n6\n", {"", "m", {}}),
+            "a.txt: error: it has one column, and a series needs the times too\n  write two columns: time in s, value");
+  EXPECT_EQ(refusal("t x [um] \n", {}).substr(0, 14), "a.txt: error: ");
+}
+
+}  // namespace
+}  // namespace straytrace
