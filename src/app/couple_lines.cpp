@@ -69,9 +69,10 @@ std::string verdict(Driven const& d, LineOptions const& o, HarmonicFit const& f)
                                 f.significance, plus_minus(f.z, sigma), plus_minus(metres(f.z), metres(sigma)));
   for (double const z : f.others) out += fmt::format("  {:.3g} rad, {:.3g} m fits as well\n", z, metres(z));
   return out + fmt::format(
-                   "G |cos phi_0| {:.3g}, G |sin phi_0| {:.3g} {}; chi^2 {:.1f} of {} degrees; lambda {:g} nm, "
+                   "G |cos phi_0| {:.3g}, G |sin phi_0| {:.3g}{}; chi^2 {:.1f} of {} degrees; lambda {:g} nm, "
                    "multiplicity {:g}\n",
-                   f.odd, f.even, d.pair.target.unit, f.chi_square, f.degrees, d.wavelength * 1e9, o.multiplicity);
+                   f.odd, f.even, d.pair.target.unit == "1" ? "" : " " + d.pair.target.unit, f.chi_square, f.degrees,
+                   d.wavelength * 1e9, o.multiplicity);
 }
 
 nlohmann::json json_of(Driven const& d, LineOptions const& o, HarmonicFit const& f, Amplitude const& coupling) {

@@ -61,16 +61,16 @@ LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
   double const n = double(v.force.segments.size());
   std::vector<double> left;
   double mean = 0;
-  for (std::size_t i = 0; i < v.force.segments.size(); ++i) {
-    double const y = n * v.target.mean[k] - v.target.segments[i][k], x = n * v.force.mean[k] - v.force.segments[i][k];
-    left.push_back(std::log(y / x) / 2);
-    mean += left.back() / n;
+  for (std::size_t i = 0; i + 1 < v.force.segments.size(); i += 2) {  // neighbours share knocks
+    auto const without = [&](Stretch const& s) { return n * s.mean[k] - s.segments[i][k] - s.segments[i + 1][k]; };
+    left.push_back(std::log(without(v.target) / without(v.force)) / 2);
+    mean += left.back();
   }
+  double const groups = double(left.size());
   double sum = 0;
-  for (double const l : left) sum += squared(l - mean);
-  double const shared = n / v.force.averages;  // overlapping segments are worth less
+  for (double const l : left) sum += squared(l - mean / groups);
   double const y = v.target.mean[k] - q.target.mean[k], x = v.force.mean[k] - q.force.mean[k];
-  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2, std::sqrt((n - 1) / n * sum * shared),
+  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2, std::sqrt((groups - 1) / groups * sum),
           std::log(x) / 2};
 }
 
@@ -161,9 +161,9 @@ std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> place
     if (span.from < s.target.start || span.to > s.target.end() + 1e-6)
       errors.push_back(fmt::format("error: '{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
                                    s.target.start, s.target.end()));
-    else if (segments < 3)
+    else if (segments < 6)
       errors.push_back(
-          fmt::format("error: '{}' at {} lasts {} s, which is fewer than three segments\n  choose a shorter "
+          fmt::format("error: '{}' at {} lasts {} s, which is fewer than six segments\n  choose a shorter "
                       "--segment",
                       p.name, p.start, p.duration));
     else {

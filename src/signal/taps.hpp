@@ -56,7 +56,7 @@ struct TapSeries {
 
 // Peaks of the target over all places, by rising frequency. Errors: spread between the segments of a place (jackknife,
 // so taps of different strength do not matter), and the averages of the quiet stretch. Throws InputError when a place
-// holds fewer than three segments or lies outside the data: all such places at once.
+// holds fewer than six segments or lies outside the data: all such places at once.
 std::vector<TapPeak> tap_peaks(TapSeries const&, std::span<TapPlace const>, GpsSpan quiet, WelchSettings const&,
                                TapThresholds const&);
 
