@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "noise/lagrange.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -12,24 +14,6 @@ constexpr double drift_step = 0.02;      // of ln kappa: 1 % in frequency, a qua
 constexpr double below_highest = 1e-12;  // bins that decide on the step
 
 int reach(std::size_t strong_classes) { return strong_classes == 1 ? 4 : 2; }
-
-// Lagrange polynomials of the points -m...m at x.
-std::array<double, 9> lagrange(double x, int m) {
-  std::array<double, 9> out{};
-  int const n = 2 * m + 1;
-  std::array<double, 10> left{};
-  left[0] = 1;
-  for (int k = 0; k < n; ++k) left[k + 1] = left[k] * (x - (k - m));
-  double right = 1;
-  for (int k = n; k-- > 0;) {
-    double denominator = 1;
-    for (int j = 1; j <= k; ++j) denominator *= j;
-    for (int j = 1; j < n - k; ++j) denominator *= -j;
-    out[k] = left[k] * right / denominator;
-    right *= x - (k - m);
-  }
-  return out;
-}
 
 struct Offset {
   std::size_t class_a, class_b;
@@ -70,6 +54,7 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
     use_means(std::move(lattice_));
     return;
   }
+  if (use_mixture(options.step, 5 * options.most)) return;
   start(options.step, options.most, true);
   while (!use_strengths()) {
     compute();
@@ -191,7 +176,8 @@ void StrengthNodes::use_means(Lattice cells) {
 void StrengthNodes::compute() {
   for (std::size_t n = first_basis_.size(); n < kappa_.size(); ++n) {
     std::vector<bool> responses = weak_;
-    for (std::size_t c = 0; c < responses.size(); ++c) responses[c] = responses[c] && kappa_[n][c] == 0;
+    for (std::size_t c = 0; c < responses.size(); ++c)
+      responses[c] = responses[c] && kappa_[n][c] == 0 && (n == still_ || !is_mixed(c));
     PhaseSpectrum s = spectra_.strong(kappa_[n], responses);
     first_basis_.push_back(static_cast<std::uint32_t>(basis_.size()));
     basis_.push_back({std::move(s.psd), std::move(s.linear)});
@@ -265,6 +251,7 @@ void StrengthNodes::weigh(Cell const& cell, std::span<double const> kappa, std::
 
 void StrengthNodes::shares(std::size_t path, std::vector<Share>& out) const {
   out.clear();
+  if (mixture_) return mixed_shares(path, out);
   std::span<double const> const kappa = paths_.of(path);
   Cell const& cell = lattice_.cells[lattice_.of[path]];
   thread_local std::vector<double> weight;

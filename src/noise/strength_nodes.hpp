@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "noise/mixture_lattice.hpp"
 #include "noise/phase_spectra.hpp"
 
 namespace straytrace {
@@ -20,13 +22,14 @@ struct Strengths {
   std::size_t size() const { return classes ? kappa.size() / classes : weight.size(); }
 };
 
-// The spectrum of every path is a sum of few spectra of nodes, which lie on a lattice in ln |kappa| of the strong
-// classes: Lagrange polynomials of 9 points for one strong class; for several, polynomials of 5 points along each and
-// the bilinear cross term of each pair. A drift, whose line moves through the bins, is shared between its two
-// neighbours. Weak classes are first order: each path adds kappa times the response of its nodes. The step is halved
-// until the spectra of neighbours differ by less than a factor e^0.8 (several classes e^0.4) in every bin within twelve
-// decades of the highest, or the nodes are `most`. When the paths have fewer different strengths than that, these are
-// the nodes.
+// The spectrum of every path is a sum of few spectra of nodes. Several strong classes of Gaussian motion:
+// MixtureLattice, of at most five times `most` nodes. Else nodes lie on a lattice in ln |kappa| of the strong classes:
+// Lagrange polynomials of 9 points for one strong class; for several (tones and drifts among them) polynomials of 5
+// points along each and the bilinear cross term of each pair. A drift, whose line moves through the bins, is shared
+// between its two neighbours. Weak classes are first order: each path adds kappa times the response of its nodes. That
+// step is halved until the spectra of neighbours differ by less than a factor e^0.8 (several classes e^0.4) in every
+// bin within twelve decades of the highest, or the nodes are `most`. When the paths have fewer different strengths than
+// that, these are the nodes.
 class StrengthNodes {
  public:
   struct Options {
@@ -78,6 +81,13 @@ class StrengthNodes {
   bool use_strengths();  // if they are no more than the nodes
   void use_means(Lattice);
   bool any_negative() const;
+  // Strong in some path and Gaussian in all: false when these are fewer than two or not all that are strong.
+  bool use_mixture(double step, std::size_t most);
+  bool try_mixture(std::vector<double> const& rate, double least, double step, std::size_t most);
+  bool smooth_along() const;
+  std::vector<double> square_rates() const;  // per class, 0 where never strong; empty: no mixture
+  bool is_mixed(std::size_t c) const { return mixture_ && mixed_[c]; }
+  void mixed_shares(std::size_t path, std::vector<Share>& out) const;
   void weigh(Cell const&, std::span<double const> kappa, std::vector<double>& weight) const;
   void compute();
   bool smooth() const;
@@ -91,6 +101,9 @@ class StrengthNodes {
   std::vector<std::vector<double>> kappa_;  // per node, of strong classes
   std::vector<std::uint32_t> first_basis_;  // per node: its own; those of the weak classes follow
   std::vector<Basis> basis_;
+  std::optional<MixtureLattice> mixture_;
+  std::vector<bool> mixed_;                           // per class
+  std::size_t still_ = static_cast<std::size_t>(-1);  // node of paths that are weak in all of them
 };
 
 }  // namespace straytrace

@@ -73,10 +73,29 @@ TEST(StrengthHistogram, SeveralClasses) {  // two strong ones and one that is li
   MotionClass const other{power_law_asd(3e-9, 1, -1.2, 0.1, 300), 0, {}},
       quiet{power_law_asd(1e-16, 100, -1, 20, 1000), 0, {}};
   PhaseSpectra const spectra({ground, other, quiet}, grid);
-  Strengths const paths = spread({unit, 0.5 / other.variance(), 1e-5 / quiet.variance()}, 100, 0.4);
-  Shared const usual = compare(spectra, paths, {0.2, 90, false});
+  Strengths const paths = spread({unit, 0.5 / other.variance(), 1e-5 / quiet.variance()}, 200, 0.4);
+  Shared const usual = compare(spectra, paths, {});
   EXPECT_GT(usual.step, StrengthNodes::same);
   EXPECT_LT(usual.error, 5e-4);
+}
+
+// Light scattered by small angles moves the phase along the beam by 2k, across it by anything down to nothing. Far in
+// the tail of wrapped fringes, where a spectrum is ten decades below its highest value, either changes it by factors.
+TEST(StrengthHistogram, StrengthsOfTwoClassesSpreadOverDecades) {
+  Spectrum const sea = gaussian_line(0.35, 0.08, 0.5e-6);
+  PhaseSpectra const spectra({{power_law_asd(1e-6, 1, -2, 0.7, 2000) + sea, 0, {}},
+                              {power_law_asd(1e-6, 1, -2.2, 0.7, 2000) + sea.scaled(2), 0, {}}},
+                             grid);
+  Strengths paths{2, {}, {}};
+  for (int i = 0; i < 160; ++i) {
+    Rng rng(12, i, 0, Stream::source);
+    double const along = std::exp(0.6 * (rng.uniform() - 0.5)), across = std::pow(10, -6 * rng.uniform());
+    paths.kappa.insert(paths.kappa.end(), {two_k * two_k * along, 0.3 * two_k * two_k * across});
+  }
+  Shared const usual = compare(spectra, paths, {});
+  EXPECT_GT(usual.step, StrengthNodes::same);
+  EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
+  EXPECT_GT(compare(spectra, paths, {1, 400, false}).error, 1e-2);  // twin: four times as coarse
 }
 
 TEST(StrengthHistogram, FewPathsAreTheirOwnNodes) {
