@@ -19,6 +19,7 @@ double bessel(int n, double z) { return boost::math::cyl_bessel_j(n, z); }
 
 constexpr int steps_per_radian = 16;
 constexpr double smallest_z = 1e-3;
+constexpr std::size_t neighbours = 8;  // windows on each side that share their noise
 
 // Noise of half-overlapping Hann windows is correlated by 1/6: of means of amplitudes and of noise powers.
 constexpr double shared_amplitude = 1 + 2.0 / 6, shared_power = 1 + 2.0 / 36;
@@ -70,9 +71,10 @@ class Steps {
 
   Steps(std::span<LinePoint const> drive, std::span<LinePoint const> target) {
     for (std::size_t i = 0; i < drive.size(); ++i) {
+      double const noise = level_around(target, i);
       drive_.push_back(std::abs(drive[i].amplitude));
-      target_.push_back(std::sqrt(std::max(0.0, std::norm(target[i].amplitude) - squared(target[i].sigma))));
-      sigma_.push_back(std::max(target[i].sigma * std::sqrt(shared_amplitude), 1e-12 * target_.back()));
+      target_.push_back(std::sqrt(std::max(0.0, std::norm(target[i].amplitude) - noise)));
+      sigma_.push_back(std::max(std::sqrt(noise * shared_amplitude), 1e-12 * target_.back()));
       largest_ = std::max(largest_, drive_.back());
     }
   }
@@ -91,6 +93,15 @@ class Steps {
   }
 
  private:
+  // One window sees its noise in few frequencies. Weights that scatter make a mean worse than its error says, so the
+  // noise is the mean over neighbouring windows.
+  static double level_around(std::span<LinePoint const> target, std::size_t i) {
+    std::size_t const from = i > neighbours ? i - neighbours : 0, to = std::min(i + neighbours + 1, target.size());
+    double sum = 0;
+    for (std::size_t k = from; k < to; ++k) sum += squared(target[k].sigma) / double(to - from);
+    return sum;
+  }
+
   std::vector<double> drive_, target_, sigma_;
   double largest_ = 0;
 };

@@ -155,6 +155,23 @@ TEST(Ramp, TellsFringeFromLineR6_03) {
   }
 }
 
+// Windows of eight periods see their noise in six frequencies. Weights by what each saw alone make the error too small
+// by a quarter.
+TEST(Ramp, ErrorHoldsWhereWindowsSeeLittleNoise) {
+  auto const n = std::size_t(12 * rate);
+  auto const motion = sampled(n, [](double t) { return (0.2 + t / 15) * std::sin(2 * pi * 20.3 * t); });
+  TimeSeries const drive = channel("DRIVE", "m", rate, motion);
+  auto const track = track_line(drive, {20, 22, 0.4});
+  constexpr int trials = 300;
+  double square = 0;
+  for (int i = 0; i < trials; ++i) {
+    TimeSeries const target = channel("H", "1", rate, motion + white_noise(n, 4000 + std::uint64_t(i), 0.2));
+    RampFit const r = fit_ramp(track, follow_line(target, track, 0.4));
+    square += std::pow((r.slope - 1) / r.slope_sigma, 2) / trials;
+  }
+  EXPECT_NEAR(std::sqrt(square), 1, 0.12);  // three standard deviations of 300 trials
+}
+
 TEST(Ramp, DriftOfTheStaticPhaseIsNeither) {
   EXPECT_EQ(ramp(1.8, 9, 0.02, 20).verdict, RampFit::Verdict::neither);
   EXPECT_EQ(ramp(1.8, 9, 0.02, 0).verdict, RampFit::Verdict::fringe);
