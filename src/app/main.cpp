@@ -41,21 +41,22 @@ void say(std::string const& what, bool json) {
 
 // One sentence and what to write instead; the exit code.
 int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
-  std::string words;
   CLI::App const* deepest = &app;
-  for (auto next = app.get_subcommands(); !next.empty(); next = deepest->get_subcommands()) {
-    deepest = next.front();
-    words += deepest->get_name() + " ";
+  std::string named;
+  for (auto below = app.get_subcommands(); !below.empty(); below = deepest->get_subcommands()) {
+    deepest = below.front();
+    named += deepest->get_name() + " ";
   }
   CLI::App const& command = *deepest;
-  std::string const help = fmt::format("see straytrace {}--help", words);
-  bool const wants_command = !command.get_subcommands(nullptr).empty();
-  std::string const name = wants_command || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
+  std::string const help = fmt::format("see straytrace {}--help", named);
+  bool const takes_commands = !command.get_subcommands(nullptr).empty();
+  std::string const name =
+      takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
   if (name.empty()) {
     say(fmt::format("{}\n  {}", e.what(), help), json);
   } else {
     std::string const near = nearest_word(name, words_of(command));
-    std::string const what = name.starts_with('-') ? "an option" : wants_command ? "a command" : "expected";
+    std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
     say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
         json);
@@ -93,7 +94,7 @@ int main(int argc, char** argv) {
   int exit_code = done;
   for (auto* add :
        {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render, add_importance,
-        add_apertures, add_ghosts, add_budget, add_fit, add_scan, add_project, add_fringes, add_couple, add_signal})
+        add_apertures, add_ghosts, add_budget, add_scan, add_signal, add_project, add_fringes, add_couple, add_fit})
     add(app, options, exit_code);
   try {
     app.parse(argc, argv);
