@@ -155,8 +155,8 @@ TEST(Ramp, TellsFringeFromLineR6_03) {
   }
 }
 
-// Windows of eight periods see their noise in six frequencies. Weights by what each saw alone make the error too small
-// by a quarter.
+// Windows of eight periods see their noise in six frequencies. Slopes weighted by what each window saw alone scatter by
+// 1.39 of their error.
 TEST(Ramp, ErrorHoldsWhereWindowsSeeLittleNoise) {
   auto const n = std::size_t(12 * rate);
   auto const motion = sampled(n, [](double t) { return (0.2 + t / 15) * std::sin(2 * pi * 20.3 * t); });
