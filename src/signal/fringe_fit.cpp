@@ -162,8 +162,15 @@ OutOfSample test_of(FringeProblem const& fitted, RefinedFit const& fit, FringeSt
   return out;
 }
 
+bool ends_a_range(FringeFit const& fit) {
+  return fit.ratio.at_end || std::any_of(fit.paths.begin(), fit.paths.end(), [](FittedPath const& p) {
+           return p.multiplicity.at_end || p.delay.at_end || p.drift.at_end;
+         });
+}
+
 FitVerdict verdict_of(FringeFit const& fit, double false_alarm) {
   if (fit.ln_false_alarm >= std::log(false_alarm)) return FitVerdict::none;
+  if (ends_a_range(fit)) return FitVerdict::at_end;
   if (fit.test.seconds == 0) return FitVerdict::untested;
   double const expected = 1 / fit.test.scale.sigma;  // standard errors that a good fit would reach
   bool const seen = fit.test.scale.value > 3 * fit.test.scale.sigma && fit.test.scale.value > 0.5;
