@@ -97,7 +97,7 @@ FringeFrame frame_of(FringeRecords const& r, FringeFitSettings const& s, double 
 
 void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double& trials) {
   for (std::size_t p = 0; p < s.paths.size(); ++p) trials += search_grid(stretch, s, p, s.ratio.low).transforms();
-  if (trials * double(stretch.model_samples()) > 3e10)
+  if (trials * double(stretch.model_samples()) > 1e10)  // about two minutes
     throw InputError(fmt::format(
         "error: the search would take {:.3g} transforms of {} samples\n  narrow the ranges of multiplicity, drift and "
         "ratio, or give a shorter stretch",
