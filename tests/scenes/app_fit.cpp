@@ -66,6 +66,16 @@ TEST(Fit, NothingIsSubtractedWithoutAFringe) {
   EXPECT_FALSE(fs::exists(folder / "rest.hdf5"));
 }
 
+// Freeing one parameter does not fix another.
+TEST(Fit, FreeAddsToWhatIsSearched) {
+  Finished const done = straytrace(words({"--free", "delay", "--gps", "1187000000..1187000020", "--format", "json"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const path = Json::parse(done.out)["paths"][0];
+  EXPECT_TRUE(path["delay_s"]["free"]);
+  EXPECT_TRUE(path["multiplicity"]["free"]);
+  EXPECT_NEAR(path["multiplicity"]["value"].get<double>(), 1.3, 0.03);
+}
+
 TEST(Fit, RefusesWhatCannotBeFitted) {
   auto const refused = [](Words const& more, char const* what, char const* band = "20 Hz..85 Hz") {
     Finished const done = straytrace(words(more, band));
