@@ -118,8 +118,9 @@ def draw_map(figure, axes, sheet):
     for column, colour in zip(sheet["lines"], ("white", "#ff6666", "#ffcc00", "#66ffff") * len(sheet["lines"])):
         axes.plot(np.array(sheet["line_time_s"]) - origin, values(column["values"]), color=colour, lw=1.0,
                   label=shortened(column["name"], 40))
+    axes.set_xlim(*(edges(np.array(sheet["time_s"]) - origin)[[0, -1]]))
     if sheet["lines"]:
-        axes.legend(loc="upper right", facecolor="#333333", labelcolor="white")
+        axes.legend(loc="upper right", frameon=True, framealpha=0.9, facecolor="#333333", labelcolor="white")
     bar = figure.colorbar(mesh, ax=axes)
     bar.set_label(f"[{sheet['unit']}]" if sheet["unit"] != "1" else "normalised")
     axes.set(xlabel=f"time after GPS {origin:.0f} [s]" if origin else "time [s]", ylabel="frequency [Hz]")

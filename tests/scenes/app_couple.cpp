@@ -30,7 +30,7 @@ Words noise_words() {
           "--target",    data("shaken.csv") + "::H",
           "--injection", "24..48",
           "--quiet",     "0..24",
-          "--segment", "2 s"};
+          "--segment",   "2 s"};
 }
 
 // |H| of the mode at 12 Hz, tau 0.15 s, 4e-22 per um/s^2.

@@ -116,9 +116,10 @@ TEST(Fit, RouteOfARunAgainstItsPrediction) {
   double const f = path["recoupled_fraction"]["value"].get<double>();
   EXPECT_LT(f, 1.1 * std::pow(2e-21 / transfer, 2)) << "both quadratures make h: less field is enough";
   EXPECT_GT(f, 0);
-  if (prediction["resolved"].get<bool>())
+  if (prediction["resolved"].get<bool>()) {
     EXPECT_NEAR(prediction["measured_over_predicted"]["value"].get<double>(),
                 f / prediction["recoupled_fraction"]["value"].get<double>(), 1e-9);
+  }
   Finished const other = straytrace({"fit", folder / "run.h5", "--path", "999", "--target", example + "::h",
                                      "--witness", example + "::x", "--band", "20 Hz..85 Hz"});
   EXPECT_EQ(other.code, 2);
