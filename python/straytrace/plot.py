@@ -57,12 +57,12 @@ def ranked(run, band):
 
 
 def limits(curves):
-    """Range of a logarithmic axis: all of what matters, but not more than 8 decades below the top."""
+    """Logarithmic range: at most 8 decades below the top, or 5 below the highest value of the first curve."""
     values = np.concatenate([c[np.isfinite(c) & (c > 0)] for c in curves] or [np.array([])])
     if values.size == 0:
         return 1e-26, 1e-20
-    top = values.max() * 3
-    return max(values.min() / 2, top * 1e-8), top
+    top, first = values.max() * 3, np.nanmax(curves[0], initial=0) * 1e3
+    return max(values.min() / 2, min(top, first or top) * 1e-8), top
 
 
 def draw_budget(axes, run, band):

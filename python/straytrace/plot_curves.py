@@ -108,8 +108,9 @@ def draw_map(figure, axes, sheet):
     known = z[np.isfinite(z) & (z > 0)]
     low, high = (np.percentile(known, 1), known.max()) if known.size else (1, 10)
     norm = LogNorm(low, max(high, low * 1.0001)) if sheet["unit"] != "1" else Normalize(0, max(high, 1e-9))
-    mesh = axes.pcolormesh(edges(np.array(sheet["time_s"]) - origin), edges(f), z.T, norm=norm, cmap="viridis",
-                           rasterized=True)
+    times = edges(np.array(sheet["time_s"]) - origin)
+    mesh = axes.pcolormesh(times, edges(f), z.T, norm=norm, cmap="viridis", rasterized=True)
+    axes.set_xlim(times[0], times[-1])
     if f.size > 1 and f[0] >= 0:
         positive = f[f > 0]
         axes.set_ylim(positive[0] if positive.size else 0, f[-1])
@@ -119,7 +120,7 @@ def draw_map(figure, axes, sheet):
         axes.plot(np.array(sheet["line_time_s"]) - origin, values(column["values"]), color=colour, lw=1.0,
                   label=shortened(column["name"], 40))
     if sheet["lines"]:
-        axes.legend(loc="upper right", facecolor="#333333", labelcolor="white")
+        axes.legend(loc="upper right", frameon=True, facecolor="#333333", labelcolor="white")
     bar = figure.colorbar(mesh, ax=axes)
     bar.set_label(f"[{sheet['unit']}]" if sheet["unit"] != "1" else "normalised")
     axes.set(xlabel=f"time after GPS {origin:.0f} [s]" if origin else "time [s]", ylabel="frequency [Hz]")

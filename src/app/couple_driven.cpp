@@ -54,8 +54,8 @@ CurveSheet line_sheet(Driven const& d) {
                  fmt::format("Hann windows of {:g} s, half overlap; amplitudes are peak", d.window)};
   sheet.x = {"time", "s", {}};
   sheet.log_x = false;
-  CurveColumn hz{"frequency", "Hz", {}, "hidden"}, drive{"drive", d.unit, {}}, target{"target", d.pair.target.unit, {}},
-      sigma{"target_sigma", d.pair.target.unit, {}, "hidden"};
+  CurveColumn hz{"frequency", "Hz", {}, "hidden"}, drive{"drive", d.unit, {}, "hidden"},
+      target{"target", d.pair.target.unit, {}}, sigma{"target_sigma", d.pair.target.unit, {}, "hidden"};
   for (std::size_t i = 0; i < d.drive.size(); ++i) {
     sheet.x.values.push_back(d.drive[i].time);
     hz.values.push_back(d.drive[i].hz);

@@ -108,8 +108,8 @@ std::string driven_text(DrivenResponse const& d, double peak, double hz, char co
 }
 
 void add_curve(CurveSheet& sheet, std::string const& name, std::string const& unit, std::vector<double> const& value,
-               std::vector<double> const& sigma) {
-  CurveColumn mean{name, unit, {}}, low{name + "_low", unit, {}, "band-low"},
+               std::vector<double> const& sigma, std::string const& style = "line") {
+  CurveColumn mean{name, unit, {}, style}, low{name + "_low", unit, {}, "band-low"},
       high{name + "_high", unit, {}, "band-high"};
   for (std::size_t i = 0; i < value.size(); ++i) {
     bool const known = value[i] > 0;
@@ -149,7 +149,8 @@ void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, M
     double const hz = option_quantity(o.frequency, dim::frequency, "--frequency", "0.5 Hz");
     if (!(hz > 0)) throw InputError("error: --frequency: it is not positive\n  write --frequency \"0.5 Hz\"");
     DrivenResponse const d = drive_body(table, model.motion.bodies, *model.detector, grid, where, peak, hz);
-    add_curve(out.sheet, "h_driven", "1/sqrt(Hz)", d.budget.total.asd, d.budget.total.sigma);
+    add_curve(out.sheet, "h_driven", "1/sqrt(Hz)", d.budget.total.asd, d.budget.total.sigma,
+              "points");  // lines with nothing between them
     out.text += driven_text(d, peak, hz, unit);
     for (DrivenRoute const& r : d.routes)
       out.result["driven"].push_back({{"route", r.name}, {"phase_peak", r.phase_peak}, {"shelf_edge", r.cutoff}});

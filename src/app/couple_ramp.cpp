@@ -15,18 +15,34 @@ namespace {
 
 using Verdict = RampFit::Verdict;
 
-char const* word(Verdict v) { return v == Verdict::linear ? "linear" : v == Verdict::fringe ? "fringe" : "neither"; }
+char const* word(Verdict v) {
+  switch (v) {
+    case Verdict::linear:
+      return "linear";
+    case Verdict::fringe:
+      return "fringe";
+    case Verdict::neither:
+      return "neither";
+    case Verdict::unseen:
+      return "unseen";
+  }
+  return "";
+}
+
+double limit_of(RampFit const& r) { return r.slope + 1.645 * r.slope_sigma; }  // 95 %
 
 std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
   double most = 0;
   for (LinePoint const& p : d.drive) most = std::max(most, std::abs(p.amplitude));
   std::string out = fmt::format("{}: {:.5g} Hz, up to {:.3g} {} peak, {} windows of {:g} s\n", d.pair.witness.name,
-                                d.frequency(), most, d.unit, r.points, d.window);
-  out +=
-      fmt::format("straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
-                  plus_minus(r.slope, r.slope_sigma), d.coupling_unit, r.chi_linear, r.points - 1, r.chi_fringe,
-                  r.points - 2, r.significance);
+                                d.frequency(), most, d.unit, d.drive.size(), d.window);
+  out += fmt::format(
+      "straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
+      r.verdict == Verdict::unseen ? fmt::format("<= {:.3g}", limit_of(r)) : plus_minus(r.slope, r.slope_sigma),
+      d.coupling_unit, r.chi_linear, r.degrees_linear, r.chi_fringe, r.degrees_fringe, r.significance);
+  if (r.verdict == Verdict::unseen)
+    return out + "verdict: the target shows no line at the drive; the coupling is an upper limit (95 %)\n";
   if (r.verdict == Verdict::linear)
     return out + (r.open
                       ? "verdict: linear\n"
@@ -52,8 +68,15 @@ CurveSheet sheet_of(Driven const& d, RampFit const& r) {
   sheet.x = sheet.y[1];
   sheet.x.style = "line";
   for (double const a : sheet.x.values) line.values.push_back(r.slope * a);
+  CurveColumn fringe{"fringe", d.pair.target.unit, {}};
+  double const most = *std::max_element(sheet.x.values.begin(), sheet.x.values.end());
+  for (double const a : sheet.x.values) {
+    double const z = r.z * a / most;
+    fringe.values.push_back(r.small_slope * a * std::fabs(2 * std::cyl_bessel_j(1, z) / z));
+  }
   sheet.y = {time, sheet.y[0], sheet.y[2], sheet.y[3], line};
   sheet.y[2].style = "points";
+  if (r.verdict == Verdict::fringe) sheet.y.push_back(std::move(fringe));
   sheet.log_x = true;
   return sheet;
 }
@@ -62,10 +85,15 @@ CurveSheet sheet_of(Driven const& d, RampFit const& r) {
 CouplingFunction coupling_of(Driven const& d, RampFit const& r) {
   CouplingPoint p;
   p.hz = d.frequency();
+  p.significance = r.slope / r.slope_sigma;
+  if (r.verdict == Verdict::unseen) {
+    p.flag = CouplingFlag::upper_limit;
+    p.factor = limit_of(r);
+    return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
+  }
   p.factor = r.verdict == Verdict::linear ? r.slope : r.small_slope;
   p.sigma = r.verdict == Verdict::linear ? r.slope_sigma : not_a_number;
   p.flag = r.verdict == Verdict::linear ? CouplingFlag::measured : CouplingFlag::not_linear;
-  p.significance = r.slope / r.slope_sigma;
   return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
 }
 
@@ -73,18 +101,19 @@ int run_ramp(LineOptions const& o) {
   check_outputs(o.data);
   Driven const d = follow_drive(o);
   RampFit const r = fit_ramp(d.drive, d.target, o.significance, o.z_max);
-  bool const fringe = r.verdict == Verdict::fringe;
+  bool const fringe = r.verdict == Verdict::fringe, unseen = r.verdict == Verdict::unseen;
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
   answer_with_result(o.data, sheet_of(d, r), text_of(d, o, r),
                      {{"verdict", word(r.verdict)},
                       {"significance", r.significance},
                       {"frequency", d.frequency()},
-                      {"slope", r.slope},
-                      {"slope_sigma", r.slope_sigma},
+                      {"slope", unseen ? limit_of(r) : r.slope},
+                      {"slope_sigma", number_or_null(unseen ? not_a_number : r.slope_sigma)},
+                      {"upper_limit", unseen},
                       {"unit", d.coupling_unit},
                       {"chi_square_linear", r.chi_linear},
                       {"chi_square_fringe", r.chi_fringe},
-                      {"points", r.points},
+                      {"points", d.drive.size()},
                       {"z", number_or_null(fringe ? r.z : not_a_number)},
                       {"z_low", number_or_null(fringe ? r.z_low : not_a_number)},
                       {"z_high", number_or_null(fringe ? r.z_high : not_a_number)},

@@ -92,9 +92,10 @@ void add_fit(CLI::App& app, Options&, int& exit_code) {
   command->add_option("--delay", o.delay, "of the noise behind the witness: a value, or a range -20 ms..20 ms");
   command->add_option("--drift", o.drift, "of the static phase: a value, or a range \"-1 rad/s..1 rad/s\"");
   command
-      ->add_option("--free", o.free,
-                   "parameters searched over their default ranges: multiplicity,phase,delay,drift,ratio; amplitude and "
-                   "phase are always free")
+      ->add_option(
+          "--free", o.free,
+          "parameters searched as well, over their default ranges: multiplicity,phase,delay,drift,ratio; amplitude and "
+          "phase are always free")
       ->delimiter(',')
       ->check(CLI::IsMember({"multiplicity", "phase", "delay", "drift", "ratio"}));
   command->add_option("--gain-per-field", o.gain, "strain per relative field, of a detector without run: \"1.1e-16\"");

@@ -48,8 +48,7 @@ SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, S
     double const w = route->multiplicity, wide = std::max(0.3 * std::fabs(w), 2 * route->spread);
     return range_or(o, o.multiplicity, plain, "multiplicity", "0.5..6", {w - wide, w + wide}, w);
   }
-  bool const nothing_said = o.multiplicity.empty() && o.free.empty();
-  return nothing_said ? otherwise : range_or(o, o.multiplicity, plain, "multiplicity", "0.5..6", otherwise, 1);
+  return o.multiplicity.empty() ? otherwise : option_range(o.multiplicity, plain, "--multiplicity", "0.5..6");
 }
 
 double option_share(std::string const& text, std::string const& option, std::string const& example) {

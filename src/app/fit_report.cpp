@@ -139,7 +139,7 @@ nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
 }
 
 char const* verdict_word(FitVerdict v) {
-  char const* const words[] = {"none", "untested", "not-general", "found"};
+  char const* const words[] = {"none", "untested", "not-general", "end-of-range", "found"};
   return words[std::size_t(v)];
 }
 
@@ -153,6 +153,8 @@ std::string verdict_text(FitVerdict v) {
       return "significant, but the rest of the record is too short or too quiet to confirm it";
     case FitVerdict::not_general:
       return "significant, but the fit does not generalise: it fails on the rest of the record";
+    case FitVerdict::at_end:
+      return "significant, but a parameter stands at the end of its range: the best fit may lie beyond; widen it";
     case FitVerdict::found:
       return "fringe noise found: the fit predicts the rest of the record";
   }

@@ -105,17 +105,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
 
 void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
   Scene const other = read_scene(file, {}, texts);
-  if (Node const bodies = other.table("bodies")) {
-    std::vector<std::string> const known = model.world.body_names();
-    for (auto const& [name, node] : bodies.items()) {
-      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-      std::string const near = nearest_word(name, known);
-      node.problem(fmt::format("the run has no body '{}'", name),
-                   near.empty() ? fmt::format("its bodies: {}", fmt::join(known, ", "))
-                                : fmt::format("did you mean '{}'?", near));
-    }
-    model.motion = read_motion(bodies, known);
-  }
+  if (Node const bodies = other.table("bodies")) model.motion = read_motion(bodies, model.world.body_names(), true);
   if (other.table("noise")) read_noise(model, other);
   Node const interferometer = other.table("interferometer");
   if (interferometer)

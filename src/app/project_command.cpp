@@ -38,8 +38,30 @@ TimeDomainSettings settings_of(TimeOptions const& o, TimeInputs const& in) {
   return s;
 }
 
+// Options that say nothing about a coupling function.
+void refuse_options_of_runs(TimeOptions const& time, TimeFiles const& files) {
+  std::pair<bool, char const*> const given[] = {{!files.strain.empty(), "-o"},
+                                                {!files.spectrogram.empty(), "--spectrogram"},
+                                                {!files.motion.empty(), "--save-motion"},
+                                                {!time.motion.empty(), "--motion"},
+                                                {!time.channel.empty(), "--channel"},
+                                                {!time.body.empty(), "--body"},
+                                                {!time.routes.empty(), "--route"},
+                                                {!time.ports.empty(), "--port"},
+                                                {!time.moved_by.empty(), "--moved-by"},
+                                                {!time.duration.empty(), "--duration"},
+                                                {time.rate > 0, "--rate"},
+                                                {time.retarded, "--retarded"}};
+  std::string all;
+  for (auto const& [is_given, name] : given)
+    if (is_given)
+      all += fmt::format("error: {}: for the motion through a run; a coupling function gives a spectrum only\n", name);
+  if (!all.empty()) throw InputError(all + "  write --asd FILE for the projection, and leave the others out");
+}
+
 // A coupling function instead of a run.
 int project_coupling_file(ProjectOptions const& o) {
+  refuse_options_of_runs(o.time, o.files);
   if (o.coupling.witness.empty())
     throw InputError(
         fmt::format("error: '{}' is a coupling function, and no quiet witness is given\n  write --witness "
@@ -56,6 +78,10 @@ int project_coupling_file(ProjectOptions const& o) {
 
 int project(ProjectOptions const& o) {
   if (o.time.run.ends_with(".csv") || !o.coupling.witness.empty()) return project_coupling_file(o);
+  if (!o.coupling.target.empty() || !o.coupling.coupling_unit.empty())
+    throw InputError(
+        "error: --target, --coupling-unit: for a coupling function\n  leave them out, or give its CSV and "
+        "--witness");
   check_time_files(o.files);
   TimeInputs const in = read_time_inputs(o.time);
   TimeDomainSettings settings = settings_of(o.time, in);

@@ -7,6 +7,8 @@
 #include <iostream>
 
 #include "app/options.hpp"
+#include "base/message.hpp"
+#include "base/quantity.hpp"
 #include "report/report.hpp"
 #include "signal/coupling_file.hpp"
 #include "signal/coupling_projection.hpp"
@@ -32,11 +34,40 @@ Level level_of(TimeSeries const& s, WelchSettings const& settings, std::string& 
   return level;
 }
 
+// What stands below the stroke of a unit said for the factors: "m" of "1/m", "m/s^2" of "1/(m/s^2)". It must be of the
+// witness, or the projection would be in another unit than it says.
+std::string unit_below(std::string const& unit, TimeSeries const& witness) {
+  auto const stroke = unit.find('/');
+  std::string below = stroke == unit.npos ? "1" : unit.substr(stroke + 1);
+  if (below.starts_with('(') && below.ends_with(')')) below = below.substr(1, below.size() - 2);
+  auto const whole = parse_unit(unit), above = parse_unit(unit.substr(0, stroke)), part = parse_unit(below),
+             have = parse_unit(witness.unit);
+  bool const split = whole && above && part && times(above->dimension, part->dimension, -1) == whole->dimension;
+  if (!split || !have || !(part->dimension == have->dimension))
+    throw InputError(fmt::format("error: --coupling-unit: '{}' is not per {}, the unit of '{}'\n  write for example {}",
+                                 unit, witness.unit, witness.name, ratio_unit("1", witness.unit)));
+  return below;
+}
+
 // What stands above the stroke of "1/m" or "1/(m/s^2)".
 std::string target_unit(CouplingFunction const& c) {
   for (std::string const& below : {"/" + c.witness_unit, "/(" + c.witness_unit + ")"})
     if (c.unit.ends_with(below)) return c.unit.substr(0, c.unit.size() - below.size());
   return c.unit;
+}
+
+// From the unit above the stroke of the coupling to that of the target.
+void rescale(ProjectedCoupling& p, std::string const& unit, TimeSeries const& target) {
+  auto const have = parse_unit(unit), want = parse_unit(target.unit);
+  if (!have || !want || !(have->dimension == want->dimension))
+    throw InputError(
+        fmt::format("error: --target: '{}' is in {}, and the coupling makes {} of the witness\n  choose the target "
+                    "that the coupling was measured with",
+                    target.name, target.unit, unit));
+  for (ProjectedPoint& q : p.points) {
+    q.asd *= have->si / want->si;
+    q.sigma *= have->si / want->si;
+  }
 }
 
 CurveSheet sheet_of(ProjectedCoupling const& p, Level const* target, std::string const& unit) {
@@ -56,6 +87,8 @@ CurveSheet sheet_of(ProjectedCoupling const& p, Level const* target, std::string
 }
 
 std::string point_text(ProjectedPoint const& q, std::string const& unit) {
+  if (q.flag == CouplingFlag::measured && std::isnan(q.sigma))
+    return fmt::format("{:.3g} {}, error unknown", q.asd, unit);
   if (q.flag == CouplingFlag::measured) return fmt::format("{} {}", with_error(q.asd, q.sigma), unit);
   if (q.flag == CouplingFlag::upper_limit) return fmt::format("< {:.3g} {} (upper limit)", q.asd, unit);
   return fmt::format("unknown ({})", name_of(q.flag));
@@ -94,12 +127,14 @@ int project_measured_coupling(CouplingProjectionOptions const& o) {
     if (std::string const why = curve_ending_error(o.asd); !why.empty())
       throw InputError(fmt::format("error: --asd: {}", why.substr(why.find(' ') + 1)));
   TimeSeries const witness = series_of(o.data, o.witness);
-  CouplingFunction const coupling =
-      parse_coupling(read_file(o.coupling), o.coupling, o.coupling_unit, o.coupling_unit.empty() ? "" : witness.unit);
+  CouplingFunction coupling = parse_coupling(read_file(o.coupling), o.coupling, o.coupling_unit,
+                                             o.coupling_unit.empty() ? "" : unit_below(o.coupling_unit, witness));
+  if (coupling.witness.empty()) coupling.witness = witness.name;
+  if (coupling.target.empty()) coupling.target = "target";
   WelchSettings const settings = welch_of(o.data, witness);
   std::string note;
   Level const quiet = level_of(witness, settings, note);
-  ProjectedCoupling const p = project_coupling(coupling, {witness.unit, quiet.hz, quiet.asd, quiet.sigma});
+  ProjectedCoupling p = project_coupling(coupling, {witness.unit, quiet.hz, quiet.asd, quiet.sigma});
   std::string unit;
   Level target;
   if (!o.target.empty()) {
@@ -112,6 +147,7 @@ int project_measured_coupling(CouplingProjectionOptions const& o) {
     for (std::size_t i = 0; i < p.points.size(); ++i)
       target.asd.push_back(i < all.asd.size() ? all.asd[i] : not_a_number);
     unit = asd_unit(series.unit);
+    rescale(p, target_unit(coupling), series);
   }
   if (unit.empty()) unit = asd_unit(target_unit(coupling));
   CurveSheet sheet = sheet_of(p, o.target.empty() ? nullptr : &target, unit);

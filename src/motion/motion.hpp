@@ -52,8 +52,9 @@ class MotionSet {
 };
 
 // Reads the table `bodies` of a scene. Every body must have a motion ("still" is a statement, not a default).
-// Problems go to the document. `bodies`: names in the order of BodyId.
-MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies);
+// Problems go to the document. `bodies`: names in the order of BodyId. What is not among them and carries none of them
+// is a warning; a problem where they are those of a `traced` run, which has no levers for it.
+MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced = false);
 
 // Names in the order of BodyId: the bodies of the table, then their elastic modes as "body/mode".
 std::vector<std::string> bodies_and_modes(Node const& bodies_table);

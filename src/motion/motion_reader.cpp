@@ -2,6 +2,7 @@
 #include "motion/motion_reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,11 +31,18 @@ Axes const& MotionReader::resolve(std::string const& name) {
   return body.axes;
 }
 
-void MotionReader::finish() {
+void MotionReader::finish(std::vector<std::string> const* of_run) {
   for (auto& [name, body] : bodies_) {
     if (body.used) continue;
-    body.node.warning(fmt::format("body '{}' moves, but no part belongs to it", name),
-                      "write 'body: " + name + "' at a part, or remove it");
+    std::string const near = of_run ? nearest_word(name, *of_run) : "";
+    if (of_run)
+      body.node.problem(fmt::format("the run has no {} '{}'", body.is_mode ? "mode" : "body", name),
+                        !near.empty()  ? fmt::format("did you mean '{}'?", near)
+                        : body.is_mode ? "levers come from the trace: run the scene again with this mode in it"
+                                       : fmt::format("let a body of the run hang on it: {}", fmt::join(*of_run, ", ")));
+    else
+      body.node.warning(fmt::format("body '{}' moves, but no part belongs to it", name),
+                        "write 'body: " + name + "' at a part, or remove it");
     resolve(name);  // its own mistakes are told as well
   }
 }

@@ -28,7 +28,8 @@ class MotionReader {
   bool knows(std::string const& name) const { return bodies_.contains(name); }
   // Motion of a body in terms of the inputs; resolves the bodies that it refers to.
   Axes const& resolve(std::string const& name);
-  void finish();
+  // Tells what nothing refers to; `of_run`: the bodies of a traced run, or null.
+  void finish(std::vector<std::string> const* of_run);
   std::vector<MotionInput> inputs;
 
  private:

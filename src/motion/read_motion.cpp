@@ -28,7 +28,7 @@ std::vector<std::string> bodies_and_modes(Node const& bodies_table) {
   return names;
 }
 
-MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies) {
+MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced) {
   MotionReader reader(bodies_table);
   MotionSet set;
   set.bodies = bodies;
@@ -45,7 +45,7 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
                              : fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'",
                                            bodies[b].substr(stroke + 1), bodies[b].substr(0, stroke)));
   }
-  reader.finish();
+  reader.finish(traced ? &bodies : nullptr);
   set.inputs = std::move(reader.inputs);
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (int axis = 0; axis < 6; ++axis)

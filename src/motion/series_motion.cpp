@@ -102,6 +102,7 @@ std::optional<TimeSeries> read_series(Node const& spec) {
     std::string text = e.what();
     for (std::size_t at; (at = text.find("--unit ")) != text.npos;) text.replace(at, 7, "unit: ");
     for (std::size_t at; (at = text.find("--unit")) != text.npos;) text.replace(at, 6, "'unit'");
+    for (std::size_t at; (at = text.find("--gps ")) != text.npos;) text.replace(at, 6, "span: ");
     if (auto const at = text.find("error: "); at != text.npos) text.erase(0, at + 7);
     auto const line = text.find("\n  ");
     file.problem(fmt::format("'{}': {}", name, text.substr(0, line)),

@@ -133,6 +133,7 @@ PhaseTerms only(PhaseTerms const& all, std::vector<std::size_t> const& paths) {
 }
 
 constexpr std::size_t points = 8;      // of an interpolation: at 64 nodes a turn its error is 1e-11
+constexpr std::size_t before = 3;      // of them, below the place
 constexpr double nodes_per_turn = 64;  // of the strongest lever
 
 // Lagrange weights at nodes -3 .. 4 for a place between 0 and 1.
@@ -155,15 +156,15 @@ bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, 
   for (std::size_t j : paths) strongest = std::max(strongest, std::fabs(all.lever[j * all.coordinate.size() + c]));
   double const step = 1 / (nodes_per_turn * strongest), wanted = (*high - *low) / step + points;
   if (!(wanted * double(paths.size()) + 40 * double(x.size()) < double(x.size()) * double(paths.size()))) return false;
-  double const first = *low - 3 * step;
+  double const first = *low - double(before) * step;
   std::vector<double> nodes(static_cast<std::size_t>(wanted) + 1);
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = first + step * double(i);
   std::vector<std::complex<double>> const table = direct_phase_sum(of_one(all, paths, c, nodes), threads);
   for (std::size_t i = 0; i < x.size(); ++i) {
     double const place = (x[i] - first) / step;
-    auto const at = static_cast<std::size_t>(place);
+    std::size_t const at = std::max(static_cast<std::size_t>(place), before);  // the lowest x may round to below it
     std::array<double, points> const w = lagrange(place - double(at));
-    for (std::size_t k = 0; k < points; ++k) out[i] += w[k] * table[at - 3 + k];
+    for (std::size_t k = 0; k < points; ++k) out[i] += w[k] * table[at - before + k];
   }
   return true;
 }

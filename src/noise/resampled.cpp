@@ -31,7 +31,7 @@ double sample(std::vector<double> const& x, std::ptrdiff_t i) {
 std::vector<double> resampled(TimeSeries const& series, SampleTimes const& times) {
   double const early = (times.start - series.start) * series.rate, step = series.rate / times.rate;
   double const late = early + step * static_cast<double>(times.samples - 1);
-  if (series.samples.size() < 2 || early < -1e-3 || late > static_cast<double>(series.samples.size() - 1) + step + 1e-3)
+  if (series.samples.size() < 2 || early < -1e-3 || late > static_cast<double>(series.samples.size()) + 1e-3)
     throw InputError(fmt::format(
         "error: '{}' holds GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}\n  choose a shorter or another "
         "stretch of time",

@@ -51,6 +51,7 @@ class Reader {
   explicit Reader(std::string const& file) : file_(file) {}
 
   CouplingFunction read(std::string_view csv) {
+    if (csv.starts_with("\xef\xbb\xbf")) csv.remove_prefix(3);
     while (!csv.empty()) {
       std::size_t const end = std::min(csv.find('\n'), csv.size());
       ++line_;
@@ -78,12 +79,17 @@ class Reader {
       take_row(line);
   }
 
-  // Names hold no blanks, so one that separates two of them is a comma that was forgotten.
+  // Names hold no blanks, so one that separates two of them is a comma that was forgotten. A cell without a name is a
+  // column all the same: that of the row numbers of pandas.
   void take_header(std::string_view line) {
     std::size_t at = 0;
-    for (std::string_view const cell : cells_of(line, ", \t"))
-      if (std::string const name = plain(cell); !name.empty())
-        columns_.emplace(name == "freq" ? "frequency" : name, at++);
+    for (std::string_view const cell : cells_of(line, ",")) {
+      std::size_t const before = at;
+      for (std::string_view const word : cells_of(cell, " \t"))
+        if (std::string const name = plain(word); !name.empty())
+          columns_.emplace(name == "freq" ? "frequency" : name, at++);
+      if (at == before) ++at;
+    }
     for (char const* name : {"frequency", "factor", "flag"})
       if (!columns_.contains(name))
         refuse(fmt::format("no column '{}'", name), fmt::format("the first line names the columns: {}", wanted));

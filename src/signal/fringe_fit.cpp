@@ -97,7 +97,7 @@ FringeFrame frame_of(FringeRecords const& r, FringeFitSettings const& s, double 
 
 void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double& trials) {
   for (std::size_t p = 0; p < s.paths.size(); ++p) trials += search_grid(stretch, s, p, s.ratio.low).transforms();
-  if (trials * double(stretch.model_samples()) > 3e10)
+  if (trials * double(stretch.model_samples()) > 1e10)  // about two minutes
     throw InputError(fmt::format(
         "error: the search would take {:.3g} transforms of {} samples\n  narrow the ranges of multiplicity, drift and "
         "ratio, or give a shorter stretch",
@@ -162,8 +162,15 @@ OutOfSample test_of(FringeProblem const& fitted, RefinedFit const& fit, FringeSt
   return out;
 }
 
+bool ends_a_range(FringeFit const& fit) {
+  return fit.ratio.at_end || std::any_of(fit.paths.begin(), fit.paths.end(), [](FittedPath const& p) {
+           return p.multiplicity.at_end || p.delay.at_end || p.drift.at_end;
+         });
+}
+
 FitVerdict verdict_of(FringeFit const& fit, double false_alarm) {
   if (fit.ln_false_alarm >= std::log(false_alarm)) return FitVerdict::none;
+  if (ends_a_range(fit)) return FitVerdict::at_end;
   if (fit.test.seconds == 0) return FitVerdict::untested;
   double const expected = 1 / fit.test.scale.sigma;  // standard errors that a good fit would reach
   bool const seen = fit.test.scale.value > 3 * fit.test.scale.sigma && fit.test.scale.value > 0.5;

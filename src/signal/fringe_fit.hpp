@@ -64,6 +64,7 @@ enum class FitVerdict : std::uint8_t {
   none,         // noise alone explains it
   untested,     // significant, but the rest of the record is too short to confirm it
   not_general,  // significant, but does not predict the rest of the record
+  at_end,       // significant, but a parameter stands at the end of its range: the maximum may lie beyond
   found
 };
 

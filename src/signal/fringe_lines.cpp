@@ -19,6 +19,7 @@ double bessel(int n, double z) { return boost::math::cyl_bessel_j(n, z); }
 
 constexpr int steps_per_radian = 16;
 constexpr double smallest_z = 1e-3;
+constexpr std::size_t neighbours = 8;  // windows on each side that share their noise
 
 // Noise of half-overlapping Hann windows is correlated by 1/6: of means of amplitudes and of noise powers.
 constexpr double shared_amplitude = 1 + 2.0 / 6, shared_power = 1 + 2.0 / 36;
@@ -61,7 +62,7 @@ Part fit_part(std::vector<Harmonic> const& all, int parity, double z) {
   return p;
 }
 
-// Amplitudes of the target against those of the drive.
+// Lines of the target against the amplitudes of the drive.
 class Steps {
  public:
   struct Fit {
@@ -70,28 +71,42 @@ class Steps {
 
   Steps(std::span<LinePoint const> drive, std::span<LinePoint const> target) {
     for (std::size_t i = 0; i < drive.size(); ++i) {
+      double const noise = level_around(target, i);
       drive_.push_back(std::abs(drive[i].amplitude));
-      target_.push_back(std::sqrt(std::max(0.0, std::norm(target[i].amplitude) - squared(target[i].sigma))));
-      sigma_.push_back(std::max(target[i].sigma * std::sqrt(shared_amplitude), 1e-12 * target_.back()));
+      target_.push_back(target[i].amplitude * std::polar(1.0, -std::arg(drive[i].amplitude)));
+      sigma_.push_back(std::max(std::sqrt(noise * shared_amplitude), 1e-12 * std::abs(target_.back())));
       largest_ = std::max(largest_, drive_.back());
     }
   }
 
   Fit fit(double z) const {  // 2 J_1(x)/x -> 1
-    double top = 0, bottom = 0, chi = 0;
+    std::complex<double> top = 0;
+    double bottom = 0, chi = 0;
     std::vector<double> shape;
     for (std::size_t i = 0; i < drive_.size(); ++i) {
       double const x = z * drive_[i] / largest_;
-      shape.push_back(x > 1e-9 ? drive_[i] * std::fabs(2 * bessel(1, x) / x) : drive_[i]);
+      shape.push_back(x > 1e-9 ? drive_[i] * 2 * bessel(1, x) / x : drive_[i]);
       top += shape[i] * target_[i] / squared(sigma_[i]);
       bottom += squared(shape[i] / sigma_[i]);
     }
-    for (std::size_t i = 0; i < drive_.size(); ++i) chi += squared((target_[i] - top / bottom * shape[i]) / sigma_[i]);
-    return {top / bottom, chi, 1 / std::sqrt(bottom)};
+    for (std::size_t i = 0; i < drive_.size(); ++i)
+      chi += std::norm(target_[i] - top / bottom * shape[i]) / squared(sigma_[i]);
+    return {std::abs(top) / bottom, chi, 1 / std::sqrt(bottom)};
   }
 
  private:
-  std::vector<double> drive_, target_, sigma_;
+  // One window sees its noise in few frequencies. Weights that scatter make a mean worse than its error says, so the
+  // noise is the mean over neighbouring windows.
+  static double level_around(std::span<LinePoint const> target, std::size_t i) {
+    std::size_t const from = i > neighbours ? i - neighbours : 0, to = std::min(i + neighbours + 1, target.size());
+    double sum = 0;
+    for (std::size_t k = from; k < to; ++k) sum += squared(target[k].sigma) / double(to - from);
+    return sum;
+  }
+
+  // Complex, phase counted from the drive: moduli of noise would add up to a line.
+  std::vector<std::complex<double>> target_;
+  std::vector<double> drive_, sigma_;
   double largest_ = 0;
 };
 
@@ -140,7 +155,8 @@ RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> ta
       scan_minimum([&](double z) { return steps.fit(z).chi; }, 0, z_max, int(z_max * steps_per_radian));
   Steps::Fit const line = steps.fit(0), fringe = steps.fit(r.best);
   RampFit out;
-  out.points = int(drive.size());
+  out.degrees_linear = 2 * int(drive.size()) - 2;
+  out.degrees_fringe = out.degrees_linear - 1;
   out.slope = line.factor;
   out.slope_sigma = line.sigma;
   out.chi_linear = line.chi;
@@ -156,8 +172,10 @@ RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> ta
     return cdf(complement(boost::math::chi_squared(degrees), chi)) < 1e-3;
   };
   bool const wraps = out.significance > threshold;
-  out.verdict = wraps ? RampFit::Verdict::fringe : RampFit::Verdict::linear;
-  if (wraps ? misses(fringe.chi, out.points - 2) : misses(line.chi, out.points - 1))
+  out.verdict = wraps                             ? RampFit::Verdict::fringe
+                : out.slope < 3 * out.slope_sigma ? RampFit::Verdict::unseen
+                                                  : RampFit::Verdict::linear;
+  if (wraps ? misses(fringe.chi, out.degrees_fringe) : misses(line.chi, out.degrees_linear))
     out.verdict = RampFit::Verdict::neither;
   return out;
 }

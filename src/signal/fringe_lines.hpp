@@ -39,19 +39,20 @@ HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, doubl
 double motion_of_phase(double z, double wavelength, double multiplicity);
 
 struct RampFit {
-  enum class Verdict { linear, fringe, neither } verdict = Verdict::linear;
-  double slope = 0, slope_sigma = 0;      // target per drive, linear fit
-  double chi_linear = 0, chi_fringe = 0;  // degrees: points less 1, less 2
-  int points = 0;
-  double significance = 0;              // of the fringe over the line, standard deviations
-  double z = 0, z_low = 0, z_high = 0;  // peak phase at the largest drive, rad
-  double z_limit = 0;                   // 95 %
+  enum class Verdict { linear, fringe, neither, unseen } verdict = Verdict::linear;
+  double slope = 0, slope_sigma = 0;  // target per drive, linear fit: modulus, and the error of one quadrature
+  double chi_linear = 0, chi_fringe = 0;
+  int degrees_linear = 0, degrees_fringe = 0;  // two per point, less the complex factor, less z
+  double significance = 0;                     // of the fringe over the line, standard deviations
+  double z = 0, z_low = 0, z_high = 0;         // peak phase at the largest drive, rad
+  double z_limit = 0;                          // 95 %
   bool open = false;
   double small_slope = 0;  // target per drive of the fringe at small drive: G' z/drive
 };
-// Amplitude of the target's line against that of the drive: straight line, or C J_1(z) with z in proportion to the
-// drive. `fringe` when that is better by `threshold` standard deviations and fits; `neither` when both miss the points
-// (probability below 1e-3): a static phase that drifts does that.
+// The target's line, phase counted from the drive's, against the amplitude of the drive: straight line, or C J_1(z)
+// with z in proportion to the drive, and C complex. `fringe` when that is better by `threshold` standard deviations and
+// fits; `neither` when both miss the points (probability below 1e-3): a static phase that drifts does that. `unseen`:
+// no fringe, and the slope is below three standard errors.
 RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold = 3,
                  double z_max = 20);
 

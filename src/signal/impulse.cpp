@@ -15,6 +15,7 @@ namespace straytrace {
 namespace {
 
 constexpr std::size_t noise_bins = 8;  // on each side over which noise is averaged: few stretches know little
+constexpr double fewest_sigmas = 3;    // of Q, or it is a hump of noise and no mode
 constexpr std::size_t most_bins = 40;  // on each side of a peak that are fitted
 
 double median(std::vector<double> v) {
@@ -143,10 +144,11 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
     r.sigma.push_back(sums.force[k] > 0 ? std::sqrt(mean / sums.force[k] / 2) : infinity);
   }
   to_time(r, n, force.rate);
-  double const rings = double(n - silent) / force.rate;
+  double const length = double(n - silent) / force.rate;
   for (auto const& [from, to] : peaks_of(r, s)) {
-    RingDown const mode = fit_ring_down(r, from, to, s.cut ? rings : infinity);
-    if (mode.tau > 0 && mode.hz > r.hz[from] && mode.hz < r.hz[to]) r.modes.push_back(mode);
+    RingDown const mode = fit_ring_down(r, from, to, s.cut ? length : infinity);
+    bool const rings = mode.tau > 0 && mode.quality > fewest_sigmas * mode.quality_sigma;
+    if (rings && mode.hz > r.hz[from] && mode.hz < r.hz[to]) r.modes.push_back(mode);
   }
   return r;
 }

@@ -22,14 +22,15 @@ struct Ridge {
   std::size_t low, high;  // lines, both within
 };
 
+// Within the band, `high` excluded: a drive outside of it is none of its ridge.
 Ridge ridge_of(Complexes const& x, std::size_t low, std::size_t high) {
   auto const louder = [](auto const& a, auto const& b) { return std::norm(a) < std::norm(b); };
   auto const top = std::size_t(
       std::max_element(x.begin() + std::ptrdiff_t(low), x.begin() + std::ptrdiff_t(high), louder) - x.begin());
   Ridge r{top, top};
   double const least = foot * std::norm(x[top]);
-  while (r.low > 1 && std::norm(x[r.low - 1]) > least) --r.low;
-  while (r.high + 2 < x.size() && std::norm(x[r.high + 1]) > least) ++r.high;
+  while (r.low > low && std::norm(x[r.low - 1]) > least) --r.low;
+  while (r.high + 1 < high && std::norm(x[r.high + 1]) > least) ++r.high;
   return r;
 }
 

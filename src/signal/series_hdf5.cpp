@@ -113,7 +113,11 @@ std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file
   std::vector<Found> all, series;
   collect(reader.file().openGroup("/"), "", 0, all);
   name_by_detector(reader, all);
-  std::copy_if(all.begin(), all.end(), std::back_inserter(series), is_series);
+  bool const gwosc =
+      std::any_of(all.begin(), all.end(), [](Found const& f) { return f.path == "strain/Strain" && is_series(f); });
+  std::copy_if(all.begin(), all.end(), std::back_inserter(series), [&](Found const& f) {
+    return is_series(f) && !(gwosc && f.path.starts_with("quality/"));  // masks of bits are no records
+  });
   if (!series.empty()) return series;
   if (all.empty()) refuse(file, "it holds no list of numbers", "write a series with gwpy, or as columns of text");
   refuse(file, fmt::format("no dataset in it has a sample rate ('{}' has not)", all[0].path),

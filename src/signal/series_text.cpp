@@ -102,6 +102,7 @@ double meant_rate(double step, std::size_t samples) {
 NamedColumns near_span(NamedColumns table, GpsSpan span, double to_seconds) {
   for (double& t : table.column[0]) t *= to_seconds;
   std::vector<double> const& t = table.column[0];
+  if (!(span.from < t.back() && span.to > t.front())) return table;  // cut() says what there is
   std::size_t first = 0, last = t.size();
   while (first + 1 < t.size() && t[first + 1] <= span.from) ++first;
   while (last > first + 2 && t[last - 2] >= span.to) --last;

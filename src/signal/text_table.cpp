@@ -33,7 +33,13 @@ std::string_view read_row(std::string_view line, std::vector<double>& row, Unkno
   }
 }
 
+// Some programs begin a file with a byte order mark.
+std::string_view without_mark(std::string_view text) {
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
 TextTable read_rows(std::string_view text, Unknown unknown) {
+  text = without_mark(text);
   TextTable table;
   for (std::size_t number = 1; !text.empty(); ++number) {
     auto const end = std::min(text.find('\n'), text.size());
@@ -190,6 +196,7 @@ void name_all(Headings const& headings, NamedColumns& table) {
 }  // namespace
 
 NamedColumns parse_named_columns(std::string_view text) {
+  text = without_mark(text);
   NamedColumns table;
   Headings headings;
   std::vector<double> row;
@@ -225,6 +232,7 @@ Curve parse_curve(std::string_view text, std::size_t frequency_column, std::size
 }
 
 Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names) {
+  text = without_mark(text);
   TextTable const table = read_rows(text, Unknown::taken);
   if (!table.error.empty() || table.rows.front().size() <= 2) return parse_curve(text);
   std::size_t const columns = table.rows.front().size();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Significance of excess between averaged spectra (requirements.md R6.01).
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/non_central_f.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,6 +29,18 @@ TEST(Excess, ClosedFormsOfFAndChiSquareR6_01) {
   EXPECT_EQ(excess_significance({1e9, 1000}, {1, 1000}), largest_significance);
   EXPECT_TRUE(std::isnan(excess_significance({0, 10}, {1, 10})));
   EXPECT_NEAR(upper_factor(1, 0.95), 1 / -std::log(0.95), 1e-9);  // 2 / quantile of exp(-x/2) at 5 %
+}
+
+// Probability that a line beside noise, `line` times its PSD, is found at 5 sigma: the ratio of PSDs follows a
+// non-central F distribution.
+double chance_of_line(double line, double loud, double quiet) {
+  double const limit = quantile(complement(boost::math::fisher_f(2 * loud, 2 * quiet), probability_of_sigmas(5)));
+  return cdf(complement(boost::math::non_central_f(2 * loud, 2 * quiet, 2 * loud * line), limit));
+}
+
+// `found` of `trials` lies within four standard deviations of a binomial distribution.
+void expect_share(int found, int trials, double chance) {
+  EXPECT_NEAR(found, trials * chance, 4 * std::sqrt(trials * chance * (1 - chance)) + 1);
 }
 
 // 20 averages in the injection, as Welch makes them of white noise with a line of unknown phase in one bin.
@@ -59,7 +73,8 @@ TEST(Excess, ThreefoldInOneBinIsFoundAtFiveSigmaR6_01) {
     for (std::size_t k = 40; k < 60; k += 2) false_alarms += sure(loud, quiet, k) > 2;
   }
   EXPECT_GE(by_amplitude, 0.95 * trials);
-  EXPECT_GE(by_power, 0.75 * trials);
+  expect_share(by_amplitude, trials, chance_of_line(8, 20, 20));   // 0.99
+  expect_share(by_power, trials, chance_of_line(2, 20, 20 * 20));  // 0.75
   EXPECT_NEAR(false_alarms / (10.0 * trials), 0.02275, 0.01);
   EXPECT_GT(std::fabs(excess_significance({3, 20}, {1, 20}) - (3 - 1) * std::sqrt(20)), 5) << "twin: normal errors";
 }

@@ -54,6 +54,18 @@ TEST(FringeFit, SwingingBaffleR6_07) {
   EXPECT_NEAR(fit.with / fit.degrees, 1, 0.1);
 }
 
+// The maximum of the likelihood lies beyond the range: 1.2 takes much of the power of 1.3, but is no fit.
+TEST(FringeFit, AnEndOfTheRangeIsNotFound) {
+  TimeSeries h = quiet(1);
+  add_fringes(h, baffle, 2e-21, 1.1, 1);
+  FringeRecords const records{h, {motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
+  for (auto const& [low, high] : {std::pair{0.5, 1.295}, std::pair{1.305, 3.0}}) {
+    FringeFit const fit = fit_fringes(records, around(low, high));
+    EXPECT_TRUE(fit.paths[0].multiplicity.at_end) << low;
+    EXPECT_EQ(fit.verdict, FitVerdict::at_end) << low;
+  }
+}
+
 // R6.07: 68 % of the errors within one stated standard error, at least 95 % within two; both methods.
 void expect_coverage(FitMethod method, int trials) {
   std::vector<int> one(4), two(4);

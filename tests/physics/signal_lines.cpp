@@ -155,6 +155,39 @@ TEST(Ramp, TellsFringeFromLineR6_03) {
   }
 }
 
+// Windows of eight periods see their noise in six frequencies. Slopes weighted by what each window saw alone scatter by
+// 1.39 of their error.
+TEST(Ramp, ErrorHoldsWhereWindowsSeeLittleNoise) {
+  auto const n = std::size_t(12 * rate);
+  auto const motion = sampled(n, [](double t) { return (0.2 + t / 15) * std::sin(2 * pi * 20.3 * t); });
+  TimeSeries const drive = channel("DRIVE", "m", rate, motion);
+  auto const track = track_line(drive, {20, 22, 0.4});
+  constexpr int trials = 300;
+  double square = 0;
+  for (int i = 0; i < trials; ++i) {
+    TimeSeries const target = channel("H", "1", rate, motion + white_noise(n, 4000 + std::uint64_t(i), 0.2));
+    RampFit const r = fit_ramp(track, follow_line(target, track, 0.4));
+    square += std::pow((r.slope - 1) / r.slope_sigma, 2) / trials;
+  }
+  EXPECT_NEAR(std::sqrt(square), 1, 0.12);  // three standard deviations of 300 trials
+}
+
+TEST(Ramp, NoiseIsNoCoupling) {  // moduli of noise, added up, would be a slope of 5 sigma
+  int unseen = 0, below = 0, trials = 40;
+  for (int i = 0; i < trials; ++i) {
+    auto const motion = sampled(std::size_t(60 * rate), [](double t) { return t / 60 * std::sin(2 * pi * 20.3 * t); });
+    TimeSeries const drive = channel("DRIVE", "m", rate, motion),
+                     target = channel("H", "1", rate,
+                                      1e-3 * motion + white_noise(motion.size(), 900 + std::uint64_t(i), 0.2));
+    auto const track = track_line(drive, {18, 22, 4});
+    RampFit const r = fit_ramp(track, follow_line(target, track, 4));
+    unseen += r.verdict == RampFit::Verdict::unseen;
+    below += r.slope + 1.645 * r.slope_sigma > 1e-3;
+  }
+  EXPECT_GE(unseen, trials - 3);
+  EXPECT_GE(below, trials - 6);
+}
+
 TEST(Ramp, DriftOfTheStaticPhaseIsNeither) {
   EXPECT_EQ(ramp(1.8, 9, 0.02, 20).verdict, RampFit::Verdict::neither);
   EXPECT_EQ(ramp(1.8, 9, 0.02, 0).verdict, RampFit::Verdict::fringe);
@@ -187,6 +220,9 @@ TEST(Ridge, CouplingAlongASweepR6_04) {  // 20 to 120 Hz in 50 s; the target ans
   EXPECT_GT(coverage.share(), 0.58);
   EXPECT_LT(coverage.share(), 0.77);
   EXPECT_GT(coverage.all, 0.8 * windows);
+  for (RidgePoint const& p :
+       ridge_coupling(witness, channel("H", "1", rate, y), {.low = 150, .high = 200, .window = 1}))
+    EXPECT_EQ(p.coupling.flag, CouplingFlag::below_thresholds) << "the sweep lies outside the band";
   TimeSeries const quiet = channel("H", "1", rate, white_noise(n, 20, 3e-3));
   int measured = 0;
   for (RidgePoint const& p : ridge_coupling(witness, quiet, {.low = 15, .high = 125, .window = 1}))

@@ -30,7 +30,7 @@ Words noise_words() {
           "--target",    data("shaken.csv") + "::H",
           "--injection", "24..48",
           "--quiet",     "0..24",
-          "--segment", "2 s"};
+          "--segment",   "2 s"};
 }
 
 // |H| of the mode at 12 Hz, tau 0.15 s, 4e-22 per um/s^2.
@@ -101,16 +101,45 @@ TEST(Couple, LinesAndRampFindThePhaseR6_03) {
   EXPECT_THAT(text_of(folder / "line.csv"), HasSubstr("Fringe wrapped"));
 }
 
+TEST(Couple, FactorsWithoutUnitsAreProjectedInTheUnitThatIsSaidR6_08) {
+  Folder const folder;
+  std::string const csv = folder / "c.csv", out = folder / "p.csv", bench = data("bench.csv") + "::bench";
+  write_text(csv, "frequency,factor,factor_counts,flag\n5,2,7,Real\n40,2,7,Real\n");
+  auto const project = [&](std::string const& unit, Words more = {}) {
+    Words words = {"project", csv, "--witness", bench, "--coupling-unit", unit, "--segment", "4 s"};
+    words.insert(words.end(), more.begin(), more.end());
+    return straytrace(words);
+  };
+  auto const at_10_hz = [&](std::string const& unit, Words const& more = {}) {
+    Words words = {"--asd", out, "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(project(unit, words).code, 0);
+    double asd = 0;
+    std::istringstream lines(text_of(out));
+    for (std::string line; std::getline(lines, line);)
+      if (line.starts_with("10,")) asd = std::stod(line.substr(3));
+    return asd;
+  };
+  double const per_um = at_10_hz("1/um");  // bench.csv is in um
+  EXPECT_GT(per_um, 0);
+  EXPECT_NEAR(at_10_hz("1/m") / per_um, 1e-6, 1e-12) << "2 per metre, of a witness in um";
+  EXPECT_NEAR(at_10_hz("nm/um", {"--target", bench}) / per_um, 1e-3, 1e-9) << "nm, shown in the um of the target";
+  EXPECT_THAT(project("1/um").out, HasSubstr("error unknown")) << "pemcoupling has no errors, but values";
+  EXPECT_THAT(project("1/um").out, ::testing::Not(HasSubstr("unresolved")));
+  EXPECT_THAT(project("1/(m/s^2)").err, HasSubstr("is not per um"));
+  EXPECT_THAT(project("m").err, HasSubstr("is not per um"));
+  EXPECT_THAT(project("1/m", {"--target", bench}).err, HasSubstr("the coupling makes 1 of the witness"));
+}
+
 TEST(Couple, SweepImpulseAndEvents) {
   Finished const sweep =
       straytrace({"couple", "sweep", "--witness", data("sweep.csv") + "::MIC", "--target", data("sweep.csv") + "::H",
                   "--band", "8 Hz..45 Hz", "--window", "1 s", "--show", "1"});
   EXPECT_EQ(sweep.code, 0) << sweep.err;
   EXPECT_THAT(sweep.out, HasSubstr("coupling [1/Pa]"));
-  json const knock =
-      answer({"couple", "impulse", "--force", data("taps.csv") + "::HAMMER", "--target", data("taps.csv") + "::H",
-              "--gps", "26..32", "--length", "1.5 s", "--modes", "1"})["result"];
-  ASSERT_EQ(knock["modes"].size(), 1u);
+  json const knock = answer({"couple", "impulse", "--force", data("taps.csv") + "::HAMMER", "--target",
+                             data("taps.csv") + "::H", "--gps", "26..32", "--length", "1.5 s"})["result"];
+  ASSERT_EQ(knock["modes"].size(), 1u) << "humps of noise are no modes";
   EXPECT_NEAR(knock["modes"][0]["frequency"], 31, 0.05);
   EXPECT_NEAR(knock["modes"][0]["quality"], M_PI * 31 * 0.3, 4);
   json const events = answer({"couple", "events", data("shaken.csv") + "::H", "--quiet", "0..24", "--segment", "1 s",

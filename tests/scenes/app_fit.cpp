@@ -66,6 +66,16 @@ TEST(Fit, NothingIsSubtractedWithoutAFringe) {
   EXPECT_FALSE(fs::exists(folder / "rest.hdf5"));
 }
 
+// Freeing one parameter does not fix another.
+TEST(Fit, FreeAddsToWhatIsSearched) {
+  Finished const done = straytrace(words({"--free", "delay", "--gps", "1187000000..1187000020", "--format", "json"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  Json const path = Json::parse(done.out)["paths"][0];
+  EXPECT_TRUE(path["delay_s"]["free"]);
+  EXPECT_TRUE(path["multiplicity"]["free"]);
+  EXPECT_NEAR(path["multiplicity"]["value"].get<double>(), 1.3, 0.03);
+}
+
 TEST(Fit, RefusesWhatCannotBeFitted) {
   auto const refused = [](Words const& more, char const* what, char const* band = "20 Hz..85 Hz") {
     Finished const done = straytrace(words(more, band));
@@ -116,9 +126,10 @@ TEST(Fit, RouteOfARunAgainstItsPrediction) {
   double const f = path["recoupled_fraction"]["value"].get<double>();
   EXPECT_LT(f, 1.1 * std::pow(2e-21 / transfer, 2)) << "both quadratures make h: less field is enough";
   EXPECT_GT(f, 0);
-  if (prediction["resolved"].get<bool>())
+  if (prediction["resolved"].get<bool>()) {
     EXPECT_NEAR(prediction["measured_over_predicted"]["value"].get<double>(),
                 f / prediction["recoupled_fraction"]["value"].get<double>(), 1e-9);
+  }
   Finished const other = straytrace({"fit", folder / "run.h5", "--path", "999", "--target", example + "::h",
                                      "--witness", example + "::x", "--band", "20 Hz..85 Hz"});
   EXPECT_EQ(other.code, 2);

@@ -21,9 +21,10 @@ Columns columns_of(std::string const& file) {
   std::istringstream lines(text_of(file));
   for (std::string line; std::getline(lines, line);) {
     if (line.empty() || line[0] == '#') continue;
-    double f = 0, mean = 0, sigma = 0, low = 0, high = 0, phase = 0, amplitude = 0;
-    std::istringstream(line) >> f >> mean >> sigma >> low >> high >> phase >> amplitude;
-    c.mean.push_back(mean), c.phase.push_back(phase), c.amplitude.push_back(amplitude);
+    std::vector<double> values;  // a word may be 'nan', which a stream does not read as a number
+    std::istringstream words(line);
+    for (std::string word; words >> word;) values.push_back(std::stod(word));
+    c.mean.push_back(values.at(1)), c.phase.push_back(values.at(11)), c.amplitude.push_back(values.at(12));
   }
   return c;
 }

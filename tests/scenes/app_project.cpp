@@ -77,6 +77,10 @@ TEST_F(Projected, SaysWhatIsWrongWithTheCommandLine) {
   EXPECT_NE(error({"project", at("run/run.h5"), "--route", "nowhere"}).find("no route"), std::string::npos);
   EXPECT_NE(error(project({"--asd", "h.doc"})).find("--asd"), std::string::npos);
   EXPECT_NE(error({"fringes", "--channel", "x.hdf5"}).find("--wavelength"), std::string::npos);
+  std::string const of_coupling = error({"project", "c.csv", "--witness", "x.hdf5::x", "-o", "h.png", "--rate", "64"});
+  EXPECT_NE(of_coupling.find("error: -o: "), std::string::npos) << of_coupling;
+  EXPECT_NE(of_coupling.find("error: --rate: "), std::string::npos) << of_coupling;
+  EXPECT_NE(error(project({"--target", "h.hdf5::h"})).find("--target"), std::string::npos);
 }
 
 TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {

@@ -140,6 +140,14 @@ def check_numbers():
     assert words.shortened("abcdefghij", 5) == "ab…ij"
 
 
+def check_limits():
+    design = np.array([1e-20, 1e-23])
+    low, high = plot.limits([np.array([1e-30, 1e-32]), design])   # far below the design curve, and still seen
+    assert low < 1e-32 and high > 1e-20, (low, high)
+    low, _ = plot.limits([np.array([1e-21, 1e-60]), design])      # a curve that ends is not followed down
+    assert low > 1e-29, low
+
+
 def check_map_errors():
     """An error of 0 or NaN is none: not drawn as 0 %."""
     error = plot_maps.relative_error(np.array([2.0, 7.9e-212, 1e-9, np.nan]), np.array([0.1, 0, np.nan, np.nan]))
@@ -190,6 +198,7 @@ with tempfile.TemporaryDirectory() as name:
     made_run(here / "run.h5")
     given = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "run.h5"
     check_numbers()
+    check_limits()
     check_map_errors()
     check_receivers(here)
     check_refusals(here)

@@ -179,6 +179,7 @@ class Files(unittest.TestCase):
             f["quality/simple/DQmask"].attrs.update(Xstart=1126259447, Xspacing=1.0, Xunits="second")
         values, about = self.record(f"{file}::H1:strain", "--gps", "1126259450..1126259460")
         np.testing.assert_array_equal(values, 1e-21 * DRIVE[3 * RATE:13 * RATE])
+        np.testing.assert_array_equal(self.record(file)[0], 1e-21 * DRIVE)     # masks are no channels
         self.assertEqual(about["x0"], 1126259450)
         self.assertEqual(about["unit"], b"")
 

@@ -44,6 +44,22 @@ TEST(ReadMotion, StillIsAStatement) {
   EXPECT_THAT(read("  a: {pivot: [0 m, 0 m, 0 m]}\n", {"a"}).problems, HasSubstr("'a' does not say how it moves"));
 }
 
+// A ground that only the new motion has may carry bodies of a run; what has no levers there is not dropped in silence.
+TEST(ReadMotion, OfATracedRun) {
+  auto const problems = [](std::string const& bodies, bool traced) {
+    Scene const scene = scene_of("bodies:\n" + bodies, {});
+    read_motion(scene.root()["bodies"], {"tower"}, traced);
+    return problems_of(scene);
+  };
+  std::string const ground = "  ground: {motion: {z: {peterson: low}, others: still}}\n",
+                    mode = "  tower: {motion: still, modes: {bend: {motion: {peterson: low}}}}\n";
+  EXPECT_EQ(problems(ground + "  tower: {motion: {follows: ground}}\n", true), "");
+  EXPECT_THAT(problems(ground + "  tower: {motion: still}\n", true), HasSubstr("the run has no body 'ground'"));
+  EXPECT_THAT(problems("  towr: {motion: still}\n", true), HasSubstr("did you mean 'tower'?"));
+  EXPECT_THAT(problems(mode, true), HasSubstr("the run has no mode 'tower/bend'"));
+  EXPECT_EQ(problems(mode, false), "");  // a scene is warned, not stopped
+}
+
 TEST(ReadMotion, MeasuredSpectrum) {
   FileTexts const files = {{"tube.txt", "# Hz nm/s x\n1 5 2e3\n10 5 2e3\n"}};
   Read const r =

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion drawn, recorded, filtered (R4.04; physics.md 0.3, 0.4).
+#include <numbers>
+
 #include "../physics/noise_support.hpp"
 #include "noise/motion_series.hpp"
 #include "noise/periodic.hpp"
@@ -111,6 +113,19 @@ TEST(QuickLength, IsSmoothAndKeepsFactorsOfTwo) {
     for (std::size_t p : {2u, 3u, 5u})
       while (left % p == 0) left /= p;
     EXPECT_EQ(left, 1u) << n;
+  }
+}
+
+// A slow recording fills all of its time on a faster clock, up to the end of its last sample and no further.
+TEST(MotionSeries, SlowRecordingsLastUntilTheirEnd) {
+  for (double const slow : {16.0, 128.0, 512.0, 1000.0, 4096.0}) {
+    TimeSeries x{"x", "m", 1e9, slow, {}};
+    for (std::size_t i = 0; i < std::size_t(8 * slow); ++i)
+      x.samples.push_back(std::sin(2 * std::numbers::pi * double(i) / slow));
+    std::vector<double> const fast = resampled(x, {1e9, 1024, 8 * 1024});
+    for (std::size_t i = 2048; i < 6144; i += 100)
+      EXPECT_NEAR(fast[i], std::sin(2 * std::numbers::pi * double(i) / 1024), 1e-3) << slow;
+    EXPECT_THROW(resampled(x, {1e9, 1024, 8 * 1024 + 80}), InputError) << slow;
   }
 }
 

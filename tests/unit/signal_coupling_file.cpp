@@ -49,6 +49,19 @@ TEST(CouplingFile, ReadsPemcouplingTolerantlyR6_08) {
   EXPECT_EQ(c.points[4].flag, measured);
 }
 
+TEST(CouplingFile, ReadsWhatSpreadsheetsAndPandasMakeOfIt) {
+  for (std::string const text : {"\xef\xbb\xbf"
+                                 "frequency,factor,factor_counts,flag\r\n10,2e-9,4e-15,Real\r\n",
+                                 ",frequency,factor,factor_counts,flag\n0,10,2e-9,4e-15,Real\n",
+                                 "frequency,factor,factor_counts,flag,\n10,2e-9,4e-15,REAL,\n"}) {
+    CouplingFunction const c = read(text);
+    ASSERT_EQ(c.points.size(), 1u) << text;
+    EXPECT_EQ(c.points[0].hz, 10);
+    EXPECT_EQ(c.points[0].factor, 2e-9);
+    EXPECT_EQ(c.points[0].factor_counts, 4e-15);
+  }
+}
+
 TEST(CouplingFile, WhatIsWrittenIsReadBack) {
   CouplingFunction c = read(theirs);
   c.witness = "X1:ACC";

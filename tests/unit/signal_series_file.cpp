@@ -32,6 +32,15 @@ TEST(SeriesFile, CsvWithUnitsAndComments) {
   EXPECT_EQ(channels_of(text, "a.csv"), (std::vector<std::string>{"x", "y"}));
 }
 
+TEST(SeriesFile, ByteOrderMarkIsNoName) {  // or the first row would be taken for names, and its sample lost
+  TimeSeries const x = parse_series(
+      "\xef\xbb\xbf"
+      "0,1\n1,2\n2,3\n",
+      "a.csv", {.channel = "", .unit = "m", .span = {}});
+  EXPECT_EQ(x.samples, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(x.start, 0);
+}
+
 TEST(SeriesFile, NamesInCommentsOfText) {  // the comment with units goes before the one without
   NamedColumns const t = parse_named_columns("# made today by us\n# time [s], x [m/s^2]\n# time x\n0 1\n1 2\n");
   EXPECT_EQ(t.error, "");
@@ -73,6 +82,8 @@ TEST(SeriesFile, MessagesSayWhatToWrite) {
   EXPECT_EQ(
       refusal("0 1\n1 nan\n", {"", "m", {}}),
       "a.txt: error: line 2: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");
+  EXPECT_EQ(refusal("0 1\n1 2\n2 3\n3 4\n", {"", "m", {7, 8}}).substr(0, 52),
+            "error: 'a.txt' holds GPS 0..4, and 7..8 is asked for");
   EXPECT_EQ(refusal("5\n6\n", {"", "m", {}}),
             "a.txt: error: it has one column, and a series needs the times too\n  write two columns: time in s, value");
   EXPECT_EQ(refusal("t x [um] \n", {}).substr(0, 14), "a.txt: error: ");
