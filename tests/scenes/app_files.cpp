@@ -56,7 +56,8 @@ TEST(Files, OfARun) {
   EXPECT_EQ(python(load + "assert a.shape == (138, 2) and 5 < a[0, 0] < 5.2 and 980 < a[-1, 0] < 1000"), 0);
   EXPECT_NE(python(load + "assert a.shape == (138, 3)", " 2>/dev/null"), 0);
   EXPECT_THAT(text_of(folder / "out/h_asd.txt"),
-              HasSubstr("\n# frequency_Hz h_mean sigma h_low h_high phase_only amplitude_only design ratio\n"));
+              HasSubstr("\n# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 "
+                        "resolved sigma phase_only amplitude_only coherent design ratio\n"));
   EXPECT_THAT(text_of(folder / "out/h_asd.txt"), HasSubstr("one-sided strain ASD"));
 }
 
