@@ -72,7 +72,7 @@ TEST(StaticPhase, WeakMotionSeenThroughTheSlope) {  // Im s = phi cos(phi_0): tw
 }
 
 TEST(StaticPhase, BothQuadraturesAddUp) {  // R4.11; eq. 7.10 with a known phase: <sin^2> = (1 - cos(2 phi_0) e^-2R)/2
-  std::vector<double> const edges = {0.1, 0.2, 1, 4, 20, 200};
+  std::vector<double> const edges = {0.02, 0.05, 0.1, 0.2, 1, 4, 20, 200};
   for (double rms : {3e-9, 1e-7, 1e-6}) {
     for (double phi_0 : {0.0, 1.3}) {
       PairSpectrum const im = quadrature(rms, phi_0, edges), re = quadrature(rms, phi_0 + pi / 2, edges);
