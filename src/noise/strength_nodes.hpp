@@ -81,7 +81,7 @@ class StrengthNodes {
   bool use_strengths();  // if they are no more than the nodes
   void use_means(Lattice);
   bool any_negative() const;
-  // Strong in some path and Gaussian in all: false when these are fewer than two or not all that are strong.
+  // False unless several classes are strong in some path, all of them Gaussian and of no negative kappa.
   bool use_mixture(double step, std::size_t most);
   bool try_mixture(std::vector<double> const& rate, double least, double step, std::size_t most);
   bool smooth_along() const;
