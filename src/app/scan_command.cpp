@@ -110,7 +110,7 @@ void add_scan(CLI::App& app, Options& options, int& exit_code) {
   add_invert_options(*command, order);
   command->footer(
       "Examples:\n"
-      "  straytrace scan examples/et_hf_arm.yaml rim=40cm,42cm --histories 20000\n"
+      "  straytrace scan examples/et_hf_arm.yaml rim=40cm,42cm --histories 200000\n"
       "  straytrace scan examples/et_hf_arm.yaml --invert \"brdf(baffle)\" --margin 1/10 --histories 200000\n"
       "Interrupted with Ctrl-C it leaves the finished points and exits with 85; with -o the same command goes on.");
   command->callback([&] {
