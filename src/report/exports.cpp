@@ -213,7 +213,8 @@ std::string asd_text(RunContent const& run) {
     double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);
     auto const band = [&](std::vector<double> const& curve) { return curve.empty() ? not_a_number : curve.at(i); };
     NoiseBands const& d = b.bands;
-    text += fmt::format("{:.9e} {:.9e} {:.9e} {:.9e}", b.grid.centre(i), h, std::max(0.0, h - s), h + s);
+    double const low = h < s ? 0 : h - s;  // nan stays nan: not resolved is not zero
+    text += fmt::format("{:.9e} {:.9e} {:.9e} {:.9e}", b.grid.centre(i), h, low, h + s);
     for (auto const* curve : {&d.input_low, &d.input_high, &d.speckle_05, &d.speckle_50, &d.speckle_95})
       text += fmt::format(" {:.9e}", band(*curve));
     text += fmt::format(" {} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e}\n", int(b.unresolved.empty()), s,

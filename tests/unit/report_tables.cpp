@@ -207,6 +207,8 @@ TEST_F(ReportTables, AsdTextHasSixteenColumnsPerFrequency) {
   }
   EXPECT_EQ(rows, bin_count);
   EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("LOWER BOUND"));
+  noise.total.asd[0] = not_a_number;
+  EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("e+00 nan nan nan "));  // low end too: unresolved, not 0
 }
 
 TEST_F(ReportTables, BandsStandInReportAndSummary) {
