@@ -8,8 +8,8 @@
 
 #include "app/build_info.hpp"
 #include "base/message.hpp"
+#include "commission/coupling_file.hpp"
 #include "report/report.hpp"
-#include "signal/coupling_file.hpp"
 #include "signal/integration.hpp"
 #include "signal/series_file.hpp"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "app/data_options.hpp"
-#include "signal/coupling.hpp"
-#include "signal/line.hpp"
+#include "commission/coupling.hpp"
+#include "commission/line.hpp"
 
 namespace CLI {
 class App;

@@ -10,9 +10,9 @@
 
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
+#include "commission/taps.hpp"
 #include "report/columns.hpp"
 #include "report/report.hpp"
-#include "signal/taps.hpp"
 
 namespace straytrace {
 namespace {

@@ -8,29 +8,25 @@
 
 #include "app/fit_options.hpp"
 #include "base/message.hpp"
+#include "commission/shelf_edge.hpp"
 #include "report/report.hpp"
 #include "signal/gps.hpp"
-#include "signal/shelf_edge.hpp"
 
 namespace straytrace {
 namespace {
 
 ShelfEdgeSettings edge_settings(FitOptions const& o, FringeRecords const& records) {
+  FitGround const ground = ground_of(o, records);
   ShelfEdgeSettings s;
-  if (o.data.band.empty()) throw InputError("error: --band is missing\n  write --band \"10 Hz..110 Hz\"");
-  FrequencyBand const band = band_of(o.data, {}, records.target.rate / 2);
-  s.low = band.low;
-  s.high = band.high;
-  s.wavelength = wavelength_of(o);
+  s.low = ground.low;
+  s.high = ground.high;
+  s.wavelength = ground.wavelength;
+  s.ratio = ground.ratio;
   s.stride = option_quantity(o.stride, dim::time, "--stride", "10 s");
   s.segment = option_quantity(o.segment, dim::time, "--segment", "1 s");
   s.factor = option_range(o.factor, dim::plain, "--factor", "0.2..3");
   if (!(s.factor.low > 0 && s.factor.free()))
     throw InputError(fmt::format("error: --factor: '{}' is not a range above 0\n  write --factor 0.2..3", o.factor));
-  if (records.witnesses.size() > 1)
-    s.ratio = o.ratio == "free" ? SearchRange{0, 2}
-              : o.ratio.empty() ? SearchRange{1, 1}
-                                : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
   return s;
 }
 

@@ -104,26 +104,32 @@ FringeRecords records_of(FitOptions const& o) {
   return records;
 }
 
-FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
-                              std::vector<RoutePrediction> const& routes) {
-  FringeFitSettings s;
+FitGround ground_of(FitOptions const& o, FringeRecords const& records) {
   if (o.data.band.empty()) throw InputError("error: --band is missing\n  write --band \"20 Hz..80 Hz\"");
   FrequencyBand const band = band_of(o.data, {}, records.target.rate / 2);
-  s.low = band.low;
-  s.high = band.high;
-  s.wavelength = wavelength_of(o);
+  FitGround g{band.low, band.high, wavelength_of(o), {}};
+  if (records.witnesses.size() < 2) return g;
+  bool const free = o.ratio == "free" || (o.ratio.empty() && is_free(o, "ratio"));
+  g.ratio = free              ? SearchRange{0, 2}
+            : o.ratio.empty() ? SearchRange{1, 1}
+                              : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
+  return g;
+}
+
+FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
+                              std::vector<RoutePrediction> const& routes) {
+  FitGround const ground = ground_of(o, records);
+  FringeFitSettings s;
+  s.low = ground.low;
+  s.high = ground.high;
+  s.wavelength = ground.wavelength;
+  s.ratio = ground.ratio;
   s.train = option_share(o.train, "--train", "70 %");
   s.false_alarm = option_share(o.false_alarm, "--false-alarm", "1e-3");
   s.method = o.method == "time" ? FitMethod::time : FitMethod::frequency;
   Dimension const turning = *times(dim::angle, dim::frequency);
   SearchRange const delay = range_or(o, o.delay, dim::time, "delay", "-20 ms..20 ms", {-0.01, 0.01}, 0);
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
-  if (records.witnesses.size() > 1) {
-    bool const free = o.ratio == "free" || (o.ratio.empty() && is_free(o, "ratio"));
-    s.ratio = free              ? SearchRange{0, 2}
-              : o.ratio.empty() ? SearchRange{1, 1}
-                                : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
-  }
   double const gain = o.gain.empty() ? 0 : option_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
   for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths : 0); ++i) {
     RoutePrediction const* const route = routes.empty() ? nullptr : &routes[i];

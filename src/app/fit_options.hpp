@@ -8,7 +8,7 @@
 
 #include "app/data_options.hpp"
 #include "app/options.hpp"
-#include "signal/fringe_fit.hpp"
+#include "commission/fringe_fit.hpp"
 
 namespace straytrace {
 
@@ -44,6 +44,12 @@ FringeRecords records_of(FitOptions const&);
 double wavelength_of(FitOptions const&);  // m; of the run, of --wavelength, or 1064 nm
 // "1..6", "-20 ms..20 ms", or one value. InputError names the option.
 SearchRange option_range(std::string const& text, Dimension, std::string const& option, std::string const& example);
+// What a fit of phases and one of edges both need: band (required), wavelength, and ratio of the second witness.
+struct FitGround {
+  double low = 0, high = 0, wavelength = 0;  // Hz; m
+  SearchRange ratio;
+};
+FitGround ground_of(FitOptions const&, FringeRecords const&);
 FringeFitSettings settings_of(FitOptions const&, FringeRecords const&, std::vector<RoutePrediction> const&);
 
 void add_record_options(CLI::App&, FitOptions&);  // --target ... --gps, --wavelength, --ratio
