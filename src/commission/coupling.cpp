@@ -41,6 +41,20 @@ bool is_not_linear(Levels const& i, Levels const& q, double raw_coherence, doubl
   return sure > threshold && left - allowed > (i.y - q.y) / 2;
 }
 
+// Largest H at `confidence` (C.4): where the upper end of Y_inj - Y_quiet - H^2 (X_inj - X_quiet), true levels, passes
+// zero. Its ends are those of the single levels, added in quadrature less what witness and target share. A target below
+// its quiet level counts as equal to it: a low draw of noise is no knowledge.
+double upper_limit(Levels const& i, Levels const& q, double confidence) {
+  auto const above = [&](double psd, double n) { return psd * (upper_factor(n, confidence) - 1); };
+  auto const below = [&](double psd, double n) { return psd * (1 - upper_factor(n, 1 - confidence)); };
+  double const loud = std::max(i.y, q.y), y = loud - q.y, x = i.x - q.x;
+  double const up = above(loud, i.averages), down = below(i.x, i.averages);
+  double const a = x * x - squared(down) - squared(above(q.x, q.averages));
+  double const b = x * y - i.coherence * up * down;
+  double const c = y * y - squared(up) - squared(below(q.y, q.averages));
+  return a > 0 ? std::sqrt((b + std::sqrt(b * b - a * c)) / a) : infinity;
+}
+
 CouplingPoint point(Levels const& i, Levels const& q, double raw_coherence, CouplingThresholds const& t) {
   CouplingPoint p;
   if (!(i.x > 0 && i.y > 0 && q.x > 0 && q.y > 0)) return p;
@@ -59,11 +73,10 @@ CouplingPoint point(Levels const& i, Levels const& q, double raw_coherence, Coup
     p.sigma = p.factor / 2 * std::sqrt(std::max(0.0, relative_variance(i, q)));
     return p;
   }
+  double const limit = upper_limit(i, q, t.confidence);
+  if (!std::isfinite(limit)) return p;
   p.flag = CouplingFlag::upper_limit;
-  double const of_witness = sigmas_of_probability(1 - t.confidence) *
-                            std::sqrt(squared(i.x / gained) / i.averages + squared(q.x / gained) / q.averages);
-  double const up = 1 + std::hypot(upper_factor(i.averages, t.confidence) - 1, of_witness);
-  p.factor = std::sqrt(i.y * up / gained);
+  p.factor = limit;
   return p;
 }
 

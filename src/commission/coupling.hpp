@@ -56,13 +56,18 @@ double unbiased_coherence(double coherence, double averages);
 
 // H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: what the quiet witness makes of the
 // quiet target is taken off with it, so H is right also where the injection is weak. Error: averages of all four
-// spectra, less what witness and target share (coherence). Upper limit: the target's whole power in the injection, at
-// `confidence`, over the excess of the witness. Both spectra on one axis. Throws InputError when they are not.
+// spectra, less what witness and target share (coherence). Upper limit (C.4): the truth lies above it in 1 -
+// `confidence` of all trials, or fewer where no coupling could be seen. Both spectra on one axis. Throws InputError
+// when they are not.
 std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const&);
 
+// Confidence that each of n limits must have for the lowest of them to hold at `confidence`.
+inline double each_of(std::size_t n, double confidence) { return 1 - (1 - confidence) / double(n); }
+
 // Several injections on one witness: measured points by their weighted mean, whose error grows by sqrt(chi^2/dof) where
-// they disagree; otherwise the lowest limit. Not linear in one: not linear. Throws InputError for other units or axes.
+// they disagree; otherwise the lowest limit, so each must have been taken with each_of(). Not linear in one: not
+// linear. Throws InputError for other units or axes.
 CouplingFunction combine(std::span<CouplingFunction const>);
 
 }  // namespace straytrace

@@ -140,43 +140,6 @@ double gain_of_path(FringeProblem const& problem, RefinedFit const& fit, Eigen::
   return linear_fit(rest.columns(others), target).chi2 - fit.fit.chi2;
 }
 
-OutOfSample test_of(FringeProblem const& fitted, RefinedFit const& fit, FringeStretch const& rest) {
-  FringeProblem problem{rest, fitted.settings, {}, {}};
-  for (FringePath const& p : fitted.settings.paths) problem.responses.push_back(rest.response(p.phase, p.amplitude));
-  std::vector<double> const& hz = fitted.stretch.hz();
-  for (double const f : rest.hz()) {
-    auto const i = std::size_t(std::clamp<std::ptrdiff_t>(std::lower_bound(hz.begin(), hz.end(), f) - hz.begin(), 0,
-                                                          std::ptrdiff_t(hz.size()) - 1));
-    problem.psd.push_back(fitted.psd[i]);
-  }
-  Eigen::VectorXd const h = rest.whitened(rest.target(), problem.psd);
-  Eigen::VectorXd const m = rest.whitened(problem.model(fit.place, fit.fit.linear), problem.psd);
-  OutOfSample out;
-  out.seconds = rest.duration();
-  out.without = h.squaredNorm();
-  out.with = (h - m).squaredNorm();
-  out.degrees = rest.degrees();
-  double const square = m.squaredNorm();
-  out.scale = {h.dot(m) / square, 1 / std::sqrt(square)};
-  out.reduction = {1 - out.with / out.without, 2 * std::sqrt(square) / out.without};
-  return out;
-}
-
-bool ends_a_range(FringeFit const& fit) {
-  return fit.ratio.at_end || std::any_of(fit.paths.begin(), fit.paths.end(), [](FittedPath const& p) {
-           return p.multiplicity.at_end || p.delay.at_end || p.drift.at_end;
-         });
-}
-
-FitVerdict verdict_of(FringeFit const& fit, double false_alarm) {
-  if (fit.ln_false_alarm >= std::log(false_alarm)) return FitVerdict::none;
-  if (ends_a_range(fit)) return FitVerdict::at_end;
-  if (fit.test.seconds == 0) return FitVerdict::untested;
-  double const expected = 1 / fit.test.scale.sigma;  // standard errors that a good fit would reach
-  bool const seen = fit.test.scale.value > 3 * fit.test.scale.sigma && fit.test.scale.value > 0.5;
-  return seen ? FitVerdict::found : expected < 5 ? FitVerdict::untested : FitVerdict::not_general;
-}
-
 bool at_end(SearchRange const& r, double value) {
   return r.free() && (value - r.low < 1e-6 * (r.high - r.low) || r.high - value < 1e-6 * (r.high - r.low));
 }
@@ -288,7 +251,7 @@ FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& setti
   for (FringeShape const& s : fit.place.shapes)
     out.highest_fringe = std::max(out.highest_fringe, 2 * std::fabs(s.multiplicity) * fastest / settings.wavelength);
   if (double(span.to - split) / records.target.rate * (settings.high - settings.low) > 10)
-    out.test = test_of(problem, fit, FringeStretch(records, split, span.to, frame));
+    out.test = out_of_sample(problem, fit, FringeStretch(records, split, span.to, frame));
   out.verdict = verdict_of(out, settings.false_alarm);
   return out;
 }

@@ -34,7 +34,7 @@ struct FringeFitSettings {
   std::vector<FringePath> paths;
   SearchRange ratio;          // of the second witness
   double train = 0.7;         // share of the record that is fitted; the rest tests the fit
-  double false_alarm = 1e-3;  // chance, of noise alone, up to which a fringe counts as significant
+  double false_alarm = 1e-3;  // chance of noise alone, in the fitted stretch and in the rest, each
   FitMethod method = FitMethod::frequency;
 };
 
@@ -56,16 +56,22 @@ struct FittedPath {
 struct OutOfSample {
   double seconds = 0;                         // 0: all of the record was fitted
   double without = 0, with = 0, degrees = 0;  // chi^2 of the target and of target less model
-  Fitted scale;      // least-squares factor on the model: 1 when the fit generalises, 0 when it was noise
+  // Least-squares factor on the model: 1 when the fit generalises, 0 when it was noise; its error is that of the noise
+  // of the rest and of all fitted parameters together.
+  Fitted scale;
   Fitted reduction;  // of the whitened power in the band: 1 - with/without
+  // ln of the likelihood of the rest with the fit, its parameters spread by their covariance, over that without. Noise
+  // alone exceeds ln(1/p) with a chance of at most p (Markov: the ratio is 1 in the mean).
+  double ln_odds = 0;
+  Fitted ln_odds_expected;  // of a right fit
 };
 
 enum class FitVerdict : std::uint8_t {
   none,         // noise alone explains it
-  untested,     // significant, but the rest of the record is too short to confirm it
+  untested,     // significant, but the rest of the record could not confirm it even if it were right
   not_general,  // significant, but does not predict the rest of the record
   at_end,       // significant, but a parameter stands at the end of its range: the maximum may lie beyond
-  found
+  found         // significant in the fitted stretch, all places of the search counted, and in the rest
 };
 
 struct FringeFit {

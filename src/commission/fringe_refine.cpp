@@ -32,26 +32,6 @@ double small_step(FringeProblem const& problem, FringePlace const& place, FreePa
   return turn / (k2 * largest * (problem.stretch.span(0) + problem.stretch.span(1)));
 }
 
-struct Linearised {
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd jacobian;  // of the model
-};
-
-Linearised linearised(FringeProblem const& problem, FringePlace const& place, std::vector<FreeParameter> const& free,
-                      Eigen::VectorXd const& target, Eigen::MatrixXd const& columns, Eigen::VectorXd const& linear) {
-  Linearised out{target - columns * linear, Eigen::MatrixXd(target.size(), columns.cols() + Eigen::Index(free.size()))};
-  out.jacobian.leftCols(columns.cols()) = columns;
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    double const step = small_step(problem, place, free[i]);
-    FringePlace up = place, down = place;
-    value_of(up, free[i]) += step;
-    value_of(down, free[i]) -= step;
-    out.jacobian.col(columns.cols() + Eigen::Index(i)) =
-        (problem.features(problem.model(up, linear)) - problem.features(problem.model(down, linear))) / (2 * step);
-  }
-  return out;
-}
-
 // Moves the free ones by `step`, inside their ranges.
 FringePlace moved(FringeProblem const& problem, FringePlace place, std::vector<FreeParameter> const& free,
                   Eigen::VectorXd const& step) {
@@ -88,23 +68,38 @@ SearchRange const& range_of(FringeFitSettings const& s, FreeParameter const& p) 
   return p.kind == Kind::multiplicity ? path.multiplicity : p.kind == Kind::delay ? path.delay : path.drift;
 }
 
+Eigen::MatrixXd jacobian(FringeProblem const& problem, FringePlace const& place, Eigen::VectorXd const& linear) {
+  std::vector<FreeParameter> const free = free_parameters(problem.settings, place.shapes.size());
+  Eigen::MatrixXd const columns = problem.columns(place);
+  Eigen::MatrixXd out(columns.rows(), columns.cols() + Eigen::Index(free.size()));
+  out.leftCols(columns.cols()) = columns;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    double const step = small_step(problem, place, free[i]);
+    FringePlace up = place, down = place;
+    value_of(up, free[i]) += step;
+    value_of(down, free[i]) -= step;
+    out.col(columns.cols() + Eigen::Index(i)) =
+        (problem.features(problem.model(up, linear)) - problem.features(problem.model(down, linear))) / (2 * step);
+  }
+  return out;
+}
+
 RefinedFit refine(FringeProblem const& problem, FringePlace const& from) {
   std::vector<FreeParameter> const free = free_parameters(problem.settings, from.shapes.size());
   Eigen::VectorXd const target = problem.features(problem.stretch.target());
   RefinedFit out{from, {}, {}};
-  Eigen::MatrixXd columns = problem.columns(from);
-  out.fit = linear_fit(columns, target);
+  out.fit = linear_fit(problem.columns(from), target);
   double damping = 1e-3;
-  Linearised here = linearised(problem, out.place, free, target, columns, out.fit.linear);
+  Eigen::MatrixXd slope = jacobian(problem, out.place, out.fit.linear);
+  auto const residual = [&]() -> Eigen::VectorXd {
+    return target - slope.leftCols(out.fit.linear.size()) * out.fit.linear;
+  };
   for (int i = 0; i < 40 && !free.empty(); ++i) {
-    Eigen::MatrixXd const curvature = here.jacobian.transpose() * here.jacobian;
-    Eigen::MatrixXd damped = curvature;
+    Eigen::MatrixXd damped = slope.transpose() * slope;
     damped.diagonal() *= 1 + damping;
-    Eigen::VectorXd const step =
-        damped.ldlt().solve(here.jacobian.transpose() * here.residual).tail(Eigen::Index(free.size()));
+    Eigen::VectorXd const step = damped.ldlt().solve(slope.transpose() * residual()).tail(Eigen::Index(free.size()));
     FringePlace const next = moved(problem, out.place, free, step);
-    Eigen::MatrixXd const next_columns = problem.columns(next);
-    LinearFit const fit = linear_fit(next_columns, target);
+    LinearFit const fit = linear_fit(problem.columns(next), target);
     if (!(fit.chi2 <= out.fit.chi2)) {
       damping *= 10;
       if (damping > 1e8) break;
@@ -113,12 +108,11 @@ RefinedFit refine(FringeProblem const& problem, FringePlace const& from) {
     bool const settled = out.fit.chi2 - fit.chi2 < 1e-6;
     out.place = next;
     out.fit = fit;
-    columns = next_columns;
-    here = linearised(problem, out.place, free, target, columns, out.fit.linear);
+    slope = jacobian(problem, out.place, out.fit.linear);
     damping = std::max(damping / 10, 1e-12);
     if (settled) break;
   }
-  Eigen::MatrixXd const curvature = here.jacobian.transpose() * here.jacobian;
+  Eigen::MatrixXd const curvature = slope.transpose() * slope;
   // Scaled, so that parameters of very different size invert well.
   Eigen::VectorXd const scale = curvature.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   Eigen::MatrixXd const unit = scale.asDiagonal() * curvature * scale.asDiagonal();

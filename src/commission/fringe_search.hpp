@@ -60,7 +60,13 @@ struct FreeParameter {
 std::vector<FreeParameter> free_parameters(FringeFitSettings const&, std::size_t paths);
 double& value_of(FringePlace&, FreeParameter const&);
 SearchRange const& range_of(FringeFitSettings const&, FreeParameter const&);
+// Of the model's features with respect to linear and the free ones, in the order of the covariance.
+Eigen::MatrixXd jacobian(FringeProblem const&, FringePlace const&, Eigen::VectorXd const& linear);
 // Gauss-Newton with damping over all free parameters; they stay in their ranges.
 RefinedFit refine(FringeProblem const&, FringePlace const& from);
+
+// The fit of one stretch, its covariance included, against another with the same noise level.
+OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const&, FringeStretch const& rest);
+FitVerdict verdict_of(FringeFit const&, double false_alarm);
 
 }  // namespace straytrace

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/message.hpp"
+#include "commission/excess.hpp"
 #include "signal/segments.hpp"
 
 namespace straytrace {
@@ -45,7 +46,11 @@ double level_beside(Complexes const& lines, Ridge const& r) {
   return count > 0 ? sum / count : not_a_number;
 }
 
-CouplingPoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, RidgeSettings const& s) {
+double limit_of(RidgePoint const& p, double confidence) {
+  return p.modulus + sigmas_of_probability(1 - confidence) * p.sigma;
+}
+
+RidgePoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, RidgeSettings const& s) {
   std::complex<double> cross = 0;
   double power = 0, answer = 0, noise = 0;
   for (std::size_t k = r.low; k <= r.high; ++k) {
@@ -56,18 +61,20 @@ CouplingPoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r
       noise += (m == 0 ? 1 : 2) * hann_correlation[m] * std::real(std::conj(x[k]) * x[k + m]);
   }
   double const level = level_beside(y, r), top = power / double(r.high - r.low + 1);
-  CouplingPoint p;
+  RidgePoint out;
+  CouplingPoint& p = out.coupling;
   p.witness_ratio = std::sqrt(top / level_beside(x, r));
   p.target_ratio = std::sqrt(answer / double(r.high - r.low + 1) / level);
   p.coherence = std::norm(cross) / (power * answer);
   p.flag = CouplingFlag::below_thresholds;
-  if (!(p.witness_ratio >= s.witness_ratio)) return p;
-  double const value = std::abs(cross) / power, sigma = std::sqrt(level * noise / 2) / power;
-  p.significance = value / sigma;
+  if (!(p.witness_ratio >= s.witness_ratio)) return out;
+  out.modulus = std::abs(cross) / power;
+  out.sigma = std::sqrt(level * noise / 2) / power;
+  p.significance = out.modulus / out.sigma;
   p.flag = p.significance >= s.significance ? CouplingFlag::measured : CouplingFlag::upper_limit;
-  p.factor = p.flag == CouplingFlag::measured ? value : value + 1.645 * sigma;
-  if (p.flag == CouplingFlag::measured) p.sigma = sigma;
-  return p;
+  p.factor = p.flag == CouplingFlag::measured ? out.modulus : limit_of(out, 0.95);
+  if (p.flag == CouplingFlag::measured) p.sigma = out.sigma;
+  return out;
 }
 
 }  // namespace
@@ -88,9 +95,8 @@ std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries con
   for (std::size_t i = 0; i < of_x.count(); ++i) {
     Complexes const x = of_x.transform(witness.samples, i), y = of_y.transform(target.samples, i);
     Ridge const r = ridge_of(x, low, high);
-    RidgePoint p;
+    RidgePoint p = coupling_at(x, y, r, s);
     p.time = witness.time(of_x.begin(i)) + s.window / 2;
-    p.coupling = coupling_at(x, y, r, s);
     double power = 0, mean = 0;
     for (std::size_t k = r.low; k <= r.high; ++k) {
       power += std::norm(x[k]);
@@ -106,14 +112,21 @@ std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries con
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const& ridge, TimeSeries const& witness,
                                    TimeSeries const& target, double resolution) {
   CouplingFunction out{witness.name, target.name, witness.unit, coupling_unit(target.unit, witness.unit), {}};
-  std::map<long, std::vector<CouplingFunction>> bins;
-  for (RidgePoint const& p : ridge) {
-    CouplingFunction one = out;
-    one.points = {p.coupling};
-    one.points[0].hz = double(std::lround(p.coupling.hz / resolution)) * resolution;
-    bins[std::lround(p.coupling.hz / resolution)].push_back(std::move(one));
+  std::vector<CouplingPoint> combined;
+  std::map<long, std::vector<RidgePoint>> bins;
+  for (RidgePoint const& p : ridge) bins[std::lround(p.coupling.hz / resolution)].push_back(p);
+  for (auto const& [bin, points] : bins) {
+    std::vector<CouplingFunction> all;
+    for (RidgePoint const& p : points) {
+      all.push_back(out);
+      all.back().points = {p.coupling};
+      CouplingPoint& c = all.back().points[0];
+      c.hz = double(bin) * resolution;
+      if (c.flag == CouplingFlag::upper_limit) c.factor = limit_of(p, each_of(points.size(), 0.95));
+    }
+    combined.push_back(combine(all).points[0]);
   }
-  for (auto const& [bin, all] : bins) out.points.push_back(combine(all).points[0]);
+  out.points = std::move(combined);
   return out;
 }
 

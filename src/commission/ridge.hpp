@@ -10,9 +10,10 @@
 namespace straytrace {
 
 struct RidgePoint {
-  double time = 0;         // GPS s, middle of the window
-  double witness = 0;      // rms of the witness along the ridge in this window, its unit
-  CouplingPoint coupling;  // hz: centre of the ridge; coherence: share of the target's power there
+  double time = 0;                // GPS s, middle of the window
+  double witness = 0;             // rms of the witness along the ridge in this window, its unit
+  double modulus = 0, sigma = 0;  // |H| and the error of each quadrature, whatever the flag
+  CouplingPoint coupling;         // hz: centre of the ridge; coherence: share of the target's power there
 };
 
 struct RidgeSettings {
@@ -26,7 +27,8 @@ struct RidgeSettings {
 // y>/<|x|^2>. |H| with its error from the target beside the ridge; upper limits at 95 %. Both series on equal samples.
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const&);
 
-// One coupling function from all windows: those of a bin of `resolution` Hz combined as injections are.
+// One coupling function from all windows: those of a bin of `resolution` Hz combined as injections are,
+// limits at 95 % for the bin.
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const&, TimeSeries const& witness, TimeSeries const& target,
                                    double resolution);
 

@@ -30,7 +30,8 @@ struct EdgeStride {
 
 struct ShelfEdgeFit {
   std::vector<EdgeStride> strides;
-  Fitted factor;  // weighted mean; its error grows with the scatter of the strides when that is larger
+  Fitted factor;  // weighted mean; its error grows with the scatter of the strides when that is larger, and with
+                  // the error of a free ratio
   Fitted ratio;
   double chi2 = 0;       // of the strides about the mean
   std::size_t used = 0;  // significant strides

@@ -24,10 +24,30 @@ void refuse(std::string const& file, std::string const& what, std::string const&
   throw InputError({problem}, fmt::format("{}: error: {}\n  {}", file, what, suggestion), {"", file});
 }
 
+namespace {
+
+// Counts, volts and plain numbers await a calibration, which a unit on the command line may be.
+bool is_calibrated(Quantity const& unit) {
+  return unit.dimension.count == 0 && unit.dimension.volt == 0 && !(unit.dimension == dim::plain);
+}
+
+void refuse_contradiction(std::string const& file, std::string const& place, std::string const& found,
+                          std::string const& wanted) {
+  auto const in_file = unit_of_file(found), said = unit_of_file(wanted);
+  if (!in_file || !said) return;
+  auto const a = parse_unit(*in_file), b = parse_unit(*said);
+  if (is_calibrated(*a) && !(a->dimension == b->dimension && a->si == b->si))
+    refuse(file, fmt::format("{} is in {}, not in {}", place, *in_file, *said),
+           "leave the unit to the file; only counts, volts and plain numbers may be given another");
+}
+
+}  // namespace
+
 std::string unit_or_refuse(std::string const& file, std::string const& place, std::string const* found,
                            std::string const& wanted) {
   if (wanted.empty() && !found)
     refuse(file, fmt::format("{} has no unit", place), "say it with --unit, for example --unit um/s^2");
+  if (found && !wanted.empty()) refuse_contradiction(file, place, *found, wanted);
   std::string const text = wanted.empty() ? *found : wanted;
   if (auto const unit = unit_of_file(text)) return *unit;
   std::string const near = likely_unit(text);

@@ -15,7 +15,7 @@ namespace straytrace {
 struct SeriesRequest {
   std::string
       channel;       // dataset of HDF5, name or number (from 1, time is not counted) of a column; empty: the only one
-  std::string unit;  // overrides the one of the file; empty: that of the file
+  std::string unit;  // for a file that says none, counts, volts or 1; must not contradict another; empty: as it says
   GpsSpan span;
 };
 

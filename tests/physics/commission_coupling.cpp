@@ -34,7 +34,8 @@ struct Truth {
 struct Outcome {
   Coverage coverage, apart;    // with the errors stated; with those of spectra that share nothing
   double mean = 0, plain = 0;  // of H; of sqrt(y/x) without the quiet levels
-  int flags[5] = {}, points = 0, below_limit = 0;
+  int flags[5] = {}, points = 0, below_limit = 0, whole_missed = 0;  // whole: the target's power taken as a limit
+  double missed() const { return double(flags[int(CouplingFlag::upper_limit)] - below_limit) / points; }
 };
 
 Outcome repeat(Truth const& loud, Truth const& still, std::size_t samples, int trials,
@@ -49,7 +50,11 @@ Outcome repeat(Truth const& loud, Truth const& still, std::size_t samples, int t
     for (std::size_t k = 2; k + 3 < all.size(); k += 3) {  // beyond what the Hann window spreads
       ++o.flags[int(all[k].flag)];
       ++o.points;
-      if (all[k].flag == CouplingFlag::upper_limit) o.below_limit += loud.factor < all[k].factor;
+      if (all[k].flag == CouplingFlag::upper_limit) {
+        o.below_limit += loud.factor < all[k].factor;
+        double const up = upper_factor(a.effective_averages, 0.95);
+        o.whole_missed += loud.factor > std::sqrt(up * a.output[k + 1] / (a.input[k + 1] - b.input[k + 1]));
+      }
       if (all[k].flag != CouplingFlag::measured) continue;
       o.coverage.add(all[k].factor, all[k].sigma, loud.factor);
       o.apart.add(apart[k].factor, apart[k].sigma, loud.factor);
@@ -114,6 +119,41 @@ TEST(Coupling, OnlyTheWitnessRoseIsALimitR6_08) {
   EXPECT_GE(hidden.below_limit, 0.95 * hidden.flags[int(CouplingFlag::upper_limit)]);
   Outcome const still = repeat({1, truth}, {1, truth}, twenty, 100);
   EXPECT_EQ(still.flags[int(CouplingFlag::below_thresholds)], still.points);
+}
+
+// C.4: the truth lies above a limit in 5 % of all trials where a coupling begins to show, in fewer where it cannot.
+TEST(Coupling, LimitsHoldIn95PercentOfTrialsR6_08) {
+  for (double const seen : {1.0, 1.2}) {  // motion of the injection in the target, over the target's own noise
+    Outcome const o = repeat({1000, 1e-3 * seen}, {1, 1e-3 * seen}, twenty, 400);
+    EXPECT_GT(o.flags[int(CouplingFlag::upper_limit)], 0.9 * o.points);
+    EXPECT_NEAR(o.missed(), 0.045, 0.015) << seen;
+    EXPECT_LT(o.whole_missed, 0.001 * o.points) << "twin: the whole power of the target never misses";
+  }
+  EXPECT_LT(repeat({1000, 5e-4}, {1, 5e-4}, twenty, 100).missed(), 0.005) << "a low draw of noise is no knowledge";
+}
+
+// The lowest of four limits: each needs more confidence than it would alone.
+TEST(Coupling, LowestOfSeveralLimitsHoldsR6_08) {
+  int const trials = 300;
+  auto const missed = [&](double confidence) {
+    int above = 0, points = 0;
+    for (int i = 0; i < trials; ++i) {
+      std::vector<CouplingFunction> all;
+      CrossSpectra const still = Truth{1, 1e-3}.stretch(twenty, 5 * std::uint64_t(i) + 1);
+      for (std::uint64_t j = 2; j < 6; ++j)
+        all.push_back({"ACC", "H", "m", "1/m",
+                       measure_coupling(Truth{1000, 1e-3}.stretch(twenty, 5 * std::uint64_t(i) + j), still,
+                                        {.confidence = confidence})});
+      std::vector<CouplingPoint> const lowest = combine(all).points;
+      for (std::size_t k = 2; k + 3 < lowest.size(); k += 3) {
+        above += lowest[k].flag == CouplingFlag::upper_limit && lowest[k].factor < 1e-3;
+        ++points;
+      }
+    }
+    return double(above) / points;
+  };
+  EXPECT_LT(missed(each_of(4, 0.95)), 0.05);
+  EXPECT_GT(missed(0.95), 0.06) << "twin: four limits of 95 %";
 }
 
 TEST(Coupling, FringeWrappedTargetIsFlaggedR6_08) {

@@ -122,7 +122,7 @@ TEST(FringeFit, TimeDomainAgreesWithFrequencyDomainR6_07) {
 // A witness that has nothing to do with it: false alarms as often as stated, 1e-3 here 0.05 so that they can be
 // counted.
 TEST(FringeFit, WrongWitnessIsNoFringe) {
-  int alarms = 0, found = 0;
+  int alarms = 0, found = 0, odds = 0, halves = 0;
   int const trials = 200;
   for (int i = 0; i < trials; ++i) {
     FringeFitSettings s = around(0.5, 2);
@@ -131,10 +131,14 @@ TEST(FringeFit, WrongWitnessIsNoFringe) {
         fit_fringes({quiet(1000 + std::uint64_t(i), 1e-22, 10), {motion({{3e-6, 0.7, 0.1 * i}}, 64, 10)}}, s);
     alarms += fit.verdict != FitVerdict::none;
     found += fit.verdict == FitVerdict::found;
+    odds += fit.test.ln_odds >= -std::log(0.05);
+    halves += fit.test.scale.value > 0.5;
   }
   EXPECT_LE(alarms, 0.05 * trials + 3.5 * std::sqrt(0.05 * 0.95 * trials));
   EXPECT_GE(alarms, 1) << "so few that the look-elsewhere correction must be too large";
-  EXPECT_LE(found, 3);
+  EXPECT_LE(found, 3) << "0.05^2: the rest is noise of its own";
+  EXPECT_LE(odds, 0.05 * trials) << "Markov: a bound, not a mean";
+  EXPECT_GT(halves, 0.05 * trials) << "twin: half of the model stands in noise more often";
 }
 
 // Broken twins: the linear model of R2.37 (multiplicity so small that fringes do not wrap) and a wrong multiplicity
