@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
@@ -37,18 +38,25 @@ struct Sums {
   std::vector<double> force, target;
   Complexes cross;
   std::size_t count = 0;
+  std::vector<std::vector<double>> single;  // |F|^2 of each stretch
+  std::vector<double> since;                // s since the start before it; infinity for the first
 };
 
 Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts, std::size_t n,
              std::size_t silent) {
-  Sums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0};
+  Sums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0, {}, {}};
   Fourier fourier;
+  double before = -infinity;
   for (double const start : starts) {
+    double const since = start - std::exchange(before, start);
     double const first = std::round((start - force.start) * force.rate) - double(silent);
     if (first < 0 || first + double(n) > double(force.samples.size())) continue;
     Complexes const x = fourier.forward(stretch(force, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
     Complexes const y = fourier.forward(stretch(target, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
+    s.since.push_back(since);
+    s.single.emplace_back();
     for (std::size_t k = 0; k < x.size(); ++k) {
+      s.single.back().push_back(std::norm(x[k]));
       s.force[k] += std::norm(x[k]);
       s.target[k] += std::norm(y[k]);
       s.cross[k] += std::conj(x[k]) * y[k];
@@ -61,6 +69,18 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
                     "choose a lower --threshold or a shorter --length",
                     s.count, starts.size()));
   return s;
+}
+
+// Relative error of a mode's amplitude from what still rang of the knock before. Its line has the mode's own shape and
+// a phase that has nothing to do with the next knock: it moves the amplitude, and neither frequency nor Q.
+double left_over(Sums const& s, RingDown const& mode, double bin) {
+  auto const k = std::size_t(std::lround(mode.hz / bin));
+  double sum = 0;
+  for (std::size_t i = 0; i < s.count; ++i) {
+    double const earlier = s.single[i > 0 ? i - 1 : i][k];
+    sum += s.single[i][k] * earlier * std::exp(-2 * s.since[i] / mode.tau);
+  }
+  return std::sqrt(sum / 2) / s.force[k];
 }
 
 void to_time(ImpulseResponse& r, std::size_t n, double rate) {
@@ -125,7 +145,9 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
     throw InputError(
         fmt::format("error: a stretch of {:g} s does not fit the data\n  choose --length between {:g} and {:g} s",
                     s.length, 32 / force.rate, force.duration()));
-  Sums const sums = sums_of(force, target, starts, n, silent);
+  std::vector<double> in_order(starts.begin(), starts.end());
+  std::sort(in_order.begin(), in_order.end());
+  Sums const sums = sums_of(force, target, in_order, n, silent);
   ImpulseResponse r;
   std::vector<double> left;  // |Y - H F|^2 of one stretch
   r.stretches = sums.count;
@@ -146,9 +168,11 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
   to_time(r, n, force.rate);
   double const length = double(n - silent) / force.rate;
   for (auto const& [from, to] : peaks_of(r, s)) {
-    RingDown const mode = fit_ring_down(r, from, to, s.cut ? length : infinity);
+    RingDown mode = fit_ring_down(r, from, to, s.cut ? length : infinity);
     bool const rings = mode.tau > 0 && mode.quality > fewest_sigmas * mode.quality_sigma;
-    if (rings && mode.hz > r.hz[from] && mode.hz < r.hz[to]) r.modes.push_back(mode);
+    if (!(rings && mode.hz > r.hz[from] && mode.hz < r.hz[to])) continue;
+    if (s.cut) mode.amplitude_sigma = std::hypot(mode.amplitude_sigma, mode.amplitude * left_over(sums, mode, r.hz[1]));
+    r.modes.push_back(mode);
   }
   return r;
 }

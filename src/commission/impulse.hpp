@@ -45,7 +45,8 @@ struct ImpulseResponse {
 };
 
 // Stretches at `starts` (GPS s) without a window: what rings must not be weighted. In time the response is damped by
-// the coherence, so that frequencies without force or answer do not fill it with noise. Throws InputError with fewer
+// the coherence, so that frequencies without force or answer do not fill it with noise. Errors of amplitudes hold what
+// still rings of the knock before. Throws InputError with fewer
 // than two stretches inside the data: without repeats there is no error.
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const&);

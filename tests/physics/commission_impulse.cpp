@@ -100,6 +100,33 @@ TEST(Impulse, ErrorsOfFrequencyAndQAreThoseOfRepeatedKnocks) {
   }
 }
 
+// The knock before still rings: 10 % of it is there when the next falls, at any phase.
+TEST(Impulse, WhatStillRingsIsInTheErrorOfTheAmplitude) {
+  auto const n = std::size_t(30 * rate);
+  Coverage amplitude, hz, alone;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    std::vector<double> f(n), starts;
+    Rng rng(seed, 6, 0, Stream::source);
+    for (double t = 0.5; t < 27.5; t += 2.1 + 0.1 * rng.uniform()) {
+      f[std::size_t(t * rate)] = 20 * (1 + rng.uniform());
+      starts.push_back(1e9 + std::floor(t * rate) / rate);
+    }
+    std::vector<double> const y = ringing(f, 91.3, 0.9);
+    ImpulseResponse const r =
+        impulse_response(channel("HAMMER", "N", rate, f), channel("H", "1", rate, y + white_noise(n, seed + 700, 0.02)),
+                         starts, {.length = 2, .low = 20, .high = 300, .modes = 1});
+    ASSERT_EQ(r.modes.size(), 1u);
+    auto const top = std::size_t(std::lround(91.3 / r.hz[1]));
+    RingDown const twin = fit_ring_down(r, top - 10, top + 10, 2 - 0.01);
+    amplitude.add(r.modes[0].amplitude, r.modes[0].amplitude_sigma, rate);
+    alone.add(twin.amplitude, twin.amplitude_sigma, rate);
+    hz.add(r.modes[0].hz, r.modes[0].hz_sigma, 91.3);
+  }
+  EXPECT_NEAR(amplitude.share(), 0.683, 0.12);
+  EXPECT_GT(hz.share(), 0.55) << "neither moves the frequency";
+  EXPECT_LT(alone.share(), 0.6) << "twin: residuals of the target alone";
+}
+
 TEST(Impulse, RefusesOneKnock) {
   Knocked const k = knocked(1, 0.1);
   std::vector<double> const one{1e9 + 3};

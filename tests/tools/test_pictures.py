@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of budgets and ghosts from made-up numbers: what they show and say, and that no name hides another."""
+"""Pictures of budgets, ghosts and curves from made-up numbers: what they show and say, and that no name hides another."""
 import itertools
 import pathlib
 import sys
@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 
 import numpy as np  # noqa: E402
 
-from straytrace import plot_budget, plot_ghosts  # noqa: E402
+from straytrace import plot_budget, plot_curves, plot_ghosts  # noqa: E402
 
 plt = plot_budget.plt
 
@@ -103,7 +103,27 @@ def check_ghosts():
     plt.close("all")
 
 
+def column(name, unit, level, style="line"):
+    return {"name": name, "unit": unit, "values": [level, 2 * level, 3 * level], "style": style}
+
+
+def check_curves():
+    coupling = [column("predicted", "1/m", 1e-17), column("predicted_low", "1/m", 9e-18, "band-low"),
+                column("predicted_high", "1/m", 1.1e-17, "band-high")]
+    noise = [column("h_driven", "1/sqrt(Hz)", 1e-23, "points"), column("count", "s", 1, "hidden")]
+    sheet = {"title": "made up", "notes": ["one", "two"], "x": {"name": "frequency", "unit": "Hz", "values": [10, 20, 30]},
+             "log_x": True, "log_y": True, "y": coupling + noise}
+    panels = plot_curves.picture(sheet).axes
+    assert [a.get_ylabel() for a in panels] == ["[1/m]", "[1/sqrt(Hz)]"], "each unit has axes of its own"
+    assert panels[0].get_ylim()[1] < 1e-16 and panels[1].get_ylim()[1] < 1e-22
+    assert panels[1].get_xlabel() == "frequency [Hz]"
+    alone = plot_curves.picture(sheet | {"y": coupling})
+    assert len(alone.axes) == 1 and tuple(alone.get_size_inches()) == plot_curves.SIZE
+    plt.close("all")
+
+
 with tempfile.TemporaryDirectory() as name:
     check_budget(pathlib.Path(name))
 check_ghosts()
+check_curves()
 print("ok")

@@ -78,6 +78,50 @@ TEST(CouplingFile, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(again.unit, "1/m");
 }
 
+// As pemcoupling writes one injection (with coherence, whose name its header glues to the one before), and its
+// composite.
+constexpr char injection[] =
+    "frequency,factor,factor_counts,flag,sensINJ,sensBG,darmBGcoherence\n"
+    "10.00,2.13e-07,3.40e-13,Real,4.10e-05,1.90e-07,6.62e-18,9.71e-01\n"
+    "10.50,8.77e-09,1.40e-14,Upper Limit,3.98e-05,1.85e-07,5.90e-18,1.02e-02\n"
+    "11.00,0.00e+00,0.00e+00,Thresholds not met,2.10e-07,1.80e-07,5.11e-18,3.00e-03\n"
+    "11.50,0.00e+00,0.00e+00,No data,0.00e+00,0.00e+00,0.00e+00,0.00e+00\n";
+constexpr char composite[] =
+    "frequency,factor,factor_counts,flag,ambient,darm\n"
+    "10.00,2.13e-07,3.40e-13,Real,4.05e-14,6.62e-18\n"
+    "10.50,8.77e-09,1.40e-14,Upper Limit,1.62e-15,5.90e-18\n"
+    "11.00,0.00e+00,0.00e+00,Thresholds not met,0.00e+00,5.11e-18\n"
+    "11.50,0.00e+00,0.00e+00,No data,0.00e+00,0.00e+00\n";
+
+TEST(CouplingFile, LayoutsOfPemcouplingGoRoundR6_08) {
+  for (std::string const text : {injection, composite}) {
+    CouplingFunction const c = parse_coupling(text, "EY_ACC_coupling_data.txt", "m/(m/s^2)", "m/s^2");
+    ASSERT_EQ(c.points.size(), 4u);
+    EXPECT_EQ(c.points[0].flag, measured);
+    EXPECT_EQ(c.points[0].factor, 2.13e-7);
+    EXPECT_EQ(c.points[0].factor_counts, 3.4e-13);
+    EXPECT_EQ(c.points[1].flag, upper_limit);
+    EXPECT_EQ(c.points[1].factor, 8.77e-9);
+    EXPECT_EQ(c.points[2].flag, below_thresholds);
+    EXPECT_EQ(c.points[3].flag, no_data);
+    EXPECT_EQ(c.points[3].hz, 11.5);
+    std::string const ours = coupling_csv(c);
+    EXPECT_THAT(ours, HasSubstr("\n10,2.13e-07,3.4e-13,Real,,m/(m/s^2),"));
+    EXPECT_THAT(ours, HasSubstr("\n10.5,8.77e-09,1.4e-14,Upper Limit,,"));
+    EXPECT_THAT(ours, HasSubstr("\n11,,,Thresholds not met,")) << "their 0 is not known, and is not written as 0";
+    CouplingFunction const again = parse_coupling(ours, "again.csv");
+    ASSERT_EQ(again.points.size(), 4u);
+    EXPECT_EQ(coupling_csv(again), ours);
+    EXPECT_EQ(again.unit, "m/(m/s^2)");
+    // Projected as pemcoupling does: factor times the ambient ASD, here of 1.9e-7 m/s^2.
+    QuietWitness const w{"m/s^2", {10, 10.5, 11}, {1.9e-7, 1.85e-7, 1.8e-7}, {0, 0, 0}};
+    std::vector<ProjectedPoint> const p = project_coupling(again, w).points;
+    EXPECT_NEAR(p[0].asd / 4.05e-14, 1, 2e-3);
+    EXPECT_NEAR(p[1].asd / 1.62e-15, 1, 2e-3);
+    EXPECT_TRUE(std::isnan(p[2].asd));
+  }
+}
+
 TEST(CouplingFile, RefusesWithPlaceAndRemedy) {
   EXPECT_THAT(refused("frequency,factor\n1,2\n"), HasSubstr("c.csv:1: error: no column 'flag'"));
   EXPECT_THAT(refused("frequency,factor,flag\n1,2,Perhaps\n"), HasSubstr("c.csv:2: error: 'perhaps' is not a flag"));
