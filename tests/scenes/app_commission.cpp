@@ -145,6 +145,52 @@ TEST(FitWitness, SeveralPathsOfARunAreFittedTogetherR6_07) {
   EXPECT_THAT(refusal(words({"--path", "3", "--axis", "ry"})), HasSubstr("write --axis x, y or z"));
 }
 
+// R6.09: the ghost of a plate that picks off, traced and found in a record of G sin(phi): f_r = (G/T)^2, T = lambda/(4
+// pi L) of an arm so heavy and dark that no radiation pressure counts. Twin: with the pressure of 100 kW less field
+// does.
+TEST(FitGhost, PickOffComesBackWithItsFractionR6_09) {
+  Folder const folder;
+  std::string const scene =
+      "straytrace: 1\n"
+      "materials:\n"
+      "  glass: {specular: {reflect: 4 ppm, transmit: 999000 ppm}, scatter: {model: lambertian, tis: 1 ppm}}\n"
+      "  face: {specular: {reflect: 0 ppm, transmit: 1000000 ppm}}\n"
+      "bodies: {plate: {motion: {z: {peterson: low}, others: still}}, bench: {motion: still}}\n"
+      "scene:\n"
+      "  - {name: entry, shape: {disk: {outer_radius: 1 m}}, at: [0 m, 0 m, 1 m], facing: [0, 0, -1], body: bench,"
+      " material: face}\n"
+      "  - {name: pick_off, shape: {disk: {outer_radius: 1 m}}, at: [0 m, 0 m, 3 m], facing: [0, 0, -1], body: plate,"
+      " material: glass}\n"
+      "beams: {laser: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 50 mm, lit: yes}}\n"
+      "ports: {P: {beam: laser, at: entry}}\n"
+      "interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42000 kg, input_transmission:"
+      " 1.4 %, arm_power: 1 W}\n"
+      "ghosts: {order: 1}\n";
+  write_text(folder / "light.yaml", scene);
+  write_text(folder / "heavy.yaml", edited(edited(scene, "42000 kg", "42 kg"), "1 W", "100 kW"));
+  double const gain = 2e-3 * 1064e-9 / (4 * M_PI * 3000);
+  Noise noise(1e-15, 256);
+  std::string const record = folder / "h.csv";
+  write_record(record, "time [s],h [strain],x [m]", 1000, 256, 24,
+               {[&](double t) { return noise() + gain * std::sin(1 + 4 * M_PI * motion(t, 0) / 1064e-9); },
+                [](double t) { return motion(t, 0); }});
+  auto const fitted = [&](std::string const& name) {
+    std::string const run = folder / (name + ".h5");
+    EXPECT_EQ(straytrace({"trace", folder / (name + ".yaml"), "--histories", "4096", "-o", run}).code, 0);
+    return answer({"fit", run, "--target", record + "::h", "--witness", record + "::x", "--band", "25 Hz..52 Hz",
+                   "--free", "multiplicity"});
+  };
+  Json const light = fitted("light");
+  EXPECT_EQ(light["verdict"], "found");
+  Json const &path = light["paths"][0], &ratio = path["prediction"]["measured_over_predicted"];
+  EXPECT_FALSE(path["prediction"].contains("speckle")) << "a ghost is one field";
+  EXPECT_NEAR(path["prediction"]["recoupled_fraction"]["value"].get<double>(), 4e-6, 4e-9);
+  EXPECT_NEAR(ratio["value"].get<double>(), 1, 4 * ratio["sigma"].get<double>());
+  EXPECT_LT(ratio["sigma"].get<double>(), 0.03);
+  EXPECT_NEAR(path["multiplicity"]["value"].get<double>(), 1, 0.002);
+  EXPECT_LT(fitted("heavy")["paths"][0]["prediction"]["measured_over_predicted"]["value"].get<double>(), 0.5);
+}
+
 // R2.40: `fit edge` finds ratio and motion of two bodies together.
 TEST(FitEdge, FreeRatioR2_40) {
   Folder const folder;
