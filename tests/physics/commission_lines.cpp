@@ -234,5 +234,34 @@ TEST(Ridge, CouplingAlongASweepR6_04) {  // 20 to 120 Hz in 50 s; the target ans
   for (std::size_t i = 1; i < function.points.size(); ++i) EXPECT_GT(function.points[i].hz, function.points[i - 1].hz);
 }
 
+// Limits of a bin are the lowest of its windows: the truth, 2.5 sigma in each, lies above them in at most 5 %.
+TEST(Ridge, LimitsOfABinHoldR6_04) {
+  auto const n = std::size_t(50 * rate);
+  auto const x = sampled(n, [](double t) { return std::sin(2 * pi * (20 * t + t * t)); });
+  TimeSeries const witness = channel("MIC", "Pa", rate, x + white_noise(n, 1, 1e-3));
+  TimeSeries const noise = channel("H", "1", rate, white_noise(n, 2, 3e-3));
+  RidgeSettings const s{.low = 15, .high = 125, .window = 1};
+  double sigma = 0;
+  std::vector<RidgePoint> const without = ridge_coupling(witness, noise, s);
+  for (RidgePoint const& p : without) sigma += p.sigma / double(without.size());
+  double const truth = 2.5 * sigma;
+  int bins = 0, missed = 0, single = 0;
+  for (std::uint64_t seed = 100; seed < 160; ++seed) {
+    TimeSeries const target = channel("H", "1", rate, truth * x + white_noise(n, seed, 3e-3));
+    std::vector<RidgePoint> const ridge = ridge_coupling(witness, target, s);
+    for (CouplingPoint const& c : coupling_of_ridge(ridge, witness, target, 8).points) {
+      double lowest = infinity;  // twin: each window at 95 %
+      for (RidgePoint const& p : ridge)
+        if (std::lround(p.coupling.hz / 8) * 8 == std::lround(c.hz))
+          lowest = std::min(lowest, p.modulus + 1.645 * p.sigma);
+      ++bins;
+      missed += c.flag == CouplingFlag::upper_limit && c.factor < truth;
+      single += lowest < truth;
+    }
+  }
+  EXPECT_LE(missed, 0.05 * bins);
+  EXPECT_GT(single, 0.05 * bins);
+}
+
 }  // namespace
 }  // namespace straytrace
