@@ -288,6 +288,9 @@ ShelfEdgeFit fit_shelf_edge(FringeRecords const& records, ShelfEdgeSettings cons
   double const curvature = (left + right) / (2 * spacing * spacing), top = (left - right) / (4 * curvature * spacing);
   out = at_ratio(data, s, best->fit.ratio.value + top).fit;
   out.ratio.sigma = std::max(1 / std::sqrt(curvature), spacing / 2);
+  for (AtRatio const& a : all)  // other maxima that are as good
+    if (best->twice_log - a.twice_log < 1)
+      out.ratio.sigma = std::max(out.ratio.sigma, std::fabs(a.fit.ratio.value - out.ratio.value));
   // The factor follows the ratio; NaN where a neighbour shows no edge.
   double const slope = (best[1].fit.factor.value - best[-1].fit.factor.value) / (2 * spacing);
   if (std::isfinite(slope)) out.factor.sigma = std::hypot(out.factor.sigma, slope * out.ratio.sigma);

@@ -51,24 +51,25 @@ TEST(ShelfEdge, DifferentialMotionR2_40) {
 }
 
 // A free ratio comes out with the factor; one that is held at a wrong value gives a wrong factor. Bodies that move at
-// one frequency are one motion to a shelf, and leave the ratio at an end of its range.
+// one frequency are one motion to a shelf, and tell no ratio.
 TEST(ShelfEdge, FreeRatioOfTwoBodiesR2_40) {
-  double const length = 20;
   ShelfEdgeSettings s = band();
   s.factor = {0.6, 1.6};
-  auto const records = [&](double second) {
+  auto const records = [&](double second, double length) {
     std::vector<Sine> const one{{7e-6, 0.9, 0.3}}, two{{5e-6, second, 0.9}};
     TimeSeries const h = with_fringes(3, {one[0], {-0.8 * 5e-6, second, 0.9}}, 1, 3e-23, length);
     return FringeRecords{h, {motion(one, 64, length), motion(two, 64, length)}};
   };
-  FringeRecords const apart = records(0.55);
+  FringeRecords const apart = records(0.55, 20);
   s.ratio = {0.5, 1.1};
   ShelfEdgeFit const fit = fit_shelf_edge(apart, s);
   EXPECT_FALSE(fit.ratio.at_end);
   EXPECT_LT(std::fabs(fit.ratio.value - 0.8), 3 * fit.ratio.sigma);
   EXPECT_LT(std::fabs(fit.factor.value - 1), 3 * fit.factor.sigma);
   EXPECT_LT(fit.ratio.sigma, 0.1);
-  EXPECT_TRUE(fit_shelf_edge(records(0.9), s).ratio.at_end);
+  Fitted const untold = fit_shelf_edge(records(0.9, 10), s).ratio;
+  EXPECT_TRUE(untold.at_end || untold.sigma > 0.25)
+      << "many ratios are as good: " << untold.value << ", " << untold.sigma;
   s.ratio = {0.5, 0.5};
   ShelfEdgeFit const held = fit_shelf_edge(apart, s);
   EXPECT_GT(std::fabs(held.factor.value - 1), 3 * held.factor.sigma) << "twin: ratio 0.5 instead of 0.8";
