@@ -67,6 +67,31 @@ TEST(Budget, RunBesideADetector) {
   EXPECT_EQ(stray["kind"], "stray light");
   EXPECT_GT(stray["sigma"][0].get<double>(), 0);
   EXPECT_GE(stray["parts"].size(), 1u);
+  // The bands of the run, at its frequencies: its own numbers.
+  Json const own = Json::parse(straytrace({"noise", run, "--format", "json", "--quiet"}).out)["total_strain"];
+  for (std::size_t i : {0u, 1u}) {
+    Json const& band = own[i]["speckle_percentiles"];
+    EXPECT_NEAR(stray["speckle_05"][i].get<double>() / band["5"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(stray["speckle_50"][i].get<double>() / band["50"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(stray["speckle_95"][i].get<double>() / band["95"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(stray["input_low"][i].get<double>() / own[i]["input"][0].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(stray["input_high"][i].get<double>() / own[i]["input"][1].get<double>(), 1, 1e-9);
+    EXPECT_GT(stray["parts"][0]["input_high"][i].get<double>(), 0);
+    double const rest =
+        std::pow(all["at"]["total"][i].get<double>(), 2) - std::pow(stray["strain"][i].get<double>(), 2);
+    EXPECT_NEAR(std::pow(all["at"]["total_input_high"][i].get<double>(), 2) /
+                    (rest + std::pow(stray["input_high"][i].get<double>(), 2)),
+                1, 1e-9);
+    EXPECT_NEAR(all["at"]["total_sigma"][i].get<double>() * all["at"]["total"][i].get<double>() /
+                    (stray["strain"][i].get<double>() * stray["sigma"][i].get<double>()),
+                1, 1e-9);
+  }
+  std::string const table = straytrace({"budget", "adv", run, "--at", "10 Hz, 30 Hz"}).out;
+  EXPECT_THAT(table, HasSubstr("\n  one realisation, 5..95 %"));
+  EXPECT_THAT(table, HasSubstr("\n  inputs leave open"));
+  std::string const columns = text_of(folder / "out/budget.txt");
+  for (char const* name : {"StrayLight_sigma", "StrayLight_input_low", "StrayLight_speckle_95", "total_input_high"})
+    EXPECT_THAT(columns, HasSubstr(std::string(" ") + name));
   EXPECT_NEAR(stray["over_reference"][0].get<double>() * all["at"]["curves"][0]["strain"][0].get<double>() /
                   stray["strain"][0].get<double>(),
               1, 1e-12);
