@@ -38,6 +38,25 @@ std::size_t coherent_of(std::span<GhostFamily const* const> by_share) {
   return fields ? std::min(by_share.size(), most_coherent) : 0;
 }
 
+// Turns the two states of polarisation so that the first holds all it can: what is alike in both is one field with one
+// common phase. Sums over the states, and so the spectra, stay.
+void to_principal_states(std::vector<PathRecord>& records) {
+  double first = 0, second = 0;
+  std::complex<double> both = 0;
+  for (PathRecord const& r : records) {
+    first += std::norm(r.field[0]);
+    second += std::norm(r.field[1]);
+    both += std::conj(r.field[0]) * r.field[1];
+  }
+  double const angle = std::atan2(2 * std::abs(both), first - second) / 2;
+  std::complex<double> const turn = std::polar(1.0, -std::arg(both));
+  for (PathRecord& r : records) {
+    auto const [a, b] = r.field;
+    r.field = {std::cos(angle) * a + std::sin(angle) * turn * b, std::cos(angle) * turn * b - std::sin(angle) * a};
+    if (std::norm(r.field[1]) < 1e-24 * r.weight) r.field[1] = 0;  // rounding
+  }
+}
+
 // All of them as one route, named by the strongest; its parts stand in `folded`.
 CouplingClass family_class(std::span<GhostFamily const* const> members, PortId port) {
   std::vector<PathRecord> records;
@@ -50,6 +69,7 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
     std::uint64_t const hash = deterministic_class(ClassKind::ghost, f->steps, port, 1, {}, "").hash;
     if (parts.size() < folded_kept) parts.push_back({hash, f->steps, f->share(), 0, true, "added as a field"});
   }
+  to_principal_states(records);
   CouplingClass c = deterministic_class(
       ClassKind::ghost, members.front()->steps, port, 1, std::move(records),
       fmt::format("coherent family: {} ghosts of {} different levers, fields added with the phases of the geometry as "
@@ -84,14 +104,15 @@ GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
     GhostFamilies families(world, launch, main, ghost_port(world, launch, main), settings.sum);
     if (!families.port()) continue;
     find_ghosts(world, launch, limits, main, [&](Ghost const& g) { families.add(g); });
-    GhostClasses made = ghost_classes(families, launch.name);
+    GhostClasses made = ghost_classes(families);
     std::move(made.classes.begin(), made.classes.end(), std::back_inserter(all.classes));
-    std::move(made.warnings.begin(), made.warnings.end(), std::back_inserter(all.warnings));
+    for (std::string const& warning : made.warnings)
+      all.warnings.push_back(fmt::format("ghosts of the beam '{}': {}", launch.name, warning));
   }
   return all;
 }
 
-GhostClasses ghost_classes(GhostFamilies const& families, std::string const& beam) {
+GhostClasses ghost_classes(GhostFamilies const& families) {
   std::vector<GhostFamily const*> by_share;
   for (GhostFamily const& f : families.all())
     if (f.share() > 0) by_share.push_back(&f);
@@ -112,11 +133,10 @@ GhostClasses ghost_classes(GhostFamilies const& families, std::string const& bea
   }
   for (auto& [hash, c] : apart) all.classes.push_back(std::move(c));
   if (fields > 0 && !apart.empty())
-    all.warnings.push_back(
-        fmt::format("ghosts of the beam '{}' have {} different levers: the fields of the strongest {} are added, the "
-                    "others, {:.2g} "
-                    "of the light, in power; raise 'floor' or lower 'order' to leave them out",
-                    beam, by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
+    all.warnings.push_back(fmt::format(
+        "{} different levers: the fields of the strongest {} are added, the others, {:.2g} of the light, in "
+        "power; raise 'floor' or lower 'order' to leave them out",
+        by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
   return all;
 }
 
@@ -148,7 +168,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
     }
   GhostStrain all;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = std::sqrt(square[k]);
-  table.classes = ghost_classes(families, "").classes;
+  table.classes = ghost_classes(families).classes;
   if (std::none_of(table.classes.begin(), table.classes.end(), [](auto& c) { return c.adds_fields(); })) return all;
   NoiseTrace const total = project_noise(table, model.motion, *model.detector, settings).total;
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = strain_at(total, settings.grid, ghost_frequencies[k]).value;

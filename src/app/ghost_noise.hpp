@@ -23,7 +23,7 @@ GhostClasses ghosts_beside(World const&, GhostSettings const&);
 
 // A deterministic class for each family of equal levers; powers of classes add. With GhostSum::coherent one class for
 // the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning says what it leaves out.
-GhostClasses ghost_classes(GhostFamilies const&, std::string const& beam);
+GhostClasses ghost_classes(GhostFamilies const&);
 
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.
 GhostStrain project_ghosts(Model const&, GhostFamilies&);

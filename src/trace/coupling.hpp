@@ -53,7 +53,7 @@ struct PathRecord {
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
   double path_length = 0;        // optical, m
   std::vector<Lever> levers;     // relative to the main mode; one entry per body touched
-  // Of a specular path of a coherent family: its field over that of the main mode, by state of polarisation, with the
+  // Of a specular path of a coherent family: its field over that of the main mode, by principal state of polarisation,
   // phase relative to the other paths of its class; the squares sum to `weight`. Zero: its static phase is unknown.
   std::array<std::complex<double>, 2> field{};
 };

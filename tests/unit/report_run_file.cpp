@@ -141,7 +141,7 @@ TEST_F(ReportRunFile, HoldsAnEmptyResult) {
   TraceResult nothing;
   NoiseBudget quiet;
   quiet.grid.edges = {10, 20};
-  quiet.total = {"total", 0, {0}, {0}, {0}, {0}, {}, 0, true, ""};
+  quiet.total = {"total", 0, {0}, {0}, {0}, {0}, {}, {}, {}, 0, true, ""};
   RunContent c = content(nothing, &quiet);
   c.files.clear();
   c.overrides.clear();
