@@ -113,7 +113,8 @@ TEST(GhostPorts, unequal_levers_add_as_fields_in_a_run) {
   EXPECT_THAT(table.out, HasSubstr(" and 1 more"));
   EXPECT_THAT(table.out, HasSubstr("coherent family: 2 ghosts of 2 different levers"));
   Finished const in_time = straytrace({"project", folder / "coherent.h5", "--duration", "4s", "--format", "json"});
-  EXPECT_EQ(in_time.code, 0) << in_time.err;
+  ASSERT_EQ(in_time.code, 0) << in_time.err;
+  EXPECT_EQ(json::parse(in_time.out)["fields"], 4);  // two ghosts, two arms; both polarisations are one field
 }
 
 // More levers than can be added as fields: the strongest are, and a warning says what is left.
