@@ -144,7 +144,7 @@ class SpeckleLaw {
     std::vector<std::pair<VectorXcd, VectorXcd>> states;
     double mean = 0;
     for (std::size_t const state : {0, 1}) {
-      VectorXcd first = VectorXcd::Zero(gains_.inputs()), second = first;
+      VectorXcd first = VectorXcd::Zero(gains_.inputs()), second = VectorXcd::Zero(gains_.inputs());
       for (PathRecord const& r : table_.classes[p.route].records) {
         VectorXcd const gain = to_inputs * gains_.of(r.levers);
         first += gain * (phase * r.field[state].real() - amplitude * r.field[state].imag());
