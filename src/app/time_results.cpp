@@ -14,7 +14,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double level_hz[] = {10, 30, 100};
+constexpr double level_hz[] = {10, 30, 100}, delay_hz = 100;
 constexpr double level_width = 0.1;  // of the frequency, on both sides
 
 // Mean PSD of the chosen routes between two frequencies, by the spectra of the motion.
@@ -86,6 +86,22 @@ double second_order_of(TimeInputs const& in, StrayLight const& light) {
   return power > 0 ? phase / power : 0;
 }
 
+// What the delays leave open in h at 100 Hz, relative to the noise of one body. `retarded`: half of the path is the
+// mean delay of a body on a path and its reverse, of others it may be the whole or nothing
+// (docs/theory/time_domain.md).
+double delay_error_of(TimeInputs const& in, bool retarded) {
+  double largest = 0;
+  for (std::uint32_t const r : in.routes) {
+    CouplingClass const& c = in.coupling().classes[r];
+    bool const with_reverse = c.kind == ClassKind::ghost || c.reverse > 1;
+    for (PathRecord const& record : c.records) {
+      double const half = pi * delay_cycles(delay_hz, std::max(0.0, record.path_length));
+      largest = std::max(largest, !retarded ? 2 * half : with_reverse ? half * half : half);
+    }
+  }
+  return largest;
+}
+
 std::string level_text(BandLevel const& b, std::size_t realisations) {
   if (!std::isfinite(b.asd)) return fmt::format("h({:g} Hz): outside the band of the run or of the record", b.hz);
   std::string text = fmt::format("h({:g} Hz) = {} /sqrt(Hz)", b.hz, with_error(b.asd, b.sigma));
@@ -128,6 +144,7 @@ ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, 
   r.delay = light.longest_delay;
   r.second_order = second_order_of(in, light);
   r.retarded = s.delay == Delay::half_path;
+  r.delay_error = delay_error_of(in, r.retarded);
   r.band_low = s.band_low;
   r.band_high = std::min(s.band_high, light.times.rate / 2);
   for (MotionInput const& input : in.model.motion.inputs) r.recorded |= input.recorded && !input.gains.empty();
@@ -154,10 +171,12 @@ std::string project_text(ProjectResult const& r) {
                       r.fastest.time, r.fastest_route);
   text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
                       r.rule.least(), r.rule.margin);
-  text += fmt::format(
-      "left out (eq. 2.6): second order about {:.2g} rad, delay up to {:.2g} cycle at 100 Hz{}, tilt of the rays\n",
-      r.second_order, delay_cycles(100, r.delay * speed_of_light) / (r.retarded ? 2 : 1),
-      r.retarded ? " about half of each path" : "");
+  text += fmt::format("left out (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
+  if (r.retarded)
+    text += fmt::format("of the delays what is not half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
+  else
+    text += fmt::format("delays up to {:.2g} ms: up to {:.1g} of h at 100 Hz where bodies interfere\n", 1e3 * r.delay,
+                        r.delay_error);
   text += fmt::format("h(t) holds {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, r.welch);
   for (BandLevel const& b : r.levels) text += level_text(b, r.realisations) + "\n";
   if (r.recorded) text += "mean by spectra: as if the recorded motion were stationary and Gaussian\n";
@@ -182,6 +201,7 @@ std::string project_json(ProjectResult const& r) {
                               {"second_order_phase", r.second_order},
                               {"longest_delay", r.delay},
                               {"retarded", r.retarded},
+                              {"delay_error_100Hz", r.delay_error},
                               {"band", {r.band_low, r.band_high}}};
   for (BandLevel const& b : r.levels)
     j["strain"].push_back({{"frequency", b.hz},

@@ -115,8 +115,12 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
   row.faint = !row.resolved && trace.faint;
   if (row.why_not.empty()) row.why_not = trace.why_not;
   row.rms_phase = std::sqrt(trace.mean_square_phase);
-  for (double const f : hz)
+  for (double const f : hz) {
     row.strain.push_back(row.resolved ? strain_at(trace, grid, f) : WithError{not_a_number, not_a_number});
+    bool const made = row.resolved && !trace.input_low.empty();
+    row.input_low.push_back(made ? band_at(trace.input_low, grid, f) : not_a_number);
+    row.input_high.push_back(made ? band_at(trace.input_high, grid, f) : not_a_number);
+  }
 }
 
 bool before(PathRow const& a, PathRow const& b) {
