@@ -2,6 +2,8 @@
 // straytrace project and fringes on a small run: files, choices, refusals.
 #include <nlohmann/json.hpp>
 
+#include <sstream>
+
 #include "program.hpp"
 
 namespace straytrace::testing {
@@ -56,6 +58,27 @@ TEST_F(Projected, SavedMotionGivesTheSameStrain) {
   auto const numbers = [](std::string const& text) { return text.substr(text.find("\n0,")); };
   ASSERT_NE(first.find("\n0,"), first.npos) << first.substr(0, 500);
   EXPECT_EQ(numbers(first).substr(0, 3000), numbers(second).substr(0, 3000));
+}
+
+// Lines that are narrower than the bins of the noise stand on a curve through them, not on stairs.
+TEST_F(Projected, MeanBySpectraRunsThroughTheBins) {
+  ASSERT_EQ(straytrace({"project", at("run/run.h5"), "--duration", "16s", "--segment", "8 s", "--route", "1", "--seed",
+                        "5", "--asd", at("asd.txt"), "--quiet"})
+                .code,
+            0);
+  std::istringstream lines(text_of(at("asd.txt")));
+  std::vector<double> hz, mean;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double f = 0, h = 0, sigma = 0, exact = 0;
+    if (line.starts_with('#') || !(words >> f >> h >> sigma >> exact) || f < 100 || f > 200) continue;
+    hz.push_back(f);
+    mean.push_back(exact);
+  }
+  ASSERT_GT(hz.size(), 500u);
+  std::size_t level = 0;  // the bins are 4 to 8 Hz wide, the lines 1/8 Hz
+  for (std::size_t i = 1; i < hz.size(); ++i) level += mean[i] == mean[i - 1];
+  EXPECT_LT(level, hz.size() / 50);
 }
 
 TEST_F(Projected, RefusesARateThatAliases) {  // R4.10
