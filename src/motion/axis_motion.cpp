@@ -62,7 +62,7 @@ Spectrum read_line(Node const& t, int axis) {
 }
 
 void read_sine(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
-  Node const t = spec["sine"];
+  Node const t = spec.table("sine");
   Quantity const size = t.amplitude("amplitude", amplitude_of(axis));
   double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
                phase = t.number("phase", dim::angle, 0);
@@ -172,9 +172,9 @@ void add_own(OwnMotion motion, AxisMotion& into) {
 
 Spectrum read_gaussian(Node const& spec, std::string_view kind, int axis) {
   if (kind == "asd") return read_spectrum_file(spec, is_rotation(axis));
-  if (kind == "power-law") return read_power_law(spec["power-law"], axis);
+  if (kind == "power-law") return read_power_law(spec.table("power-law"), axis);
   if (kind == "peterson") return read_peterson(spec, axis);
-  if (kind == "line") return read_line(spec["line"], axis);
+  if (kind == "line") return read_line(spec.table("line"), axis);
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/constants.hpp"
+#include "base/document.hpp"
 
 namespace straytrace {
 namespace {
@@ -68,7 +69,7 @@ std::vector<Problem> warnings_of_gaps(std::span<MotionFile const> files, Band no
     all.push_back({file.place, std::move(what),
                    "give a file that holds it, add a model for the rest in a list, [{...}, {power-law: ...}], choose "
                    "'band' in 'noise' inside it, or write 'beyond: zero' beside the file where there is no motion",
-                   Severity::warning});
+                   Severity::warning, std::max(1u, code_points(file.name))});
   }
   return all;
 }

@@ -73,14 +73,16 @@ void MotionReader::read_body(std::string const& name, Body& body) {
   bool const rest_still = motion.has("others") && !motion.choice("others", only_still).empty();
   bool const follows = motion.has("follows");
   std::array<bool, 6> hangs{};
+  std::vector<std::string> untold;
   if (motion.has("suspended")) hangs = add_suspended(motion["suspended"], draft.written);
   for (int axis = 0; axis < 6; ++axis) {
     Node const spec = motion[axis_names[axis]];
     if (spec) read_axis(spec, axis, uncertainty, draft.written[axis]);
-    if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows)
-      motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, axis_names[axis]),
-                     fmt::format("write '{}: still', or 'others: still' for all that is not named", axis_names[axis]));
+    if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows) untold.emplace_back(axis_names[axis]);
   }
+  if (!untold.empty())
+    motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, fmt::join(untold, " and ")),
+                   fmt::format("write '{}: still', or 'others: still' for all that is not named", untold.front()));
   for (int axis = 0; axis < 6; ++axis) resolve_axis(draft, axis);
   body.axes = std::move(draft.axes);
   if (motion.has("through") && !follows)

@@ -87,6 +87,7 @@ TEST(MotionMessages, OfSpectra) {
                    "ends before it begins", "'from' below 'to'"},
            Mistake{"line: {at: 1 Hz, width: 0.1 Hz, rms: 1 um peak}", "1 um peak", "no peak value", "um rms"},
            Mistake{"sine: {amplitude: 1 um, frequency: 3 Hz}", "1 um", "does not say which amplitude", "'1 um peak'"},
+           Mistake{"sine: 3 Hz", "3 Hz", "'sine' needs a table of keys", "write"},
            Mistake{"drift: 2 um", "2 um", "is a speed", "for example"},
            Mistake{"drift: 2 um/h, uncertainty: 30 %", "uncertainty", "unknown key 'uncertainty'", "known keys"},
        })
@@ -143,6 +144,8 @@ TEST(MotionMessages, OfBodies) {
   for (Mistake const& m : {
            Mistake{"{motion: quiet}", "quiet", "does not say how it moves", "motion: still"},
            Mistake{"{motion: {z: {peterson: low}, y: still}}", "{z", "along x", "x: still"},
+           Mistake{"{motion: {z: {peterson: low}}}", "{z", "along x and y", "x: still"},
+           Mistake{"still", "still", "body 'd' is a table", "{motion: still}"},
            Mistake{"{motion: {others: still, q: still}}", "q", "unknown key 'q'", "did you mean"},
            Mistake{
                "{motion: {suspended: {from: m, vertical: w, stages: {frequency: 1 Hz, quality: 9}}, others: still}}",
