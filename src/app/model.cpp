@@ -56,7 +56,8 @@ Band band_of(Model const& model) {
 // Whether light can meet a body, and with it its elastic modes.
 std::vector<bool> with_surfaces(World const& world) {
   std::vector<bool> has(world.bodies().size());
-  for (Surface const& s : world.surfaces()) has.at(s.body.value) = true;
+  for (Surface const& s : world.surfaces())
+    if (s.body.valid()) has.at(s.body.value) = true;
   for (std::size_t b = 0; b < world.bodies().size(); ++b)
     for (ElasticMode const& mode : world.bodies()[b].modes) has.at(mode.id.value) = has[b];
   return has;
