@@ -52,7 +52,7 @@ void apply(Requirement const& requirement, Model& model) {
 }
 
 std::string name_of_line(Model const& model) {
-  return model.design.empty() ? "" : fmt::format("{:g} x {}", model.noise.margin, model.design.front().name);
+  return model.design.empty() ? "" : fmt::format("{:.3g} x {}", model.noise.margin, model.design.front().name);
 }
 
 std::vector<double> line_of(Model const& model) {
