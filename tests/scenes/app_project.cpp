@@ -48,6 +48,35 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);
 }
 
+// Every command that reads motion says where its files end; check and noise find the same mistakes.
+TEST_F(Projected, MotionFilesAreJudgedAlikeByAllCommands) {
+  auto const with = [](std::string const& z) {
+    return "straytrace: 1\nbodies:\n  ITM: {motion: still}\n  ETM: {motion: still}\n  bench: {motion: {z: {" + z +
+           "}, others: still}}\n";
+  };
+  write_text(at("bench.txt"), "0.1 1e-9\n100 1e-12\n");
+  write_text(at("short.yaml"), with("asd: bench.txt, columns: [Hz, m/sqrt(Hz)]"));
+  write_text(at("bad.yaml"), with("asd: bench.txt, columns: [Hz, m], uncertainty: 30") + "noise: {band: 3}\n");
+  std::string const run = at("run/run.h5"), warning = "above 100 Hz it is taken as still";
+  for (Words const& words : {Words{"check", at("short.yaml")}, Words{"inspect", at("short.yaml")},
+                             Words{"noise", run, "--motion", at("short.yaml")},
+                             Words{"project", run, "--motion", at("short.yaml"), "--duration", "4s", "--route", "1"}}) {
+    Finished const got = straytrace(words);
+    EXPECT_EQ(got.code, 0) << words[0] << got.err;
+    EXPECT_NE(got.err.find(warning), got.err.npos) << words[0] << got.err;
+    EXPECT_EQ(got.err.find(warning), got.err.rfind(warning)) << words[0];
+  }
+  EXPECT_EQ(straytrace({"noise", run, "--motion", at("short.yaml"), "--quiet"}).err, "");
+  EXPECT_EQ(straytrace({"check", at("short.yaml"), "--strict"}).code, 2);
+  Finished const checked = straytrace({"check", at("bad.yaml")}),
+                 projected = straytrace({"noise", run, "--motion", at("bad.yaml"), "-o", at("none")});
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_EQ(projected.code, 2);
+  EXPECT_EQ(checked.err, projected.err);
+  EXPECT_NE(checked.err.find("3 errors"), checked.err.npos) << checked.err;
+  EXPECT_FALSE(fs::exists(at("none")));
+}
+
 TEST_F(Projected, SavedMotionGivesTheSameStrain) {
   ASSERT_EQ(straytrace(project({"-o", at("h.csv"), "--save-motion", at("x.hdf5"), "--rate", "1024"})).code, 0);
   Finished const again =
