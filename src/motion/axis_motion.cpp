@@ -128,7 +128,7 @@ std::string kind_meant(Node const& spec) {
   std::vector<std::string> words;
   for (Kind const& k : all_kinds()) words.emplace_back(k.name);
   for (auto const& entry : spec.items())
-    if (std::string const near = nearest_word(entry.first, words); !near.empty()) return near;
+    if (std::string near = nearest_word(entry.first, words); !near.empty()) return near;
   return {};
 }
 
