@@ -72,7 +72,7 @@ std::optional<Members> read_units(Node const& spec, std::size_t member, bool rot
   if (m.units.size() >= member && m.units.size() >= 2) return m;
   if (m.units.size() >= 2) {
     spec["member"].problem(fmt::format("there is no member {} of a matrix with {} units", member, m.units.size()),
-                           "members count from 1, one unit for each");
+                           "name the unit of each member in 'units'; they count from 1");
     return {};
   }
   spec.problem("the units of all members of the matrix must be named, in their order", "write 'units: [m, m]'");

@@ -121,7 +121,7 @@ TEST(MotionMessages, OfMatricesAndChains) {
            Mistake{"csd: csd.txt, form: crss, units: [m, m], member: 1", "crss", "'form' cannot be \"crss\"",
                    "did you mean 'cross'?"},
            Mistake{"csd: csd.txt, form: cross, units: [m, V], member: 1", "V]", "the reading of a sensor", "in 'm'"},
-           Mistake{csd + "3", "3}", "no member 3 of a matrix with 2 units", "count from 1"},
+           Mistake{csd + "3", "3}", "no member 3 of a matrix with 2 units", "unit of each"},
            Mistake{"csd: five.txt, form: cross, units: [m, m], member: 1", "five.txt:3:4", "'five' is not a number",
                    "has 5 columns"},
            Mistake{"csd: asd.txt, form: cross, units: [m, m], member: 1", "asd.txt:1:1", "has 2 numbers, not 5",
