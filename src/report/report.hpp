@@ -130,7 +130,8 @@ struct PathRow {
   std::vector<WithError> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
   WithError power;                // of its strain noise in the band, strain^2
   WithError share;                // of the resolved strain noise power in the band [1]; NaN without a budget
-  std::string body;               // whose motion contributes most; empty without motion
+  std::string body;               // whose motion contributes most; without motion, of the largest lever
+  std::string moves;              // without motion: all bodies of nearly the largest lever; else `body`
   double lever = 0;               // rad/m, rms over the paths of that body's translations
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
   std::string regime;             // report/band.hpp, over the band; empty without a budget
