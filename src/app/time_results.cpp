@@ -17,18 +17,40 @@ namespace {
 constexpr double level_hz[] = {10, 30, 100}, delay_hz = 100;
 constexpr double level_width = 0.1;  // of the frequency, on both sides
 
-// Mean PSD of the chosen routes between two frequencies, by the spectra of the motion.
-double exact_psd(TimeInputs const& in, double low, double high) {
-  FrequencyGrid const& grid = in.exact.grid;
-  if (low < grid.edges.front() || high > grid.edges.back()) return not_a_number;
-  double power = 0;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
-    if (width <= 0) continue;
-    for (std::uint32_t r : in.routes) power += width * in.exact.routes[r].asd[i] * in.exact.routes[r].asd[i];
+// Mean PSD of the chosen routes between two frequencies, by the spectra of the motion. Bands wider than a bin take the
+// power of the bins; narrower ones a power law between their centres, level in the outer halves of the band.
+class ExactSpectrum {
+ public:
+  explicit ExactSpectrum(TimeInputs const& in) : grid_(in.exact.grid) {
+    std::vector<double> hz = {grid_.edges.front()}, psd;
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      hz.push_back(grid_.centre(i));
+      psd.push_back(0);
+      for (std::uint32_t r : in.routes) psd.back() += in.exact.routes[r].asd[i] * in.exact.routes[r].asd[i];
+    }
+    bins_ = psd;
+    hz.push_back(grid_.edges.back());
+    psd.push_back(psd.back());
+    psd.insert(psd.begin(), psd.front());
+    between_ = Spectrum(std::move(hz), std::move(psd));
   }
-  return power / (high - low);
-}
+  double mean(double low, double high) const {  // not a number outside of the band of the noise
+    if (low < grid_.edges.front() || high > grid_.edges.back()) return not_a_number;
+    double power = 0, widest = 0;
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      double const width = std::min(high, grid_.edges[i + 1]) - std::max(low, grid_.edges[i]);
+      if (width <= 0) continue;
+      power += width * bins_[i];
+      widest = std::max(widest, grid_.edges[i + 1] - grid_.edges[i]);
+    }
+    return (high - low < widest ? between_.power(low, high) : power) / (high - low);
+  }
+
+ private:
+  FrequencyGrid grid_;
+  std::vector<double> bins_;
+  Spectrum between_;
+};
 
 double percentile(std::vector<double> sorted, double below) {
   if (sorted.size() < 5) return not_a_number;
@@ -45,7 +67,7 @@ double relative_error(std::vector<double> const& values, double mean, WelchSpect
   return std::sqrt(square / double(values.size() * (values.size() - 1))) / mean;
 }
 
-BandLevel level(TimeInputs const& in, Realisations const& all, std::size_t from, std::size_t to) {
+BandLevel level(ExactSpectrum const& exact, Realisations const& all, std::size_t from, std::size_t to) {
   BandLevel b;
   double const half = all.hz()[1] / 2;
   b.low = all.hz()[from] - half;
@@ -60,7 +82,7 @@ BandLevel level(TimeInputs const& in, Realisations const& all, std::size_t from,
   b.below = percentile(values, 0.05);
   b.median = percentile(values, 0.5);
   b.above = percentile(values, 0.95);
-  b.exact = std::sqrt(exact_psd(in, b.low, b.high));
+  b.exact = std::sqrt(exact.mean(b.low, b.high));
   return b;
 }
 
@@ -149,16 +171,17 @@ ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, 
   r.band_high = std::min(s.band_high, light.times.rate / 2);
   for (MotionInput const& input : in.model.motion.inputs) r.recorded |= input.recorded && !input.gains.empty();
   double const spacing = all.hz()[1];
+  ExactSpectrum const exact(in);
   for (double hz : level_hz) {
     auto const from = std::size_t(std::ceil(hz * (1 - level_width) / spacing)),
                to = std::size_t(std::floor(hz * (1 + level_width) / spacing));
     bool const resolved = from >= 1 && to >= from && to < all.hz().size() && hz * (1 - level_width) > r.band_low &&
                           hz * (1 + level_width) < r.band_high;
-    r.levels.push_back(resolved ? level(in, all, from, to) : nothing(hz));
+    r.levels.push_back(resolved ? level(exact, all, from, to) : nothing(hz));
     r.levels.back().hz = hz;
   }
   for (std::size_t k = 1; k + 1 < all.hz().size(); ++k)
-    if (all.hz()[k] > r.band_low && all.hz()[k] < r.band_high) r.spectrum.push_back(level(in, all, k, k));
+    if (all.hz()[k] > r.band_low && all.hz()[k] < r.band_high) r.spectrum.push_back(level(exact, all, k, k));
   WelchSpectrum const& w = all.last();
   r.welch = fmt::format("Welch: {:g} s, {} segments, ENBW {:.4g} Hz", 1 / spacing, w.segments, w.noise_bandwidth);
   return r;
