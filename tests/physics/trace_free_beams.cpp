@@ -237,5 +237,23 @@ TEST(FreeBeams, FirstVertexSetsTheLevelOfTheWindow) {
   EXPECT_LT(std::fabs(a.mean - b.mean), 5 * std::hypot(a.std_error, b.std_error));
 }
 
+// A beam that only passes: it lights nothing that scatters, so no light is stray, and every history ends at its start.
+TEST(FreeBeams, NothingThatScattersEmitsNothing) {
+  for (bool const emits : {false, true}) {
+    World world;
+    world.add_body("all", {});
+    Footprint beam = free_beam(world.add_group("laser"), {}, {0, 0, 1}, Profile::even, 1e-3, 0);
+    beam.emits = emits;
+    world.add_footprint(beam);
+    world.finish();
+    BlockSums const sums = run_histories(world, block_size).total;
+    EXPECT_EQ(sums.histories, block_size);
+    if (emits)
+      EXPECT_GT(sums.emitted.sum, 0);
+    else
+      EXPECT_EQ(sums.emitted.sum, 0);
+  }
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -32,11 +32,12 @@ STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history) {
   return x < 1 ? x : x - 1;
 }
 
-// Starts a history: its source, first vertex and first direction.
+// Starts a history: its source, first vertex and first direction. False where no light goes on.
 template <class Sink>
 STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, Sink& sink) {
-  Rng rng(seed, path.history, 0, Stream::source);
   auto const n = static_cast<std::uint32_t>(world.emitters.size);
+  if (n == 0) return false;  // nothing lit scatters
+  Rng rng(seed, path.history, 0, Stream::source);
   double const place = stratum(seed, path.history) * n;
   auto pick = static_cast<std::uint32_t>(place);
   if (pick >= n) pick = n - 1;
