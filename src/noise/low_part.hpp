@@ -18,6 +18,8 @@ struct PhaseTone {
 struct SlowPhase {
   // Power [rad^2] of the Gaussian part between two frequencies [Hz].
   virtual double power(double low_hz, double high_hz) const = 0;
+  // The same in (k - 1/2) spacing to (k + 1/2) spacing, from k = 0, where it is zero, to `highest`.
+  virtual std::vector<double> lines(double spacing) const;
   virtual ~SlowPhase() = default;
   double highest = 0;      // Hz, beyond which there is no power
   double fringe_rate = 0;  // Hz, rms of (dphi/dt)/2pi of the Gaussian part
@@ -36,14 +38,22 @@ struct LowPart {
 // samples. Throws NumericalError beyond 2^24.
 LowPart transform(SlowPhase const&, double resolution);
 
-// The parts of it, for sums of several such exponentials: lags n/(samples spacing), n < samples.
+// The parts of it, for sums of several such exponentials. Everything is even in the lag and has the period 1/spacing:
+// lags (n + 1/2)/(samples spacing), n < samples/2, hold all.
 struct LagGrid {
   double spacing;  // Hz, of the lines
   std::size_t samples;
+  std::size_t size() const { return samples / 2; }
+  // Turns of a tone, taken to the nearest line, at a lag; between 0 and 1.
+  double turns(double hz, std::size_t n) const;
 };
 LagGrid lags_for(SlowPhase const&, double resolution);
-// Autocovariance of the Gaussian part at all lags, rad^2.
-std::vector<double> covariance(SlowPhase const&, LagGrid const&);
+// Autocovariance of the Gaussian part, rad^2.
+struct Covariance {
+  double at_zero = 0;
+  std::vector<double> at;  // the lags
+};
+Covariance covariance(SlowPhase const&, LagGrid const&);
 // Error of a correlation and its transform, in units of the last place: below it a line is only rounding. `r0`: R(0).
 double rounding_of(SlowPhase const&, std::vector<double> const& correlation, double r0, double constant);
 // Transforms a correlation without its constant part; false when the sampling rate was too low.

@@ -85,11 +85,10 @@ class Pairs {
       OfClass one;
       one.spectrum = &c.reference;
       one.highest = edge_;
-      std::vector<double> r = c.tone_frequency > 0 ? std::vector<double>(lags.samples) : covariance(one, lags);
-      for (std::size_t i = 0; c.tone_frequency > 0 && i < r.size(); ++i) {
-        double const cycles = std::round(c.tone_frequency / lags.spacing) * double(i) / double(lags.samples);
-        r[i] = std::cos(2 * pi * (cycles - std::floor(cycles)));
-      }
+      Covariance r;
+      if (!(c.tone_frequency > 0)) r = covariance(one, lags);
+      for (std::size_t i = 0; c.tone_frequency > 0 && i < lags.size(); ++i)
+        r.at.push_back(std::cos(2 * pi * lags.turns(c.tone_frequency, i)));
       lag_functions_.push_back(std::move(r));
     }
   }
@@ -97,11 +96,11 @@ class Pairs {
   double correlation(PhasePair const& p, std::size_t lag) const {
     double exponent = 0, factor = 1;
     for (std::size_t c = 0; c < classes().size(); ++c) {
-      std::vector<double> const& r = lag_functions_[c];
+      Covariance const& r = lag_functions_[c];
       if (classes()[c].tone_frequency > 0)
-        factor *= ::j0(std::sqrt(std::max(0.0, 2 * p.own[c] - 2 * p.cross[c] * r[lag])));
+        factor *= ::j0(std::sqrt(std::max(0.0, 2 * p.own[c] - 2 * p.cross[c] * r.at[lag])));
       else
-        exponent += p.cross[c] * r[lag] - p.own[c] * r[0];
+        exponent += p.cross[c] * r.at[lag] - p.own[c] * r.at_zero;
     }
     return factor * std::exp(exponent);
   }
@@ -116,7 +115,7 @@ class Pairs {
                      difference = std::sqrt(std::max(0.0, 2 * own - 2 * cross));
         value *= ::j0((sum + difference) / 2) * ::j0((sum - difference) / 2);
       } else {
-        value *= std::exp(-own * lag_functions_[c][0]);
+        value *= std::exp(-own * lag_functions_[c].at_zero);
       }
     }
     return value;
@@ -124,19 +123,18 @@ class Pairs {
 
   template <class Weight>
   bool transformed(Weight&& weight, LagGrid const& lags, LowPart& low) const {
-    std::vector<double> sum(lags.samples);
+    std::vector<double> sum(lags.size());
     double constant = 0, largest = 0, rounding = 0;
     for (PhasePair const& p : pairs_) {
       double const w = weight(p), unmoved_power = unmoved(p);
       constant += w * unmoved_power;
       largest += std::fabs(w);
-      for (std::size_t i = 0; i <= lags.samples / 2; ++i) sum[i] += w * (correlation(p, i) - unmoved_power);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += w * (correlation(p, i) - unmoved_power);
     }
-    for (std::size_t i = 1; i < lags.samples / 2; ++i) sum[lags.samples - i] = sum[i];
     double r0 = 0;
     std::vector<double> const kappa = strongest(pairs_, classes().size());
     for (std::size_t c = 0; c < classes().size(); ++c)
-      if (!(classes()[c].tone_frequency > 0)) r0 += kappa[c] * lag_functions_[c][0];
+      if (!(classes()[c].tone_frequency > 0)) r0 += kappa[c] * lag_functions_[c].at_zero;
     rounding = rounding_of(slow_, sum, r0, largest) + 8 * largest * std::sqrt(double(lags.samples));
     low.constant = constant / 2;
     return transform_lags(sum, lags, rounding, low);
@@ -146,7 +144,7 @@ class Pairs {
   std::span<PhasePair const> pairs_;
   double edge_;  // Hz, f1 of eq. 7.14
   OfClass slow_;
-  std::vector<std::vector<double>> lag_functions_;
+  std::vector<Covariance> lag_functions_;  // of a tone: its cosine
 };
 
 }  // namespace

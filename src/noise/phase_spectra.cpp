@@ -39,14 +39,26 @@ double lowest_of(Spectrum const& s) {
 struct PhaseSpectra::Slow : SlowPhase {
   std::span<MotionClass const> classes;
   std::span<double const> kappa;
+  std::vector<LinePowers>* tables = nullptr;
 
   double power(double low, double high) const override {
     return gaussian_power(classes, kappa, low, std::min(high, highest));
   }
+  std::vector<double> lines(double spacing) const override {
+    std::vector<double> out(static_cast<std::size_t>(highest / spacing + 0.5) + 1);
+    std::size_t const last = out.size() - 1;  // cut off at `highest`
+    for (std::size_t c = 0; c < classes.size(); ++c) {
+      if (!is_gaussian(classes[c]) || kappa[c] == 0) continue;
+      std::vector<double> const& one = (*tables)[c].at(classes[c].reference, spacing, last);
+      for (std::size_t k = 1; k < last; ++k) out[k] += kappa[c] * one[k];
+    }
+    if (last > 0) out[last] = power((static_cast<double>(last) - 0.5) * spacing, highest);
+    return out;
+  }
 };
 
 PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
-    : classes_(std::move(classes)), grid_(std::move(grid)) {
+    : classes_(std::move(classes)), grid_(std::move(grid)), lines_(classes_.size()) {
   double lowest = infinity, highest = 0, lowest_power = infinity;
   for (MotionClass const& c : classes_) {
     variance_.push_back(c.variance());
@@ -169,6 +181,7 @@ PhaseSpectrum PhaseSpectra::strong(std::span<double const> kappa, std::vector<bo
   Slow slow;
   slow.classes = classes_;
   slow.kappa = kappa;
+  slow.tables = &lines_;
   slow.highest = split_hz(kappa);
   double rate = 0, fast_power = 0;
   for (std::size_t c = 0; c < classes_.size(); ++c) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "noise/line_powers.hpp"
 #include "noise/low_part.hpp"
 #include "noise/motion_classes.hpp"
 #include "noise/noise.hpp"
@@ -27,6 +28,7 @@ struct PhaseSpectrum {
   double split = 0;     // Hz, f1 of eq. 7.14; 0: linear coupling, unless there are strong tones
 };
 
+// Keeps tables between calls: not for several threads at once.
 class PhaseSpectra {
  public:
   // Phase power [rad^2] that counts as weak and is taken to first order: the relative error that this leaves. The same
@@ -79,6 +81,7 @@ class PhaseSpectra {
   std::vector<std::vector<double>> power_above_;  // per class: integral from each edge upwards
   std::vector<std::vector<double>> grid_power_;   // per class: in each bin of the grid
   std::vector<std::vector<double>> above_grid_;   // per class: integral from the upper edge of each bin upwards
+  mutable std::vector<LinePowers> lines_;         // per class
 };
 
 }  // namespace straytrace
