@@ -87,22 +87,12 @@ double norm1(std::vector<double> const& v) {
 
 }  // namespace
 
-std::vector<double> SlowPhase::lines(double spacing) const {
-  std::vector<double> out(static_cast<std::size_t>(highest / spacing + 0.5) + 1);
-  for (std::size_t k = 1; k < out.size(); ++k) {
-    double const line = static_cast<double>(k);
-    out[k] = power((line - 0.5) * spacing, (line + 0.5) * spacing);
-  }
-  return out;
-}
-
 double LagGrid::turns(double hz, std::size_t n) const {
   double const turns = std::round(hz / spacing) * (static_cast<double>(n) + 0.5) / static_cast<double>(samples);
   return turns - std::floor(turns);
 }
 
-Covariance covariance(SlowPhase const& p, LagGrid const& lags) {
-  std::vector<double> lines = p.lines(lags.spacing);
+Covariance covariance(std::vector<double> lines, LagGrid const& lags) {
   lines.resize(std::min(lines.size(), lags.size()));
   Covariance r;
   r.at_zero = std::accumulate(lines.begin(), lines.end(), 0.0);
@@ -140,11 +130,11 @@ double rounding_of(SlowPhase const& p, std::vector<double> const& c, double r0, 
   return rounding;
 }
 
-LowPart transform(SlowPhase const& p, double resolution) {
+LowPart transform(SlowPhase const& p, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution) {
   LowPart low;
   LagGrid lags = lags_for(p, resolution);
   for (; lags.samples <= most_samples; lags.samples *= 2) {
-    Covariance r = covariance(p, lags);
+    Covariance r = gaussian(lags);
     double const r0 = r.at_zero;
     double unmoved = std::exp(-r0);
     for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);

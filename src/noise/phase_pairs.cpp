@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <math.h>
 
@@ -11,11 +12,6 @@
 
 namespace straytrace {
 namespace {
-
-struct OfClass : SlowPhase {
-  Spectrum const* spectrum = nullptr;
-  double power(double low, double high) const override { return spectrum->power(low, std::min(high, highest)); }
-};
 
 // The strongest motion of any pair, in each class: it decides on the split and on the lags.
 std::vector<double> strongest(std::span<PhasePair const> pairs, std::size_t classes) {
@@ -82,11 +78,8 @@ class Pairs {
   void prepare(LagGrid const& lags) {
     lag_functions_.clear();
     for (MotionClass const& c : classes()) {
-      OfClass one;
-      one.spectrum = &c.reference;
-      one.highest = edge_;
       Covariance r;
-      if (!(c.tone_frequency > 0)) r = covariance(one, lags);
+      if (!(c.tone_frequency > 0)) r = ClassCovariances().sum({&c, 1}, std::array{1.0}, edge_, lags);
       for (std::size_t i = 0; c.tone_frequency > 0 && i < lags.size(); ++i)
         r.at.push_back(std::cos(2 * pi * lags.turns(c.tone_frequency, i)));
       lag_functions_.push_back(std::move(r));
@@ -143,7 +136,7 @@ class Pairs {
   PhaseSpectra const& spectra_;
   std::span<PhasePair const> pairs_;
   double edge_;  // Hz, f1 of eq. 7.14
-  OfClass slow_;
+  SlowPhase slow_;
   std::vector<Covariance> lag_functions_;  // of a tone: its cosine
 };
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "noise/line_powers.hpp"
+#include "noise/class_covariances.hpp"
 #include "noise/low_part.hpp"
 #include "noise/motion_classes.hpp"
 #include "noise/noise.hpp"
@@ -64,9 +64,8 @@ class PhaseSpectra {
   double resolution() const { return resolution_; }
 
  private:
-  struct Slow;
   std::size_t split(std::span<double const> kappa) const;  // edge of fine bins
-  LowPart slow_part(Slow const&, std::span<double const> kappa) const;
+  LowPart slow_part(SlowPhase const&, std::span<double const> kappa) const;
   Steps fast_part(std::span<double const> kappa, std::size_t from) const;
   void add_tone(LowPart const&, double hz, double mean_square, std::span<double> bin_power) const;
   std::vector<double> response(LowPart const&, std::size_t c, double kept) const;
@@ -81,7 +80,7 @@ class PhaseSpectra {
   std::vector<std::vector<double>> power_above_;  // per class: integral from each edge upwards
   std::vector<std::vector<double>> grid_power_;   // per class: in each bin of the grid
   std::vector<std::vector<double>> above_grid_;   // per class: integral from the upper edge of each bin upwards
-  mutable std::vector<LinePowers> lines_;         // per class
+  mutable ClassCovariances covariances_;
 };
 
 }  // namespace straytrace
