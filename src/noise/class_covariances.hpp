@@ -27,7 +27,7 @@ class ClassCovariances {
                             double spacing);
 
   double spacing_ = 0;
-  std::vector<std::vector<double>> power_;  // per class, at k > 0 from (k - 1/2) to (k + 1/2) spacing
+  std::vector<std::vector<double>> power_;                // per class, at k > 0 from (k - 1/2) to (k + 1/2) spacing
   std::map<std::pair<double, std::size_t>, Band> bands_;  // by highest frequency and samples
   std::size_t kept_ = 0;                                  // numbers in them
 };

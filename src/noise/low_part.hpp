@@ -15,7 +15,8 @@ struct PhaseTone {
   double frequency, peak;
 };
 
-// Everything is even in the lag and has the period 1/spacing: lags (n + 1/2)/(samples spacing), n < samples/2, hold all.
+// Everything is even in the lag and has the period 1/spacing: lags (n + 1/2)/(samples spacing), n < samples/2, hold
+// all.
 struct LagGrid {
   double spacing;  // Hz, of the lines
   std::size_t samples;

@@ -38,7 +38,9 @@ TEST(DynamicRange, QuietBodyUnderStrongSlowMotion) {  // tolerance 1e-3, at leve
   MotionClass const whole{slow + quiet, 0, {}};
   double const kappa = two_k * two_k;
   SlowPhase const all{1000, std::sqrt(kappa * whole.reference.rate_power(infinity)) / (2 * pi), {}};
-  auto const covariance = [&](LagGrid const& lags) { return ClassCovariances().sum({&whole, 1}, {&kappa, 1}, 1000, lags); };
+  auto const covariance = [&](LagGrid const& lags) {
+    return ClassCovariances().sum({&whole, 1}, {&kappa, 1}, 1000, lags);
+  };
   LowPart const plain = transform(all, covariance, 0.01);
   double const at_100 = plain.density[static_cast<std::size_t>(std::lround(100 / plain.spacing))];
   EXPECT_GT(deviation(at_100, expected(100)), 0.5);
