@@ -9,7 +9,7 @@
 
 #include "base/constants.hpp"
 #include "base/rng.hpp"
-#include "signal/fringe_fit.hpp"
+#include "commission/fringe_fit.hpp"
 
 namespace straytrace::testing {
 

@@ -42,13 +42,24 @@ def values(numbers):
     return np.array([np.nan if x is None else x for x in numbers], dtype=float)
 
 
+def fill(axes, f, noise, low, high, **style):
+    """A band between two curves of the JSON."""
+    axes.fill_between(f, np.maximum(values(noise[low]), 1e-300), values(noise[high]), **style)
+
+
 def draw_stray_light(axes, f, noises):
-    """Thick lines with a band of one standard error on each side; returns the largest error over its value."""
+    """Thick lines with a band of one standard error on each side, a pale one of realisations and a hatched one of
+    inputs; returns the largest error over its value."""
     widest = 0.0
     for noise, colour in zip(noises, STRAY * len(noises)):
         asd = values(noise["strain"])
         bound = " (lower bound)" if noise.get("note") else ""
         axes.plot(f, asd, color=colour, lw=2.2, label=shortened(noise["name"], 26) + bound, zorder=6)
+        if "speckle_05" in noise:
+            fill(axes, f, noise, "speckle_05", "speckle_95", color=colour, alpha=0.12, lw=0, zorder=1)
+        if noise.get("inputs_stated"):
+            fill(axes, f, noise, "input_low", "input_high", facecolor="none", hatch="////", edgecolor=colour, alpha=0.5,
+                 lw=0.6, zorder=2)
         if "sigma" in noise:
             sigma = values(noise["sigma"])
             axes.fill_between(f, np.maximum(asd - sigma, 1e-300), asd + sigma, color=colour, alpha=0.35, lw=0, zorder=6)
@@ -89,6 +100,13 @@ def draw(axes, budget):
     if any("sigma" in noise for noise in stray):
         handles.insert(1 + len(stray), Patch(color=STRAY[0], alpha=0.35, lw=0))
         labels.insert(1 + len(stray), f"± one standard error (≤ {100 * widest:.2g} %)")
+    for wanted, patch, label in (
+            ("speckle_05", Patch(color=STRAY[0], alpha=0.12, lw=0), "one realisation: 5 to 95 %"),
+            ("inputs_stated", Patch(facecolor="none", hatch="////", edgecolor=STRAY[0], alpha=0.5, lw=0.6),
+             "stated input uncertainty")):
+        if any(wanted in noise for noise in stray):
+            handles.insert(1 + len(stray), patch)
+            labels.insert(1 + len(stray), label)
     axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0)
     known = np.concatenate([c[np.isfinite(c) & (c > 0)] for c in shown])
     low, high = (known.min(), known.max()) if known.size else (1e-25, 1e-20)

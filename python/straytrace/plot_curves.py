@@ -20,6 +20,7 @@ from .words import shortened  # noqa: E402
 
 COLOURS = ("#0072B2", "#D00000", "#228833", "#7A00CC", "#E66101", "#00857A", "#7B5B2E", "#8C8CD9")
 SIZE = (10.0, 6.0)  # inches at 100 dpi
+MORE = 3.5  # for each further unit
 MOST_NOTES = 6
 
 
@@ -63,10 +64,13 @@ def draw_columns(axes, x, columns):
             axes.plot(x, y, color=tint, lw=1.3, label=name)
 
 
-def units_of(columns):
-    """The unit that all drawn columns share, or nothing."""
-    units = {column["unit"] for column in columns if column["style"] != "hidden"}
-    return units.pop() if len(units) == 1 else ""
+def panels_of(columns):
+    """Drawn columns by their unit, in the order of their first: each unit has axes of its own."""
+    panels = {}
+    for column in columns:
+        if column["style"] != "hidden":
+            panels.setdefault(column["unit"], []).append(column)
+    return panels or {"": []}
 
 
 def can_be_logarithmic(arrays):
@@ -74,23 +78,30 @@ def can_be_logarithmic(arrays):
     return known.size > 0 and np.any(known > 0)
 
 
-def draw_sheet(axes, sheet):
+def draw_panel(axes, sheet, unit, columns):
     x, words = clock(values(sheet["x"]["values"]), sheet["x"]["unit"])
-    draw_columns(axes, x, sheet["y"])
-    drawn = [values(c["values"]) for c in sheet["y"] if c["style"] != "hidden"]
+    draw_columns(axes, x, columns)
     if sheet["log_x"] and can_be_logarithmic([x]):
         axes.set_xscale("log")
         axes.set_xlim(np.min(x[x > 0]), np.max(x))
     elif x.size > 1:
         axes.set_xlim(x[0], x[-1])
-    if sheet["log_y"] and can_be_logarithmic(drawn):
+    if sheet["log_y"] and can_be_logarithmic([values(c["values"]) for c in columns]):
         axes.set_yscale("log", nonpositive="mask")
-    axes.set_xlabel(words or label(sheet["x"]))
-    unit = units_of(sheet["y"])
     axes.set_ylabel(f"[{unit}]" if unit not in ("", "1") else "")
     axes.legend(loc="best")
     axes.grid(True, which="major", color=LIGHT, lw=0.7)
     axes.set_axisbelow(True)
+    return words or label(sheet["x"])
+
+
+def draw_sheet(figure, sheet):
+    panels = panels_of(sheet["y"])
+    all_axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (unit, columns) in zip(all_axes, panels.items()):
+        words = draw_panel(axes, sheet, unit, columns)
+    axes.set_xlabel(words)
+    return all_axes[0]
 
 
 def edges(centres):
@@ -127,11 +138,13 @@ def draw_map(figure, axes, sheet):
 
 
 def picture(sheet):
-    figure, axes = plt.subplots(figsize=SIZE, dpi=100)
+    panels = 1 if "frequency_Hz" in sheet else len(panels_of(sheet["y"]))
+    figure = plt.figure(figsize=(SIZE[0], SIZE[1] + MORE * (panels - 1)), dpi=100)
     if "frequency_Hz" in sheet:
+        axes = figure.add_subplot()
         draw_map(figure, axes, sheet)
     else:
-        draw_sheet(axes, sheet)
+        axes = draw_sheet(figure, sheet)
     axes.set_title("\n".join(textwrap.wrap(shortened(sheet["title"], 160), 90)))
     text = "\n".join(shortened(note, 150) for note in sheet["notes"][:MOST_NOTES])
     figure.text(0.01, 0.012, text, fontsize=7.5, color=GREY, linespacing=1.4)

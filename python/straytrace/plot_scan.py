@@ -55,7 +55,11 @@ def draw(scan):
         axes.axhline(1, color=GREY, lw=1.5, ls=(0, (6, 2)))
         axes.annotate(f"line: {scan['line']}", (1, 1), xycoords=("axes fraction", "data"), xytext=(-4, 4),
                       textcoords="offset points", ha="right", color=GREY)
-    axes.set_yscale("log")
+    bottom, top = axes.dataLim.intervaly
+    if compared:
+        bottom, top = min(bottom, 1), max(top, 1)
+    if top > 3 * bottom:
+        axes.set_yscale("log")
     values = np.array(list(places.values()), dtype=float)
     steps = np.diff(np.log(values)) if len(values) > 2 and np.all(values > 0) else np.array([])
     if labels is None and steps.size and np.allclose(steps, steps[0], rtol=1e-6):

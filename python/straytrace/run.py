@@ -40,6 +40,8 @@ class Curve:
     why_not: str = ""
     mean_square_phase: float = 0.0    # rad^2
     linear_share: np.ndarray | None = None    # of the PSD, by motion of that frequency; None before schema 1.5
+    input_low: np.ndarray | None = None       # of routes: what stated inputs leave open; None before schema 1.6
+    input_high: np.ndarray | None = None
 
 
 @dataclass
@@ -196,7 +198,7 @@ def _noise(file):
     arrays = {name: routes[name][()] for name in columns}
     names, why = _texts(routes["name"]), _texts(routes["why_not"])
     resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
-    shares = routes["linear_share"][()] if "linear_share" in routes else None
+    later = [routes[name][()] if name in routes else None for name in ("linear_share", "input_low", "input_high")]
     design = group["design"]
     return Noise(
         frequency=group["frequency"][()],
@@ -205,7 +207,7 @@ def _noise(file):
                     linear_share=total["linear_share"][()] if "linear_share" in total else None),
         routes=[
             Curve(names[i], *(arrays[c][i] for c in columns), bool(resolved[i]), why[i], float(phase[i]),
-                  shares[i] if shares is not None else None)
+                  *(rows[i] if rows is not None else None for rows in later))
             for i in range(len(names))
         ],
         unresolved=_texts(group["unresolved"]),

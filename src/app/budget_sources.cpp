@@ -120,6 +120,8 @@ BudgetEntry Source::on(std::vector<double> const& at) const {
   BudgetEntry e = entry;
   e.asd = curve.on(at, curve.asd);
   if (!curve.sigma.empty()) e.sigma = curve.on(at, curve.sigma);
+  for (BudgetBandColumn const& c : budget_band_columns)
+    if (!(bands.*c.curve).empty()) e.bands.*c.curve = curve.on(at, bands.*c.curve);
   for (Source const& part : parts) e.parts.push_back(part.on(at));
   return e;
 }
@@ -177,6 +179,8 @@ Source stray_light(std::string const& file) {
   double const low = b.grid.edges.front(), high = b.grid.edges.back();
   Source s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high}, {}, file, std::move(about),
            std::move(models)};
+  s.bands = {b.bands.input_low, b.bands.input_high, b.bands.speckle_05, b.bands.speckle_50, b.bands.speckle_95};
+  s.entry.inputs_stated = !b.bands.sources.empty();
   for (NoiseTrace const& route : b.routes)
     if (route.resolved)
       s.parts.push_back({{route.name, route.name, BudgetEntry::Kind::stray_light, {}, {}, "", {}},
@@ -184,7 +188,8 @@ Source stray_light(std::string const& file) {
                          {},
                          {},
                          {},
-                         {}});
+                         {},
+                         {route.input_low, route.input_high, {}, {}, {}}});
   return s;
 }
 

@@ -39,6 +39,7 @@ struct Source {
   std::string file;                   // as it was named
   RunAbout run;                       // of a run file
   std::vector<std::string> models{};  // hashes of the scenes whose stray light is in it
+  BudgetBands bands{};                // on the frequencies of the curve
   BudgetEntry on(std::vector<double> const& at) const;
 };
 

@@ -57,11 +57,38 @@ std::vector<std::string> numbers(std::vector<double> const& all, char const* for
   return cells;
 }
 
+std::vector<std::string> ranges(std::vector<double> const& low, std::vector<double> const& high) {
+  std::vector<std::string> cells;
+  for (std::size_t i = 0; i < low.size(); ++i)
+    cells.push_back(std::isfinite(low[i]) && std::isfinite(high[i]) ? fmt::format("{:.1e}..{:.1e}", low[i], high[i])
+                                                                    : "-");
+  return cells;
+}
+
+// Under the line of an entry: its bands, which are never merged with each other or with the Monte-Carlo error.
+std::string band_rows(BudgetEntry const& e) {
+  std::string text;
+  BudgetBands const& b = e.bands;
+  if (e.inputs_stated) text += row("  inputs leave open", ranges(b.input_low, b.input_high));
+  if (b.speckle_50.empty()) return text;
+  return text + row("  one realisation, 5..95 %", ranges(b.speckle_05, b.speckle_95)) +
+         row("  one realisation, 50 %", numbers(b.speckle_50, "{:.1e}"));
+}
+
 bool unknown_somewhere(BudgetEntry const& e) {
   return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return !std::isfinite(h); });
 }
 bool known_somewhere(BudgetEntry const& e) {
   return std::any_of(e.asd.begin(), e.asd.end(), [](double h) { return std::isfinite(h); });
+}
+
+// With the Monte-Carlo error where stray light has one that shows.
+std::vector<std::string> total_cells(NoiseTable const& t) {
+  std::vector<double> const h = t.total(), sigma = t.total_sigma();
+  std::vector<std::string> cells = numbers(h);
+  for (std::size_t i = 0; i < sigma.size(); ++i)
+    if (sigma[i] > 1e-3 * h[i]) cells[i] = with_brackets(h[i], sigma[i]);
+  return cells;
 }
 
 // What the total does not hold.
@@ -117,13 +144,6 @@ std::string run_line(RunAbout const& run) {
                      run.histories);
 }
 
-// Names of columns hold no spaces.
-std::string joined(std::string name) {
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return name;
-}
-std::string column(std::string const& name, char const* unit) { return fmt::format(" {}_{}", joined(name), unit); }
-
 }  // namespace
 
 std::string budget_text(BudgetView const& v) {
@@ -133,9 +153,11 @@ std::string budget_text(BudgetView const& v) {
   for (BudgetEntry const& e : v.at.table.entries) {
     std::vector<std::string> cells;
     for (std::size_t i = 0; i < e.asd.size(); ++i) cells.push_back(cell(v, e, i));
-    text += row(e.name, cells);
+    text += row(e.name, cells) + band_rows(e);
   }
-  text += row("total", numbers(v.at.table.total()));
+  text += row("total", total_cells(v.at.table));
+  if (auto const low = v.at.table.total_at(&BudgetBands::input_low); !low.empty())
+    text += row("  inputs leave open", ranges(low, v.at.table.total_at(&BudgetBands::input_high)));
   for (ReferenceCurve const& c : v.at.curves) text += row(c.name, numbers(c.asd));
   for (ReferenceCurve const& c : v.at.lines) text += row(c.name, numbers(c.asd));
   text += ratios(v) + flagged(v) + bound(v);
@@ -148,45 +170,21 @@ std::string budget_text(BudgetView const& v) {
   return text;
 }
 
-std::string budget_columns(BudgetView const& v) {
-  NoiseTable const& t = v.grid.table;
-  std::string text = fmt::format(
-      "# {}\n# straytrace {} ({})\n# ASD, one-sided: _strain [1/sqrt(Hz)], _displacement of the difference of the arms "
-      "[m/sqrt(Hz)]; nan: not known\n# Hz",
-      v.title, build_info::version, build_info::commit);
-  for (BudgetEntry const& e : t.entries) text += column(e.name, "strain");
-  text += " total_strain";
-  for (ReferenceCurve const& c : v.grid.curves) text += " " + joined(c.name);
-  for (ReferenceCurve const& c : v.grid.lines) text += column(c.name, "strain");
-  std::vector<double> const total = t.total();
-  if (!v.grid.metres.empty()) {
-    for (BudgetEntry const& e : t.entries) text += column(e.name, "displacement");
-    text += " total_displacement";
-  }
-  text += '\n';
-  for (std::size_t i = 0; i < t.hz.size(); ++i) {
-    text += fmt::format("{:.9g}", t.hz[i]);
-    for (BudgetEntry const& e : t.entries) text += fmt::format(" {:.6e}", e.asd[i]);
-    text += fmt::format(" {:.6e}", total[i]);
-    for (ReferenceCurve const& c : v.grid.curves) text += fmt::format(" {:.6e}", c.asd[i]);
-    for (ReferenceCurve const& c : v.grid.lines) text += fmt::format(" {:.6e}", c.asd[i]);
-    if (!v.grid.metres.empty()) {
-      for (BudgetEntry const& e : t.entries) text += fmt::format(" {:.6e}", e.asd[i] * v.grid.metres[i]);
-      text += fmt::format(" {:.6e}", total[i] * v.grid.metres[i]);
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 namespace {
+
+void add_errors(Json& j, BudgetEntry const& e) {
+  if (!e.sigma.empty()) j["sigma"] = json_numbers(e.sigma);
+  for (BudgetBandColumn const& c : budget_band_columns)
+    if (!(e.bands.*c.curve).empty()) j[c.name] = json_numbers(e.bands.*c.curve);
+  if (e.inputs_stated) j["inputs_stated"] = true;
+}
 
 Json json_of(BudgetView const& v, BudgetOn const& b) {
   Json out{{"frequency_Hz", b.table.hz}, {"noises", Json::array()}};
   std::vector<double> const* const design = reference(b);
   for (BudgetEntry const& e : b.table.entries) {
     Json j{{"name", e.name}, {"what", e.words}, {"kind", kind_of(e)}, {"strain", json_numbers(e.asd)}};
-    if (!e.sigma.empty()) j["sigma"] = json_numbers(e.sigma);
+    add_errors(j, e);
     if (!e.note.empty()) j["note"] = e.note;
     if (design) {
       Json over = Json::array(), above = Json::array();
@@ -199,12 +197,17 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
     }
     for (BudgetEntry const& part : e.parts) {
       Json p{{"name", part.name}, {"strain", json_numbers(part.asd)}};
-      if (!part.sigma.empty()) p["sigma"] = json_numbers(part.sigma);
+      add_errors(p, part);
       j["parts"].push_back(p);
     }
     out["noises"].push_back(j);
   }
   out["total"] = json_numbers(b.table.total());
+  if (auto const sigma = b.table.total_sigma(); !sigma.empty()) out["total_sigma"] = json_numbers(sigma);
+  if (auto const low = b.table.total_at(&BudgetBands::input_low); !low.empty()) {
+    out["total_input_low"] = json_numbers(low);
+    out["total_input_high"] = json_numbers(b.table.total_at(&BudgetBands::input_high));
+  }
   out["curves"] = Json::array();
   for (ReferenceCurve const& c : b.curves) out["curves"].push_back({{"name", c.name}, {"strain", json_numbers(c.asd)}});
   out["lines"] = Json::array();

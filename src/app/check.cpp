@@ -22,8 +22,10 @@ int check_motion(Scene const& scene, Options const& options) {
   for (auto const& [name, node] : scene.table("bodies").items())
     if (node.kind() == Node::Kind::table) node.has("pivot");
   std::vector<std::string> const names = bodies_and_modes(scene.table("bodies"));
-  read_motion(scene.table("bodies"), names);
-  scene.throw_if_problems();
+  read_motion_file(scene);
+  std::string const warnings = scene.warnings();
+  if (!options.quiet || options.strict) std::cerr << warnings;
+  if (options.strict && !warnings.empty()) return input_error;
   if (options.json())
     std::cout << fmt::format("{{\"ok\": true, \"bodies\": {}}}\n", names.size());
   else
@@ -36,9 +38,8 @@ int check(Options const& options) {
   if (Scene const scene = read_scene(options.input, options.overrides); only_motion(scene))
     return check_motion(scene, options);
   Model const model = read_model(options.input, options.overrides);
-  std::string const warnings = model.scene.warnings();
-  if (!options.quiet || options.strict) std::cerr << warnings;
-  if (options.strict && !warnings.empty()) return input_error;
+  if (!options.quiet || options.strict) std::cerr << model.warnings;
+  if (options.strict && !model.warnings.empty()) return input_error;
   if (options.resolved) {
     std::cout << model.scene.resolved();
     return done;

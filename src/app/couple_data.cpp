@@ -3,13 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
 #include "app/build_info.hpp"
+#include "app/common_options.hpp"
 #include "base/message.hpp"
+#include "commission/coupling_file.hpp"
 #include "report/report.hpp"
-#include "signal/coupling_file.hpp"
+#include "signal/gps.hpp"
 #include "signal/integration.hpp"
 #include "signal/series_file.hpp"
 
@@ -61,6 +64,21 @@ TimeSeries channel_in(StretchArgument const& stretch, std::string const& channel
   std::string const file = stretch.file.empty() ? channel : stretch.file;
   if (file.empty()) throw InputError(fmt::format("error: {} is missing\n  write {} FILE::CHANNEL", option, option));
   return series_argument(stretch.file.empty() || channel.empty() ? file : file + "::" + channel, unit, stretch.span);
+}
+
+void refuse_overlaps(std::vector<FoundStretch> const& all) {
+  constexpr double surely_gps = 1e8;  // s; other files count from 0
+  std::vector<InputError> errors;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      FoundStretch const &a = all[j], &b = all[i];
+      double const from = std::max(a.from, b.from), to = std::min(a.to, b.to);
+      if (to <= from || (a.file != b.file && from < surely_gps)) continue;
+      errors.emplace_back(fmt::format(
+          "error: {} and {} share the time from {} to {}\n  name stretches that lie apart; each is data of its own",
+          a.name, b.name, gps_text(from), gps_text(to)));
+    }
+  throw_all(errors);
 }
 
 ToMetres to_metres(bool displacement, std::string const& unit) {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "app/data_options.hpp"
-#include "signal/coupling.hpp"
-#include "signal/line.hpp"
+#include "commission/coupling.hpp"
+#include "commission/line.hpp"
 
 namespace CLI {
 class App;
@@ -52,6 +52,14 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
 // "FILE::CHANNEL", or a channel of the file that the stretch names.
 TimeSeries channel_in(StretchArgument const&, std::string const& channel, std::string const& unit,
                       std::string const& option);
+
+// A stretch as it was found in a record. Two of them that share time are refused: what is quiet would hold what was
+// injected, or one injection would count twice. Records of different files share their time only where that is GPS.
+struct FoundStretch {
+  std::string name, file;   // "--quiet 0..24"
+  double from = 0, to = 0;  // GPS s
+};
+void refuse_overlaps(std::vector<FoundStretch> const&);
 
 // How a witness becomes metres: divide by (2 pi f)^times.
 struct ToMetres {

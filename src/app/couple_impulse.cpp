@@ -8,12 +8,12 @@
 
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
+#include "commission/events.hpp"
+#include "commission/impulse.hpp"
+#include "commission/taps.hpp"
 #include "report/columns.hpp"
 #include "report/report.hpp"
-#include "signal/events.hpp"
 #include "signal/gps.hpp"
-#include "signal/impulse.hpp"
-#include "signal/taps.hpp"
 
 namespace straytrace {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "app/couple_driven.hpp"
 #include "base/message.hpp"
+#include "commission/fringe_lines.hpp"
 #include "report/columns.hpp"
-#include "signal/fringe_lines.hpp"
 
 namespace straytrace {
 namespace {

@@ -61,6 +61,7 @@ struct Spectra {
   CrossSpectra cross;
   std::string witness, target, witness_unit, target_unit;
   std::vector<std::string> notes;
+  FoundStretch found;
 };
 
 Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
@@ -68,7 +69,9 @@ Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::stri
   auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
                              channel_in(where, o.target, o.target_unit, "--target")});
   WelchSettings const w = welch_of(o.data, both[0]);
-  Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}};
+  Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}, {}};
+  s.found = {fmt::format("{} {}", option, stretch),
+             where.file.empty() ? witness.substr(0, witness.find("::")) : where.file, both[0].start, both[0].end()};
   Segments const segments(both[0].samples.size(), both[0].rate, w);
   s.notes = {fmt::format("{}: {}", option + 2, source_note(both[0])),
              fmt::format("{}: {}", option + 2, source_note(both[1])),
@@ -98,8 +101,10 @@ Coupled couple_one(NoiseCoupling const& o, std::string const& witness, Frequency
   out.notes = quiet.notes;
   std::vector<CouplingFunction> each;
   std::vector<CrossSpectra> loud;
+  std::vector<FoundStretch> stretches{quiet.found};
   for (std::string const& stretch : o.injection) {
     Spectra s = spectra_of(o, witness, stretch, "--injection");
+    stretches.push_back(s.found);
     convert(s.cross, metres);
     out.notes.insert(out.notes.end(), s.notes.begin(), s.notes.end());
     CouplingFunction c{s.witness, s.target, metres.unit, coupling_unit(s.target_unit, metres.unit), {}};
@@ -108,6 +113,7 @@ Coupled couple_one(NoiseCoupling const& o, std::string const& witness, Frequency
     each.push_back(std::move(c));
     loud.push_back(std::move(s.cross));
   }
+  refuse_overlaps(stretches);
   out.coupling = combine(each);
   out.linear = h1(pooled(loud));
   return out;
@@ -202,6 +208,7 @@ CurveSheet sheet_of(std::vector<Coupled> const& all) {
 int run_noise(NoiseCoupling o) {
   check_outputs(o.data);
   o.thresholds.check_linear = !o.accept_incoherent;
+  o.thresholds.confidence = each_of(o.injection.size(), o.thresholds.confidence);
   std::vector<std::string> const witnesses =
       o.witness.empty() ? std::vector{parse_stretch(o.injection.front(), "--injection").channel} : o.witness;
   if (!o.save.empty() && witnesses.size() > 1)

@@ -9,9 +9,9 @@
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
+#include "commission/coupling_file.hpp"
 #include "report/columns.hpp"
 #include "report/report.hpp"
-#include "signal/coupling_file.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "commission/coupling.hpp"
 #include "noise/predicted_coupling.hpp"
 #include "report/curve_file.hpp"
-#include "signal/coupling.hpp"
 
 namespace straytrace {
 

@@ -86,7 +86,7 @@ std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, boo
       {}};
   for (std::size_t i = 0; i < std::min(o.show, p.routes.size()); ++i) {
     PredictedRoute const& r = p.routes[i];
-    routes.rows.push_back({r.name, r.resolved ? fmt::format("{:.2g} %", 100 * r.share) : "unresolved",
+    routes.rows.push_back({r.name, r.resolved ? fmt::format("{:.3g} %", 100 * r.share) : "unresolved",
                            fmt::format("{:.4g}", r.phase), rotation ? "" : fmt::format("{:.3g}", r.multiplicity),
                            fmt::format("{:.3g}", 1 / r.phase)});
   }

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "app/couple_driven.hpp"
-#include "signal/fringe_lines.hpp"
+#include "commission/fringe_lines.hpp"
 
 namespace straytrace {
 namespace {

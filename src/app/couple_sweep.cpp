@@ -9,8 +9,8 @@
 
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
+#include "commission/ridge.hpp"
 #include "report/columns.hpp"
-#include "signal/ridge.hpp"
 
 namespace straytrace {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
+#include "commission/taps.hpp"
 #include "report/columns.hpp"
 #include "report/report.hpp"
-#include "signal/taps.hpp"
 
 namespace straytrace {
 namespace {
@@ -122,11 +122,16 @@ nlohmann::json json_of(std::vector<TapPeak> const& peaks) {
 int run_taps(TapOptions const& o) {
   check_outputs(o.data);
   std::vector<TapPlace> const places = parse_tap_list(read_file(o.list), o.list);
+  GpsSpan const quiet = parse_gps(o.quiet);
+  std::vector<FoundStretch> stretches{{"--quiet " + o.quiet, o.list, quiet.from, quiet.to}};
+  for (TapPlace const& p : places)
+    stretches.push_back({fmt::format("'{}' of {}", p.name, o.list), o.list, p.start, p.start + p.duration});
+  refuse_overlaps(stretches);
   TapSeries const series = read_series(o);
   DataOptions data = o.data;
   if (data.segment.empty()) data.segment = "1 s";
   WelchSettings const w = welch_of(data, series.target);
-  std::vector<TapPeak> peaks = tap_peaks(series, places, parse_gps(o.quiet), w, o.thresholds);
+  std::vector<TapPeak> peaks = tap_peaks(series, places, quiet, w, o.thresholds);
   if (!o.data.band.empty()) {
     FrequencyBand const band = option_band(o.data.band, "--band");
     std::erase_if(peaks, [&](TapPeak const& p) { return p.hz < band.low || p.hz > band.high; });

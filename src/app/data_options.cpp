@@ -122,7 +122,7 @@ FrequencyBand band_of(DataOptions const& o, FrequencyBand otherwise, double nyqu
 }
 
 TimeSeries series_of(DataOptions const& o, std::string const& argument) {
-  return series_argument(argument, o.unit, span_of(o));
+  return series_argument(argument, o.unit, span_of(o), true);
 }
 
 WelchSettings welch_of(DataOptions const& o, TimeSeries const& s) {

@@ -52,8 +52,8 @@ int fit(FitOptions const& o) {
                     o.subtract));
   if (!o.run.empty() && !o.gain.empty())
     throw InputError("error: --gain-per-field: the run has the responses of its ports\n  leave one of the two out");
-  std::vector<RoutePrediction> const routes = predictions(o);
   FringeRecords const records = records_of(o);
+  std::vector<RoutePrediction> const routes = predictions(o, is_rotation(records));
   FringeFitSettings const settings = settings_of(o, records, routes);
   FringeFit const result = fit_fringes(records, settings);
   FitAnswer const answer{records, settings, routes, result, !o.run.empty() || !o.gain.empty()};
@@ -84,11 +84,15 @@ void add_fit(CLI::App& app, Options&, int& exit_code) {
   command->add_option("--path", o.rows, "rows of the path table of the run, 1 unless given; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--body", o.body, "that the witness is of; default: the one that moves the path most");
-  command->add_option("--axis", o.axis, "of the body that the witness measures: x, y or z; default: that of most phase")
-      ->check(CLI::IsMember({"x", "y", "z"}));
+  command
+      ->add_option(
+          "--axis", o.axis,
+          "of the body that the witness measures: x, y, z, or rx, ry, rz of an angle; default: that of most phase")
+      ->check(CLI::IsMember({"x", "y", "z", "rx", "ry", "rz"}));
   command->add_option("--paths", o.paths, "number of paths, without a run")->check(whole_between(1, 6, "2"));
   command->add_option("--multiplicity", o.multiplicity,
-                      "W in units of 4 pi/lambda: a value, or the range that is searched; 0.5..6 unless given");
+                      "W in units of 4 pi/lambda: a value, or the range that is searched; 0.5..6 unless given; of an "
+                      "angle a length");
   command->add_option("--delay", o.delay, "of the noise behind the witness: a value, or a range -20 ms..20 ms");
   command->add_option("--drift", o.drift, "of the static phase: a value, or a range \"-1 rad/s..1 rad/s\"");
   command
@@ -104,7 +108,9 @@ void add_fit(CLI::App& app, Options&, int& exit_code) {
   command->add_option("--method", o.method, "frequency: likelihood on lines; time: least squares of whitened samples")
       ->check(CLI::IsMember({"frequency", "time"}))
       ->default_str(o.method);
-  command->add_option("--false-alarm", o.false_alarm, "chance of noise alone up to which a fringe is significant")
+  command
+      ->add_option("--false-alarm", o.false_alarm,
+                   "chance of noise alone up to which a fringe is significant, in the search and in the rest")
       ->default_str(o.false_alarm);
   command->add_option("--subtract", o.subtract, "file for target less fitted noise (gwpy HDF5), in the band");
   add_fit_edge(*command, o, exit_code);

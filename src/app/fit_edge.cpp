@@ -8,29 +8,26 @@
 
 #include "app/fit_options.hpp"
 #include "base/message.hpp"
+#include "commission/shelf_edge.hpp"
 #include "report/report.hpp"
 #include "signal/gps.hpp"
-#include "signal/shelf_edge.hpp"
 
 namespace straytrace {
 namespace {
 
 ShelfEdgeSettings edge_settings(FitOptions const& o, FringeRecords const& records) {
+  FitGround const ground = ground_of(o, records);
   ShelfEdgeSettings s;
-  if (o.data.band.empty()) throw InputError("error: --band is missing\n  write --band \"10 Hz..110 Hz\"");
-  FrequencyBand const band = band_of(o.data, {}, records.target.rate / 2);
-  s.low = band.low;
-  s.high = band.high;
-  s.wavelength = wavelength_of(o);
+  s.low = ground.low;
+  s.high = ground.high;
+  s.wavelength = ground.wavelength;
+  s.ratio = ground.ratio;
   s.stride = option_quantity(o.stride, dim::time, "--stride", "10 s");
   s.segment = option_quantity(o.segment, dim::time, "--segment", "1 s");
-  s.factor = option_range(o.factor, dim::plain, "--factor", "0.2..3");
+  s.factor = option_range(o.factor, multiplicity_dimension(records), "--factor",
+                          is_rotation(records) ? "1 mm..5 cm" : "0.2..3");
   if (!(s.factor.low > 0 && s.factor.free()))
     throw InputError(fmt::format("error: --factor: '{}' is not a range above 0\n  write --factor 0.2..3", o.factor));
-  if (records.witnesses.size() > 1)
-    s.ratio = o.ratio == "free" ? SearchRange{0, 2}
-              : o.ratio.empty() ? SearchRange{1, 1}
-                                : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
   return s;
 }
 
@@ -54,8 +51,10 @@ std::string edge_text(FringeRecords const& r, ShelfEdgeSettings const& s, ShelfE
                      "G [" + r.target.unit + "]");
   for (EdgeStride const& e : fit.strides) out += stride_text(e);
   if (fit.used == 0) return out + "no significant shelf edge\n";
-  return out + fmt::format("effective motion: {} times the witness, {} of {} strides, chi^2 {:.1f} about the mean\n",
-                           with_error(fit.factor.value, fit.factor.sigma), fit.used, fit.strides.size(), fit.chi2);
+  std::string const unit = is_rotation(r) ? " m" : "";
+  return out + fmt::format("effective motion: {}{} times the witness, {} of {} strides, chi^2 {:.1f} about the mean\n",
+                           with_error(fit.factor.value, fit.factor.sigma), unit, fit.used, fit.strides.size(),
+                           fit.chi2);
 }
 
 nlohmann::json edge_json(ShelfEdgeSettings const& s, ShelfEdgeFit const& fit) {
@@ -118,7 +117,9 @@ void add_fit_edge(CLI::App& fit, FitOptions&, int& exit_code) {
   command->add_option("--stride", own.stride, "length of each stretch that gives one edge")->default_str(own.stride);
   command->add_option("--segment", own.segment, "of the spectra inside a stride; their resolution is 1/segment")
       ->default_str(own.segment);
-  command->add_option("--factor", own.factor, "range of the effective motion over that of the witness")
+  command
+      ->add_option("--factor", own.factor,
+                   "range of the effective motion over that of the witness; of an angle a length")
       ->default_str(own.factor);
   command->footer(
       "Examples:\n"

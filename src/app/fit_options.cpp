@@ -7,20 +7,66 @@
 #include <cmath>
 
 #include "base/message.hpp"
+#include "signal/integration.hpp"
 
 namespace straytrace {
 namespace {
 
-// In SI units, or refused: `wanted` is what it must be.
-TimeSeries in_si(TimeSeries x, Dimension wanted, std::string const& option, std::string const& unit_option) {
+TimeSeries as_strain(TimeSeries x) {
   auto const unit = parse_unit(x.unit);
-  if (!unit || unit->dimension != wanted)
+  if (!unit || unit->dimension != dim::plain)
     throw InputError(fmt::format(
-        "error: {}: '{}' is in '{}', not {}\n  {}", option, x.name, x.unit, described(wanted),
-        wanted == dim::length ? "integrate accelerations to displacement first, or say the unit with " + unit_option
-                              : "say the unit with " + unit_option));
+        "error: --target: '{}' is in '{}', not a plain number\n  say the unit with --target-unit", x.name, x.unit));
   for (double& v : x.samples) v = to_si(v, *unit);
-  x.unit = wanted == dim::length ? "m" : "1";
+  x.unit = "1";
+  return x;
+}
+
+struct MotionKind {
+  bool rotation = false;
+  int integrations = 0;  // to m or rad
+};
+
+MotionKind kind_of(TimeSeries const& x, std::string const& option) {
+  auto const unit = parse_unit(x.unit);
+  for (bool const rotation : {false, true})
+    for (int times = 0; unit && times <= 2; ++times) {
+      auto const reached = straytrace::times(unit->dimension, *power_of(dim::time, times));
+      if (reached && *reached == (rotation ? dim::angle : dim::length)) return {rotation, times};
+    }
+  throw InputError(
+      fmt::format("error: {}: '{}' is in '{}', which is no motion\n  give m or rad, or one of them per s or s^2; say "
+                  "the unit with --witness-unit",
+                  option, x.name, x.unit));
+}
+
+// Displacement [m] or angle [rad]. Integration knows nothing of what lies before the record and behind it; what the
+// high pass makes of that falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are left out at both
+// ends.
+TimeSeries motion_of(TimeSeries x, FitOptions const& o, std::string const& option) {
+  MotionKind const kind = kind_of(x, option);
+  if (kind.integrations == 0) {
+    if (!o.corner.empty())
+      throw InputError(
+          fmt::format("error: --corner: '{}' is in {}, and is not integrated\n  leave the option out", x.name, x.unit));
+    auto const unit = parse_unit(x.unit);
+    for (double& v : x.samples) v = to_si(v, *unit);
+  } else {
+    if (o.corner.empty())
+      throw InputError(
+          fmt::format("error: {}: '{}' is in {}, and is integrated behind a high pass\n  write --corner "
+                      "\"0.05 Hz\", below all motion that makes fringes",
+                      option, x.name, x.unit));
+    double const corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
+    if (x.duration() * corner < 6)
+      throw InputError(
+          fmt::format("error: --corner: '{}' has {:.3g} s, fewer than six periods of {:g} Hz\n  give a longer "
+                      "record or a higher corner",
+                      x.name, x.duration(), corner));
+    x = integrated(x, kind.integrations, corner);
+    x = cut(x, {x.start + 2 / corner, x.end() - 2 / corner});
+  }
+  x.unit = kind.rotation ? "rad" : "m";
   return x;
 }
 
@@ -42,13 +88,20 @@ SearchRange default_multiplicity(FringeRecords const& r, FringeFitSettings const
   return {0.5, most > 1 ? std::min(6.0, most) : 6.0};
 }
 
-SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, SearchRange otherwise) {
-  Dimension const plain = dim::plain;
+SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, FringeRecords const& records,
+                            FringeFitSettings const& s) {
+  Dimension const dimension = multiplicity_dimension(records);
+  std::string const example = is_rotation(records) ? "1 mm..5 cm" : "0.5..6";
   if (route) {
     double const w = route->multiplicity, wide = std::max(0.3 * std::fabs(w), 2 * route->spread);
-    return range_or(o, o.multiplicity, plain, "multiplicity", "0.5..6", {w - wide, w + wide}, w);
+    return range_or(o, o.multiplicity, dimension, "multiplicity", example, {w - wide, w + wide}, w);
   }
-  return o.multiplicity.empty() ? otherwise : option_range(o.multiplicity, plain, "--multiplicity", "0.5..6");
+  if (!o.multiplicity.empty()) return option_range(o.multiplicity, dimension, "--multiplicity", example);
+  if (is_rotation(records))
+    throw InputError(
+        "error: --multiplicity is missing: of an angle it is a lever arm, which has no usual range\n  write "
+        "--multiplicity \"1 mm..5 cm\", or give the run and --path");
+  return default_multiplicity(records, s);
 }
 
 double option_share(std::string const& text, std::string const& option, std::string const& example) {
@@ -91,44 +144,53 @@ FringeRecords records_of(FitOptions const& o) {
   GpsSpan const span = span_of(o.data);
   FringeRecords records;
   records.target = series_argument(o.target, o.target_unit, span);
-  if (!o.run.empty() || !o.gain.empty())
-    records.target = in_si(records.target, dim::plain, "--target", "--target-unit");
+  if (!o.run.empty() || !o.gain.empty()) records.target = as_strain(std::move(records.target));
   // Beyond the span of the target witnesses are welcome: delays reach there.
-  records.witnesses.push_back(
-      in_si(series_argument(o.witness, o.witness_unit, span), dim::length, "--witness", "--witness-unit"));
+  records.witnesses.push_back(motion_of(series_argument(o.witness, o.witness_unit, span), o, "--witness"));
   if (!o.witness2.empty())
-    records.witnesses.push_back(
-        in_si(series_argument(o.witness2, o.witness_unit, span), dim::length, "--witness2", "--witness-unit"));
+    records.witnesses.push_back(motion_of(series_argument(o.witness2, o.witness_unit, span), o, "--witness2"));
+  if (records.witnesses.front().unit != records.witnesses.back().unit)
+    throw InputError("error: --witness2: one witness is an angle and the other a displacement\n  give two of one kind");
   if (o.witness2.empty() && (!o.ratio.empty() || is_free(o, "ratio")))
     throw InputError("error: --ratio: there is no second witness\n  name it with --witness2");
   return records;
 }
 
-FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
-                              std::vector<RoutePrediction> const& routes) {
-  FringeFitSettings s;
+bool is_rotation(FringeRecords const& r) { return r.witnesses.front().unit == "rad"; }
+Dimension multiplicity_dimension(FringeRecords const& r) { return is_rotation(r) ? dim::length : dim::plain; }
+std::string multiplicity_unit(FringeRecords const& r) { return is_rotation(r) ? "m" : ""; }
+
+FitGround ground_of(FitOptions const& o, FringeRecords const& records) {
   if (o.data.band.empty()) throw InputError("error: --band is missing\n  write --band \"20 Hz..80 Hz\"");
   FrequencyBand const band = band_of(o.data, {}, records.target.rate / 2);
-  s.low = band.low;
-  s.high = band.high;
-  s.wavelength = wavelength_of(o);
+  FitGround g{band.low, band.high, wavelength_of(o), {}};
+  if (records.witnesses.size() < 2) return g;
+  bool const free = o.ratio == "free" || (o.ratio.empty() && is_free(o, "ratio"));
+  g.ratio = free              ? SearchRange{0, 2}
+            : o.ratio.empty() ? SearchRange{1, 1}
+                              : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
+  return g;
+}
+
+FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
+                              std::vector<RoutePrediction> const& routes) {
+  FitGround const ground = ground_of(o, records);
+  FringeFitSettings s;
+  s.low = ground.low;
+  s.high = ground.high;
+  s.wavelength = ground.wavelength;
+  s.ratio = ground.ratio;
   s.train = option_share(o.train, "--train", "70 %");
   s.false_alarm = option_share(o.false_alarm, "--false-alarm", "1e-3");
   s.method = o.method == "time" ? FitMethod::time : FitMethod::frequency;
   Dimension const turning = *times(dim::angle, dim::frequency);
   SearchRange const delay = range_or(o, o.delay, dim::time, "delay", "-20 ms..20 ms", {-0.01, 0.01}, 0);
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
-  if (records.witnesses.size() > 1) {
-    bool const free = o.ratio == "free" || (o.ratio.empty() && is_free(o, "ratio"));
-    s.ratio = free              ? SearchRange{0, 2}
-              : o.ratio.empty() ? SearchRange{1, 1}
-                                : option_range(o.ratio, dim::plain, "--ratio", "0.5..1.5");
-  }
   double const gain = o.gain.empty() ? 0 : option_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
   for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths : 0); ++i) {
     RoutePrediction const* const route = routes.empty() ? nullptr : &routes[i];
     FringePath path{route ? fmt::format("path {}", route->rank) : fmt::format("path {}", i + 1),
-                    multiplicity_of(o, route, default_multiplicity(records, s)),
+                    multiplicity_of(o, route, records, s),
                     delay,
                     drift,
                     {},
@@ -148,9 +210,10 @@ void add_record_options(CLI::App& command, FitOptions& o) {
   command.add_option("--target", o.target,
                      "record with the noise: FILE or FILE::CHANNEL; h(t) before noise subtraction");
   command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
-  command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL, a displacement");
+  command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL: m or rad, or per s or s^2");
   command.add_option("--witness2", o.witness2, "motion of a second body: the fit takes x_1 - ratio x_2");
   command.add_option("--witness-unit", o.witness_unit, "where the file does not say it: um");
+  command.add_option("--corner", o.corner, "high pass of a witness that is integrated: \"0.05 Hz\"");
   command.add_option("--ratio", o.ratio, "of the second witness: 1 (default), a range 0.5..1.5, or free: 0..2");
   command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all that they share");
   command.add_option("--wavelength", o.wavelength, "of the light; default: that of the run, else 1064 nm");

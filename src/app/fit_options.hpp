@@ -8,7 +8,7 @@
 
 #include "app/data_options.hpp"
 #include "app/options.hpp"
-#include "signal/fringe_fit.hpp"
+#include "commission/fringe_fit.hpp"
 
 namespace straytrace {
 
@@ -18,7 +18,7 @@ struct FitOptions {
   DataOptions data;
   std::string run, body, axis;    // of the model; none: fit data alone
   std::vector<std::size_t> rows;  // --path: ranks in its path table
-  std::string target, target_unit, witness, witness2, witness_unit;
+  std::string target, target_unit, witness, witness2, witness_unit, corner;
   std::string wavelength, multiplicity, delay, drift, ratio, gain;
   std::vector<std::string> free;
   std::size_t paths = 1;
@@ -32,18 +32,29 @@ struct RoutePrediction {
   std::string route, port, body, axis;
   double coupling = 0, sigma = 0;       // f_r, mean over the speckle, of one copy of the port; Monte-Carlo error
   bool speckle = true;                  // scattered light: one realisation varies; a ghost does not
-  double multiplicity = 0, spread = 0;  // rms over the paths in units of 2k, and their standard deviation
+  double multiplicity = 0, spread = 0;  // rms over the paths in units of 2k, m for a rotation; their standard deviation
   StrainResponse phase, amplitude;      // of its port; keep the model alive
 };
-// Throws InputError when the run has no such row, detector or motion of that body.
-std::vector<RoutePrediction> predictions(FitOptions const&);
+// Throws InputError when the run has no such row, detector or motion of that body, and for an axis that a witness of
+// this kind does not measure.
+std::vector<RoutePrediction> predictions(FitOptions const&, bool rotation);
 double wavelength_of_run(FitOptions const&);
 
-// Two records in SI units, within --gps.
+// The records in SI units, within --gps: velocities and accelerations integrated behind the high pass of --corner.
 FringeRecords records_of(FitOptions const&);
-double wavelength_of(FitOptions const&);  // m; of the run, of --wavelength, or 1064 nm
+// The witness is an angle: theta = W (4 pi/lambda) angle, so that multiplicities and factors are in m (per rad).
+bool is_rotation(FringeRecords const&);
+Dimension multiplicity_dimension(FringeRecords const&);
+std::string multiplicity_unit(FringeRecords const&);  // "", or "m" for a rotation
+double wavelength_of(FitOptions const&);              // m; of the run, of --wavelength, or 1064 nm
 // "1..6", "-20 ms..20 ms", or one value. InputError names the option.
 SearchRange option_range(std::string const& text, Dimension, std::string const& option, std::string const& example);
+// What a fit of phases and one of edges both need: band (required), wavelength, and ratio of the second witness.
+struct FitGround {
+  double low = 0, high = 0, wavelength = 0;  // Hz; m
+  SearchRange ratio;
+};
+FitGround ground_of(FitOptions const&, FringeRecords const&);
 FringeFitSettings settings_of(FitOptions const&, FringeRecords const&, std::vector<RoutePrediction> const&);
 
 void add_record_options(CLI::App&, FitOptions&);  // --target ... --gps, --wavelength, --ratio

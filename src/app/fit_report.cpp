@@ -2,7 +2,6 @@
 #include "app/fit_report.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,10 +21,10 @@ std::string value_text(Fitted const& f, char const* unit) {
   return fmt::format("{}{}{}", number, *unit ? " " : "", unit) + (f.at_end ? "  (at the end of its range)" : "");
 }
 
-// "1.2e-5"; never 0 where a double underflows.
+// "1.2e-5"; never 0 or infinity where a double ends.
 std::string chance_text(double ln) {
   double const ten = ln / std::log(10.0);
-  return ten < -300 ? fmt::format("1e{:.0f}", ten) : fmt::format("{:.2g}", std::exp(ln));
+  return std::fabs(ten) > 300 ? fmt::format("1e{:.0f}", ten) : fmt::format("{:.2g}", std::exp(ln));
 }
 
 Fitted scaled(Fitted f, double factor) {
@@ -62,12 +61,16 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
   }
   out += line("static phase", value_text(p.phase, "rad"));
   SearchRange const& searched = a.settings.paths[i].multiplicity;
+  std::string const w_unit = multiplicity_unit(a.records);
+  Fitted const peak = effective_peak(a, i);
   out +=
       line("multiplicity W",
-           value_text(p.multiplicity, "") +
+           value_text(p.multiplicity, w_unit.c_str()) +
                (searched.free() ? fmt::format(", searched from {:.3g} to {:.3g}", searched.low, searched.high) : ""));
-  out += line("effective motion",
-              fmt::format("{:.4g} um peak ({:.4g} um pp)", 1e6 * effective_peak(a, p), 2e6 * effective_peak(a, p)));
+  out += line("effective motion", fmt::format("{} um peak ({:.4g} um pp)",
+                                              peak.sigma > 0 ? with_error(1e6 * peak.value, 1e6 * peak.sigma)
+                                                             : fmt::format("{:.4g}", 1e6 * peak.value),
+                                              2e6 * peak.value));
   if (p.delay.sigma > 0) out += line("delay", value_text(scaled(p.delay, 1e3), "ms"));
   if (p.drift.sigma > 0) out += line("drift of the phase", value_text(p.drift, "rad/s"));
   out += line("chi^2 gained",
@@ -76,14 +79,39 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
   return out;
 }
 
-std::string test_text(FringeFit const& fit) {
+// Half the range of x_1 - ratio x_2.
+double half_range(FringeRecords const& r, double ratio) {
+  double low = infinity, high = -infinity;
+  TimeSeries const& x = r.witnesses[0];
+  bool const two = r.witnesses.size() > 1;
+  std::vector<double> second;
+  if (two) second = interpolated(r.witnesses[1], x.start, x.rate, x.samples.size());
+  for (std::size_t i = 0; i < x.samples.size(); ++i) {
+    double const u = x.samples[i] - (two ? ratio * second[i] : 0);
+    low = std::min(low, u);
+    high = std::max(high, u);
+  }
+  return (high - low) / 2;
+}
+
+double correlation_of(FringeFit const& fit, std::string const& a, std::string const& b) {
+  auto const at = [&](std::string const& name) {
+    return std::size_t(std::find(fit.names.begin(), fit.names.end(), name) - fit.names.begin());
+  };
+  std::size_t const n = fit.names.size();
+  return at(a) < n && at(b) < n ? fit.correlation[at(a) * n + at(b)] : 0;
+}
+
+std::string test_text(FringeFit const& fit, double false_alarm) {
   OutOfSample const& t = fit.test;
   if (t.seconds == 0) return "out of sample: no test; all of the record was fitted\n";
   return fmt::format(
-      "out of sample, {:.4g} s: chi^2 {:.1f} -> {:.1f} ({:.0f} expected); the model stands in it {} times (1: it "
-      "generalises, 0: it was noise); power in the band falls by {} %\n",
-      t.seconds, t.without, t.with, t.degrees, with_error(t.scale.value, t.scale.sigma),
-      with_error(100 * t.reduction.value, 100 * t.reduction.sigma));
+      "out of sample, {:.4g} s: chi^2 {:.1f} -> {:.1f} ({:.0f} expected); with the fit and its errors it is {} times "
+      "as "
+      "likely as without (found: {:g}, which noise alone reaches with a chance below {:g}); the model stands in it {} "
+      "times (1: it generalises, 0: it was noise); power in the band falls by {} %\n",
+      t.seconds, t.without, t.with, t.degrees, chance_text(t.ln_odds), 1 / false_alarm, false_alarm,
+      with_error(t.scale.value, t.scale.sigma), with_error(100 * t.reduction.value, 100 * t.reduction.sigma));
 }
 
 std::string correlations_text(FringeFit const& fit) {
@@ -95,52 +123,6 @@ std::string correlations_text(FringeFit const& fit) {
         out += fmt::format("{}{} and {} {:+.2f}", out.empty() ? "correlated: " : "; ", fit.names[j], fit.names[i],
                            fit.correlation[i * n + j]);
   return out.empty() ? out : out + "\n";
-}
-
-nlohmann::json number(Fitted const& f) {
-  return {{"value", f.value}, {"sigma", f.sigma}, {"free", f.sigma > 0}, {"at_end_of_range", f.at_end}};
-}
-
-nlohmann::json prediction_json(FittedPath const& p, RoutePrediction const& r) {
-  AgainstPrediction const a = against(p, r);
-  nlohmann::json j{{"rank", r.rank},
-                   {"route", r.route},
-                   {"port", r.port},
-                   {"body", r.body},
-                   {"axis", r.axis},
-                   {"multiplicity", r.multiplicity},
-                   {"multiplicity_spread", r.spread},
-                   {"resolved", !std::isnan(r.coupling)}};
-  if (std::isnan(r.coupling)) return j;
-  j["recoupled_fraction"] = {{"value", r.coupling}, {"sigma", r.sigma}};
-  j["measured_over_predicted"] = number(a.ratio);
-  if (r.speckle) j["speckle"] = {{"low_5", a.low}, {"high_95", a.high}, {"within", a.within}};
-  return j;
-}
-
-nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
-  FittedPath const& p = a.fit.paths[i];
-  nlohmann::json j{{"name", p.name},
-                   {"static_phase_rad", number(p.phase)},
-                   {"multiplicity", number(p.multiplicity)},
-                   {"delay_s", number(p.delay)},
-                   {"drift_rad_per_s", number(p.drift)},
-                   {"effective_motion_peak_m", effective_peak(a, p)},
-                   {"chi2_gained", p.gain},
-                   {"ln_false_alarm", p.ln_false_alarm}};
-  if (a.field) {
-    double const f = p.amplitude.value;
-    j["recoupled_fraction"] = number({f * f, 2 * f * p.amplitude.sigma});
-  } else {
-    j["amplitude"] = number(p.amplitude);
-  }
-  if (!a.routes.empty()) j["prediction"] = prediction_json(p, a.routes[i]);
-  return j;
-}
-
-char const* verdict_word(FitVerdict v) {
-  char const* const words[] = {"none", "untested", "not-general", "end-of-range", "found"};
-  return words[std::size_t(v)];
 }
 
 }  // namespace
@@ -174,18 +156,17 @@ AgainstPrediction against(FittedPath const& p, RoutePrediction const& r) {
   return a;
 }
 
-double effective_peak(FitAnswer const& a, FittedPath const& p) {
-  double low = infinity, high = -infinity;
-  TimeSeries const& x = a.records.witnesses[0];
-  bool const two = a.records.witnesses.size() > 1;
-  std::vector<double> second;
-  if (two) second = interpolated(a.records.witnesses[1], x.start, x.rate, x.samples.size());
-  for (std::size_t i = 0; i < x.samples.size(); ++i) {
-    double const u = x.samples[i] - (two ? a.fit.ratio.value * second[i] : 0);
-    low = std::min(low, u);
-    high = std::max(high, u);
-  }
-  return std::fabs(p.multiplicity.value) * (high - low) / 2;
+Fitted effective_peak(FitAnswer const& a, std::size_t path) {
+  Fitted const w = a.fit.paths[path].multiplicity, ratio = a.fit.ratio;
+  double const half = half_range(a.records, ratio.value);
+  double const step = 1e-3 * std::max(1.0, std::fabs(ratio.value));
+  double const of_ratio =
+      (half_range(a.records, ratio.value + step) - half_range(a.records, ratio.value - step)) / (2 * step);
+  double const from_w = half * w.sigma * (w.value < 0 ? -1 : 1),
+               from_ratio = std::fabs(w.value) * of_ratio * ratio.sigma;
+  double const both =
+      2 * correlation_of(a.fit, fmt::format("multiplicity {}", path + 1), "ratio") * from_w * from_ratio;
+  return {std::fabs(w.value) * half, std::sqrt(std::max(0.0, from_w * from_w + from_ratio * from_ratio + both))};
 }
 
 std::string fit_text(FitAnswer const& a) {
@@ -202,38 +183,7 @@ std::string fit_text(FitAnswer const& a) {
   for (std::size_t i = 0; i < fit.paths.size(); ++i) out += path_text(a, i);
   out += fmt::format("fringes up to {:.1f} Hz\n", fit.highest_fringe);
   out += fmt::format("fitted: chi^2 {:.1f} -> {:.1f} ({:.0f} expected)\n", fit.without, fit.with, fit.degrees);
-  return out + test_text(fit) + correlations_text(fit);
-}
-
-nlohmann::json fit_json(FitAnswer const& a) {
-  FringeFit const& fit = a.fit;
-  nlohmann::json paths = nlohmann::json::array();
-  for (std::size_t i = 0; i < fit.paths.size(); ++i) paths.push_back(path_json(a, i));
-  nlohmann::json out{{"verdict", verdict_word(fit.verdict)},
-                     {"target", a.records.target.name},
-                     {"target_unit", a.records.target.unit},
-                     {"band_hz", {a.settings.low, a.settings.high}},
-                     {"wavelength_m", a.settings.wavelength},
-                     {"method", a.settings.method == FitMethod::time ? "time" : "frequency"},
-                     {"gps", {{"start", fit.start}, {"split", fit.split}, {"end", fit.end}, {"middle", fit.middle}}},
-                     {"paths", paths},
-                     {"highest_fringe_hz", fit.highest_fringe},
-                     {"chi2", {{"without", fit.without}, {"with", fit.with}, {"degrees", fit.degrees}}},
-                     {"ln_false_alarm", fit.ln_false_alarm},
-                     {"parameters", fit.names}};
-  for (TimeSeries const& x : a.records.witnesses) out["witnesses"].push_back(x.name);
-  if (a.records.witnesses.size() > 1) out["ratio"] = number(fit.ratio);
-  std::size_t const n = fit.names.size();
-  for (std::size_t i = 0; i < n; ++i)
-    out["correlation"].push_back(std::vector<double>(fit.correlation.begin() + std::ptrdiff_t(i * n),
-                                                     fit.correlation.begin() + std::ptrdiff_t((i + 1) * n)));
-  if (fit.test.seconds > 0)
-    out["out_of_sample"] = {
-        {"seconds", fit.test.seconds},
-        {"chi2", {{"without", fit.test.without}, {"with", fit.test.with}, {"degrees", fit.test.degrees}}},
-        {"scale", number(fit.test.scale)},
-        {"reduction", number(fit.test.reduction)}};
-  return out;
+  return out + test_text(fit, a.settings.false_alarm) + correlations_text(fit);
 }
 
 TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {

@@ -28,8 +28,9 @@ struct AgainstPrediction {
 AgainstPrediction against(FittedPath const&, RoutePrediction const&);
 
 std::string verdict_text(FitVerdict);  // "fringe noise found: it predicts the rest of the record"
-// Largest excursion of W (x_1 - ratio x_2) from the middle of its range, m: a peak amplitude.
-double effective_peak(FitAnswer const&, FittedPath const&);
+// Largest excursion of W (x_1 - ratio x_2) of a path from the middle of its range, m: a peak amplitude. Its error is
+// that of W and ratio together.
+Fitted effective_peak(FitAnswer const&, std::size_t path);
 std::string fit_text(FitAnswer const&);
 nlohmann::json fit_json(FitAnswer const&);
 // ASD of the target, of the fitted noise and, where the verdict allows, of what is left.

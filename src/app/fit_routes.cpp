@@ -15,12 +15,13 @@
 namespace straytrace {
 namespace {
 
-constexpr std::array<char const*, 3> axes{"x", "y", "z"};
+constexpr std::array<char const*, 6> axes{"x", "y", "z", "rx", "ry", "rz"};
 
-// Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis.
+// Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
+// radian about it.
 struct Levers {
   double weight = 0;
-  std::array<double, 3> sum{}, square{};
+  std::array<double, 6> sum{}, square{};
 };
 
 Levers levers_of(CouplingClass const& c, std::uint32_t body) {
@@ -28,7 +29,7 @@ Levers levers_of(CouplingClass const& c, std::uint32_t body) {
   for (PathRecord const& r : c.records) {
     out.weight += r.weight;
     for (Lever const& lever : r.levers)
-      for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t a = 0; a < 6; ++a) {
         if (lever.body.value != body) continue;
         out.sum[a] += r.weight * lever.d[a];
         out.square[a] += r.weight * lever.d[a] * lever.d[a];
@@ -44,12 +45,23 @@ std::uint32_t body_named(CouplingTable const& table, std::string const& name) {
       fmt::format("error: --body: the run has no body '{}'\n  it is one of: {}", name, fmt::join(table.bodies, ", ")));
 }
 
-// rms lever and its spread in units of 2k, with the sign of the mean where that is clear.
-void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingClass const& c,
-                       std::string const& axis) {
+// The axis that is asked for, or that of most phase among those that the witness can measure.
+std::size_t axis_of(std::string const& asked, Levers const& levers, bool rotation) {
+  std::size_t const first = rotation ? 3 : 0;
+  auto const from = levers.square.begin() + std::ptrdiff_t(first);
+  if (asked.empty()) return first + std::size_t(std::max_element(from, from + 3) - from);
+  auto const a = std::size_t(std::find(axes.begin(), axes.end(), asked) - axes.begin());
+  if ((a > 2) == rotation) return a;
+  throw InputError(fmt::format("error: --axis: {} is {}, and the witness measures {}\n  write --axis {}", asked,
+                               rotation ? "a direction" : "a rotation", rotation ? "an angle" : "a displacement",
+                               rotation ? "rx, ry or rz" : "x, y or z"));
+}
+
+// rms lever and its spread in units of 2k (m for rotations), with the sign of the mean where that is clear.
+void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingClass const& c, std::string const& axis,
+                       bool rotation) {
   Levers const levers = levers_of(c, body_named(table, p.body));
-  std::size_t a = std::size_t(std::max_element(levers.square.begin(), levers.square.end()) - levers.square.begin());
-  if (!axis.empty()) a = std::size_t(std::find(axes.begin(), axes.end(), axis) - axes.begin());
+  std::size_t const a = axis_of(axis, levers, rotation);
   p.axis = axes[a];
   double const two_k = 4 * pi / table.wavelength, mean = levers.sum[a] / levers.weight;
   double const rms = std::sqrt(levers.square[a] / levers.weight);
@@ -72,7 +84,7 @@ CouplingClass const& class_of(CouplingTable const& table, std::uint64_t hash, st
 
 double wavelength_of_run(FitOptions const& o) { return read_run(o.run).trace.coupling.wavelength; }
 
-std::vector<RoutePrediction> predictions(FitOptions const& o) {
+std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
   if (o.run.empty()) return {};
   RunFile const file = read_run(o.run);
   auto const model = std::make_shared<Model>(read_model(file.about.main_file, file.about.overrides, &file.about.files));
@@ -96,7 +108,7 @@ std::vector<RoutePrediction> predictions(FitOptions const& o) {
     p.coupling = row.resolved ? row.coupling.mean * row.reverse : not_a_number;
     p.sigma = row.coupling.std_error * row.reverse;
     p.speckle = !c.deterministic();
-    find_multiplicity(p, table, c, o.axis);
+    find_multiplicity(p, table, c, o.axis, rotation);
     p.phase = [model, port = c.port](double hz) { return model->detector->strain_per_phase(port, hz); };
     p.amplitude = [model, port = c.port](double hz) { return model->detector->strain_per_amplitude(port, hz); };
     out.push_back(std::move(p));

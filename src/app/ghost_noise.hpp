@@ -13,11 +13,17 @@ namespace straytrace {
 // The table `ghosts` of a scene: how far ghosts are followed for the noise of a run; nothing without it.
 std::optional<GhostSettings> read_ghosts(Scene const&);
 
-// Classes of all beams of a world, to stand beside the scattered light of its trace.
-std::vector<CouplingClass> ghosts_beside(World const&, GhostSettings const&);
+struct GhostClasses {
+  std::vector<CouplingClass> classes;
+  std::vector<std::string> warnings;
+};
 
-// A deterministic class for each family of equal levers (eq. 10.5); powers of classes add.
-std::vector<CouplingClass> ghost_classes(GhostFamilies const&);
+// Classes of all beams of a world, to stand beside the scattered light of its trace.
+GhostClasses ghosts_beside(World const&, GhostSettings const&);
+
+// A deterministic class for each family of equal levers; powers of classes add. With GhostSum::coherent one class for
+// the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning says what it leaves out.
+GhostClasses ghost_classes(GhostFamilies const&);
 
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.
 GhostStrain project_ghosts(Model const&, GhostFamilies&);

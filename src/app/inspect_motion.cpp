@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "app/model.hpp"
 #include "noise/motion_classes.hpp"
 #include "report/curve_file.hpp"
 
@@ -118,9 +119,7 @@ CurveSheet sheet_of(std::vector<Row> const& rows, std::vector<MotionClass> const
 bool shows_motion(Scene const& scene) { return scene.table("bodies") && !scene.root().has("materials"); }
 
 int inspect_motion(Scene const& scene, std::string const& plot, Options const& options) {
-  Node const bodies = scene.table("bodies");
-  MotionSet const motion = read_motion(bodies, bodies_and_modes(bodies));
-  scene.throw_if_problems();
+  MotionSet const motion = read_motion_file(scene);
   if (!options.quiet) std::cerr << scene.warnings();
   std::vector<MotionClass> const classes = group_by_shape(motion);
   std::vector<Row> const rows = rows_of(motion, classes);

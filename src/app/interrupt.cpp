@@ -5,10 +5,12 @@ namespace straytrace {
 namespace {
 
 std::atomic<bool> stop_requested{false};
+int guards = 0;
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
+  if (guards++ > 0) return;
   stop_requested = false;
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
@@ -18,6 +20,7 @@ InterruptGuard::InterruptGuard() {
 }
 
 InterruptGuard::~InterruptGuard() {
+  if (--guards > 0) return;
   sigaction(SIGINT, &before_int_, nullptr);
   sigaction(SIGTERM, &before_term_, nullptr);
 }

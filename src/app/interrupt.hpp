@@ -10,7 +10,8 @@
 
 namespace straytrace {
 
-// While it lives, Ctrl-C and SIGTERM ask for a stop; a second one ends the program at once. One at a time.
+// While the outermost lives, Ctrl-C and SIGTERM ask for a stop; a second one ends the program at once.
+// One thread makes them.
 class InterruptGuard {
  public:
   InterruptGuard();

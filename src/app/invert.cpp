@@ -42,6 +42,7 @@ Traced traced(Options const& options, Requirement const& requirement) {
     if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
     t.coupling = std::move(result.coupling);
   }
+  if (!options.quiet) std::cerr << t.model.warnings;
   apply(requirement, t.model);
   if (!t.model.detector) throw InputError("error: a requirement needs noise, and the scene has no 'interferometer'");
   if (t.model.design.empty())

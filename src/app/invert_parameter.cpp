@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "app/interrupt.hpp"
 #include "app/invert.hpp"
 #include "base/message.hpp"
 
@@ -23,13 +24,17 @@ struct Probe {
 
 class Search {
  public:
-  Search(Scanner& scanner, ScanAxis const& axis, bool quiet) : scanner_(scanner), axis_(axis), quiet_(quiet) {}
+  Search(Scanner& scanner, ScanAxis const& axis, bool quiet, std::atomic<bool> const& stop)
+      : scanner_(scanner), axis_(axis), quiet_(quiet), stop_(stop) {}
 
-  Probe at(double number) {
+  // None when stopped.
+  std::optional<Probe> at(double number) {
+    if (stop_) return {};
     std::string const value =
         axis_.unit.empty() ? fmt::format("{:.12g}", number) : fmt::format("{:.12g} {}", number, axis_.unit);
     if (!quiet_) std::cerr << fmt::format("scan  {} = {}\n", axis_.name, value);
     Probe p{number, scanner_.at({axis_.name + "=" + value})};
+    if (!p.point.complete) return {};
     if (std::isnan(p.point.ratio.value))
       throw InputError("error: there is no line to stay under, or no answer\n  name a design curve: --against adv-lal");
     return p;
@@ -39,6 +44,7 @@ class Search {
   Scanner& scanner_;
   ScanAxis const& axis_;
   bool quiet_;
+  std::atomic<bool> const& stop_;
 };
 
 std::string words(Probe const& p, std::string const& unit) {
@@ -49,10 +55,11 @@ std::string words(Probe const& p, std::string const& unit) {
 struct Bracket {
   Probe meets, fails;        // the nearest known ends
   std::vector<Probe> doubt;  // between them, within two standard errors of the line
+  bool stopped = false;
 };
 
 // The ratio between two probes lies between theirs, within errors.
-void refuse_other_shapes(Bracket const& b, Probe const& p, std::string const& name, std::string const& unit) {
+void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis) {
   auto const above = [](Probe const& x, Probe const& y) {  // x clearly above y
     return x.point.ratio.value - y.point.ratio.value > 3 * std::hypot(x.point.ratio.sigma, y.point.ratio.sigma);
   };
@@ -60,7 +67,41 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, std::string const& na
   throw InputError(
       fmt::format("error: h/line does not go one way with '{}': {}, {} and {}\n  scan the range first, and ask where "
                   "it is monotonic",
-                  name, words(b.meets, unit), words(p, unit), words(b.fails, unit)));
+                  axis.name, words(b.meets, axis.unit), words(p, axis.unit), words(b.fails, axis.unit)));
+}
+
+void narrow(Bracket& b, Search& search, ScanAxis const& axis, double wanted) {
+  while (std::fabs(b.fails.number - b.meets.number) > wanted) {
+    std::optional<Probe> const p = search.at(0.5 * (b.meets.number + b.fails.number));
+    b.stopped = !p;
+    if (b.stopped) return;
+    refuse_other_shapes(b, *p, axis);
+    if (!p->meets() && !p->fails()) {
+      b.doubt.push_back(*p);
+      return;
+    }
+    (p->meets() ? b.meets : b.fails) = *p;
+  }
+}
+
+std::string text_of(Bracket const& b, ScanAxis const& axis, std::string const& what, std::string const& line) {
+  std::string text = fmt::format("{}: the total stays under {} at {} and exceeds it at {}.\n", what, line,
+                                 words(b.meets, axis.unit), words(b.fails, axis.unit));
+  if (!b.doubt.empty())
+    text += fmt::format("At {} the answer is within two standard errors: trace longer for a narrower one.\n",
+                        words(b.doubt.front(), axis.unit));
+  if (b.stopped) text += "Stopped before it was as narrow as wanted.\n";
+  return text;
+}
+
+nlohmann::ordered_json json_of(Bracket const& b, ScanAxis const& axis) {
+  return {{"verdict", "found"}, {"meets", b.meets.number}, {"exceeds", b.fails.number},
+          {"unit", axis.unit},  {"complete", !b.stopped},  {"limited_by_errors", !b.doubt.empty()}};
+}
+
+int stopped_early(Options const& options) {
+  if (!options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
+  return checkpointed;
 }
 
 }  // namespace
@@ -72,50 +113,35 @@ int invert_parameter(Options const& options, Requirement const& requirement, Inv
         fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
   ScanAxis const& axis = axes.front();
   if (!options.out.empty()) make_folder(options.out + "/runs");
+  InterruptGuard const guard;
   Scanner scanner(options, requirement, options.out);
-  Search search(scanner, axis, options.quiet);
-  Probe const low = search.at(axis.numbers.front());
-  if (!low.point.complete) return checkpointed;
-  Probe const high = search.at(axis.numbers.back());
-  if (!high.point.complete) return checkpointed;
-  std::string const ends = fmt::format("{} and {}", words(low, axis.unit), words(high, axis.unit));
-  nlohmann::ordered_json j{{"question", order.what}, {"line", scanner.line()}};
+  Search search(scanner, axis, options.quiet, guard.stop());
+  std::optional<Probe> const low = search.at(axis.numbers.front()),
+                             high = low ? search.at(axis.numbers.back()) : std::nullopt;
+  if (!high) return stopped_early(options);  // one end is no answer
+  std::string const ends = fmt::format("{} and {}", words(*low, axis.unit), words(*high, axis.unit));
+  nlohmann::ordered_json answer;
   std::string text;
-  if (low.meets() && high.meets()) {
-    j["verdict"] = "always";
+  bool stopped = false;
+  if (low->meets() && high->meets()) {
+    answer["verdict"] = "always";
     text = fmt::format("{}: both ends stay under {}: {}.\n", order.what, scanner.line(), ends);
-  } else if (!low.meets() && !high.meets()) {
-    j["verdict"] = low.fails() && high.fails() ? "never" : "undecided";
+  } else if (!low->meets() && !high->meets()) {
+    answer["verdict"] = low->fails() && high->fails() ? "never" : "undecided";
     text = fmt::format("{}: neither end is known to stay under {}: {}.\n", order.what, scanner.line(), ends);
-  } else if (!low.fails() && !high.fails()) {
-    j["verdict"] = "undecided";
+  } else if (!low->fails() && !high->fails()) {
+    answer["verdict"] = "undecided";
     text = fmt::format("{}: neither end is known to exceed {}: {}. Trace longer.\n", order.what, scanner.line(), ends);
   } else {
-    Bracket b{low.meets() ? low : high, low.meets() ? high : low, {}};
-    double const wanted = order.tolerance * std::fabs(high.number - low.number);
-    while (std::fabs(b.fails.number - b.meets.number) > wanted) {
-      Probe const p = search.at(0.5 * (b.meets.number + b.fails.number));
-      if (!p.point.complete) return checkpointed;
-      refuse_other_shapes(b, p, name, axis.unit);
-      if (!p.meets() && !p.fails()) {
-        b.doubt.push_back(p);
-        break;
-      }
-      (p.meets() ? b.meets : b.fails) = p;
-    }
-    j["verdict"] = "found";
-    j["meets"] = b.meets.number;
-    j["exceeds"] = b.fails.number;
-    j["unit"] = axis.unit;
-    j["limited_by_errors"] = !b.doubt.empty();
-    text = fmt::format("{}: the total stays under {} at {} and exceeds it at {}.\n", order.what, scanner.line(),
-                       words(b.meets, axis.unit), words(b.fails, axis.unit));
-    if (!b.doubt.empty())
-      text += fmt::format("At {} the answer is within two standard errors: trace longer for a narrower one.\n",
-                          words(b.doubt.front(), axis.unit));
+    Bracket b{low->meets() ? *low : *high, low->meets() ? *high : *low, {}};
+    narrow(b, search, axis, order.tolerance * std::fabs(high->number - low->number));
+    answer = json_of(b, axis);
+    text = text_of(b, axis, order.what, scanner.line());
+    stopped = b.stopped;
   }
+  nlohmann::ordered_json const j{{"question", order.what}, {"line", scanner.line()}, {"answer", answer}};
   std::cout << (options.json() ? j.dump(2) + "\n" : text);
-  return done;
+  return stopped ? stopped_early(options) : done;
 }
 
 }  // namespace straytrace

@@ -8,6 +8,7 @@
 
 #include "app/entrances.hpp"
 #include "app/ghost_noise.hpp"
+#include "base/document.hpp"
 #include "base/message.hpp"
 #include "ifo/ports.hpp"
 #include "noise/speckle_band.hpp"
@@ -52,6 +53,20 @@ Band band_of(Model const& model) {
   return {grid.centre(0), grid.centre(grid.size() - 1)};
 }
 
+// Whether light can meet a body, and with it its elastic modes.
+std::vector<bool> with_surfaces(World const& world) {
+  std::vector<bool> has(world.bodies().size());
+  for (Surface const& s : world.surfaces())
+    if (s.body.valid()) has.at(s.body.value) = true;
+  for (std::size_t b = 0; b < world.bodies().size(); ++b)
+    for (ElasticMode const& mode : world.bodies()[b].modes) has.at(mode.id.value) = has[b];
+  return has;
+}
+
+MotionSet read_bodies(Node const& bodies, World const& world, bool traced) {
+  return read_motion(bodies, world.body_names(), traced, with_surfaces(world));
+}
+
 std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
   std::unique_ptr<Interferometer> detector =
       make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength, band_of(model));
@@ -78,7 +93,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   Model model;
   model.scene = read_scene(file, overrides, texts);
   model.world = build_world(model.scene);
-  model.motion = read_motion(model.scene.table("bodies"), model.world.body_names());
+  model.motion = read_bodies(model.scene.table("bodies"), model.world, false);
   read_noise(model, model.scene);
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
@@ -100,24 +115,52 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
     table.problem("a model has no table 'scan'",
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
+  warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
+  model.warnings = model.scene.warnings();
   return model;
+}
+
+MotionSet read_motion_file(Scene const& scene) {
+  constexpr double usual_wavelength = 1064e-9;  // m
+  Node const bodies = scene.table("bodies"), noise = scene.table("noise");
+  for (auto const& [name, node] : bodies.items())
+    if (node.kind() == Node::Kind::table) node.has("pivot");
+  MotionSet motion = read_motion(bodies, bodies_and_modes(bodies));
+  Model settings;
+  read_noise(settings, scene);
+  scene.throw_if_problems();
+  warn_of_gaps(motion, settings.noise, bodies, usual_wavelength);
+  return motion;
+}
+
+void warn_of_gaps(MotionSet const& motion, NoiseSettings const& noise, Node const& table, double wavelength) {
+  Band const band{noise.grid.edges.front(), noise.grid.edges.back()};
+  for (Problem& p : warnings_of_gaps(motion.files, band, wavelength)) {
+    if (p.place.line == 0) p.place = table.place();
+    table.document()->add(std::move(p));
+  }
 }
 
 void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
   Scene const other = read_scene(file, {}, texts);
-  if (Node const bodies = other.table("bodies")) model.motion = read_motion(bodies, model.world.body_names(), true);
-  if (other.table("noise")) read_noise(model, other);
+  Node const bodies = other.table("bodies"), noise = other.table("noise");
+  if (bodies) model.motion = read_bodies(bodies, model.world, true);
+  if (noise) read_noise(model, other);
   Node const interferometer = other.table("interferometer");
   if (interferometer)
     replace_interferometer(model, interferometer);
-  else if (other.table("noise") && model.detector)  // its files must cover the new band too
+  else if (noise && model.detector)  // its files must cover the new band too
     model.detector = read_detector(model, model.scene.table("interferometer"));
   if (responses && !(interferometer && interferometer.has("responses")))
     other.root().problem("this file holds no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
-  else if (!other.table("bodies") && !interferometer && !other.table("noise"))
+  else if (!bodies && !interferometer && !noise && other.root().healthy())
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();
   model.scene.throw_if_problems();
+  if (!bodies)  // the files stand in another scene
+    for (MotionFile& measured : model.motion.files) measured.place = {};
+  if (bodies || noise) warn_of_gaps(model.motion, model.noise, bodies ? bodies : noise, model.world.wavelength);
+  model.warnings = (bodies ? "" : model.warnings) + other.warnings();
   if (!read) return;
   for (auto const& [name, text] : other.files())
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)

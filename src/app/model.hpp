@@ -53,6 +53,7 @@ struct Model {
   bool histories_stated = false;  // by the scene: an upper limit for every stop rule
   StopRule until;
   std::size_t paths_shown = 12;
+  std::string warnings;  // rendered, of the scene, or of the file that its motion was taken from instead
 
   std::string hash() const;  // of what decides the trace
   NoiseBudget project(CouplingTable const&) const;
@@ -74,5 +75,10 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
 // gives them. `texts`: of a run file, instead of disk; `read`: gets the texts that were read; `responses`: it must hold
 // some.
 void replace_motion(Model&, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses = false);
+// The motion in a file with nothing to trace, as far as it can be judged without a run: with all problems that
+// `straytrace noise --motion` tells of any run. Warnings are left in the scene.
+MotionSet read_motion_file(Scene const&);
+// Warns of files of motion that do not hold the band of the noise; at `table` those that stand elsewhere.
+void warn_of_gaps(MotionSet const&, NoiseSettings const&, Node const& table, double wavelength_m);
 
 }  // namespace straytrace

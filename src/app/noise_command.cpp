@@ -44,6 +44,7 @@ int noise(Options const& options) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
   }
+  if (!options.quiet) std::cerr << model.warnings;
   NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
   if (!options.quiet)
     for (std::string const& warning : budget.warnings) std::cerr << "warning: " << warning << '\n';
@@ -53,6 +54,7 @@ int noise(Options const& options) {
   content.noise = &budget;
   content.interferometer = model.detector->description();
   content.files = files;
+  if (!options.motion.empty() && !model.warnings.empty()) content.warnings.push_back(model.warnings);
   content.motion_file = replaced;
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';

@@ -9,9 +9,9 @@
 #include "app/options.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
+#include "commission/coupling_file.hpp"
+#include "commission/coupling_projection.hpp"
 #include "report/report.hpp"
-#include "signal/coupling_file.hpp"
-#include "signal/coupling_projection.hpp"
 #include "signal/unit_text.hpp"
 
 namespace straytrace {

@@ -26,7 +26,7 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
   content.resolved = model.scene.resolved();
   content.model_hash = model.hash();
   content.interferometer = model.detector ? model.detector->description() : "";
-  if (std::string const warnings = model.scene.warnings(); !warnings.empty()) content.warnings.push_back(warnings);
+  if (!model.warnings.empty()) content.warnings.push_back(model.warnings);
   content.receivers = model.world.receivers();
   content.importance = importance_map(model.world);
   content.beam_power = model.world.beam_power;

@@ -19,8 +19,7 @@ int run(Options const& options) {
   Earlier const earlier(options.input);           // a run file is made again from its own content
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
-  std::string const warnings = model.scene.warnings();
-  if (!options.quiet) std::cerr << warnings;
+  if (!options.quiet) std::cerr << model.warnings;
 
   make_folder(options.out);
   FolderLock const lock(options.out);

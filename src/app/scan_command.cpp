@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
+#include "app/interrupt.hpp"
 #include "app/invert.hpp"
 #include "app/scan_view.hpp"
 #include "base/message.hpp"
@@ -57,22 +58,20 @@ int scan(Options const& options, ScanOrder const& order) {
     make_folder(options.out + "/runs");
     lock.emplace(options.out);
   }
+  InterruptGuard const guard;
   Scanner scanner(options, order.requirement, options.out);
   for (auto const& settings : all) {
+    if (guard.stop()) break;
     if (!options.quiet)
       std::cerr << fmt::format("scan  {} of {}: {}\n", table.points.size() + 1, all.size(), fmt::join(settings, ", "));
     table.points.push_back(scanner.at(settings));
     table.line = scanner.line();
-    bool const interrupted = !table.points.back().complete;
-    bool const last = interrupted || table.points.size() == all.size();
-    save(table, options, order, last);
-    if (interrupted) break;
+    save(table, options, order, guard.stop() || !table.points.back().complete || table.points.size() == all.size());
+    if (!table.points.back().complete) break;
   }
   std::cout << (options.json() ? scan_json(table) : scan_text(table));
-  bool const whole = table.points.back().complete;
-  if (!whole && !options.quiet)
-    std::cerr << (options.out.empty() ? "stopped early; with -o FOLDER the same command would go on from here\n"
-                                      : how_to_go_on);
+  bool const whole = table.points.size() == all.size() && table.points.back().complete;
+  if (!whole && !options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
   return whole ? done : checkpointed;
 }
 

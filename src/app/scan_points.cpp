@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 
 #include "base/message.hpp"
 #include "noise/design.hpp"
@@ -51,7 +52,7 @@ void apply(Requirement const& requirement, Model& model) {
 }
 
 std::string name_of_line(Model const& model) {
-  return model.design.empty() ? "" : fmt::format("{:g} x {}", model.noise.margin, model.design.front().name);
+  return model.design.empty() ? "" : fmt::format("{:.3g} x {}", model.noise.margin, model.design.front().name);
 }
 
 std::vector<double> line_of(Model const& model) {
@@ -108,6 +109,8 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
   }
   if (!model.detector)
     throw InputError("error: a scan looks at noise, and the scene has no 'interferometer'\n  add one, and 'ports'");
+  if (!options_.quiet && model.warnings != told_) std::cerr << model.warnings;
+  told_ = model.warnings;
   point.model_hash = model.hash();
   auto const coupling = trace_of(model, point);
   point.histories = coupling->histories;

@@ -46,7 +46,7 @@ class Scanner {
 
   Options options_;
   Requirement requirement_;
-  std::string folder_, line_;
+  std::string folder_, line_, told_;                                    // the warnings of the last point
   std::map<std::string, std::shared_ptr<CouplingTable const>> traced_;  // by hash and seed
 };
 

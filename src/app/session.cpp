@@ -145,8 +145,9 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   }
   EdgeClasses const edges = edge_classes(model.world);
   settings.beside = edges.classes;
-  if (auto const ghosts = read_ghosts(model.scene))
-    for (CouplingClass& ghost : ghosts_beside(model.world, *ghosts)) settings.beside.push_back(std::move(ghost));
+  GhostClasses ghosts;
+  if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);
+  settings.beside.insert(settings.beside.end(), ghosts.classes.begin(), ghosts.classes.end());
   steer(model.world);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
@@ -156,6 +157,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   settings.stop = &guard.stop();
   TraceResult result = trace(model.world, settings, *make_backend("cpu"));
   result.warnings.insert(result.warnings.end(), edges.warnings.begin(), edges.warnings.end());
+  result.warnings.insert(result.warnings.end(), ghosts.warnings.begin(), ghosts.warnings.end());
   if (!options.quiet)
     for (std::string const& warning : result.warnings) std::cerr << "warning: " << warning << '\n';
   return result;

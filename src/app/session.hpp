@@ -39,6 +39,7 @@ class FolderLock {
 };
 
 inline constexpr std::size_t merits_shown = 3;  // routes whose figure of merit is printed
+inline constexpr char no_way_to_go_on[] = "stopped early; with -o FOLDER the same command would go on from here\n";
 inline constexpr char how_to_go_on[] = "stopped early with a valid result; the same command goes on from here\n";
 
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);

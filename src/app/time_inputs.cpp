@@ -30,6 +30,12 @@ std::size_t place_of(std::string const& word, Words const& words, std::string co
                                near.empty() ? "choose one of: " + listed(known) : "did you mean '" + near + "'?"));
 }
 
+MotionFile file_of(MotionInput const& input, bool rotation) {
+  Spectrum const& s = input.spectrum;
+  Band const known{s.lowest(), s.highest()};
+  return {"", input.name, known, known, rotation ? 0 : std::sqrt(s.at(known.low))};
+}
+
 // One entry for each channel.
 void replace_motions(TimeOptions const& o, TimeInputs& in) {
   if (o.body.size() != o.channel.size() || (o.axis.size() != o.channel.size() && o.axis.size() != 1 && !o.body.empty()))
@@ -44,7 +50,19 @@ void replace_motions(TimeOptions const& o, TimeInputs& in) {
     double const corner = o.corner.empty() ? 0 : option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
     replace_coordinate(in.model.motion, BodyId{std::uint32_t(body)}, axis,
                        as_motion(series_argument(o.channel[i], o.unit, span), is_rotation(axis), corner));
+    MotionFile& file = in.model.motion.files.emplace_back(file_of(in.model.motion.inputs.back(), is_rotation(axis)));
+    file.name = o.channel[i];
   }
+}
+
+std::string warnings_of_channels(TimeOptions const& o, TimeInputs const& in) {
+  auto const& all = in.model.motion.files;
+  Band const band{in.model.noise.grid.edges.front(), in.model.noise.grid.edges.back()};
+  std::string text;
+  for (Problem const& p : warnings_of_gaps(std::span(all).last(o.channel.size()), band, in.model.world.wavelength))
+    text += fmt::format(
+        "warning: {}\n  give a channel that holds it: a higher rate, a longer stretch or a lower --corner\n", p.what);
+  return text;
 }
 
 // The stretch that all recordings cover, or what is asked for.
@@ -206,6 +224,7 @@ TimeInputs read_time_inputs(TimeOptions const& o) {
   if (!in.model.detector)
     throw InputError("error: this run has no interferometer, so nothing becomes strain\n  add 'ports' to the scene");
   replace_motions(o, in);
+  in.model.warnings += warnings_of_channels(o, in);
   choose_times(o, in);
   in.exact = in.model.project(in.coupling());
   choose_routes(o, in);

@@ -14,21 +14,43 @@
 namespace straytrace {
 namespace {
 
-constexpr double level_hz[] = {10, 30, 100};
+constexpr double level_hz[] = {10, 30, 100}, delay_hz = 100;
 constexpr double level_width = 0.1;  // of the frequency, on both sides
 
-// Mean PSD of the chosen routes between two frequencies, by the spectra of the motion.
-double exact_psd(TimeInputs const& in, double low, double high) {
-  FrequencyGrid const& grid = in.exact.grid;
-  if (low < grid.edges.front() || high > grid.edges.back()) return not_a_number;
-  double power = 0;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
-    if (width <= 0) continue;
-    for (std::uint32_t r : in.routes) power += width * in.exact.routes[r].asd[i] * in.exact.routes[r].asd[i];
+// Mean PSD of the chosen routes between two frequencies, by the spectra of the motion. Bands wider than a bin take the
+// power of the bins; narrower ones a power law between their centres, level in the outer halves of the band.
+class ExactSpectrum {
+ public:
+  explicit ExactSpectrum(TimeInputs const& in) : grid_(in.exact.grid) {
+    std::vector<double> hz = {grid_.edges.front()}, psd;
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      hz.push_back(grid_.centre(i));
+      psd.push_back(0);
+      for (std::uint32_t r : in.routes) psd.back() += in.exact.routes[r].asd[i] * in.exact.routes[r].asd[i];
+    }
+    bins_ = psd;
+    hz.push_back(grid_.edges.back());
+    psd.push_back(psd.back());
+    psd.insert(psd.begin(), psd.front());
+    between_ = Spectrum(std::move(hz), std::move(psd));
   }
-  return power / (high - low);
-}
+  double mean(double low, double high) const {  // not a number outside of the band of the noise
+    if (low < grid_.edges.front() || high > grid_.edges.back()) return not_a_number;
+    double power = 0, widest = 0;
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      double const width = std::min(high, grid_.edges[i + 1]) - std::max(low, grid_.edges[i]);
+      if (width <= 0) continue;
+      power += width * bins_[i];
+      widest = std::max(widest, grid_.edges[i + 1] - grid_.edges[i]);
+    }
+    return (high - low < widest ? between_.power(low, high) : power) / (high - low);
+  }
+
+ private:
+  FrequencyGrid grid_;
+  std::vector<double> bins_;
+  Spectrum between_;
+};
 
 double percentile(std::vector<double> sorted, double below) {
   if (sorted.size() < 5) return not_a_number;
@@ -45,7 +67,7 @@ double relative_error(std::vector<double> const& values, double mean, WelchSpect
   return std::sqrt(square / double(values.size() * (values.size() - 1))) / mean;
 }
 
-BandLevel level(TimeInputs const& in, Realisations const& all, std::size_t from, std::size_t to) {
+BandLevel level(ExactSpectrum const& exact, Realisations const& all, std::size_t from, std::size_t to) {
   BandLevel b;
   double const half = all.hz()[1] / 2;
   b.low = all.hz()[from] - half;
@@ -60,7 +82,7 @@ BandLevel level(TimeInputs const& in, Realisations const& all, std::size_t from,
   b.below = percentile(values, 0.05);
   b.median = percentile(values, 0.5);
   b.above = percentile(values, 0.95);
-  b.exact = std::sqrt(exact_psd(in, b.low, b.high));
+  b.exact = std::sqrt(exact.mean(b.low, b.high));
   return b;
 }
 
@@ -84,6 +106,22 @@ double second_order_of(TimeInputs const& in, StrayLight const& light) {
     }
   }
   return power > 0 ? phase / power : 0;
+}
+
+// What the delays leave open in h at 100 Hz, relative to the noise of one body. `retarded`: half of the path is the
+// mean delay of a body on a path and its reverse, of others it may be the whole or nothing
+// (docs/theory/time_domain.md).
+double delay_error_of(TimeInputs const& in, bool retarded) {
+  double largest = 0;
+  for (std::uint32_t const r : in.routes) {
+    CouplingClass const& c = in.coupling().classes[r];
+    bool const with_reverse = c.kind == ClassKind::ghost || c.reverse > 1;
+    for (PathRecord const& record : c.records) {
+      double const half = pi * delay_cycles(delay_hz, std::max(0.0, record.path_length));
+      largest = std::max(largest, !retarded ? 2 * half : with_reverse ? half * half : half);
+    }
+  }
+  return largest;
 }
 
 std::string level_text(BandLevel const& b, std::size_t realisations) {
@@ -128,20 +166,22 @@ ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, 
   r.delay = light.longest_delay;
   r.second_order = second_order_of(in, light);
   r.retarded = s.delay == Delay::half_path;
+  r.delay_error = delay_error_of(in, r.retarded);
   r.band_low = s.band_low;
   r.band_high = std::min(s.band_high, light.times.rate / 2);
   for (MotionInput const& input : in.model.motion.inputs) r.recorded |= input.recorded && !input.gains.empty();
   double const spacing = all.hz()[1];
+  ExactSpectrum const exact(in);
   for (double hz : level_hz) {
     auto const from = std::size_t(std::ceil(hz * (1 - level_width) / spacing)),
                to = std::size_t(std::floor(hz * (1 + level_width) / spacing));
     bool const resolved = from >= 1 && to >= from && to < all.hz().size() && hz * (1 - level_width) > r.band_low &&
                           hz * (1 + level_width) < r.band_high;
-    r.levels.push_back(resolved ? level(in, all, from, to) : nothing(hz));
+    r.levels.push_back(resolved ? level(exact, all, from, to) : nothing(hz));
     r.levels.back().hz = hz;
   }
   for (std::size_t k = 1; k + 1 < all.hz().size(); ++k)
-    if (all.hz()[k] > r.band_low && all.hz()[k] < r.band_high) r.spectrum.push_back(level(in, all, k, k));
+    if (all.hz()[k] > r.band_low && all.hz()[k] < r.band_high) r.spectrum.push_back(level(exact, all, k, k));
   WelchSpectrum const& w = all.last();
   r.welch = fmt::format("Welch: {:g} s, {} segments, ENBW {:.4g} Hz", 1 / spacing, w.segments, w.noise_bandwidth);
   return r;
@@ -154,10 +194,12 @@ std::string project_text(ProjectResult const& r) {
                       r.fastest.time, r.fastest_route);
   text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
                       r.rule.least(), r.rule.margin);
-  text += fmt::format(
-      "left out (eq. 2.6): second order about {:.2g} rad, delay up to {:.2g} cycle at 100 Hz{}, tilt of the rays\n",
-      r.second_order, delay_cycles(100, r.delay * speed_of_light) / (r.retarded ? 2 : 1),
-      r.retarded ? " about half of each path" : "");
+  text += fmt::format("left out (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
+  if (r.retarded)
+    text += fmt::format("of the delays what is not half of a path: up to {:.1g} of h at 100 Hz\n", r.delay_error);
+  else
+    text += fmt::format("delays up to {:.2g} ms: up to {:.1g} of h at 100 Hz where bodies interfere\n", 1e3 * r.delay,
+                        r.delay_error);
   text += fmt::format("h(t) holds {:g} to {:g} Hz; {}\n", r.band_low, r.band_high, r.welch);
   for (BandLevel const& b : r.levels) text += level_text(b, r.realisations) + "\n";
   if (r.recorded) text += "mean by spectra: as if the recorded motion were stationary and Gaussian\n";
@@ -182,6 +224,7 @@ std::string project_json(ProjectResult const& r) {
                               {"second_order_phase", r.second_order},
                               {"longest_delay", r.delay},
                               {"retarded", r.retarded},
+                              {"delay_error_100Hz", r.delay_error},
                               {"band", {r.band_low, r.band_high}}};
   for (BandLevel const& b : r.levels)
     j["strain"].push_back({{"frequency", b.hz},

@@ -48,6 +48,7 @@ struct ProjectResult {
   FastestFringe fastest;
   std::string fastest_route;
   double delay = 0, second_order = 0;  // s; rad
+  double delay_error = 0;              // of h at 100 Hz, relative, at most (eq. 2.6)
   bool retarded = false, recorded = false;
   double band_low = 0, band_high = 0;
   std::vector<BandLevel> levels;    // at 10, 30, 100 Hz, +- 10 %

@@ -16,7 +16,7 @@ namespace {
 int trace_only(Options const& options) {
   Model model = read_model(options.input, options.overrides);
   apply(options, model);
-  if (!options.quiet) std::cerr << model.scene.warnings();
+  if (!options.quiet) std::cerr << model.warnings;
   TraceResult const traced = trace_model(model, options, options.out);
   RunContent const content = content_of(model, traced, nullptr);
   write_run(options.out, content);

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/document.hpp"
+#include "base/uncertainty.hpp"
 #include "motion/series_motion.hpp"
 #include "motion/spectrum_file.hpp"
 #include "signal/shapes.hpp"
@@ -62,7 +62,7 @@ Spectrum read_line(Node const& t, int axis) {
 }
 
 void read_sine(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
-  Node const t = spec["sine"];
+  Node const t = spec.table("sine");
   Quantity const size = t.amplitude("amplitude", amplitude_of(axis));
   double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
                phase = t.number("phase", dim::angle, 0);
@@ -102,23 +102,65 @@ Spectrum with_resonance(Node const& spec, Spectrum const& s) {
   return std::isfinite(frequency * quality) && s.total() > 0 ? through_resonance(s, frequency, quality) : s;
 }
 
-// Exactly one of the keys that say what kind of motion it is.
-std::string kind_of(Node const& spec) {
-  std::string found;
-  for (char const* key :
-       {"asd", "series", "csd", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as"}) {
-    if (!spec.has(key)) continue;
-    if (!found.empty())
-      spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found, key),
+// What a specification may hold beside its kind and beside `scale` and `through`.
+struct Kind {
+  std::string_view name;
+  std::vector<std::string_view> keys;
+};
+std::vector<Kind> const& all_kinds() {
+  static std::vector<Kind> const all = {
+      {"asd", {"columns", "use", "calibration", "beyond", "resonance", "uncertainty"}},
+      {"series",
+       {"channel", "unit", "highpass", "segment", "span", "calibration", "beyond", "resonance", "uncertainty"}},
+      {"csd", {"form", "units", "member", "beyond", "uncertainty"}},
+      {"power-law", {"resonance", "uncertainty"}},
+      {"peterson", {"from", "to", "resonance", "uncertainty"}},
+      {"line", {"resonance", "uncertainty"}},
+      {"sine", {"uncertainty"}},
+      {"drift", {}},
+      {"from", {"axis"}},
+      {"like", {}},
+      {"same_as", {}}};
+  return all;
+}
+
+std::string kind_meant(Node const& spec) {
+  std::vector<std::string> words;
+  for (Kind const& k : all_kinds()) words.emplace_back(k.name);
+  for (auto const& entry : spec.items())
+    if (std::string near = nearest_word(entry.first, words); !near.empty()) return near;
+  return {};
+}
+
+// Exactly one of the keys that say what kind of motion it is; null and a problem when not.
+Kind const* kind_of(Node const& spec) {
+  Kind const* found = nullptr;
+  for (Kind const& kind : all_kinds()) {
+    bool const bound = found && std::count(found->keys.begin(), found->keys.end(), kind.name) > 0;
+    if (bound || !spec.has(kind.name)) continue;
+    if (found) {
+      spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found->name, kind.name),
                    "write a list: [{...}, {...}] adds");
-    found = key;
+      return nullptr;
+    }
+    found = &kind;
   }
-  if (found.empty()) spec.problem("this does not say how the body moves", kinds);
-  return found;
+  if (found) return found;
+  std::string const near = kind_meant(spec);
+  spec.problem("this does not say how the body moves", near.empty() ? kinds : fmt::format("did you mean '{}'?", near));
+  return nullptr;
+}
+
+// Told even when the rest cannot be read: a key is not unknown because another one is wrong.
+void refuse_unknown(Node const& spec, Kind const& kind) {
+  for (std::string_view const key : kind.keys) spec.has(key);
+  for (std::string_view const key : {"scale", "through"}) spec.has(key);
+  spec.refuse_unknown(fmt::format("motion '{}'", kind.name));
 }
 
 // Motion known equally well makes one input.
 void add_own(OwnMotion motion, AxisMotion& into) {
+  into.bands.push_back({motion.spectrum.lowest(), motion.spectrum.highest()});
   auto const same = std::find_if(into.own.begin(), into.own.end(), [&](OwnMotion const& o) {
     return o.uncertainty == motion.uncertainty && !o.through && !motion.through && !o.recorded && !motion.recorded;
   });
@@ -130,10 +172,22 @@ void add_own(OwnMotion motion, AxisMotion& into) {
 
 Spectrum read_gaussian(Node const& spec, std::string_view kind, int axis) {
   if (kind == "asd") return read_spectrum_file(spec, is_rotation(axis));
-  if (kind == "power-law") return read_power_law(spec["power-law"], axis);
+  if (kind == "power-law") return read_power_law(spec.table("power-law"), axis);
   if (kind == "peterson") return read_peterson(spec, axis);
-  if (kind == "line") return read_line(spec["line"], axis);
+  if (kind == "line") return read_line(spec.table("line"), axis);
   return {};
+}
+
+// Remembers where a file ends, unless the scene says that there is nothing beyond.
+void note_file(Node const& spec, std::string_view kind, int axis, Band known, double psd_low, AxisMotion& into) {
+  constexpr std::array<std::string_view, 1> only = {"zero"};
+  if (spec.has("beyond") && !spec.choice("beyond", only).empty()) return;
+  Node const file = spec[kind];
+  into.files.push_back({file.text(), {}, known, known, is_rotation(axis) ? 0 : std::sqrt(psd_low), file.place()});
+}
+
+double psd_of(OwnMotion const& own, double hz) {
+  return own.spectrum.at(hz) * own.scale * own.scale * (own.through ? std::norm((*own.through)(hz)) : 1);
 }
 
 void read_record(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
@@ -142,17 +196,36 @@ void read_record(Node const& spec, int axis, double scale, double uncertainty, A
   if (spec.has("resonance"))
     spec["resonance"].problem("a record goes through a resonance as a link of a chain",
                               "write 'through: {resonance: {frequency: ..., quality: ...}}'");
-  if (record && covers(through, record->spectrum.lowest(), record->spectrum.highest(), spec["through"]))
-    into.own.push_back({record->spectrum, uncertainty, through, record->displacement, scale});
+  if (!record || !covers(through, record->spectrum.lowest(), record->spectrum.highest(), spec["through"])) return;
+  OwnMotion const own{record->spectrum, uncertainty, through, record->displacement, scale};
+  double const low = own.spectrum.lowest();
+  note_file(spec, "series", axis, {low, own.spectrum.highest()}, psd_of(own, low), into);
+  into.own.push_back(own);
 }
 
-void read_member(Node const& spec, int axis, double scale, AxisMotion& into) {
+void read_member(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
   auto joint = read_joint(spec, is_rotation(axis));
   Transfer const through = read_chain(spec["through"]);
   if (!joint || !covers(through, joint->unit.lowest(), joint->unit.highest(), spec["through"])) return;
   joint->scale = scale;
   joint->through = through;
+  joint->uncertainty = uncertainty;
+  double const low = joint->unit.lowest();
+  note_file(spec, "csd", axis, {low, joint->unit.highest()}, joint->psd(low), into);
   into.joint.push_back(std::move(*joint));
+}
+
+void read_spectrum(Node const& spec, std::string_view kind, int axis, double scale, double uncertainty,
+                   AxisMotion& into) {
+  Spectrum const written = read_gaussian(spec, kind, axis);
+  Transfer const through = read_chain(spec["through"]);
+  OwnMotion const own{with_resonance(spec, written.scaled(std::isfinite(scale) ? scale * scale : 0)), uncertainty,
+                      through};
+  if (!(own.spectrum.total() > 0)) return;
+  double const low = own.spectrum.lowest(), high = own.spectrum.highest();
+  if (!covers(through, low, high, spec["through"])) return;
+  if (kind == "asd") note_file(spec, kind, axis, {low, high}, psd_of(own, low), into);
+  add_own(own, into);
 }
 
 void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) {
@@ -161,9 +234,12 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
     return;
   }
   if (spec.kind() != Node::Kind::table) return;
-  std::string const kind = kind_of(spec);
+  Kind const* const of = kind_of(spec);
+  if (!of) return;
+  std::string_view const kind = of->name;
+  refuse_unknown(spec, *of);
   double const scale = spec.number("scale", dim::plain, 1);
-  uncertainty = read_uncertainty(spec, uncertainty);
+  uncertainty = read_uncertainty(spec["uncertainty"], uncertainty);
   if (kind == "like" || kind == "same_as" || kind == "from")
     read_reference(spec, kind, axis, scale, read_chain(spec["through"]), into);
   else if (kind == "sine")
@@ -171,36 +247,17 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
   else if (kind == "drift")
     into.drift += scale * spec.number("drift", speed_of(axis));
   else if (kind == "csd")
-    read_member(spec, axis, scale, into);
+    read_member(spec, axis, scale, uncertainty, into);
   else if (kind == "series")
     read_record(spec, axis, scale, uncertainty, into);
-  else if (Spectrum const s = read_gaussian(spec, kind, axis); s.total() > 0 && std::isfinite(scale)) {
-    Transfer const through = read_chain(spec["through"]);
-    if (covers(through, s.lowest(), s.highest(), spec["through"]))
-      add_own({with_resonance(spec, s.scaled(scale * scale)), uncertainty, through}, into);
-  }
-  if (!kind.empty()) spec.refuse_unknown(fmt::format("motion '{}'", kind));
+  else
+    read_spectrum(spec, kind, axis, scale, uncertainty, into);
 }
 
 }  // namespace
 
 void read_axis(Node const& node, int axis, double uncertainty, AxisMotion& into) {
   for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, into);
-}
-
-double read_uncertainty(Node const& table, double fallback) {
-  Node const value = table["uncertainty"];
-  if (!value) return fallback;
-  constexpr std::string_view word = "factor ";
-  if (value.kind() == Node::Kind::scalar && value.text().starts_with(word) &&
-      is_number(value.text().substr(word.size()))) {
-    double const factor = std::stod(value.text().substr(word.size()));
-    if (factor >= 1) return factor;
-    value.problem("a factor of uncertainty is at least 1", "write 'factor 1.5': from 1/1.5 to 1.5 times the ASD");
-    return fallback;
-  }
-  double const share = value.as_number(dim::plain, 0);
-  return std::isfinite(share) ? 1 + share : fallback;
 }
 
 }  // namespace straytrace

@@ -8,6 +8,7 @@
 #include "base/table.hpp"
 #include "motion/chain.hpp"
 #include "motion/joint_motion.hpp"
+#include "motion/motion_files.hpp"
 #include "signal/series.hpp"
 #include "signal/spectrum.hpp"
 
@@ -41,10 +42,12 @@ struct AxisReference {
 // Independent contributions that add.
 struct AxisMotion {
   std::vector<OwnMotion> own;
+  std::vector<Band> bands;  // Hz, of all that was added to `own`
   std::vector<Tone> tones;
   std::vector<AxisReference> references;
   std::vector<JointMotion> joint;
-  double drift = 0;  // m/s or rad/s
+  std::vector<MotionFile> files;  // all that is in `own` and `joint` and ends where a file ends
+  double drift = 0;               // m/s or rad/s
 };
 
 constexpr std::string_view axis_names[6] = {"x", "y", "z", "rx", "ry", "rz"};
@@ -52,8 +55,5 @@ constexpr bool is_rotation(int axis) { return axis >= 3; }
 
 // Adds one specification or a list of them; `uncertainty` where it states none. Problems go to the document.
 void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
-
-// `uncertainty: 30 %` or `uncertainty: factor 1.5` of a table as a factor on the ASD, one standard deviation.
-double read_uncertainty(Node const& table, double fallback);
 
 }  // namespace straytrace

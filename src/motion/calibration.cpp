@@ -25,6 +25,12 @@ std::optional<Scale> read_scale(Node const& node) {
   if (!text.empty() && !unit)
     node["unit"].problem(fmt::format("\"{}\" is not a unit", text),
                          "write motion per reading, for example 'um/s^2/count'");
+  bool const flat = !node.has("file") && !node.has("gain") && !node.has("zeros") && !node.has("poles");
+  if (flat && !node.has("resonance") && !node.has("pendulum") && !node.has("mode")) {
+    node.problem("the calibration has a unit, and no response of the sensor",
+                 fmt::format("write 'calibration: 1 {}', or add zeros, poles and gain, or a file", text));
+    return {};
+  }
   Transfer response = read_chain(node);
   return unit ? std::optional(Scale{*unit, std::move(response)}) : std::nullopt;
 }

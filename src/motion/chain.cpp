@@ -59,8 +59,14 @@ TransferFunction read_link(Node const& link) {
     return {{}, {}, 1};
   }
   if (!resonance && !pendulum && !mode) {
-    if (link.has("file") || link.has("gain")) return read_table_or_roots(link);
-    link.problem("this link of a chain does not say what it does", links);
+    if (link.has("file") || link.has("gain") || link.has("zeros") || link.has("poles"))
+      return read_table_or_roots(link);
+    std::string near;
+    std::vector<std::string> const words = {"resonance", "pendulum", "mode", "file", "zeros", "poles", "gain"};
+    for (auto const& entry : link.items())
+      if (near.empty()) near = nearest_word(entry.first, words);
+    link.problem("this link of a chain does not say what it does",
+                 near.empty() ? links : fmt::format("did you mean '{}'?", near));
     return {{}, {}, 1};
   }
   TransferFunction const t = resonance ? read_oscillator(link.table("resonance"), Response::support, "'resonance'")

@@ -6,9 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "base/document.hpp"
+#include "base/number_rows.hpp"
 #include "motion/calibration.hpp"
-#include "signal/text_table.hpp"
 
 namespace straytrace {
 namespace {
@@ -52,29 +51,44 @@ struct Members {
 // Nothing and problems when a unit is not one of motion.
 std::optional<Members> read_units(Node const& spec, std::size_t member, bool rotation) {
   Members m;
+  bool sound = true;
   std::vector<Node> const list = spec.list("units");
   for (std::size_t i = 0; i < list.size(); ++i) {
     std::string const text = list[i].as_word();
     auto const unit = parse_unit(text);
     bool const angle = i + 1 == member ? rotation : unit && unit->dimension.radian != 0;
+    if (unit && (unit->dimension.count != 0 || unit->dimension.volt != 0)) {
+      list[i].problem(fmt::format("\"{}\" is the reading of a sensor, not a motion", text),
+                      "write the cross spectra in 'm', 'm/s' or 'm/s^2' ('rad', ...)");
+      sound = false;
+      continue;
+    }
     auto const how = read_calibration({}, unit.value_or(Quantity{}), false, angle, list[i]);
-    if (!how) return {};
-    m.units.push_back(*how);
+    m.units.push_back(how.value_or(Calibration{}));
     m.names += " " + text;
+    sound = sound && how;
   }
+  if (!sound) return {};
   if (m.units.size() >= member && m.units.size() >= 2) return m;
+  if (m.units.size() >= 2) {
+    spec["member"].problem(fmt::format("there is no member {} of a matrix with {} units", member, m.units.size()),
+                           "name the unit of each member in 'units'; they count from 1");
+    return {};
+  }
   spec.problem("the units of all members of the matrix must be named, in their order", "write 'units: [m, m]'");
   return {};
 }
 
 // Factors of all frequencies; empty and a problem when the file does not fit.
-std::vector<ComplexMatrix> factors_of(Node const& file, TextTable const& table, std::string const& form,
+std::vector<ComplexMatrix> factors_of(Node const& file, NumberRows const& table, std::string const& form,
                                       std::vector<Calibration> const& units) {
   std::vector<ComplexMatrix> factors;
   double before = 0;
-  for (auto const& row : table.rows) {
+  for (std::size_t line = 0; line < table.rows.size(); ++line) {
+    std::vector<double> const& row = table.rows[line];
     auto const refuse = [&](std::string what, std::string suggestion) {
-      file.problem(fmt::format("'{}' at {:g} Hz: {}", file.text(), row[0], what), std::move(suggestion));
+      file.file_problem(file.text(), table.line[line], 1, fmt::format("at {:g} Hz: {}", row[0], what),
+                        std::move(suggestion));
       return std::vector<ComplexMatrix>();
     };
     if (!(row[0] > before)) return refuse("frequencies must be positive and rise", "sort the lines by frequency");
@@ -111,6 +125,13 @@ Transfer element(std::string const& name, std::vector<double> const& hz, std::ve
 
 }  // namespace
 
+double JointMotion::psd(double hz) const {
+  double sum = 0;
+  for (Transfer const& part : row)
+    if (part) sum += std::norm((*part)(hz));
+  return sum * scale * scale * (through ? std::norm((*through)(hz)) : 1);
+}
+
 std::optional<ComplexMatrix> cholesky(ComplexMatrix const& c) {
   std::size_t const n = c.size();
   ComplexMatrix l(n, std::vector<C>(n));
@@ -137,23 +158,18 @@ std::optional<JointMotion> read_joint(Node const& spec, bool rotation) {
   if (name.empty() || form.empty() || member == 0) return {};
   auto const members = read_units(spec, member, rotation);
   if (!members) return {};
-  std::size_t const n = members->units.size();
-  std::string const text = file.data_file(name);
-  if (text.empty() && !file.document()->optional_file(file, name)) return {};  // said by data_file()
-  TextTable const table = parse_columns(text);
-  if (!table.error.empty() || table.rows.size() < 2 || table.rows.front().size() != columns_of(form, n)) {
-    std::string const why = !table.error.empty()    ? table.error
-                            : table.rows.size() < 2 ? "fewer than two frequencies"
-                                                    : fmt::format("it has {} columns", table.rows.front().size());
-    file.problem(
-        fmt::format("'{}' is not such a matrix: {}", name, why),
-        fmt::format("'form: {}' of {} members has {} columns: Hz and the elements", form, n, columns_of(form, n)));
+  std::size_t const n = members->units.size(), columns = columns_of(form, n);
+  auto const table = read_number_rows(
+      file, columns, fmt::format("'form: {}' of {} members has {} columns: Hz and the elements", form, n, columns));
+  if (!table) return {};
+  if (table->rows.size() < 2) {
+    file.file_problem(name, 0, 0, "cross spectra need two frequencies at least", "give more lines");
     return {};
   }
-  std::vector<ComplexMatrix> const factors = factors_of(file, table, form, members->units);
+  std::vector<ComplexMatrix> const factors = factors_of(file, *table, form, members->units);
   if (factors.empty()) return {};
   std::vector<double> hz;
-  for (auto const& row : table.rows) hz.push_back(row[0]);
+  for (auto const& row : table->rows) hz.push_back(row[0]);
   JointMotion joint{fmt::format("{} {}{}", name, form, members->names), {}, {}};
   for (std::size_t j = 0; j < n; ++j) joint.row.push_back(element(name, hz, factors, member - 1, j));
   joint.unit = Spectrum({hz.front(), hz.back()}, {1, 1});

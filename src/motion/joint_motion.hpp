@@ -19,6 +19,9 @@ struct JointMotion {
   Spectrum unit;              // 1/Hz between the first and the last frequency of the matrix
   double scale = 1;
   Transfer through = {};
+  double uncertainty = 1;  // factor, one standard deviation
+
+  double psd(double hz) const;  // of the member, m^2/Hz or rad^2/Hz
 };
 
 // {csd: FILE, form: matrix|cross|coherence, units: [m, m/s], member: 2}: columns of text, frequency in Hz and then,

@@ -11,6 +11,7 @@
 
 #include "base/ids.hpp"
 #include "base/table.hpp"
+#include "motion/motion_files.hpp"
 #include "signal/series.hpp"
 #include "signal/spectrum.hpp"
 #include "signal/transfer_function.hpp"
@@ -44,6 +45,7 @@ class MotionSet {
  public:
   std::vector<MotionInput> inputs;
   std::vector<std::string> bodies;  // names; BodyId = position
+  std::vector<MotionFile> files;    // measured motion, one entry for each coordinate that it moves
 
   // |sum over bodies and axes of lever times gain times transfer function|^2: factor from the PSD of input i at a
   // frequency to the PSD of the phase of a path (rad^2/m^2); for a tone, at any frequency, the square of its phase
@@ -51,10 +53,12 @@ class MotionSet {
   double sensitivity(std::size_t i, std::span<Lever const> levers, double hz) const;
 };
 
-// Reads the table `bodies` of a scene. Every body must have a motion ("still" is a statement, not a default).
-// Problems go to the document. `bodies`: names in the order of BodyId. What is not among them and carries none of them
-// is a warning; a problem where they are those of a `traced` run, which has no levers for it.
-MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced = false);
+// Reads the table `bodies` of a scene. Every body that light can meet must have a motion ("still" is a statement, not a
+// default). Problems go to the document. `bodies`: names in the order of BodyId; `placed`: whether surfaces belong to
+// each (empty: to all). What has none and carries nothing that has is a warning; what is not among `bodies` of a
+// `traced` run and carries none of them is a problem, since there are no levers for it.
+MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced = false,
+                      std::vector<bool> const& placed = {});
 
 // Names in the order of BodyId: the bodies of the table, then their elastic modes as "body/mode".
 std::vector<std::string> bodies_and_modes(Node const& bodies_table);

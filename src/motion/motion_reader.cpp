@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/uncertainty.hpp"
 #include "motion/suspension.hpp"
 #include "signal/shapes.hpp"
 
@@ -22,7 +23,6 @@ MotionReader::MotionReader(Node const& table) {
 
 Axes const& MotionReader::resolve(std::string const& name) {
   Body& body = bodies_.at(name);
-  body.used = true;
   if (body.state == State::untouched) {
     body.state = State::under_way;
     read_body(name, body);
@@ -34,8 +34,9 @@ Axes const& MotionReader::resolve(std::string const& name) {
 void MotionReader::finish(std::vector<std::string> const* of_run) {
   for (auto& [name, body] : bodies_) {
     if (body.used) continue;
-    std::string const near = of_run ? nearest_word(name, *of_run) : "";
-    if (of_run)
+    bool const unknown = of_run && std::find(of_run->begin(), of_run->end(), name) == of_run->end();
+    std::string const near = unknown ? nearest_word(name, *of_run) : "";
+    if (unknown)
       body.node.problem(fmt::format("the run has no {} '{}'", body.is_mode ? "mode" : "body", name),
                         !near.empty()  ? fmt::format("did you mean '{}'?", near)
                         : body.is_mode ? "levers come from the trace: run the scene again with this mode in it"
@@ -49,10 +50,15 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
 
 void MotionReader::read_body(std::string const& name, Body& body) {
   if (body.is_mode) return read_mode(name, body);
+  if (body.node.kind() != Node::Kind::table) {
+    body.node.problem(fmt::format("body '{}' is a table", name),
+                      "write {motion: still} or {motion: {x: ..., y: ..., z: ...}}");
+    return;
+  }
   body.node["modes"];
   body.node["pivot"];
   Node const motion = body.node["motion"];
-  if (body.node.kind() == Node::Kind::table) body.node.refuse_unknown(fmt::format("body '{}'", name));
+  body.node.refuse_unknown(fmt::format("body '{}'", name));
   bool const still = motion.kind() == Node::Kind::scalar && motion.text() == "still";
   if (still) return;
   if (motion.kind() != Node::Kind::table) {
@@ -62,19 +68,21 @@ void MotionReader::read_body(std::string const& name, Body& body) {
     return;
   }
   Draft draft{name, {}, {}, {}};
-  double const uncertainty = read_uncertainty(motion, 1);
+  double const uncertainty = read_uncertainty(motion["uncertainty"]);
   constexpr std::array<std::string_view, 1> only_still = {"still"};
   bool const rest_still = motion.has("others") && !motion.choice("others", only_still).empty();
   bool const follows = motion.has("follows");
   std::array<bool, 6> hangs{};
+  std::vector<std::string> untold;
   if (motion.has("suspended")) hangs = add_suspended(motion["suspended"], draft.written);
   for (int axis = 0; axis < 6; ++axis) {
     Node const spec = motion[axis_names[axis]];
     if (spec) read_axis(spec, axis, uncertainty, draft.written[axis]);
-    if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows)
-      motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, axis_names[axis]),
-                     fmt::format("write '{}: still', or 'others: still' for all that is not named", axis_names[axis]));
+    if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows) untold.emplace_back(axis_names[axis]);
   }
+  if (!untold.empty())
+    motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, fmt::join(untold, " and ")),
+                   fmt::format("write '{}: still', or 'others: still' for all that is not named", untold.front()));
   for (int axis = 0; axis < 6; ++axis) resolve_axis(draft, axis);
   body.axes = std::move(draft.axes);
   if (motion.has("through") && !follows)
@@ -82,6 +90,7 @@ void MotionReader::read_body(std::string const& name, Body& body) {
                               "write 'follows: BODY' beside it, or 'through' in the motion of a coordinate");
   if (follows) carry_along(name, motion["follows"], read_chain(motion["through"]), body);
   if (motion.has("relative_to")) carry_along(name, motion["relative_to"], {}, body);
+  note_files(draft, body.axes, false);
   motion.refuse_unknown(fmt::format("the motion of body '{}'", name));
 }
 
@@ -101,7 +110,22 @@ void MotionReader::read_mode(std::string const& name, Body& body) {
   Draft draft{name, {}, {}, {}};
   read_axis(motion, 0, 1, draft.written[0]);
   resolve_axis(draft, 0);
+  note_files(draft, draft.axes, true);
   body.axes = std::move(draft.axes);
+}
+
+// What moves a coordinate beside a file may go on where the file ends.
+void MotionReader::note_files(Draft const& draft, Axes const& axes, bool is_mode) {
+  for (int axis = 0; axis < 6; ++axis)
+    for (MotionFile file : draft.written[axis].files) {
+      std::vector<Band> beside = draft.written[axis].bands;
+      for (std::size_t i = draft.written[axis].own.size(); i < axes[axis].size(); ++i)  // own terms come first
+        if (Spectrum const& s = inputs[axes[axis][i].input].spectrum; s.total() > 0)
+          beside.push_back({s.lowest(), s.highest()});
+      file.coordinate = is_mode ? draft.name : fmt::format("{} {}", draft.name, axis_names[axis]);
+      file.covered = joined(file.known, beside);
+      files.push_back(std::move(file));
+    }
 }
 
 // The motion of a body that another one hangs on; nothing and a problem when it is unknown or hangs on that one itself.
@@ -120,6 +144,7 @@ Axes const* MotionReader::carrier(std::string const& name, std::string const& ta
                   "let one of the bodies state its own motion");
     return nullptr;
   }
+  use(target);
   return &resolve(target);
 }
 
@@ -230,6 +255,7 @@ std::size_t MotionReader::joint_input(JointMotion const& joint, std::size_t colu
     inputs.emplace_back().name = fmt::format("{} {}", joint.matrix, column + 1);
     inputs.back().spectrum = joint.unit;
   }
+  inputs[hit->second].uncertainty = std::max(inputs[hit->second].uncertainty, joint.uncertainty);
   return hit->second;
 }
 

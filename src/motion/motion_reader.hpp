@@ -28,9 +28,11 @@ class MotionReader {
   bool knows(std::string const& name) const { return bodies_.contains(name); }
   // Motion of a body in terms of the inputs; resolves the bodies that it refers to.
   Axes const& resolve(std::string const& name);
-  // Tells what nothing refers to; `of_run`: the bodies of a traced run, or null.
+  void use(std::string const& name) { bodies_.at(name).used = true; }  // light meets it, or it carries another one
+  // Tells what is not used; `of_run`: the bodies of a traced run, or null.
   void finish(std::vector<std::string> const* of_run);
   std::vector<MotionInput> inputs;
+  std::vector<MotionFile> files;
 
  private:
   enum class State { untouched, under_way, done };
@@ -54,6 +56,7 @@ class MotionReader {
   Axes const* carrier(std::string const& name, std::string const& target, Node const& where);
   void carry_along(std::string const& name, Node const& other, Transfer const& through, Body& body);
   void resolve_axis(Draft& draft, int axis);
+  void note_files(Draft const& draft, Axes const& axes, bool is_mode);
   void resolve_reference(Draft& draft, int axis, AxisReference const& reference);
   std::size_t gaussian(std::string name, OwnMotion const&);
   std::size_t tone(Tone const&);

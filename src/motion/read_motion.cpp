@@ -15,6 +15,25 @@ void share_transfers(std::vector<Gain>& gains) {
       if (before->transfer && *before->transfer == *gain->transfer) gain->transfer = before->transfer;
 }
 
+// Once for a body with all its modes, and not where its name is misspelt, which is told at that name.
+void tell_missing(Node const& table, std::string const& name, std::vector<std::string> const* of_run) {
+  auto const stroke = name.find('/');
+  if (stroke != std::string::npos) {
+    std::string const body = name.substr(0, stroke), mode = name.substr(stroke + 1);
+    for (auto const& [other, node] : table.items())
+      if (other == body)
+        node.problem(fmt::format("mode '{}' has no motion", name),
+                     fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'", mode, body));
+    return;
+  }
+  for (auto const& [other, node] : table.items())
+    if (of_run && std::find(of_run->begin(), of_run->end(), other) == of_run->end() &&
+        nearest_word(other, *of_run) == name)
+      return;
+  table.problem(fmt::format("body '{}' has no motion", name),
+                fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum", name));
+}
+
 }  // namespace
 
 std::vector<std::string> bodies_and_modes(Node const& bodies_table) {
@@ -28,25 +47,25 @@ std::vector<std::string> bodies_and_modes(Node const& bodies_table) {
   return names;
 }
 
-MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced) {
+MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced,
+                      std::vector<bool> const& placed) {
   MotionReader reader(bodies_table);
   MotionSet set;
   set.bodies = bodies;
   std::vector<Axes> axes(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bool const met = placed.empty() || placed[b];
     if (reader.knows(bodies[b])) {
+      if (met) reader.use(bodies[b]);
       axes[b] = reader.resolve(bodies[b]);
       continue;
     }
-    auto const stroke = bodies[b].find('/');
-    bodies_table.problem(fmt::format("{} '{}' has no motion", stroke == std::string::npos ? "body" : "mode", bodies[b]),
-                         stroke == std::string::npos
-                             ? fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum", bodies[b])
-                             : fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'",
-                                           bodies[b].substr(stroke + 1), bodies[b].substr(0, stroke)));
+    if (!met) continue;  // no light sees whether it moves
+    tell_missing(bodies_table, bodies[b], traced ? &bodies : nullptr);
   }
   reader.finish(traced ? &bodies : nullptr);
   set.inputs = std::move(reader.inputs);
+  set.files = std::move(reader.files);
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (int axis = 0; axis < 6; ++axis)
       for (auto const& [input, gain, through] : axes[b][axis])

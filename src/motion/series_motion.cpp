@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
+#include "base/document.hpp"
 #include "signal/fourier.hpp"
 #include "signal/series_file.hpp"
 #include "signal/welch.hpp"
@@ -88,25 +90,52 @@ std::optional<double> read_segment(Node const& spec, double duration, double hig
   return segment;
 }
 
+// The words of the command line, with keys of the scene for its options.
+std::string in_words_of_scene(std::string text, std::string const& file) {
+  std::pair<std::string, std::string> const words[] = {
+      {"--unit ", "unit: "}, {"--unit", "'unit'"}, {"--gps ", "span: "}, {file + "::", "channel: "}};
+  for (auto const& [from, to] : words)
+    for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+      text.replace(at, from.size(), to);
+  return text;
+}
+
+// What reading a record complains about, told where it stands: "line 7: ..." in the file itself.
+void pass_on(InputError const& e, Node const& file, Node const& otherwise_at) {
+  std::string const& name = file.text();
+  std::string text = in_words_of_scene(e.what(), name);
+  if (auto const at = text.find("error: "); at != text.npos) text.erase(0, at + 7);
+  auto const end = text.find("\n  ");
+  std::string const what = text.substr(0, end),
+                    remedy = end == text.npos ? "give a record of samples" : text.substr(end + 3);
+  constexpr std::string_view mark = "line ";
+  auto const line = what.starts_with(mark) ? std::uint32_t(std::atoi(what.c_str() + mark.size())) : 0u;
+  if (auto const colon = what.find(": "); line > 0 && colon != what.npos)
+    file.file_problem(name, line, 1, what.substr(colon + 2), remedy);
+  else
+    otherwise_at.problem(e.problems.empty() ? what : fmt::format("'{}': {}", name, what), remedy);
+}
+
+std::optional<GpsSpan> read_span(Node const& spec) try {
+  return spec.has("span") ? parse_gps(spec.word("span")) : GpsSpan{};
+} catch (InputError const& e) {
+  pass_on(e, spec["series"], spec["span"]);
+  return {};
+}
+
 std::optional<TimeSeries> read_series(Node const& spec) {
   Node const file = spec["series"];
   std::string const name = file.as_word();
   SeriesRequest request{spec.has("channel") ? spec.word("channel") : "", spec.has("unit") ? spec.word("unit") : "", {}};
-  if (name.empty()) return {};
+  auto const span = read_span(spec);
+  if (name.empty() || !span) return {};
+  request.span = *span;
   std::string const bytes = file.data_file(name);
-  if (bytes.empty()) return {};  // said by data_file()
+  if (bytes.empty() && !file.document()->optional_file(file, name)) return {};  // said by data_file()
   try {
-    if (spec.has("span")) request.span = parse_gps(spec.word("span"));
     return parse_series(bytes, name, request);
   } catch (InputError const& e) {
-    std::string text = e.what();
-    for (std::size_t at; (at = text.find("--unit ")) != text.npos;) text.replace(at, 7, "unit: ");
-    for (std::size_t at; (at = text.find("--unit")) != text.npos;) text.replace(at, 6, "'unit'");
-    for (std::size_t at; (at = text.find("--gps ")) != text.npos;) text.replace(at, 6, "span: ");
-    if (auto const at = text.find("error: "); at != text.npos) text.erase(0, at + 7);
-    auto const line = text.find("\n  ");
-    file.problem(fmt::format("'{}': {}", name, text.substr(0, line)),
-                 line == text.npos ? "give a record of samples" : text.substr(line + 3));
+    pass_on(e, file, file);
     return {};
   }
 }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "base/document.hpp"
 #include "motion/calibration.hpp"
 #include "signal/shapes.hpp"
 #include "signal/text_table.hpp"
@@ -72,12 +71,20 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
   std::string const name = file.as_word();
   auto const columns = read_columns(spec, rotation);
   if (name.empty() || !columns) return {};
-  std::string const text = file.data_file(name);
-  if (text.empty() && !file.document()->optional_file(file, name)) return {};  // said by data_file()
-  Curve curve = parse_curve(text, columns->frequency, columns->value);
+  constexpr char const* remedy = "give columns of numbers with increasing frequency";
+  auto const table = read_number_rows(file, 0, remedy);
+  if (!table) return {};
+  std::size_t const there = table->rows.front().size(), wanted = std::max(columns->frequency, columns->value);
+  if (wanted > there) {
+    (spec.has("use") ? spec["use"] : file)
+        .problem(
+            fmt::format("'{}' has {} column{}, and column {} is asked for", name, there, there == 1 ? "" : "s", wanted),
+            "write the numbers of the columns of frequency and motion, for example 'use: [1, 2]'");
+    return {};
+  }
+  Curve curve = curve_of(*table, columns->frequency, columns->value);
   if (!curve.error.empty()) {
-    file.problem(fmt::format("'{}' is not a spectrum: {}", name, curve.error),
-                 "give columns of numbers with increasing frequency");
+    file.file_problem(name, curve.error_line, 1, curve.error, remedy);
     return {};
   }
   for (std::size_t i = 0; i < curve.hz.size(); ++i) {

@@ -13,6 +13,12 @@ namespace {
 
 using Doubles = std::vector<double>;
 
+Doubles psd_of(NoiseTrace const& t, double factor) {
+  Doubles psd;
+  for (double const h : t.asd) psd.push_back(factor * h * h);
+  return psd;
+}
+
 // PSD of the routes that make the total, each times a factor of its own.
 template <class Factor>
 Doubles total_psd(NoiseBudget const& b, Factor const& factor) {
@@ -52,8 +58,13 @@ class Spread {
     }
     range(down, up, source);
   }
-  double low(std::size_t i) const { return squares_low_.empty() ? 0 : -std::sqrt(squares_low_[i]); }
-  double high(std::size_t i) const { return squares_high_.empty() ? 0 : std::sqrt(squares_high_[i]); }
+  // ASD of the end of all brackets that is given, with the standard deviations below (-1) or above (+1) it.
+  Doubles band(Doubles psd, int towards) const {
+    Doubles const& squares = towards < 0 ? squares_low_ : squares_high_;
+    for (std::size_t i = 0; i < psd.size(); ++i)
+      psd[i] = std::sqrt(psd[i] * (squares.empty() ? 1 : std::exp(towards * std::sqrt(squares[i]))));
+    return psd;
+  }
   Doubles const& mean() const { return mean_; }
 
  private:
@@ -90,10 +101,21 @@ double share_of(NoiseBudget const& b, Materials const& all, std::size_t m, doubl
   return total > 0 ? band_power(b.grid, through) / total : 0;
 }
 
-void add_materials(NoiseBudget& b, Materials const& all, Spread& spread) {
+// Of the total and of each route by itself.
+struct Spreads {
+  Spread total;
+  std::vector<Spread> routes;
+};
+
+void add_materials(NoiseBudget& b, Materials const& all, Spreads& spreads) {
+  Spread& spread = spreads.total;
   double const total = band_power(b.grid, spread.mean());
   for (std::size_t m = 0; m < all.list.size(); ++m) {
     MaterialSpread const& one = all.list[m];
+    InputSource of_route;
+    for (std::size_t r = 0; one.factor > 1 && r < b.routes.size(); ++r)
+      spreads.routes[r].sigma(psd_of(b.routes[r], all.factor(m, r, 1 / one.factor)),
+                              psd_of(b.routes[r], all.factor(m, r, one.factor)), of_route);
     double const share = share_of(b, all, m, total);
     if (!(share > 0)) continue;  // no noise comes by
     if (!(one.low < 1 || one.high > 1 || one.factor > 1)) {
@@ -145,7 +167,7 @@ struct Projection {
   NoiseSettings const& settings;
 };
 
-void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& projection, Spread& spread) {
+void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& projection, Spreads& spreads) {
   for (auto const& [bodies, inputs] : causes(motion)) {
     double factor = 1;
     for (std::size_t const i : inputs) factor = std::max(factor, motion.inputs[i].uncertainty);
@@ -154,14 +176,19 @@ void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& proje
       continue;
     }
     Doubles ends[2];
+    std::vector<Doubles> of_routes[2];
     for (int const towards : {-1, 1}) {
       NoiseBudget other =
           project_noise(projection.table, moved(motion, inputs, towards), projection.ifo, projection.settings);
       for (std::size_t r = 0; r < b.routes.size(); ++r) other.routes[r].resolved = b.routes[r].resolved;
       ends[towards > 0] = total_psd(other, [](std::size_t) { return 1.0; });
+      for (NoiseTrace const& t : other.routes) of_routes[towards > 0].push_back(psd_of(t, 1));
     }
     InputSource source{names_of(motion, bodies), fmt::format("one sigma: factor {:.3g} on the ASD", factor), 1, 1, 0};
-    spread.sigma(ends[0], ends[1], source);
+    spreads.total.sigma(ends[0], ends[1], source);
+    InputSource of_route;
+    for (std::size_t r = 0; r < b.routes.size(); ++r)
+      spreads.routes[r].sigma(of_routes[0][r], of_routes[1][r], of_route);
     b.bands.sources.push_back(std::move(source));
   }
 }
@@ -178,7 +205,7 @@ int scatters_on(MaterialSpread const& m, std::vector<PathStep> const& steps) {
 }
 
 double coupling_factor(MaterialSpread const& m, CouplingClass const& c, double ratio) {
-  if (!c.steps.empty()) return std::pow(ratio, scatters_on(m, c.steps));
+  if (!c.steps.empty() && c.folded.empty()) return std::pow(ratio, scatters_on(m, c.steps));
   double sum = 0, weight = 0;
   for (FoldedRoute const& f : c.folded) {
     if (f.steps.empty() || !(f.mean > 0)) continue;
@@ -193,23 +220,24 @@ void add_input_band(NoiseBudget& b, CouplingTable const& table, MotionSet const&
   b.bands.sources.clear();
   b.bands.taken_as_exact.clear();
   Materials const all{materials, table};
-  Spread spread(total_psd(b, [](std::size_t) { return 1.0; }));
-  add_materials(b, all, spread);
-  add_motion(b, motion, {table, ifo, settings}, spread);
-  auto const at_ends = [&](double MaterialSpread::*end) {
-    return total_psd(b, [&](std::size_t r) {
-      double factor = 1;
-      for (std::size_t m = 0; m < materials.size(); ++m) factor *= all.factor(m, r, materials[m].*end);
-      return factor;
-    });
+  Spreads spreads{Spread(total_psd(b, [](std::size_t) { return 1.0; })), {}};
+  for (NoiseTrace const& t : b.routes) spreads.routes.emplace_back(psd_of(t, 1));
+  add_materials(b, all, spreads);
+  add_motion(b, motion, {table, ifo, settings}, spreads);
+  auto const at_ends = [&](std::size_t r, double MaterialSpread::*end) {
+    double factor = 1;
+    for (std::size_t m = 0; m < materials.size(); ++m) factor *= all.factor(m, r, materials[m].*end);
+    return factor;
   };
-  Doubles const low = at_ends(&MaterialSpread::low), high = at_ends(&MaterialSpread::high);
-  b.bands.input_low.clear();
-  b.bands.input_high.clear();
-  for (std::size_t i = 0; i < b.grid.size(); ++i) {
-    bool const known = !std::isnan(b.total.asd[i]);
-    b.bands.input_low.push_back(known ? std::sqrt(low[i] * std::exp(spread.low(i))) : not_a_number);
-    b.bands.input_high.push_back(known ? std::sqrt(high[i] * std::exp(spread.high(i))) : not_a_number);
+  auto const low_end = [&](std::size_t r) { return at_ends(r, &MaterialSpread::low); };
+  auto const high_end = [&](std::size_t r) { return at_ends(r, &MaterialSpread::high); };
+  b.bands.input_low = spreads.total.band(total_psd(b, low_end), -1);
+  b.bands.input_high = spreads.total.band(total_psd(b, high_end), 1);
+  for (std::size_t i = 0; i < b.grid.size(); ++i)
+    if (std::isnan(b.total.asd[i])) b.bands.input_low[i] = b.bands.input_high[i] = not_a_number;
+  for (std::size_t r = 0; r < b.routes.size(); ++r) {
+    b.routes[r].input_low = spreads.routes[r].band(psd_of(b.routes[r], low_end(r)), -1);
+    b.routes[r].input_high = spreads.routes[r].band(psd_of(b.routes[r], high_end(r)), 1);
   }
 }
 

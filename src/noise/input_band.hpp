@@ -21,12 +21,12 @@ struct MaterialSpread {
 int scatters_on(MaterialSpread const&, std::vector<PathStep> const& steps);
 
 // Factor on the coupling of a class when the BRDF of the material is `ratio` times what was traced: ratio^scatters. Of
-// a row `other`: the mean over those of its routes that have names, once when none has.
+// a row `other` or a coherent family: the mean over those of its routes that have names, once when none has.
 double coupling_factor(MaterialSpread const&, CouplingClass const&, double ratio);
 
-// Fills the input band, its sources and `taken_as_exact`. Brackets of all materials go to their low ends together and
-// to their high ends together; standard deviations of materials and of motions combine in quadrature of their
-// logarithms. Motion is projected anew with each uncertain body at its low and high end.
+// Fills the input band of the total and of each route, its sources and `taken_as_exact`. Brackets of all materials go
+// to their low ends together and to their high ends together; standard deviations of materials and of motions combine
+// in quadrature of their logarithms. Motion is projected anew with each uncertain body at its low and high end.
 void add_input_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Interferometer const&, NoiseSettings const&,
                     std::vector<MaterialSpread> const&);
 

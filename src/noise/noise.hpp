@@ -31,6 +31,9 @@ struct NoiseTrace {
   // Share of the PSD that motion of about this frequency makes to first order; the rest is fringe wrapping of slower
   // motion. NaN where there is no noise.
   std::vector<double> linear_share;
+  // Of routes: what stated brackets and uncertainties of materials and motion leave open; empty when not made. That of
+  // the total is in NoiseBands.
+  std::vector<double> input_low, input_high;
   double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
   bool resolved = true;
   std::string why_not;

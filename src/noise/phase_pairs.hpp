@@ -11,9 +11,10 @@
 namespace straytrace {
 
 // One term weight * exp(-(own R(0) - cross R(tau))) of a correlation, summed over the classes in the exponent; a tone
-// is a factor J_0(sqrt(2 own - 2 cross cos(2 pi f tau))). own = cross = kappa is a path by itself (eq. 1.11). PSDs of
-// motion come in through kappa, so that part of a cross-covariance that is odd in tau is left out: nothing, unless two
-// paths see one input through transfers of different phase.
+// is a factor J_0(sqrt(2 own - 2 cross cos(2 pi f tau))), a drift that both paths share a factor cos(sqrt(own) tau).
+// own = cross = kappa is a path by itself (eq. 1.11). PSDs of motion come in through kappa, so that part of a
+// cross-covariance that is odd in tau is left out: nothing, unless two paths see one input through transfers of
+// different phase.
 struct PhasePair {
   double weight = 1;
   std::vector<double> own, cross;  // per class; |cross| <= own
@@ -23,10 +24,12 @@ struct PhasePair {
 // transform resolves.
 struct PairSpectrum {
   std::vector<double> psd;
+  std::vector<double> linear;  // of it: first order in the motion of the bin, as in PhaseSpectrum; between 0 and psd
   double constant =
       0;  // power at f = 0; with all psd the sum of the weights over two, times one less cross/own at tau = 0
 };
-// Slow motion by one transform, weak fast motion to first order (eq. 7.14). Throws NumericalError for a drift.
+// Slow motion by one transform, weak fast motion to first order (eq. 7.14). Of two paths that drift apart the term is
+// left out: the mean of its phase over a long time is zero.
 PairSpectrum pair_spectrum(PhaseSpectra const&, std::span<PhasePair const>);
 
 // PSD of Im s of one path with static phase phi_0 [rad]: C(tau) - cos(2 phi_0) exp(-(R(0) + R(tau))); that of Re s with

@@ -138,21 +138,63 @@ std::vector<double> PhaseSpectra::response(LowPart const& low, std::size_t c, do
   return power;
 }
 
-// kappa S/2 of the motion in each bin, less what faster motion takes from it, and never more than there is. Slower
-// motion moves it to neighbouring bins, which is left out.
+double PhaseSpectra::moved_by_drifts(std::span<double const> kappa, double low, double high,
+                                     std::function<double(double, double)> const& power) const {
+  std::vector<double> shifts = {0};
+  for (std::size_t c = 0; c < classes_.size(); ++c) {
+    if (!classes_[c].drift || !is_strong(c, kappa[c])) continue;
+    std::size_t const before = shifts.size();
+    for (std::size_t i = 0; i < before; ++i) {
+      shifts.push_back(shifts[i] - drift_hz(kappa[c]));
+      shifts[i] += drift_hz(kappa[c]);
+    }
+  }
+  double sum = 0;
+  for (double const shift : shifts) {
+    double const from = low + shift, to = high + shift;
+    if (to <= 0)
+      sum += power(-to, -from);
+    else
+      sum += from < 0 ? power(0, -from) + power(0, to) : power(from, to);
+  }
+  return sum / static_cast<double>(shifts.size());
+}
+
+// kappa S/2 of the motion in a band, less what faster motion takes from it; in(c), above(c): power of a class in the
+// band and beyond it. Slower motion moves it to neighbouring bins, which is left out.
+template <class In, class Above>
+double PhaseSpectra::first_order_power(std::span<double const> kappa, double low, double high, In in,
+                                       Above above) const {
+  double power = 0, faster = 0, kept = 1;
+  for (std::size_t c = 0; c < classes_.size(); ++c) {
+    if (classes_[c].gaussian()) {
+      power += kappa[c] * in(c) / 2;
+      faster += kappa[c] * above(c);
+    }
+    double const hz = classes_[c].tone_frequency, z = is_tone(classes_[c]) ? std::sqrt(kappa[c]) : 0;
+    if (hz >= low && hz < high) power += std::pow(::j1(z), 2);
+    if (hz >= high) kept *= std::pow(::j0(z), 2);
+  }
+  return std::exp(-faster) * kept * power;
+}
+
 std::vector<double> PhaseSpectra::first_order(std::span<double const> kappa, std::span<double const> psd) const {
+  bool drifts = false;
+  for (std::size_t c = 0; c < classes_.size(); ++c) drifts |= classes_[c].drift && is_strong(c, kappa[c]);
+  auto const anywhere = [&](double low, double high) {
+    auto const reference = [&](std::size_t c) -> Spectrum const& { return classes_[c].reference; };
+    return first_order_power(
+        kappa, low, high, [&](std::size_t c) { return reference(c).power(low, high); },
+        [&](std::size_t c) { return reference(c).power(high, infinity); });
+  };
   std::vector<double> out;
   for (std::size_t i = 0; i < grid_.size(); ++i) {
-    double power = 0, above = 0, kept = 1;
-    for (std::size_t c = 0; c < classes_.size(); ++c) {
-      power += kappa[c] * grid_power_[c][i] / 2;
-      above += kappa[c] * above_grid_[c][i];
-      double const hz = classes_[c].tone_frequency, z = is_tone(classes_[c]) ? std::sqrt(kappa[c]) : 0;
-      if (hz >= grid_.edges[i] && hz < grid_.edges[i + 1]) power += std::pow(::j1(z), 2);
-      if (hz >= grid_.edges[i + 1]) kept *= std::pow(::j0(z), 2);
-    }
-    double const highest = std::max(psd[i], 0.0);
-    out.push_back(std::clamp(std::exp(-above) * kept * power / grid_.width(i), 0.0, highest));
+    double const low = grid_.edges[i], high = grid_.edges[i + 1];
+    double const power = drifts ? moved_by_drifts(kappa, low, high, anywhere)
+                                : first_order_power(
+                                      kappa, low, high, [&](std::size_t c) { return grid_power_[c][i]; },
+                                      [&](std::size_t c) { return above_grid_[c][i]; });
+    out.push_back(std::clamp(power / grid_.width(i), 0.0, std::max(psd[i], 0.0)));
   }
   return out;
 }

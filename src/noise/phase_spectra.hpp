@@ -4,6 +4,7 @@
 // fringe wrapping, and over the full dynamic range of doubles.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,9 @@ namespace straytrace {
 // grid, 1/Hz.
 struct PhaseSpectrum {
   std::vector<double> psd;
-  std::vector<double> linear;  // of it: first order in the motion of the bin, on a field that slower motion may wrap
+  // Of it: first order in the motion of the bin, on a field that slower motion may wrap. Under a drift the motion that
+  // it moves into the bin.
+  std::vector<double> linear;
   // Sidebands that a weak class adds, per unit of its kappa; empty where not asked for. They are taken from the rest:
   // psd becomes psd (1 - kappa variance) + kappa response, first order in this class.
   std::vector<std::vector<double>> response;
@@ -56,6 +59,10 @@ class PhaseSpectra {
   std::vector<MotionClass> const& classes() const { return classes_; }
   double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept: it is asked for by every path
   FrequencyGrid const& grid() const { return grid_; }
+  // Mean of power(low, high) over the bands that drifts of the phase bring into one of them [Hz]: each drift f_d brings
+  // half of what is at f + f_d and half of what is at |f - f_d| (C(tau) cos(2 pi f_d tau), physics.md 1.12).
+  double moved_by_drifts(std::span<double const> kappa, double low, double high,
+                         std::function<double(double, double)> const& power) const;
   // rad^2; a drift counts as pi^2/3, the variance of a phase that is anywhere.
   double mean_square_phase(std::span<double const> kappa) const;
 
@@ -70,6 +77,8 @@ class PhaseSpectra {
   void add_tone(LowPart const&, double hz, double mean_square, std::span<double> bin_power) const;
   std::vector<double> response(LowPart const&, std::size_t c, double kept) const;
   std::vector<double> first_order(std::span<double const> kappa, std::span<double const> psd) const;
+  template <class In, class Above>
+  double first_order_power(std::span<double const> kappa, double low, double high, In in, Above above) const;
 
   std::vector<MotionClass> classes_;
   std::vector<double> variance_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Routes add in power: their static phases are independent (physics.md eq. 10.1, 1.13).
+// Routes add in power: their static phases are independent (physics.md eq. 10.1, 1.13). Paths of a coherent family are
+// one route.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cmath>
 
 #include "base/message.hpp"
+#include "noise/family_noise.hpp"
 #include "noise/noise.hpp"
 #include "noise/phase_spectra.hpp"
 #include "noise/route_noise.hpp"
@@ -148,7 +150,8 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   std::vector<std::pair<std::size_t, Sum>> doubtful;
   for (std::size_t r = 0, first = 0; r < table.classes.size(); first += table.classes[r++].records.size()) {
     CouplingClass const& c = table.classes[r];
-    RouteSpectrum route = route_spectrum(table, c, first, nodes, strength);
+    RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
+                                          : route_spectrum(table, c, first, nodes, strength);
     route.psd.resize(bins);
     route.linear.resize(bins);
     std::string const name = route_name(table, c), why_not = objection(table, c, route);

@@ -23,6 +23,7 @@ struct Part {
   MatrixXd directions;               // second moments of its gains, weighted by power
   std::vector<std::size_t> records;  // of a computed route: those that are phasors; empty: Gaussian
   double surviving, mean_square;
+  bool family;  // coherent: one unknown phase for all of them
 };
 
 // Gains to inputs in the root of their power: by linear coupling that in the bin counts, where fringes wrap all of it.
@@ -70,7 +71,8 @@ class SpeckleLaw {
  private:
   Part part(std::size_t r) const {
     CouplingClass const& c = table_.classes[r];
-    Part p{r, MatrixXd::Zero(gains_.columns(), gains_.columns()), {}, 0, b_.routes[r].mean_square_phase};
+    Part p{
+        r, MatrixXd::Zero(gains_.columns(), gains_.columns()), {}, 0, b_.routes[r].mean_square_phase, c.adds_fields()};
     double weight = 0;
     for (PathRecord const& record : c.records) {
       Eigen::VectorXd const g = gains_.of(record.levers);
@@ -79,7 +81,7 @@ class SpeckleLaw {
     }
     double const tones = weight > 0 ? gains_.tone_power(p.directions) / weight : 0;
     p.surviving = surviving_phase(std::max(0.0, p.mean_square - tones), tones, gains_.drifts(p.directions));
-    if (c.deterministic() && c.records.size() <= few)
+    if (c.deterministic() && c.records.size() <= few && !p.family)
       for (std::size_t i = 0; i < c.records.size(); ++i) p.records.push_back(i);
     return p;
   }
@@ -115,6 +117,7 @@ class SpeckleLaw {
     double const trace = all.trace().real();
     if (!(trace > 0)) return;
     Complex const share = relation_of(p, bin);
+    if (p.family) return add_family(p, psd, share, to_inputs, gamma, relation, v);
     if (p.records.empty() || v.phasors.size() + p.records.size() > few) {
       gamma += psd / trace * all;
       relation += psd / trace * share * (to_inputs * p.directions * to_inputs.transpose());
@@ -127,17 +130,51 @@ class SpeckleLaw {
     }
   }
 
-  static void add_phasor(VectorXcd const& direction, Complex share, RandomVector& v) {
+  // Transfer functions of the two quadratures, twice their mean square, with this share of one static phase in them.
+  static std::array<Complex, 2> quadratures(Complex share) {
     double const mu = std::min(1.0, std::abs(share));
-    VectorXcd const first = direction * std::sqrt(1 + mu) * std::polar(1.0, std::arg(share) / 2),
-                    second = direction * std::sqrt(1 - mu) * std::polar(1.0, std::arg(share) / 2) * Complex(0, 1);
-    auto const real = [](VectorXcd const& x) {
-      std::vector<double> out;
-      for (Eigen::Index i = 0; i < x.size(); ++i) out.push_back(x(i).real());
-      for (Eigen::Index i = 0; i < x.size(); ++i) out.push_back(x(i).imag());
-      return out;
-    };
-    v.phasors.emplace_back(real(first), real(second));
+    Complex const turn = std::polar(1.0, std::arg(share) / 2);
+    return {std::sqrt(1 + mu) * turn, std::sqrt(1 - mu) * turn * Complex(0, 1)};
+  }
+
+  // Fields with known relative phases: their sum is one phasor for each state of polarisation.
+  void add_family(Part const& p, double psd, Complex share, MatrixXcd const& to_inputs, MatrixXcd& gamma,
+                  MatrixXcd& relation, RandomVector& v) const {
+    auto const [phase, amplitude] = quadratures(share);
+    std::vector<std::pair<VectorXcd, VectorXcd>> states;
+    double mean = 0;
+    for (std::size_t const state : {0, 1}) {
+      VectorXcd first = VectorXcd::Zero(gains_.inputs()), second = VectorXcd::Zero(gains_.inputs());
+      for (PathRecord const& r : table_.classes[p.route].records) {
+        VectorXcd const gain = to_inputs * gains_.of(r.levers);
+        first += gain * (phase * r.field[state].real() - amplitude * r.field[state].imag());
+        second += gain * (phase * r.field[state].imag() + amplitude * r.field[state].real());
+      }
+      mean += (first.squaredNorm() + second.squaredNorm()) / 2;
+      if (first.squaredNorm() + second.squaredNorm() > 0) states.emplace_back(std::move(first), std::move(second));
+    }
+    for (auto& [first, second] : states) {
+      first *= std::sqrt(psd / mean);
+      second *= std::sqrt(psd / mean);
+      if (v.phasors.size() < few) {
+        v.phasors.emplace_back(reals(first), reals(second));
+        continue;
+      }
+      gamma += (first * first.adjoint() + second * second.adjoint()) / 2;
+      relation += (first * first.transpose() + second * second.transpose()) / 2;
+    }
+  }
+
+  static std::vector<double> reals(VectorXcd const& x) {
+    std::vector<double> out;
+    for (Eigen::Index i = 0; i < x.size(); ++i) out.push_back(x(i).real());
+    for (Eigen::Index i = 0; i < x.size(); ++i) out.push_back(x(i).imag());
+    return out;
+  }
+
+  static void add_phasor(VectorXcd const& direction, Complex share, RandomVector& v) {
+    auto const [phase, amplitude] = quadratures(share);
+    v.phasors.emplace_back(reals(direction * phase), reals(direction * amplitude));
   }
 
   NoiseBudget const& b_;

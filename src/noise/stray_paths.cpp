@@ -29,8 +29,8 @@ class Draws {
     std::uint64_t const place = mixed(r.history, std::uint64_t{copy} << 32 | r.connection);
     return Rng(seed_, mixed(route, place), r.event, Stream::static_phase).uniform();
   }
-  double of_port(std::uint32_t port, std::uint32_t copy) const {
-    return Rng(seed_, std::uint64_t{copy} << 32 | port, no_vertex, Stream::static_phase).uniform();
+  double of_member(std::uint64_t route, std::size_t member, std::uint32_t copy) const {
+    return Rng(seed_, mixed(route, std::uint64_t{copy} << 32 | member), no_vertex, Stream::static_phase).uniform();
   }
   double of_route(std::uint64_t route) const {
     return Rng(seed_, route, no_vertex - 1, Stream::static_phase).uniform();
@@ -39,6 +39,25 @@ class Draws {
  private:
   std::uint64_t seed_;
 };
+
+// Paths that no history found have no address but their place in the class. Those of a coherent family share a draw
+// for each state of polarisation.
+void add_computed(std::vector<StrayPath>& paths, CouplingClass const& c, StrayPath path, std::uint32_t copy,
+                  Draws const& draws) {
+  PathRecord const& r = c.records[path.record];
+  if (!c.adds_fields()) {
+    path.turns = draws.of_member(c.hash, path.record, copy);
+    paths.push_back(path);
+    return;
+  }
+  double const amplitude = path.amplitude / std::sqrt(r.weight);
+  for (std::size_t state = 0; state < r.field.size(); ++state) {
+    if (r.field[state] == 0.0) continue;
+    path.amplitude = amplitude * std::abs(r.field[state]);
+    path.turns = std::arg(r.field[state]) / (2 * pi) + draws.of_member(c.hash, state, copy);
+    paths.push_back(path);
+  }
+}
 
 struct Pick {
   std::size_t record;
@@ -90,9 +109,11 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
         StrayPath path{c.port, 0, 0, r.path_length, r.levers, route, std::uint32_t(picks[p].record)};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
-        path.turns = c.deterministic()
-                         ? std::fmod(r.path_length / table.wavelength, 1.0) + draws.of_port(c.port.value, copy)
-                         : draws.turns(c.hash, r, copy + repeat * std::uint32_t(drawn));
+        if (c.deterministic()) {
+          add_computed(paths, c, path, copy, draws);
+          continue;
+        }
+        path.turns = draws.turns(c.hash, r, copy + repeat * std::uint32_t(drawn));
         paths.push_back(path);
       }
     }

@@ -33,8 +33,8 @@ struct PathChoice {
 // `per_route` below the number of records: so many of equal power, picked by systematic sampling with the chance of
 // their weights (deterministic routes always keep all). Static phases are uniform, a function of seed, realisation,
 // route and address of the record, and copy (physics.md 1.6): one realisation of the speckle. Copies of a port move
-// alike. Deterministic routes have the phase of their optical length, and one common phase per port and realisation
-// (eq. 10.5).
+// alike. The paths of a coherent family have the phases of their fields, and one common phase per principal state of
+// polarisation and realisation (eq. 10.5).
 std::vector<StrayPath> stray_paths(CouplingTable const&, Interferometer const&, PathChoice const&);
 
 enum class Delay : std::uint8_t { none, half_path };

@@ -25,6 +25,9 @@ std::string escaped(std::string_view text) {
       case '>':
         out += "&gt;";
         break;
+      case '"':
+        out += "&quot;";
+        break;
       default:
         out += c;
     }
@@ -58,14 +61,18 @@ std::string head(std::string const& title, std::vector<std::string> const& notes
 
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "not known"; }
 
+std::string title_of(std::string const& name, std::string const& unit) {
+  return unit.empty() || unit == "1" ? escaped(name) : fmt::format("{} [{}]", escaped(name), escaped(unit));
+}
+
 std::string table(CurveSheet const& sheet) {
   std::size_t const rows = sheet.x.values.size(), every = rows > most_rows ? (rows + most_rows - 1) / most_rows : 1;
-  std::string out = every > 1 ? fmt::format("<p>Every {}th of {} rows.</p>\n", every, rows) : "";
-  out += fmt::format("<table><tr><th>{} [{}]</th>", escaped(sheet.x.name), escaped(sheet.x.unit));
-  for (CurveColumn const& c : sheet.y) out += fmt::format("<th>{} [{}]</th>", escaped(c.name), escaped(c.unit));
+  std::string out = every > 1 ? fmt::format("<p>One row of {}; the other formats have all {}.</p>\n", every, rows) : "";
+  out += fmt::format("<table><tr><th>{}</th>", title_of(sheet.x.name, sheet.x.unit));
+  for (CurveColumn const& c : sheet.y) out += fmt::format("<th>{}</th>", title_of(c.name, c.unit));
   out += "</tr>\n";
   for (std::size_t i = 0; i < rows; i += every) {
-    out += fmt::format("<tr><td>{:.10g}</td>", sheet.x.values[i]);
+    out += fmt::format("<tr><td>{:.14g}</td>", sheet.x.values[i]);
     for (CurveColumn const& c : sheet.y) out += fmt::format("<td>{}</td>", cell(c.values[i]));
     out += "</tr>\n";
   }

@@ -46,9 +46,11 @@ std::string reverse_words(bool on) {
 std::string csv_titles(PathTable const& table) {
   std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
-  return text +
-         ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
-         "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement\n";
+  text +=
+      ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
+      "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement";
+  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz_input_low,h_{0:g}Hz_input_high", f);
+  return text + "\n";
 }
 
 std::string csv_row(PathRow const& row) {
@@ -59,12 +61,15 @@ std::string csv_row(PathRow const& row) {
                                  csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
                                  csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
   for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
-  return text + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(100 * row.share.value),
-                            number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
-                            number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
-                            number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
-                            number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself",
-                            name_of(row.kind), csv_text(row.statement));
+  text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", number(100 * row.share.value),
+                      number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
+                      number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
+                      number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
+                      number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself", name_of(row.kind),
+                      csv_text(row.statement));
+  for (std::size_t i = 0; i < row.strain.size(); ++i)
+    text += "," + number(row.input_low[i]) + "," + number(row.input_high[i]);
+  return text + "\n";
 }
 
 Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
@@ -99,6 +104,7 @@ Json json_of(PathTable const& table, PathRow const& row) {
   for (std::size_t i = 0; i < row.strain.size(); ++i) {
     Json h = json_of(row.strain[i]);
     h["frequency_Hz"] = table.frequencies[i];
+    if (!std::isnan(row.input_low[i])) h["input"] = {row.input_low[i], row.input_high[i]};
     j["strain"].push_back(h);
   }
   j["share"] = json_of(row.share);
@@ -231,6 +237,7 @@ std::string path_csv(PathTable const& table, RunContent const& run) {
   text +=
       fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
   text += "# sigma: one standard error; lever: rms over paths; nan: not resolved or not computed, see verdict\n";
+  text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open of h\n";
   text += csv_titles(table);
   for (PathRow const& row : table.rows) text += csv_row(row);
   return text;

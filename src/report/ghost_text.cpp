@@ -146,8 +146,9 @@ std::string sums_text(GhostReport const& report) {
         report.port, report.share, report.families, report.sum == GhostSum::coherent ? "fields added" : "powers added",
         report.incoherent, report.coherent, report.worst);
   if (report.has_noise)
-    text += fmt::format("h from ghosts at 10, 30, 100 Hz: {:.3g}, {:.3g}, {:.3g} /sqrt(Hz).\n", report.strain[0],
-                        report.strain[1], report.strain[2]);
+    text += fmt::format("h from ghosts at 10, 30, 100 Hz: {:.3g}, {:.3g}, {:.3g} /sqrt(Hz){}.\n", report.strain[0],
+                        report.strain[1], report.strain[2],
+                        report.sum == GhostSum::coherent && report.families > 1 ? ", families added as fields" : "");
   return text;
 }
 

@@ -40,7 +40,8 @@ void add_lever(BodyPart& part, double weight, Lever const& lever, Shaking const*
   for (std::size_t i = 0; i < kappa.size(); ++i) part.phase2 += weight * shaking->power[i] * kappa[i];
 }
 
-// The body that shakes the phase most; without motion, the one with the largest lever.
+// The body that shakes the phase most. Without motion, the one with the largest lever, named with those that are equal
+// to it within 1 %: the phase sees their relative motion.
 void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, Shaking const* shaking) {
   std::map<std::uint32_t, BodyPart> parts;
   double weights = 0;
@@ -48,14 +49,19 @@ void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> co
     weights += r.weight;
     for (Lever const& lever : r.levers) add_lever(parts[lever.body.value], r.weight, lever, shaking);
   }
+  auto const size = [&](BodyPart const& part) { return shaking ? part.phase2 : part.lever2; };
   double best = 0;
   for (auto const& [body, part] : parts) {
-    double const size = shaking ? part.phase2 : part.lever2;
-    if (size <= best || body >= names.size()) continue;
-    best = size;
+    if (size(part) <= best || body >= names.size()) continue;
+    best = size(part);
     row.body = names[body];
     row.lever = std::sqrt(part.lever2 / weights);
   }
+  row.moves = row.body;
+  if (shaking || best == 0) return;
+  row.moves.clear();
+  for (auto const& [body, part] : parts)
+    if (body < names.size() && size(part) > 0.98 * best) row.moves += (row.moves.empty() ? "" : ", ") + names[body];
 }
 
 void find_lengths(PathRow& row, CouplingClass const& c) {
@@ -109,8 +115,12 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
   row.faint = !row.resolved && trace.faint;
   if (row.why_not.empty()) row.why_not = trace.why_not;
   row.rms_phase = std::sqrt(trace.mean_square_phase);
-  for (double const f : hz)
+  for (double const f : hz) {
     row.strain.push_back(row.resolved ? strain_at(trace, grid, f) : WithError{not_a_number, not_a_number});
+    bool const made = row.resolved && !trace.input_low.empty();
+    row.input_low.push_back(made ? band_at(trace.input_low, grid, f) : not_a_number);
+    row.input_high.push_back(made ? band_at(trace.input_high, grid, f) : not_a_number);
+  }
 }
 
 bool before(PathRow const& a, PathRow const& b) {

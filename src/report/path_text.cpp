@@ -52,7 +52,7 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   c.push_back(fmt::format("{:g}", row.reverse));
   for (WithError const& h : row.strain)
     c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h.value, h.sigma) : still);
-  c.push_back(row.body.empty() ? "-" : row.body);
+  c.push_back(row.moves.empty() ? "-" : row.moves);
   c.push_back(row.body.empty() ? "-" : number(row.lever, "{:.3g}"));
   c.push_back(number(row.rms_phase, "{:.2g}"));
   c.push_back(row.regime.empty() ? "-" : row.regime);

@@ -22,7 +22,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 5;
+constexpr int run_schema_major = 1, run_schema_minor = 6;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -127,10 +127,12 @@ struct PathRow {
   bool resolved = false;
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
-  std::vector<WithError> strain;  // 1/sqrt(Hz), one per frequency; NaN outside the grid
-  WithError power;                // of its strain noise in the band, strain^2
+  std::vector<WithError> strain;              // 1/sqrt(Hz), one per frequency; NaN outside the grid
+  std::vector<double> input_low, input_high;  // of it: what stated inputs leave open; NaN where it was not made
+  WithError power;                            // of its strain noise in the band, strain^2
   WithError share;                // of the resolved strain noise power in the band [1]; NaN without a budget
-  std::string body;               // whose motion contributes most; empty without motion
+  std::string body;               // whose motion contributes most; without motion, of the largest lever
+  std::string moves;              // without motion: all bodies of nearly the largest lever; else `body`
   double lever = 0;               // rad/m, rms over the paths of that body's translations
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
   std::string regime;             // report/band.hpp, over the band; empty without a budget

@@ -142,6 +142,10 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
   out.array(place + "/weight", column<double>(rows, [](auto& r) { return r.weight; }), "1");
   out.array(place + "/path_length", column<double>(rows, [](auto& r) { return r.path_length; }), "m");
   write_levers(out, place, rows);
+  Doubles fields;
+  for (PathRecord const& r : rows)
+    for (std::complex<double> const& f : r.field) fields.insert(fields.end(), {f.real(), f.imag()});
+  out.array(place + "/field", fields, "1", {rows.size(), 4});
 }
 
 template <class Row>
@@ -229,8 +233,12 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
   check_ids(body, table.bodies.size(), "a body");
   Counts const offset = read_offsets(in, at.records + "/lever_offset", n, body.size());
   Doubles const lever = in.rows<double>(at.records + "/lever", body.size(), 6);
+  bool const fields = in.has(at.records + "/field");  // since schema 1.6
+  Doubles const field = fields ? in.rows<double>(at.records + "/field", n, 4) : Doubles(4 * n);
   for (std::size_t i = 0; i < n; ++i) {
     PathRecord r{history[i], event[i], connection[i], coupling[i], weight[i], length[i], {}};
+    for (std::size_t state = 0; state < r.field.size(); ++state)
+      r.field[state] = {field[4 * i + 2 * state], field[4 * i + 2 * state + 1]};
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
       Lever l{{body[k]}, {}};
       std::copy_n(lever.begin() + std::ptrdiff_t(6 * k), 6, std::begin(l.d));

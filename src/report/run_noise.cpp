@@ -18,6 +18,8 @@ constexpr CurveColumn curves[] = {{"mean", &NoiseTrace::asd},
                                   {"phase", &NoiseTrace::phase_asd},
                                   {"amplitude", &NoiseTrace::amplitude_asd}};
 constexpr char const* linear_share = "linear_share";  // since schema 1.5
+// Of routes, since schema 1.6; NaN where they were not made.
+constexpr CurveColumn route_bands[] = {{"input_low", &NoiseTrace::input_low}, {"input_high", &NoiseTrace::input_high}};
 
 struct BandColumn {
   char const* name;
@@ -32,8 +34,8 @@ void append_bins(Doubles& to, Doubles const& from, std::size_t bins, std::string
   to.insert(to.end(), from.begin(), from.end());
 }
 
-Doubles shares_of(NoiseTrace const& t, std::size_t bins) {
-  return t.linear_share.empty() ? Doubles(bins, not_a_number) : t.linear_share;
+Doubles or_unknown(Doubles const& curve, std::size_t bins) {
+  return curve.empty() ? Doubles(bins, not_a_number) : curve;
 }
 
 void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
@@ -43,8 +45,13 @@ void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std:
     out.array(std::string("/noise/routes/") + curve.name, all, strain, {routes.size(), bins});
   }
   Doubles shares;
-  for (NoiseTrace const& t : routes) append_bins(shares, shares_of(t, bins), bins, t.name);
+  for (NoiseTrace const& t : routes) append_bins(shares, or_unknown(t.linear_share, bins), bins, t.name);
   out.array(std::string("/noise/routes/") + linear_share, shares, "1", {routes.size(), bins});
+  for (CurveColumn const& band : route_bands) {
+    Doubles all;
+    for (NoiseTrace const& t : routes) append_bins(all, or_unknown(t.*(band.member), bins), bins, t.name);
+    out.array(std::string("/noise/routes/") + band.name, all, strain, {routes.size(), bins});
+  }
   std::vector<std::string> names, why;
   std::vector<std::uint64_t> hash;
   std::vector<std::uint8_t> resolved, faint;
@@ -141,9 +148,13 @@ void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
     Doubles const all = in.rows<double>(std::string("/noise/routes/") + curve.name, n, bins);
     for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
   }
-  if (!in.has(std::string("/noise/routes/") + linear_share)) return;
-  Doubles const all = in.rows<double>(std::string("/noise/routes/") + linear_share, n, bins);
-  for (std::size_t i = 0; i < n; ++i) b.routes[i].linear_share = slice(all, i, bins);
+  CurveColumn const later[] = {{linear_share, &NoiseTrace::linear_share}, route_bands[0], route_bands[1]};
+  for (CurveColumn const& curve : later) {
+    std::string const place = std::string("/noise/routes/") + curve.name;
+    if (!in.has(place)) continue;
+    Doubles const all = in.rows<double>(place, n, bins);
+    for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
+  }
 }
 
 void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
@@ -183,7 +194,7 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
     out.array(std::string("/noise/total/") + curve.name, checked, strain);
   }
   Doubles shares;
-  append_bins(shares, shares_of(b.total, bins), bins, "total");
+  append_bins(shares, or_unknown(b.total.linear_share, bins), bins, "total");
   out.array(std::string("/noise/total/") + linear_share, shares, "1");
   out.group("/noise/routes", "one row per row of /classes");
   write_routes(out, b.routes, bins);

@@ -24,10 +24,31 @@ void refuse(std::string const& file, std::string const& what, std::string const&
   throw InputError({problem}, fmt::format("{}: error: {}\n  {}", file, what, suggestion), {"", file});
 }
 
+namespace {
+
+// Counts, volts and plain numbers await a calibration, which a unit on the command line may be.
+bool is_calibrated(Quantity const& unit) {
+  return unit.dimension.count == 0 && unit.dimension.volt == 0 && !(unit.dimension == dim::plain);
+}
+
+void refuse_contradiction(std::string const& file, std::string const& place, std::string const& found,
+                          std::string const& wanted) {
+  auto const in_file = unit_of_file(found), said = unit_of_file(wanted);
+  if (!in_file || !said) return;
+  auto const a = parse_unit(*in_file), b = parse_unit(*said);
+  if (is_calibrated(*a) && !(a->dimension == b->dimension && a->si == b->si))
+    refuse(file, fmt::format("{} is in {}, not in {}", place, *in_file, *said),
+           "leave the unit to the file, or correct it: straytrace signal convert --unit");
+}
+
+}  // namespace
+
 std::string unit_or_refuse(std::string const& file, std::string const& place, std::string const* found,
-                           std::string const& wanted) {
+                           SeriesRequest const& request) {
+  std::string const& wanted = request.unit;
   if (wanted.empty() && !found)
     refuse(file, fmt::format("{} has no unit", place), "say it with --unit, for example --unit um/s^2");
+  if (found && !wanted.empty() && !request.contradicts) refuse_contradiction(file, place, *found, wanted);
   std::string const text = wanted.empty() ? *found : wanted;
   if (auto const unit = unit_of_file(text)) return *unit;
   std::string const near = likely_unit(text);
@@ -91,10 +112,10 @@ std::vector<std::string> channels_of(std::string const& bytes, std::string const
   return series_source::names_in_text(bytes, file);
 }
 
-TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span) {
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects) {
   auto const mark = argument.find("::");
   std::string const file = argument.substr(0, mark);
-  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), unit, span};
+  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), unit, span, corrects};
   return parse_series(bytes_of(file), std::filesystem::path(file).filename().string(), wanted);
 }
 

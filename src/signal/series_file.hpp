@@ -17,6 +17,7 @@ struct SeriesRequest {
       channel;       // dataset of HDF5, name or number (from 1, time is not counted) of a column; empty: the only one
   std::string unit;  // overrides the one of the file; empty: that of the file
   GpsSpan span;
+  bool contradicts = true;  // the unit may; false: refused where the file has a calibrated one
 };
 
 // From the bytes of a file; `file`: its name, for messages and by its ending for nothing: the content decides what it
@@ -25,7 +26,8 @@ TimeSeries parse_series(std::string const& bytes, std::string const& file, Serie
 std::vector<std::string> channels_of(std::string const& bytes, std::string const& file);
 
 // The same from an argument of the command line, "FILE" or "FILE::CHANNEL". Reads the file.
-TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span);
+// A unit that contradicts a calibrated one of the file (all but counts, volts and 1) is refused, unless it `corrects`.
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects = false);
 
 // "1234567890", "1234567890..1234567950", or the same as UTC "2019-02-01T12:00:00"; a single time is the beginning.
 // Throws InputError.

@@ -192,7 +192,7 @@ TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const&
     Found const& f = chosen(all, file, wanted.channel);
     check_clock(f, file);
     std::string const place = fmt::format("'{}'", f.path);
-    std::string const unit = unit_or_refuse(file, place, f.unit ? &*f.unit : nullptr, wanted.unit);
+    std::string const unit = unit_or_refuse(file, place, f.unit ? &*f.unit : nullptr, wanted);
     double const end = *f.start + double(f.samples) * *f.step;
     bool const inside = (wanted.span.from <= -1e300 || wanted.span.from >= *f.start) &&
                         (wanted.span.to >= 1e300 || wanted.span.to <= end) && wanted.span.from < end;

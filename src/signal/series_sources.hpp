@@ -11,9 +11,10 @@ namespace straytrace::series_source {
 
 // "witness.txt: what\n  suggestion" as an InputError.
 [[noreturn]] void refuse(std::string const& file, std::string const& what, std::string const& suggestion);
-// The canonical unit; refuses one that is missing or not understood. `place`: "column 'x'", "dataset 'strain'".
+// The canonical unit; refuses one that is missing or not understood, and, where the request does not allow it, a
+// wanted one that contradicts a calibrated one of the file. `place`: "column 'x'", "dataset 'strain'".
 std::string unit_or_refuse(std::string const& file, std::string const& place, std::string const* found,
-                           std::string const& wanted);
+                           SeriesRequest const& request);
 // Names that are there, as a suggestion.
 std::string choices(std::vector<std::string> const& names);
 

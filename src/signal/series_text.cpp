@@ -123,7 +123,7 @@ TimeSeries from_text(std::string const& text, std::string const& file, SeriesReq
   std::string const place = table.name[channel].empty() ? fmt::format("column {}", channel + 1)
                                                         : fmt::format("column '{}'", table.name[channel]);
   std::string const& written = table.unit[channel];
-  std::string const unit = unit_or_refuse(file, place, written.empty() ? nullptr : &written, wanted.unit);
+  std::string const unit = unit_or_refuse(file, place, written.empty() ? nullptr : &written, wanted);
   table = near_span(std::move(table), wanted.span, table.unit[0].empty() ? 1 : parse_unit(table.unit[0])->si);
   double const step = regular_step(table, table.column[0], file);
   TimeSeries series{table.name[channel].empty() ? file : table.name[channel], unit, table.column[0].front(),

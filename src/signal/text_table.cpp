@@ -4,72 +4,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 
 namespace straytrace {
 namespace {
 
-constexpr std::string_view separators = " \t,;\r";
-
-enum class Unknown { refused, taken };  // words such as nan
-
-// Appends the numbers of one line; what could not be read, or nothing.
-std::string_view read_row(std::string_view line, std::vector<double>& row, Unknown unknown) {
-  line = line.substr(0, line.find_first_of("#%"));
-  while (true) {
-    auto const start = line.find_first_not_of(separators);
-    if (start == line.npos) return {};
-    line.remove_prefix(start);
-    std::string_view word = line.substr(0, line.find_first_of(separators));
-    line.remove_prefix(word.size());
-    std::string_view const digits = word.starts_with('+') ? word.substr(1) : word;
-    double value = 0;
-    auto const [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (status != std::errc{} || end != digits.data() + digits.size()) return word;
-    if (unknown == Unknown::refused && !std::isfinite(value)) return word;
-    row.push_back(value);
-  }
-}
-
-// Some programs begin a file with a byte order mark.
-std::string_view without_mark(std::string_view text) {
-  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
-}
-
-TextTable read_rows(std::string_view text, Unknown unknown) {
-  text = without_mark(text);
-  TextTable table;
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    auto const end = std::min(text.find('\n'), text.size());
-    std::vector<double> row;
-    std::string_view const bad = read_row(text.substr(0, end), row, unknown);
-    if (!bad.empty()) return {{}, fmt::format("line {}: '{}' is not a number (comments start with #)", number, bad)};
-    if (!row.empty() && !table.rows.empty() && row.size() != table.rows.front().size())
-      return {{},
-              fmt::format("line {} has {} columns, the lines before have {}", number, row.size(),
-                          table.rows.front().size())};
-    if (!row.empty()) table.rows.push_back(std::move(row));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  if (table.rows.empty()) table.error = "no numbers in it";
-  return table;
-}
-
-Curve curve_of(TextTable const& table, std::size_t frequency_column, std::size_t value_column) {
+// Two columns of rows as a function of frequency.
+Curve of_rows(NumberRows const& table, std::size_t frequency_column, std::size_t value_column) {
   Curve curve;
-  curve.error = table.error;
-  if (!curve.error.empty()) return curve;
   std::size_t const columns = table.rows.front().size();
-  if (frequency_column < 1 || value_column < 1 || std::max(frequency_column, value_column) > columns)
-    return {{}, {}, fmt::format("it has {} columns, asked for {} and {}", columns, frequency_column, value_column)};
-  for (auto const& row : table.rows) {
-    double const f = row[frequency_column - 1], v = row[value_column - 1];
+  if (frequency_column < 1 || value_column < 1 || std::max(frequency_column, value_column) > columns) {
+    curve.error = fmt::format("it has {} columns, asked for {} and {}", columns, frequency_column, value_column);
+    return curve;
+  }
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    double const f = table.rows[i][frequency_column - 1], v = table.rows[i][value_column - 1];
     if (curve.hz.empty() && f == 0) continue;
     if (!(f > 0) || (!curve.hz.empty() && f <= curve.hz.back()))
-      return {{}, {}, fmt::format("the frequency does not increase at {} Hz", f)};
-    if (v < 0 || std::isinf(v)) return {{}, {}, fmt::format("{} value at {} Hz", v < 0 ? "negative" : "infinite", f)};
+      return {{}, {}, fmt::format("the frequency does not increase at {} Hz", f), table.line[i]};
+    if (v < 0 || std::isinf(v))
+      return {{}, {}, fmt::format("{} value at {} Hz", v < 0 ? "negative" : "infinite", f), table.line[i]};
     curve.hz.push_back(f);
     curve.value.push_back(v);
   }
@@ -133,23 +88,6 @@ void name_column(std::string const& cell, NamedColumns& into) {
   into.unit.emplace_back();
 }
 
-// "0,5 1,2" or "0,5;1,2": every word a number with one comma and no point.
-bool has_decimal_commas(std::string_view line) {
-  std::size_t words = 0;
-  while (true) {
-    auto const start = line.find_first_not_of(" \t;\r");
-    if (start == line.npos) return words >= 2;
-    line.remove_prefix(start);
-    std::string_view const word = line.substr(0, line.find_first_of(" \t;\r"));
-    line.remove_prefix(word.size());
-    auto const comma = word.find(',');
-    if (comma == word.npos || comma == 0 || comma + 1 == word.size() || word.find(',', comma + 1) != word.npos ||
-        word.find_first_not_of("0123456789,+-eE") != word.npos)
-      return false;
-    ++words;
-  }
-}
-
 // What describes the columns: the row of words above the numbers, or the comments.
 struct Headings {
   std::vector<std::string> row;
@@ -196,7 +134,7 @@ void name_all(Headings const& headings, NamedColumns& table) {
 }  // namespace
 
 NamedColumns parse_named_columns(std::string_view text) {
-  text = without_mark(text);
+  text = without_byte_order_mark(text);
   NamedColumns table;
   Headings headings;
   std::vector<double> row;
@@ -205,7 +143,7 @@ NamedColumns parse_named_columns(std::string_view text) {
     std::string_view const line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     row.clear();
-    std::string_view const bad = read_row(line, row, Unknown::taken);
+    std::string_view const bad = read_row(line, row, NonFinite::kept);
     auto const start = line.find_first_not_of(" \t\r#%");
     if (start == line.npos) continue;
     bool const comment = line.substr(0, start).find_first_of("#%") != line.npos;
@@ -225,15 +163,18 @@ NamedColumns parse_named_columns(std::string_view text) {
   return table;
 }
 
-TextTable parse_columns(std::string_view text) { return read_rows(text, Unknown::refused); }
+Curve curve_of(NumberRows const& table, std::size_t frequency_column, std::size_t value_column) {
+  if (table.error.empty()) return of_rows(table, frequency_column, value_column);
+  return {{}, {}, table.described_error()};
+}
 
 Curve parse_curve(std::string_view text, std::size_t frequency_column, std::size_t value_column) {
-  return curve_of(parse_columns(text), frequency_column, value_column);
+  return curve_of(parse_rows(text), frequency_column, value_column);
 }
 
 Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names) {
-  text = without_mark(text);
-  TextTable const table = read_rows(text, Unknown::taken);
+  text = without_byte_order_mark(text);
+  NumberRows const table = parse_rows(text, NonFinite::kept);
   if (!table.error.empty() || table.rows.front().size() <= 2) return parse_curve(text);
   std::size_t const columns = table.rows.front().size();
   std::vector<std::string> const titles = headings(text, columns);

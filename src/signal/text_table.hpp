@@ -7,15 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace straytrace {
+#include "base/number_rows.hpp"
 
-// Rows of numbers separated by blanks, tabs, commas or semicolons; '#' and '%' start comments. `error` says in words
-// what was not understood and in which line; then there are no rows.
-struct TextTable {
-  std::vector<std::vector<double>> rows;
-  std::string error;
-};
-TextTable parse_columns(std::string_view text);
+namespace straytrace {
 
 // Columns with what the file says about them: in a first row of words (CSV), or in a comment above the numbers that has
 // one name for each column; "x [um]" and "x (um)" name a unit. NaN stays NaN: a caller knows where it is allowed.
@@ -23,7 +17,7 @@ struct NamedColumns {
   std::vector<std::string> name, unit;  // one for each column; empty where none is given
   std::vector<std::vector<double>> column;
   std::vector<std::size_t> line;  // of the file, one for each row
-  std::string error;              // as of TextTable; decimal commas are told apart and named
+  std::string error;              // with its line; decimal commas are told apart and named
 };
 NamedColumns parse_named_columns(std::string_view text);
 
@@ -31,7 +25,9 @@ NamedColumns parse_named_columns(std::string_view text);
 struct Curve {
   std::vector<double> hz, value;
   std::string error;
+  std::uint32_t error_line = 0;  // of a row whose numbers do not fit, which `error` does not name
 };
+Curve curve_of(NumberRows const&, std::size_t frequency_column = 1, std::size_t value_column = 2);
 Curve parse_curve(std::string_view text, std::size_t frequency_column = 1, std::size_t value_column = 2);
 
 // Columns of our own text files that hold an ASD of strain: of budget.txt and of h_asd.txt.

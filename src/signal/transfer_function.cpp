@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
-#include "base/document.hpp"
+#include "base/number_rows.hpp"
 
 namespace straytrace {
 namespace {
@@ -100,34 +99,18 @@ std::vector<double> TransferFunction::features() const {
 }
 
 TransferFunction read_response_file(Node const& file, bool decibels, std::optional<Band> const& band) {
-  std::string const name = file.as_word();
-  if (name.empty()) return {};
-  std::optional<std::string> const text = file.document()->optional_file(file, name);
-  if (!text) {
-    file.data_file(name);  // says why it cannot be read
-    return {};
-  }
+  auto const table = read_number_rows(file, 3,
+                                      decibels ? "write frequency in Hz, modulus in dB, phase in degrees"
+                                               : "write frequency in Hz, real part, imaginary part");
+  if (!table) return {};
+  std::string const& name = file.text();
   std::vector<double> hz;
   std::vector<C> values;
-  std::istringstream lines(*text);
-  std::string line;
-  for (std::uint32_t number = 1; std::getline(lines, line); ++number) {
-    line.resize(std::min(line.size(), line.find('#')));
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
-    if (line.find_first_not_of(' ') == std::string::npos) continue;
-    std::istringstream words(line);
-    double f = 0, a = 0, b = 0;
-    std::string rest;
-    if (!(words >> f >> a >> b) || words >> rest || !std::isfinite(f + a + b)) {
-      file.file_problem(name, number, 1, "this line is not three numbers",
-                        decibels ? "write frequency in Hz, modulus in dB, phase in degrees"
-                                 : "write frequency in Hz, real part, imaginary part");
-      return {};
-    }
+  for (std::size_t i = 0; i < table->rows.size(); ++i) {
+    double const f = table->rows[i][0], a = table->rows[i][1], b = table->rows[i][2];
     C const value = decibels ? std::polar(std::pow(10, a / 20), -b * pi / 180) : C(a, -b);
     if (!(f > (hz.empty() ? 0 : hz.back())) || value == 0.0) {
-      file.file_problem(name, number, 1,
+      file.file_problem(name, table->line[i], 1,
                         value == 0.0 ? "a response of zero has no logarithm" : "frequencies must be positive and rise",
                         value == 0.0 ? "leave the line out" : "sort the lines by frequency, each one once");
       return {};

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -52,6 +53,9 @@ struct PathRecord {
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
   double path_length = 0;        // optical, m
   std::vector<Lever> levers;     // relative to the main mode; one entry per body touched
+  // Of a specular path of a coherent family: its field over that of the main mode, by principal state of polarisation,
+  // phase relative to the other paths of its class; the squares sum to `weight`. Zero: its static phase is unknown.
+  std::array<std::complex<double>, 2> field{};
 };
 
 // A route without a row of its own: part of a row `other`.
@@ -77,10 +81,14 @@ struct CouplingClass {
   bool by_reverse = false;                             // all of this was sampled on the same route run backwards
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
-  std::uint64_t folded_routes = 0;  // of `other`: how many it sums
+  std::uint64_t folded_routes = 0;  // of `other` and of coherent families: how many it sums
   std::vector<FoldedRoute> folded;  // the largest of them, descending
 
   bool deterministic() const { return kind != ClassKind::scattered; }
+  // Whether its paths add as fields with known relative phases (physics.md eq. 10.5), not in power.
+  bool adds_fields() const {
+    return records.size() > 1 && records.front().field != std::array<std::complex<double>, 2>{};
+  }
 };
 
 struct CouplingTable {
@@ -97,7 +105,8 @@ struct CouplingTable {
   bool reverse_routes = true;  // whether C_rev was applied (physics.md 1.3)
 };
 
-// "ITM·S > baffles·S > ITM·S", or "other" for routes beyond the length limit.
+// "ITM·S > baffles·S > ITM·S", or "other" for routes beyond the length limit; of a coherent family its strongest path
+// "and 3 more".
 std::string route_name(CouplingTable const&, CouplingClass const&);
 std::string received_name(CouplingTable const&, CouplingClass const&);  // of a route that ends on a receiver
 std::string folded_name(CouplingTable const&, FoldedRoute const&);

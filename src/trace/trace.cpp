@@ -111,10 +111,16 @@ class Runner {
   unsigned threads_ = std::max(1u, std::thread::hardware_concurrency());
 };
 
-// Wins of a roulette may be so rare that none was drawn: then the spread of what was drawn says nothing, its odds do.
+// Error of the mean of a column that is zero on average. Events may be so rare that few or none were drawn, and then
+// the spread of what was drawn says nothing. Of wins of a roulette the odds are known. In `sampling` they are
+// directions that the law draws where the targets were expected to (strata leave no other spread there): none of mu
+// expected ones is drawn with the chance exp(-mu), which for mu = 15 is that of five standard errors, and each moves
+// the total of a history by no more than from one end of what was drawn to the other (errors.md, The books).
 double spread_of(Fate fate, Estimate const& e, BlockSums const& total) {
-  double const known = fate == Fate::window ? std::sqrt(total.window_variance) / double(total.histories) : 0;
-  return std::max(e.std_error, known);
+  constexpr double unseen = 15.0 / 5;  // standard errors
+  double const n = double(total.histories);
+  if (fate == Fate::window) return std::max(e.std_error, std::sqrt(total.window_variance) / n);
+  return e.std_error + unseen * 2 * total.ledger[int(fate)].largest / n;
 }
 
 void check_books(BlockSums const& total) {

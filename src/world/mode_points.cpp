@@ -5,11 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <sstream>
 
-#include "base/document.hpp"
+#include "base/number_rows.hpp"
 
 namespace straytrace {
 namespace {
@@ -46,35 +44,6 @@ class Points final : public ModeShape {
   std::size_t neighbours_;
 };
 
-// Nothing and a problem at the line that is not six numbers.
-std::vector<ModePoint> read_rows(Node const& file, std::string const& text, double unit) {
-  std::vector<ModePoint> points;
-  std::istringstream lines(text);
-  std::string line;
-  for (std::uint32_t number = 1; std::getline(lines, line); ++number) {
-    line.resize(std::min(line.size(), line.find('#')));
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
-    if (line.find_first_not_of(' ') == std::string::npos) continue;
-    std::istringstream words(line);
-    double v[6];
-    std::string rest;
-    bool good = true;
-    for (double& x : v) good = good && words >> x && std::isfinite(x);
-    if (!good || words >> rest) {
-      file.file_problem(file.text(), number, 1, "this line is not six numbers",
-                        "write x, y, z of the point and the three components of its displacement");
-      return {};
-    }
-    points.push_back({unit * Vec3{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
-  }
-  if (points.size() < 4) {
-    file.file_problem(file.text(), 0, 0, "a shape needs four points at least", "give more lines");
-    return {};
-  }
-  return points;
-}
-
 }  // namespace
 
 std::shared_ptr<ModeShape const> mode_of_points(std::vector<ModePoint> points, std::size_t neighbours) {
@@ -88,11 +57,17 @@ std::shared_ptr<ModeShape const> read_mode_points(Node const& shape, std::string
   if (!unit_text.empty() && (!unit || unit->dimension != dim::length))
     shape["unit"].problem(fmt::format("\"{}\" is not a unit of length", unit_text), "write 'm' or 'mm'");
   if (name.empty() || !unit || unit->dimension != dim::length) return {};
-  std::string const text = file.data_file(name);
-  if (text.empty() && !file.document()->optional_file(file, name)) return {};  // said by data_file()
-  std::vector<ModePoint> points = read_rows(file, text, unit->si);
-  if (points.empty()) return {};
-  description += unit_text + text;
+  auto const table =
+      read_number_rows(file, 6, "write x, y, z of the point and the three components of its displacement");
+  if (!table) return {};
+  if (table->rows.size() < 4) {
+    file.file_problem(name, 0, 0, "a shape needs four points at least", "give more lines");
+    return {};
+  }
+  std::vector<ModePoint> points;
+  for (std::vector<double> const& v : table->rows)
+    points.push_back({unit->si * Vec3{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+  description += unit_text + file.data_file(name);
   return mode_of_points(std::move(points));
 }
 

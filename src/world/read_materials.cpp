@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/uncertainty.hpp"
 #include "optics/angle_weight.hpp"
 #include "optics/coating_table.hpp"
 #include "optics/scatter_share.hpp"
@@ -152,7 +153,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
         info.laws.push_back(provenance_of(node["preset"].text()));
       }
       info.spread = reading.spread;
-      if (node.has("uncertainty")) read_factor(node["uncertainty"], info.spread);
+      info.spread.factor = read_uncertainty(node["uncertainty"], info.spread.factor);
     } else {
       info.spread = read_spread(node);
     }

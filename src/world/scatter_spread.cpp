@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/document.hpp"
+#include "base/uncertainty.hpp"
 #include "world/world.hpp"
 
 namespace straytrace {
@@ -26,19 +26,6 @@ void read_bracket(Node const& bracket, ScatterSpread& spread) {
 
 }  // namespace
 
-void read_factor(Node const& value, ScatterSpread& spread) {
-  constexpr std::string_view word = "factor ";
-  if (value.kind() == Node::Kind::scalar && value.text().starts_with(word) &&
-      is_number(value.text().substr(word.size()))) {
-    spread.factor = std::stod(value.text().substr(word.size()));
-    if (spread.factor >= 1) return;
-    spread.factor = 1;
-    return value.problem("a factor of uncertainty is at least 1", "write 'factor 1.5': from 1/1.5 to 1.5 times");
-  }
-  double const share = value.as_number(dim::plain, 0);
-  if (std::isfinite(share)) spread.factor = 1 + share;
-}
-
 void ScatterSpread::widen(ScatterSpread const& other) {
   low = std::min(low, other.low);
   high = std::max(high, other.high);
@@ -48,7 +35,7 @@ void ScatterSpread::widen(ScatterSpread const& other) {
 ScatterSpread read_spread(Node const& table) {
   ScatterSpread spread;
   if (Node const bracket = table["bracket"]) read_bracket(bracket, spread);
-  if (Node const value = table["uncertainty"]) read_factor(value, spread);
+  spread.factor = read_uncertainty(table["uncertainty"]);
   return spread;
 }
 

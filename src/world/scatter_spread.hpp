@@ -27,7 +27,6 @@ struct ScatterSpread {
 // `bracket: [low, mid, high]` (BRDF in 1/sr, or shares of the light) and `uncertainty: 30 %` or `factor 1.5` of a
 // material or law. Problems go to the document.
 ScatterSpread read_spread(Node const& table);
-void read_factor(Node const& uncertainty, ScatterSpread&);  // the latter alone
 
 // A material that stands somewhere, with the groups whose surfaces have it on either side.
 struct PlacedMaterial {

@@ -49,6 +49,28 @@ TEST(Drift, CarriesWeakMotionWithIt) {  // sidebands of a line at f_d: z^2/4 sha
   EXPECT_NEAR(s.psd[2] * 0.2, 0.5, 1e-6);
 }
 
+// Motion at 30 Hz, strong enough to stay in the exponent, under a drift of 10 Hz: its first order stands at 20 and 40
+// Hz, half each of e^-R I_1(R) (eq. 7.7 for a narrow line); at 30 Hz there is nothing of it, and at 50 and 70 Hz the
+// second.
+TEST(Drift, MovesTheShareOfFirstOrder) {
+  double const z2 = 0.05;  // rad^2
+  MotionSet m = moving({gaussian_line(30, 0.05, std::sqrt(z2) / two_k)});
+  std::vector<double> const edges = {19, 21, 29, 31, 39, 41, 49, 51};
+  PhaseSpectrum const still = fringes(m, edges);
+  m.inputs.push_back(drift(10 / hz_per_velocity));
+  PhaseSpectrum const s = fringes(m, edges);
+  double const first = std::exp(-z2) * std::cyl_bessel_i(1, z2);
+  for (std::size_t const bin : {0u, 4u}) {
+    EXPECT_NEAR(s.psd[bin] * 2 / (first / 2), 1, 2e-3);
+    EXPECT_NEAR(s.linear[bin] / s.psd[bin], 1, 1e-3);
+    EXPECT_LT(still.linear[bin], 1e-3 * s.linear[bin]) << "twin: without the drift";
+  }
+  EXPECT_LT(s.linear[2], 1e-6 * s.linear[0]);
+  EXPECT_GT(still.linear[2], s.linear[0]) << "twin: first order left where it was";
+  EXPECT_GT(s.psd[6], 0);
+  EXPECT_LT(s.linear[6], 1e-3 * s.psd[6]);
+}
+
 // Paths whose levers differ share lines between neighbouring nodes: power and mean frequency stay.
 TEST(Drift, PathsOfDifferentLeversKeepTheirPower) {
   MotionSet m = moving({});

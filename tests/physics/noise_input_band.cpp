@@ -65,12 +65,16 @@ TEST(InputBand, BracketsGoTogetherAndSigmasInQuadrature) {
   EXPECT_NEAR(high(sigmas), expected, 1e-9);
   EXPECT_NEAR(low(sigmas), 1 / expected, 1e-9);
   EXPECT_LT(high(sigmas), 1.5 * std::sqrt(2.0));  // twin: added like brackets
+  EXPECT_NEAR(sigmas.routes[0].input_high[0] / sigmas.routes[0].asd[0], expected, 1e-9);
 }
 
 TEST(InputBand, OnlyRoutesThatPassAreScaled) {
   NoiseBudget const b = banded(table_of({by_steel(1, 1, 1e-20), by_steel(2, 0, 3e-20)}), moving({linear_motion()}),
                                {bracket("steel", steel, 0.25, 4)});
   EXPECT_NEAR(high(b), std::sqrt((4 + 3) / 4.0), 1e-9);
+  EXPECT_NEAR(b.routes[0].input_high[0] / b.routes[0].asd[0], 2, 1e-9);  // each route by itself
+  EXPECT_NEAR(b.routes[0].input_low[0] / b.routes[0].asd[0], 0.5, 1e-9);
+  EXPECT_EQ(b.routes[1].input_high[0], b.routes[1].asd[0]);
   ASSERT_EQ(b.bands.sources.size(), 1u);
   EXPECT_NEAR(b.bands.sources[0].share, 0.25, 1e-9);
 }
@@ -92,6 +96,7 @@ TEST(InputBand, LinearMotionScalesTheNoiseWrappedDoesNot) {
   NoiseBudget const linear = banded(table, motion, {});
   EXPECT_LT(deviation(high(linear), 1.4), 1e-3);
   EXPECT_LT(deviation(low(linear), 1 / 1.4), 1e-3);
+  EXPECT_LT(deviation(linear.routes[0].input_low[0], linear.bands.input_low[0]), 1e-12);
   // Strong slow motion, eq. 7.8: sigma_f = 2 v_rms / lambda far above 10 Hz, so S ~ 1 / v_rms: more motion, less noise.
   MotionSet wrapped = moving({gaussian_line(0.35, 0.05, 1e-5)});
   wrapped.inputs[0].uncertainty = 1.4;

@@ -145,7 +145,9 @@ TEST(ElasticModes, WhatIsRefused) {
   EXPECT_NE(problem("beam: {along: [1, 0, 0], direction: [0, 1, 0], length: 2}").find("without a unit"),
             std::string::npos);
   EXPECT_NE(problem("polynomial: {x: [[1, 0, 0.5, 0]]}").find("whole numbers"), std::string::npos);
-  EXPECT_NE(problem("points: p.txt, unit: m", {{"p.txt", "1 2 3\n"}}).find("not six numbers"), std::string::npos);
+  EXPECT_NE(problem("points: p.txt, unit: m", {{"p.txt", "1 2 3\n"}})
+                .find("p.txt:1:1: error: this line has 3 numbers, not 6"),
+            std::string::npos);
   EXPECT_NE(problem("plaet: {}").find("plate"), std::string::npos);
 }
 

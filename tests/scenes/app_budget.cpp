@@ -81,6 +81,43 @@ TEST(Budget, RunBesideADetector) {
   EXPECT_EQ(back["parts"].size(), stray["parts"].size());
 }
 
+// The bands of a run beside its Monte-Carlo error (docs/theory/errors.md), in JSON, text and columns: at its
+// frequencies the numbers that `noise` gives.
+TEST(Budget, BandsOfStrayLight) {
+  Folder const folder;
+  write_text(folder / "a.yaml", edited(text_of(virgo_arm), "tis: 4 ppm}\n    source: \"Virgo",
+                                       "tis: 4 ppm, uncertainty: factor 1.5}\n    source: \"Virgo"));
+  ASSERT_EQ(straytrace({"run", folder / "a.yaml", "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
+  std::string const run = folder / "run/run.h5";
+  Words const words = {"budget", "adv", run, "--at", "10 Hz, 30 Hz", "-o", folder / "out"};
+  std::string const table = straytrace(words).out;
+  Json const at = Json::parse(text_of(folder / "out/budget.json"))["at"], stray = noise(at, "StrayLight");
+  Json const own = Json::parse(straytrace({"noise", run, "--format", "json", "--quiet"}).out)["total_strain"];
+  auto const value = [](Json const& of, char const* name, std::size_t i) { return of[name][i].get<double>(); };
+  for (std::size_t i : {0u, 1u}) {
+    Json const &speckle = own[i]["speckle_percentiles"], &input = own[i]["input"];
+    EXPECT_NEAR(value(stray, "speckle_05", i) / speckle["5"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(value(stray, "speckle_50", i) / speckle["50"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(value(stray, "speckle_95", i) / speckle["95"].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(value(stray, "input_low", i) / input[0].get<double>(), 1, 1e-9);
+    EXPECT_NEAR(value(stray, "input_high", i) / input[1].get<double>(), 1, 1e-9);
+    EXPECT_GT(value(stray, "input_high", i), 1.05 * value(stray, "strain", i));
+    double const total = value(at, "total", i), h = value(stray, "strain", i);
+    EXPECT_NEAR(std::pow(value(at, "total_input_high", i), 2),
+                total * total - h * h + std::pow(value(stray, "input_high", i), 2), 1e-9 * total * total);
+    EXPECT_NEAR(value(at, "total_sigma", i) * total, h * value(stray, "sigma", i), 1e-9 * total * total);
+    for (Json const& part : stray["parts"]) {
+      EXPECT_LE(value(part, "input_low", i), value(part, "strain", i));
+      EXPECT_GE(value(part, "input_high", i), value(part, "strain", i));
+    }
+  }
+  EXPECT_THAT(table, HasSubstr("\n  one realisation, 5..95 %"));
+  EXPECT_THAT(table, HasSubstr("\n  inputs leave open"));
+  for (char const* name : {"StrayLight_sigma", "StrayLight_input_low", "StrayLight_speckle_95", "total_input_high"})
+    EXPECT_THAT(text_of(folder / "out/budget.txt"), HasSubstr(std::string(" ") + name));
+  EXPECT_THAT(text_of(folder / "run/paths.csv"), HasSubstr(",h_10Hz_input_low,h_10Hz_input_high"));
+}
+
 TEST(Budget, RunAlone) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);

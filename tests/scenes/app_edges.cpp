@@ -20,8 +20,8 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
   EXPECT_THAT(report, HasSubstr("3 rims, powers added"));
   EXPECT_THAT(report, HasSubstr("routes of kind edge, upper bounds"));
   std::string const csv = text_of(folder / "out/paths.csv");
-  EXPECT_THAT(csv, HasSubstr(",sampled_on,kind,statement\n"));
-  EXPECT_THAT(csv, HasSubstr(",itself,scattered,\n"));
+  EXPECT_THAT(csv, HasSubstr(",sampled_on,kind,statement,h_10Hz_input_low,h_10Hz_input_high,"));
+  EXPECT_THAT(csv, HasSubstr(",itself,scattered,,"));
   EXPECT_THAT(csv, HasSubstr(",itself,edge,"));
   EXPECT_THAT(straytrace({"paths", folder / "out/run.h5", "--format", "json"}).out, HasSubstr("\"kind\": \"edge\""));
   // A run file projects them without tracing or building anything again.

@@ -84,6 +84,64 @@ TEST(GhostPorts, equal_levers_add_in_power_or_as_fields) {
   EXPECT_NEAR(powers["recoupled_as_drawn"].get<double>(), fields["recoupled"].get<double>(), 1e-12);
 }
 
+// Faces on bodies of their own: the second moves half as far as the first, on one motion. Weak motion: h^2 goes with
+// |E_1 + E_2/2|^2 (eq. 10.5), through the run file and again without tracing. Twin: powers added.
+TEST(GhostPorts, unequal_levers_add_as_fields_in_a_run) {
+  Folder const folder;
+  std::string const ground =
+      "{z: {power-law: {asd: 1e-14 m/sqrt(Hz), at: 10 Hz, exponent: 0, from: 1 Hz, to: 1 kHz}}, ";
+  std::string scene = edited(line("entry", 1e-6, 4e-6), "bodies: {b: {motion: still}}",
+                             "bodies:\n  b: {motion: " + ground +
+                                 "others: still}}\n  half: {motion: {z: {from: b, "
+                                 "scale: 0.5}, others: still}}");
+  scene = edited(scene, "body: b, material: sensor", "body: half, material: sensor") + detector;
+  auto const strain = [&](std::string const& sum) {
+    write_text(folder / "a.yaml", "straytrace: 1\n" + scene + "ghosts: {sum: " + sum + "}\n");
+    std::string const run = folder / (sum + ".h5");
+    Finished const traced = straytrace({"trace", folder / "a.yaml", "-o", run, "--histories", "131072", "--quiet"});
+    EXPECT_EQ(traced.code, 0) << traced.err;
+    json const noise = json::parse(straytrace({"noise", run, "--format", "json", "--quiet"}).out);
+    json const listed = json::parse(straytrace({"ghosts", folder / "a.yaml", "--format", "json", "--quiet"}).out);
+    double const h = noise["total_strain"][2]["value"];
+    EXPECT_NEAR(listed[0]["strain"]["100"].get<double>() / h, 1, 1e-3) << sum;
+    return h;
+  };
+  double const ratio = strain("coherent") / strain("independent"), phase = 2 * k * 2;  // 2 m apart
+  EXPECT_NEAR(ratio, std::sqrt((1.25 + std::cos(phase)) / 1.25), 3e-3);
+  EXPECT_GT(std::fabs(ratio - 1), 0.03) << "twin: powers added";
+  Finished const table = straytrace({"paths", folder / "coherent.h5"});
+  EXPECT_THAT(table.out, HasSubstr(" and 1 more"));
+  EXPECT_THAT(table.out, HasSubstr("coherent family: 2 ghosts of 2 different levers"));
+  Finished const in_time = straytrace({"project", folder / "coherent.h5", "--duration", "4s", "--format", "json"});
+  ASSERT_EQ(in_time.code, 0) << in_time.err;
+  EXPECT_EQ(json::parse(in_time.out)["fields"], 4);  // two ghosts, two arms; both polarisations are one field
+}
+
+// More levers than can be added as fields: the strongest are, and a warning says what is left.
+TEST(GhostPorts, a_family_that_is_too_large_says_so) {
+  Folder const folder;
+  std::string text =
+                  "straytrace: 1\nmaterials: {face: {specular: {reflect: 1 ppm, transmit: 99.9 %}, scatter: {model: "
+                  "lambertian, brdf: 1e-6 /sr}}}\nscene:\n",
+              bodies = "bodies:\n";
+  for (int i = 1; i <= 70; ++i) {
+    std::string const n = std::to_string(i);
+    bodies += "  b" + n + ": {motion: still}\n";
+    text += "  - {name: f" + n + ", shape: {disk: {outer_radius: 1 m}}, at: [0 m, 0 m, " + n +
+            " m], facing: [0, 0, -1], body: b" + n + ", material: face}\n";
+  }
+  text += bodies +
+          "beams: {laser: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 50 mm, lit: yes}}\n"
+          "ports: {P: {beam: laser, at: f1}}\nghosts: {sum: coherent, order: 1}\n" +
+          detector;
+  write_text(folder / "a.yaml", text);
+  std::string const said =
+      "70 different levers: the fields of the strongest 64 are added, the others, 0.08 of the light";
+  EXPECT_THAT(straytrace({"ghosts", folder / "a.yaml"}).err, HasSubstr("beam 'laser': " + said));
+  Finished const traced = straytrace({"trace", folder / "a.yaml", "-o", folder / "run.h5", "--histories", "4096"});
+  EXPECT_THAT(traced.err, HasSubstr("ghosts of the beam 'laser': " + said));
+}
+
 // A way and its reverse are two ghosts of one phase: 4 f, whatever the phases of others (eq. 1.5).
 TEST(GhostPorts, a_way_and_its_reverse_add_as_fields) {
   double const r = 1e-2;  // three equal faces: z1 z2 z3 and back; the pair entry-sensor in both orders

@@ -2,6 +2,8 @@
 // straytrace project and fringes on a small run: files, choices, refusals.
 #include <nlohmann/json.hpp>
 
+#include <sstream>
+
 #include "program.hpp"
 
 namespace straytrace::testing {
@@ -46,6 +48,35 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);
 }
 
+// Every command that reads motion says where its files end; check and noise find the same mistakes.
+TEST_F(Projected, MotionFilesAreJudgedAlikeByAllCommands) {
+  auto const with = [](std::string const& z) {
+    return "straytrace: 1\nbodies:\n  ITM: {motion: still}\n  ETM: {motion: still}\n  bench: {motion: {z: {" + z +
+           "}, others: still}}\n";
+  };
+  write_text(at("bench.txt"), "0.1 1e-9\n100 1e-12\n");
+  write_text(at("short.yaml"), with("asd: bench.txt, columns: [Hz, m/sqrt(Hz)]"));
+  write_text(at("bad.yaml"), with("asd: bench.txt, columns: [Hz, m], uncertainty: 30") + "noise: {band: 3}\n");
+  std::string const run = at("run/run.h5"), warning = "above 100 Hz it is taken as still";
+  for (Words const& words : {Words{"check", at("short.yaml")}, Words{"inspect", at("short.yaml")},
+                             Words{"noise", run, "--motion", at("short.yaml")},
+                             Words{"project", run, "--motion", at("short.yaml"), "--duration", "4s", "--route", "1"}}) {
+    Finished const got = straytrace(words);
+    EXPECT_EQ(got.code, 0) << words[0] << got.err;
+    EXPECT_NE(got.err.find(warning), got.err.npos) << words[0] << got.err;
+    EXPECT_EQ(got.err.find(warning), got.err.rfind(warning)) << words[0];
+  }
+  EXPECT_EQ(straytrace({"noise", run, "--motion", at("short.yaml"), "--quiet"}).err, "");
+  EXPECT_EQ(straytrace({"check", at("short.yaml"), "--strict"}).code, 2);
+  Finished const checked = straytrace({"check", at("bad.yaml")}),
+                 projected = straytrace({"noise", run, "--motion", at("bad.yaml"), "-o", at("none")});
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_EQ(projected.code, 2);
+  EXPECT_EQ(checked.err, projected.err);
+  EXPECT_NE(checked.err.find("3 errors"), checked.err.npos) << checked.err;
+  EXPECT_FALSE(fs::exists(at("none")));
+}
+
 TEST_F(Projected, SavedMotionGivesTheSameStrain) {
   ASSERT_EQ(straytrace(project({"-o", at("h.csv"), "--save-motion", at("x.hdf5"), "--rate", "1024"})).code, 0);
   Finished const again =
@@ -56,6 +87,27 @@ TEST_F(Projected, SavedMotionGivesTheSameStrain) {
   auto const numbers = [](std::string const& text) { return text.substr(text.find("\n0,")); };
   ASSERT_NE(first.find("\n0,"), first.npos) << first.substr(0, 500);
   EXPECT_EQ(numbers(first).substr(0, 3000), numbers(second).substr(0, 3000));
+}
+
+// Lines that are narrower than the bins of the noise stand on a curve through them, not on stairs.
+TEST_F(Projected, MeanBySpectraRunsThroughTheBins) {
+  ASSERT_EQ(straytrace({"project", at("run/run.h5"), "--duration", "16s", "--segment", "8 s", "--route", "1", "--seed",
+                        "5", "--asd", at("asd.txt"), "--quiet"})
+                .code,
+            0);
+  std::istringstream lines(text_of(at("asd.txt")));
+  std::vector<double> hz, mean;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double f = 0, h = 0, sigma = 0, exact = 0;
+    if (line.starts_with('#') || !(words >> f >> h >> sigma >> exact) || f < 100 || f > 200) continue;
+    hz.push_back(f);
+    mean.push_back(exact);
+  }
+  ASSERT_GT(hz.size(), 500u);
+  std::size_t level = 0;  // the bins are 4 to 8 Hz wide, the lines 1/8 Hz
+  for (std::size_t i = 1; i < hz.size(); ++i) level += mean[i] == mean[i - 1];
+  EXPECT_LT(level, hz.size() / 50);
 }
 
 TEST_F(Projected, RefusesARateThatAliases) {  // R4.10

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <thread>
 
 #include "scenes/program.hpp"
 
@@ -121,13 +122,57 @@ TEST_F(Scan, RequirementsFromOneRun) {
 TEST_F(Scan, RequirementOfAParameterIsAnInterval) {
   double const worst = json({"moves=1e-15 m/sqrt(Hz)"})["points"][0]["worst_ratio"]["value"].get<double>();
   Json const j = json({"--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..2e-15 m/sqrt(Hz)", "--margin",
-                       digits(worst), "--tolerance", "0.2"});
+                       digits(worst), "--tolerance", "0.2"})["answer"];
   EXPECT_EQ(j["verdict"], "found");
+  EXPECT_EQ(j["complete"], true);
   EXPECT_LT(j["meets"].get<double>(), 1e-15);
   EXPECT_GT(j["exceeds"].get<double>(), 1e-15);
   EXPECT_EQ(json({"--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..0.2e-15 m/sqrt(Hz)", "--margin",
-                  digits(worst)})["verdict"],
+                  digits(worst)})["answer"]["verdict"],
             "always");
+}
+
+// Until the program has said `words`.
+bool says(Program const& program, std::string const& words) {
+  for (int i = 0; i < 600; ++i) {
+    if (program.said().find(words) != std::string::npos) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+// Most of the time of these points passes between the traces, where Ctrl-C must not lose the table (interface.md 2).
+TEST_F(Scan, InterruptedBetweenTracesItGoesOnFromThere) {
+  Words const words{"scan", scene, "black=1e-5 /sr..1e-3 /sr:40", "--histories", "4096", "-o", folder / "scan"};
+  Program running(words);
+  ASSERT_TRUE(says(running, "scan  4 of 40"));
+  running.interrupt();
+  Finished const stopped = running.wait();
+  EXPECT_EQ(stopped.code, 85) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("same command"));
+  Json const part = Json::parse(text_of(folder / "scan/scan.json"), nullptr, false);
+  EXPECT_EQ(part["complete"], false);
+  ASSERT_GE(part["points"].size(), 3u);
+  Words again = words;
+  again.insert(again.end(), {"--format", "json", "--quiet"});
+  Finished const whole = straytrace(again);
+  EXPECT_EQ(whole.code, 0) << whole.err;
+  Json const table = Json::parse(whole.out, nullptr, false);
+  EXPECT_EQ(table["complete"], true);
+  ASSERT_EQ(table["points"].size(), 40u);
+  EXPECT_EQ(table["points"][0]["strain"], part["points"][0]["strain"]);
+}
+
+TEST_F(Scan, AnInterruptedSearchSaysWhatItKnows) {
+  double const worst = json({"moves=1e-15 m/sqrt(Hz)"})["points"][0]["worst_ratio"]["value"].get<double>();
+  Program running({"scan", scene, "--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..1e-11 m/sqrt(Hz)", "--margin",
+                   digits(worst), "--tolerance", "1e-5", "--histories", "140000", "-o", folder / "search"});
+  ASSERT_TRUE(says(running, "moves = 5.00005e-12"));  // the first after both ends, of a dozen
+  running.interrupt();
+  Finished const stopped = running.wait();
+  EXPECT_EQ(stopped.code, 85) << stopped.err;
+  EXPECT_THAT(stopped.out, HasSubstr("Stopped before it was as narrow as wanted"));
+  EXPECT_THAT(stopped.err, HasSubstr("same command"));
 }
 
 }  // namespace

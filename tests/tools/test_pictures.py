@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of budgets and ghosts from made-up numbers: what they show and say, and that no name hides another."""
+"""Pictures of budgets, ghosts and curves from made-up numbers: what they show and say, and that no name hides another."""
 import itertools
 import pathlib
 import sys
@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 
 import numpy as np  # noqa: E402
 
-from straytrace import plot_budget, plot_ghosts  # noqa: E402
+from straytrace import plot_budget, plot_curves, plot_ghosts  # noqa: E402
 
 plt = plot_budget.plt
 
@@ -23,6 +23,9 @@ def budget(runs=1, sigma=0.1):
               "note": "a lower bound, 1 route is not resolved" if i == 0 else ""} for i in range(runs)]
     noises = [{"name": "Quantum", "kind": "fundamental", "strain": [None] + [1e-23] * 39},
               {"name": "dark", "kind": "technical", "strain": [1e-24] * 40}]
+    for one in stray[:1]:                         # the others state nothing but their Monte-Carlo error
+        one |= {f"speckle_{p}": list(x * 1e-23 / f) for p, x in (("05", 0.3), ("50", 0.9), ("95", 1.7))}
+        one |= {"input_low": list(0.5e-23 / f), "input_high": list(2e-23 / f), "inputs_stated": True}
     curves = {"frequency_Hz": list(f), "noises": noises + stray, "total": [2e-23] * 40,
               "curves": [{"name": "adv-lal", "strain": [5e-23] * 40}], "lines": [{"name": "quantum limit", "strain": list(1e-22 / f)}]}
     about = [{"name": s["name"], "file": "a/run.h5", "title": "", "model_hash": "0123456789abcdef", "seed": 7,
@@ -35,12 +38,14 @@ def check_budget(folder):
     figure = plot_budget.picture(budget())
     axes = figure.axes[0]
     labels = [t.get_text() for t in axes.get_legend().get_texts()]
-    assert labels[:3] == ["total", "StrayLight-0 (lower bound)", "± one standard error (≤ 10 %)"], labels
+    assert labels[:5] == ["total", "StrayLight-0 (lower bound)", "stated input uncertainty", "one realisation: 5 to 95 %",
+                          "± one standard error (≤ 10 %)"], labels
     lines = {line.get_label(): line for line in axes.lines}
     widest = max(axes.lines, key=lambda line: line.get_linewidth())
     assert widest is lines["total"] and widest.get_linestyle() == "-"
-    band = axes.collections[0].get_paths()[0].vertices[:, 1]
-    np.testing.assert_allclose([band.min(), band.max()], [0.9e-23 / 500, 1.1e-23 / 5], rtol=1e-6)
+    for drawn, (low, high) in zip(axes.collections, ((0.3, 1.7), (0.5, 2), (0.9, 1.1)), strict=True):
+        band = drawn.get_paths()[0].vertices[:, 1]
+        np.testing.assert_allclose([band.min(), band.max()], [low * 1e-23 / 500, high * 1e-23 / 5], rtol=1e-6)
     assert np.isnan(lines["Quantum"].get_ydata()[0])          # not known is not drawn
     said = figure.texts[0].get_text()
     for words in ("straytrace 0.1.0 (abc)", "2024-05-01", "a/run.h5", "model 0123456789ab", "seed 7", "4 096 histories"):
@@ -103,7 +108,27 @@ def check_ghosts():
     plt.close("all")
 
 
+def column(name, unit, level, style="line"):
+    return {"name": name, "unit": unit, "values": [level, 2 * level, 3 * level], "style": style}
+
+
+def check_curves():
+    coupling = [column("predicted", "1/m", 1e-17), column("predicted_low", "1/m", 9e-18, "band-low"),
+                column("predicted_high", "1/m", 1.1e-17, "band-high")]
+    noise = [column("h_driven", "1/sqrt(Hz)", 1e-23, "points"), column("count", "s", 1, "hidden")]
+    sheet = {"title": "made up", "notes": ["one", "two"], "x": {"name": "frequency", "unit": "Hz", "values": [10, 20, 30]},
+             "log_x": True, "log_y": True, "y": coupling + noise}
+    panels = plot_curves.picture(sheet).axes
+    assert [a.get_ylabel() for a in panels] == ["[1/m]", "[1/sqrt(Hz)]"], "each unit has axes of its own"
+    assert panels[0].get_ylim()[1] < 1e-16 and panels[1].get_ylim()[1] < 1e-22
+    assert panels[1].get_xlabel() == "frequency [Hz]"
+    alone = plot_curves.picture(sheet | {"y": coupling})
+    assert len(alone.axes) == 1 and tuple(alone.get_size_inches()) == plot_curves.SIZE
+    plt.close("all")
+
+
 with tempfile.TemporaryDirectory() as name:
     check_budget(pathlib.Path(name))
 check_ghosts()
+check_curves()
 print("ok")

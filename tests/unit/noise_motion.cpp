@@ -83,7 +83,8 @@ TEST(ReadMotion, UnitsOfAFileAreMandatory) {
   EXPECT_THAT(problem("asd: tube.txt"), HasSubstr("columns: [Hz, m/sqrt(Hz)]"));
   EXPECT_THAT(problem("asd: tube.txt, columns: [Hz, V]"), HasSubstr("\"V\" is not a unit of a motion spectrum"));
   EXPECT_THAT(problem("asd: tube.txt, columns: [m, m/sqrt(Hz)]"), HasSubstr("not a unit of frequency"));
-  EXPECT_THAT(problem("asd: bad.txt, columns: [Hz, m/sqrt(Hz)]"), HasSubstr("line 2: 'five' is not a number"));
+  EXPECT_THAT(problem("asd: bad.txt, columns: [Hz, m/sqrt(Hz)]"),
+              HasSubstr("bad.txt:2:3: error: 'five' is not a number"));
   EXPECT_THAT(problem("asd: empty.txt, columns: [Hz, m/sqrt(Hz)]"), HasSubstr("no numbers in it"));  // not no motion
   EXPECT_THAT(problem("asd: none.txt, columns: [Hz, m/sqrt(Hz)]"), HasSubstr("1 error"));
 }
@@ -222,6 +223,12 @@ TEST(ReadMotion, UncertaintyIsAFactorOnTheAsd) {
   EXPECT_THAT(refused("factor 0.5"), HasSubstr("at least 1"));
   EXPECT_THAT(refused("3 m"), HasSubstr("'uncertainty' is a plain number"));
   EXPECT_THAT(refused("-10 %"), HasSubstr("at least 0"));
+  EXPECT_THAT(refused("30"), HasSubstr("did you mean '30 %' or 'factor 30'?"));
+  EXPECT_THAT(refused("150 %"), HasSubstr("write 'factor 2.5'"));
+  EXPECT_THAT(refused("factor two"), HasSubstr("'factor' needs a plain number, got \"two\""));
+  EXPECT_THAT(refused("factor 1e9"), HasSubstr("at most 1e+06"));
+  for (char const* accepted : {"0", "1", "100 %", "factor 1", "factor 3e1"})
+    EXPECT_EQ(refused(accepted), "") << accepted;
 }
 
 }  // namespace

@@ -239,7 +239,8 @@ TEST(CrossSpectra, WhatIsRefused) {
   EXPECT_THAT(problem("1 1 0 0 1\n3 1 1.2 0 1\n", good), HasSubstr("at 3 Hz: the matrix is not positive semidefinite"));
   EXPECT_THAT(problem("1 1 0 0\n3 1 1 0\n", good), HasSubstr("has 5 columns"));
   EXPECT_THAT(problem("1 1 0 0 1\n1 1 0 0 1\n", good), HasSubstr("at 1 Hz: frequencies must be positive and rise"));
-  EXPECT_THAT(problem("1 1 0 0 1\n3 1 0 0 1\n", "form: cross, units: [m, m], member: 3"), HasSubstr("units of all"));
+  EXPECT_THAT(problem("1 1 0 0 1\n3 1 0 0 1\n", "form: cross, units: [m, m], member: 3"), HasSubstr("no member 3"));
+  EXPECT_THAT(problem("1 1\n3 1\n", "form: cross, units: [m], member: 1"), HasSubstr("units of all"));
   EXPECT_THAT(problem("1 1 0 0 1\n3 1 0 0 1\n", "form: cross, units: [rad, m], member: 1"),
               HasSubstr("not a unit of a motion"));
   EXPECT_THAT(problem("1 1 0 2 0 1 0 1 0\n2 1 0 2 0 1 0 1 0\n", "form: matrix, units: [m, m], member: 1"),

@@ -207,7 +207,7 @@ TEST(ReadPorts, Problems) {
               HasSubstr("columns: [Hz, re, im]"));
   std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
   EXPECT_THAT(detector("preset: adv, responses: {bench: {phase: bad.txt" + columns, files).problems,
-              HasSubstr("bad.txt:1:1: error: this line is not three numbers"));
+              HasSubstr("bad.txt:1:1: error: this line has 2 numbers, not 3"));
   EXPECT_THAT(detector("preset: adv, responses: {bench: {phase: back.txt" + columns, files).problems,
               HasSubstr("back.txt:2:1: error: frequencies must be positive and rise"));
   EXPECT_THAT(detector("preset: adv, frequency_servo: 3").problems, HasSubstr("a transfer function is a table"));

@@ -44,6 +44,7 @@ class ReportRunFile : public ::testing::Test {
 
 TEST_F(ReportRunFile, ComesBackBitByBit) {
   trace.coupling.classes[0].records[3].levers[0].d[4] = -0.0;
+  trace.coupling.classes[1].records[3].field = {{{1e-5, -2e-6}, {-0.0, 3e-7}}};
   trace.coupling.classes[1].kind = ClassKind::edge;
   trace.coupling.classes[1].statement = "upper bound: one smooth spherical wave";
   noise.design[0].asd[5] = not_a_number;
@@ -75,6 +76,9 @@ TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   CouplingTable kinds = trace.coupling;
   kinds.classes[2].kind = ClassKind::ghost;
   EXPECT_FALSE(same(trace.coupling, kinds));
+  CouplingTable turned = trace.coupling;
+  turned.classes[2].records[7].field[1] = {0, 1e-9};
+  EXPECT_FALSE(same(trace.coupling, turned));
   NoiseBudget louder = noise;
   louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
   EXPECT_FALSE(same(noise, louder));
@@ -137,7 +141,7 @@ TEST_F(ReportRunFile, HoldsAnEmptyResult) {
   TraceResult nothing;
   NoiseBudget quiet;
   quiet.grid.edges = {10, 20};
-  quiet.total = {"total", 0, {0}, {0}, {0}, {0}, {}, 0, true, ""};
+  quiet.total = {"total", 0, {0}, {0}, {0}, {0}, {}, {}, {}, 0, true, ""};
   RunContent c = content(nothing, &quiet);
   c.files.clear();
   c.overrides.clear();

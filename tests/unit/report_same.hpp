@@ -65,7 +65,7 @@ inline bool same(SumTree const& a, SumTree const& b) {
 inline bool same(PathRecord const& a, PathRecord const& b) {
   bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
                same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
-               same_bits(a.path_length, b.path_length) && a.levers.size() == b.levers.size();
+               same_bits(a.path_length, b.path_length) && a.field == b.field && a.levers.size() == b.levers.size();
   for (std::size_t i = 0; equal && i < a.levers.size(); ++i)
     equal =
         a.levers[i].body == b.levers[i].body && std::memcmp(a.levers[i].d, b.levers[i].d, sizeof a.levers[i].d) == 0;
@@ -118,7 +118,8 @@ inline bool same(NoiseTrace const& a, NoiseTrace const& b) {
   return a.name == b.name && same_bits(a.linear_share, b.linear_share) && a.hash == b.hash && same_bits(a.asd, b.asd) &&
          same_bits(a.sigma, b.sigma) && same_bits(a.phase_asd, b.phase_asd) &&
          same_bits(a.amplitude_asd, b.amplitude_asd) && same_bits(a.mean_square_phase, b.mean_square_phase) &&
-         a.resolved == b.resolved && a.why_not == b.why_not;
+         same_bits(a.input_low, b.input_low) && same_bits(a.input_high, b.input_high) && a.resolved == b.resolved &&
+         a.why_not == b.why_not;
 }
 
 inline bool same(NoiseBudget const& a, NoiseBudget const& b) {

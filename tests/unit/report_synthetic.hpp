@@ -179,6 +179,10 @@ inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24)
     b.total.linear_share.push_back(i < bin_count / 2 ? 0.1 : 0.9);
     b.routes[0].linear_share.push_back(i < bin_count / 2 ? 0.1 : 0.9);
     for (std::size_t r = 1; r < b.routes.size(); ++r) b.routes[r].linear_share.push_back(r == 1 ? 0.05 : 0.97);
+    for (NoiseTrace& t : b.routes) {
+      t.input_low.push_back(0.5 * t.asd[i]);
+      t.input_high.push_back(2 * t.asd[i]);
+    }
   }
   b.bands.sources = {{"material steel", "bracket: x 0.25 to 4 (assumed)", 0.5, 2, 0.8}};
   b.bands.taken_as_exact = {"motion of tube"};

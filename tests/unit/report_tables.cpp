@@ -94,7 +94,7 @@ TEST_F(ReportTables, SharesWithAnUnresolvedRouteWouldNot) {
 // Band power of h = a constant: a^2 times the width of the bins inside.
 TEST_F(ReportTables, BandPowerIntegratesThePsd) {
   FrequencyGrid const grid{{10, 20, 40, 80}};
-  NoiseTrace const flat{"", 0, {2, 2, 2}, {0.1, 0.1, 0.1}, {}, {}, {}, 0, true, ""};
+  NoiseTrace const flat{"", 0, {2, 2, 2}, {0.1, 0.1, 0.1}, {}, {}, {}, {}, {}, 0, true, ""};
   WithError const p = band_power(flat, grid, 10, 50);
   EXPECT_DOUBLE_EQ(p.value, 4 * 30);
   EXPECT_DOUBLE_EQ(p.sigma, 2 * 2 * 0.1 * 30);
@@ -241,7 +241,7 @@ NoiseBudget simple(double first) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};
   b.design.push_back({"adv-lal", {1e-22, 1e-22}});
-  b.total = {"total", 0, {first * 1e-23, 0.2e-23}, {0.1 * first * 1e-23, 0.01e-23}, {}, {}, {}, 0, true, ""};
+  b.total = {"total", 0, {first * 1e-23, 0.2e-23}, {0.1 * first * 1e-23, 0.01e-23}, {}, {}, {}, {}, {}, 0, true, ""};
   return b;
 }
 

@@ -22,6 +22,30 @@ std::vector<double> NoiseTable::total() const {
   return sum;
 }
 
+std::vector<double> NoiseTable::total_sigma() const {
+  if (std::all_of(entries.begin(), entries.end(), [](BudgetEntry const& e) { return e.sigma.empty(); })) return {};
+  std::vector<double> const h = total();
+  std::vector<double> out;
+  for (std::size_t i = 0; i < hz.size(); ++i) {
+    double square = 0;  // of the error of the PSD over two: h sigma
+    for (BudgetEntry const& e : entries)
+      if (!e.sigma.empty() && std::isfinite(e.asd[i])) square += std::pow(e.asd[i] * e.sigma[i], 2);
+    out.push_back(h[i] > 0 ? std::sqrt(square) / h[i] : h[i]);
+  }
+  return out;
+}
+
+std::vector<double> NoiseTable::total_at(std::vector<double> BudgetBands::*end) const {
+  NoiseTable moved{hz, {}};
+  bool stated = false;
+  for (BudgetEntry e : entries) {
+    stated |= e.inputs_stated;
+    if (e.inputs_stated) e.asd = e.bands.*end;
+    moved.entries.push_back(std::move(e));
+  }
+  return stated ? moved.total() : std::vector<double>();
+}
+
 namespace {
 
 BudgetEntry entry_of(FundamentalNoise const& noise, Detector const& d, std::span<double const> hz) {

@@ -10,6 +10,22 @@
 
 namespace straytrace {
 
+// What stands beside the Monte-Carlo error of stray light, 1/sqrt(Hz); empty where it was not made.
+struct BudgetBands {
+  std::vector<double> input_low, input_high;               // what stated inputs leave open
+  std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases
+};
+// A band and the name of its columns in files.
+struct BudgetBandColumn {
+  char const* name;
+  std::vector<double> BudgetBands::*curve;
+};
+constexpr BudgetBandColumn budget_band_columns[] = {{"input_low", &BudgetBands::input_low},
+                                                    {"input_high", &BudgetBands::input_high},
+                                                    {"speckle_05", &BudgetBands::speckle_05},
+                                                    {"speckle_50", &BudgetBands::speckle_50},
+                                                    {"speckle_95", &BudgetBands::speckle_95}};
+
 // ASD of strain, 1/sqrt(Hz), on the frequencies of the budget; NaN where the noise is not known.
 struct BudgetEntry {
   enum class Kind { fundamental, technical, stray_light };
@@ -19,6 +35,8 @@ struct BudgetEntry {
   std::vector<double> sigma;  // one standard error, Monte Carlo; empty: none
   std::string note;           // what cannot be seen in the numbers: a lower bound
   std::vector<BudgetEntry> parts;
+  BudgetBands bands{};
+  bool inputs_stated = false;  // an input states how well it is known: the input band is more than the mean
 };
 
 struct NoiseTable {
@@ -26,6 +44,11 @@ struct NoiseTable {
   std::vector<BudgetEntry> entries;
   // Root of the sum of the squares of what is known, at every frequency; NaN where nothing is.
   std::vector<double> total() const;
+  // One standard error of the total: entries are independent of each other. Empty when no entry has one.
+  std::vector<double> total_sigma() const;
+  // The total with every entry at the low or the high end of its input band, since equal materials are in all runs;
+  // empty when no entry states inputs.
+  std::vector<double> total_at(std::vector<double> BudgetBands::*end) const;
   // Above it an entry is not small beside the reference: margin times reference.
   static bool exceeds(double asd, double reference, double margin) { return asd > margin * reference; }
 };

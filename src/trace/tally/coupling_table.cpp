@@ -251,7 +251,8 @@ std::string name_of_steps(CouplingTable const& table, std::vector<PathStep> cons
 }  // namespace
 
 std::string route_name(CouplingTable const& table, CouplingClass const& c) {
-  return c.steps.empty() ? fmt::format("other > {}", table.ports[c.port.value]) : name_of_steps(table, c.steps);
+  if (c.steps.empty()) return fmt::format("other > {}", table.ports[c.port.value]);
+  return name_of_steps(table, c.steps) + (c.adds_fields() ? fmt::format(" and {} more", c.records.size() - 1) : "");
 }
 
 std::string folded_name(CouplingTable const& table, FoldedRoute const& route) {

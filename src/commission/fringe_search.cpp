@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "commission/fringe_search.hpp"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/message.hpp"
+
+namespace straytrace {
+namespace {
+
+std::vector<double> steps(SearchRange const& range, double step) {
+  if (!range.free()) return {range.low};
+  auto const n = std::max<std::size_t>(2, std::size_t(std::ceil((range.high - range.low) / step)));
+  std::vector<double> values;
+  for (std::size_t i = 0; i <= n; ++i) values.push_back(range.low + (range.high - range.low) * double(i) / double(n));
+  return values;
+}
+
+Eigen::MatrixXd two_columns(FringeStretch const& stretch, std::vector<double> const& psd, FringeColumns const& c) {
+  Eigen::VectorXd const first = stretch.whitened(c.cosine, psd);
+  Eigen::MatrixXd out(first.size(), 2);
+  out.col(0) = first;
+  out.col(1) = stretch.whitened(c.sine, psd);
+  return out;
+}
+
+// Orthonormal columns spanning the same, without what `others` (orthonormal) span already.
+Eigen::MatrixXd orthonormal(Eigen::MatrixXd columns, Eigen::MatrixXd const& others) {
+  if (others.cols() > 0) columns -= others * (others.transpose() * columns);
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *
+         Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+}
+
+// chi^2 that two columns take from y, which is free of the others already; nothing where they are nearly spanned by
+// them.
+double gain_of(Eigen::MatrixXd const& columns, Eigen::MatrixXd const& others, Eigen::VectorXd const& y) {
+  Eigen::Matrix2d gram = columns.transpose() * columns;
+  double const whole = gram.trace();
+  if (others.cols() > 0) {
+    Eigen::MatrixXd const shared = others.transpose() * columns;
+    gram -= shared.transpose() * shared;
+  }
+  if (!(gram.trace() > 0.05 * whole)) return 0;
+  Eigen::Vector2d const b = columns.transpose() * y;
+  return b.dot(gram.ldlt().solve(b));
+}
+
+// Of two orthonormal pairs a small step apart: the mean of their principal cosines is 1 - l^2/2.
+double length_between(Eigen::MatrixXd const& a, Eigen::MatrixXd const& b) {
+  Eigen::Matrix2d const m = a.transpose() * b;
+  double const nuclear = std::sqrt(m.squaredNorm() + 2 * std::fabs(m.determinant()));
+  return std::sqrt(std::max(0.0, 2 - nuclear));
+}
+
+struct Hit {
+  double gain;
+  std::size_t multiplicity;  // step
+  FringeShape shape;
+  double ratio;
+};
+
+}  // namespace
+
+double ln_chance_of(double gain, std::vector<double> const& lengths) {
+  double ln = -gain / 2;
+  for (double const l : lengths) ln += std::log1p(l * std::sqrt(gain / (2 * pi)));
+  return ln > -1 ? std::log(-std::expm1(-std::exp(ln))) : ln;
+}
+
+Eigen::VectorXd FringeProblem::features(FringeLines const& lines) const {
+  return settings.method == FitMethod::time ? stretch.whitened_samples(lines, psd) : stretch.whitened(lines, psd);
+}
+
+Eigen::MatrixXd FringeProblem::columns(FringePlace const& place) const {
+  Eigen::MatrixXd out;
+  for (std::size_t p = 0; p < place.shapes.size(); ++p) {
+    FringeColumns const c = stretch.columns(responses[p], place.shapes[p], place.ratio);
+    Eigen::VectorXd const first = features(c.cosine);
+    if (p == 0) out.resize(first.size(), 2 * Eigen::Index(place.shapes.size()));
+    out.col(2 * Eigen::Index(p)) = first;
+    out.col(2 * Eigen::Index(p) + 1) = features(c.sine);
+  }
+  return out;
+}
+
+FringeLines FringeProblem::model(FringePlace const& place, Eigen::VectorXd const& linear) const {
+  FringeLines sum = FringeLines::Zero(stretch.target().size());
+  for (std::size_t p = 0; p < place.shapes.size(); ++p) {
+    FringeColumns const c = stretch.columns(responses[p], place.shapes[p], place.ratio);
+    sum += linear[2 * Eigen::Index(p)] * c.cosine + linear[2 * Eigen::Index(p) + 1] * c.sine;
+  }
+  return sum;
+}
+
+LinearFit linear_fit(Eigen::MatrixXd const& columns, Eigen::VectorXd const& target) {
+  LinearFit out;
+  out.linear = columns.colPivHouseholderQr().solve(target);
+  out.chi2 = (target - columns * out.linear).squaredNorm();
+  return out;
+}
+
+double SearchGrid::transforms() const {
+  return double(multiplicity.size()) * double(drift.size()) * double(ratio.size());
+}
+
+SearchGrid search_grid(FringeStretch const& stretch, FringeFitSettings const& s, std::size_t path, double ratio) {
+  FringePath const& p = s.paths[path];
+  double const k2 = 4 * pi / s.wavelength, largest = std::max(std::fabs(p.multiplicity.low), p.multiplicity.high);
+  SearchGrid grid;
+  // The ratio is common to all paths: the first scan settles it, the refinement moves it afterwards.
+  bool const ratios = path == 0 && s.ratio.free();
+  double span = stretch.span(ratio);
+  if (ratios) {
+    double const second = (stretch.span(1) + stretch.span(0));  // at least the span of the second body
+    grid.ratio = steps(s.ratio, 1 / (k2 * largest * second));
+    span = std::max(stretch.span(s.ratio.low), stretch.span(s.ratio.high));
+  } else {
+    grid.ratio = {ratio};
+  }
+  grid.multiplicity = steps(p.multiplicity, 1 / (k2 * std::max(span, 1e-30)));
+  grid.delay = steps(p.delay, 1 / (8 * s.high));
+  grid.drift = steps(p.drift, 1.5 / stretch.duration());
+  return grid;
+}
+
+std::vector<FringePlace> scan(FringeProblem const& problem, FringePlace const& others, std::size_t path,
+                              std::size_t most) {
+  FringeStretch const& stretch = problem.stretch;
+  SearchGrid const grid = search_grid(stretch, problem.settings, path, others.ratio);
+  Eigen::MatrixXd fixed;
+  Eigen::VectorXd y = stretch.whitened(stretch.target(), problem.psd);
+  if (!others.shapes.empty()) {
+    Eigen::MatrixXd all(y.size(), 2 * Eigen::Index(others.shapes.size()));
+    for (std::size_t p = 0; p < others.shapes.size(); ++p)
+      all.middleCols(2 * Eigen::Index(p), 2) =
+          two_columns(stretch, problem.psd, stretch.columns(problem.responses[p], others.shapes[p], others.ratio));
+    fixed = orthonormal(all, Eigen::MatrixXd(y.size(), 0));
+    y -= fixed * (fixed.transpose() * y);
+  }
+  std::vector<Hit> best(grid.multiplicity.size(), Hit{-1, 0, {}, 0});  // of each multiplicity
+  for (double const ratio : grid.ratio)
+    for (double const drift : grid.drift)
+      for (std::size_t w = 0; w < grid.multiplicity.size(); ++w) {
+        FringeColumns const columns = stretch.columns(problem.responses[path], {grid.multiplicity[w], 0, drift}, ratio);
+        for (double const delay : grid.delay) {
+          double const gain = gain_of(
+              two_columns(stretch, problem.psd, delay == 0 ? columns : stretch.delayed(columns, delay)), fixed, y);
+          if (gain > best[w].gain) best[w] = {gain, w, {grid.multiplicity[w], delay, drift}, ratio};
+        }
+      }
+  std::stable_sort(best.begin(), best.end(), [](Hit const& a, Hit const& b) { return a.gain > b.gain; });
+  std::vector<FringePlace> places;
+  std::vector<std::size_t> taken;
+  for (Hit const& b : best) {
+    bool const beside = std::any_of(taken.begin(), taken.end(), [&](std::size_t w) {
+      return w > b.multiplicity ? w - b.multiplicity < 2 : b.multiplicity - w < 2;
+    });
+    if (beside) continue;
+    taken.push_back(b.multiplicity);
+    FringePlace place = others;
+    place.shapes.push_back(b.shape);
+    place.ratio = b.ratio;
+    places.push_back(place);
+    if (places.size() == most) break;
+  }
+  return places;
+}
+
+std::vector<double> range_lengths(FringeProblem const& problem, FringePlace const& place, std::size_t path) {
+  FringeStretch const& stretch = problem.stretch;
+  SearchGrid const grid = search_grid(stretch, problem.settings, path, place.ratio);
+  auto const basis = [&](FringeShape const& shape, double ratio) {
+    return orthonormal(two_columns(stretch, problem.psd, stretch.columns(problem.responses[path], shape, ratio)),
+                       Eigen::MatrixXd(0, 0));
+  };
+  std::vector<double> lengths;
+  // A quarter of a step at up to 8 places along each range.
+  auto const along = [&](std::vector<double> const& values, auto const& at) {
+    if (values.size() < 2) return;
+    double const step = values[1] - values[0];
+    std::size_t const places = std::min<std::size_t>(8, values.size() - 1);
+    double sum = 0;
+    for (std::size_t i = 0; i < places; ++i) {
+      double const v = values[i * (values.size() - 1) / places];
+      sum += length_between(at(v), at(v + step / 4)) / (step / 4);
+    }
+    lengths.push_back(sum / double(places) * (values.back() - values.front()));
+  };
+  FringeShape const& here = place.shapes[path];
+  along(grid.multiplicity, [&](double v) { return basis({v, here.delay, here.drift}, place.ratio); });
+  along(grid.delay, [&](double v) { return basis({here.multiplicity, v, here.drift}, place.ratio); });
+  along(grid.drift, [&](double v) { return basis({here.multiplicity, here.delay, v}, place.ratio); });
+  along(grid.ratio, [&](double v) { return basis(here, v); });
+  return lengths;
+}
+
+}  // namespace straytrace

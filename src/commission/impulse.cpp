@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "commission/impulse.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/constants.hpp"
+#include "base/message.hpp"
+#include "commission/coupling.hpp"
+#include "signal/fourier.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t noise_bins = 8;  // on each side over which noise is averaged: few stretches know little
+constexpr double fewest_sigmas = 3;    // of Q, or it is a hump of noise and no mode
+constexpr std::size_t most_bins = 40;  // on each side of a peak that are fitted
+
+double median(std::vector<double> v) {
+  auto const middle = v.begin() + std::ptrdiff_t(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+// Samples of a stretch less their mean before the knock.
+std::vector<double> stretch(TimeSeries const& s, std::size_t begin, std::size_t n, std::size_t silent) {
+  std::vector<double> part(s.samples.begin() + std::ptrdiff_t(begin), s.samples.begin() + std::ptrdiff_t(begin + n));
+  double mean = 0;
+  for (std::size_t i = 0; i < silent; ++i) mean += part[i] / double(silent);
+  for (double& v : part) v -= mean;
+  return part;
+}
+
+struct Sums {
+  std::vector<double> force, target;
+  Complexes cross;
+  std::size_t count = 0;
+  std::vector<std::vector<double>> single;  // |F|^2 of each stretch
+  std::vector<double> since;                // s since the start before it; infinity for the first
+};
+
+Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts, std::size_t n,
+             std::size_t silent) {
+  Sums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0, {}, {}};
+  Fourier fourier;
+  double before = -infinity;
+  for (double const start : starts) {
+    double const since = start - std::exchange(before, start);
+    double const first = std::round((start - force.start) * force.rate) - double(silent);
+    if (first < 0 || first + double(n) > double(force.samples.size())) continue;
+    Complexes const x = fourier.forward(stretch(force, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
+    Complexes const y = fourier.forward(stretch(target, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
+    s.since.push_back(since);
+    s.single.emplace_back();
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      s.single.back().push_back(std::norm(x[k]));
+      s.force[k] += std::norm(x[k]);
+      s.target[k] += std::norm(y[k]);
+      s.cross[k] += std::conj(x[k]) * y[k];
+    }
+    ++s.count;
+  }
+  if (s.count < 2)
+    throw InputError(
+        fmt::format("error: {} of {} knocks lie with their whole stretch inside the data; two are needed\n  "
+                    "choose a lower --threshold or a shorter --length",
+                    s.count, starts.size()));
+  return s;
+}
+
+// Relative error of a mode's amplitude from what still rang of the knock before. Its line has the mode's own shape and
+// a phase that has nothing to do with the next knock: it moves the amplitude, and neither frequency nor Q.
+double left_over(Sums const& s, RingDown const& mode, double bin) {
+  auto const k = std::size_t(std::lround(mode.hz / bin));
+  double sum = 0;
+  for (std::size_t i = 0; i < s.count; ++i) {
+    double const earlier = s.single[i > 0 ? i - 1 : i][k];
+    sum += s.single[i][k] * earlier * std::exp(-2 * s.since[i] / mode.tau);
+  }
+  return std::sqrt(sum / 2) / s.force[k];
+}
+
+void to_time(ImpulseResponse& r, std::size_t n, double rate) {
+  Complexes damped(r.response.size());
+  double noise = 0;
+  for (std::size_t k = 0; k < damped.size(); ++k) {
+    damped[k] = r.coherence[k] * r.response[k];
+    if (std::isfinite(r.sigma[k])) noise += 4 * std::pow(r.coherence[k] * r.sigma[k], 2);
+  }
+  r.value = Fourier().inverse(damped, n);
+  for (double& v : r.value) v *= rate;
+  r.value_sigma = std::sqrt(noise / 2) * rate / double(n);
+  for (std::size_t i = 0; i < n; ++i) r.time.push_back(double(i) / rate);
+}
+
+// Ranges of bins around the strongest peaks of the damped response.
+std::vector<std::pair<std::size_t, std::size_t>> peaks_of(ImpulseResponse const& r, ImpulseSettings const& s) {
+  std::vector<std::pair<double, std::size_t>> tops;
+  auto const level = [&](std::size_t k) { return r.coherence[k] * std::abs(r.response[k]); };
+  for (std::size_t k = 3; k + 3 < r.hz.size(); ++k) {
+    if (r.hz[k] < s.low || (s.high > 0 && r.hz[k] > s.high) || level(k) < 5 * r.sigma[k]) continue;
+    bool top = true;
+    for (std::size_t m = 1; m <= 3; ++m) top = top && level(k) > level(k - m) && level(k) >= level(k + m);
+    if (top) tops.emplace_back(level(k), k);
+  }
+  std::sort(tops.rbegin(), tops.rend());
+  std::vector<std::pair<std::size_t, std::size_t>> ranges;
+  for (auto const& [height, k] : tops) {
+    if (ranges.size() == std::size_t(s.modes)) break;
+    std::size_t low = k, high = k;
+    while (low > 1 && level(low) > height / 2 && level(low - 1) < 1.2 * level(low)) --low;
+    while (high + 2 < r.hz.size() && level(high) > height / 2 && level(high + 1) < 1.2 * level(high)) ++high;
+    std::size_t const wide = std::clamp<std::size_t>(2 * (high - low), 4, most_bins);
+    auto const range = std::pair(k > wide + 1 ? k - wide : 1, std::min(k + wide, r.hz.size() - 2));
+    if (std::none_of(ranges.begin(), ranges.end(), [&](auto const& o) { return k >= o.first && k <= o.second; }))
+      ranges.push_back(range);
+  }
+  return ranges;
+}
+
+}  // namespace
+
+std::vector<double> find_taps(TimeSeries const& force, double threshold, double length) {
+  double const middle = median(force.samples);
+  std::vector<double> away;
+  for (double const v : force.samples) away.push_back(std::fabs(v - middle));
+  double const limit = threshold * 1.4826 * median(away);
+  std::vector<double> taps;
+  for (std::size_t i = 0; i < force.samples.size(); ++i)
+    if (std::fabs(force.samples[i] - middle) > limit && (taps.empty() || force.time(i) >= taps.back() + length))
+      taps.push_back(force.time(i));
+  return taps;
+}
+
+ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
+                                 ImpulseSettings const& s) {
+  if (force.rate != target.rate || force.samples.size() != target.samples.size())
+    throw InputError("error: force and target do not share their samples");
+  auto const n = std::size_t(std::lround(s.length * force.rate)),
+             silent = std::size_t(std::lround(s.before * force.rate));
+  if (n < 32 || n > force.samples.size() || silent * 2 > n)
+    throw InputError(
+        fmt::format("error: a stretch of {:g} s does not fit the data\n  choose --length between {:g} and {:g} s",
+                    s.length, 32 / force.rate, force.duration()));
+  std::vector<double> in_order(starts.begin(), starts.end());
+  std::sort(in_order.begin(), in_order.end());
+  Sums const sums = sums_of(force, target, in_order, n, silent);
+  ImpulseResponse r;
+  std::vector<double> left;  // |Y - H F|^2 of one stretch
+  r.stretches = sums.count;
+  for (std::size_t k = 0; k <= n / 2; ++k) {
+    r.hz.push_back(double(k) * force.rate / double(n));
+    r.response.push_back(sums.force[k] > 0 ? sums.cross[k] / sums.force[k] : 0);
+    double const raw =
+        sums.force[k] * sums.target[k] > 0 ? std::norm(sums.cross[k]) / (sums.force[k] * sums.target[k]) : 0;
+    r.coherence.push_back(unbiased_coherence(std::min(raw, 1.0), double(sums.count)));
+    left.push_back(std::max(0.0, sums.target[k] * (1 - raw)) / double(sums.count - 1));
+  }
+  for (std::size_t k = 0; k <= n / 2; ++k) {
+    std::size_t const from = k > noise_bins ? k - noise_bins : 0, to = std::min(k + noise_bins, n / 2);
+    double mean = 0;
+    for (std::size_t i = from; i <= to; ++i) mean += left[i] / double(to - from + 1);
+    r.sigma.push_back(sums.force[k] > 0 ? std::sqrt(mean / sums.force[k] / 2) : infinity);
+  }
+  to_time(r, n, force.rate);
+  double const length = double(n - silent) / force.rate;
+  for (auto const& [from, to] : peaks_of(r, s)) {
+    RingDown mode = fit_ring_down(r, from, to, s.cut ? length : infinity);
+    bool const rings = mode.tau > 0 && mode.quality > fewest_sigmas * mode.quality_sigma;
+    if (!(rings && mode.hz > r.hz[from] && mode.hz < r.hz[to])) continue;
+    if (s.cut) mode.amplitude_sigma = std::hypot(mode.amplitude_sigma, mode.amplitude * left_over(sums, mode, r.hz[1]));
+    r.modes.push_back(mode);
+  }
+  return r;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "commission/taps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/message.hpp"
+#include "commission/excess.hpp"
+#include "commission/weighted_line.hpp"
+#include "signal/segments.hpp"
+
+namespace straytrace {
+namespace {
+
+double squared(double v) { return v * v; }
+
+// Periodograms of one stretch.
+struct Stretch {
+  std::vector<double> hz;
+  std::vector<std::vector<double>> segments;  // [segment][bin]
+  std::vector<double> mean;
+  double averages = 0;
+};
+
+Stretch stretch_of(TimeSeries const& series, GpsSpan span, WelchSettings const& s) {
+  TimeSeries const part = cut(series, span);
+  Segments segments(part.samples.size(), part.rate, s);
+  Stretch out{{}, {}, std::vector<double>(segments.lines()), segments.effective()};
+  for (std::size_t k = 0; k < segments.lines(); ++k) out.hz.push_back(segments.hz(k));
+  for (std::size_t i = 0; i < segments.count(); ++i) {
+    Complexes const& lines = segments.transform(part.samples, i);
+    std::vector<double> power;
+    for (std::size_t k = 0; k < lines.size(); ++k) power.push_back(std::norm(lines[k]) * segments.density(k));
+    for (std::size_t k = 0; k < power.size(); ++k) out.mean[k] += power[k] / double(segments.count());
+    out.segments.push_back(std::move(power));
+  }
+  return out;
+}
+
+struct Visit {  // one stretch of taps
+  TapPlace const* place;
+  Stretch force, target;
+  std::vector<Stretch> local;
+};
+
+struct Quiet {
+  Stretch force, target;
+  std::vector<Stretch> local;
+};
+
+// Logarithms of target over force at one bin: of the ASDs, and with the quiet levels taken off.
+struct LogRatio {
+  double value, excess, sigma;  // sigma: standard error of both from the spread of the segments
+  double force;                 // logarithm of the force without its quiet level, as an ASD
+};
+
+LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
+  double const n = double(v.force.segments.size());
+  std::vector<double> left;
+  double mean = 0;
+  for (std::size_t i = 0; i + 1 < v.force.segments.size(); i += 2) {  // neighbours share knocks
+    auto const without = [&](Stretch const& s) { return n * s.mean[k] - s.segments[i][k] - s.segments[i + 1][k]; };
+    left.push_back(std::log(without(v.target) / without(v.force)) / 2);
+    mean += left.back();
+  }
+  double const groups = double(left.size());
+  double sum = 0;
+  for (double const l : left) sum += squared(l - mean / groups);
+  double const y = v.target.mean[k] - q.target.mean[k], x = v.force.mean[k] - q.force.mean[k];
+  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2, std::sqrt((groups - 1) / groups * sum),
+          std::log(x) / 2};
+}
+
+bool passes(Visit const& v, Quiet const& q, std::size_t k, TapThresholds const& t) {
+  auto const rose = [k](Stretch const& loud, Stretch const& still, double by) {
+    return still.mean[k] > 0 && loud.mean[k] >= squared(std::max(by, 1.0)) * still.mean[k] &&
+           loud.mean[k] > still.mean[k];
+  };
+  return rose(v.target, q.target, t.target) && rose(v.force, q.force, t.force) &&
+         excess_significance({v.target.mean[k], v.target.averages}, {q.target.mean[k], q.target.averages}) >=
+             t.significance;
+}
+
+void add_local(TapAnswer& a, Visit const& v, Quiet const& q, std::size_t k, std::vector<TimeSeries> const& names) {
+  for (std::size_t i = 0; i < v.local.size(); ++i) {
+    double const ratio = std::sqrt(v.local[i].mean[k] / q.local[i].mean[k]);
+    if (!(ratio > a.local_ratio)) continue;
+    a.local_ratio = ratio;
+    a.local = names[i].name;
+  }
+}
+
+struct Answered {
+  TapAnswer answer;
+  double log_sigma = 0;  // of the coupling, without what all places share
+};
+
+Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
+                std::vector<TimeSeries> const& names) {
+  Answered out;
+  TapAnswer& a = out.answer;
+  a.place = visits.front()->place->name;
+  a.repeats = int(visits.size());
+  std::vector<double> force, excess, ratio, sigma;
+  for (Visit const* v : visits) {
+    LogRatio const r = log_ratio(*v, q, k);
+    force.push_back(r.force);
+    excess.push_back(r.excess);
+    ratio.push_back(r.value);
+    sigma.push_back(std::max(r.sigma, 1e-12));
+    double const target = std::sqrt(v->target.mean[k] / q.target.mean[k]);
+    if (target > a.target_ratio) {
+      a.target_ratio = target;
+      a.force_ratio = std::sqrt(v->force.mean[k] / q.force.mean[k]);
+      a.significance =
+          excess_significance({v->target.mean[k], v->target.averages}, {q.target.mean[k], q.target.averages});
+    }
+    add_local(a, *v, q, k, names);
+  }
+  WeightedMean const coupling = weighted_mean(excess, sigma), plain = weighted_mean(ratio, sigma);
+  double const quiet = std::sqrt(q.force.mean[k] / q.target.mean[k]);
+  out.log_sigma = coupling.sigma;
+  a.coupling = std::exp(coupling.value);
+  a.coupling_sigma = a.coupling * coupling.sigma;
+  a.ratio = std::exp(plain.value) * quiet;
+  a.sigma = a.ratio * std::sqrt(squared(plain.sigma) + 0.25 / q.force.averages + 0.25 / q.target.averages);
+  if (visits.size() > 1) {
+    WeightedLine const line = weighted_line(force, excess, sigma);
+    a.slope = 1 + line.slope;
+    a.slope_sigma = line.slope_sigma;
+    a.not_linear = std::fabs(line.slope) > t.not_linear * line.slope_sigma;
+  }
+  return out;
+}
+
+// The largest ratio of the target over all visits that pass, per bin; 0: none does.
+std::vector<double> strongest(std::vector<Visit> const& visits, Quiet const& q, TapThresholds const& t) {
+  std::vector<double> best(q.target.mean.size());
+  for (std::size_t k = 1; k < best.size(); ++k)
+    for (Visit const& v : visits)
+      if (passes(v, q, k, t)) best[k] = std::max(best[k], v.target.mean[k] / q.target.mean[k]);
+  return best;
+}
+
+Quiet quiet_of(TapSeries const& s, GpsSpan span, WelchSettings const& w) {
+  Quiet q{stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}};
+  for (TimeSeries const& l : s.local) q.local.push_back(stretch_of(l, span, w));
+  return q;
+}
+
+std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> places, WelchSettings const& w) {
+  std::vector<Visit> out;
+  std::vector<std::string> errors;
+  for (TapPlace const& p : places) {
+    GpsSpan const span{p.start, p.start + p.duration};
+    double const segments =
+        (p.duration * s.target.rate - double(w.segment)) / (double(w.segment) * (1 - w.overlap)) + 1;
+    if (span.from < s.target.start || span.to > s.target.end() + 1e-6)
+      errors.push_back(fmt::format("error: '{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
+                                   s.target.start, s.target.end()));
+    else if (segments < 6)
+      errors.push_back(
+          fmt::format("error: '{}' at {} lasts {} s, which is fewer than six segments\n  choose a shorter "
+                      "--segment",
+                      p.name, p.start, p.duration));
+    else {
+      out.push_back({&p, stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}});
+      for (TimeSeries const& l : s.local) out.back().local.push_back(stretch_of(l, span, w));
+    }
+  }
+  if (!errors.empty()) throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
+  return out;
+}
+
+}  // namespace
+
+std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> places, GpsSpan quiet_span,
+                               WelchSettings const& w, TapThresholds const& t) {
+  std::vector<Visit> const visits = visits_of(s, places, w);
+  Quiet const quiet = quiet_of(s, quiet_span, w);
+  std::vector<double> const best = strongest(visits, quiet, t);
+  std::vector<TapPeak> peaks;
+  for (std::size_t k = 2; k + 2 < best.size(); ++k) {
+    if (best[k] == 0 || best[k] < std::max(best[k - 1], best[k - 2]) || best[k] <= std::max(best[k + 1], best[k + 2]))
+      continue;
+    std::map<std::string, std::vector<Visit const*>> by_place;
+    for (Visit const& v : visits)
+      if (passes(v, quiet, k, t)) by_place[v.place->name].push_back(&v);
+    std::vector<Answered> all;
+    for (auto const& [name, its] : by_place) all.push_back(answer(its, quiet, k, t, s.local));
+    std::stable_sort(all.begin(), all.end(),
+                     [](Answered const& a, Answered const& b) { return a.answer.ratio > b.answer.ratio; });
+    TapPeak peak;
+    peak.hz = quiet.target.hz[k];
+    for (Answered& a : all) peak.places.push_back(std::move(a.answer));
+    if (all.size() > 1)
+      peak.lead =
+          std::log(peak.places[0].coupling / peak.places[1].coupling) / std::hypot(all[0].log_sigma, all[1].log_sigma);
+    peaks.push_back(std::move(peak));
+  }
+  return peaks;
+}
+
+}  // namespace straytrace

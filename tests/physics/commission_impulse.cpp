@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Knocks, the response they ring and when something was injected (requirements.md R6.01, R6.02).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/message.hpp"
+#include "commission/events.hpp"
+#include "commission/impulse.hpp"
+#include "signal_support.hpp"
+
+namespace straytrace {
+namespace {
+
+using namespace straytrace::testing;
+
+constexpr double rate = 1024;
+
+// exp(-t/tau) cos(2 pi f t) as a recursion driven by force: amplitude 1 per unit of one sample.
+std::vector<double> ringing(std::vector<double> const& force, double hz, double tau) {
+  std::complex<double> const step = std::exp(std::complex<double>(-1 / (tau * rate), 2 * pi * hz / rate));
+  std::complex<double> state = 0;
+  std::vector<double> y;
+  for (double const f : force) {
+    state = state * step + f;
+    y.push_back(state.real());
+  }
+  return y;
+}
+
+struct Knocked {
+  TimeSeries force, target;
+};
+Knocked knocked(std::uint64_t seed, double noise, double tau = 0.35, double every = 2.5) {
+  auto const n = std::size_t(30 * rate);
+  std::vector<double> f(n);
+  Rng rng(seed, 5, 0, Stream::source);
+  for (std::size_t i = 500; i + 2 < n; i += std::size_t(every * rate)) {
+    double const newton = 20 * (1 + rng.uniform());
+    f[i] = newton;
+    f[i + 1] = 1.5 * newton;
+    f[i + 2] = newton;
+  }
+  std::vector<double> const y = ringing(f, 91.3, tau) + 0.5 * ringing(f, 153.7, 0.1);
+  return {channel("HAMMER", "N", rate, f + white_noise(n, seed, 0.01)),
+          channel("H", "1", rate, y + white_noise(n, seed + 1000, noise))};
+}
+
+ImpulseResponse response(Knocked const& k) {
+  std::vector<double> const taps = find_taps(k.force, 8, 2);
+  EXPECT_EQ(taps.size(), 12u);
+  return impulse_response(k.force, k.target, taps, {.length = 2, .low = 20, .high = 300});
+}
+
+TEST(Impulse, ResponseAndModesOfAKnockR6_02) {
+  ImpulseResponse const r = response(knocked(1, 0.05));
+  EXPECT_EQ(r.stretches, 12u);
+  ASSERT_GE(r.modes.size(), 2u);
+  EXPECT_NEAR(r.modes[0].hz, 91.3, 0.01);
+  EXPECT_NEAR(r.modes[0].quality / (pi * 91.3 * 0.35), 1, 0.01);
+  EXPECT_NEAR(r.modes[0].amplitude / rate, 1, 0.01);  // 1 per sample is rate per second
+  EXPECT_NEAR(r.modes[1].hz, 153.7, 0.05);
+  EXPECT_NEAR(r.modes[1].quality / (pi * 153.7 * 0.1), 1, 0.05);
+  double worst = 0;
+  for (std::size_t i = 5; i < 500; ++i) {
+    double const t = double(i) / rate;
+    double const truth =
+        std::exp(-t / 0.35) * std::cos(2 * pi * 91.3 * t) + 0.5 * std::exp(-t / 0.1) * std::cos(2 * pi * 153.7 * t);
+    worst = std::max(worst, std::fabs(r.value[i] / rate - truth));
+  }
+  EXPECT_LT(worst, 0.06) << "of 1.5; the coherence damps what is below the noise";
+}
+
+TEST(Impulse, RingingThatIsCutStillHasItsQ) {  // 2 s of a ring of 1.5 s
+  Knocked const k = knocked(2, 0.02, 1.5, 9.5);
+  std::vector<double> const taps = find_taps(k.force, 8, 2);
+  ImpulseSettings s{.length = 2, .low = 20, .high = 300};
+  ImpulseResponse const r = impulse_response(k.force, k.target, taps, s);
+  ASSERT_GE(r.modes.size(), 1u);
+  EXPECT_NEAR(r.modes[0].quality / (pi * 91.3 * 1.5), 1, 0.02);
+  EXPECT_NEAR(r.modes[0].hz, 91.3, 0.005);
+  s.cut = false;
+  ImpulseResponse const twin = impulse_response(k.force, k.target, taps, s);
+  ASSERT_GE(twin.modes.size(), 1u);
+  EXPECT_NEAR(r.modes[0].amplitude / rate, 1, 0.02);
+  EXPECT_GT(std::fabs(twin.modes[0].amplitude / rate - 1), 0.1) << "twin: taken as if it had died away";
+}
+
+TEST(Impulse, ErrorsOfFrequencyAndQAreThoseOfRepeatedKnocks) {
+  Coverage hz, q;
+  for (int i = 0; i < 60; ++i) {
+    ImpulseResponse const r = response(knocked(2000 + std::uint64_t(i), 3, 0.2));
+    ASSERT_FALSE(r.modes.empty());
+    hz.add(r.modes[0].hz, r.modes[0].hz_sigma, 91.3);
+    q.add(r.modes[0].quality, r.modes[0].quality_sigma, pi * 91.3 * 0.2);
+  }
+  for (Coverage const& c : {hz, q}) {
+    EXPECT_GT(c.share(), 0.55);
+    EXPECT_LT(c.share(), 0.80);
+  }
+}
+
+// The knock before still rings: 10 % of it is there when the next falls, at any phase.
+TEST(Impulse, WhatStillRingsIsInTheErrorOfTheAmplitude) {
+  auto const n = std::size_t(30 * rate);
+  Coverage amplitude, hz, alone;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    std::vector<double> f(n), starts;
+    Rng rng(seed, 6, 0, Stream::source);
+    for (double t = 0.5; t < 27.5; t += 2.1 + 0.1 * rng.uniform()) {
+      f[std::size_t(t * rate)] = 20 * (1 + rng.uniform());
+      starts.push_back(1e9 + std::floor(t * rate) / rate);
+    }
+    std::vector<double> const y = ringing(f, 91.3, 0.9);
+    ImpulseResponse const r =
+        impulse_response(channel("HAMMER", "N", rate, f), channel("H", "1", rate, y + white_noise(n, seed + 700, 0.02)),
+                         starts, {.length = 2, .low = 20, .high = 300, .modes = 1});
+    ASSERT_EQ(r.modes.size(), 1u);
+    auto const top = std::size_t(std::lround(91.3 / r.hz[1]));
+    RingDown const twin = fit_ring_down(r, top - 10, top + 10, 2 - 0.01);
+    amplitude.add(r.modes[0].amplitude, r.modes[0].amplitude_sigma, rate);
+    alone.add(twin.amplitude, twin.amplitude_sigma, rate);
+    hz.add(r.modes[0].hz, r.modes[0].hz_sigma, 91.3);
+  }
+  EXPECT_NEAR(amplitude.share(), 0.683, 0.12);
+  EXPECT_GT(hz.share(), 0.55) << "neither moves the frequency";
+  EXPECT_LT(alone.share(), 0.6) << "twin: residuals of the target alone";
+}
+
+TEST(Impulse, RefusesOneKnock) {
+  Knocked const k = knocked(1, 0.1);
+  std::vector<double> const one{1e9 + 3};
+  EXPECT_THROW(impulse_response(k.force, k.target, one, {}), InputError);
+}
+
+TEST(Events, InjectionIsFoundInTimeAndFrequencyR6_01) {
+  constexpr double fs = 256;
+  auto const n = std::size_t(200 * fs);
+  int found = 0, spurious = 0;
+  EventSettings const s{.welch = {.segment = 256}, .averages = 20};
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::vector<double> x = white_noise(n, seed);
+    for (auto i = std::size_t(100 * fs); i < std::size_t(130 * fs); ++i)  // 3 x quiet in the bin at 40 Hz
+      x[i] += std::sqrt(2 * 1.5 * 8 * 2 / fs) * std::sin(2 * pi * 40 * double(i) / fs);
+    TimeSeries const record = channel("H", "1", fs, x), quiet = channel("H", "1", fs, white_noise(n, seed + 50));
+    auto const events = find_events(record, quiet, s);
+    for (LoudStretch const& e : events) {
+      bool const right =
+          e.hz == 40 && e.from <= 1e9 + 110 && e.to >= 1e9 + 120 && e.from >= 1e9 + 85 && e.to <= 1e9 + 145;
+      (right ? found : spurious) += 1;
+      if (!right) continue;
+      EXPECT_GT(e.significance, 5);
+      EXPECT_NEAR(e.ratio, 3, 0.7);
+    }
+  }
+  EXPECT_EQ(found, 10);
+  EXPECT_EQ(spurious, 0);
+}
+
+}  // namespace
+}  // namespace straytrace
