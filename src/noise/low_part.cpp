@@ -4,16 +4,16 @@
 #include "noise/low_part.hpp"
 
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <complex>
 #include <math.h>
+#include <numeric>
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
+#include "noise/cosine_transform.hpp"
 
 namespace straytrace {
 namespace {
@@ -49,18 +49,6 @@ double spacing_for(std::vector<PhaseTone> const& tones, double limit) {
   return best;
 }
 
-using Lines = std::vector<std::complex<double>>;
-
-// Plans of transforms are kept: making one takes longer than using it.
-Eigen::FFT<double>& transforms() {
-  thread_local Eigen::FFT<double> fft = [] {
-    Eigen::FFT<double> half;
-    half.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-    return half;
-  }();
-  return fft;
-}
-
 // The least of 2^a {1, 5/4, 3/2} that is not below n: few plans, and quick ones.
 std::size_t quick_size(double n) {
   std::size_t const below = std::bit_floor(static_cast<std::size_t>(std::min(n, 1e9)));
@@ -70,67 +58,63 @@ std::size_t quick_size(double n) {
 }
 
 // exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
-std::vector<double> correlation(SlowPhase const& p, std::vector<double> r, double spacing, double constant) {
-  std::size_t const n = r.size();
-  double const r0 = r[0];
-  for (std::size_t i = 0; i <= n / 2; ++i) {
-    double c;
-    if (p.tones.empty() && r0 < 600) {
-      c = constant * std::expm1(r[i]);  // no cancellation, however small the motion
-    } else {
-      c = std::exp(r[i] - r0);
-      for (PhaseTone const& t : p.tones) {
-        double const cycles = std::round(t.frequency / spacing) * static_cast<double>(i) / static_cast<double>(n);
-        c *= ::j0(2 * t.peak * std::sin(pi * (cycles - std::floor(cycles))));
-      }
-      c -= constant;
-    }
-    r[i] = c;
-    if (i > 0) r[n - i] = c;
+std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const& lags, double constant) {
+  std::vector<double> c = std::move(r.at);
+  if (p.tones.empty() && r.at_zero < 600) {
+    for (double& x : c) x = constant * std::expm1(x);  // no cancellation, however small the motion
+    return c;
   }
-  return r;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c[i] = std::exp(c[i] - r.at_zero);
+    for (PhaseTone const& t : p.tones) c[i] *= ::j0(2 * t.peak * std::sin(pi * lags.turns(t.frequency, i)));
+    c[i] -= constant;
+  }
+  return c;
 }
 
+// Over a whole period.
 double norm2(std::vector<double> const& v) {
   double sum = 0;
   for (double x : v) sum += x * x;
-  return std::sqrt(sum);
+  return std::sqrt(2 * sum);
 }
 
 double norm1(std::vector<double> const& v) {
   double sum = 0;
   for (double x : v) sum += std::fabs(x);
-  return sum;
+  return 2 * sum;
 }
 
 }  // namespace
 
-std::vector<double> covariance(SlowPhase const& p, LagGrid const& lags) {
-  std::size_t const n = lags.samples;
-  Lines half(n / 2 + 1);
-  auto const last = std::min(static_cast<std::size_t>(p.highest / lags.spacing + 1), n / 2);
-  for (std::size_t k = 1; k <= last; ++k) {
-    double const f = static_cast<double>(k);
-    half[k] = 0.5 * static_cast<double>(n) * p.power((f - 0.5) * lags.spacing, (f + 0.5) * lags.spacing);
-  }
-  std::vector<double> r;
-  transforms().inv(r, half, static_cast<Eigen::Index>(n));
+double LagGrid::turns(double hz, std::size_t n) const {
+  double const turns = std::round(hz / spacing) * (static_cast<double>(n) + 0.5) / static_cast<double>(samples);
+  return turns - std::floor(turns);
+}
+
+Covariance covariance(std::vector<double> lines, LagGrid const& lags) {
+  lines.resize(std::min(lines.size(), lags.size()));
+  Covariance r;
+  r.at_zero = std::accumulate(lines.begin(), lines.end(), 0.0);
+  CosineTransform::of(lags.size()).values(lines, r.at);
   return r;
 }
 
 bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double rounding, LowPart& low) {
-  std::size_t const n = lags.samples;
-  Lines lines;
-  transforms().fwd(lines, c);
-  double const step = 1 / (static_cast<double>(n) * lags.spacing), floor = 2.2e-16 * rounding * step;
+  std::size_t const n = lags.size();
+  double const floor = 2.2e-16 * rounding / (static_cast<double>(lags.samples) * lags.spacing);
   low.spacing = lags.spacing;
-  low.samples = n;
-  low.density.assign(n / 2 + 1, 0);
+  low.samples = lags.samples;
+  CosineTransform::of(n).amplitudes(c, low.density);
+  low.density[0] *= 2;
   bool clean = true;
-  for (std::size_t k = 0; k <= n / 2; ++k) {
-    double const s = lines[k].real() * step;
-    low.density[k] = std::fabs(s) > floor ? s : 0;  // negative only in sums of pairs and between nodes
-    clean = clean && (k < 3 * n / 8 || std::fabs(s) <= floor);
+  for (std::size_t k = 0; k < n; ++k) {
+    double& s = low.density[k];
+    s /= 2 * lags.spacing;
+    if (!(std::fabs(s) > floor))
+      s = 0;
+    else  // negative only in sums of pairs and between nodes
+      clean = clean && k < 3 * n / 4;
   }
   auto const last = std::find_if(low.density.rbegin(), low.density.rend(), [](double d) { return d != 0; });
   low.density.resize(std::max<std::ptrdiff_t>(1, low.density.rend() - last));
@@ -142,19 +126,19 @@ double rounding_of(SlowPhase const& p, std::vector<double> const& c, double r0, 
   // their period and adds up; the constant part leaves its own.
   double rounding = 64 * (1 + r0) * norm2(c), peaks = 0;
   for (PhaseTone const& t : p.tones) peaks += 1 + t.peak;
-  if (peaks > 0) rounding += 8 * peaks * (norm1(c) + constant * std::sqrt(static_cast<double>(c.size())));
+  if (peaks > 0) rounding += 8 * peaks * (norm1(c) + constant * std::sqrt(2 * static_cast<double>(c.size())));
   return rounding;
 }
 
-LowPart transform(SlowPhase const& p, double resolution) {
+LowPart transform(SlowPhase const& p, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution) {
   LowPart low;
   LagGrid lags = lags_for(p, resolution);
   for (; lags.samples <= most_samples; lags.samples *= 2) {
-    std::vector<double> r = covariance(p, lags);
-    double const r0 = r[0];
+    Covariance r = gaussian(lags);
+    double const r0 = r.at_zero;
     double unmoved = std::exp(-r0);
     for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
-    std::vector<double> const c = correlation(p, std::move(r), lags.spacing, unmoved);
+    std::vector<double> const c = correlation(p, std::move(r), lags, unmoved);
     low.constant = unmoved / 2;
     if (transform_lags(c, lags, rounding_of(p, c, r0, unmoved), low)) return low;
   }

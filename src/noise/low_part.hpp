@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "base/message.hpp"
@@ -14,12 +15,27 @@ struct PhaseTone {
   double frequency, peak;
 };
 
-// The slow part of the phase: Gaussian, of given power per band, and tones.
+// Everything is even in the lag and has the period 1/spacing: lags (n + 1/2)/(samples spacing), n < samples/2, hold
+// all.
+struct LagGrid {
+  double spacing;  // Hz, of the lines
+  std::size_t samples;
+  std::size_t size() const { return samples / 2; }
+  // Turns of a tone, taken to the nearest line, at a lag; between 0 and 1.
+  double turns(double hz, std::size_t n) const;
+};
+
+// Autocovariance of a Gaussian phase, rad^2.
+struct Covariance {
+  double at_zero = 0;
+  std::vector<double> at;  // the lags
+};
+// `line_power`: rad^2 within half a spacing of k spacing; none at k = 0.
+Covariance covariance(std::vector<double> line_power, LagGrid const&);
+
+// The slow part of the phase: Gaussian, and tones.
 struct SlowPhase {
-  // Power [rad^2] of the Gaussian part between two frequencies [Hz].
-  virtual double power(double low_hz, double high_hz) const = 0;
-  virtual ~SlowPhase() = default;
-  double highest = 0;      // Hz, beyond which there is no power
+  double highest = 0;      // Hz, beyond which there is no Gaussian power
   double fringe_rate = 0;  // Hz, rms of (dphi/dt)/2pi of the Gaussian part
   std::vector<PhaseTone> tones;
 };
@@ -33,17 +49,11 @@ struct LowPart {
 };
 
 // `resolution`: the spacing of lines is at most this [Hz]; coarser only when the fringe rate would need more than 2^20
-// samples. Throws NumericalError beyond 2^24.
-LowPart transform(SlowPhase const&, double resolution);
+// samples. `gaussian`: covariance of the Gaussian part. Throws NumericalError beyond 2^24.
+LowPart transform(SlowPhase const&, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution);
 
-// The parts of it, for sums of several such exponentials: lags n/(samples spacing), n < samples.
-struct LagGrid {
-  double spacing;  // Hz, of the lines
-  std::size_t samples;
-};
+// The parts of it, for sums of several such exponentials.
 LagGrid lags_for(SlowPhase const&, double resolution);
-// Autocovariance of the Gaussian part at all lags, rad^2.
-std::vector<double> covariance(SlowPhase const&, LagGrid const&);
 // Error of a correlation and its transform, in units of the last place: below it a line is only rounding. `r0`: R(0).
 double rounding_of(SlowPhase const&, std::vector<double> const& correlation, double r0, double constant);
 // Transforms a correlation without its constant part; false when the sampling rate was too low.

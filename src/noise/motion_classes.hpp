@@ -34,6 +34,7 @@ struct MotionClass {
   std::vector<Member> members;
   bool drift = false;
 
+  bool gaussian() const { return !drift && !(tone_frequency > 0); }
   // Mean-square phase per unit of kappa; a drift is no motion about a mean.
   double variance() const { return drift ? 0 : tone_frequency > 0 ? 0.5 : reference.total(); }
 };

@@ -83,6 +83,8 @@ struct NoiseBudget {
   double margin = 0.1;
   double seconds = 0;
   NoiseBands bands;  // of the total
+  // One sentence per route whose paths were found off by more than StrengthNodes::tolerance where they share spectra.
+  std::vector<std::string> warnings;
 };
 
 NoiseSettings read_noise_settings(Node const& table);  // table `noise`; absent keys have defaults

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Spectra of sums of correlations whose exponents hold two numbers per class of motion.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <math.h>
@@ -12,11 +13,6 @@ namespace straytrace {
 namespace {
 
 using Values = std::vector<double>;
-
-struct OfClass : SlowPhase {
-  Spectrum const* spectrum = nullptr;
-  double power(double low, double high) const override { return spectrum->power(low, std::min(high, highest)); }
-};
 
 // The strongest motion of any pair, in each class: it decides on the split and on the lags.
 Values strongest(std::span<PhasePair const> pairs, std::size_t classes) {
@@ -137,19 +133,17 @@ class Pairs {
 
   // Cosine of a frequency, taken to the nearest line.
   static double cosine(double hz, LagGrid const& lags, std::size_t lag) {
-    double const cycles = std::round(hz / lags.spacing) * double(lag) / double(lags.samples);
-    return std::cos(2 * pi * (cycles - std::floor(cycles)));
+    return std::cos(2 * pi * lags.turns(hz, lag));
   }
 
   // Covariance of each class, or the cosine of a tone.
   void prepare(LagGrid const& lags) {
     lag_functions_.clear();
     for (std::size_t c = 0; c < classes().size(); ++c) {
-      OfClass one;
-      one.spectrum = &classes()[c].reference;
-      one.highest = edge_;
-      Values r = is_gaussian(c) ? covariance(one, lags) : Values(lags.samples);
-      for (std::size_t i = 0; is_tone(c) && i < r.size(); ++i) r[i] = cosine(classes()[c].tone_frequency, lags, i);
+      Covariance r;
+      if (is_gaussian(c)) r = ClassCovariances().sum({&classes()[c], 1}, std::array{1.0}, edge_, lags);
+      for (std::size_t i = 0; is_tone(c) && i < lags.size(); ++i)
+        r.at.push_back(cosine(classes()[c].tone_frequency, lags, i));
       lag_functions_.push_back(std::move(r));
     }
   }
@@ -157,11 +151,11 @@ class Pairs {
   double correlation(PhasePair const& p, std::size_t lag) const {
     double exponent = 0, factor = 1;
     for (std::size_t c = 0; c < classes().size(); ++c) {
-      Values const& r = lag_functions_[c];
+      Covariance const& r = lag_functions_[c];
       if (is_tone(c))
-        factor *= apart_by_tone(p.own[c], p.cross[c] * r[lag]);
+        factor *= apart_by_tone(p.own[c], p.cross[c] * r.at[lag]);
       else if (is_gaussian(c))
-        exponent += p.cross[c] * r[lag] - p.own[c] * r[0];
+        exponent += p.cross[c] * r.at[lag] - p.own[c] * r.at_zero;
     }
     return factor * std::exp(exponent);
   }
@@ -183,14 +177,13 @@ class Pairs {
       if (is_tone(c))
         value *= mean_of_tone(p.own[c], p.cross[c]);
       else if (is_gaussian(c))
-        value *= std::exp(-p.own[c] * lag_functions_[c][0]);
+        value *= std::exp(-p.own[c] * lag_functions_[c].at_zero);
     return value;
   }
 
   // Of the slow part, and of the first order in each fast class.
   std::vector<Part> correlations(LagGrid const& lags) const {
-    std::size_t const n = lags.samples;
-    std::vector<Part> parts(1 + fast_.size(), {Values(n)});
+    std::vector<Part> parts(1 + fast_.size(), {Values(lags.size())});
     for (PhasePair const& p : pairs_) {
       Values weight = {p.weight * (1 - fast_power(p))};
       for (std::size_t const c : fast_) weight.push_back(p.weight * p.cross[c]);
@@ -200,21 +193,19 @@ class Pairs {
         parts[k].constant += weight[k] * still;
         parts[k].largest += std::fabs(weight[k]);
       }
-      for (std::size_t i = 0; i <= n / 2; ++i) {
+      for (std::size_t i = 0; i < lags.size(); ++i) {
         double value = correlation(p, i);
         for (double const hz : moving) value *= cosine(hz, lags, i);
         for (std::size_t k = 0; k < parts.size(); ++k) parts[k].sum[i] += weight[k] * (value - still);
       }
     }
-    for (Part& part : parts)
-      for (std::size_t i = 1; i < n / 2; ++i) part.sum[n - i] = part.sum[i];
     return parts;
   }
 
   bool transformed(Part const& part, LagGrid const& lags, LowPart& low) const {
     double r0 = 0;
     for (std::size_t c = 0; c < classes().size(); ++c)
-      if (is_gaussian(c)) r0 += strongest_[c] * lag_functions_[c][0];
+      if (is_gaussian(c)) r0 += strongest_[c] * lag_functions_[c].at_zero;
     double const rounding =
         rounding_of(slow_, part.sum, r0, part.largest) + 8 * part.largest * std::sqrt(double(lags.samples));
     low.constant = part.constant / 2;
@@ -260,8 +251,8 @@ class Pairs {
   double edge_;                    // Hz, f1 of eq. 7.14
   double drift_ = 0;               // Hz, the fastest drift of any pair
   std::vector<std::size_t> fast_;  // classes that move beyond the edge
-  OfClass slow_;
-  std::vector<Values> lag_functions_;
+  SlowPhase slow_;
+  std::vector<Covariance> lag_functions_;  // of a tone: its cosine
 };
 
 }  // namespace

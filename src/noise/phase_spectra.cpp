@@ -12,15 +12,16 @@
 namespace straytrace {
 namespace {
 
+constexpr std::size_t edges_apart = 16;  // splits lie a quarter of an octave apart
+
 bool is_tone(MotionClass const& c) { return c.tone_frequency > 0; }
-bool is_gaussian(MotionClass const& c) { return !is_tone(c) && !c.drift; }
 double drift_hz(double kappa) { return std::sqrt(kappa) / (2 * pi); }
 
 // Phase power of all Gaussian motion between two frequencies [rad^2].
 double gaussian_power(std::span<MotionClass const> classes, std::span<double const> kappa, double low, double high) {
   double sum = 0;
   for (std::size_t c = 0; c < classes.size(); ++c)
-    if (is_gaussian(classes[c]) && kappa[c] != 0) sum += kappa[c] * classes[c].reference.power(low, high);
+    if (classes[c].gaussian() && kappa[c] != 0) sum += kappa[c] * classes[c].reference.power(low, high);
   return sum;
 }
 
@@ -36,21 +37,12 @@ double lowest_of(Spectrum const& s) {
 
 }  // namespace
 
-struct PhaseSpectra::Slow : SlowPhase {
-  std::span<MotionClass const> classes;
-  std::span<double const> kappa;
-
-  double power(double low, double high) const override {
-    return gaussian_power(classes, kappa, low, std::min(high, highest));
-  }
-};
-
 PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
     : classes_(std::move(classes)), grid_(std::move(grid)) {
   double lowest = infinity, highest = 0, lowest_power = infinity;
   for (MotionClass const& c : classes_) {
     variance_.push_back(c.variance());
-    if (!is_gaussian(c)) continue;
+    if (!c.gaussian()) continue;
     lowest = std::min(lowest, c.reference.lowest());
     highest = std::max(highest, c.reference.highest());
     lowest_power = std::min(lowest_power, lowest_of(c.reference));
@@ -63,7 +55,7 @@ PhaseSpectra::PhaseSpectra(std::vector<MotionClass> classes, FrequencyGrid grid)
   for (MotionClass const& c : classes_) {
     std::vector<double>&psd = fine_psd_.emplace_back(bins), &above = power_above_.emplace_back(bins + 1),
     &in = grid_power_.emplace_back(grid_.size()), &above_bin = above_grid_.emplace_back(grid_.size());
-    if (!is_gaussian(c)) continue;
+    if (!c.gaussian()) continue;
     for (std::size_t i = bins; i-- > 0;) {
       double const power = c.reference.power(fine_[i], fine_[i + 1]);
       psd[i] = power / (fine_[i + 1] - fine_[i]);
@@ -88,7 +80,7 @@ bool PhaseSpectra::is_strong(std::size_t c, double kappa) const {
   return std::fabs(kappa) * variance_[c] >= weak / (is_tone(classes_[c]) ? 1 : classes_.size());
 }
 
-// The lowest edge above which all that is left is weak.
+// The lowest edge above which all that is left is weak, or a little higher: few different ones share covariances.
 std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
   std::size_t edge = fine_.empty() ? 0 : fine_.size() - 1;
   for (; edge > 0; --edge) {
@@ -96,7 +88,7 @@ std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
     for (std::size_t c = 0; c < classes_.size(); ++c) left += std::fabs(kappa[c]) * power_above_[c][edge - 1];
     if (left >= weak) break;
   }
-  return edge;
+  return std::min((edge + edges_apart - 1) / edges_apart * edges_apart, fine_.empty() ? 0 : fine_.size() - 1);
 }
 
 double PhaseSpectra::split_hz(std::span<double const> kappa) const {
@@ -111,9 +103,10 @@ Steps PhaseSpectra::fast_steps(std::size_t c, double from_hz) const {
   return fast_part(only, static_cast<std::size_t>(edge));
 }
 
-LowPart PhaseSpectra::slow_part(Slow const& slow, std::span<double const> kappa) const {
+LowPart PhaseSpectra::slow_part(SlowPhase const& slow, std::span<double const> kappa) const {
+  auto const gaussian = [&](LagGrid const& l) { return covariances_.sum(classes_, kappa, slow.highest, l); };
   bool const unmoved = slow.highest == 0 && slow.tones.empty();
-  LowPart low = unmoved ? LowPart{resolution_, {0}, 0.5, 0} : transform(slow, resolution_);
+  LowPart low = unmoved ? LowPart{resolution_, {0}, 0.5, 0} : transform(slow, gaussian, resolution_);
   for (std::size_t c = 0; c < classes_.size(); ++c)
     if (classes_[c].drift && kappa[c] > 0) low = drifting(low, drift_hz(kappa[c]));
   return low;
@@ -139,7 +132,7 @@ std::vector<double> PhaseSpectra::response(LowPart const& low, std::size_t c, do
   std::vector<double> power(grid_.size());
   if (is_tone(classes_[c]))
     add_tone(low, classes_[c].tone_frequency, variance_[c], power);
-  else if (is_gaussian(classes_[c]))
+  else if (classes_[c].gaussian())
     modulate(low, fast_steps(c, 0), grid_power_[c], grid_.edges, power);
   for (std::size_t i = 0; i < grid_.size(); ++i) power[i] *= kept / grid_.width(i);
   return power;
@@ -174,7 +167,7 @@ double PhaseSpectra::first_order_power(std::span<double const> kappa, double low
                                        Above above) const {
   double power = 0, faster = 0, kept = 1;
   for (std::size_t c = 0; c < classes_.size(); ++c) {
-    if (is_gaussian(classes_[c])) {
+    if (classes_[c].gaussian()) {
       power += kappa[c] * in(c) / 2;
       faster += kappa[c] * above(c);
     }
@@ -208,14 +201,12 @@ std::vector<double> PhaseSpectra::first_order(std::span<double const> kappa, std
 
 PhaseSpectrum PhaseSpectra::strong(std::span<double const> kappa, std::vector<bool> const& responses) const {
   std::size_t const edge = split(kappa);
-  Slow slow;
-  slow.classes = classes_;
-  slow.kappa = kappa;
+  SlowPhase slow;
   slow.highest = split_hz(kappa);
   double rate = 0, fast_power = 0;
   for (std::size_t c = 0; c < classes_.size(); ++c) {
     if (is_tone(classes_[c]) && kappa[c] > 0) slow.tones.push_back({classes_[c].tone_frequency, std::sqrt(kappa[c])});
-    if (!is_gaussian(classes_[c]) || kappa[c] == 0) continue;
+    if (!classes_[c].gaussian() || kappa[c] == 0) continue;
     rate += kappa[c] * classes_[c].reference.rate_power(slow.highest);
     fast_power += kappa[c] * power_above_[c][edge];
   }

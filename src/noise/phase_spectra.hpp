@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "noise/class_covariances.hpp"
 #include "noise/low_part.hpp"
 #include "noise/motion_classes.hpp"
 #include "noise/noise.hpp"
@@ -30,6 +31,7 @@ struct PhaseSpectrum {
   double split = 0;     // Hz, f1 of eq. 7.14; 0: linear coupling, unless there are strong tones
 };
 
+// Keeps tables between calls: not for several threads at once.
 class PhaseSpectra {
  public:
   // Phase power [rad^2] that counts as weak and is taken to first order: the relative error that this leaves. The same
@@ -69,9 +71,8 @@ class PhaseSpectra {
   double resolution() const { return resolution_; }
 
  private:
-  struct Slow;
   std::size_t split(std::span<double const> kappa) const;  // edge of fine bins
-  LowPart slow_part(Slow const&, std::span<double const> kappa) const;
+  LowPart slow_part(SlowPhase const&, std::span<double const> kappa) const;
   Steps fast_part(std::span<double const> kappa, std::size_t from) const;
   void add_tone(LowPart const&, double hz, double mean_square, std::span<double> bin_power) const;
   std::vector<double> response(LowPart const&, std::size_t c, double kept) const;
@@ -88,6 +89,7 @@ class PhaseSpectra {
   std::vector<std::vector<double>> power_above_;  // per class: integral from each edge upwards
   std::vector<std::vector<double>> grid_power_;   // per class: in each bin of the grid
   std::vector<std::vector<double>> above_grid_;   // per class: integral from the upper edge of each bin upwards
+  mutable ClassCovariances covariances_;
 };
 
 }  // namespace straytrace

@@ -12,6 +12,7 @@
 #include "noise/noise.hpp"
 #include "noise/phase_spectra.hpp"
 #include "noise/route_noise.hpp"
+#include "noise/sharing_doubts.hpp"
 #include "noise/strength_nodes.hpp"
 
 namespace straytrace {
@@ -70,6 +71,7 @@ struct Sum {
 Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra) {
   Strengths out{spectra.classes().size(), {}, {}};
   for (CouplingClass const& c : table.classes) {
+    out.first.push_back(out.weight.size());
     for (PathRecord const& record : c.records) {
       std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.levers);
       out.kappa.insert(out.kappa.end(), kappa.begin(), kappa.end());
@@ -184,6 +186,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   budget.unresolved_hint = largest_ratio(unresolved, total);
   budget.faint_share = largest_ratio(faint, total);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  budget.warnings = sharing_doubts(table, motion, spectra, strengths, nodes.checks());
   return budget;
 }
 

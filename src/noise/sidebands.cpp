@@ -67,6 +67,7 @@ void add_sidebands(Kernel const& kernel, Steps const& steps, std::span<double co
   if (steps.psd.empty()) return;
   for (std::size_t line = 0; line < kernel.hz.size(); ++line) {
     double const g = kernel.hz[line], half = kernel.power[line] / 2;
+    if (e.back() + g <= steps.edges.front() || g - e.back() >= steps.edges.back()) continue;
     Sweep upper(steps), lower(steps), folded(steps);
     for (std::size_t i = 0; i < bin_power.size(); ++i) {
       bin_power[i] += half * upper(e[i] + g, e[i + 1] + g);

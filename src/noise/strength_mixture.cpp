@@ -7,11 +7,6 @@
 #include "noise/strength_nodes.hpp"
 
 namespace straytrace {
-namespace {
-
-constexpr double steepest = 0.8;  // of ln S between neighbours; above it the step is halved
-
-}  // namespace
 
 // Of the slow part of the strongest path: what lies above is linear and has no part in the wrapping of fringes.
 std::vector<double> StrengthNodes::square_rates() const {
@@ -39,7 +34,7 @@ std::vector<double> StrengthNodes::square_rates() const {
   return std::count_if(rate.begin(), rate.end(), [](double r) { return r > 0; }) > 1 ? rate : std::vector<double>();
 }
 
-bool StrengthNodes::use_mixture(double step, std::size_t most) {
+bool StrengthNodes::use_mixture(Options const& options) {
   std::vector<double> const rate = square_rates();
   if (rate.empty()) return false;
   double least = infinity;
@@ -52,15 +47,18 @@ bool StrengthNodes::use_mixture(double step, std::size_t most) {
     }
     if (strong) least = std::min(least, square);
   }
+  std::size_t const most = 5 * options.most;
   for (double widening = 1;; widening *= 1.5) {
-    if (!try_mixture(rate, least, step * widening, most)) return true;
+    if (!try_mixture(rate, least, options.step * widening, most)) return true;
     if (mixture_->size() <= most || widening > 10) break;
   }
   compute();
-  if (smooth_along() || 2 * mixture_->size() > most) return true;
-  first_basis_.clear();
-  basis_.clear();
-  if (try_mixture(rate, least, mixture_->step() / 2, most)) compute();
+  while (!accurate() && options.refine && 2 * mixture_->size() <= most) {
+    forget_nodes();
+    if (!try_mixture(rate, least, mixture_->step() / 2, most)) return true;
+    compute();
+  }
+  known_.clear();
   return true;
 }
 
@@ -76,19 +74,6 @@ bool StrengthNodes::try_mixture(std::vector<double> const& rate, double least, d
   for (double const r : rate) mixed_.push_back(r > 0);
   lattice_.step = step;
   mixture_ = std::move(lattice);
-  return true;
-}
-
-bool StrengthNodes::smooth_along() const {
-  for (std::size_t n = 0; n + mixture_->across() < mixture_->size(); ++n) {
-    std::vector<double> const &here = basis_[first_basis_[n]].psd,
-                              &there = basis_[first_basis_[n + mixture_->across()]].psd;
-    double const floor = 1e-12 * *std::max_element(here.begin(), here.end());
-    for (std::size_t i = 0; i < here.size(); ++i)
-      if (std::min(here[i], there[i]) > floor &&
-          std::max(here[i], there[i]) > std::exp(steepest) * std::min(here[i], there[i]))
-        return false;
-  }
   return true;
 }
 

@@ -10,8 +10,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double drift_step = 0.02;      // of ln kappa: 1 % in frequency, a quarter of a usual bin
-constexpr double below_highest = 1e-12;  // bins that decide on the step
+constexpr double drift_step = 0.02;  // of ln kappa: 1 % in frequency, a quarter of a usual bin
 
 int reach(std::size_t strong_classes) { return strong_classes == 1 ? 4 : 2; }
 
@@ -44,7 +43,7 @@ std::size_t StrengthNodes::Hash::operator()(Address const& a) const {
 }
 
 StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths, Options options)
-    : spectra_(spectra), paths_(paths), weak_(paths.classes) {
+    : spectra_(spectra), paths_(paths), checks_(spectra, paths, options.checks), weak_(paths.classes) {
   for (std::size_t i = 0; i < paths.size(); ++i)
     for (std::size_t c = 0; c < paths.classes; ++c)
       if (double const k = paths.of(i)[c]; k != 0 && !spectra.classes()[c].drift && !weak_[c])
@@ -52,13 +51,19 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
   if (any_negative()) {
     start(0.1, options.most, false);
     use_means(std::move(lattice_));
+    if (options.refine)
+      refine_cells(options.most);
+    else
+      accurate();
     return;
   }
-  if (use_mixture(options.step, 5 * options.most)) return;
+  if (use_mixture(options)) return;
   start(options.step, options.most, true);
   while (!use_strengths()) {
     compute();
-    if (!options.refine || smooth() || !halve(options.most)) return;
+    bool const enough = !options.refine || smooth();
+    std::size_t const nodes = kappa_.size();
+    if ((accurate() && enough) || !options.refine || !halve(options.most) || kappa_.size() == nodes) return;
   }
 }
 
@@ -153,6 +158,7 @@ bool StrengthNodes::use_strengths() {
   Lattice exact{same, same, {}, {}};
   if (!sort_into(exact, kappa_.size())) return false;
   use_means(std::move(exact));
+  found_.clear();
   return true;
 }
 
@@ -170,42 +176,8 @@ void StrengthNodes::use_means(Lattice cells) {
   lattice_ = std::move(cells);
   first_basis_.clear();
   basis_.clear();
+  known_.clear();
   compute();
-}
-
-void StrengthNodes::compute() {
-  for (std::size_t n = first_basis_.size(); n < kappa_.size(); ++n) {
-    std::vector<bool> responses = weak_;
-    for (std::size_t c = 0; c < responses.size(); ++c)
-      responses[c] = responses[c] && kappa_[n][c] == 0 && (n == still_ || !is_mixed(c));
-    PhaseSpectrum s = spectra_.strong(kappa_[n], responses);
-    first_basis_.push_back(static_cast<std::uint32_t>(basis_.size()));
-    basis_.push_back({std::move(s.psd), std::move(s.linear)});
-    for (std::size_t c = 0; c < responses.size(); ++c)
-      if (responses[c]) basis_.push_back({s.response[c], s.response[c]});
-  }
-}
-
-// Compares each node with its next one along each axis.
-bool StrengthNodes::smooth() const {
-  for (auto const& [at, node] : node_) {
-    auto const strong = std::count_if(at.begin(), at.end(), [](std::int32_t a) { return a != none; });
-    double const limit = std::exp(strong == 1 ? 0.8 : 0.4);
-    std::vector<double> const& here = basis_[first_basis_[node]].psd;
-    double const floor = below_highest * *std::max_element(here.begin(), here.end());
-    for (std::size_t c = 0; c < at.size(); ++c) {
-      if (at[c] == none || spectra_.classes()[c].drift) continue;
-      Address next = at;
-      next[c] += 2;
-      auto const hit = node_.find(next);
-      if (hit == node_.end()) continue;
-      std::vector<double> const& there = basis_[first_basis_[hit->second]].psd;
-      for (std::size_t i = 0; i < here.size(); ++i)
-        if (std::min(here[i], there[i]) > floor && std::max(here[i], there[i]) > limit * std::min(here[i], there[i]))
-          return false;
-    }
-  }
-  return true;
 }
 
 double StrengthNodes::position(Cell const& cell, std::size_t c, double kappa) const {

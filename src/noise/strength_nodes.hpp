@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -10,17 +11,10 @@
 
 #include "noise/mixture_lattice.hpp"
 #include "noise/phase_spectra.hpp"
+#include "noise/spot_checks.hpp"
+#include "noise/strengths.hpp"
 
 namespace straytrace {
-
-// Strengths of many paths: one number per path and class, path by path.
-struct Strengths {
-  std::size_t classes = 0;
-  std::vector<double> kappa;
-  std::vector<double> weight;  // power of each path; empty: all equal
-  std::span<double const> of(std::size_t path) const { return std::span(kappa).subspan(path * classes, classes); }
-  std::size_t size() const { return classes ? kappa.size() / classes : weight.size(); }
-};
 
 // The spectrum of every path is a sum of few spectra of nodes. Several strong classes of Gaussian motion:
 // MixtureLattice, of at most five times `most` nodes. Else nodes lie on a lattice in ln |kappa| of the strong classes:
@@ -28,15 +22,19 @@ struct Strengths {
 // points along each and the bilinear cross term of each pair. A drift, whose line moves through the bins, is shared
 // between its two neighbours. Weak classes are first order: each path adds kappa times the response of its nodes. That
 // step is halved until the spectra of neighbours differ by less than a factor e^0.8 (several classes e^0.4) in every
-// bin within twelve decades of the highest, or the nodes are `most`. When the paths have fewer different strengths than
-// that, these are the nodes.
+// bin within twelve decades of the highest and spot checks hold, or the nodes are `most`. When the paths have fewer
+// different strengths than that, these are the nodes.
 class StrengthNodes {
  public:
   struct Options {
     double step = 0.25;      // of ln kappa, at first
     std::size_t most = 400;  // nodes
     bool refine = true;
+    std::size_t checks = 24;  // paths whose own spectra are computed
   };
+  // Of SpotCheck::error: above it nodes are refined as far as `most` allows. Errors of single paths have both signs:
+  // sums of many paths come out ten times better or more.
+  static constexpr double tolerance = 1e-3;
   StrengthNodes(PhaseSpectra const&, Strengths const&, Options);
   StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths) : StrengthNodes(spectra, paths, Options()) {}
 
@@ -54,6 +52,7 @@ class StrengthNodes {
   double step() const { return lattice_.step; }  // that was used; `same`: the strengths themselves
   static constexpr double same = 1e-6;           // strengths whose logarithms agree within this are one
   std::size_t nodes() const { return kappa_.size(); }
+  std::vector<SpotCheck> const& checks() const { return found_; }  // empty where paths are their own nodes
 
  private:
   // Per class the rounded position on the lattice times two, plus one where kappa is negative.
@@ -82,25 +81,30 @@ class StrengthNodes {
   void use_means(Lattice);
   bool any_negative() const;
   // False unless several classes are strong in some path, all of them Gaussian and of no negative kappa.
-  bool use_mixture(double step, std::size_t most);
+  bool use_mixture(Options const&);
   bool try_mixture(std::vector<double> const& rate, double least, double step, std::size_t most);
-  bool smooth_along() const;
   std::vector<double> square_rates() const;  // per class, 0 where never strong; empty: no mixture
   bool is_mixed(std::size_t c) const { return mixture_ && mixed_[c]; }
   void mixed_shares(std::size_t path, std::vector<Share>& out) const;
   void weigh(Cell const&, std::span<double const> kappa, std::vector<double>& weight) const;
   void compute();
+  void forget_nodes();  // but keeps their bases as known
   bool smooth() const;
+  bool accurate();  // whether all checks are within the tolerance
+  void refine_cells(std::size_t most);
   double position(Cell const&, std::size_t c, double kappa) const;  // in steps from the cell's centre
 
   PhaseSpectra const& spectra_;
   Strengths const& paths_;
+  SpotChecks checks_;
+  std::vector<SpotCheck> found_;
   std::vector<bool> weak_;  // per class: some path is weak in it
   Lattice lattice_;
   std::unordered_map<Address, std::uint32_t, Hash> node_;
   std::vector<std::vector<double>> kappa_;  // per node, of strong classes
   std::vector<std::uint32_t> first_basis_;  // per node: its own; those of the weak classes follow
   std::vector<Basis> basis_;
+  std::map<std::vector<double>, std::vector<Basis>> known_;  // by kappa: bases of nodes of a coarser mixture
   std::optional<MixtureLattice> mixture_;
   std::vector<bool> mixed_;                           // per class
   std::size_t still_ = static_cast<std::size_t>(-1);  // node of paths that are weak in all of them

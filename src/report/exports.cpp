@@ -275,6 +275,8 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   j["objects"] = objects(run);
   j["warnings"] = run.warnings;
   for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
+  if (run.noise)
+    for (std::string const& warning : run.noise->warnings) j["warnings"].push_back(warning);
   j["routes"] = Json::array();
   for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
   add_receivers(j, run);

@@ -182,6 +182,7 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.array("/noise/frequency", centres, "Hz");
   out.strings("/noise/unresolved", b.unresolved);
   out.strings("/noise/faint", b.faint);
+  out.strings("/noise/warnings", b.warnings);
   out.group("/noise/total", "all resolved routes; a lower bound when /noise/unresolved is not empty");
   out.attribute("/noise/total", "name", b.total.name);
   out.attribute("/noise/total", "mean_square_phase", b.total.mean_square_phase);
@@ -211,6 +212,7 @@ NoiseBudget read_noise(hdf5::Reader const& in) {
   b.unresolved = in.strings("/noise/unresolved");
   b.faint_share = in.attribute_number("/noise", "faint_share");
   b.faint = in.strings("/noise/faint");
+  if (in.has("/noise/warnings")) b.warnings = in.strings("/noise/warnings");
   read_total(in, b.total, bins);
   read_routes(in, b);
   std::vector<std::string> const names = in.strings("/noise/design/name");

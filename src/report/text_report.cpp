@@ -159,7 +159,9 @@ std::string warnings(RunContent const& run) {
   std::string text = section("Warnings");
   for (std::string const& w : run.warnings) text += bullet(w);
   for (std::string const& w : run.trace->warnings) text += bullet(w);
-  return run.warnings.empty() && run.trace->warnings.empty() ? text + "None.\n" : text;
+  if (run.noise)
+    for (std::string const& w : run.noise->warnings) text += bullet(w);
+  return text == section("Warnings") ? text + "None.\n" : text;
 }
 
 }  // namespace

@@ -6,11 +6,6 @@
 namespace straytrace::testing {
 namespace {
 
-struct Whole : SlowPhase {
-  Spectrum phase;
-  double power(double low, double high) const override { return phase.power(low, high); }
-};
-
 Spectrum const slow = gaussian_line(0.2, 0.05, 2e-6);
 Spectrum const quiet = power_law_asd(1e-16, 100, -3, 20, 1000);  // suspended: 1e-16 m/sqrt(Hz) at 100 Hz
 
@@ -40,11 +35,13 @@ TEST(DynamicRange, QuietBodyUnderStrongSlowMotion) {  // tolerance 1e-3, at leve
     EXPECT_LT(deviation(psd[4], expected(800)), 1e-3);
   }
   // Twin: one transform of everything loses the quiet motion altogether.
-  Whole all;
-  all.phase = (slow + quiet).scaled(two_k * two_k);
-  all.highest = 1000;
-  all.fringe_rate = std::sqrt(all.phase.rate_power(infinity)) / (2 * pi);
-  LowPart const plain = transform(all, 0.01);
+  MotionClass const whole{slow + quiet, 0, {}};
+  double const kappa = two_k * two_k;
+  SlowPhase const all{1000, std::sqrt(kappa * whole.reference.rate_power(infinity)) / (2 * pi), {}};
+  auto const covariance = [&](LagGrid const& lags) {
+    return ClassCovariances().sum({&whole, 1}, {&kappa, 1}, 1000, lags);
+  };
+  LowPart const plain = transform(all, covariance, 0.01);
   double const at_100 = plain.density[static_cast<std::size_t>(std::lround(100 / plain.spacing))];
   EXPECT_GT(deviation(at_100, expected(100)), 0.5);
 }

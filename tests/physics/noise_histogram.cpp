@@ -23,6 +23,7 @@ struct Shared {
   double error;  // largest over the bins that are not below `floor` of the highest
   std::size_t nodes;
   double step;
+  double checked;  // largest error that the spot checks found
 };
 
 Shared compare(PhaseSpectra const& spectra, Strengths const& paths, StrengthNodes::Options options, double floor = 0) {
@@ -41,7 +42,9 @@ Shared compare(PhaseSpectra const& spectra, Strengths const& paths, StrengthNode
   for (std::size_t i = 0; i < direct.size(); ++i)
     if (direct[i] > floor * *std::max_element(direct.begin(), direct.end()))
       worst = std::max(worst, deviation(shared[i], direct[i]));
-  return {worst, nodes.nodes(), nodes.step()};
+  double checked = 0;
+  for (SpotCheck const& c : nodes.checks()) checked = std::max(checked, c.error);
+  return {worst, nodes.nodes(), nodes.step(), checked};
 }
 
 FrequencyGrid const grid = logarithmic_grid(3, 100, 12);
@@ -74,7 +77,8 @@ TEST(StrengthHistogram, SeveralClasses) {  // two strong ones and one that is li
       quiet{power_law_asd(1e-16, 100, -1, 20, 1000), 0, {}};
   PhaseSpectra const spectra({ground, other, quiet}, grid);
   Strengths const paths = spread({unit, 0.5 / other.variance(), 1e-5 / quiet.variance()}, 200, 0.4);
-  Shared const usual = compare(spectra, paths, {});
+  EXPECT_LT(compare(spectra, paths, {}).error, 5e-4);
+  Shared const usual = compare(spectra, paths, {0.25, 400, false});
   EXPECT_GT(usual.step, StrengthNodes::same);
   EXPECT_LT(usual.error, 5e-4);
 }
@@ -95,7 +99,11 @@ TEST(StrengthHistogram, StrengthsOfTwoClassesSpreadOverDecades) {
   Shared const usual = compare(spectra, paths, {});
   EXPECT_GT(usual.step, StrengthNodes::same);
   EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
-  EXPECT_GT(compare(spectra, paths, {1, 400, false}).error, 1e-2);  // twin: four times as coarse
+  EXPECT_GT(usual.checked, 0);  // some paths were looked at
+  EXPECT_LE(usual.checked, StrengthNodes::tolerance);
+  Shared const coarse = compare(spectra, paths, {1, 400, false});  // twin: four times as coarse
+  EXPECT_GT(coarse.error, 1e-2);
+  EXPECT_GT(coarse.checked, StrengthNodes::tolerance);  // and the spot checks see it
 }
 
 TEST(StrengthHistogram, FewPathsAreTheirOwnNodes) {

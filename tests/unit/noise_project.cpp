@@ -167,5 +167,32 @@ TEST(Project, MotionBeyondReachIsRefused) {  // 1 m rms at 100 Hz: fringes at GH
   EXPECT_THROW(project_noise(table, moving({gaussian_line(100, 1, 1)}), UnitDetector(), on(band)), NumericalError);
 }
 
+// Paths share spectra; a few are computed by themselves, and what they show is said (requirement R4.08). Fringes of a
+// slow line fall by decades within a bin: where each path has a strong tone of its own strength too, 400 nodes cannot
+// follow.
+TEST(Project, SharedSpectraThatAreOffAreWarnedOf) {
+  MotionSet motion = moving({gaussian_line(0.5, 0.1, 3e-7)});
+  std::vector<PathRecord> records;
+  for (std::uint64_t i = 0; i < 600; ++i) {
+    double const along = std::fmod(0.618034 * double(i), 1), across = std::fmod(0.754878 * double(i), 1);
+    records.push_back(
+        record(i * 4096, 1, {lever(0, 2, two_k * (0.7 + 0.6 * along)), lever(1, 2, two_k * std::pow(30, across))}));
+  }
+  CouplingTable table = known_table({known_class(1, 1, std::move(records))});
+  table.groups = {"baffle"};
+  table.classes[0].steps = {{GroupId{0}, Event::scatter}};
+  auto const warnings = [&] {
+    return project_noise(table, motion, UnitDetector(), on({1, 1.1, 3, 3.3, 8, 9})).warnings;
+  };
+  EXPECT_TRUE(warnings().empty());  // one class of motion: shared well
+  motion.bodies.push_back("shaken");
+  motion.inputs.push_back({"shaken z", {}, 0.9, {{BodyId{1}, 2, 1e-7}}});
+  std::vector<std::string> const found = warnings();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("route 'baffle"), std::string::npos) << found[0];
+  EXPECT_NE(found[0].find(" z'"), std::string::npos) << found[0];
+  EXPECT_NE(found[0].find("of 600 paths"), std::string::npos) << found[0];
+}
+
 }  // namespace
 }  // namespace straytrace::testing
