@@ -24,12 +24,14 @@ def plain(value, sigma, unit=""):
         return "unresolved"
     if sigma == 0:
         return f"{value:.4g} ± 0{unit}"
-    digits = min(6, max(0, -_last_digit(sigma)))
+    digits = max(0, -_last_digit(sigma))
+    if digits > 6:
+        return f"{value:.3g} ± {sigma:.1g}{unit}"
     return f"{value:.{digits}f} ± {sigma:.{digits}f}{unit}"
 
 
 def power_of_ten(value, sigma):
-    """(1.23 ± 0.04) x 10^-24."""
+    """(1.23 ± 0.04) x 10^-24; without an error it was computed, not sampled."""
     if not (np.isfinite(value) and np.isfinite(sigma)):
         return "unresolved"
     if max(abs(value), sigma) == 0:
@@ -38,6 +40,8 @@ def power_of_ten(value, sigma):
     if -2 <= exponent <= 3:
         return plain(value, sigma)
     scale = 10.0**exponent
+    if sigma == 0:
+        return rf"{value / scale:.3g}$\times 10^{{{exponent}}}$ (computed)"
     return rf"({plain(value / scale, sigma / scale)})$\times 10^{{{exponent}}}$"
 
 

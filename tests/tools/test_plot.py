@@ -134,6 +134,9 @@ def check_refusals(folder):
 def check_numbers():
     assert words.power_of_ten(1.2345e-24, 0.04e-24) == r"(1.23 ± 0.04)$\times 10^{-24}$"
     assert words.plain(61.0001, 0.3, " %") == "61.0 ± 0.3 %"
+    assert words.plain(100, 3e-13, " %") == "100 ± 3e-13 %"              # twin: 100.000000 ± 0.000000 %
+    assert words.plain(2.344e-11, 4e-14, " %") == "2.34e-11 ± 4e-14 %"   # twin: 0.000000 ± 0.000000 %
+    assert words.power_of_ten(4.99e-6, 0) == r"4.99$\times 10^{-6}$ (computed)"
     assert words.hertz(999.9) == "1000" and words.hertz(5.0) == "5"
     assert words.power_of_ten(6.1234, 0.012) == "6.123 ± 0.012"
     assert words.power_of_ten(np.nan, 1) == "unresolved"
