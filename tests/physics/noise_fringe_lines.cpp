@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sine motion: lines and shelf (physics.md eq. 7.2 to 7.6, 7.10, 7.11; cases A3, A3b, A4).
 #include "noise_support.hpp"
-#include "signal/fringes.hpp"
+#include "sine_fringes.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -2,7 +2,7 @@
 // Highest fringe frequency of a sine motion (physics.md eq. 7.1, 7.2; cases A2, B1).
 #include <gtest/gtest.h>
 
-#include "signal/fringes.hpp"
+#include "sine_fringes.hpp"
 
 namespace straytrace {
 namespace {
