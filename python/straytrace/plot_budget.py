@@ -1,23 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws a noise budget from the JSON of straytrace budget: python3 -m straytrace.plot_budget BUDGET_JSON -o budget.png"""
 
-import argparse
-import json
-import pathlib
 import sys
-import textwrap
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.patches import Patch  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
-
-from .plot import GREY, LIGHT, STYLE, plain_number, save  # noqa: E402
-from .words import shortened  # noqa: E402
+from .plot import GREY, LIGHT, plain_number
+from .sheet import draw_json, frame, values
+from .words import shortened
 
 # One colour per fundamental noise, so that pictures of different detectors can be compared.
 COLOURS = {
@@ -36,10 +29,6 @@ STRAY = ("#D00000", "#00857A", "#7A00CC")   # thick: what the program is for
 LINES = (":", (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)))
 DASHED = (0, (5, 2))
 SIZE = (10.0, 6.4)  # inches at 100 dpi
-
-
-def values(numbers):
-    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
 
 
 def fill(axes, f, noise, low, high, **style):
@@ -131,31 +120,17 @@ def picture(budget):
     draw(axes, budget)
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(r"strain $h$ [1/$\sqrt{\mathrm{Hz}}$], one-sided")
-    axes.set_title("\n".join(textwrap.wrap(shortened(budget["title"], 160), 80)))
     axes.xaxis.set_major_formatter(FuncFormatter(plain_number))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_major_locator(LogLocator(base=10, numticks=12))
     axes.grid(True, which="major", color=LIGHT, lw=0.7)
     axes.set_axisbelow(True)
-    text = footer(budget)
-    figure.text(0.01, 0.012, text, fontsize=7.5, color=GREY, linespacing=1.4)
-    figure.tight_layout(rect=(0, 0.03 + 0.022 * text.count("\n"), 1, 1))
+    frame(figure, axes, budget["title"], 80, footer(budget))
     return figure
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="straytrace.plot_budget", description=__doc__)
-    parser.add_argument("budget", type=pathlib.Path)
-    parser.add_argument("-o", "--out", type=pathlib.Path, required=True)
-    asked = parser.parse_args(arguments)
-    try:
-        budget = json.loads(asked.budget.read_text(encoding="utf-8"))
-        with plt.rc_context(STYLE | {"font.size": 9.5, "legend.fontsize": 8.5, "axes.titlesize": 11}):
-            save(picture(budget), asked.out)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"error: {asked.budget}: {type(error).__name__}: {error}", file=sys.stderr)
-        return 2
-    return 0
+    return draw_json("straytrace.plot_budget", __doc__, picture, arguments)
 
 
 if __name__ == "__main__":

@@ -1,31 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws curves or a map from the JSON of the data commands: python3 -m straytrace.plot_curves CURVES_JSON -o curves.png"""
 
-import argparse
-import json
-import pathlib
 import sys
-import textwrap
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LogNorm, Normalize
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.colors import LogNorm, Normalize  # noqa: E402
-
-from .plot import GREY, LIGHT, STYLE, save  # noqa: E402
-from .words import shortened  # noqa: E402
+from .plot import LIGHT
+from .sheet import draw_json, frame, values
+from .words import shortened
 
 COLOURS = ("#0072B2", "#D00000", "#228833", "#7A00CC", "#E66101", "#00857A", "#7B5B2E", "#8C8CD9")
 SIZE = (10.0, 6.0)  # inches at 100 dpi
 MORE = 3.5  # for each further unit
 MOST_NOTES = 6
-
-
-def values(numbers):
-    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
 
 
 def label(column):
@@ -183,26 +172,12 @@ def picture(sheet):
         draw_map(figure, axes, sheet)
     else:
         axes = draw_sheet(figure, sheet)
-    axes.set_title("\n".join(textwrap.wrap(shortened(sheet["title"], 160), 90)))
-    text = "\n".join(shortened(note, 150) for note in sheet["notes"][:MOST_NOTES])
-    figure.text(0.01, 0.012, text, fontsize=7.5, color=GREY, linespacing=1.4)
-    figure.tight_layout(rect=(0, 0.03 + 0.022 * text.count("\n"), 1, 1))
+    frame(figure, axes, sheet["title"], 90, "\n".join(shortened(note, 150) for note in sheet["notes"][:MOST_NOTES]))
     return figure
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="straytrace.plot_curves", description=__doc__)
-    parser.add_argument("curves", type=pathlib.Path)
-    parser.add_argument("-o", "--out", type=pathlib.Path, required=True)
-    asked = parser.parse_args(arguments)
-    try:
-        sheet = json.loads(asked.curves.read_text(encoding="utf-8"))
-        with plt.rc_context(STYLE | {"font.size": 9.5, "legend.fontsize": 8.5, "axes.titlesize": 11}):
-            save(picture(sheet), asked.out)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"error: {asked.curves}: {type(error).__name__}: {error}", file=sys.stderr)
-        return 2
-    return 0
+    return draw_json("straytrace.plot_curves", __doc__, picture, arguments)
 
 
 if __name__ == "__main__":

@@ -98,16 +98,12 @@ void in_metres(ToMetres const& m, std::vector<LinePoint>& points) {
 
 void answer_with_result(DataOptions const& o, CurveSheet const& sheet, std::string const& text,
                         nlohmann::json const& result) {
-  if (o.json()) {
-    CurveSheet whole = sheet;
-    whole.notes.push_back(fmt::format("straytrace {} ({})", build_info::version, build_info::commit));
-    nlohmann::json all = nlohmann::json::parse(curve_json(whole));
-    all["result"] = result;
-    std::cout << all.dump(1) << '\n';
-  } else {
-    std::cout << text;
-  }
-  write_outputs(o, sheet);
+  if (!o.json()) return write_and_print(o, sheet, text);
+  CurveSheet whole = sheet;
+  whole.notes.push_back(fmt::format("straytrace {} ({})", build_info::version, build_info::commit));
+  nlohmann::json all = nlohmann::json::parse(curve_json(whole));
+  all["result"] = result;
+  write_and_print(o, sheet, all.dump(1) + '\n');
 }
 
 std::vector<CurveColumn> coupling_columns(CouplingFunction const& c, std::string const& prefix) {

@@ -30,21 +30,9 @@ Sheet with_program(Sheet sheet) {
   return sheet;
 }
 
-void write_one(std::string const& file, CurveSheet const& sheet) { write_curves(file, sheet); }
-void write_one(std::string const& file, MapSheet const& map) { write_map(file, map); }
-
-template <class Sheet>
-void write_all(DataOptions const& o, Sheet const& sheet) {
-  for (std::string const& file : o.out) {
-    write_one(file, with_program(sheet));
-    if (!o.quiet) std::cerr << fmt::format("wrote {}\n", file);
-  }
-}
-
-template <class Sheet>
-void answer_with(DataOptions const& o, Sheet const& sheet, std::string const& text) {
-  std::cout << (o.json() ? curve_json(with_program(sheet)) : text);
-  write_all(o, sheet);
+void say_written(DataOptions const& o) {
+  if (o.quiet) return;
+  for (std::string const& file : o.out) std::cerr << fmt::format("wrote {}\n", file);
 }
 
 }  // namespace
@@ -167,9 +155,22 @@ void check_outputs(DataOptions const& o) {
     if (std::string const wrong = curve_ending_error(file); !wrong.empty()) throw InputError(wrong);
 }
 
-void write_outputs(DataOptions const& o, CurveSheet const& sheet) { write_all(o, sheet); }
-void write_outputs(DataOptions const& o, MapSheet const& map) { write_all(o, map); }
-void answer(DataOptions const& o, CurveSheet const& sheet, std::string const& text) { answer_with(o, sheet, text); }
-void answer(DataOptions const& o, MapSheet const& map, std::string const& text) { answer_with(o, map, text); }
+void write_outputs(DataOptions const& o, CurveSheet const& sheet) { write_and_print(o, sheet, ""); }
+
+void write_and_print(DataOptions const& o, CurveSheet const& sheet, std::string const& text) {
+  write_curves(o.out, with_program(sheet));
+  std::cout << text;
+  say_written(o);
+}
+
+void answer(DataOptions const& o, CurveSheet const& sheet, std::string const& text) {
+  write_and_print(o, sheet, o.json() ? curve_json(with_program(sheet)) : text);
+}
+
+void answer(DataOptions const& o, MapSheet const& map, std::string const& text) {
+  write_map(o.out, with_program(map));
+  std::cout << (o.json() ? curve_json(with_program(map)) : text);
+  say_written(o);
+}
 
 }  // namespace straytrace

@@ -50,11 +50,13 @@ std::string source_note(TimeSeries const&);
 std::string welch_note(WelchSettings const&, double rate, std::size_t segments, double effective,
                        double noise_bandwidth);
 
-// Refuses endings before anything is computed. Writes all files of -o; says their names on stderr unless --quiet.
+// Refuses endings before anything is computed. Writes all files of -o or none; says their names on stderr unless
+// --quiet.
 void check_outputs(DataOptions const&);
 void write_outputs(DataOptions const&, CurveSheet const&);
-void write_outputs(DataOptions const&, MapSheet const&);
-// `text` to stdout, or the JSON of the sheet with --format json; then the files.
+// The same, and when they are written `text` to stdout.
+void write_and_print(DataOptions const&, CurveSheet const&, std::string const& text);
+// The same; with --format json the JSON of the sheet instead of `text`.
 void answer(DataOptions const&, CurveSheet const&, std::string const& text);
 void answer(DataOptions const&, MapSheet const&, std::string const& text);
 

@@ -128,7 +128,7 @@ int inspect_motion(Scene const& scene, std::string const& plot, Options const& o
   else
     print_table(rows);
   if (plot.empty()) return done;
-  write_curves(plot, sheet_of(rows, classes));
+  write_curves({plot}, sheet_of(rows, classes));
   if (!options.json()) std::cout << "\npicture: " << plot << '\n';
   return done;
 }

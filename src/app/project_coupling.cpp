@@ -157,7 +157,7 @@ int project_measured_coupling(CouplingProjectionOptions const& o) {
   else
     std::cout << text_of(p, o.target.empty() ? nullptr : &target, unit);
   if (o.asd.empty()) return done;
-  write_curves(o.asd, sheet);
+  write_curves({o.asd}, sheet);
   if (!o.data.quiet) std::cerr << "wrote " << o.asd << '\n';
   return done;
 }

@@ -28,7 +28,7 @@ void write_series(std::string const& file, std::vector<TimeSeries> const& series
   sheet.log_x = sheet.log_y = false;
   for (std::size_t i = 0; i < series.front().samples.size(); ++i) sheet.x.values.push_back(series.front().time(i));
   for (TimeSeries const& s : series) sheet.y.push_back({s.name, s.unit, s.samples});
-  write_curves(file, sheet);
+  write_curves({file}, sheet);
 }
 
 // h, and the stray field at each port.
@@ -69,7 +69,7 @@ void write_spectrum(std::string const& file, ProjectResult const& r) {
     double const values[] = {b.asd, b.sigma, b.exact, b.below, b.median, b.above};
     for (std::size_t i = 0; i < sheet.y.size(); ++i) sheet.y[i].values.push_back(values[i]);
   }
-  write_curves(file, sheet);
+  write_curves({file}, sheet);
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& 
   if (wanted(f.spectrogram)) {
     double const stride = f.stride.empty() ? std::min(0.5, r.times.duration() / 4)
                                            : option_quantity(f.stride, dim::time, "--stride", "0.5 s");
-    write_map(f.spectrogram, spectrogram_of(strain_series(light), stride, r.band_low, r.band_high));
+    write_map({f.spectrogram}, spectrogram_of(strain_series(light), stride, r.band_low, r.band_high));
   }
   return written;
 }

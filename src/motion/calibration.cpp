@@ -35,12 +35,13 @@ std::optional<Scale> read_scale(Node const& node) {
   return unit ? std::optional(Scale{*unit, std::move(response)}) : std::nullopt;
 }
 
-void refuse(Quantity const& unit, bool of_density, bool rotation, bool calibrated, Node const& at) {
+void refuse(Quantity const& unit, std::string const& written, bool of_density, bool rotation, bool calibrated,
+            Node const& at) {
   char const* const good = rotation     ? (of_density ? "'rad/sqrt(Hz)' or 'rad^2/Hz'" : "'rad', 'rad/s' or 'rad/s^2'")
                            : of_density ? "'m/sqrt(Hz)' or 'm^2/Hz' (velocity and acceleration: 'm/s/sqrt(Hz)', "
                                           "'m/s^2/sqrt(Hz)')"
                                         : "'m', 'm/s' or 'm/s^2'";
-  std::string const what = fmt::format("\"{}\" is not a unit of a {}{}", at.text(), rotation ? "rotation" : "motion",
+  std::string const what = fmt::format("\"{}\" is not a unit of a {}{}", written, rotation ? "rotation" : "motion",
                                        of_density ? " spectrum" : "");
   bool const raw = unit.dimension.count != 0 || unit.dimension.volt != 0;
   if (calibrated)
@@ -53,8 +54,8 @@ void refuse(Quantity const& unit, bool of_density, bool rotation, bool calibrate
 
 }  // namespace
 
-std::optional<Calibration> read_calibration(Node const& spec, Quantity const& unit, bool of_density, bool rotation,
-                                            Node const& unit_at) {
+std::optional<Calibration> read_calibration(Node const& spec, Quantity const& unit, std::string const& written,
+                                            bool of_density, bool rotation, Node const& unit_at) {
   auto const scale = read_scale(spec["calibration"]);
   if (!scale) return {};
   for (int derivatives = 0; derivatives <= 2; ++derivatives) {
@@ -69,7 +70,7 @@ std::optional<Calibration> read_calibration(Node const& spec, Quantity const& un
     if (of_density && psd && unit.dimension == *psd)
       return Calibration{std::sqrt(unit.si) * scale->per_value.si, true, derivatives, scale->response};
   }
-  refuse(unit, of_density, rotation, spec.has("calibration"), unit_at);
+  refuse(unit, written, of_density, rotation, spec.has("calibration"), unit_at);
   return {};
 }
 

@@ -63,7 +63,7 @@ std::optional<Members> read_units(Node const& spec, std::size_t member, bool rot
       sound = false;
       continue;
     }
-    auto const how = read_calibration({}, unit.value_or(Quantity{}), false, angle, list[i]);
+    auto const how = read_calibration({}, unit.value_or(Quantity{}), text, false, angle, list[i]);
     m.units.push_back(how.value_or(Calibration{}));
     m.names += " " + text;
     sound = sound && how;

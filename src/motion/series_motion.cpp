@@ -181,7 +181,7 @@ std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation) {
   if (!series) return {};
   Node const unit_at = spec.has("unit") ? spec["unit"] : spec["series"];
   auto const unit = parse_unit(series->unit);
-  auto const calibration = read_calibration(spec, unit.value_or(Quantity{}), false, rotation, unit_at);
+  auto const calibration = read_calibration(spec, unit.value_or(Quantity{}), series->unit, false, rotation, unit_at);
   if (!calibration || !std::isfinite(highpass)) return {};
   if (calibration->derivatives > 0 && highpass == 0) {
     spec.problem("velocity and acceleration are integrated, and what is slower than the record has no end",

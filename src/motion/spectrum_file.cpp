@@ -52,7 +52,7 @@ std::optional<Columns> read_columns(Node const& spec, bool rotation) {
     if (units.size() > 2) units = {units[c.frequency - 1], units[c.value - 1]};
   }
   auto const hz = parse_unit(units[0].as_word()), value = parse_unit(units[1].as_word());
-  auto const how = value ? read_calibration(spec, *value, true, rotation, units[1]) : std::nullopt;
+  auto const how = value ? read_calibration(spec, *value, units[1].text(), true, rotation, units[1]) : std::nullopt;
   if (!hz || hz->dimension != dim::frequency)
     units[0].problem(fmt::format("\"{}\" is not a unit of frequency", units[0].text()), "write 'Hz'");
   if (!value)

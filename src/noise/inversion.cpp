@@ -105,6 +105,88 @@ struct Crossed {
   double below = 0, above = 0;  // scales around the first crossing; above 0: none
 };
 
+// Noise against the strength of the motion: looks at steps, then between them.
+class MotionInversion {
+ public:
+  MotionInversion(Projected const& projected, Doubles const& line)
+      : projected_(projected), line_(line), crossed_(line.size()) {}
+
+  Inversion answer() {
+    NoiseTrace const &still = at(0), &as_is = at(1);
+    find_crossings();
+    Inversion out;
+    for (std::size_t i = 0; i < line_.size(); ++i) {
+      out.bins.push_back(between_steps(i, still));
+      if (line_[i] > 0 && as_is.asd[i] > 0)
+        out.touched = std::max(out.touched, 1 - std::pow(still.asd[i] / as_is.asd[i], 2));
+    }
+    decide(out);
+    if (out.all.verdict == Verdict::found) refine(out);
+    return out;
+  }
+
+ private:
+  static constexpr int steps = 8, first = -4 * steps, last = 2 * steps;  // per decade
+
+  NoiseTrace const& at(double scale) {
+    auto const hit = seen_.find(scale);
+    return hit != seen_.end() ? hit->second : seen_.emplace(scale, projected_(scale)).first->second;
+  }
+  bool can(double scale) {  // motion may be too strong for any transform
+    try {
+      at(scale);
+    } catch (NumericalError const&) {
+      return false;
+    }
+    return true;
+  }
+
+  void find_crossings() {
+    for (int k = first; k <= last; ++k) {
+      double const scale = std::pow(10, double(k) / steps), before = std::pow(10, double(k - 1) / steps);
+      if (std::all_of(crossed_.begin(), crossed_.end(), [](Crossed const& c) { return c.above > 0; })) return;
+      if (scale > 1 && !can(scale)) return;
+      NoiseTrace const& t = at(scale);
+      for (std::size_t i = 0; i < line_.size(); ++i)
+        if (crossed_[i].above == 0 && t.asd[i] > line_[i]) crossed_[i] = {k == first ? 0 : before, scale};
+    }
+  }
+
+  // By the straight line of the logarithms: exact where noise is proportional to motion.
+  Allowed between_steps(std::size_t i, NoiseTrace const& still) {
+    Allowed a;
+    if (!(line_[i] > 0)) return a;
+    double const above = crossed_[i].above;
+    a.rest = still.asd[i] / line_[i];
+    a.verdict = still.asd[i] > line_[i] ? Verdict::never : above > 0 ? Verdict::found : Verdict::always;
+    a.scale = a.verdict == Verdict::never ? 0 : infinity;
+    if (a.verdict != Verdict::found) return a;
+    double const lower = crossed_[i].below > 0 ? crossed_[i].below : above / std::pow(10, 1.0 / steps);
+    double const low = at(lower).asd[i], high = at(above).asd[i];
+    double const slope = std::log(high / low) / std::log(above / lower);
+    a.scale = above * std::pow(line_[i] / high, 1 / slope);
+    a.sigma = a.scale * (at(above).sigma[i] / high) / slope;
+    return a;
+  }
+
+  void refine(Inversion& out) const {
+    double low = crossed_[out.decides].below, high = crossed_[out.decides].above;
+    auto const meets = [&](double scale) {
+      NoiseTrace const t = projected_(scale);
+      for (std::size_t i = 0; i < line_.size(); ++i)
+        if (t.asd[i] > line_[i]) return false;
+      return true;
+    };
+    for (int i = 0; i < 12 && low > 0; ++i) (meets(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
+    if (low > 0) out.all.scale = std::sqrt(low * high);
+  }
+
+  Projected const& projected_;
+  Doubles const& line_;
+  std::vector<Crossed> crossed_;
+  std::map<double, NoiseTrace> seen_;
+};
+
 }  // namespace
 
 Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, MaterialSpread const& material,
@@ -128,63 +210,7 @@ Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, Mater
 }
 
 Inversion invert_motion(Projected const& projected, Doubles const& line) {
-  constexpr int steps = 8, first = -4 * steps, last = 2 * steps;  // per decade
-  Inversion out;
-  out.bins.resize(line.size());
-  std::vector<Crossed> crossed(line.size());
-  std::map<double, NoiseTrace> seen;
-  auto const at = [&](double scale) -> NoiseTrace const& {
-    auto const hit = seen.find(scale);
-    return hit != seen.end() ? hit->second : seen.emplace(scale, projected(scale)).first->second;
-  };
-  auto const can = [&](double scale) {  // motion may be too strong for any transform
-    try {
-      at(scale);
-    } catch (NumericalError const&) {
-      return false;
-    }
-    return true;
-  };
-  NoiseTrace const &still = at(0), &as_is = at(1);
-  for (int k = first; k <= last; ++k) {
-    double const scale = std::pow(10, double(k) / steps), before = std::pow(10, double(k - 1) / steps);
-    bool const all_crossed = std::all_of(crossed.begin(), crossed.end(), [](Crossed const& c) { return c.above > 0; });
-    if (all_crossed) break;
-    if (scale > 1 && !can(scale)) break;
-    NoiseTrace const& t = at(scale);
-    for (std::size_t i = 0; i < line.size(); ++i)
-      if (crossed[i].above == 0 && t.asd[i] > line[i]) crossed[i] = {k == first ? 0 : before, scale};
-  }
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (!(line[i] > 0)) continue;
-    Allowed& a = out.bins[i];
-    a.rest = still.asd[i] / line[i];
-    if (as_is.asd[i] > 0) out.touched = std::max(out.touched, 1 - std::pow(still.asd[i] / as_is.asd[i], 2));
-    a.verdict = still.asd[i] > line[i] ? Verdict::never : crossed[i].above > 0 ? Verdict::found : Verdict::always;
-    a.scale = a.verdict == Verdict::never ? 0 : crossed[i].above > 0 ? crossed[i].above : infinity;
-  }
-  // Between two steps by the straight line of the logarithms: exact where noise is proportional to motion.
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    Allowed& a = out.bins[i];
-    if (a.verdict != Verdict::found) continue;
-    double const lower = crossed[i].below > 0 ? crossed[i].below : crossed[i].above / 1.3335;
-    double const low = at(lower).asd[i], high = at(crossed[i].above).asd[i];
-    double const slope = std::log(high / low) / std::log(crossed[i].above / lower);
-    a.scale = crossed[i].above * std::pow(line[i] / high, 1 / slope);
-    a.sigma = a.scale * (at(crossed[i].above).sigma[i] / high) / slope;
-  }
-  decide(out);
-  if (out.all.verdict != Verdict::found) return out;
-  double low = crossed[out.decides].below, high = crossed[out.decides].above;
-  auto const meets = [&](double scale) {
-    NoiseTrace const t = projected(scale);
-    for (std::size_t i = 0; i < line.size(); ++i)
-      if (t.asd[i] > line[i]) return false;
-    return true;
-  };
-  for (int i = 0; i < 12 && low > 0; ++i) (meets(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
-  if (low > 0) out.all.scale = std::sqrt(low * high);
-  return out;
+  return MotionInversion(projected, line).answer();
 }
 
 MotionSet with_scaled_body(MotionSet const& motion, BodyId body, double scale) {

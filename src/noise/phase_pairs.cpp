@@ -7,12 +7,6 @@
 
 namespace straytrace {
 
-std::vector<PhasePair> with_static_phase(std::span<double const> kappa, double phi_0) {
-  std::vector<double> own(kappa.begin(), kappa.end()), against = own;
-  for (double& k : against) k = -k;
-  return {{1, own, own}, {-std::cos(2 * phi_0), own, against}};
-}
-
 std::vector<PhasePair> coherent_family(MotionSet const& motion, std::vector<MotionClass> const& classes,
                                        std::span<CoherentPath const> paths) {
   if (paths.size() > most_coherent)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fields whose static phases are known: coherent families (physics.md eq. 10.5) and one quadrature of one realisation.
+// Fields whose static phases are known: coherent families (physics.md eq. 10.5).
 #pragma once
 
 #include <complex>
@@ -31,11 +31,6 @@ struct PairSpectrum {
 // Slow motion by one transform, weak fast motion to first order (eq. 7.14). Of two paths that drift apart the term is
 // left out: the mean of its phase over a long time is zero.
 PairSpectrum pair_spectrum(PhaseSpectra const&, std::span<PhasePair const>);
-
-// PSD of Im s of one path with static phase phi_0 [rad]: C(tau) - cos(2 phi_0) exp(-(R(0) + R(tau))); that of Re s with
-// phi_0 + pi/2. Its mean over phi_0 is the spectrum of PhaseSpectra. A tone of known phase makes a mean over that
-// phase.
-std::vector<PhasePair> with_static_phase(std::span<double const> kappa, double phi_0);
 
 // A specular path: its field, root of its recoupled power times exp(i phase), and its levers.
 struct CoherentPath {

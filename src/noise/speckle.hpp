@@ -6,7 +6,5 @@ namespace straytrace {
 
 // Power |sum of fields|^2 of one speckle that a share `below` of the realisations stays under, over its mean; eq. 10.2.
 double speckle_percentile(double below);
-// The same for the power in one quadrature, over the mean of that quadrature (half the mean of |sum|^2); eq. 10.3.
-double quadrature_percentile(double below);
 
 }  // namespace straytrace

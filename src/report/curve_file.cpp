@@ -61,6 +61,13 @@ std::string bytes_of(std::string const& file, Sheet const& sheet) {
   throw InputError(curve_ending_error(file));
 }
 
+template <class Sheet>
+void write_all(std::vector<std::string> const& files, Sheet const& sheet) {
+  std::vector<std::pair<std::string, std::string>> contents;
+  for (std::string const& file : files) contents.push_back({file, bytes_of(file, sheet)});
+  write_files(contents);
+}
+
 }  // namespace
 
 std::string curve_ending_error(std::string const& file) {
@@ -74,7 +81,7 @@ std::string curve_ending_error(std::string const& file) {
 std::string curve_json(CurveSheet const& sheet) { return curve_format::json(sheet); }
 std::string curve_json(MapSheet const& map) { return curve_format::json(map); }
 
-void write_curves(std::string const& file, CurveSheet const& sheet) { write_file(file, bytes_of(file, sheet)); }
-void write_map(std::string const& file, MapSheet const& map) { write_file(file, bytes_of(file, map)); }
+void write_curves(std::vector<std::string> const& files, CurveSheet const& sheet) { write_all(files, sheet); }
+void write_map(std::vector<std::string> const& files, MapSheet const& map) { write_all(files, map); }
 
 }  // namespace straytrace

@@ -33,9 +33,9 @@ struct MapSheet {
 
 // By the ending: .txt and .csv (comment header with title, notes, units, version), .hdf5 or .h5 (gwpy; regular axes
 // only, otherwise an InputError names the text file), .png, .html (one self-contained page with picture and table),
-// .json. Complete or not at all. Throws InputError for another ending or a disk that refuses.
-void write_curves(std::string const& file, CurveSheet const&);
-void write_map(std::string const& file, MapSheet const&);
+// .json. All files or none. Throws InputError for another ending or a disk that refuses.
+void write_curves(std::vector<std::string> const& files, CurveSheet const&);
+void write_map(std::vector<std::string> const& files, MapSheet const&);
 // What the .json files hold, for standard output.
 std::string curve_json(CurveSheet const&);
 std::string curve_json(MapSheet const&);

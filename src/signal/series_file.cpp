@@ -107,11 +107,6 @@ TimeSeries parse_series(std::string const& bytes, std::string const& file, Serie
   return series_source::from_text(bytes, file, wanted);
 }
 
-std::vector<std::string> channels_of(std::string const& bytes, std::string const& file) {
-  if (is_hdf5_file(bytes)) return series_source::names_in_hdf5(bytes, file);
-  return series_source::names_in_text(bytes, file);
-}
-
 TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects) {
   auto const mark = argument.find("::");
   std::string const file = argument.substr(0, mark);

@@ -23,7 +23,6 @@ struct SeriesRequest {
 // From the bytes of a file; `file`: its name, for messages and by its ending for nothing: the content decides what it
 // is. Throws InputError that names what is missing, what there is, and what to write.
 TimeSeries parse_series(std::string const& bytes, std::string const& file, SeriesRequest const&);
-std::vector<std::string> channels_of(std::string const& bytes, std::string const& file);
 
 // The same from an argument of the command line, "FILE" or "FILE::CHANNEL". Reads the file.
 // A unit that contradicts a calibrated one of the file (all but counts, volts and 1) is refused, unless it `corrects`.

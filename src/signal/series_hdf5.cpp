@@ -207,11 +207,6 @@ TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const&
   });
 }
 
-std::vector<std::string> series_source::names_in_hdf5(std::string const& bytes, std::string const& file) {
-  hdf5::Reader const reader = opened(bytes, file);
-  return readable(file, [&] { return names_of(series_in(reader, file)); });
-}
-
 std::string series_hdf5(std::span<TimeSeries const> series) {
   hdf5::Writer writer;
   std::vector<std::string> taken;

@@ -19,8 +19,6 @@ std::string unit_or_refuse(std::string const& file, std::string const& place, st
 std::string choices(std::vector<std::string> const& names);
 
 TimeSeries from_text(std::string const& text, std::string const& file, SeriesRequest const&);
-std::vector<std::string> names_in_text(std::string const& text, std::string const& file);
 TimeSeries from_hdf5(std::string const& bytes, std::string const& file, SeriesRequest const&);
-std::vector<std::string> names_in_hdf5(std::string const& bytes, std::string const& file);
 
 }  // namespace straytrace::series_source

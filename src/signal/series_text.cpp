@@ -135,8 +135,4 @@ TimeSeries from_text(std::string const& text, std::string const& file, SeriesReq
   return cut(series, wanted.span);
 }
 
-std::vector<std::string> names_in_text(std::string const& text, std::string const& file) {
-  return names_of(read_columns(text, file));
-}
-
 }  // namespace straytrace::series_source

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Predicted fringe frequencies against published arches (physics.md eq. 7.1, cases B1 to B3; R2.39, R2.41, R6.10).
+#include "motion/chain.hpp"
 #include "noise/fringe_rate.hpp"
 #include "noise_support.hpp"
 
@@ -27,7 +28,7 @@ double time_between_arches(std::vector<double> const& hz, double rate) {
 
 TEST(PublishedArches, KagraSine) {  // B1: 14 um at 0.42 Hz
   MotionSeries const m = swinging(14e-6, 0.42);
-  EXPECT_LT(deviation(largest(m.coordinates[0].velocity), 36.95e-6), 1e-3);
+  EXPECT_LT(deviation(largest(m.coordinates[0].velocity), 36.945e-6), 1e-4);  // A2
   EXPECT_LT(deviation(fringe_of(14e-6, 0.42), 69.4), 1e-3);
   EXPECT_GT(fringe_of(14e-6, 0.42), 50);  // published: arches of 50 to 100 Hz
   EXPECT_LT(fringe_of(14e-6, 0.42), 100);
@@ -49,14 +50,15 @@ TEST(PublishedArches, VirgoSwingingBaffle) {                // B3: bump near 70 
   EXPECT_LT(deviation(fringe_of(5e-6, 1.14), 70), 0.05);
   EXPECT_LT(deviation(fringe_of(10e-6, 1.14), 134.6), 1e-3);  // as amplitude: excluded
   EXPECT_GT(deviation(fringe_of(10e-6, 1.14), 70), 0.5);
-  EXPECT_NEAR(9.81 / std::pow(2 * pi * 1.14, 2), 0.191, 0.0005);  // the pendulum that swings so, m: 19 cm
+  EXPECT_LT(deviation(pendulum_modes({1}, {0.191}).at(0), 1.14), 2e-3);  // the pendulum that swings so: 19.1 cm
 }
 
 TEST(PublishedArches, CutOffAndMicroseism) {  // R2.39, R2.41
-  EXPECT_LT(deviation(fringe_of(600e-6, 0.06), 425.2), 1e-3);
-  EXPECT_LT(deviation(fringe_of(600e-6, 0.12), 850.4), 1e-3);
-  EXPECT_LT(deviation(fringe_of(900e-6, 0.12), 1275.5), 1e-3);
+  EXPECT_LT(deviation(fringe_of(600e-6, 0.06), 425.2), 1e-4);
+  EXPECT_LT(deviation(fringe_of(600e-6, 0.12), 850.4), 1e-4);
+  EXPECT_LT(deviation(fringe_of(900e-6, 0.12), 1275.5), 1e-4);
   EXPECT_LT(deviation(fringe_of(3e-6, 0.35), 12.40), 1e-3);
+  EXPECT_GT(deviation(fringe_of(300e-6, 0.06), 425.2), 0.4);  // twin: peak to peak read as peak
 }
 
 // Multiplicity from the levers: a route that sees the body twice has arches twice as high (eq. 7.1).

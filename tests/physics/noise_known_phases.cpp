@@ -10,6 +10,12 @@ namespace {
 
 double bessel(int n, double x) { return std::cyl_bessel_j(n, std::fabs(x)) * (x < 0 && n % 2 ? -1 : 1); }
 
+// PSD of Im s of one path with static phase phi_0: C(tau) - cos(2 phi_0) exp(-(R(0) + R(tau))), that of Re s with
+// phi_0 + pi/2. A tone of known phase makes a mean over that phase.
+std::vector<PhasePair> with_static_phase(double kappa, double phi_0) {
+  return {{1, {kappa}, {kappa}}, {-std::cos(2 * phi_0), {kappa}, {-kappa}}};
+}
+
 struct OneTone {
   double hz = 1, z;
   std::vector<double> edges;
@@ -21,7 +27,7 @@ struct OneTone {
     m.bodies = {"body"};
     m.inputs = {tone(hz, z / two_k)};
     PhaseSpectra const spectra(group_by_shape(m), FrequencyGrid{edges});
-    PairSpectrum const s = pair_spectrum(spectra, with_static_phase(std::vector{z * z}, phi_0));
+    PairSpectrum const s = pair_spectrum(spectra, with_static_phase(z * z, phi_0));
     if (constant) *constant = s.constant;
     std::vector<double> out;
     for (std::size_t i = 0; i < edges.size(); i += 2) out.push_back(s.psd[i] * (edges[i + 1] - edges[i]));
@@ -60,7 +66,7 @@ MotionSet gaussian(double rms) { return moving({gaussian_line(2, 0.4, rms)}); }
 
 PairSpectrum quadrature(double rms, double phi_0, std::vector<double> edges) {
   PhaseSpectra const spectra(group_by_shape(gaussian(rms)), FrequencyGrid{std::move(edges)});
-  return pair_spectrum(spectra, with_static_phase(std::vector{two_k * two_k}, phi_0));
+  return pair_spectrum(spectra, with_static_phase(two_k * two_k, phi_0));
 }
 
 TEST(StaticPhase, WeakMotionSeenThroughTheSlope) {  // Im s = phi cos(phi_0): twice eq. 7.9 at most, tolerance 1e-4

@@ -10,7 +10,8 @@ namespace straytrace::testing {
 
 inline constexpr char receiver_scene_head[] =
     "straytrace: 1\nmaterials:\n  black: {}\n  white: {scatter: {model: lambertian, tis: 100 %}}\n"
-    "  mirror: {specular: {reflect: 99 %}}\n  rough: {specular: {reflect: 50 %}, scatter: {model: lambertian, tis: 40 "
+    "  mirror: {specular: {reflect: 99 %}}\n  half: {specular: {reflect: 50 %, transmit: 50 %}}\n  rough: {specular: "
+    "{reflect: 50 %}, scatter: {model: lambertian, tis: 40 "
     "%}}\n"
     "bodies: {b: {motion: still}}\n";
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <random>
 
+#include "trace/sequential.hpp"
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
 
@@ -51,8 +52,31 @@ TEST(Levers, MovingBounceA1) {
               tolerance);
   EXPECT_NEAR(bounce(in45, out45, {0, 0, nm}, 2), -0.01670257, 5e-9);
   EXPECT_NEAR(bounce(in45, out45, {nm, 0, 0}), 0, tolerance);  // a specular mirror does not feel tangential motion
+  // R4.03: 1 um toward the source shortens the path by 2 um; at 45 deg along the normal by 1.41421 um
+  EXPECT_NEAR(bounce({0, 0, 1}, {0, 0, -1}, {0, 0, -1e3 * nm}) / k, -2e-6, 1e-15);
+  EXPECT_NEAR(bounce(in45, out45, {0, 0, 1e3 * nm}) / k, -1.41421e-6, 5e-12);
   // twin: the opposite sign of the original code is off by twice the phase
   EXPECT_GT(std::fabs(bounce(out45, in45, {0, 0, nm}) + 0.00835128), tolerance);
+}
+
+// R4.01: 3 km are 2.82e9 cycles. A quarter of a wave more at their end is pi/2 to the rounding of double precision;
+// twin: single precision.
+TEST(Levers, PhaseOfThreeKilometresR4_01) {
+  auto const length_to = [](double z) {
+    World world;
+    std::uint32_t const black = black_optic(world);
+    BodyId const body = world.add_body("mirror", {0, 0, z});
+    SurfaceId const mirror =
+        world.add_surface(Disk{{0, 0, z}, {0, 0, -1}, 0, 0.1}, black, black, body, world.add_group("mirror"));
+    world.add_footprint(spot(mirror, {0, 0, z}, {0, 0, 1}, Profile::gaussian, 1e-3));
+    world.finish();
+    std::vector<SequenceStep> const steps = {{mirror, Event::reflect}};
+    return trace_sequence(world.view(), {{0, 0, 0}, {0, 0, 1}}, steps).points.at(0).path_length;
+  };
+  double const near = length_to(3000), far = length_to(3000 + 1.064e-6 / 4);
+  EXPECT_NEAR(near / 1.064e-6, 2.82e9, 0.005e9);
+  EXPECT_NEAR(k * (far - near), pi / 2, 3e-6);
+  EXPECT_GT(std::fabs(k * double(float(far) - float(near)) - pi / 2), 1);
 }
 
 class RandomPaths {

@@ -115,21 +115,21 @@ TEST(LitScenes, StatedSpotIsTheSame) {
   EXPECT_NEAR(a / b, 1, 2e-2);  // other strata: the lit scene has four sources
 }
 
-// R2.33: beta = 1e-5, w = 1 mm gives 3.604e-12; a flat mirror of a plano-concave cavity has w^2 = lambda/pi
-// sqrt(L (R - L)). B4: two benches whose scatter differs by 6 differ by sqrt(6) in G.
-double fraction(double beta) {
-  double const length = 2, transmission = 1e-3, reach = pi * 1e-6 / lambda, roc = length + reach * reach / length;
+// R2.33: beta = 1e-5, w = 1 mm gives 3.604e-12, w = 58 mm 1.071e-15 (eq. 1.4); a flat mirror of a plano-concave cavity
+// has w^2 = lambda/pi sqrt(L (R - L)). B4: two benches whose scatter differs by 6 differ by sqrt(6) in G.
+double fraction(double beta, double w = 1e-3) {
+  double const length = 2000 * w, transmission = 1e-3, reach = pi * w * w / lambda,
+               roc = length + reach * reach / length;
   std::string const scene =
       "materials:\n  hr: {specular: {reflect: 0.999, transmit: 0.001}}\n"
       "  white: {scatter: {model: lambertian, brdf: " +
-      std::to_string(1e6 * beta) +
-      "e-6 /sr}}\n"
-      "bodies: {b: {motion: still}}\nscene:\n"
-      "  - {name: one, use: mirror, radius: 2 cm, facing: [0, 0, 1], body: b, material: hr}\n"
-      "  - {name: two, use: mirror, radius: 2 cm, radius_of_curvature: " +
-      std::to_string(roc) +
-      " m, at: [0 m, 0 m, 2 m], facing: [0, 0, -1], body: b, material: hr}\n"
-      "  - {name: plate, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, -1 mm], facing: [0, 0, 1], body: b,\n"
+      std::to_string(1e6 * beta) + "e-6 /sr}}\nparams: {w: " + std::to_string(1e3 * w) +
+      " mm, roc: " + std::to_string(roc) +
+      " m}\nbodies: {b: {motion: still}}\nscene:\n"
+      "  - {name: one, use: mirror, radius: 20*w, facing: [0, 0, 1], body: b, material: hr}\n"
+      "  - {name: two, use: mirror, radius: 20*w, radius_of_curvature: roc, at: [0 m, 0 m, 2000*w],\n"
+      "     facing: [0, 0, -1], body: b, material: hr}\n"
+      "  - {name: plate, shape: {disk: {outer_radius: 50*w}}, at: [0 m, 0 m, -w], facing: [0, 0, 1], body: b,\n"
       "     material: white}\n"
       "beams: {c: {cavity: [one, two], lit: yes}}\nports: {bench: {beam: c, at: plate}}\n";
   return total_coupling(run_histories(world_of(scene), 1 << 17)).mean / (transmission * transmission);
@@ -138,6 +138,7 @@ TEST(LitScenes, ScatterFractionR2_33) {
   double const f = fraction(1e-5);
   EXPECT_NEAR(f / 3.604e-12, 1, 5e-3);
   EXPECT_GT(std::fabs(4 * f / 3.604e-12 - 1), 0.5);  // twin: w read as a diameter
+  EXPECT_NEAR(fraction(1e-5, 58e-3) / 1.071e-15, 1, 5e-3);
   EXPECT_NEAR(std::sqrt(fraction(6e-5) / f), std::sqrt(6.0), 1e-2);
 }
 

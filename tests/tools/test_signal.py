@@ -215,6 +215,14 @@ class Files(unittest.TestCase):
             self.assertIn("</table>", text)
             self.assertNotIn("http", text)
 
+    def test_all_files_or_none(self):
+        outs = [self.folder / f"none.{ending}" for ending in ("txt", "csv", "hdf5")]
+        with h5py.File(self.folder / "in.hdf5", "w") as f:
+            write_gwpy(f, "x", DRIVE, "m")
+        message = ask("q", self.folder / "in.hdf5", "--band", "8 Hz..60 Hz", *[x for o in outs for x in ("-o", o)], code=2)
+        self.assertIn("the axis 'frequency' is not regular", message)
+        self.assertEqual([o.name for o in outs if o.exists()], [])
+
     def refused(self, content, *words, name="bad.txt", more=()):
         file = self.folder / name
         file.write_text(content)

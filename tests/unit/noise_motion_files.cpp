@@ -45,6 +45,8 @@ TEST(ReadMotionFiles, CountsWithACalibration) {  // eq. 11.3
               HasSubstr("nor is it with this calibration"));
   EXPECT_THAT(read("asd: raw.txt, columns: [Hz, count/sqrt(Hz)], calibration: 6.1 urad/count", files).problems,
               HasSubstr("not a unit of a motion"));  // an angle along z
+  EXPECT_THAT(read("series: r.txt", {{"r.txt", "# t [s], z [count]\n0 1\n1 2\n2 1\n3 2\n"}}).problems,
+              HasSubstr("\"count\" is not a unit of a motion"));  // the unit of the file, not the name of it
 }
 
 TEST(ReadMotionFiles, SensorWithAResponse) {

@@ -29,7 +29,6 @@ TEST(SeriesFile, CsvWithUnitsAndComments) {
   EXPECT_EQ(x.samples, (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(parse_series(text, "a.csv", {.channel = "2", .unit = "", .span = {}}).unit, "V");
   EXPECT_EQ(parse_series(text, "a.csv", {.channel = "y", .unit = "count", .span = {}}).unit, "count");
-  EXPECT_EQ(channels_of(text, "a.csv"), (std::vector<std::string>{"x", "y"}));
 }
 
 TEST(SeriesFile, ByteOrderMarkIsNoName) {  // or the first row would be taken for names, and its sample lost
