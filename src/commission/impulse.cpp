@@ -38,13 +38,14 @@ struct Sums {
   std::vector<double> force, target;
   Complexes cross;
   std::size_t count = 0;
+  std::vector<Complexes> answer;  // Y of each stretch
   std::vector<Complexes> single;  // F of each stretch
   std::vector<double> since;      // s since the start before it; infinity for the first
 };
 
 Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts, std::size_t n,
              std::size_t silent) {
-  Sums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0, {}, {}};
+  Sums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0, {}, {}, {}};
   Fourier fourier;
   double before = -infinity;
   for (double const start : starts) {
@@ -55,6 +56,7 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
     Complexes const y = fourier.forward(stretch(target, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
     s.since.push_back(since);
     s.single.push_back(x);
+    s.answer.push_back(y);
     for (std::size_t k = 0; k < x.size(); ++k) {
       s.force[k] += std::norm(x[k]);
       s.target[k] += std::norm(y[k]);
@@ -73,8 +75,9 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
 // What still rings of earlier knocks has the mode's own shape: it moves its amplitude, and neither frequency nor Q.
 // With s = -1/tau + 2 pi i f and F_i the force of stretch i, R_i = exp(s T_i) (F_(i-1) + R_(i-1)) rings at its start
 // beside F_i; the amplitude is that of sum conj(F_i) (F_i + R_i) instead of sum |F_i|^2.
-void take_off_left_over(RingDown& mode, Sums const& s, double bin) {
-  auto const k = std::size_t(std::lround(mode.hz / bin));
+// Returns F_i + R_i.
+Complexes take_off_left_over(RingDown& mode, Sums const& s, std::size_t k) {
+  Complexes with{s.single[0][k]};
   std::complex<double> left = 0, sum = 0;
   double error = 0;
   for (std::size_t i = 1; i < s.count; ++i) {
@@ -82,12 +85,27 @@ void take_off_left_over(RingDown& mode, Sums const& s, double bin) {
     left = std::polar(std::exp(-since / mode.tau), 2 * pi * mode.hz * since) * (s.single[i - 1][k] + left);
     std::complex<double> const part = std::conj(s.single[i][k]) * left;
     sum += part;
+    with.push_back(s.single[i][k] + left);
     error +=
         std::abs(part) * std::hypot(2 * pi * mode.hz_sigma, mode.quality_sigma / (mode.quality * mode.tau)) * since;
   }
   double const factor = 1 / std::abs(1.0 + sum / s.force[k]);
   mode.amplitude *= factor;
-  mode.amplitude_sigma = std::hypot(factor * mode.amplitude_sigma, mode.amplitude * factor * error / s.force[k]);
+  mode.amplitude_sigma = std::hypot(factor * mode.amplitude_sigma, mode.amplitude * error / s.force[k]);
+  return with;
+}
+
+// Relative error of the amplitude from how much the knocks differ: no two hit quite alike, and the fit of their mean
+// does not see it.
+double scatter_of_knocks(Sums const& s, Complexes const& force, std::size_t k) {
+  std::complex<double> mean = 0;
+  double weight = 0, scatter = 0;
+  for (std::size_t i = 0; i < s.count; ++i) mean += std::conj(force[i]) * s.answer[i][k], weight += std::norm(force[i]);
+  mean /= weight;
+  for (std::size_t i = 0; i < s.count; ++i)
+    scatter += std::pow(std::real(std::conj(force[i]) * s.answer[i][k] / mean) - std::norm(force[i]), 2);
+  double const n = double(s.count);
+  return std::sqrt(scatter * n / (n - 1)) / weight;
 }
 
 void to_time(ImpulseResponse& r, std::size_t n, double rate) {
@@ -178,7 +196,11 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
     RingDown mode = fit_ring_down(r, from, to, s.cut ? length : infinity);
     bool const rings = mode.tau > 0 && mode.quality > fewest_sigmas * mode.quality_sigma;
     if (!(rings && mode.hz > r.hz[from] && mode.hz < r.hz[to])) continue;
-    if (s.cut) take_off_left_over(mode, sums, r.hz[1]);
+    auto const k = std::size_t(std::lround(mode.hz / r.hz[1]));
+    Complexes drive;
+    for (Complexes const& f : sums.single) drive.push_back(f[k]);
+    if (s.cut) drive = take_off_left_over(mode, sums, k);
+    mode.amplitude_sigma = std::max(mode.amplitude_sigma, mode.amplitude * scatter_of_knocks(sums, drive, k));
     r.modes.push_back(mode);
   }
   return r;

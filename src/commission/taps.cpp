@@ -61,7 +61,7 @@ LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
   double const n = double(v.force.segments.size());
   std::vector<double> left;
   double mean = 0;
-  for (std::size_t i = 0; i + 1 < v.force.segments.size(); i += 2) {  // neighbours share knocks
+  for (std::size_t i = 0; i + 1 < v.force.segments.size(); ++i) {  // neighbours share knocks
     auto const without = [&](Stretch const& s) { return n * s.mean[k] - s.segments[i][k] - s.segments[i + 1][k]; };
     left.push_back(std::log(without(v.target) / without(v.force)) / 2);
     mean += left.back();
@@ -70,8 +70,8 @@ LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
   double sum = 0;
   for (double const l : left) sum += squared(l - mean / groups);
   double const y = v.target.mean[k] - q.target.mean[k], x = v.force.mean[k] - q.force.mean[k];
-  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2, std::sqrt((groups - 1) / groups * sum),
-          std::log(x) / 2};
+  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2,
+          std::sqrt((n - 2) / (2 * groups) * sum), std::log(x) / 2};
 }
 
 bool passes(Visit const& v, Quiet const& q, std::size_t k, TapThresholds const& t) {

@@ -176,6 +176,34 @@ TEST(Impulse, ErrorsGrowWhereAnotherModeIsBeside) {
   EXPECT_LT(std::fabs(m.hz - 91.3), 3 * m.hz_sigma);
 }
 
+// Knocks of one place that couple by 20 % more or less: the error is that of their mean. Twin: the fit of the mean
+// alone.
+TEST(Impulse, KnocksThatDifferAreInTheErrorOfTheAmplitude) {
+  auto const n = std::size_t(30 * rate);
+  Coverage amplitude, alone;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    std::vector<double> f(n), driven(n), starts;
+    Rng rng(seed, 8, 0, Stream::source);
+    for (double t = 0.5; t < 27.5; t += 2.5) {
+      auto const i = std::size_t(t * rate);
+      f[i] = 20;
+      driven[i] = 20 * (1 + 0.35 * (2 * rng.uniform() - 1));  // 20 % rms
+      starts.push_back(1e9 + std::floor(t * rate) / rate);
+    }
+    ImpulseResponse const r =
+        impulse_response(channel("HAMMER", "N", rate, f),
+                         channel("H", "1", rate, ringing(driven, 91.3, 0.3) + white_noise(n, seed, 0.1)), starts,
+                         {.length = 2, .low = 20, .high = 300, .modes = 1});
+    ASSERT_EQ(r.modes.size(), 1u);
+    auto const top = std::size_t(std::lround(91.3 / r.hz[1]));
+    RingDown const twin = fit_ring_down(r, top - 10, top + 10, 2 - 0.01);
+    amplitude.add(r.modes[0].amplitude, r.modes[0].amplitude_sigma, rate);
+    alone.add(twin.amplitude, twin.amplitude_sigma, rate);
+  }
+  EXPECT_NEAR(amplitude.share(), 0.66, 0.15);
+  EXPECT_LT(alone.share(), 0.3);
+}
+
 TEST(Impulse, RefusesOneKnock) {
   Knocked const k = knocked(1, 0.1);
   std::vector<double> const one{1e9 + 3};
