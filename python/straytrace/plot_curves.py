@@ -29,7 +29,22 @@ def clock(x, unit):
     return x - origin, f"time after GPS {origin:.0f} [s]"
 
 
-def draw_columns(axes, x, columns):
+def errors_of(column, hidden):
+    """One standard error of a drawn column: the hidden one of its name and unit."""
+    for name in (f"{column['name']}_sigma", "sigma"):
+        if name in hidden and hidden[name]["unit"] == column["unit"]:
+            return values(hidden[name]["values"])
+    return None
+
+
+def draw_errors(axes, x, y, error, style, tint):
+    if style == "points":
+        axes.errorbar(x, y, error, fmt="none", ecolor=tint, elinewidth=1, alpha=0.6)
+    else:
+        axes.fill_between(x, y - error, y + error, color=tint, alpha=0.25, lw=0)
+
+
+def draw_columns(axes, x, columns, hidden):
     band_low, colour = None, -1
     for column in columns:
         y, style = values(column["values"]), column["style"]
@@ -44,7 +59,12 @@ def draw_columns(axes, x, columns):
             continue
         colour += 1
         tint = COLOURS[colour % len(COLOURS)]
+        if not np.any(np.isfinite(y)):
+            continue
         name = shortened(label(column), 48)
+        error = errors_of(column, hidden)
+        if error is not None:
+            draw_errors(axes, x, y, error, style, tint)
         if style == "points":
             axes.plot(x, y, ".", color=tint, label=name)
         elif style == "upper-limit":
@@ -62,23 +82,41 @@ def panels_of(columns):
     return panels or {"": []}
 
 
+def known_of(arrays):
+    return np.concatenate([a[np.isfinite(a)] for a in arrays] or [np.array([])])
+
+
 def can_be_logarithmic(arrays):
-    known = np.concatenate([a[np.isfinite(a)] for a in arrays] or [np.array([])])
-    return known.size > 0 and np.any(known > 0)
+    return bool(np.any(known_of(arrays) > 0))
+
+
+def is_narrow(arrays):
+    """Within a factor of three, where a logarithmic axis has no labels to speak of."""
+    known = known_of(arrays)
+    return known.size > 0 and np.min(known) > 0 and np.max(known) < 3 * np.min(known)
+
+
+def set_x_limits(axes, sheet, x, columns):
+    """To the ends; a little further where points stand there."""
+    room = 0.02 if any(c["style"] in ("points", "upper-limit") for c in columns) else 0.0
+    if sheet["log_x"] and can_be_logarithmic([x]):
+        axes.set_xscale("log")
+        low, high = np.min(x[x > 0]), np.max(x)
+        axes.set_xlim(low * (low / high) ** room, high * (high / low) ** room)
+    elif x.size > 1:
+        axes.set_xlim(x[0] - room * (x[-1] - x[0]), x[-1] + room * (x[-1] - x[0]))
 
 
 def draw_panel(axes, sheet, unit, columns):
     x, words = clock(values(sheet["x"]["values"]), sheet["x"]["unit"])
-    draw_columns(axes, x, columns)
-    if sheet["log_x"] and can_be_logarithmic([x]):
-        axes.set_xscale("log")
-        axes.set_xlim(np.min(x[x > 0]), np.max(x))
-    elif x.size > 1:
-        axes.set_xlim(x[0], x[-1])
-    if sheet["log_y"] and can_be_logarithmic([values(c["values"]) for c in columns]):
+    draw_columns(axes, x, columns, {c["name"]: c for c in sheet["y"] if c["style"] == "hidden"})
+    set_x_limits(axes, sheet, x, columns)
+    drawn = [values(c["values"]) for c in columns]
+    if sheet["log_y"] and can_be_logarithmic(drawn) and not is_narrow(drawn):
         axes.set_yscale("log", nonpositive="mask")
     axes.set_ylabel(f"[{unit}]" if unit not in ("", "1") else "")
-    axes.legend(loc="best")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="best")
     axes.grid(True, which="major", color=LIGHT, lw=0.7)
     axes.set_axisbelow(True)
     return words or label(sheet["x"])

@@ -265,6 +265,7 @@ BudgetView gather_budget(BudgetRequest const& r) {
   v.title = fmt::format("noise budget of {}", fmt::join(titles, ", "));
   for (Source const& s : g.sources) {
     if (!s.run.entry.empty()) v.runs.push_back(s.run);
+    v.warnings.insert(v.warnings.end(), s.warnings.begin(), s.warnings.end());
     for (std::string const& model : s.models)
       if (std::find(v.models.begin(), v.models.end(), model) == v.models.end()) v.models.push_back(model);
   }

@@ -181,6 +181,7 @@ Source stray_light(std::string const& file) {
            std::move(models)};
   s.bands = {b.bands.input_low, b.bands.input_high, b.bands.speckle_05, b.bands.speckle_50, b.bands.speckle_95};
   s.entry.inputs_stated = !b.bands.sources.empty();
+  for (std::string const& warning : b.warnings) s.warnings.push_back(fmt::format("'{}': {}", file, warning));
   for (NoiseTrace const& route : b.routes)
     if (route.resolved)
       s.parts.push_back({{route.name, route.name, BudgetEntry::Kind::stray_light, {}, {}, "", {}},

@@ -40,6 +40,7 @@ struct Source {
   RunAbout run;                       // of a run file
   std::vector<std::string> models{};  // hashes of the scenes whose stray light is in it
   BudgetBands bands{};                // on the frequencies of the curve
+  std::vector<std::string> warnings{};
   BudgetEntry on(std::vector<double> const& at) const;
 };
 

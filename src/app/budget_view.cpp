@@ -47,7 +47,7 @@ std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
 
 std::string row(std::string const& name, std::vector<std::string> const& cells) {
   std::string text = fmt::format("{:<28}", name);
-  for (std::string const& c : cells) text += fmt::format("  {:>14}", c);
+  for (std::string const& c : cells) text += fmt::format("  {:>16}", c);
   return text + '\n';
 }
 

@@ -27,6 +27,8 @@ void convert(std::vector<RidgePoint>& ridge, ToMetres const& m) {
   for (RidgePoint& p : ridge) {
     double const f = factor_at(m, p.coupling.hz);
     p.witness *= f;
+    p.modulus /= f;
+    p.sigma /= f;
     p.coupling.factor /= f;
     p.coupling.sigma /= f;
   }
@@ -72,7 +74,7 @@ int run_sweep(SweepOptions o) {
       o.resolution.empty() ? 2 / o.ridge.window : option_quantity(o.resolution, dim::frequency, "--resolution", "1 Hz");
   TimeSeries witness = pair.witness;
   witness.unit = metres.unit;
-  CouplingFunction const c = coupling_of_ridge(ridge, witness, pair.target, resolution);
+  CouplingFunction const c = coupling_of_ridge(ridge, witness, pair.target, resolution, o.ridge.significance);
   CurveSheet sheet;
   sheet.title = fmt::format("coupling of {} to {} along a sweep", c.witness, c.target);
   sheet.notes = {source_note(pair.witness), source_note(pair.target),

@@ -40,9 +40,7 @@ MotionKind kind_of(TimeSeries const& x, std::string const& option) {
                   option, x.name, x.unit));
 }
 
-// Displacement [m] or angle [rad]. Integration knows nothing of what lies before the record and behind it; what the
-// high pass makes of that falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are left out at both
-// ends.
+// Displacement [m] or angle [rad].
 TimeSeries motion_of(TimeSeries x, FitOptions const& o, std::string const& option) {
   MotionKind const kind = kind_of(x, option);
   if (kind.integrations == 0) {
@@ -58,13 +56,7 @@ TimeSeries motion_of(TimeSeries x, FitOptions const& o, std::string const& optio
                       "\"0.05 Hz\", below all motion that makes fringes",
                       option, x.name, x.unit));
     double const corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
-    if (x.duration() * corner < 6)
-      throw InputError(
-          fmt::format("error: --corner: '{}' has {:.3g} s, fewer than six periods of {:g} Hz\n  give a longer "
-                      "record or a higher corner",
-                      x.name, x.duration(), corner));
-    x = integrated(x, kind.integrations, corner);
-    x = cut(x, {x.start + 2 / corner, x.end() - 2 / corner});
+    x = settled(integrated(x, kind.integrations, corner), corner);
   }
   x.unit = kind.rotation ? "rad" : "m";
   return x;

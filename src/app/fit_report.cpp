@@ -240,6 +240,9 @@ CurveSheet fit_curves(FitAnswer const& a, FringeModel const& model) {
     return sheet;
   }
   add("fitted_noise", welch(model.values, h.rate, welch_settings));
+  for (std::size_t i = 0; i < lines.size(); ++i)  // beyond the band it is what leaks through the window
+    if (sheet.x.values[i] < a.settings.low || sheet.x.values[i] > a.settings.high)
+      for (std::size_t c = sheet.y.size() - 2; c < sheet.y.size(); ++c) sheet.y[c].values[i] = not_a_number;
   for (std::size_t i = 0; i < n; ++i) part.samples[i] -= model.values[i];
   add("residual", welch(part.samples, h.rate, welch_settings));
   return sheet;

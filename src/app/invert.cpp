@@ -57,12 +57,13 @@ Traced traced(Options const& options, Requirement const& requirement) {
       near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
 }
 
-Answer scatter_answer(Traced const& t, std::string const& name) {
+Answer scatter_answer(Traced const& t, std::string const& name, Options const& options) {
   std::vector<std::string> names;
   for (MaterialSpread const& m : material_spreads(t.model.world)) names.push_back(m.name);
   for (MaterialSpread const& m : material_spreads(t.model.world)) {
     if (m.name != name) continue;
     NoiseBudget const budget = t.model.project(t.coupling);
+    tell_warnings(budget, options);
     Answer a = answer_about(t.model, budget, invert_scatter(budget, t.coupling, m, line_of(t.model)));
     for (MaterialInfo const& info : t.model.world.materials)
       if (info.name == name) a.tis = scattered_share(t.model.world, info);
@@ -72,12 +73,13 @@ Answer scatter_answer(Traced const& t, std::string const& name) {
   refuse(name, "material that scatters", names);
 }
 
-Answer motion_answer(Traced const& t, std::string const& name) {
+Answer motion_answer(Traced const& t, std::string const& name, Options const& options) {
   std::vector<std::string> const& bodies = t.model.motion.bodies;
   auto const hit = std::find(bodies.begin(), bodies.end(), name);
   if (hit == bodies.end()) refuse(name, "body", bodies);
   BodyId const body{std::uint32_t(hit - bodies.begin())};
   NoiseBudget const budget = t.model.project(t.coupling);
+  tell_warnings(budget, options);
   auto const at = [&](double scale) {
     return project_noise(t.coupling, with_scaled_body(t.model.motion, body, scale), *t.model.detector, t.model.noise)
         .total;
@@ -108,7 +110,7 @@ int invert(Options const& options, Requirement const& requirement, InvertOrder c
   if (!axes.empty())
     throw InputError(fmt::format("error: --invert \"{}\" looks at one model\n  set parameters with -p", order.what));
   Traced const t = traced(options, requirement);
-  Answer answer = kind == "brdf" ? scatter_answer(t, name) : motion_answer(t, name);
+  Answer answer = kind == "brdf" ? scatter_answer(t, name, options) : motion_answer(t, name, options);
   answer.what = order.what;
   answer.complete = t.complete;
   print(answer, options, order.per_frequency);

@@ -54,9 +54,30 @@ std::string words(Probe const& p, std::string const& unit) {
 
 struct Bracket {
   Probe meets, fails;        // the nearest known ends
-  std::vector<Probe> doubt;  // between them, within two standard errors of the line
+  std::vector<Probe> doubt;  // between them, from `meets` to `fails`, within two standard errors of the line
   bool stopped = false;
 };
+
+struct Gap {
+  double from, to;
+  double width() const { return std::fabs(to - from); }
+};
+
+// Beside the doubt, where an answer is still to be had; the wider one of both sides.
+Gap widest(Bracket const& b) {
+  if (b.doubt.empty()) return {b.meets.number, b.fails.number};
+  Gap const near{b.meets.number, b.doubt.front().number}, far{b.doubt.back().number, b.fails.number};
+  return near.width() > far.width() ? near : far;
+}
+
+void place(Bracket& b, Probe const& p, bool before_doubt) {
+  if (!p.meets() && !p.fails()) {
+    b.doubt.insert(before_doubt ? b.doubt.begin() : b.doubt.end(), p);
+    return;
+  }
+  if (p.meets() != before_doubt) b.doubt.clear();  // it lies beyond them
+  (p.meets() ? b.meets : b.fails) = p;
+}
 
 // The ratio between two probes lies between theirs, within errors.
 void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis) {
@@ -70,17 +91,14 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis)
                   axis.name, words(b.meets, axis.unit), words(p, axis.unit), words(b.fails, axis.unit)));
 }
 
+// Halves what is not known; about the line itself the errors leave a doubt that no halving removes.
 void narrow(Bracket& b, Search& search, ScanAxis const& axis, double wanted) {
-  while (std::fabs(b.fails.number - b.meets.number) > wanted) {
-    std::optional<Probe> const p = search.at(0.5 * (b.meets.number + b.fails.number));
+  for (Gap gap = widest(b); gap.width() > wanted; gap = widest(b)) {
+    std::optional<Probe> const p = search.at(0.5 * (gap.from + gap.to));
     b.stopped = !p;
     if (b.stopped) return;
     refuse_other_shapes(b, *p, axis);
-    if (!p->meets() && !p->fails()) {
-      b.doubt.push_back(*p);
-      return;
-    }
-    (p->meets() ? b.meets : b.fails) = *p;
+    place(b, *p, gap.from == b.meets.number);
   }
 }
 
@@ -88,8 +106,8 @@ std::string text_of(Bracket const& b, ScanAxis const& axis, std::string const& w
   std::string text = fmt::format("{}: the total stays under {} at {} and exceeds it at {}.\n", what, line,
                                  words(b.meets, axis.unit), words(b.fails, axis.unit));
   if (!b.doubt.empty())
-    text += fmt::format("At {} the answer is within two standard errors: trace longer for a narrower one.\n",
-                        words(b.doubt.front(), axis.unit));
+    text += fmt::format("{}{} it is within two standard errors of the line: trace longer for a narrower answer.\n",
+                        b.doubt.size() > 1 ? "Between, as at " : "At ", words(b.doubt[b.doubt.size() / 2], axis.unit));
   if (b.stopped) text += "Stopped before it was as narrow as wanted.\n";
   return text;
 }

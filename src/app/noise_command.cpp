@@ -46,8 +46,7 @@ int noise(Options const& options) {
   }
   if (!options.quiet) std::cerr << model.warnings;
   NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
-  if (!options.quiet)
-    for (std::string const& warning : budget.warnings) std::cerr << "warning: " << warning << '\n';
+  tell_warnings(budget, options);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PathTable const paths = table_for(file.trace.coupling, &budget, model);
   RunContent content = file.content();

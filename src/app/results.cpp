@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 
 #include "app/build_info.hpp"
 #include "app/importance_map.hpp"
@@ -48,6 +49,12 @@ std::string write_results(std::string const& folder, RunContent const& content, 
   write_file(folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions()));
   std::string message;
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
+}
+
+void tell_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {
+  if (options.quiet) return;
+  for (std::string const& warning : budget.warnings)
+    std::cerr << fmt::format("warning: {}{}{}\n", where, where.empty() ? "" : ": ", warning);
 }
 
 std::string headline(NoiseBudget const& budget, PathTable const& paths) {

@@ -26,8 +26,7 @@ int run(Options const& options) {
   TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
   std::optional<NoiseBudget> budget;                                                // from here on nothing is expensive
   if (model.detector) budget = model.project_with_bands(traced.coupling);
-  if (budget && !options.quiet)
-    for (std::string const& warning : budget->warnings) std::cerr << "warning: " << warning << '\n';
+  if (budget) tell_warnings(*budget, options);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
   RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
   std::string const undrawn = write_results(options.out, content, paths, model);

@@ -115,6 +115,8 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
   auto const coupling = trace_of(model, point);
   point.histories = coupling->histories;
   NoiseBudget const budget = model.project(*coupling);
+  tell_warnings(budget, options_, fmt::format("{}", fmt::join(settings, ", ")));
+  point.warnings = budget.warnings;
   for (double const hz : frequencies) point.strain.push_back(strain_at(budget.total, budget.grid, hz));
   judge(point, budget, line_of(model));
   line_ = name_of_line(model);

@@ -19,6 +19,7 @@ struct ScanPoint {
   WithError ratio{not_a_number, not_a_number};                     // worst total over margin line
   double worst_hz = not_a_number;
   std::vector<std::string> unresolved;  // the total is then a lower bound
+  std::vector<std::string> warnings;    // of its noise
 };
 
 // The line that a total is held against.

@@ -101,6 +101,7 @@ std::string scan_json(ScanTable const& t) {
     point["worst_ratio"] = numbers(p.ratio);
     point["worst_Hz"] = p.worst_hz;
     point["unresolved"] = p.unresolved;
+    point["warnings"] = p.warnings;
     point["histories"] = p.histories;
     point["from"] = word_of(p.from);
     point["complete"] = p.complete;

@@ -51,4 +51,7 @@ std::string headline(NoiseBudget const&, PathTable const&);
 
 PathTable table_for(CouplingTable const&, NoiseBudget const*, Model const&);
 
+// What a reader of the noise must know, to stderr unless that is to be quiet. `where`: a point of a scan, or empty.
+void tell_warnings(NoiseBudget const&, Options const&, std::string const& where = {});
+
 }  // namespace straytrace

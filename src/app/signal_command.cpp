@@ -52,7 +52,7 @@ std::string some_rows(CurveSheet const& sheet, std::size_t count) {
   for (CurveColumn const& c : sheet.y)
     table.titles.push_back(c.unit.empty() || c.unit == "1" ? c.name : fmt::format("{} [{}]", c.name, c.unit));
   for (std::size_t const i : rows) {
-    table.rows.push_back({fmt::format("{:.10g}", x[i])});
+    table.rows.push_back({fmt::format("{:.{}g}", x[i], sheet.x.unit == "s" ? 13 : 10)});  // GPS s to a millisecond
     for (CurveColumn const& c : sheet.y)
       table.rows.back().push_back(std::isfinite(c.values[i]) ? fmt::format("{:.4g}", c.values[i]) : "not known");
   }

@@ -11,6 +11,7 @@
 #include "app/earlier.hpp"
 #include "app/session.hpp"
 #include "motion/axis_motion.hpp"
+#include "signal/integration.hpp"
 
 namespace straytrace {
 namespace {
@@ -79,7 +80,8 @@ void choose_times(TimeOptions const& o, TimeInputs& in) {
   double const all = recorded ? to - from : usual_duration;
   GpsSpan const span = o.gps.empty() ? GpsSpan{} : parse_gps(o.gps);
   in.start = std::max(span.from > -1e299 ? span.from : recorded ? from : 0, from);
-  double const asked = span.to < 1e299 ? span.to - in.start : recorded ? to - in.start : all;
+  double const end = o.corner.empty() ? span.to : std::min(span.to, to);  // integration loses the ends
+  double const asked = end < 1e299 ? end - in.start : recorded ? to - in.start : all;
   in.duration = o.duration.empty() ? asked : option_quantity(o.duration, dim::time, "--duration", "64 s");
   if (!(in.duration > 0 && in.duration <= 1e6))
     throw InputError(fmt::format("error: a duration of {:g} s\n  it is positive and at most 1e6 s", in.duration));
@@ -195,6 +197,7 @@ RecordedMotion as_motion(TimeSeries const& series, bool rotation, double corner)
         fmt::format("error: --channel: '{}' has fewer than 32 samples\n  choose a longer stretch", series.name));
   c.factor = unit->si;
   TimeSeries displacement = as_displacement(series, c, corner);
+  if (c.derivatives > 0) displacement = settled(displacement, corner);
   displacement.unit = rotation ? "rad" : "m";
   double const segment =
       std::max(std::min(series.duration() / 8, 128.0), std::min(series.duration(), 8 / std::max(corner, 1e-9)));

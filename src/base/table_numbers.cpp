@@ -148,10 +148,8 @@ Quantity Node::as_quantity() const {
 std::vector<double> Node::as_numbers(Dimension d, std::size_t expected) const {
   std::vector<Node> const elements = as_list();
   if (elements.size() != expected && kind() != Kind::none) {
-    std::string sample;
-    for (std::size_t i = 0; i < expected; ++i) sample += (i ? ", " : "") + example(d, -infinity, infinity);
     problem(fmt::format("'{}' needs {} values, got {}", data_->label, expected, elements.size()),
-            fmt::format("write '[{}]'", sample));
+            fmt::format("write a list of {}, each like '{}'", expected, example(d, -infinity, infinity)));
   }
   std::vector<double> out(expected, not_a_number);
   if (elements.size() == expected)

@@ -38,6 +38,10 @@ void check_samples(TimeSeries const& x) {
   if (bad != x.samples.end())
     throw InputError(fmt::format("error: '{}' has no number at GPS {:.4f}\n  choose a span without gaps", x.name,
                                  x.time(std::size_t(bad - x.samples.begin()))));
+  auto const [low, high] = std::minmax_element(x.samples.begin(), x.samples.end());
+  if (x.samples.empty() || *low == *high)
+    throw InputError(fmt::format(
+        "error: '{}' has one value all the time, so nothing can be fitted\n  give a record that is alive", x.name));
 }
 
 void check(FringeRecords const& r, FringeFitSettings const& s) {

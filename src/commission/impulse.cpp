@@ -38,8 +38,8 @@ struct Sums {
   std::vector<double> force, target;
   Complexes cross;
   std::size_t count = 0;
-  std::vector<std::vector<double>> single;  // |F|^2 of each stretch
-  std::vector<double> since;                // s since the start before it; infinity for the first
+  std::vector<Complexes> single;  // F of each stretch
+  std::vector<double> since;      // s since the start before it; infinity for the first
 };
 
 Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts, std::size_t n,
@@ -54,9 +54,8 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
     Complexes const x = fourier.forward(stretch(force, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
     Complexes const y = fourier.forward(stretch(target, std::size_t(first), n, std::max<std::size_t>(silent, 1)));
     s.since.push_back(since);
-    s.single.emplace_back();
+    s.single.push_back(x);
     for (std::size_t k = 0; k < x.size(); ++k) {
-      s.single.back().push_back(std::norm(x[k]));
       s.force[k] += std::norm(x[k]);
       s.target[k] += std::norm(y[k]);
       s.cross[k] += std::conj(x[k]) * y[k];
@@ -71,16 +70,24 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
   return s;
 }
 
-// Relative error of a mode's amplitude from what still rang of the knock before. Its line has the mode's own shape and
-// a phase that has nothing to do with the next knock: it moves the amplitude, and neither frequency nor Q.
-double left_over(Sums const& s, RingDown const& mode, double bin) {
+// What still rings of earlier knocks has the mode's own shape: it moves its amplitude, and neither frequency nor Q.
+// With s = -1/tau + 2 pi i f and F_i the force of stretch i, R_i = exp(s T_i) (F_(i-1) + R_(i-1)) rings at its start
+// beside F_i; the amplitude is that of sum conj(F_i) (F_i + R_i) instead of sum |F_i|^2.
+void take_off_left_over(RingDown& mode, Sums const& s, double bin) {
   auto const k = std::size_t(std::lround(mode.hz / bin));
-  double sum = 0;
-  for (std::size_t i = 0; i < s.count; ++i) {
-    double const earlier = s.single[i > 0 ? i - 1 : i][k];
-    sum += s.single[i][k] * earlier * std::exp(-2 * s.since[i] / mode.tau);
+  std::complex<double> left = 0, sum = 0;
+  double error = 0;
+  for (std::size_t i = 1; i < s.count; ++i) {
+    double const since = s.since[i];
+    left = std::polar(std::exp(-since / mode.tau), 2 * pi * mode.hz * since) * (s.single[i - 1][k] + left);
+    std::complex<double> const part = std::conj(s.single[i][k]) * left;
+    sum += part;
+    error +=
+        std::abs(part) * std::hypot(2 * pi * mode.hz_sigma, mode.quality_sigma / (mode.quality * mode.tau)) * since;
   }
-  return std::sqrt(sum / 2) / s.force[k];
+  double const factor = 1 / std::abs(1.0 + sum / s.force[k]);
+  mode.amplitude *= factor;
+  mode.amplitude_sigma = std::hypot(factor * mode.amplitude_sigma, mode.amplitude * factor * error / s.force[k]);
 }
 
 void to_time(ImpulseResponse& r, std::size_t n, double rate) {
@@ -171,7 +178,7 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
     RingDown mode = fit_ring_down(r, from, to, s.cut ? length : infinity);
     bool const rings = mode.tau > 0 && mode.quality > fewest_sigmas * mode.quality_sigma;
     if (!(rings && mode.hz > r.hz[from] && mode.hz < r.hz[to])) continue;
-    if (s.cut) mode.amplitude_sigma = std::hypot(mode.amplitude_sigma, mode.amplitude * left_over(sums, mode, r.hz[1]));
+    if (s.cut) take_off_left_over(mode, sums, r.hz[1]);
     r.modes.push_back(mode);
   }
   return r;

@@ -45,14 +45,15 @@ struct ImpulseResponse {
 };
 
 // Stretches at `starts` (GPS s) without a window: what rings must not be weighted. In time the response is damped by
-// the coherence, so that frequencies without force or answer do not fill it with noise. Errors of amplitudes hold what
-// still rings of the knock before. Throws InputError with fewer
-// than two stretches inside the data: without repeats there is no error.
+// the coherence, so that frequencies without force or answer do not fill it with noise. What still rings of knocks
+// before is taken off the amplitudes of modes. Throws InputError with fewer than two stretches inside the data: without
+// repeats there is no error.
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const&);
 
 // a exp(-t/tau) cos(2 pi f t + phase) from t = 0 to `length`, as a line of the transform around f, with a constant for
-// what lies beside it. `from`, `to`: bins that are fitted.
+// what lies beside it; the line at -f is in it. `from`, `to`: bins that are fitted. Errors are those of what the fit
+// leaves: times the root of chi^2 per degree.
 RingDown fit_ring_down(ImpulseResponse const&, std::size_t from, std::size_t to, double length);
 
 }  // namespace straytrace

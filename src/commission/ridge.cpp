@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "commission/ridge.hpp"
 
+#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,19 +36,59 @@ Ridge ridge_of(Complexes const& x, std::size_t low, std::size_t high) {
   return r;
 }
 
-// Mean |line|^2 beside the ridge.
-double level_beside(Complexes const& lines, Ridge const& r) {
+struct Level {
+  double mean = 0;   // |line|^2
+  double lines = 0;  // independent ones
+};
+
+// Beside the ridge.
+Level level_beside(Complexes const& lines, Ridge const& r) {
+  constexpr double shared = 1 + 2 * (4.0 / 9 + 1.0 / 36);  // of neighbouring lines
   double sum = 0;
   int count = 0;
   for (std::size_t k = 2; k < beside + 2; ++k) {
     if (r.low > k) sum += std::norm(lines[r.low - k]), ++count;
     if (r.high + k + 1 < lines.size()) sum += std::norm(lines[r.high + k]), ++count;
   }
-  return count > 0 ? sum / count : not_a_number;
+  return count > 0 ? Level{sum / count, count / shared} : Level{not_a_number, 0};
 }
 
-double limit_of(RidgePoint const& p, double confidence) {
-  return p.modulus + sigmas_of_probability(1 - confidence) * p.sigma;
+double squared(double v) { return v * v; }
+
+// Mean of the ratios and of the coherence.
+void add_means(CouplingPoint& out, std::vector<RidgePoint> const& windows) {
+  double const n = double(windows.size());
+  out.witness_ratio = out.target_ratio = out.coherence = 0;
+  for (RidgePoint const& w : windows) {
+    out.witness_ratio += w.coupling.witness_ratio / n;
+    out.target_ratio += w.coupling.target_ratio / n;
+    out.coherence += w.coupling.coherence / n;
+  }
+}
+
+// All windows of a bin together (C.12): sum of |H|^2/sigma^2 is chi-square of two degrees for each, off centre by
+// H^2/sigma^2. The noise is the mean over the windows. Phases may differ, as behind a delay.
+CouplingPoint judged(std::vector<RidgePoint> const& windows, double significance) {
+  double const n = double(windows.size());
+  CouplingPoint out;
+  add_means(out, windows);
+  double level = 0, lines = 0, sum = 0, weights = 0, scatter = 0;
+  for (RidgePoint const& w : windows) level += w.level / n, lines += w.lines;
+  auto const variance = [&](RidgePoint const& w) { return squared(w.sigma) * level / w.level; };
+  for (RidgePoint const& w : windows) sum += squared(w.modulus) / variance(w), weights += 1 / variance(w);
+  out.significance = excess_significance({sum / (2 * n), n}, {1, lines});
+  if (!(out.significance >= significance)) {
+    boost::math::non_central_chi_squared const any(2 * n, 0);
+    out.flag = CouplingFlag::upper_limit;
+    out.factor = std::sqrt(decltype(any)::find_non_centrality(2 * n, std::max(sum, 2 * n), 0.05) / weights);
+    return out;
+  }
+  out.flag = CouplingFlag::measured;
+  out.factor = std::sqrt((sum - 2 * n) / weights);
+  for (RidgePoint const& w : windows) scatter += squared(w.modulus - out.factor) / variance(w);
+  double const disagree = n > 1 ? std::max(1.0, scatter / (n - 1)) : 1;
+  out.sigma = std::sqrt(disagree * (1 + n / (sum - 2 * n)) / weights);
+  return out;
 }
 
 RidgePoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, RidgeSettings const& s) {
@@ -60,20 +101,20 @@ RidgePoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, R
     for (std::size_t m = 0; m < 3 && k + m <= r.high; ++m)
       noise += (m == 0 ? 1 : 2) * hann_correlation[m] * std::real(std::conj(x[k]) * x[k + m]);
   }
-  double const level = level_beside(y, r), top = power / double(r.high - r.low + 1);
+  Level const beside_y = level_beside(y, r);
+  double const level = beside_y.mean, top = power / double(r.high - r.low + 1);
   RidgePoint out;
   CouplingPoint& p = out.coupling;
-  p.witness_ratio = std::sqrt(top / level_beside(x, r));
+  p.witness_ratio = std::sqrt(top / level_beside(x, r).mean);
   p.target_ratio = std::sqrt(answer / double(r.high - r.low + 1) / level);
   p.coherence = std::norm(cross) / (power * answer);
   p.flag = CouplingFlag::below_thresholds;
   if (!(p.witness_ratio >= s.witness_ratio)) return out;
   out.modulus = std::abs(cross) / power;
   out.sigma = std::sqrt(level * noise / 2) / power;
-  p.significance = out.modulus / out.sigma;
-  p.flag = p.significance >= s.significance ? CouplingFlag::measured : CouplingFlag::upper_limit;
-  p.factor = p.flag == CouplingFlag::measured ? out.modulus : limit_of(out, 0.95);
-  if (p.flag == CouplingFlag::measured) p.sigma = out.sigma;
+  out.level = level;
+  out.lines = beside_y.lines;
+  p = judged({out}, s.significance);
   return out;
 }
 
@@ -110,23 +151,17 @@ std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries con
 }
 
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const& ridge, TimeSeries const& witness,
-                                   TimeSeries const& target, double resolution) {
+                                   TimeSeries const& target, double resolution, double significance) {
   CouplingFunction out{witness.name, target.name, witness.unit, coupling_unit(target.unit, witness.unit), {}};
-  std::vector<CouplingPoint> combined;
   std::map<long, std::vector<RidgePoint>> bins;
   for (RidgePoint const& p : ridge) bins[std::lround(p.coupling.hz / resolution)].push_back(p);
-  for (auto const& [bin, points] : bins) {
-    std::vector<CouplingFunction> all;
-    for (RidgePoint const& p : points) {
-      all.push_back(out);
-      all.back().points = {p.coupling};
-      CouplingPoint& c = all.back().points[0];
-      c.hz = double(bin) * resolution;
-      if (c.flag == CouplingFlag::upper_limit) c.factor = limit_of(p, each_of(points.size(), 0.95));
-    }
-    combined.push_back(combine(all).points[0]);
+  for (auto& [bin, windows] : bins) {
+    CouplingPoint point = windows.front().coupling;
+    std::erase_if(windows, [](RidgePoint const& p) { return p.coupling.flag == CouplingFlag::below_thresholds; });
+    if (!windows.empty()) point = judged(windows, significance);
+    point.hz = double(bin) * resolution;
+    out.points.push_back(point);
   }
-  out.points = std::move(combined);
   return out;
 }
 

@@ -13,6 +13,7 @@ struct RidgePoint {
   double time = 0;                // GPS s, middle of the window
   double witness = 0;             // rms of the witness along the ridge in this window, its unit
   double modulus = 0, sigma = 0;  // |H| and the error of each quadrature, whatever the flag
+  double level = 0, lines = 0;    // |line|^2 of the target beside the ridge, and of how many independent lines
   CouplingPoint coupling;         // hz: centre of the ridge; coherence: share of the target's power there
 };
 
@@ -27,9 +28,9 @@ struct RidgeSettings {
 // y>/<|x|^2>. |H| with its error from the target beside the ridge; upper limits at 95 %. Both series on equal samples.
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const&);
 
-// One coupling function from all windows: those of a bin of `resolution` Hz combined as injections are,
-// limits at 95 % for the bin.
+// One coupling function from all windows: those of a bin of `resolution` Hz are judged together (C.12), whatever each
+// alone would say. Upper limits at 95 %.
 CouplingFunction coupling_of_ridge(std::vector<RidgePoint> const&, TimeSeries const& witness, TimeSeries const& target,
-                                   double resolution);
+                                   double resolution, double significance);
 
 }  // namespace straytrace

@@ -12,45 +12,72 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Given frequency and damping rate, amplitude and background follow by linear least squares.
+// Of c exp(-gamma t + 2 pi i f t) + its conjugate, and a constant. Given frequency and damping rate, the real and
+// imaginary parts of c and of the constant follow by linear least squares.
 class Mode {
  public:
   Mode(ImpulseResponse const& r, std::size_t from, std::size_t to, double length)
-      : r_(r), from_(from), to_(to), length_(length) {
-    for (std::size_t k = from; k <= to; ++k) floor_ = std::max(floor_, 1e-9 * std::abs(r.response[k]));
+      : length_(length), answer_(2 * Eigen::Index(to - from + 1)) {
+    double floor = 0;
+    for (std::size_t k = from; k <= to; ++k) floor = std::max(floor, 1e-9 * std::abs(r.response[k]));
+    for (std::size_t k = from; k <= to; ++k) {
+      hz_.push_back(r.hz[k]);
+      weight_.push_back(1 / std::max(r.sigma[k], floor));
+      put(answer_, k - from, r.response[k]);
+    }
   }
 
-  // Transform of exp(-gamma t + 2 pi i f t) from 0 to the end of the stretch.
-  Complex shape(std::size_t k, double hz, double gamma) const {
-    Complex const s(gamma, 2 * pi * (r_.hz[k] - hz));
+  struct Fit {
+    Eigen::Vector4d linear;
+    double chi;
+  };
+  Fit fit(double hz, double gamma) const {
+    Eigen::MatrixXd const a = columns(hz, gamma);
+    Eigen::Vector4d const x = (a.transpose() * a).ldlt().solve(a.transpose() * answer_);
+    return {x, (answer_ - a * x).squaredNorm()};
+  }
+
+  // Of Re c, Im c, the constant, frequency and ln gamma.
+  Eigen::MatrixXd covariance(double hz, double gamma, Eigen::Vector4d const& x) const {
+    double const df = 1e-3 * gamma, dg = 1e-3;
+    Eigen::MatrixXd slopes(answer_.size(), 6);
+    slopes << columns(hz, gamma), (columns(hz + df, gamma) - columns(hz - df, gamma)) * x / (2 * df),
+        (columns(hz, gamma * std::exp(dg)) - columns(hz, gamma * std::exp(-dg))) * x / (2 * dg);
+    Eigen::VectorXd const scale = slopes.colwise().norm().cwiseInverse();
+    Eigen::MatrixXd const unit = slopes * scale.asDiagonal();
+    return scale.asDiagonal() * (unit.transpose() * unit).inverse() * scale.asDiagonal();
+  }
+
+  int degrees() const { return int(answer_.size()) - 6; }
+
+ private:
+  // Transform of exp(-gamma t + 2 pi i f t) from 0 to the end of the stretch, `away` from f.
+  Complex ring(double away, double gamma) const {
+    Complex const s(gamma, 2 * pi * away);
     return (1.0 - (std::isfinite(length_) ? std::exp(-s * length_) : Complex(0))) / s;
   }
 
-  double chi(double hz, double gamma, Complex* amplitude = nullptr, double* amplitude_sigma = nullptr) const {
-    Eigen::Matrix2cd normal = Eigen::Matrix2cd::Zero();
-    Eigen::Vector2cd right = Eigen::Vector2cd::Zero();
-    for (std::size_t k = from_; k <= to_; ++k) {
-      Eigen::Vector2cd const row(shape(k, hz, gamma), 1);
-      normal += weight(k) * row.conjugate() * row.transpose();
-      right += weight(k) * row.conjugate() * r_.response[k];
+  Eigen::MatrixXd columns(double hz, double gamma) const {
+    Eigen::MatrixXd a(answer_.size(), 4);
+    for (std::size_t k = 0; k < hz_.size(); ++k) {
+      Complex const above = ring(hz_[k] - hz, gamma), below = ring(hz_[k] + hz, gamma);
+      put(a.col(0), k, above + below);
+      put(a.col(1), k, Complex(0, 1) * (above - below));
+      put(a.col(2), k, 1);
+      put(a.col(3), k, Complex(0, 1));
     }
-    Eigen::Vector2cd const x = normal.fullPivLu().solve(right);
-    double sum = 0;
-    for (std::size_t k = from_; k <= to_; ++k)
-      sum += weight(k) * std::norm(r_.response[k] - x[0] * shape(k, hz, gamma) - x[1]);
-    if (amplitude) *amplitude = x[0];
-    if (amplitude_sigma) *amplitude_sigma = std::sqrt(normal.inverse()(0, 0).real());
-    return sum;
+    return a;
   }
 
-  int degrees() const { return int(2 * (to_ - from_ + 1)) - 6; }
+  template <class Column>
+  void put(Column&& column, std::size_t k, Complex value) const {
+    column[2 * Eigen::Index(k)] = weight_[k] * value.real();
+    column[2 * Eigen::Index(k) + 1] = weight_[k] * value.imag();
+  }
 
- private:
-  double weight(std::size_t k) const { return 1 / std::pow(std::max(r_.sigma[k], floor_), 2); }
-
-  ImpulseResponse const& r_;
-  std::size_t from_, to_;
-  double length_, floor_ = 0;
+  double length_;
+  std::vector<double> hz_, weight_;  // 1/sigma
+  Eigen::VectorXd answer_;           // real and imaginary parts over sigma
 };
 
 }  // namespace
@@ -65,8 +92,8 @@ RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t t
   double hz = 0, rate = 0, best = infinity;
   for (std::size_t k = 4 * top - 4; k <= 4 * top + 4; ++k)
     for (double g = 0.1 * bin; g < 4 * pi * bin * double(to - from); g *= 1.6)
-      if (double const c = mode.chi(double(k) * bin / 4, g); c < best) best = c, hz = double(k) * bin / 4, rate = g;
-  auto const f = [&](Eigen::Vector2d const& p) { return mode.chi(p[0], std::exp(p[1])); };
+      if (double const c = mode.fit(double(k) * bin / 4, g).chi; c < best) best = c, hz = double(k) * bin / 4, rate = g;
+  auto const f = [&](Eigen::Vector2d const& p) { return mode.fit(p[0], std::exp(p[1])).chi; };
   Eigen::Vector2d at(hz, std::log(rate));
   Eigen::Matrix2d curvature;
   double step_f = 1e-2 * std::min(bin, rate), step_g = 1e-2;
@@ -81,20 +108,23 @@ RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t t
     at += move;
     if (std::fabs(move[0]) < 1e-6 * bin && std::fabs(move[1]) < 1e-6) break;
   }
-  Eigen::Matrix2d const covariance = 2 * curvature.inverse();  // chi^2 + 1
+  Mode::Fit const best_fit = mode.fit(at[0], std::exp(at[1]));
   RingDown out;
-  Complex amplitude;
-  double sigma = 0;
-  out.chi_square = mode.chi(at[0], std::exp(at[1]), &amplitude, &sigma);
+  out.chi_square = best_fit.chi;
   out.degrees = mode.degrees();
+  // What the bins scatter around the mode is their error: the noise may be less, where the knock before still rings, or
+  // another mode more.
+  Eigen::MatrixXd const covariance =
+      mode.covariance(at[0], std::exp(at[1]), best_fit.linear) * out.chi_square / out.degrees;
   out.hz = at[0];
-  out.hz_sigma = std::sqrt(std::max(0.0, covariance(0, 0)));
+  out.hz_sigma = std::sqrt(covariance(4, 4));
   out.tau = std::exp(-at[1]);
   out.quality = pi * out.hz * out.tau;
-  out.quality_sigma = out.quality * std::sqrt(std::max(0.0, covariance(1, 1)));
-  // a cos(..) holds half of a at positive frequencies. The amplitude moves with the damping rate, about in proportion.
-  out.amplitude = 2 * std::abs(amplitude);
-  out.amplitude_sigma = out.amplitude * std::hypot(sigma / std::abs(amplitude), out.quality_sigma / out.quality);
+  out.quality_sigma = out.quality * std::sqrt(covariance(5, 5));
+  // a cos(..) holds half of a at positive frequencies.
+  Eigen::Vector2d const c = best_fit.linear.head<2>(), along = c.normalized();
+  out.amplitude = 2 * c.norm();
+  out.amplitude_sigma = 2 * std::sqrt(along.dot(covariance.topLeftCorner<2, 2>() * along));
   return out;
 }
 

@@ -83,7 +83,7 @@ struct NoiseBudget {
   double margin = 0.1;
   double seconds = 0;
   NoiseBands bands;  // of the total
-  // One sentence per route whose paths were found off by more than StrengthNodes::tolerance where they share spectra.
+  // That drawn paths stand for all (StrengthNodes), with what that adds to the error: which `sigma` holds.
   std::vector<std::string> warnings;
 };
 

@@ -12,7 +12,7 @@
 #include "noise/noise.hpp"
 #include "noise/phase_spectra.hpp"
 #include "noise/route_noise.hpp"
-#include "noise/sharing_doubts.hpp"
+#include "noise/sharing_note.hpp"
 #include "noise/strength_nodes.hpp"
 
 namespace straytrace {
@@ -38,9 +38,10 @@ std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, Fr
 
 // PSDs of one curve, before roots are taken.
 struct Sum {
-  explicit Sum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins) {}
+  explicit Sum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins), drawn(bins) {}
   Bins phase, amplitude;                    // 1/Hz
   Bins linear;                              // of both, first order in the motion of the bin
+  Bins drawn;                               // of both, variance [1/Hz^2] from spectra of drawn paths
   std::array<Bins, replica_count> without;  // both, without one replica
   double mean_square_phase = 0, power = 0;
   bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
@@ -50,6 +51,7 @@ struct Sum {
       phase[i] += factor * t.phase[i] * route.psd[i];
       amplitude[i] += factor * t.amplitude[i] * route.psd[i];
       linear[i] += factor * t.both(i) * route.linear[i];
+      if (!route.drawn.empty()) drawn[i] += std::pow(factor * t.both(i), 2) * route.drawn[i];
     }
     for (std::size_t r = 0; r < replica_count; ++r) {
       if (route.without[r].empty()) continue;
@@ -81,7 +83,8 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
   return out;
 }
 
-// Root, with the standard error sigma_asd = sigma_psd / (2 asd).
+// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found and which of them were drawn are
+// independent: their variances add.
 NoiseTrace finished(std::string name, Sum const& sum) {
   NoiseTrace t;
   t.name = std::move(name);
@@ -93,7 +96,8 @@ NoiseTrace finished(std::string name, Sum const& sum) {
     values.clear();
     for (Bins const& b : sum.without)
       if (!b.empty()) values.push_back(b[i]);
-    double const sigma = sum.exact && !sum.sampled ? 0 : std::sqrt(jackknife_variance(values));
+    double const replicas = sum.exact && !sum.sampled ? 0 : jackknife_variance(values);
+    double const sigma = std::sqrt(replicas + sum.drawn[i]);
     t.asd.push_back(std::sqrt(psd));
     t.sigma.push_back(psd > 0 ? sigma / (2 * t.asd.back()) : sigma);
     t.phase_asd.push_back(std::sqrt(sum.phase[i]));
@@ -128,6 +132,16 @@ double largest_ratio(Sum const& unresolved, Sum const& total) {
     if (above > 0) ratio = std::max(ratio, above / below);
   }
   return ratio;
+}
+
+// Largest standard error of the ASD by drawn paths, over the ASD.
+DrawnError drawn_error(Sum const& total) {
+  DrawnError worst;
+  for (std::size_t i = 0; i < total.phase.size(); ++i) {
+    double const psd = total.phase[i] + total.amplitude[i], share = std::sqrt(total.drawn[i]) / (2 * psd);
+    if (psd > 0 && share > worst.share) worst = {share, i};
+  }
+  return worst;
 }
 
 }  // namespace
@@ -186,7 +200,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   budget.unresolved_hint = largest_ratio(unresolved, total);
   budget.faint_share = largest_ratio(faint, total);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  budget.warnings = sharing_doubts(table, motion, spectra, strengths, nodes.checks());
+  if (nodes.sampled()) budget.warnings = {sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total))};
   return budget;
 }
 

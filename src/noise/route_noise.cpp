@@ -2,6 +2,7 @@
 #include "noise/route_noise.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "base/constants.hpp"
@@ -94,6 +95,11 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   route.linear = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::linear);
   if (!(weight > 0)) return route;
   route.mean_square_phase /= weight;
+  if (nodes.sampled()) {
+    route.drawn.assign(route.psd.size(), 0);
+    nodes.add_variance(histogram.all, route.drawn);
+    scale(route.drawn, std::pow(c.coupling.mean / weight, 2));
+  }
   Bins const sum = route.psd;
   scale(route.psd, c.coupling.mean / weight);
   scale(route.linear, c.coupling.mean / weight);

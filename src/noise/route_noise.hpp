@@ -19,6 +19,7 @@ struct RouteSpectrum {
   Bins psd;
   Bins linear;  // part of psd, as in PhaseSpectrum
   std::array<Bins, replica_count> without;
+  Bins drawn;  // variance of psd that drawn paths leave, StrengthNodes::add_variance; empty where all are computed
   bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
   // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of

@@ -25,13 +25,6 @@ std::vector<std::size_t> routes_of(Strengths const& paths) {
   return route;
 }
 
-// Its line is shared between two places 1 % apart: right in the sum, off in a single path.
-bool drifts(PhaseSpectra const& spectra, std::span<double const> kappa) {
-  for (std::size_t c = 0; c < kappa.size(); ++c)
-    if (spectra.classes()[c].drift && spectra.is_strong(c, kappa[c])) return true;
-  return false;
-}
-
 // Half of `count` at equal steps of the summed noise, the others the strongest of their routes.
 Chosen choose(PhaseSpectra const& spectra, Strengths const& paths, std::size_t count) {
   Chosen chosen{routes_of(paths), {}};
@@ -41,7 +34,7 @@ Chosen choose(PhaseSpectra const& spectra, Strengths const& paths, std::size_t c
   std::map<std::size_t, std::pair<double, std::size_t>> best;  // by route: noise and path
   std::map<std::size_t, double> of_route;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    double const s = drifts(spectra, paths.of(i)) ? 0 : spectra.mean_square_phase(paths.of(i));
+    double const s = spectra.mean_square_phase(paths.of(i));
     noise.push_back(paths.weight_of(i) * s / (1 + s));
     if (s > strongest) most_moved = i;
     strongest = std::max(s, strongest);

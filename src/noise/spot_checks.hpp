@@ -22,7 +22,6 @@ struct SpotCheck {
 
 // Chosen by rule: the path of most noise of each of the routes with most of it, the most moved one of all, and paths at
 // equal steps of the sum of noise over all paths. Noise of a path: weight times s/(1 + s), s its mean-square phase.
-// Paths that drift are left out.
 class SpotChecks {
  public:
   SpotChecks(PhaseSpectra const&, Strengths const&, std::size_t count);

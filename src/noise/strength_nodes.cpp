@@ -48,6 +48,12 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
     for (std::size_t c = 0; c < paths.classes; ++c)
       if (double const k = paths.of(i)[c]; k != 0 && !spectra.classes()[c].drift && !weak_[c])
         weak_[c] = !spectra.is_strong(c, k);
+  interpolate(options);
+  bool const off = std::any_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return !(c.error <= tolerance); });
+  if (off && options.refine && options.direct > 0) compute_paths(options.direct);
+}
+
+void StrengthNodes::interpolate(Options const& options) {
   if (any_negative()) {
     start(0.1, options.most, false);
     use_means(std::move(lattice_));
@@ -223,6 +229,12 @@ void StrengthNodes::weigh(Cell const& cell, std::span<double const> kappa, std::
 
 void StrengthNodes::shares(std::size_t path, std::vector<Share>& out) const {
   out.clear();
+  if (!drawn_.empty()) {
+    std::uint32_t const stratum = sample_->stratum(path), basis = drawn_[stratum];
+    bool const single = sample_->strata()[stratum].single;
+    out.push_back({basis, single ? 1 : 0.5});
+    if (!single) out.push_back({basis + 1, 0.5});
+  }
   if (mixture_) return mixed_shares(path, out);
   std::span<double const> const kappa = paths_.of(path);
   Cell const& cell = lattice_.cells[lattice_.of[path]];

@@ -12,6 +12,7 @@
 #include "noise/mixture_lattice.hpp"
 #include "noise/phase_spectra.hpp"
 #include "noise/spot_checks.hpp"
+#include "noise/strength_sample.hpp"
 #include "noise/strengths.hpp"
 
 namespace straytrace {
@@ -24,16 +25,20 @@ namespace straytrace {
 // step is halved until the spectra of neighbours differ by less than a factor e^0.8 (several classes e^0.4) in every
 // bin within twelve decades of the highest and spot checks hold, or the nodes are `most`. When the paths have fewer
 // different strengths than that, these are the nodes.
+//
+// Where spot checks then still fail, up to `direct` different strengths are all computed. Of more, a StrengthSample of
+// `direct` paths is: in bins where that has the smaller variance, what interpolation leaves is drawn, in the others the
+// spectrum itself. Either is without bias; its variance is `add_variance`.
 class StrengthNodes {
  public:
   struct Options {
     double step = 0.25;      // of ln kappa, at first
     std::size_t most = 400;  // nodes
-    bool refine = true;
-    std::size_t checks = 24;  // paths whose own spectra are computed
+    bool refine = true;         // else nodes stay as first placed, whatever the checks show
+    std::size_t checks = 24;    // paths whose own spectra are computed
+    std::size_t direct = 2000;  // paths that are computed by themselves where checks fail; 0: none are
   };
-  // Of SpotCheck::error: above it nodes are refined as far as `most` allows. Errors of single paths have both signs:
-  // sums of many paths come out ten times better or more.
+  // Of SpotCheck::error: above it nodes are refined, then paths computed by themselves.
   static constexpr double tolerance = 1e-3;
   StrengthNodes(PhaseSpectra const&, Strengths const&, Options);
   StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths) : StrengthNodes(spectra, paths, Options()) {}
@@ -53,6 +58,10 @@ class StrengthNodes {
   static constexpr double same = 1e-6;           // strengths whose logarithms agree within this are one
   std::size_t nodes() const { return kappa_.size(); }
   std::vector<SpotCheck> const& checks() const { return found_; }  // empty where paths are their own nodes
+  bool sampled() const { return sample_.has_value(); }  // checks() is then why
+  std::size_t drawn() const;                            // spectra of single paths that stand for all
+  // Variance of the PSD that the draws leave in the sum of basis spectra with these weights, those of whole routes.
+  void add_variance(std::span<double const> weights, std::vector<double>& variance) const;
 
  private:
   // Per class the rounded position on the lattice times two, plus one where kappa is negative.
@@ -93,6 +102,12 @@ class StrengthNodes {
   bool accurate();  // whether all checks are within the tolerance
   void refine_cells(std::size_t most);
   double position(Cell const&, std::size_t c, double kappa) const;  // in steps from the cell's centre
+  void interpolate(Options const&);
+  void compute_paths(std::size_t most);
+  void use_sample(std::size_t most);
+  std::vector<bool> interpolated_bins(std::vector<Basis> const& own, std::vector<Basis> const& shared) const;
+  Basis own_spectrum(std::size_t path) const;
+  Basis shared_spectrum(std::size_t path) const;
 
   PhaseSpectra const& spectra_;
   Strengths const& paths_;
@@ -108,6 +123,8 @@ class StrengthNodes {
   std::optional<MixtureLattice> mixture_;
   std::vector<bool> mixed_;                           // per class
   std::size_t still_ = static_cast<std::size_t>(-1);  // node of paths that are weak in all of them
+  std::optional<StrengthSample> sample_;
+  std::vector<std::uint32_t> drawn_;  // per stratum: basis of its first draw; that of the second follows
 };
 
 }  // namespace straytrace

@@ -60,15 +60,20 @@ bool StrengthNodes::smooth() const {
   return true;
 }
 
+StrengthNodes::Basis StrengthNodes::shared_spectrum(std::size_t path) const {
+  thread_local std::vector<Share> of_path;
+  shares(path, of_path);
+  Basis sum{std::vector<double>(spectra_.grid().size()), std::vector<double>(spectra_.grid().size())};
+  for (Share const& s : of_path)
+    for (std::size_t i = 0; i < sum.psd.size(); ++i) {
+      sum.psd[i] += s.weight * basis_[s.basis].psd[i];
+      sum.linear[i] += s.weight * basis_[s.basis].linear[i];
+    }
+  return sum;
+}
+
 bool StrengthNodes::accurate() {
-  std::vector<Share> of_path;
-  found_ = checks_.compared([&](std::size_t path) {
-    shares(path, of_path);
-    std::vector<double> psd(spectra_.grid().size());
-    for (Share const& s : of_path)
-      for (std::size_t i = 0; i < psd.size(); ++i) psd[i] += s.weight * basis_[s.basis].psd[i];
-    return psd;
-  });
+  found_ = checks_.compared([&](std::size_t path) { return shared_spectrum(path).psd; });
   return std::all_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return c.error <= tolerance; });
 }
 

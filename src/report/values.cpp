@@ -45,14 +45,15 @@ Rounded rounded(double value, double sigma) {
 
 std::string power(int exponent) { return exponent == 0 ? "" : fmt::format("e{:+03d}", exponent); }
 
-bool tiny(double value, double sigma) { return sigma < 1e-9 * std::fabs(value); }
+// Of computed light beside sampled light that hardly counts: no digit worth printing carries the error.
+bool tiny(double value, double sigma) { return sigma < 1e-7 * std::fabs(value); }
 
 }  // namespace
 
 std::string with_error(double value, double sigma) {
   if (!std::isfinite(value) || !std::isfinite(sigma) || sigma < 0) return "unresolved";
   if (sigma == 0) return fmt::format("{:.3g} (computed)", value);
-  if (tiny(value, sigma)) return fmt::format("{:.10g} ± {:.1g}", value, sigma);
+  if (tiny(value, sigma)) return fmt::format("{:.4g} ± {:.1g}", value, sigma);
   Rounded const r = rounded(value, sigma);
   return fmt::format("{0}{2} ± {1}{2}", r.value, r.sigma, power(r.exponent));
 }
@@ -60,7 +61,7 @@ std::string with_error(double value, double sigma) {
 std::string with_brackets(double value, double sigma) {
   if (!std::isfinite(value) || !std::isfinite(sigma) || sigma < 0) return "unresolved";
   if (sigma == 0) return fmt::format("{:.3g} computed", value);
-  if (tiny(value, sigma)) return fmt::format("{:.10g}({:.1g})", value, sigma);
+  if (tiny(value, sigma)) return fmt::format("{:.4g}(0)", value);
   Rounded const r = rounded(value, sigma);
   bool const below_one = r.decimals > 0 && r.sigma.starts_with("0.");
   std::string error = below_one ? r.sigma.substr(2) : r.sigma;

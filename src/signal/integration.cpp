@@ -61,6 +61,15 @@ TimeSeries integrated(TimeSeries const& s, int times, double corner) {
   return out;
 }
 
+TimeSeries settled(TimeSeries const& s, double corner) {
+  if (s.duration() * corner < 6)
+    throw InputError(
+        fmt::format("error: --corner: '{}' has {:.3g} s, fewer than six periods of {:g} Hz\n  give a longer "
+                    "record or a higher corner",
+                    s.name, s.duration(), corner));
+  return cut(s, {s.start + 2 / corner, s.end() - 2 / corner});
+}
+
 TimeSeries integrated_causal(TimeSeries const& s, int times, double corner) {
   TimeSeries out = prepared(s, times, corner);
   out.samples = once(butterworth(2 * times + 2, 2 * corner / s.rate, 1), std::move(out.samples));

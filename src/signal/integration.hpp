@@ -18,6 +18,10 @@ double integrated_asd(double asd, double hz, int times);
 // both without phase error: 1 % too small at 3.2 c, right above. The mean is taken; beyond its ends the record goes on
 // by odd reflection, and within about 1/c of them the result is uncertain.
 TimeSeries integrated(TimeSeries const&, int times, double corner_hz);
+// An integrated record without its ends: integration knows nothing of what lies before and behind it. What the high pass
+// makes of that falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are left out at both ends. Throws
+// InputError with fewer than six periods.
+TimeSeries settled(TimeSeries const&, double corner_hz);
 // From past samples only: trapezoidal rule behind a causal Butterworth high pass of order 2 times + 2 at corner_hz,
 // whose phase it has. Settles within a few 1/corner_hz. The trapezoidal rule multiplies by (x cot x)^times,
 // x = pi f/rate: for two integrations 1 % too small at 1/26 of the rate.

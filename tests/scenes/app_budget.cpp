@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <sstream>
 
 #include "program.hpp"
 
@@ -113,6 +114,14 @@ TEST(Budget, BandsOfStrayLight) {
   }
   EXPECT_THAT(table, HasSubstr("\n  one realisation, 5..95 %"));
   EXPECT_THAT(table, HasSubstr("\n  inputs leave open"));
+  std::istringstream lines(table);
+  std::string heading;
+  for (std::string line; std::getline(lines, line);) {  // columns of one width, the widest cells included
+    if (heading.empty() && line.find(" Hz") != std::string::npos) heading = line;
+    if (line.starts_with("  inputs leave open")) {
+      EXPECT_EQ(line.size(), heading.size()) << line;
+    }
+  }
   for (char const* name : {"StrayLight_sigma", "StrayLight_input_low", "StrayLight_speckle_95", "total_input_high"})
     EXPECT_THAT(text_of(folder / "out/budget.txt"), HasSubstr(std::string(" ") + name));
   EXPECT_THAT(text_of(folder / "run/paths.csv"), HasSubstr(",h_10Hz_input_low,h_10Hz_input_high"));
@@ -160,7 +169,7 @@ TEST(Budget, CurvesTakeThePlaceOfNoisesR2_17R2_22) {  // Newtonian, and every ot
   EXPECT_THAT(straytrace({"budget", "kagra"}).out, HasSubstr("left out, not stated: SubstrateThermoRefractive"));
   write_text(folder / "kagra.yaml", "extends: kagra\nCurves: [{name: SubstrateThermoRefractive, file: curve.txt}]\n");
   Finished const done = straytrace({"budget", folder / "kagra.yaml", "--at", "20 Hz"});
-  EXPECT_THAT(done.out, HasSubstr("SubstrateThermoRefractive        3.000e-21"));
+  EXPECT_THAT(done.out, HasSubstr("SubstrateThermoRefractive          3.000e-21"));
   EXPECT_THAT(done.out, Not(HasSubstr("left out")));
 }
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <sstream>
 
 #include "program.hpp"
 
@@ -208,6 +209,43 @@ TEST(FitEdge, FreeRatioR2_40) {
   EXPECT_LT(std::fabs(ratio - 0.8), 3 * sigma);
   EXPECT_LT(sigma, 0.1);
   EXPECT_NEAR(fit["effective_motion"]["value"].get<double>(), 1, 3 * fit["effective_motion"]["sigma"].get<double>());
+}
+
+// eq. 7.1: f = 2 |v|/lambda. A velocity and an acceleration that are integrated give the fringes of the motion, without
+// the ends of the record, where integration makes up to four times as many. Twin: those ends.
+TEST(Fringes, IntegratedMotionHasNoFringesOfItsEnds) {
+  Folder const folder;
+  double const w = 2 * M_PI * 0.7, a = 5e-6, truth = 2 * a * w / 1064e-9;
+  std::string const file = folder / "x.csv";
+  write_record(
+      file, "time [s],v [m/s],a [m/s^2]", 1000, 64, 64,
+      {[&](double t) { return a * w * std::cos(w * t); }, [&](double t) { return -a * w * w * std::sin(w * t); }});
+  auto const largest = [&](std::string const& channel, std::string const& corner, Words more = {}) {
+    Words words{"fringes", "--wavelength", "1064 nm", "--channel", file + "::" + channel, "--corner", corner};
+    words.insert(words.end(), more.begin(), more.end());
+    Finished const f = straytrace(words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    std::string const& out = f.out;
+    std::istringstream row(out.substr(out.find('\n', out.find("----")) + 1));
+    double median = 0, most = 0, top = 0;
+    row >> median >> most >> top;
+    return top;
+  };
+  for (std::string const channel : {"v", "a"}) {
+    EXPECT_NEAR(largest(channel, "0.1 Hz"), truth, 0.01 * truth) << channel;
+    EXPECT_NEAR(largest(channel, "0.1 Hz", {"--gps", "1001..1063"}), truth, 0.01 * truth) << channel;
+  }
+  EXPECT_THAT(refusal({"fringes", "--wavelength", "1064 nm", "--channel", file + "::v", "--corner", "0.05 Hz"}),
+              HasSubstr("fewer than six periods"));
+}
+
+TEST(Fit, RecordsThatStandStillAreRefusedR6_06) {
+  Folder const folder;
+  std::string const file = folder / "still.csv";
+  write_record(file, "time [s],h [strain],x [m]", 1000, 256, 20,
+               {[](double t) { return 1e-21 * std::sin(200 * t); }, [](double) { return 1e-6; }});
+  EXPECT_THAT(refusal({"fit", "--target", file + "::h", "--witness", file + "::x", "--band", "20 Hz..60 Hz"}),
+              HasSubstr("'x' has one value all the time"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <numbers>
 
 #include "program.hpp"
 
@@ -12,6 +13,7 @@ namespace straytrace::testing {
 namespace {
 
 using nlohmann::json;
+using std::numbers::pi;
 using ::testing::HasSubstr;
 
 std::string data(std::string const& name) { return source_folder + "/examples/data/" + name; }
@@ -88,6 +90,40 @@ TEST(CoupleRecords, SeveralWitnessesAreRankedTogetherR6_01) {
     other = other || c["name"] == "MIC_coupling";
   }
   EXPECT_TRUE(mine && other) << all["y"].dump();
+}
+
+// --displacement divides every frequency by its (2 pi f)^-2, limits as well as what was measured.
+TEST(CoupleRecords, LimitsOfASweepFollowTheDisplacementR6_04) {
+  std::string text = "t [s],ACC [m/s^2],H [1]\n";
+  std::uint64_t draw = 1;
+  for (int i = 0; i < 16 * 256; ++i) {
+    double const t = i / 256.0;
+    draw = draw * 6364136223846793005u + 1442695040888963407u;
+    double const noise = double(draw >> 11) / 9007199254740992.0 - 0.5;
+    text += fmt::format("{:.17g},{:.17g},{:.17g}\n", t, std::sin(2 * pi * (20 * t + t * t)), 1e-20 * noise);
+  }
+  Folder const folder;
+  write_text(folder / "sweep.csv", text);
+  Words const words{
+      "couple",       "sweep",    "--witness", folder / "sweep.csv::ACC", "--target", folder / "sweep.csv::H", "--band",
+      "18 Hz..55 Hz", "--window", "1 s"};
+  Words metres = words;
+  metres.push_back("--displacement");
+  auto const limits = [](json const& a) {
+    for (json const& y : a.at("y"))
+      if (y.at("name") == "upper_limit") return y.at("values");
+    return json();
+  };
+  json const plain = answer(words), moved = answer(metres);
+  json const a = limits(plain), b = limits(moved), hz = plain.at("x").at("values");
+  int compared = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].is_null()) continue;
+    double const f = hz[i].get<double>(), squared = 4 * pi * pi * f * f;
+    EXPECT_NEAR(b[i].get<double>() / a[i].get<double>() / squared, 1, 0.1) << f << " Hz; twin: 1/squared";
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
 }
 
 // exp(-t/0.3 s) cos(2 pi 31 t), driven by sweeps of 1 s that are followed by 3 s of silence.

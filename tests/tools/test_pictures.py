@@ -112,6 +112,21 @@ def column(name, unit, level, style="line"):
     return {"name": name, "unit": unit, "values": [level, 2 * level, 3 * level], "style": style}
 
 
+def check_errors(sheet, points):
+    """Errors of the hidden column are drawn, points at the ends are whole, nothing is said of what is not there."""
+    nothing = column("upper_limit", points["unit"], 1, "upper-limit") | {"values": [None] * 3}
+    error = column("h_driven_sigma", points["unit"], 1e-24, "hidden")
+    axes = plot_curves.picture(sheet | {"y": [points, error, nothing]}).axes[0]
+    assert len(axes.collections) == 1, "error bars"
+    assert axes.get_xlim()[0] < 10 and axes.get_xlim()[1] > 30
+    assert [t.get_text() for t in axes.get_legend().get_texts()] == ["h_driven [1/sqrt(Hz)]"]
+    bare = plot_curves.picture(sheet | {"y": [points, error | {"name": "count_sigma"}]}).axes[0]
+    assert not bare.collections, "twin: the error of another column"
+    narrow = points | {"values": [4e-23, 5e-23, 6e-23]}
+    assert plot_curves.picture(sheet | {"y": [narrow]}).axes[0].get_yscale() == "linear"
+    assert axes.get_yscale() == "log"
+
+
 def check_curves():
     coupling = [column("predicted", "1/m", 1e-17), column("predicted_low", "1/m", 9e-18, "band-low"),
                 column("predicted_high", "1/m", 1.1e-17, "band-high")]
@@ -122,6 +137,7 @@ def check_curves():
     assert [a.get_ylabel() for a in panels] == ["[1/m]", "[1/sqrt(Hz)]"], "each unit has axes of its own"
     assert panels[0].get_ylim()[1] < 1e-16 and panels[1].get_ylim()[1] < 1e-22
     assert panels[1].get_xlabel() == "frequency [Hz]"
+    check_errors(sheet, noise[0])
     alone = plot_curves.picture(sheet | {"y": coupling})
     assert len(alone.axes) == 1 and tuple(alone.get_size_inches()) == plot_curves.SIZE
     plt.close("all")

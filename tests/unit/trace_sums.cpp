@@ -68,6 +68,7 @@ TEST(Moments, VerdictsInWords) {
   EXPECT_EQ(verdict(x), "");
   EXPECT_TRUE(estimate(moments_of(x, 100), x.size(), 32).trusted);
   EXPECT_EQ(verdict(x, 20), "only 20 blocks of histories were run (32 are needed)");
+  EXPECT_EQ(verdict(x, 1), "only 1 block of histories was run (32 are needed)");
   std::vector<double> none(3200), few(3200), uneven = x, spiky = x;
   EXPECT_EQ(verdict(none), "no history has scored");
   EXPECT_TRUE(std::isnan(estimate(moments_of(none, 100), 3200, 32).std_error));  // never "0 +- 0"

@@ -121,7 +121,9 @@ std::string objection(Estimate const& e, std::uint64_t blocks) {
   if (double(e.scored) < fewest) return fmt::format("only {} histories have scored", e.scored);
   if (e.effective_scores < fewest) return fmt::format("worth only {:.0f} equal scores", e.effective_scores);
   if (std::string tail = tail_objection(e); !tail.empty()) return tail;
-  if (blocks < 32) return fmt::format("only {} blocks of histories were run (32 are needed)", blocks);
+  if (blocks < 32)
+    return fmt::format("only {} run (32 are needed)",
+                       blocks == 1 ? "1 block of histories was" : fmt::format("{} blocks of histories were", blocks));
   return {};
 }
 
