@@ -2,36 +2,13 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cmath>
 
+#include "base/csv_cells.hpp"
 #include "scene/repeat.hpp"
 
 namespace straytrace {
 namespace {
-
-struct Cell {
-  std::string_view text;
-  std::uint32_t column;  // code points, 1-based
-};
-
-std::string_view trimmed(std::string_view s) {
-  auto const first = s.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view()
-                                         : s.substr(first, s.find_last_not_of(" \t\r") + 1 - first);
-}
-
-std::vector<Cell> cells_of(std::string_view line) {
-  std::vector<Cell> cells;
-  for (std::size_t begin = 0;;) {
-    std::size_t const comma = std::min(line.find(',', begin), line.size());
-    std::string_view const raw = line.substr(begin, comma - begin), text = trimmed(raw);
-    std::size_t const start = text.empty() ? begin : begin + static_cast<std::size_t>(text.data() - raw.data());
-    cells.push_back({text, code_points(line.substr(0, start)) + 1});
-    if (comma == line.size()) return cells;
-    begin = comma + 1;
-  }
-}
 
 class OffsetTable {
  public:
@@ -50,7 +27,7 @@ class OffsetTable {
       std::size_t const end = std::min(rest.find('\n'), rest.size());
       std::string_view const line = rest.substr(0, end);
       rest.remove_prefix(std::min(end + 1, rest.size()));
-      if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
+      if (without_blanks(line).empty() || without_blanks(line).front() == '#') continue;
       if (units_.empty())
         header(line, number);
       else
@@ -72,38 +49,33 @@ class OffsetTable {
     if (line.find(';') != std::string_view::npos)
       return problem(number, code_points(line.substr(0, line.find(';'))) + 1, "columns are separated by ';'",
                      "separate columns by commas and write decimal points");
-    for (Cell const& cell : cells_of(line)) {
-      std::size_t const open = cell.text.find('[');
-      std::string const name(trimmed(cell.text.substr(0, open)));
-      auto unit = std::optional(Quantity{1, dim::plain, {}});
-      if (open != std::string_view::npos) {
-        std::string_view const inside = cell.text.substr(open + 1);
-        unit = inside.ends_with(']') ? parse_unit(trimmed(inside.substr(0, inside.size() - 1))) : std::nullopt;
-      }
-      if (name.empty() || !unit)
+    for (CsvCell const& cell : csv_cells(line)) {
+      auto const column = csv_name(cell.text);
+      if (!column)
         return problem(number, cell.column, fmt::format("cannot read the column name '{}'", shortened(cell.text)),
                        "write name and unit, for example 'z [m]'");
+      std::string const name(column->name);
       std::size_t const axis = std::string_view("xyz").find(name);
       bool const position = name.size() == 1 && axis != std::string_view::npos;
       if (position && table_.axis >= 0)
         return problem(number, cell.column, "a second position column",
                        "keep one of x, y, z; instances stand along one axis");
-      if (position && unit->dimension != dim::length)
+      if (position && column->unit.dimension != dim::length)
         return problem(number, cell.column, fmt::format("column '{}' is a length and needs its unit", name),
                        fmt::format("write '{} [m]'", name));
       for (RepeatColumn const& other : table_.columns)
         if (other.name == name)
           return problem(number, cell.column, fmt::format("column '{}' appears twice", name), "remove one of them");
       if (position) table_.axis = static_cast<int>(axis);
-      if (!position) table_.columns.push_back({name, unit->dimension, number, cell.column});
+      if (!position) table_.columns.push_back({name, column->unit.dimension, number, cell.column});
       is_position_.push_back(position);
-      units_.push_back(*unit);
+      units_.push_back(column->unit);
     }
     if (table_.axis < 0) problem(number, 1, "no position column", "name one column 'x [m]', 'y [m]' or 'z [m]'");
   }
 
   void row(std::string_view line, std::uint32_t number) {
-    auto const cells = cells_of(line);
+    auto const cells = csv_cells(line);
     if (cells.size() != units_.size())
       return problem(number, 1, fmt::format("{} values, but the header has {} columns", cells.size(), units_.size()),
                      cells.size() > units_.size() ? "use decimal points, not decimal commas: 1.5, not 1,5"
@@ -112,20 +84,17 @@ class OffsetTable {
       return problem(number, 1, fmt::format("more than {} rows", most_instances), "split the table");
     std::vector<Value> values;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (!is_number(cells[i].text)) {
+      auto const si = csv_number(cells[i].text, units_[i]);
+      if (!si) {
         bool const comma = cells[i].text.find_first_of("\";") != std::string_view::npos;
         return problem(number, cells[i].column, fmt::format("'{}' is not a number", shortened(cells[i].text)),
                        comma ? "use decimal points, not decimal commas: 1.5, not 1,5"
                              : "write a number without unit; the unit stands in the header");
       }
-      std::string_view const digits = cells[i].text.substr(cells[i].text.front() == '+' ? 1 : 0);
-      double value = 0;
-      std::from_chars(digits.data(), digits.data() + digits.size(), value);
-      double const si = to_si(value, units_[i]);
       if (is_position_[i])
-        table_.offsets.push_back(si);
+        table_.offsets.push_back(*si);
       else
-        values.push_back({{si, units_[i].dimension, {}}, false});
+        values.push_back({{*si, units_[i].dimension, {}}, false});
     }
     table_.rows.push_back(std::move(values));
   }
