@@ -11,6 +11,7 @@ void StrengthNodes::compute_paths(std::size_t most) {
   Lattice each{same, same, {}, {}};
   if (!sort_into(each, most)) return use_sample(most);
   mixture_.reset();
+  unshared_ = false;
   use_means(std::move(each));
   found_.clear();
 }
@@ -23,6 +24,7 @@ StrengthNodes::Basis StrengthNodes::own_spectrum(std::size_t path) const {
 // The spectra of the nodes stay where the sum of what they leave has the smaller variance, and are taken out elsewhere.
 void StrengthNodes::use_sample(std::size_t most) {
   sample_.emplace(spectra_, paths_, most);
+  if (unshared_) basis_.clear();
   std::vector<Basis> own, shared;
   std::vector<std::uint32_t> first;
   for (StrengthSample::Stratum const& s : sample_->strata()) {
