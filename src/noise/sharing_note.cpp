@@ -37,7 +37,8 @@ std::string sharing_note(CouplingTable const& table, MotionSet const& motion, Ph
   auto const after = std::upper_bound(paths.first.begin(), paths.first.end(), worst.path);
   CouplingClass const& route = table.classes[static_cast<std::size_t>(after - paths.first.begin()) - 1];
   return fmt::format(
-      "{}. Shared spectra were off by up to {:.2g} of the PSD of a path, at {:.3g} Hz on route '{}' (moved most by '{}')",
+      "{}. Shared spectra were off by up to {:.2g} of the PSD of a path, at {:.3g} Hz on route '{}' (moved most by "
+      "'{}')",
       drawn, worst.error, spectra.grid().centre(worst.bin), route_name(table, route),
       strongest_motion(motion, spectra, paths.of(worst.path)));
 }

@@ -59,7 +59,8 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
     compute_paths(options.direct);
     return;
   }
-  bool const off = std::any_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return !(c.error <= tolerance); });
+  bool const off =
+      std::any_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return !(c.error <= tolerance); });
   if (off && falls_back) compute_paths(options.direct);
 }
 

@@ -32,8 +32,8 @@ namespace straytrace {
 class StrengthNodes {
  public:
   struct Options {
-    double step = 0.25;      // of ln kappa, at first
-    std::size_t most = 400;  // nodes
+    double step = 0.25;         // of ln kappa, at first
+    std::size_t most = 400;     // nodes
     bool refine = true;         // else nodes stay as first placed, whatever the checks show
     std::size_t checks = 24;    // paths whose own spectra are computed
     std::size_t direct = 2000;  // paths that are computed by themselves where checks fail; 0: none are
@@ -125,7 +125,7 @@ class StrengthNodes {
   std::vector<bool> mixed_;                           // per class
   std::size_t still_ = static_cast<std::size_t>(-1);  // node of paths that are weak in all of them
   std::optional<StrengthSample> sample_;
-  bool unshared_ = false;              // no spectra of nodes: drawn ones alone
+  bool unshared_ = false;             // no spectra of nodes: drawn ones alone
   std::vector<std::uint32_t> drawn_;  // per stratum: basis of its first draw; that of the second follows
 };
 
