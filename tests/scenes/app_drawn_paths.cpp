@@ -21,9 +21,9 @@ std::string swaying_arm() {
   return text
       .replace(from, to - from,
                "      z: {line: {at: 0.5 Hz, width: 0.1 Hz, rms: 0.2 um rms}}\n"
-               "      x: {sine: {amplitude: tone, frequency: 0.9 Hz}}\n"
+               "      x: {sine: {amplitude: tone peak, frequency: 0.9 Hz}}\n"
                "      y: still\n")
-      .replace(text.find("params:\n"), 8, "params:\n  tone: 1 mm peak\n");
+      .replace(text.find("params:\n"), 8, "params:\n  tone: 1 mm\n");
 }
 
 char const* const said = "drawn at random among paths of like strength";
