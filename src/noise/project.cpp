@@ -83,8 +83,8 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
   return out;
 }
 
-// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found and which of them were drawn are
-// independent: their variances add.
+// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found and which of them were drawn
+// are independent: their variances add.
 NoiseTrace finished(std::string name, Sum const& sum) {
   NoiseTrace t;
   t.name = std::move(name);

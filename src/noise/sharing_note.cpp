@@ -25,18 +25,21 @@ std::string strongest_motion(MotionSet const& motion, PhaseSpectra const& spectr
 
 std::string sharing_note(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra,
                          Strengths const& paths, StrengthNodes const& nodes, DrawnError const& added) {
+  std::string const error = added.share > 0 ? fmt::format("up to {:.2g} % of h to its error, at {:.3g} Hz",
+                                                          100 * added.share, spectra.grid().centre(added.bin))
+                                            : "nothing to the error of the total";
+  std::string const drawn = fmt::format(
+      "the spectra of {} paths rest on {} of them, drawn at random among paths of like strength; this adds {}",
+      paths.size(), nodes.drawn(), error);
+  if (nodes.checks().empty()) return drawn + ". Their strengths differ too much for shared spectra";
   SpotCheck const worst = *std::max_element(nodes.checks().begin(), nodes.checks().end(),
                                             [](auto const& a, auto const& b) { return a.error < b.error; });
   auto const after = std::upper_bound(paths.first.begin(), paths.first.end(), worst.path);
   CouplingClass const& route = table.classes[static_cast<std::size_t>(after - paths.first.begin()) - 1];
-  std::string const words = added.share > 0 ? fmt::format("up to {:.2g} % of h to its error, at {:.3g} Hz",
-                                                          100 * added.share, spectra.grid().centre(added.bin))
-                                            : "nothing to the error of the total";
   return fmt::format(
-      "the spectra of {} paths rest on {} of them, drawn at random among paths of like strength; this adds {}. Shared spectra were off by up to {:.2g} of the PSD of a path, at {:.3g} Hz on "
-      "route '{}' (moved most by '{}')",
-      paths.size(), nodes.drawn(), words, worst.error,
-      spectra.grid().centre(worst.bin), route_name(table, route),
+      "{}. Shared spectra were off by up to {:.2g} of the PSD of a path, at {:.3g} Hz on route '{}' (moved most by "
+      "'{}')",
+      drawn, worst.error, spectra.grid().centre(worst.bin), route_name(table, route),
       strongest_motion(motion, spectra, paths.of(worst.path)));
 }
 

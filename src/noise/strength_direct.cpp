@@ -11,6 +11,7 @@ void StrengthNodes::compute_paths(std::size_t most) {
   Lattice each{same, same, {}, {}};
   if (!sort_into(each, most)) return use_sample(most);
   mixture_.reset();
+  unshared_ = false;
   use_means(std::move(each));
   found_.clear();
 }
@@ -23,6 +24,7 @@ StrengthNodes::Basis StrengthNodes::own_spectrum(std::size_t path) const {
 // The spectra of the nodes stay where the sum of what they leave has the smaller variance, and are taken out elsewhere.
 void StrengthNodes::use_sample(std::size_t most) {
   sample_.emplace(spectra_, paths_, most);
+  if (unshared_) basis_.clear();
   std::vector<Basis> own, shared;
   std::vector<std::uint32_t> first;
   for (StrengthSample::Stratum const& s : sample_->strata()) {
@@ -48,22 +50,28 @@ void StrengthNodes::use_sample(std::size_t most) {
   }
 }
 
+// Also, no drawn path may be off by more than a tenth of the mean: where some are, rare ones that were not drawn are
+// off by more than the draws can tell.
 std::vector<bool> StrengthNodes::interpolated_bins(std::vector<Basis> const& own,
                                                    std::vector<Basis> const& shared) const {
   std::vector<double> weight(sample_->strata().size());
   for (std::size_t i = 0; i < paths_.size(); ++i) weight[sample_->stratum(i)] += paths_.weight_of(i);
-  std::vector<double> left(spectra_.grid().size()), whole(left);
+  std::size_t const bins = spectra_.grid().size();
+  std::vector<double> left(bins), whole(bins), mean(bins), off(bins);
+  double total = 0;
   for (std::size_t s = 0; s < weight.size(); ++s) {
-    if (sample_->strata()[s].single) continue;
-    std::size_t const a = drawn_[s] - basis_.size(), b = a + 1;
-    for (std::size_t i = 0; i < left.size(); ++i) {
+    std::size_t const a = drawn_[s] - basis_.size(), b = sample_->strata()[s].single ? a : a + 1;
+    total += weight[s];
+    for (std::size_t i = 0; i < bins; ++i) {
       double const of_own = own[a].psd[i] - own[b].psd[i], of_shared = shared[a].psd[i] - shared[b].psd[i];
       whole[i] += std::pow(weight[s] * of_own, 2);
       left[i] += std::pow(weight[s] * (of_own - of_shared), 2);
+      mean[i] += weight[s] * (own[a].psd[i] + own[b].psd[i]) / 2;
+      for (std::size_t const d : {a, b}) off[i] = std::max(off[i], std::fabs(shared[d].psd[i] - own[d].psd[i]));
     }
   }
   std::vector<bool> keep;
-  for (std::size_t i = 0; i < left.size(); ++i) keep.push_back(left[i] <= whole[i]);
+  for (std::size_t i = 0; i < bins; ++i) keep.push_back(left[i] <= whole[i] && off[i] * total <= 0.1 * mean[i]);
   return keep;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/message.hpp"
 #include "noise/lagrange.hpp"
 
 namespace straytrace {
@@ -48,9 +49,19 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
     for (std::size_t c = 0; c < paths.classes; ++c)
       if (double const k = paths.of(i)[c]; k != 0 && !spectra.classes()[c].drift && !weak_[c])
         weak_[c] = !spectra.is_strong(c, k);
-  interpolate(options);
-  bool const off = std::any_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return !(c.error <= tolerance); });
-  if (off && options.refine && options.direct > 0) compute_paths(options.direct);
+  bool const falls_back = options.refine && options.direct > 0;
+  try {
+    interpolate(options);
+  } catch (NumericalError const&) {  // of nodes far beyond any path: those of paths were thrown by the checks
+    if (!falls_back) throw;
+    unshared_ = true;
+    found_.clear();
+    compute_paths(options.direct);
+    return;
+  }
+  bool const off =
+      std::any_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return !(c.error <= tolerance); });
+  if (off && falls_back) compute_paths(options.direct);
 }
 
 void StrengthNodes::interpolate(Options const& options) {
@@ -235,6 +246,7 @@ void StrengthNodes::shares(std::size_t path, std::vector<Share>& out) const {
     out.push_back({basis, single ? 1 : 0.5});
     if (!single) out.push_back({basis + 1, 0.5});
   }
+  if (unshared_) return;
   if (mixture_) return mixed_shares(path, out);
   std::span<double const> const kappa = paths_.of(path);
   Cell const& cell = lattice_.cells[lattice_.of[path]];

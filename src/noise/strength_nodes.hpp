@@ -32,8 +32,8 @@ namespace straytrace {
 class StrengthNodes {
  public:
   struct Options {
-    double step = 0.25;      // of ln kappa, at first
-    std::size_t most = 400;  // nodes
+    double step = 0.25;         // of ln kappa, at first
+    std::size_t most = 400;     // nodes
     bool refine = true;         // else nodes stay as first placed, whatever the checks show
     std::size_t checks = 24;    // paths whose own spectra are computed
     std::size_t direct = 2000;  // paths that are computed by themselves where checks fail; 0: none are
@@ -58,8 +58,9 @@ class StrengthNodes {
   static constexpr double same = 1e-6;           // strengths whose logarithms agree within this are one
   std::size_t nodes() const { return kappa_.size(); }
   std::vector<SpotCheck> const& checks() const { return found_; }  // empty where paths are their own nodes
-  bool sampled() const { return sample_.has_value(); }  // checks() is then why
-  std::size_t drawn() const;                            // spectra of single paths that stand for all
+  // checks() is then why, or empty where a node was beyond reach of a transform.
+  bool sampled() const { return sample_.has_value(); }
+  std::size_t drawn() const;  // spectra of single paths that stand for all
   // Variance of the PSD that the draws leave in the sum of basis spectra with these weights, those of whole routes.
   void add_variance(std::span<double const> weights, std::vector<double>& variance) const;
 
@@ -124,6 +125,7 @@ class StrengthNodes {
   std::vector<bool> mixed_;                           // per class
   std::size_t still_ = static_cast<std::size_t>(-1);  // node of paths that are weak in all of them
   std::optional<StrengthSample> sample_;
+  bool unshared_ = false;             // no spectra of nodes: drawn ones alone
   std::vector<std::uint32_t> drawn_;  // per stratum: basis of its first draw; that of the second follows
 };
 

@@ -29,8 +29,7 @@ std::vector<double> square_rates(PhaseSpectra const& spectra, Strengths const& p
 
 // kappa below which a class does not count.
 double least(PhaseSpectra const& spectra, std::size_t c) {
-  return spectra.classes()[c].drift ? std::pow(pi * spectra.resolution(), 2)
-                                    : PhaseSpectra::weak / spectra.variance(c);
+  return spectra.classes()[c].drift ? std::pow(pi * spectra.resolution(), 2) : PhaseSpectra::weak / spectra.variance(c);
 }
 
 }  // namespace

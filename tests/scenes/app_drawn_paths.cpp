@@ -18,18 +18,18 @@ std::string swaying_arm() {
   std::string text = text_of(virgo_arm);
   std::size_t const from = text.find("      z:\n"), to = text.find("  towers: {motion");
   EXPECT_TRUE(from < to && to != text.npos);
-  return text.replace(from, to - from,
-                      "      z: {line: {at: 0.5 Hz, width: 0.1 Hz, rms: 0.2 um rms}}\n"
-                      "      x: {sine: {amplitude: tone, frequency: 0.9 Hz}}\n"
-                      "      y: still\n")
-      .replace(text.find("params:\n"), 8, "params:\n  tone: 1 mm peak\n");
+  return text
+      .replace(from, to - from,
+               "      z: {line: {at: 0.5 Hz, width: 0.1 Hz, rms: 0.2 um rms}}\n"
+               "      x: {sine: {amplitude: tone peak, frequency: 0.9 Hz}}\n"
+               "      y: still\n")
+      .replace(text.find("params:\n"), 8, "params:\n  tone: 1 mm\n");
 }
 
 char const* const said = "drawn at random among paths of like strength";
 
 bool has(std::vector<std::string> const& warnings) {
-  return std::any_of(warnings.begin(), warnings.end(),
-                     [](std::string const& w) { return w.find(said) != w.npos; });
+  return std::any_of(warnings.begin(), warnings.end(), [](std::string const& w) { return w.find(said) != w.npos; });
 }
 
 TEST(DrawnPaths, AreSaidWhereverTheirNoiseIsShown) {
@@ -52,8 +52,7 @@ TEST(DrawnPaths, AreSaidWhereverTheirNoiseIsShown) {
   EXPECT_THAT(budget.err, HasSubstr(said));
   EXPECT_TRUE(has(Json::parse(budget.out)["warnings"].get<Words>()));
 
-  Finished const scan =
-      straytrace({"scan", scene, "tone=1e-6 mm,1 mm", "--histories", "32768", "--format", "json"});
+  Finished const scan = straytrace({"scan", scene, "tone=1e-6 mm,1 mm", "--histories", "32768", "--format", "json"});
   ASSERT_EQ(scan.code, 0) << scan.err;
   EXPECT_THAT(scan.err, HasSubstr("tone=1 mm"));
   EXPECT_THAT(scan.err, HasSubstr(said));

@@ -167,17 +167,18 @@ TEST(Project, MotionBeyondReachIsRefused) {  // 1 m rms at 100 Hz: fringes at GH
   EXPECT_THROW(project_noise(table, moving({gaussian_line(100, 1, 1)}), UnitDetector(), on(band)), NumericalError);
 }
 
-// Paths share spectra; a few are computed by themselves (requirement R4.08). Fringes of a slow line fall by decades within
-// a bin: where each path has a strong tone of its own strength too, nodes cannot follow. 600 paths are then computed each,
-// without a word; of 2500, some are drawn: said, and in the error, which has nothing else here (all replicas are equal).
+// Paths share spectra; a few are computed by themselves (requirement R4.08). Fringes of a slow line fall by decades
+// within a bin: where each path has a strong tone of its own strength too, nodes cannot follow. 600 paths are then
+// computed each, without a word; of 2500, some are drawn: said, and in the error, which has nothing else here (all
+// replicas are equal).
 TEST(Project, PathsThatAreDrawnAreSaidAndInTheError) {
   MotionSet motion = moving({gaussian_line(0.5, 0.1, 3e-7)});
   auto const projected = [&](std::size_t count) {
     std::vector<PathRecord> records;
     for (std::uint64_t i = 0; i < count; ++i) {
       double const along = std::fmod(0.618034 * double(i), 1), across = std::fmod(0.754878 * double(i), 1);
-      records.push_back(record(
-          i * 4096, 1, {lever(0, 2, two_k * (0.7 + 0.6 * along)), lever(1, 2, two_k * std::pow(30, across))}));
+      records.push_back(
+          record(i * 4096, 1, {lever(0, 2, two_k * (0.7 + 0.6 * along)), lever(1, 2, two_k * std::pow(30, across))}));
     }
     CouplingTable table = known_table({known_class(1, 1, std::move(records))});
     table.groups = {"baffle"};
