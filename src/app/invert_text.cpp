@@ -126,7 +126,8 @@ std::string answer_text(Answer const& a, bool per_frequency) {
     text += "No resolved route is touched by it.\n";
   if (a.inversion.first_order)
     text += "Rows 'other' are scaled as their named routes are; without any, as one scatter: first order.\n";
-  text += "Errors: Monte Carlo only, one standard error or, of brdf(), at most one.\n";
+  text += fmt::format("Errors: {}one standard error, Monte Carlo only.\n",
+                      a.subject == Answer::Subject::scatter ? "at most " : "");
   if (!a.unresolved.empty())
     text += fmt::format("This is no safe answer: {} routes are unresolved and not in the total. Trace longer.\n",
                         a.unresolved.size());
