@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/message.hpp"
+#include "base/number_rows.hpp"
 #include "base/quantity.hpp"
 
 namespace straytrace {
@@ -51,7 +52,7 @@ class Reader {
   explicit Reader(std::string const& file) : file_(file) {}
 
   CouplingFunction read(std::string_view csv) {
-    if (csv.starts_with("\xef\xbb\xbf")) csv.remove_prefix(3);
+    csv = without_byte_order_mark(csv);
     while (!csv.empty()) {
       std::size_t const end = std::min(csv.find('\n'), csv.size());
       ++line_;

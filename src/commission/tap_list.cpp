@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/message.hpp"
+#include "base/number_rows.hpp"
 #include "commission/taps.hpp"
 
 namespace straytrace {
@@ -34,7 +35,7 @@ class ListReader {
   explicit ListReader(std::string const& file) : file_(file) {}
 
   std::vector<TapPlace> read(std::string_view csv) {
-    if (csv.starts_with("\xef\xbb\xbf")) csv.remove_prefix(3);
+    csv = without_byte_order_mark(csv);
     for (; !csv.empty(); csv.remove_prefix(std::min(csv.find('\n') + 1, csv.size()))) {
       std::size_t const end = csv.find('\n');
       std::string const line = trimmed(csv.substr(0, end));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/csv_cells.hpp"
+#include "base/number_rows.hpp"
 #include "scene/repeat.hpp"
 
 namespace straytrace {
@@ -22,7 +23,7 @@ class OffsetTable {
     }
     std::string const text = name_.data_file(name_.text());
     std::string_view rest = text;
-    if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+    rest = without_byte_order_mark(rest);
     for (std::uint32_t number = 1; !rest.empty() && healthy_; ++number) {
       std::size_t const end = std::min(rest.find('\n'), rest.size());
       std::string_view const line = rest.substr(0, end);

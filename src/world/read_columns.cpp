@@ -3,6 +3,7 @@
 
 #include "base/csv_cells.hpp"
 #include "base/document.hpp"
+#include "base/number_rows.hpp"
 #include "world/read_laws.hpp"
 
 namespace straytrace {
@@ -17,7 +18,7 @@ class Reader {
   ColumnFile read() {
     std::string const text = owner_.data_file(file_.name);
     std::string_view rest = text;
-    if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+    rest = without_byte_order_mark(rest);
     for (std::uint32_t number = 1; !rest.empty() && healthy_; ++number) {
       std::size_t const end = std::min(rest.find('\n'), rest.size());
       std::string_view const line = rest.substr(0, std::min(end, rest.find('#')));

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "base/document.hpp"
+#include "base/number_rows.hpp"
 
 namespace straytrace {
 namespace {
@@ -35,7 +36,7 @@ class ShareFile {
   ShareTable read() {
     std::string const text = node_.data_file(table_.file);
     std::string_view rest = text;
-    if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+    rest = without_byte_order_mark(rest);
     for (std::uint32_t number = 1; !rest.empty() && healthy_; ++number) {
       std::size_t const end = std::min(rest.find('\n'), rest.size());
       std::string_view const line = trimmed(rest.substr(0, std::min(end, rest.find('#'))));

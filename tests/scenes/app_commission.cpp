@@ -2,13 +2,12 @@
 // Commissioning commands on records made here, whose truth is known: kinds of witnesses, several of them, measured
 // beside predicted (requirements.md R6.01 to R6.08).
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <functional>
 #include <sstream>
 
-#include "program.hpp"
+#include "scenes/answers.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -18,20 +17,6 @@ using ::testing::Not;
 using Json = nlohmann::json;
 
 std::string const example = source_folder + "/examples/data/swinging_baffle.hdf5";
-
-Json answer(Words words) {
-  words.insert(words.end(), {"--format", "json"});
-  Finished const f = straytrace(words);
-  EXPECT_EQ(f.code, 0) << f.err;
-  return f.code == 0 ? Json::parse(f.out) : Json();
-}
-
-std::string refusal(Words const& words) {
-  Finished const f = straytrace(words);
-  EXPECT_EQ(f.code, 2) << f.out;
-  EXPECT_EQ(f.out, "");
-  return f.err;
-}
 
 void write_record(std::string const& file, std::string const& columns, double start, double rate, double seconds,
                   std::vector<std::function<double(double)>> const& values) {

@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace couple on the example records, whose truth is known (docs/reference/couple.md).
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <complex>
 #include <cstdio>
 #include <sstream>
 
-#include "program.hpp"
+#include "scenes/answers.hpp"
 
 namespace straytrace::testing {
 namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
-
-std::string data(std::string const& name) { return source_folder + "/examples/data/" + name; }
-
-json answer(Words words) {
-  words.insert(words.end(), {"--format", "json"});
-  Finished const f = straytrace(words);
-  EXPECT_EQ(f.code, 0) << f.err;
-  return f.code == 0 ? json::parse(f.out) : json();
-}
 
 Words noise_words() {
   return {"couple",      "noise",

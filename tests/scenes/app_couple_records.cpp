@@ -2,12 +2,11 @@
 // straytrace couple: several witnesses, stretches that share time, units that contradict, sweeps, and a measured
 // coupling beside a predicted one (requirements.md R6.01 to R6.08).
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <numbers>
 
-#include "program.hpp"
+#include "scenes/answers.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -15,22 +14,6 @@ namespace {
 using nlohmann::json;
 using std::numbers::pi;
 using ::testing::HasSubstr;
-
-std::string data(std::string const& name) { return source_folder + "/examples/data/" + name; }
-
-json answer(Words words) {
-  words.insert(words.end(), {"--format", "json"});
-  Finished const f = straytrace(words);
-  EXPECT_EQ(f.code, 0) << f.err;
-  return f.code == 0 ? json::parse(f.out) : json();
-}
-
-std::string refusal(Words const& words) {
-  Finished const f = straytrace(words);
-  EXPECT_EQ(f.code, 2) << f.out;
-  EXPECT_EQ(f.out, "");
-  return f.err;
-}
 
 Words noise_words(std::string const& injection, std::string const& quiet, Words more = {}) {
   Words all{"couple", "noise",     "--target", data("shaken.csv") + "::H", "--injection", injection, "--quiet",
