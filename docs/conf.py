@@ -15,15 +15,15 @@ myst_dmath_double_inline = True
 myst_heading_anchors = 5
 html_theme = "furo"
 html_title = f"straytrace {release}"
-html_static_path = [str(KATEX)]
-html_css_files = ["katex.min.css"]
+html_static_path = ["pages.css", str(KATEX)]
+html_css_files = ["katex.min.css", "pages.css"]
 mathjax_path = "katex.min.js"                            # in place of the page's only script from elsewhere
 html_js_files = [("contrib/auto-render.js", {"defer": "defer"}),
                  (None, {"body": "addEventListener('load', () => renderMathInElement(document.body));"})]
 html_copy_source = False
 pygments_style = "friendly"
 
-LINK = re.compile(r"\]\(([\w/.-]+\.md)\)")
+LINK = re.compile(r"\[([^]]*)\]\(([\w/.-]+)\.md\)")
 LISTED = re.compile(r"^[|*] .*", re.MULTILINE)             # rows and items come before what the prose names
 FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
@@ -34,8 +34,12 @@ def contents(app, page, source):
         return
     here = pathlib.PurePosixPath(page).parent
     text = FENCE.sub("", source[0])
-    linked = dict.fromkeys(link.removesuffix(".md") for link in LINK.findall("\n".join(LISTED.findall(text)) + text))
+    linked = {}
+    for title, link in LINK.findall("\n".join(LISTED.findall(text)) + text):
+        linked.setdefault(link, title)
     own = [link for link in linked if not link.startswith("..") and str(here / link) != page]
+    if page == "index":                                     # the four parts under their names
+        own = [f"{linked[link]} <{link}>" for link in own if link.endswith("/index")]
     source[0] += "\n```{toctree}\n:hidden:\n:maxdepth: 2\n\n" + "\n".join(own) + "\n```\n"
 
 
