@@ -103,6 +103,30 @@ TEST(InspectScatter, OtherWavelength) {
               HasSubstr("declares wavelength 532 nm, but 633 nm"));
 }
 
+// A BSDF of 0.1 /sr has a total of 0.1 pi. A file that says 0.5 is warned of; one that says 0.314 is not.
+TEST(InspectScatter, StatedTotals) {
+  Folder const folder;
+  for (std::string const stated : {"0.314", "0.5"}) {
+    std::string text =
+        "# wavelength: 1064 nm\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType "
+        "BRDF\n"
+        "SampleRotation 1\n0\nAngleOfIncidence 1\n0\nScatterAzimuth 2\n0 180\nScatterRadial 10\n"
+        "0 10 20 30 40 50 60 70 80 90\nMonochrome\nDataBegin\nTIS " +
+        stated + "\n";
+    for (int i = 0; i < 20; ++i) text += "0.1 ";
+    write_text(folder / "a.bsdf", text + "\nDataEnd\n");
+    bool const wrong = stated == "0.5";
+    Finished const scene = scene_with(folder, "file: a.bsdf");
+    EXPECT_EQ(scene.code, 0) << scene.err;
+    EXPECT_EQ(scene.err.find("states a total of 0.5 at 0 deg, its own values integrate to 0.31") != std::string::npos,
+              wrong)
+        << scene.err;
+    Finished const audit = straytrace({"inspect", folder / "a.bsdf"});
+    EXPECT_THAT(audit.out, HasSubstr("Zemax tabular BSDF, reflected, 1064 nm"));
+    EXPECT_EQ(audit.out.find("stated TIS    look: 0.5 at 0 deg") != std::string::npos, wrong) << audit.out;
+  }
+}
+
 TEST(InspectScatter, MistakesInScenes) {
   Folder const folder;
   std::string bright = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
