@@ -22,7 +22,7 @@ class Plot {
         .attr("width", width - left - right).attr("height", tall - top - bottom);
     for (const name of ["grid", "marks", "axis"]) this[name + "Group"] = this.svg.append("g").attr("class", name);
     this.marksGroup.attr("clip-path", "url(#" + this.clip + ")");
-    this.cursor = this.svg.append("line").attr("stroke", "#999").attr("y1", top).attr("y2", tall - bottom);
+    this.cursor = this.svg.append("line").attr("stroke", "#999").attr("y1", top).attr("y2", tall - bottom).style("display", "none");
     this.brush = d3.brush().extent([[left, top], [width - right, tall - bottom]]).on("end", () => this.zoom());
     this.brushGroup = this.svg.append("g").call(this.brush);
     this.brushGroup.on("mousemove", () => this.read(d3.mouse(this.svg.node())[0])).on("mouseleave", () => this.read(null))
@@ -147,7 +147,7 @@ class Plot {
   // What the curves say below the pointer.
   read(px) {
     const {left, right, width} = this.size, inside = px !== null && px >= left && px <= width - right;
-    this.cursor.attr("x1", inside ? px : -10).attr("x2", inside ? px : -10);
+    this.cursor.attr("x1", px).attr("x2", px).style("display", inside ? "" : "none");
     const at = inside ? this.scale.x.invert(px) : null;
     for (const s of this.series) {
       if (!inside || s.kind) { s.reading.textContent = ""; continue; }

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "app/build_info.hpp"
+#include "app/first_order.hpp"
 #include "app/ghost_noise.hpp"
 #include "app/ghost_search.hpp"
 #include "app/session.hpp"
@@ -35,7 +36,7 @@ std::map<std::uint64_t, CouplingClass const*> by_hash(CouplingTable const& coupl
 
 // Paths with their part of the noise of the band, of the rows that make all but a hundredth of it.
 std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable const& table, World const& world) {
-  constexpr std::size_t most_rows = 24, most_paths = 256;
+  constexpr std::size_t most_rows = 24, most_paths = 512;
   auto const classes = by_hash(coupling);
   std::vector<NoisyPath> all;
   double before = 0;
@@ -54,7 +55,7 @@ Json first_order_json(Model const& model, std::vector<FirstOrderList> const& lis
   World const& world = model.world;
   Json all = Json::array();
   auto const with_error = [](Estimate const& e) {
-    return e.trusted ? Json{{"value", number(e.mean)}, {"sigma", number(e.std_error)}} : Json(nullptr);
+    return resolved(e) ? Json{{"value", number(e.mean)}, {"sigma", number(e.std_error)}} : Json(nullptr);
   };
   for (FirstOrderList const& list : lists) {
     Ending const& e = list.ending;
@@ -63,7 +64,7 @@ Json first_order_json(Model const& model, std::vector<FirstOrderList> const& lis
       rows.push_back({{"name", world.groups()[r.group.value]},
                       {"power", with_error(r.power)},
                       {"seen", with_error(r.throughput)},
-                      {"product", r.power.trusted && r.throughput.trusted
+                      {"product", resolved(r.power) && resolved(r.throughput)
                                       ? Json{{"value", number(r.product.mean)}, {"sigma", number(r.product.std_error)}}
                                       : Json(nullptr)}});
     Footprint const* const port = e.port ? &world.footprints()[e.index] : nullptr;
@@ -149,18 +150,18 @@ std::vector<GhostReport> ghosts_for_page(Model const& model, std::size_t rows) {
   return all;
 }
 
-std::string budget_svg(std::string const& run_file, std::string& message) {
-  std::string const svg =
-      (std::filesystem::temp_directory_path() / ("straytrace-" + sha256(run_file + utc_now()) + ".svg")).string();
-  std::string text;
-  if (draw_picture(run_file, svg, message)) text = read_file(svg);
+Picture budget_svg(std::string const& run_file, std::string& message) {
+  std::string const name = "straytrace-" + sha256(run_file + utc_now()) + ".svg";
+  std::string const svg = (std::filesystem::temp_directory_path() / name).string();
+  Picture picture{"svg+xml", ""};
+  if (draw_picture(run_file, svg, message)) picture.bytes = read_file(svg);
   std::error_code none;
   std::filesystem::remove(svg, none);
-  return text;
+  return picture;
 }
 
 std::string report_page(RunContent const& run, PathTable const& table, Model const& model, ReportWanted const& wanted,
-                        std::string const& svg) {
+                        Picture const& picture) {
   HtmlPage page;
   page.title = !wanted.title.empty() ? wanted.title : run.title.empty() ? "straytrace run" : run.title;
   StaticReport fixed;
@@ -168,7 +169,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
     fixed.verdict = verdict_sentence(*run.noise, run.noise->grid.edges.front(), run.noise->grid.edges.back());
     fixed.headline = headline(*run.noise, table);
   }
-  fixed.svg = svg;
+  fixed.picture = picture;
   fixed.text = text_report(run, table, model.paths_shown, model.assumptions());
   page.body = static_head(fixed) + static_body(fixed, table);
   std::vector<GhostReport> const ghosts =

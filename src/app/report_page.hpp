@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/model.hpp"
+#include "page/html.hpp"
 #include "page/ray_paths.hpp"
 #include "report/ghost_table.hpp"
 #include "report/report.hpp"
@@ -21,9 +22,9 @@ struct ReportWanted {
 };
 std::vector<std::string> const& report_pictures();  // budget, scene, maps, ghosts, materials, convergence
 
-// The page of a run; `svg`: its picture for browsers without scripts. The world of the model must be steered as for the
+// The page of a run; `picture`: for browsers without scripts. The world of the model must be steered as for the
 // trace.
-std::string report_page(RunContent const&, PathTable const&, Model const&, ReportWanted const&, std::string const& svg);
+std::string report_page(RunContent const&, PathTable const&, Model const&, ReportWanted const&, Picture const&);
 
 struct ViewWanted {
   std::string title;
@@ -39,7 +40,7 @@ std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, Wor
 // Ghosts of all launched beams as the scene says, or the strongest down to 1e-12 and order 2.
 std::vector<GhostReport> ghosts_for_page(Model const&, std::size_t rows);
 
-// The picture of a run as SVG text; empty, and `message` says why, when it cannot be drawn.
-std::string budget_svg(std::string const& run_file, std::string& message);
+// The picture of a run as SVG; empty, and `message` says why, when it cannot be drawn.
+Picture budget_svg(std::string const& run_file, std::string& message);
 
 }  // namespace straytrace

@@ -23,7 +23,7 @@ NamedTexts vtk_files(World const&, SceneDrawing const&, std::vector<DrawnPath> c
 // glTF holds float32, so places are rounded to 1 mm at 10 km.
 std::string glb_bytes(SceneDrawing const&, std::vector<DrawnPath> const&, PathTable const* table);
 
-// budget.csv, routes.csv (every route's ASD and its error), convergence.csv, paths.csv.
+// budget.csv (total, bands, design), routes.csv (every route's ASD and its error), paths.csv (the table).
 NamedTexts curve_files(RunContent const&, PathTable const&);
 
 }  // namespace straytrace

@@ -85,9 +85,9 @@ std::string static_head(StaticReport const& r) {
 
 std::string static_body(StaticReport const& r, PathTable const& table) {
   std::string text = "<noscript>\n<p>Scripts are off: this is the fixed part of the report.</p>\n";
-  if (!r.svg.empty())
-    text += fmt::format("<p><img alt=\"noise budget\" class=\"budget\" src=\"data:image/svg+xml;base64,{}\"></p>\n",
-                        base64(r.svg.data(), r.svg.size()));
+  if (!r.picture.bytes.empty())
+    text += fmt::format("<p><img alt=\"noise budget\" class=\"budget\" src=\"data:image/{};base64,{}\"></p>\n",
+                        r.picture.type, base64(r.picture.bytes.data(), r.picture.bytes.size()));
   std::size_t const rows = std::min(table.rows.size(), r.most_rows);
   if (rows > 0) {
     text +=
@@ -114,7 +114,6 @@ std::string html_text(HtmlPage const& page) {
     text += script;
     text += "\n</script>\n";
   };
-  nlohmann::json libraries = nlohmann::json::array();
   if (page.plots) add(d3_script().text);
   if (page.scene)
     for (PageScript const& script : three_scripts()) add(script.text);

@@ -22,8 +22,12 @@ std::string html_text(HtmlPage const&);
 std::string escaped(std::string const&);  // for HTML, also within attributes
 
 // Verdict, picture, table and text of a run as HTML, for browsers without scripts.
+struct Picture {
+  std::string type, bytes;  // "png", "svg+xml"; no bytes: none
+};
 struct StaticReport {
-  std::string verdict, headline, svg, text;  // svg: of the budget; empty: could not be drawn
+  std::string verdict, headline, text;
+  Picture picture;  // of the budget
   std::size_t most_rows = 5000;
 };
 std::string static_head(StaticReport const&);

@@ -36,6 +36,7 @@ Json maps_json(std::vector<SurfaceMap> const&, double beam_power);
 Json scene_json(SceneDrawing const&);
 Json paths_json(World const&, std::vector<DrawnPath> const&);
 Json rays_json(World const&, std::vector<RaySegment> const&);
+Json told_json(std::vector<ToldEvent> const&);
 Json lit_json(World const&);  // spots of beams on surfaces, and ports
 
 }  // namespace straytrace

@@ -98,6 +98,21 @@ Json rays_json(World const& world, std::vector<RaySegment> const& rays) {
   return all;
 }
 
+Json told_json(std::vector<ToldEvent> const& events) {
+  Json all = Json::array();
+  for (ToldEvent const& e : events) {
+    bool const placed = std::isfinite(e.point.x);
+    all.push_back({{"what", e.what},
+                   {"event", placed ? Json(e.event) : Json()},
+                   {"order", placed ? Json(e.order) : Json()},
+                   {"where", e.where},
+                   {"body", e.body},
+                   {"point_m", placed ? Json{e.point.x, e.point.y, e.point.z} : Json()},
+                   {"power", e.power}});
+  }
+  return all;
+}
+
 Json lit_json(World const& world) {
   Json all = Json::array();
   for (Footprint const& f : world.footprints()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "trace/history/step.hpp"
 
@@ -82,21 +83,37 @@ std::size_t cell_of(SurfaceMap const& map, Place p) {
   return index(p.y, map.y_low, map.y_high, map.rows) * map.columns + index(p.x, map.x_low, map.x_high, map.columns);
 }
 
-// Light is scattered, or leaves or joins the mode there.
-bool counts(PathPoint const& p) {
-  return p.surface.valid() && (p.event == Event::scatter || p.event == Event::emit || p.event == Event::couple);
-}
+// Light is scattered on its way. Where it leaves and joins the mode all of it passes, which says nothing.
+bool counts(PathPoint const& p) { return p.surface.valid() && p.event == Event::scatter; }
 
 }  // namespace
 
+// Adds one path to the map of a group that it meets.
+static void add_path(WorldView const& view, std::vector<SurfaceId> const& surfaces, std::uint32_t group,
+                     NoisyPath const& n, SurfaceMap& map) {
+  auto const here = [&](PathPoint const& p) { return counts(p) && p.group.value == group; };
+  auto const times = std::count_if(n.path.points.begin(), n.path.points.end(), here);
+  if (times == 0) return;
+  double const part = n.noise / double(times);
+  map.noise_sum += n.noise;
+  for (PathPoint const& p : n.path.points) {
+    if (!here(p)) continue;
+    std::size_t const cell = cell_of(map, place_on(view, p.surface, p.point, map.unrolled));
+    map.noise[cell] += part;
+    map.noise_error[cell] += part * part;
+    ++map.paths[cell];
+    auto const at = std::lower_bound(surfaces.begin(), surfaces.end(), p.surface);
+    map.noise_by_place[std::size_t(at - surfaces.begin())] += part;
+  }
+}
+
 std::vector<SurfaceMap> noise_maps(World const& world, std::vector<NoisyPath> const& paths, std::size_t most) {
-  WorldView const view = world.view();
   std::map<std::uint32_t, std::pair<double, std::size_t>> by_group;  // noise, paths
   for (NoisyPath const& n : paths) {
-    std::map<std::uint32_t, bool> met;
+    std::set<std::uint32_t> met;
     for (PathPoint const& p : n.path.points)
-      if (counts(p)) met[p.group.value] = true;
-    for (auto const& [group, yes] : met) {
+      if (counts(p)) met.insert(p.group.value);
+    for (std::uint32_t const group : met) {
       by_group[group].first += n.noise;
       ++by_group[group].second;
     }
@@ -108,22 +125,8 @@ std::vector<SurfaceMap> noise_maps(World const& world, std::vector<NoisyPath> co
   std::vector<SurfaceMap> maps;
   for (auto const& [noise, group] : order) {
     SurfaceMap map = empty_map(world, {group}, by_group[group].second);
-    map.noise_sum = -noise;
     std::vector<SurfaceId> const surfaces = surfaces_of(world, {group});
-    for (NoisyPath const& n : paths) {
-      std::vector<PathPoint const*> here;
-      for (PathPoint const& p : n.path.points)
-        if (counts(p) && p.group.value == group) here.push_back(&p);
-      double const part = here.empty() ? 0 : n.noise / double(here.size());
-      for (PathPoint const* p : here) {
-        std::size_t const cell = cell_of(map, place_on(view, p->surface, p->point, map.unrolled));
-        map.noise[cell] += part;
-        map.noise_error[cell] += part * part;
-        ++map.paths[cell];
-        auto const at = std::lower_bound(surfaces.begin(), surfaces.end(), p->surface);
-        map.noise_by_place[std::size_t(at - surfaces.begin())] += part;
-      }
-    }
+    for (NoisyPath const& n : paths) add_path(world.view(), surfaces, group, n, map);
     for (double& e : map.noise_error) e = std::sqrt(e);
     maps.push_back(std::move(map));
   }

@@ -17,9 +17,8 @@ struct SurfaceMap {
   std::size_t columns = 0, rows = 0;
   double x_low = 0, x_high = 0, y_low = 0, y_high = 0;  // m
   std::size_t surfaces = 0;                             // laid over one another
-  double covered = 0;                                   // of all cells [1]
-  // Noise: share of the strain noise power of the band that passes by a cell [1], by weight of kept paths; one standard
-  // error; number of paths. A path that meets the surface twice counts half at each place.
+  // Noise: share of the strain noise power of the band that is scattered in a cell [1], by weight of kept paths; one
+  // standard error; number of paths. A path that is scattered there twice counts half at each place.
   std::vector<double> noise, noise_error;
   std::vector<std::uint32_t> paths;
   double noise_sum = 0;
