@@ -30,7 +30,7 @@ function addFirstOrder(lists) {
   for (const list of lists.slice(0, 8))
     part.append(el("h3", {}, "Seen from " + list.ending),
                 simpleTable(["surface", "power arriving", "seen with [m² sr]", "single scatter"],
-                            list.rows.slice(0, 12).map(r => [r.name, text(r.power), text(r.seen), text(r.product)]), [0]));
+                            list.rows.slice(0, 12).map(r => [r.name, text(r.power), text(r.seen), r.product && r.product.value === 0 ? "scatters nothing" : text(r.product)]), [0]));
 }
 
 function addMaterials(materials) {

@@ -7,11 +7,11 @@ const fewPaths = 4;
 function addMaps(maps) {
   const part = section("Noise and light on surfaces", "maps");
   part.append(el("p", {class: "note"}, "Each route's share of the strain noise power in the band is spread over its kept " +
-      "paths by their coupling; a path that is scattered more than once by a name counts in equal parts. Where light leaves and joins the main mode is not counted. Surfaces of one name are laid " +
-      "over one another, seen along their axis. Pale: fewer than " + fewPaths + " paths, a hint only. Light: power arriving, of " +
+      "paths by their coupling, and counted where they meet the body whose motion makes most of its noise, in equal parts if more " +
+      "than once. Surfaces of one name are laid over one another, seen along their axis. Pale: fewer than " + fewPaths + " paths, a hint only. Light: power arriving, of " +
       (maps[0] ? maps[0].histories : 0) + " histories traced again; grey: none seen."));
   const chooser = el("select", {"aria-label": "surface"}, maps.map((m, i) =>
-      el("option", {value: i}, m.name + " (" + digits(m.noise_sum) + " % of the noise is scattered here)")));
+      el("option", {value: i}, m.name + " (" + digits(m.noise_sum) + " % of the noise is made here)")));
   const place = el("div");
   chooser.addEventListener("change", () => drawMap(place, maps[chooser.value]));
   part.append(el("div", {class: "bar"}, "surface", chooser), place);

@@ -29,7 +29,7 @@ class Stage {
     const across = Math.max(...this.size.filter((_, i) => i !== this.long));
     const ratio = this.size[this.long] / across;
     this.stretch = ratio > 8 ? ratio / 5 : 1;
-    this.unit = across * this.stretch;
+    this.usual = this.stretch;
   }
   build(parent) {
     this.view = el("div", {class: "view"});
@@ -46,7 +46,11 @@ class Stage {
     const where = el("input", {type: "range", min: 0, max: 1, step: 0.002, value: 0.5, "aria-label": "cut at"});
     for (const input of [axis, where]) input.addEventListener("input", () => this.cut(axis.value, Number(where.value)));
     const names = el("input", {type: "checkbox", on: {change: () => { this.named = names.checked; this.draw(); }}});
-    const looks = ["side", "front", "top", "oblique"].map(w => el("button", {on: {click: () => this.look(w)}}, w));
+    const looks = ["side", "front", "top", "oblique"].map(w => el("button", {on: {click: () => {
+      if (this.focus) this.stretch = this.usual;
+      this.look(w);
+    }}}, w));
+    looks.push(el("button", {title: "of the chosen part, to scale", on: {click: () => this.focusOn(this.chosen)}}, "near it"));
     this.bar.append("view", ...looks, "sides ×", stretch, "colour by", by, "cut", axis, where, el("label", {}, names, " names"));
     parent.append(this.bar, el("div", {class: "stage"}, this.view, this.list));
     this.view.append(this.said, this.scaleNote);
@@ -97,7 +101,8 @@ class Stage {
                     (part.shape === "cylinder" && box.getComponent(this.long) > 0.1 * this.size[this.long]);
       const material = new THREE.MeshPhongMaterial({side: THREE.DoubleSide, shininess: 0, specular: 0, flatShading: true,
                                                     polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
-      const entry = {part, material, group: new THREE.Group(), state: glass ? "glass" : "solid"};
+      const entry = {part, material, group: new THREE.Group(), state: glass ? "glass" : "solid",
+                     radius: geometry.boundingSphere.radius};
       const outline = this.scene.meshes[part.mesh].triangles < 20000 && part.places.length <= 200;
       if (outline && !edges.has(part.mesh)) edges.set(part.mesh, new THREE.EdgesGeometry(geometry, 32));
       entry.ink = new THREE.LineBasicMaterial({color: 0x555555, transparent: true, opacity: 0.5});

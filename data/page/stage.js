@@ -12,6 +12,24 @@ Object.assign(Stage.prototype, {
     const thinned = this.scene.triangles < this.scene.of_triangles ? "; meshes are thinned out: " + this.scene.triangles +
         " of " + this.scene.of_triangles + " triangles, moved by at most " + digits(1000 * this.scene.moved, 2) + " mm" : "";
     this.scaleNote.textContent = shown + thinned;
+    const f = this.focus ? this.at(this.focus).multiply(this.world.scale) : new THREE.Vector3();
+    this.world.position.copy(f.negate());
+    this.draw();
+  },
+  // About one part, to scale: a bench at the end of a long arm.
+  focusOn(entry) {
+    if (!entry) return this.say("choose a part first: click on it, or on its name in the list");
+    const radius = entry.radius;
+    this.focus = entry.part.places[0];
+    this.stretch = 1;
+    this.restretch();
+    const size = radius * this.world.scale.x;
+    this.camera.position.set(-6 * size, 3 * size, -5 * size);
+    this.camera.near = size / 50;
+    this.camera.far = size * 1e5;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.set(0, 0, 0);
+    this.controls.update();
     this.draw();
   },
   // From a side, with the long axis from left to right.
@@ -20,6 +38,7 @@ Object.assign(Stage.prototype, {
     const directions = {side: [wide[0] * 0.95, 0.22, wide[2] * 0.95], oblique: [wide[0] * 0.7 - 0.35 * wide[2], 0.45, wide[2] * 0.7 - 0.5 * Math.abs(wide[0])],
                         top: [wide[0] * 0.01, 1, wide[2] * 0.01], front: [0, 0.02, 0].map((x, i) => i === this.long ? -1 : x)};
     if (this.long === 1) directions.side = [0.7, 0.3, 0.7];
+    this.focus = null;
     this.restretch();
     const d = new THREE.Vector3(...directions[from]).normalize();
     const s = this.size.map((x, i) => x * this.world.scale.getComponent(i));

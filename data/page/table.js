@@ -4,7 +4,7 @@
 
 const rowHeight = 24, spareRows = 6;
 const shownAtFirst = ["rank", "sequence", "port", "share", "h10", "h30", "h100", "coupling", "body", "regime", "opl"];
-const wideColumns = {sequence: 420, verdict: 320, id: 150, body: 110, port: 80, first: 160, last: 160};
+const wideColumns = {sequence: 340, verdict: 320, id: 150, body: 110, port: 80, first: 160, last: 160};
 
 class PathTable {
   // `chosen(ids)`: hears of the rows that were clicked.
@@ -86,7 +86,7 @@ class PathTable {
     this.space.style.height = order.length * rowHeight + "px";
     this.draw();
   }
-  width(key) { return wideColumns[key] || 96; }
+  width(key) { return wideColumns[key] || 108; }
   isText(key) { return typeof this.columns.get(key).find(v => v !== null) === "string"; }
   drawHead() {
     this.head.replaceChildren(...this.shown.map(key => {

@@ -16,7 +16,6 @@
 namespace straytrace {
 namespace {
 
-
 std::string cell(Estimate const& e) {
   if (e.scored == 0) return "-";
   if (!resolved(e)) return "unresolved";

@@ -46,7 +46,9 @@ std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable cons
     std::vector<DrawnPath> const paths = paths_of(world, coupling.seed, *classes.at(row.hash), most_paths);
     double sum = 0;
     for (DrawnPath const& p : paths) sum += p.weight;
-    for (DrawnPath const& p : paths) all.push_back({p, row.share.value * p.weight / sum});
+    auto const at = std::find(coupling.bodies.begin(), coupling.bodies.end(), row.body);
+    BodyId const body = at == coupling.bodies.end() ? BodyId{} : BodyId{std::uint32_t(at - coupling.bodies.begin())};
+    for (DrawnPath const& p : paths) all.push_back({p, row.share.value * p.weight / sum, body});
   }
   return all;
 }

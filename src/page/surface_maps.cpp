@@ -83,22 +83,19 @@ std::size_t cell_of(SurfaceMap const& map, Place p) {
   return index(p.y, map.y_low, map.y_high, map.rows) * map.columns + index(p.x, map.x_low, map.x_high, map.columns);
 }
 
-// Light is scattered on its way. Where it leaves and joins the mode all of it passes, which says nothing.
-bool counts(PathPoint const& p) { return p.surface.valid() && p.event == Event::scatter; }
+bool counts(NoisyPath const& n, PathPoint const& p) { return p.surface.valid() && p.body == n.body; }
 
 }  // namespace
 
 // Adds one path to the map of a group that it meets.
 static void add_path(WorldView const& view, std::vector<SurfaceId> const& surfaces, std::uint32_t group,
                      NoisyPath const& n, SurfaceMap& map) {
-  auto const here = [&](PathPoint const& p) { return counts(p) && p.group.value == group; };
-  auto const times = std::count_if(n.path.points.begin(), n.path.points.end(), here);
-  if (times == 0) return;
-  double const part = n.noise / double(times);
-  map.noise_sum += n.noise;
+  auto const times = std::count_if(n.path.points.begin(), n.path.points.end(), [&](auto& p) { return counts(n, p); });
   for (PathPoint const& p : n.path.points) {
-    if (!here(p)) continue;
+    if (!counts(n, p) || p.group.value != group) continue;
+    double const part = n.noise / double(times);
     std::size_t const cell = cell_of(map, place_on(view, p.surface, p.point, map.unrolled));
+    map.noise_sum += part;
     map.noise[cell] += part;
     map.noise_error[cell] += part * part;
     ++map.paths[cell];
@@ -112,7 +109,7 @@ std::vector<SurfaceMap> noise_maps(World const& world, std::vector<NoisyPath> co
   for (NoisyPath const& n : paths) {
     std::set<std::uint32_t> met;
     for (PathPoint const& p : n.path.points)
-      if (counts(p)) met.insert(p.group.value);
+      if (counts(n, p)) met.insert(p.group.value);
     for (std::uint32_t const group : met) {
       by_group[group].first += n.noise;
       ++by_group[group].second;

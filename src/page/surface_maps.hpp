@@ -17,8 +17,8 @@ struct SurfaceMap {
   std::size_t columns = 0, rows = 0;
   double x_low = 0, x_high = 0, y_low = 0, y_high = 0;  // m
   std::size_t surfaces = 0;                             // laid over one another
-  // Noise: share of the strain noise power of the band that is scattered in a cell [1], by weight of kept paths; one
-  // standard error; number of paths. A path that is scattered there twice counts half at each place.
+  // Noise: share of the strain noise power of the band that is made in a cell [1], by weight of kept paths; one
+  // standard error; number of paths. A path that meets the moving body twice counts half at each place.
   std::vector<double> noise, noise_error;
   std::vector<std::uint32_t> paths;
   double noise_sum = 0;
@@ -31,10 +31,11 @@ struct SurfaceMap {
   double cell_area() const { return (x_high - x_low) * (y_high - y_low) / double(columns * rows); }
 };
 
-// A path with its part of the noise.
+// A path with its part of the noise, which is made where it meets the moving body.
 struct NoisyPath {
   DrawnPath path;
   double noise = 0;  // share of the strain noise power of the band [1]
+  BodyId body = {};  // whose motion contributes most
 };
 std::vector<SurfaceMap> noise_maps(World const&, std::vector<NoisyPath> const&, std::size_t most);
 // Adds the light of the first histories of the run.
