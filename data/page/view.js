@@ -20,5 +20,5 @@ if (data.table && data.table.rows > 0) {
   if (drawn.length > 0) table.choose(drawn[0]);
 }
 document.getElementById("page").append(el("p", {class: "note"}, "straytrace " + data.version + ", model " + data.model.slice(0, 12) +
-    ". This file needs no network. It carries " + Object.values(data.libraries).join("; ") + "."));
+    ". This file needs no network. It carries " + data.libraries.scene + "."));
 document.body.dataset.ready = "yes";

@@ -80,6 +80,13 @@ def quiet(browser, page):
     check(not asked, f"{page.name} asks for {asked[:3]}")
 
 
+def check_network(browser, folder):
+    """Broken twin: a page that asks for something must be seen to do so."""
+    (folder / "asking.html").write_text('<body data-ready="yes"><img src="http://127.0.0.1:9/x.png">')
+    browser.open(folder / "asking.html")
+    check(any("127.0.0.1" in url for url in browser.asked_for()) and browser.said(), "a page that asks would not be noticed")
+
+
 def shown(browser):
     return browser.run("return [...document.querySelectorAll('#routes .row')].map(r => [...r.children].map(c => c.textContent))")
 
@@ -184,9 +191,9 @@ def check_view(browser, folder):
     triangles = big_mesh(folder / "sheet.stl")
     (folder / "sheet.yaml").write_text(
         "straytrace: 1\nmaterials: {grey: {scatter: {model: lambertian, tis: 10 %}}}\nbodies: {table: {motion: still}}\n"
-        "scene:\n  - {name: sheet, shape: {mesh: {file: sheet.stl, units: mm}}, body: table, material: grey}\n"
+        "scene:\n  - {name: sheet, file: sheet.stl, units: mm, body: table, material: grey}\n"
         "  - {name: eye, shape: {disk: {outer_radius: 1 cm}}, at: [0 m, 0 m, 30 cm], body: table, material: grey}\n"
-        "beams: {probe: {from: [0 m, 0 m, 20 cm], towards: [0, 0, -1], wavelength: 1064 nm, waist: 1 mm, power: 1 W}}\n"
+        "beams: {probe: {from: [0 m, 0 m, 20 cm], facing: [0, 0, -1], wavelength: 1064 nm, radius: 1 mm, power: 1 W}}\n"
         "receivers: {eye: {on: eye}}\n")
     straytrace("view", "sheet.yaml", "-o", "view.html", "--quiet", folder=folder)
     browser.open(folder / "view.html")
@@ -213,6 +220,7 @@ def main():
             for wanted in "budget routes scene maps ghosts first materials assumptions ledger convergence warnings provenance".split():
                 check(wanted in sections, f"no part '{wanted}' in {sections}")
             quiet(browser, page)
+            check_network(browser, folder)
             check_many_rows(browser, page, folder)
             check_view(browser, folder)
         check_fixed(page)
