@@ -8,8 +8,8 @@
 
 #include "base/document.hpp"
 #include "base/embedded.hpp"
-#include "optics/media_presets.hpp"
 #include "scene/library.hpp"
+#include "world/media_list.hpp"
 
 namespace straytrace {
 namespace {
@@ -145,12 +145,9 @@ LibraryEntry detector_of(EmbeddedFile const& file, NodeData const& root) {
 
 std::vector<LibraryEntry> media() {
   std::vector<LibraryEntry> all;
-  for (MediumPreset const& p : medium_presets()) {
-    double const at = index_of(p, 1064e-9) ? 1064e-9 : 1550e-9;
-    all.push_back({"medium", std::string(p.name), "", fmt::format("n {:.5f}", *index_of(p, at)),
-                   fmt::format("{:.0f} nm", at * 1e9), "", std::string(p.source), "",
-                   fmt::format("media: {{NAME: {{preset: {}}}}}\n", p.name)});
-  }
+  for (KnownMedium const& m : known_media())
+    all.push_back({"medium", m.name, "", fmt::format("n {:.5f}", m.index), fmt::format("{:.0f} nm", m.wavelength * 1e9),
+                   "", m.source, "", fmt::format("media: {{NAME: {{preset: {}}}}}\n", m.name)});
   return all;
 }
 
