@@ -99,8 +99,8 @@ void add_wire(StepBuilder& b) {
   b.part("sketch", wire.Wire());
 }
 
-void add_breadboard(StepBuilder& b, int columns, int rows) {
-  double const pitch = 25;
+TDF_Label add_breadboard(StepBuilder& b, int columns, int rows) {
+  double const pitch = 50;
   TopoDS_Compound holes;
   BRep_Builder().MakeCompound(holes);
   for (int i = 0; i < columns; ++i)
@@ -108,11 +108,12 @@ void add_breadboard(StepBuilder& b, int columns, int rows) {
       double const x = (i - 0.5 * (columns - 1)) * pitch, y = (k - 0.5 * (rows - 1)) * pitch;
       BRep_Builder().Add(holes, rod({x, y, -13}, {0, 0, 1}, 3, 14));
     }
-  b.part("breadboard", cut(moved(block(columns * pitch, rows * pitch, 12.7), at(0, 0, -12.7)), holes), "#303030");
+  return b.part("breadboard", cut(moved(block(columns * pitch, rows * pitch, 12.7), at(0, 0, -12.7)), holes),
+                "#303030");
 }
 
 void add_bench(StepBuilder& b) {
-  add_breadboard(b, 20, 12);
+  TDF_Label const board = add_breadboard(b, 8, 6);
   TopoDS_Shape const post = rod({0, 0, 0}, {0, 0, 1}, 12.7, 65);
   TopoDS_Shape const ring = cut(rod({-6, 0, 100}, {1, 0, 0}, 35, 18), rod({-10, 0, 100}, {1, 0, 0}, 25.5, 30));
   TopoDS_Shape const mount = BRepAlgoAPI_Fuse(post, ring).Shape();
@@ -127,10 +128,11 @@ void add_bench(StepBuilder& b) {
   b.place(beam_end, foot, at(0, 0, 0));
   b.place(beam_end, black, at(0, 0, 0));
   TDF_Label const bench = b.assembly("bench");
-  b.place(bench, stage, turned(-200, 0, 0, 8, {0, 0, 1}), "M1");
+  b.place(bench, board, at(0, 0, 0));
+  b.place(bench, stage, turned(-175, 0, 0, 8, {0, 0, 1}), "M1");
   b.place(bench, stage, turned(150, 75, 0, 172, {0, 0, 1}), "M2");
-  b.place(bench, beam_end, turned(200, -75, 0, 10, {0, 0, 1}), "dump_1");
-  b.place(bench, beam_end, turned(-200, 100, 0, 190, {0, 0, 1}), "dump_2");
+  b.place(bench, beam_end, turned(150, -75, 0, 10, {0, 0, 1}), "dump_1");
+  b.place(bench, beam_end, turned(-150, 100, 0, 190, {0, 0, 1}), "dump_2");
 }
 
 }  // namespace straytrace::step

@@ -35,6 +35,6 @@ void add_crossing(StepBuilder&);  // a closed block with oblique and crossing ho
 void add_sheet(StepBuilder&);     // a B-spline sheet that closes a box of planes
 void add_wire(StepBuilder&);      // no face
 void add_bench(StepBuilder&);     // the bench of examples/cad_bench.yaml
-void add_breadboard(StepBuilder&, int columns, int rows);  // two cylinders per hole
+TDF_Label add_breadboard(StepBuilder&, int columns, int rows);  // holes 50 mm apart
 
 }  // namespace straytrace::step
