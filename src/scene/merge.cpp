@@ -51,6 +51,7 @@ class Merger {
     std::uint32_t const builtin = document_.add_source("built-in parts", builtin_parts, false);
     if (auto const root = read_yaml(document_, builtin)) merge(*root);
     model_->place = {main, 1, 1};
+    for (TopKey const& k : top_keys) model_->asked.try_emplace(std::string(k.name));
     read(main, 0);
     if (unreadable_) throw_errors(document_);
     return model_;
