@@ -83,6 +83,8 @@ class Maker:
 
     def facts_in_words(self, context, key):
         asked = self.slot(context, key).concrete()
+        if len({a["count"] for a in asked if a["type"] == "numbers"}) > 1:      # a list as long as the user makes it
+            asked = [a | {"count": "several"} if a["type"] == "numbers" else a for a in asked]
         told = {"type": " or ".join(dict.fromkeys(map(kind_of, asked))), "range": "", "default": ""}
         for a in asked:
             told["range"] = told["range"] or range_of(a)
@@ -211,7 +213,7 @@ class Maker:
         chain = []
         for part, parameters in self.parts.items():
             name = f"scene entry with part {part}"
-            own = {k: refer[k] for k in parameters}
+            own = {k: self.parameter(properties[k], default) for k, default in sorted(parameters.items())}
             defs[name] = {"type": "object", "description": f"the part {part}", "properties": place | own,
                           "additionalProperties": False, "required": ["name"]}
             chain.append(({"properties": {"use": {"const": part}}, "required": ["use"]}, name))
@@ -222,6 +224,18 @@ class Maker:
         defs[ENTRY] = {"type": "object", "description": self.words[ENTRY]["about"], "title": "entry",
                        **self.chain(chain, {"$ref": "#/$defs/scene entry without a part"})}
         defs["a face that uses part"]["additionalProperties"] = True
+
+    @staticmethod
+    def parameter(schema, default):
+        """Of a part: its default, and from that its kind."""
+        text = schema["description"].split("\n\n")[0]
+        computed = not re.fullmatch(r"-?[0-9.]+( \w+)?", default)
+        unit = default.split(" ")[-1] if " " in default and not computed else ""
+        kind = "computed from the others" if computed else {"deg": "angle", "": "plain number"}.get(unit, "length")
+        facts = {k: v for k, v in schema["x-straytrace"].items() if k in ("page", "example", "choices")}
+        facts |= {"type": kind, "page": "docs/reference/parts.md"} | ({} if computed else {"default": default})
+        return schema | {"description": f"{text}\n\n{kind}" + ("" if computed else f"; default {default}"),
+                         "x-straytrace": facts}
 
     @staticmethod
     def chain(cases, otherwise):
@@ -255,7 +269,7 @@ class Maker:
 
 def built_in_parts(root):
     text = (root / "src/scene/builtin_parts.cpp").read_text(encoding="utf-8")
-    return {name: sorted(part["params"]) for name, part in
+    return {name: {k: str(v) for k, v in part["params"].items()} for name, part in
             yaml.safe_load(re.search(r'R"yaml\((.*?)\)yaml"', text, re.S).group(1))["parts"].items()}
 
 
