@@ -112,7 +112,8 @@ void plot(nlohmann::json const& data, std::string const& png) {
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
   std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file)) throw InputError(fmt::format("error: cannot read '{}'", file));
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(fmt::format("error: cannot read '{}'\n  check the name and the folder", file));
   std::string const text(std::istreambuf_iterator<char>(in), {});
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
