@@ -11,6 +11,7 @@
 #include <iterator>
 
 #include "app/common_options.hpp"
+#include "app/inspect_geometry.hpp"
 #include "app/inspect_motion.hpp"
 #include "base/message.hpp"
 #include "page/material_json.hpp"
@@ -24,7 +25,7 @@ namespace straytrace {
 namespace {
 
 struct Inspected {
-  std::string what, scene, plot, beyond = "constant", angles = "from_normal", wavelength = "1064 nm";
+  std::string what, scene, plot, units, beyond = "constant", angles = "from_normal", wavelength = "1064 nm";
 };
 
 bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
@@ -111,7 +112,8 @@ void plot(nlohmann::json const& data, std::string const& png) {
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
   std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file)) throw InputError(fmt::format("error: cannot read '{}'", file));
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(fmt::format("error: cannot read '{}'\n  check the name and the folder", file));
   std::string const text(std::istreambuf_iterator<char>(in), {});
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
@@ -145,6 +147,7 @@ int print_list(std::string const& file, bool json) {
 
 int inspect(Inspected const& i, Options const& options) {
   if (is_list(i.what) && i.scene.empty()) return print_list(i.what, options.json());
+  if (is_geometry(i.what) && i.scene.empty()) return inspect_geometry(i.what, i.units, i.plot, options);
   bool const whole = is_scene(i.what), own = !i.scene.empty();
   if (whole && own)
     throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
@@ -185,20 +188,22 @@ int inspect(Inspected const& i, Options const& options) {
 }  // namespace
 
 void add_inspect(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("inspect", "what a material, a preset, a BSDF file or a motion file contains as understood");
+  auto* const command = app.add_subcommand(
+      "inspect", "what a material, a preset, or a file of CAD, meshes, BSDF or motion contains as understood");
   static Inspected what;
   command
       ->add_option(
           "what", what.what,
-          "material of a scene, preset, BSDF file (CSV), list of materials (newmtl, .mtl), scene, or motion file")
+          "material of a scene, preset, CAD or mesh file, BSDF file (CSV), list of materials (newmtl, .mtl), scene, or "
+          "motion file")
       ->required();
   command->add_option("scene", what.scene, "scene that holds the material");
   command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
   command->add_option(
       "--plot", what.plot,
-      "draw BSDF against |beta - beta0| and TIS against angle, or the ASDs of motion, into this PNG file");
+      "draw the parts, BSDF against |beta - beta0| and TIS against angle, or the ASDs of motion, into this PNG file");
+  command->add_option("--units", what.units, "of a CAD or mesh file: unit of its numbers, for example mm");
   command->add_option("--beyond", what.beyond, "of a BSDF file: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
   command->add_option("--angles", what.angles, "of a BSDF file: from_normal or from_specular")
@@ -210,6 +215,7 @@ void add_inspect(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace inspect oxidised_steel\n"
       "  straytrace inspect test_mass examples/virgo_arm.yaml --format json\n"
+      "  straytrace inspect examples/data/cad_bench.step --plot bench.png\n"
       "  straytrace inspect examples/data/iris.mtl > materials.yaml");
   command->callback([&] { exit_code = inspect(what, options); });
 }
