@@ -58,9 +58,9 @@ TEST(LibraryExamples, VirgoArmIsTheArmWrittenOut) {
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", first, "--histories", "4096", "--quiet"}).code, 0);
   Finished const made = straytrace({"run", first + "/run.h5", "-o", again, "--quiet"}, {folder.path()});
   ASSERT_EQ(made.code, 0) << made.err;
-  std::string const routes = straytrace({"paths", first + "/run.h5", "--csv"}).out;
+  std::string const routes = straytrace({"paths", first + "/run.h5"}).out;
   EXPECT_THAT(routes, HasSubstr("other > ITM"));
-  EXPECT_EQ(routes, straytrace({"paths", again + "/run.h5", "--csv"}).out);
+  EXPECT_EQ(routes, straytrace({"paths", again + "/run.h5"}).out);
 }
 
 TEST(LibraryExamples, AssumedNumbersAreSaidWhereTheyAct) {
