@@ -55,6 +55,7 @@ class Merger {
         document_.add_source("built-in parts", std::string(embedded_file("library/parts/builtin.yaml")), false);
     if (auto const root = read_yaml(document_, builtin)) merge(*root);
     model_->place = {main, 1, 1};
+    for (TopKey const& k : top_keys) model_->asked.try_emplace(std::string(k.name));
     read(main, 0);
     if (unreadable_) throw_errors(document_);
     take_over_materials(document_, *model_);

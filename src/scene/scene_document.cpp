@@ -223,6 +223,16 @@ std::optional<std::string> SceneDocument::optional_file(Node const& from, std::s
   return text;
 }
 
+std::optional<std::string> SceneDocument::derived_file(Node const& from, std::string const& written,
+                                                       std::function<std::optional<std::string>()> const& make) {
+  std::string const name = name_from(from, written);
+  if (auto const known = known_source(name)) return sources_[*known].text;
+  auto const kept = texts_ ? texts_->find(name) : FileTexts::const_iterator();
+  std::optional<std::string> text = texts_ && kept != texts_->end() ? kept->second : make();
+  if (text) add_source(name, *text, true);
+  return text;
+}
+
 Place SceneDocument::place_in_file(Node const& from, std::string const& name, std::uint32_t line,
                                    std::uint32_t column) {
   auto const file = open(from, name, data_file_limit);

@@ -39,6 +39,8 @@ class SceneDocument : public Document {
   std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
   std::string data_file(Node const& from, std::string const& name) override;
   std::optional<std::string> optional_file(Node const& from, std::string const& name) override;
+  std::optional<std::string> derived_file(Node const& from, std::string const& name,
+                                          std::function<std::optional<std::string>()> const& make) override;
   Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override;
 
   std::uint32_t add_source(std::string name, std::string text, bool stored);
