@@ -8,15 +8,11 @@
 #include "app/common_options.hpp"
 #include "app/lit_table.hpp"
 #include "app/model.hpp"
+#include "app/read_file.hpp"
 #include "base/message.hpp"
 
 namespace straytrace {
 namespace {
-
-// A file with nothing to trace holds motion for `straytrace noise --motion`: what it gives is checked on its own.
-bool only_motion(Scene const& scene) {
-  return scene.table("bodies") && !scene.root().has("scene") && !scene.root().has("beams");
-}
 
 int check_motion(Scene const& scene, Options const& options) {
   for (auto const& [name, node] : scene.table("bodies").items())
@@ -26,6 +22,7 @@ int check_motion(Scene const& scene, Options const& options) {
   std::string const warnings = scene.warnings();
   if (!options.quiet || options.strict) std::cerr << warnings;
   if (options.strict && !warnings.empty()) return input_error;
+  if (options.resolved) return print_resolved(scene, options);
   if (options.json())
     std::cout << fmt::format("{{\"ok\": true, \"bodies\": {}}}\n", names.size());
   else
@@ -40,10 +37,7 @@ int check(Options const& options) {
   Model const model = read_model(options.input, options.overrides);
   if (!options.quiet || options.strict) std::cerr << model.warnings;
   if (options.strict && !model.warnings.empty()) return input_error;
-  if (options.resolved) {
-    std::cout << model.scene.resolved();
-    return done;
-  }
+  if (options.resolved) return print_resolved(model.scene, options);
   if (options.json()) {
     std::cout << fmt::format(
         "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"receivers\": {}, "
@@ -69,7 +63,8 @@ int check(Options const& options) {
 void add_check(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand("check", "find every error that can be found without tracing");
   add_scene_options(*command, options);
-  command->add_flag("--resolved", options.resolved, "print the scene with every parameter evaluated, in SI");
+  command->add_flag("--resolved", options.resolved,
+                    "print the model with every default, in SI: the same as straytrace print");
   command->add_flag("--strict", options.strict, "warnings count as errors");
   command->footer(
       "Examples:\n"

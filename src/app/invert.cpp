@@ -44,7 +44,9 @@ Traced traced(Options const& options, Requirement const& requirement) {
   }
   if (!options.quiet) std::cerr << t.model.warnings;
   apply(requirement, t.model);
-  if (!t.model.detector) throw InputError("error: a requirement needs noise, and the scene has no 'interferometer'");
+  if (!t.model.detector)
+    throw InputError(
+        "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
   if (t.model.design.empty())
     throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
   return t;

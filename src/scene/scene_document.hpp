@@ -63,6 +63,7 @@ class SceneDocument : public Document {
  private:
   // Where the file stands that a file of the model names so.
   std::string name_from(Node const& named_by, std::string const& written) const;
+  std::optional<std::uint32_t> open_library(std::string const& name, std::string const& written);
   std::optional<std::uint32_t> known_source(std::string const& name) const;
   std::optional<std::string> read(std::string const& name, std::size_t size_limit, std::string& why);
 

@@ -128,6 +128,7 @@ auto find_named(Node const& node, Map const& map, std::string_view what) -> type
 // The material of a face: as `surfaces` of the entry says, otherwise of the face, otherwise of the entry. Faces are
 // named there without the name of the entry: "barrel", "lens/barrel".
 Node material_of(Scene::Instance const& instance) {
+  Node const usual = given(instance, "material");  // known, even where every face has its own
   std::size_t const slash = instance.name.find('/');
   if (Node const by_face = instance.placement["surfaces"]; by_face && slash != std::string::npos) {
     if (by_face.kind() != Node::Kind::table)
@@ -135,7 +136,7 @@ Node material_of(Scene::Instance const& instance) {
     else if (Node const own = by_face[instance.name.substr(slash + 1)])
       return own;
   }
-  return given(instance, "material");
+  return usual;
 }
 
 // What is read once for several instances, by name.
