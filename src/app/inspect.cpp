@@ -12,6 +12,8 @@
 
 #include "app/common_options.hpp"
 #include "app/inspect_motion.hpp"
+#include "app/read_file.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "world/material_presets.hpp"
@@ -191,6 +193,11 @@ int print_list(std::string const& file, bool json) {
 }
 
 int inspect(Inspected const& i, Options const& options) {
+  if (is_run_file(i.what))
+    throw InputError(fmt::format(
+        "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "
+        "FOLDER to make it again",
+        i.what));
   if (is_list(i.what) && i.scene.empty()) return print_list(i.what, options.json());
   bool const whole = is_scene(i.what), own = !i.scene.empty();
   if (whole && own)
@@ -203,7 +210,7 @@ int inspect(Inspected const& i, Options const& options) {
   read_media(scene, world, names);
   read_materials(scene, world, names);
   scene.throw_if_problems();
-  if (!options.quiet) std::cerr << scene.warnings();
+  tell_warnings(scene, options);
   bool found = false;
   std::vector<std::string> known;
   for (MaterialInfo const& info : world.materials) {

@@ -7,6 +7,7 @@
 
 #include "app/common_options.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 int trace_only(Options const& options) {
   Model model = read_model(options.input, options.overrides);
   apply(options, model);
-  if (!options.quiet) std::cerr << model.warnings;
+  tell_warnings(model, options);
   TraceResult const traced = trace_model(model, options, options.out);
   RunContent const content = content_of(model, traced, nullptr);
   write_run(options.out, content);
