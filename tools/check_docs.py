@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Fail for a dead link in the documents, a named file or test that does not exist, or a shape, scatter law or
-interface without its page. Usage: check_docs.py [ROOT]"""
+"""Fail for a dead link in the documents, a named file or test that does not exist, a shape, scatter law or
+interface without its page, or a cited equation that docs/theory does not set. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
 import sys
@@ -13,6 +13,8 @@ WITH_TESTS = ("docs/develop/conventions.md", "docs/theory/validation.md")   # pa
 NAMED_TEST = re.compile(r"`([A-Za-z_]+\.[A-Za-z]\w+)`")
 TEST = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
 PAGES = {"geometry": ("shapes",), "optics": ("scatter", "interfaces")}  # room of src/: folders of docs/reference/
+CITED = re.compile(r"\beqs?\. \(?(\d+\.\d+|C\.\d+)")
+TAG = re.compile(r"\\tag\{([^}]*)\}")                   # "5.4", "5.5, 5.6" or "5.1–5.3"
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
@@ -73,12 +75,30 @@ def missing_pages(root):
                 yield f"docs/reference/{' or '.join(folders)}/{key}.md is missing: the page of '{key}'"
 
 
+def numbered(root):
+    """Numbers of the equations that docs/theory sets."""
+    found = set()
+    for page in (root / "docs" / "theory").glob("*.md"):
+        for tag in TAG.findall(page.read_text(encoding="utf-8")):
+            ends = re.findall(r"(\w+)\.(\d+)", tag)
+            for (chapter, first), (_, last) in zip(ends, ends[1:] if "–" in tag else ends):
+                found |= {f"{chapter}.{number}" for number in range(int(first), int(last) + 1)}
+    return found
+
+
+def unknown_equations(root):
+    known = numbered(root)
+    for file in sorted(file for room in ("src", "tests") for file in (root / room).rglob("*.[ch]pp")):
+        for equation in sorted(set(CITED.findall(file.read_text(encoding="utf-8"))) - known):
+            yield f"{file.relative_to(root)}: no page of docs/theory sets equation {equation}"
+
+
 def main(root):
     pages = sorted(root.glob("*.md")) + sorted((root / "docs").rglob("*.md"))
     if not pages:
         print(f"{root}: no pages found; is the path right?")
         return 1
-    found = [*dead_links(root, pages), *missing_files(root, pages), *missing_tests(root), *missing_pages(root)]
+    found = [*dead_links(root, pages), *missing_files(root, pages), *missing_tests(root), *missing_pages(root), *unknown_equations(root)]
     print("\n".join(found) or f"{len(pages)} pages are in order")
     return 1 if found else 0
 

@@ -121,6 +121,11 @@ class CheckDocs(unittest.TestCase):
     def test_shape_without_page_fails(self):
         self.expect("", 1, "'cone'", **{"src/geometry/cone.hpp": 'static constexpr char const* key = "cone";'})
 
+    def test_cited_equation_without_its_formula_fails(self):
+        formulas = {"docs/theory/a.md": "$$x \\tag{9.3, 9.4}$$\n$$y \\tag{5.1–5.3}$$\n"}
+        self.expect("", 0, "in order", **formulas, **{"src/a.hpp": "// physics.md eq. 9.4, eq. 5.2\n"})
+        self.expect("", 1, "sets equation 9.5", **formulas, **{"src/a.hpp": "// physics.md eq. 9.5\n"})
+
     def test_nothing_found_fails(self):
         self.assertEqual(verdict("check_docs.py", {"a.txt": ""})[0], 1)
 

@@ -219,7 +219,8 @@ std::vector<std::string> Model::assumptions() const {
         lines.push_back(
             fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
   for (auto const& [name, material] : scene.table("materials").items())
-    if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
+    if (Node const source = material["source"]; source && !material.has("status"))
+      lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;
 }
 

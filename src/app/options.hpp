@@ -58,5 +58,8 @@ void add_fit(CLI::App&, Options&, int& exit_code);
 void add_scan(CLI::App&, Options&, int& exit_code);
 void add_couple(CLI::App&, Options&, int& exit_code);
 void add_signal(CLI::App&, Options&, int& exit_code);
+void add_report(CLI::App&, Options&, int& exit_code);
+void add_view(CLI::App&, Options&, int& exit_code);
+void add_library(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

@@ -3,6 +3,7 @@
 // that only read tables need base/table.hpp alone.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -93,6 +94,10 @@ class Document {
   virtual std::string data_file(Node const& from, std::string const& name) = 0;
   // The same for a file that may be missing: nothing then, and no problem.
   virtual std::optional<std::string> optional_file(Node const& from, std::string const& name) = 0;
+  // Text that `make` makes of data files, kept under `name` with the other texts; of a model that comes from a run file
+  // the kept text, and nothing is made.
+  virtual std::optional<std::string> derived_file(Node const& from, std::string const& name,
+                                                  std::function<std::optional<std::string>()> const& make) = 0;
   virtual Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/uncertainty.hpp"
 #include "scene/scene_document.hpp"
 
 namespace straytrace {
@@ -67,12 +68,23 @@ class ScopeBuilder {
 
   std::optional<Value> written(NodeData const& node) {
     if (node.kind == Node::Kind::none) return {};
+    if (node.kind == Node::Kind::table && node.find("value")) return sourced(node);
     if (node.kind != Node::Kind::scalar) {
       document_.add({node.place, fmt::format("parameter '{}' must be one quantity", node.label),
-                     "write a number with a unit, for example '80 cm'"});
+                     "write a number with a unit, for example '80 cm', or {value: 80 cm, status: assumed}"});
       return {};
     }
     return document_.evaluate(node, {[this](std::string_view name) { return find(name); }, [this] { return names(); }});
+  }
+
+  // A quantity with where it is from: {value: 10 m, status: assumed, source: TEXT}.
+  std::optional<Value> sourced(NodeData const& node) {
+    Node const table(std::make_shared<NodeData>(node), nullptr, &document_);
+    for (char const* key : {"value", "source"}) table.has(key);
+    read_status(table);
+    table.refuse_unknown(fmt::format("parameter '{}'", node.label));
+    NodeData const& value = *node.find("value")->value;
+    return value.kind == Node::Kind::table ? std::nullopt : written(value);
   }
 
   // What is given must have the dimension of what is written; a bare 0 takes it over.

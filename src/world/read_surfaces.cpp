@@ -7,6 +7,7 @@
 #include <set>
 
 #include "geometry/keys.hpp"
+#include "world/read_cad.hpp"
 #include "world/read_mesh.hpp"
 #include "world/read_parts.hpp"
 
@@ -65,8 +66,9 @@ namespace {
 // Reads one shape from its table and adds the surface.
 template <class Shape>
 SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World& world) {
-  if constexpr (std::is_same_v<Shape, TriangleMesh>) {
-    keys.problem("a mesh is read from a file", "write 'file: bench.obj, units: mm' in place of 'shape'");
+  if constexpr (std::is_same_v<Shape, TriangleMesh> || std::is_same_v<Shape, CadFace>) {
+    keys.problem(fmt::format("a {} is read from a file", Shape::key),
+                 "write 'file: bench.obj, units: mm' or 'file: bench.step, units: from_file' in place of 'shape'");
     return {};
   } else {
     Shape shape;
@@ -143,6 +145,7 @@ struct Shared {
   std::map<std::string, std::uint32_t> volumes;  // by part that it fills and medium
   std::map<std::uint32_t, Node> volume_places;
   MeshLibrary meshes;
+  CadLibrary cads;
 };
 
 // Faces of one placed part that name the same medium enclose one volume; `none`: the face encloses nothing.
@@ -211,6 +214,9 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   as.back = side == "front" || side == "outer" ? names.black : optic;
   as.body = body_id;
   as.volume = volume_of(instance, world, names, shared);
+  std::string const file_name = file ? file.as_word() : "";
+  if (is_step(file_name) || is_converted(file_name))
+    return add_cad(instance, file, pose, as, side, first_time, world, names, shared.cads);
   if (file) return add_mesh(instance, file, pose, as, side, first_time, world, names, shared.meshes);
   as.group = world.add_group(instance.group);
   SurfaceId const id = add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
