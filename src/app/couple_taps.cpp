@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "app/common_options.hpp"
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
 #include "commission/taps.hpp"
