@@ -68,7 +68,7 @@ def messages_of(file, room):
 
 def thrown(argument, room):
     text = said(argument)
-    if not text.startswith("error: ") or re.fullmatch(r"(\.\.\.|--[\w-]+)(: \.\.\.)?", text[7:]):
+    if not text.startswith("error: ") or re.fullmatch(r"((\.\.\.|--[\w-]+)(: \.\.\.)?)?", text[7:]):
         return
     what, _, remedy = text[7:].partition("\n")
     yield {"severity": "error", "what": what.strip(), "remedy": remedy.strip(), "about": ABOUT[room]}

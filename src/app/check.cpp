@@ -10,9 +10,12 @@
 #include "app/model.hpp"
 #include "app/read_file.hpp"
 #include "base/message.hpp"
+#include "scene/warnings.hpp"
 
 namespace straytrace {
 namespace {
+
+constexpr int newest_format = 1;
 
 int check_motion(Scene const& scene, Options const& options) {
   for (auto const& [name, node] : scene.table("bodies").items())
@@ -20,7 +23,7 @@ int check_motion(Scene const& scene, Options const& options) {
   std::vector<std::string> const names = bodies_and_modes(scene.table("bodies"));
   read_motion_file(scene);
   std::string const warnings = scene.warnings();
-  if (!options.quiet || options.strict) std::cerr << warnings;
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? warnings_as_json(scene) : warnings);
   if (options.strict && !warnings.empty()) return input_error;
   if (options.resolved) return print_resolved(scene, options);
   if (options.json())
@@ -31,11 +34,19 @@ int check_motion(Scene const& scene, Options const& options) {
   return done;
 }
 
+// Format 1 is the first, and read_scene() has refused any other.
+int migrate(Options const& options) {
+  read_scene(options.input, options.overrides).throw_if_problems();
+  std::cout << fmt::format("{}: format {}, the newest that this program knows: nothing to rewrite\n", options.input,
+                           newest_format);
+  return done;
+}
+
 int check(Options const& options) {
   if (Scene const scene = read_scene(options.input, options.overrides); only_motion(scene))
     return check_motion(scene, options);
   Model const model = read_model(options.input, options.overrides);
-  if (!options.quiet || options.strict) std::cerr << model.warnings;
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? model.warnings_json : model.warnings);
   if (options.strict && !model.warnings.empty()) return input_error;
   if (options.resolved) return print_resolved(model.scene, options);
   if (options.json()) {
@@ -65,12 +76,14 @@ void add_check(CLI::App& app, Options& options, int& exit_code) {
   add_scene_options(*command, options);
   command->add_flag("--resolved", options.resolved,
                     "print the model with every default, in SI: the same as straytrace print");
+  static bool migrates = false;
+  command->add_flag("--migrate", migrates, "rewrite a scene of an older format; there is none yet");
   command->add_flag("--strict", options.strict, "warnings count as errors");
   command->footer(
       "Examples:\n"
       "  straytrace check examples/virgo_arm.yaml\n"
       "  straytrace check examples/virgo_arm.yaml -p rim=48cm --format json");
-  command->callback([&] { exit_code = check(options); });
+  command->callback([&] { exit_code = migrates ? migrate(options) : check(options); });
 }
 
 }  // namespace straytrace

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iostream>
 
 #include "app/common_options.hpp"
@@ -14,14 +13,6 @@
 
 namespace straytrace {
 namespace {
-
-bool is_run(std::string const& file) {
-  constexpr std::string_view seal = "straytrace-run ",
-                             hdf5 = "\x89HDF\r\n\x1a\n";  // a damaged one is told by read_run()
-  std::string head(seal.size(), ' ');
-  std::ifstream(file, std::ios::binary).read(head.data(), std::streamsize(head.size()));
-  return head == seal || head.starts_with(hdf5);
-}
 
 nlohmann::ordered_json as_json(std::vector<Difference> const& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
@@ -42,7 +33,7 @@ struct Side {
 
 Side read_side(std::string const& file, std::vector<std::string> const& overrides) {
   Side side;
-  if (is_run(file)) {
+  if (is_run_file(file)) {
     if (!overrides.empty())
       throw InputError(
           "error: -p sets parameters of a model, and a run has its own\n  compare models, or leave -p out");

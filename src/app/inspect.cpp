@@ -13,6 +13,8 @@
 #include "app/common_options.hpp"
 #include "app/inspect_geometry.hpp"
 #include "app/inspect_motion.hpp"
+#include "app/read_file.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "page/material_json.hpp"
 #include "report/picture.hpp"
@@ -146,6 +148,11 @@ int print_list(std::string const& file, bool json) {
 }
 
 int inspect(Inspected const& i, Options const& options) {
+  if (is_run_file(i.what))
+    throw InputError(fmt::format(
+        "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "
+        "FOLDER to make it again",
+        i.what));
   if (is_list(i.what) && i.scene.empty()) return print_list(i.what, options.json());
   if (is_geometry(i.what) && i.scene.empty()) return inspect_geometry(i.what, i.units, i.plot, options);
   bool const whole = is_scene(i.what), own = !i.scene.empty();
@@ -159,7 +166,7 @@ int inspect(Inspected const& i, Options const& options) {
   read_media(scene, world, names);
   read_materials(scene, world, names);
   scene.throw_if_problems();
-  if (!options.quiet) std::cerr << scene.warnings();
+  tell_warnings(scene, options);
   bool found = false;
   std::vector<std::string> known;
   for (MaterialInfo const& info : world.materials) {

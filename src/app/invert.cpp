@@ -11,6 +11,7 @@
 
 #include "app/earlier.hpp"
 #include "app/invert_text.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "noise/inversion.hpp"
 #include "world/scattered_share.hpp"
@@ -42,7 +43,7 @@ Traced traced(Options const& options, Requirement const& requirement) {
     if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
     t.coupling = std::move(result.coupling);
   }
-  if (!options.quiet) std::cerr << t.model.warnings;
+  tell_warnings(t.model, options);
   apply(requirement, t.model);
   if (!t.model.detector)
     throw InputError(

@@ -43,7 +43,9 @@ class Flattener {
   explicit Flattener(Scene const& scene) : files_(scene.files()) {}
 
   void add(ModelValue const& v, std::string const& path, Leaves& into) const {
-    if (v.key == "source" || v.key == "override") return;  // says where numbers come from
+    // Where numbers come from; `like` is taken over already.
+    bool const remark = v.key == "source" || v.key == "note" || v.key == "status" || v.key == "override";
+    if (remark || (v.key == "like" && v.how.form != Asked::Form::choice)) return;  // of a motion it is a choice
     if (v.kind == Node::Kind::none || v.kind == Node::Kind::scalar) {
       if (!v.value.empty()) into[one_of_list(v) ? path + "[0]" : path] = leaf(v);
       return;

@@ -56,6 +56,8 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--show", options.show, "rows");
   command->add_option("--by", options.by, "port or receiver; source: what lights which receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));
+  command->add_option("--show", options.show, "rows")->check(whole_between(1, 1e6, "20"));
+  command->add_option("--by", options.by, "port or receiver")->check(CLI::IsMember({"port", "receiver"}));
   command->add_flag("--census", options.census, "objects that the light of each receiver has met, by watts");
   command->add_flag("--first-order", options.first_order, "what is lit, what is seen, and both; of a scene or a run");
   command

@@ -7,6 +7,7 @@
 #include "app/common_options.hpp"
 #include "app/model_json.hpp"
 #include "app/read_file.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 
 namespace straytrace {
@@ -30,7 +31,7 @@ void add_print(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace print examples/virgo_arm.yaml -p rim=48cm --format json");
   command->callback([&] {
     Scene const scene = read_by_all(options.input, options.overrides);
-    if (!options.quiet) std::cerr << scene.warnings();
+    tell_warnings(scene, options);
     exit_code = print_resolved(scene, options);
   });
 }

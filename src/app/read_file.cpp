@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/read_file.hpp"
 
+#include <fstream>
+
 #include "app/model.hpp"
 
 namespace straytrace {
+
+bool is_run_file(std::string const& file) {
+  constexpr std::string_view seal = "straytrace-run ", hdf5 = "\x89HDF\r\n\x1a\n";
+  std::string head(seal.size(), ' ');
+  std::ifstream(file, std::ios::binary).read(head.data(), std::streamsize(head.size()));
+  return head == seal || head.starts_with(hdf5);
+}
 
 bool only_motion(Scene const& scene) {
   return scene.table("bodies") && !scene.root().has("scene") && !scene.root().has("beams");

@@ -9,6 +9,9 @@
 
 namespace straytrace {
 
+// By its first bytes; whether it is sound read_run() tells.
+bool is_run_file(std::string const& file);
+
 // A file with nothing to trace holds motion for `straytrace noise --motion`.
 bool only_motion(Scene const&);
 

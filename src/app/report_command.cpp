@@ -10,6 +10,7 @@
 #include "app/earlier.hpp"
 #include "app/report_page.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "page/exports.hpp"
 #include "page/scene_drawing.hpp"
 #include "report/picture.hpp"
@@ -113,7 +114,7 @@ void write_view(Options const& options, Model const& model, RunContent const* ru
 int view(Options const& options, ViewWanted const& wanted, Exports const& exports) {
   if (is_scene(options.input)) {
     Model model = read_model(options.input, options.overrides);
-    if (!options.quiet) std::cerr << model.warnings;
+    tell_warnings(model, options);
     steer(model.world);
     write_view(options, model, nullptr, nullptr, wanted, exports);
   } else {

@@ -9,6 +9,7 @@
 #include "app/earlier.hpp"
 #include "app/report_page.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "report/band.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
@@ -20,7 +21,7 @@ int run(Options const& options) {
   Earlier const earlier(options.input);           // a run file is made again from its own content
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
-  if (!options.quiet) std::cerr << model.warnings;
+  tell_warnings(model, options);
 
   make_folder(options.out);
   FolderLock const lock(options.out);

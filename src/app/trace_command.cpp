@@ -9,6 +9,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "page/page_json.hpp"
 #include "page/ray_paths.hpp"
 #include "report/columns.hpp"
@@ -22,7 +23,7 @@ namespace {
 int trace_only(Options const& options) {
   Model model = read_model(options.input, options.overrides);
   apply(options, model);
-  if (!options.quiet) std::cerr << model.warnings;
+  tell_warnings(model, options);
   TraceResult const traced = trace_model(model, options, options.out);
   RunContent const content = content_of(model, traced, nullptr);
   write_run(options.out, content);

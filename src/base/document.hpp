@@ -60,7 +60,8 @@ struct NodeData {
   mutable std::map<std::string, Asked, std::less<>> asked;  // keys some reader asked for, present or not
   mutable Asked read;                                       // how the value itself was read
   mutable bool listed = false;                              // its keys were read as a list of names
-  mutable std::string role;                                 // what refuse_unknown() called it
+  mutable bool misspelt = false;  // a key of it is unknown, so what is missing may only be misspelt
+  mutable std::string role;       // what refuse_unknown() called it
 
   Entry const* find(std::string_view key) const {
     auto const hit = index.find(key);

@@ -143,6 +143,7 @@ class Merger {
     for (NodeData::Entry const& e : root.entries) {
       if (document_.error_count() > 1000) return;  // hostile input: enough is said
       if (std::find(names.begin(), names.end(), e.key) != names.end()) continue;
+      model_->misspelt = true;
       std::string const near = nearest_word(e.key, names);
       std::string all;
       for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;

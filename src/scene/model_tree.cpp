@@ -23,7 +23,7 @@ bool is_number(Form f) {
 class TreeReader {
  public:
   explicit TreeReader(Scene const& scene)
-      : root_(scene.root()), document_(dynamic_cast<SceneDocument const*>(root_.document())) {}
+      : root_(scene.root()), files_(scene.files()), document_(dynamic_cast<SceneDocument const*>(root_.document())) {}
 
   ModelValue read(NodeData const& data, Scope const* scope, Asked const& how) const {
     ModelValue out;
@@ -34,6 +34,7 @@ class TreeReader {
     out.listed = data.listed;
     out.origin = origin(data.place);
     if (data.kind == Node::Kind::scalar) scalar(data, scope, out);
+    if (data.kind == Node::Kind::scalar && !out.quantity) out.value = as_of_main_file(out.value, data.place);
     for (NodeData::Entry const& e : data.entries) {
       auto const asked = data.asked.find(e.key);
       out.children.push_back(read(*e.value, scope, asked == data.asked.end() ? Asked{} : asked->second));
@@ -125,7 +126,16 @@ class TreeReader {
     }
   }
 
+  // The name of a data file as the main file would write it; other text as it stands.
+  std::string as_of_main_file(std::string const& text, Place place) const {
+    if (!document_ || text.empty()) return text;
+    auto const folder = std::filesystem::path(document_->source(place.file).name).parent_path();
+    std::string const name = (folder / text).lexically_normal().generic_string();
+    return !folder.empty() && files_.contains(name) ? name : text;
+  }
+
   Node root_;
+  FileTexts const& files_;
   SceneDocument const* document_;
 };
 

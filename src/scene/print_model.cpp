@@ -89,6 +89,10 @@ class Printer {
 std::string printed_model(Scene const& scene) {
   Printer printer;
   ModelValue model = model_tree(scene);
+  for (ModelValue& section : model.children)  // what a material takes over stands in it already
+    if (section.key == "materials")
+      for (ModelValue& material : section.children)
+        std::erase_if(material.children, [](ModelValue const& v) { return v.key == "like"; });
   auto const rank = [](ModelValue const& v) {
     return v.key == "title" ? 0 : v.key == "notes" ? 1 : v.key == "params" ? 2 : 3;
   };
