@@ -61,7 +61,8 @@ int report(Options const& options, ReportWanted const& wanted, std::string const
                     options.input, options.input));
   std::string message;
   if (is_picture(options.out)) {
-    if (!draw_picture(options.input, options.out, message)) throw InputError("error: " + message);
+    if (!draw_picture(options.input, options.out, message))
+      throw InputError(fmt::format("error: {}\n  or write a page: -o report.html", message));
     if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
     return done;
   }

@@ -58,7 +58,7 @@ void follow(WorldView const& view, std::uint64_t seed, std::uint64_t number, Sin
 class TellingSink {
  public:
   TellingSink(World const& world, WorldView const& view) : world_(world), view_(view) {}
-  void emitted(PathState const& path, Vertex const& v) { add("emit", path, v, path.power); }
+  void emitted(PathState const& path, Vertex const& v) { add("emit", path, v, path.emitted); }
   void visit(PathState const& path, Vertex const& v) { add("arrive", path, v, path.power); }
   void score(PathState const& path, Vertex const& v, std::uint32_t goal, std::uint32_t, Vertex const& y,
              double coupling) {

@@ -46,7 +46,7 @@ struct RaySegment {
 };
 std::vector<RaySegment> sample_rays(World const&, Box const&, std::uint64_t seed, std::uint64_t histories);
 
-// "event 3: baffles_in (tube), front, at (...) m, power 1.2e-9, ..." for every event of one history, in order.
+// Every event of one history, in order. Its fates sum to what it emits, the power scattered out of the mode.
 struct ToldEvent {
   std::string what;  // emit, arrive, rejoin, receive, or a fate
   std::uint32_t event = 0, order = 0;

@@ -80,6 +80,26 @@ def quiet(browser, page):
     check(not asked, f"{page.name} asks for {asked[:3]}")
 
 
+def closes(events):
+    """Emitted power is what the fates get, for every single history (the ledger of trace/result.hpp)."""
+    emitted = sum(e["power"] for e in events if e["what"] == "emit")
+    fates = sum(e["power"] for e in events if e["event"] is None)
+    return emitted > 0 and abs(fates / emitted - 1) < 1e-12
+
+
+def check_history(folder):
+    run = folder / "out/run.h5"
+    for number in (0, 5, 77):
+        events = json.loads(straytrace("trace", run, "--history", number, "--format", "json", folder=folder))
+        check(closes(events), f"history {number} loses light")
+        check(not closes(events[:-1]), "losing a fate would not be noticed")                          # broken twin
+        again = straytrace("trace", "bench.yaml", "--history", number, "--format", "json", folder=folder)
+        check(json.loads(again) == events, "a run and its scene tell different histories")
+    for words, said in ((("report", "bench.yaml"), "straytrace run bench.yaml"), (("trace", "bench.yaml"), "--out")):
+        done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True)
+        check(done.returncode == 2 and said in done.stderr, f"{' '.join(words)}: {done.returncode}, {done.stderr}")
+
+
 def check_network(browser, folder):
     """Broken twin: a page that asks for something must be seen to do so."""
     (folder / "asking.html").write_text('<body data-ready="yes"><img src="http://127.0.0.1:9/x.png">')
@@ -210,6 +230,7 @@ def main():
         folder = pathlib.Path(name)
         page = make_run(folder)
         data = check_text(page)
+        check_history(folder)
         with Browser() as browser:
             browser.open(page)
             check(browser.driver.title == HOSTILE, f"the title is '{browser.driver.title}'")
