@@ -5,6 +5,7 @@
 #include <BRepTools_WireExplorer.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
+#include <Precision.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Wire.hxx>
@@ -70,7 +71,7 @@ class EdgeWalk {
       ChartPoint const p = at(ta + share * (tb - ta));
       worst = std::max(worst, off(p, a, b, chart_.metric(p)));
     }
-    if (worst <= tolerance_ || depth == deepest) {
+    if (worst <= 0.5 * tolerance_ || depth == deepest) {  // the largest lies between the three
       worst_ = std::max(worst_, worst);
       return;
     }
@@ -145,11 +146,26 @@ std::vector<Piece> pieces_of(TopoDS_Wire const& wire, TopoDS_Face const& face, C
     if (!walk.sound()) return {};
     Piece piece = walk.walk();
     bool const inner = BRep_Tool::Degenerated(edge) || BRep_Tool::IsClosed(edge, face);  // nothing lies beyond it
-    piece.outwards = inner ? 0 : piece.outwards + room(edge);
+    double const loose = BRep_Tool::Tolerance(edge);  // mm, by which the file lets the edge be off the surface
+    double const gap = loose > 1.001 * Precision::Confusion() ? loose * mm : 0;
+    piece.outwards = inner ? 0 : piece.outwards + gap + room(edge);
     pieces.push_back(std::move(piece));
   }
   if (pieces.size() != edges_in(wire)) return {};
   return pieces;
+}
+
+// A face that goes all the way round ends where it began: nothing of it may reach beyond that.
+void stay_within_turn(std::vector<Loop> const& plain, double Corner::*across, std::vector<Loop>& moved) {
+  double low = plain[0][0].*across, high = low;
+  for (Loop const& loop : plain)
+    for (Corner const& c : loop) {
+      low = std::min(low, c.*across);
+      high = std::max(high, c.*across);
+    }
+  if (high - low < 1 - 1e-9) return;
+  for (Loop& loop : moved)
+    for (Corner& c : loop) c.*across = std::clamp(c.*across, low, high);
 }
 
 }  // namespace
@@ -185,6 +201,8 @@ std::optional<std::vector<Loop>> loops_of(TopoDS_Face const& given, Chart const&
     Loop& loop = out.emplace_back();
     for (Piece const& piece : wire) append_moved(piece, chart, loop);
   }
+  if (chart.kind() != Kind::plane) stay_within_turn(plain, &Corner::x, out);
+  if (chart.kind() == Kind::torus) stay_within_turn(plain, &Corner::y, out);
   return out;
 }
 

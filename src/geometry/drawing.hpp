@@ -51,5 +51,7 @@ template <>
 Drawing drawing_of(CutCylinder const&);
 template <>
 Drawing drawing_of(TriangleMesh const&);
+template <>
+Drawing drawing_of(CadFace const&);
 
 }  // namespace straytrace

@@ -130,7 +130,7 @@ void add_bench(StepBuilder& b) {
   TDF_Label const bench = b.assembly("bench");
   b.place(bench, board, at(0, 0, 0));
   b.place(bench, stage, turned(-175, 0, 0, 8, {0, 0, 1}), "M1");
-  b.place(bench, stage, turned(150, 75, 0, 172, {0, 0, 1}), "M2");
+  b.place(bench, stage, turned(150, 75, 0, 184.1, {0, 0, 1}), "M2");
   b.place(bench, beam_end, turned(150, -75, 0, 10, {0, 0, 1}), "dump_1");
   b.place(bench, beam_end, turned(-150, 100, 0, 190, {0, 0, 1}), "dump_2");
 }

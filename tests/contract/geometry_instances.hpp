@@ -150,11 +150,16 @@ inline double implicit(Sphere const& s, Vec3 p) { return length(p - s.centre) - 
 inline double implicit(CadFace const& s, Vec3 p) {
   Axial const a = axial(s, p);
   switch (s.carrier) {
-    case Carrier::plane: return s.sense * a.height;
-    case Carrier::cylinder: return s.sense * (a.radius - s.radius);
-    case Carrier::cone: return s.sense * (a.radius * std::cos(s.second) - a.height * std::sin(s.second));
-    case Carrier::sphere: return s.sense * (length(p - s.pose.origin) - s.radius);
-    case Carrier::torus: return s.sense * (std::hypot(a.radius - s.radius, a.height) - s.second);
+    case Carrier::plane:
+      return s.sense * a.height;
+    case Carrier::cylinder:
+      return s.sense * (a.radius - s.radius);
+    case Carrier::cone:
+      return s.sense * (a.radius * std::cos(s.second) - a.height * std::sin(s.second));
+    case Carrier::sphere:
+      return s.sense * (length(p - s.pose.origin) - s.radius);
+    case Carrier::torus:
+      return s.sense * (std::hypot(a.radius - s.radius, a.height) - s.second);
   }
   return not_a_number;
 }
