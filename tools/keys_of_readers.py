@@ -7,7 +7,7 @@ import subprocess
 
 # A role in which the user's own name stands, as "beam 'arm'".
 NAMED = re.compile(r"^(beam|port|receiver|material|medium|body|mode|part|scene entry|the limits of|the motion of body|"
-                   r"the responses of port|a face that uses part) '.*'$", re.S)
+                   r"the responses of port|a face that uses part|parameter) '.*'$", re.S)
 CLOSED_FORMS = "fabry-perot-michelson"
 KINDS = ("asd", "series", "csd", "power-law", "peterson", "line", "sine", "drift", "from", "like", "same_as")
 

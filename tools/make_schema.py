@@ -268,9 +268,8 @@ class Maker:
 
 
 def built_in_parts(root):
-    text = (root / "src/scene/builtin_parts.cpp").read_text(encoding="utf-8")
-    return {name: {k: str(v) for k, v in part["params"].items()} for name, part in
-            yaml.safe_load(re.search(r'R"yaml\((.*?)\)yaml"', text, re.S).group(1))["parts"].items()}
+    parts = yaml.safe_load((root / "library/parts/builtin.yaml").read_text(encoding="utf-8"))["parts"]
+    return {name: {k: str(v) for k, v in part["params"].items()} for name, part in parts.items()}
 
 
 def main(program, check):

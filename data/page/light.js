@@ -117,8 +117,8 @@ class Light {
 // The events of the drawn paths of a route, as text.
 function pathDetails(scene, id) {
   const paths = scene.paths.filter(p => p.id === id);
-  if (paths.length === 0) return el("p", {class: "note"}, "No path of this route is kept here: it was computed and not " +
-      "sampled, or it is not among the rows whose paths are drawn (--paths).");
+  if (paths.length === 0) return el("p", {class: "note"}, "No path of this route is kept here: it is a sum of many, or of ghosts beyond " +
+      "those listed, or it is not among the rows whose paths are drawn (--paths).");
   const rows = [];
   paths.forEach((path, n) => path.points.forEach((point, i) => {
     const leg = i > 0 ? Math.hypot(...point.map((x, k) => x - path.points[i - 1][k])) : null;

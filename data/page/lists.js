@@ -101,7 +101,8 @@ function addLedger(ledger) {
   const share = v => digits(100 * v / emitted, 4);
   part.append(simpleTable(["fate", "power / main mode", "share of emitted [%]"],
                           [["emitted", withError(emitted, ledger.emitted.sigma), "100"],
-                           ...fates.map(f => [f.name, withError(f.power.value, f.power.sigma), share(f.power.value)])], [0]));
+                           ...fates.map(f => [f.name, withError(f.power.value, f.power.sigma), share(f.power.value)])], [0]),
+              el("p", {class: "note"}, "window (roulette) and sampling are zero on average."));
   const objects = ledger.objects.filter(o => o.absorbed && o.absorbed.value > 0 || o.arriving && o.arriving.value > 0)
       .sort((a, b) => (b.absorbed ? b.absorbed.value : 0) - (a.absorbed ? a.absorbed.value : 0));
   const cell = e => e ? withError(e.value, e.sigma) : "–";

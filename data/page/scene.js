@@ -160,7 +160,8 @@ class Stage {
   }
   about(entry) {
     const p = entry.part, m = this.scene.meshes[p.mesh];
-    const material = p.front === p.back || !p.back ? p.front : p.front + " (front), " + p.back + " (back)";
+    const material = p.front === p.back || !p.back ? p.front : !p.front ? p.back + " (back)" :
+        p.front + " (front), " + p.back + " (back)";
     return p.name + ": " + p.shape + ", material " + (material || "none") + ", body " + (p.body || "none") +
            (p.clear ? ", measuring plane" : "") +
            (m.triangles < m.of ? ", drawn with " + m.triangles + " of " + m.of + " triangles" : "");

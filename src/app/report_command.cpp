@@ -88,7 +88,9 @@ void write_view(Options const& options, Model const& model, RunContent const* ru
   if (!exports.vtk.empty() || !exports.glb.empty()) {
     SceneDrawing const scene = scene_drawing(model.world, ~std::size_t{0});  // every triangle
     std::vector<DrawnPath> paths;
-    if (run) paths = paths_of_rows(run->trace->coupling, *table, model.world, wanted.rows, wanted.paths);
+    if (run)
+      paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts_for_page(model, ghosts_shown),
+                            wanted.rows, wanted.paths);
     if (!exports.vtk.empty()) {
       make_folder((std::filesystem::path(exports.vtk) / "parts").string());
       NamedTexts files;

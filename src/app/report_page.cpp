@@ -9,6 +9,7 @@
 #include <map>
 
 #include "app/build_info.hpp"
+#include "app/computed_paths.hpp"
 #include "app/first_order.hpp"
 #include "app/ghost_noise.hpp"
 #include "app/ghost_search.hpp"
@@ -25,7 +26,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t routes_in_budget = 8, maps_shown = 8, ghosts_shown = 60;
+constexpr std::size_t routes_in_budget = 8, maps_shown = 8;
 constexpr std::uint64_t light_histories = 1 << 14;  // traced again for irradiance and first-order lists
 
 std::map<std::uint64_t, CouplingClass const*> by_hash(CouplingTable const& coupling) {
@@ -125,11 +126,12 @@ bool ReportWanted::has(std::string const& picture) const {
 }
 
 std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable const& table, World const& world,
-                                     std::size_t rows, std::size_t paths) {
+                                     std::vector<GhostReport> const& ghosts, std::size_t rows, std::size_t paths) {
   auto const classes = by_hash(coupling);
   std::vector<DrawnPath> all;
   auto const add = [&](CouplingClass const& c) {
-    std::vector<DrawnPath> const some = paths_of(world, coupling.seed, c, paths);
+    std::vector<DrawnPath> const some =
+        c.deterministic() ? computed_paths(world, c, ghosts, paths) : paths_of(world, coupling.seed, c, paths);
     all.insert(all.end(), some.begin(), some.end());
   };
   for (std::size_t i = 0; i < std::min(rows, table.rows.size()); ++i)
@@ -182,8 +184,8 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
   j["table"] = table_json(table, run.trace->coupling);
   if (wanted.has("scene"))
-    j["scene"] =
-        scene_part(model, paths_of_rows(run.trace->coupling, table, model.world, wanted.rows, wanted.paths), ghosts);
+    j["scene"] = scene_part(
+        model, paths_of_rows(run.trace->coupling, table, model.world, ghosts, wanted.rows, wanted.paths), ghosts);
   if (wanted.has("maps")) j["maps"] = maps_part(model, run, table);
   j["receivers"] = receivers_json(run);
   if (wanted.has("ghosts")) j["ghosts"] = ghosts_json(ghosts);
@@ -211,11 +213,12 @@ std::string view_page(Model const& model, RunContent const* run, PathTable const
   page.body =
       "<noscript><p>This page draws a scene in three dimensions and needs scripts. For a fixed picture: "
       "straytrace render SCENE</p></noscript>\n";
+  std::vector<GhostReport> const ghosts = ghosts_for_page(model, ghosts_shown);
   std::vector<DrawnPath> paths;
-  if (run && table) paths = paths_of_rows(run->trace->coupling, *table, model.world, wanted.rows, wanted.paths);
+  if (run && table) paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts, wanted.rows, wanted.paths);
   Json& j = page.data;
   j["kind"] = "view";
-  j["scene"] = scene_part(model, paths, ghosts_for_page(model, ghosts_shown));
+  j["scene"] = scene_part(model, paths, ghosts);
   Box const box = scene_drawing(model.world, 1).box;
   j["scene"]["rays"] = rays_json(model.world, sample_rays(model.world, box, model.seed, wanted.rays));
   if (run && table) j["table"] = table_json(*table, run->trace->coupling);

@@ -34,9 +34,11 @@ struct ViewWanted {
 // A scene with its beams, ghosts and sample rays; with a run also the paths of its first rows.
 std::string view_page(Model const&, RunContent const* run, PathTable const*, ViewWanted const&);
 
-// Paths of the first rows of the table, and of the routes to receivers, `paths` of each.
-std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, World const&, std::size_t rows,
-                                     std::size_t paths);
+// Paths of the first rows of the table, and of the routes to receivers, `paths` of each; of routes that were computed
+// those of the ghosts in the reports.
+std::vector<DrawnPath> paths_of_rows(CouplingTable const&, PathTable const&, World const&,
+                                     std::vector<GhostReport> const&, std::size_t rows, std::size_t paths);
+constexpr std::size_t ghosts_shown = 60;  // rows of each beam
 // Ghosts of all launched beams as the scene says, or the strongest down to 1e-12 and order 2.
 std::vector<GhostReport> ghosts_for_page(Model const&, std::size_t rows);
 

@@ -11,7 +11,7 @@ namespace straytrace {
 namespace {
 
 DrawnPath drawn(World const& world, CouplingClass const& c, PathRecord const& r, ReplayedPath const& path) {
-  DrawnPath d{c.hash, r.history, r.event, r.connection, r.weight, path.path_length, c.by_reverse, {}};
+  DrawnPath d{c.hash, r.history, r.event, r.connection, r.weight, path.path_length, c.by_reverse, false, {}};
   for (PassedVertex const& v : path.vertices) {
     BodyId const body = v.surface.valid() ? world.surfaces()[v.surface.value].body : BodyId{};
     d.points.push_back({v.point, v.event, v.group, body, v.surface});

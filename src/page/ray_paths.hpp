@@ -27,6 +27,7 @@ struct DrawnPath {
   double weight = 0;       // recoupled power fraction that it stands for; of received light W per W
   double path_length = 0;  // optical, m
   bool reversed = false;   // the route was sampled on its reverse
+  bool computed = false;   // a way of a deterministic route: it has no history
   std::vector<PathPoint> points;
 };
 

@@ -76,7 +76,7 @@ Json paths_json(World const& world, std::vector<DrawnPath> const& paths) {
       steps.push_back(fmt::format("{}·{}", group_name(world, v.group), letter(v.event)));
     }
     all.push_back({{"id", hash_text(p.route)},
-                   {"address", fmt::format("{}:{}:{}", p.history, p.event, p.connection)},
+                   {"address", p.computed ? "computed" : fmt::format("{}:{}:{}", p.history, p.event, p.connection)},
                    {"weight", number(p.weight)},
                    {"length", metres(p.path_length)},
                    {"reversed", p.reversed},

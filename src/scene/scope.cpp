@@ -56,7 +56,8 @@ class ScopeBuilder {
       return {};
     }
     chain_.push_back(e.key);
-    std::optional<Value> value = written(*e.value);
+    bool const table = e.value->kind == Node::Kind::table && e.value->find("value");
+    std::optional<Value> value = table ? sourced(e.value) : written(*e.value);
     if (auto const hit = replaced_.find(e.key); hit != replaced_.end())
       value = agreeing(value, written(*hit->second), hit->second);
     if (given_)
@@ -68,7 +69,6 @@ class ScopeBuilder {
 
   std::optional<Value> written(NodeData const& node) {
     if (node.kind == Node::Kind::none) return {};
-    if (node.kind == Node::Kind::table && node.find("value")) return sourced(node);
     if (node.kind != Node::Kind::scalar) {
       document_.add({node.place, fmt::format("parameter '{}' must be one quantity", node.label),
                      "write a number with a unit, for example '80 cm', or {value: 80 cm, status: assumed}"});
@@ -78,12 +78,12 @@ class ScopeBuilder {
   }
 
   // A quantity with where it is from: {value: 10 m, status: assumed, source: TEXT}.
-  std::optional<Value> sourced(NodeData const& node) {
-    Node const table(std::make_shared<NodeData>(node), nullptr, &document_);
+  std::optional<Value> sourced(std::shared_ptr<NodeData> const& data) {
+    Node const table(data, nullptr, &document_);
     for (char const* key : {"value", "source"}) table.has(key);
     read_status(table);
-    table.refuse_unknown(fmt::format("parameter '{}'", node.label));
-    NodeData const& value = *node.find("value")->value;
+    table.refuse_unknown(fmt::format("parameter '{}'", data->label));
+    NodeData const& value = *data->find("value")->value;
     return value.kind == Node::Kind::table ? std::nullopt : written(value);
   }
 

@@ -36,16 +36,16 @@ TEST(EndBenches2019, ShelvesOfNorthAndWest) {
     NoiseTrace const& t = noise_of(*run.noise, b.route);
     FrequencyGrid const& grid = run.noise->grid;
     double const edge = 23.62, low = grid.edges[0];
-    double quarter = 0, width = 0, all = 0, beyond = 0;
+    double slow = 0, until = low, all = 0, beyond = 0;
     for (std::size_t i = 0; i < grid.size(); ++i) {
       double const power = t.phase_asd[i] * t.phase_asd[i] * grid.width(i);
-      if (grid.edges[i + 1] < edge / 4) quarter += power, width += grid.width(i);
+      if (grid.edges[i + 1] < edge / 2) slow += power, until = grid.edges[i + 1];
       (grid.edges[i] < 1.05 * edge ? all : beyond) += power;
     }
-    // S(f) = 1/(pi sqrt(f_max^2 - f^2)): 1.4 % above the plateau in the mean over its first quarter, and below `low`
-    // asin(low/f_max)/pi is missing of 1/2. Single lines 0.2 Hz apart, so a bin may hold one more or less.
-    EXPECT_NEAR(std::sqrt(quarter / width / 1.014) / b.plateau, 1, 0.05) << b.route;
-    double const missing = std::asin(low / edge) / M_PI;
+    // S(f) = 1/(pi sqrt(f_max^2 - f^2)), so from `low` to f lies the power (asin(f/f_max) - asin(low/f_max))/pi of 1/2.
+    // Lines stand 0.2 Hz apart: one more or less in the range.
+    double const missing = std::asin(low / edge) / M_PI, share = std::asin(until / edge) / M_PI - missing;
+    EXPECT_NEAR(std::sqrt(slow / share / (M_PI * edge)) / b.plateau, 1, 0.05) << b.route;
     EXPECT_NEAR(std::sqrt(all / (0.5 - missing) * 0.5 / edge) / b.rms_mean, 1, 0.02) << b.route;
     EXPECT_LT(beyond, 1e-6 * all) << b.route;
     EXPECT_GT(std::sqrt(all / edge) / b.plateau, 1.15) << "twin: the plateau taken for the rms mean";
