@@ -9,7 +9,7 @@ namespace straytrace {
 namespace {
 
 constexpr double columns = 48;  // of a full turn
-constexpr int arc_levels = 6;   // of half a circle
+constexpr int arc_levels = 20;  // of half a circle
 
 // Heights at which strips end.
 std::vector<double> levels_of(CadFace const& face) {
@@ -22,9 +22,10 @@ std::vector<double> levels_of(CadFace const& face) {
     for (int k = 1; k < arc_levels && e.side != 0; ++k)
       y.push_back(e.y - std::sqrt(e.slope) * std::cos(pi * k / arc_levels));
   }
-  double const span = o.high_y - o.low_y, step = face.carrier == Carrier::sphere  ? face.radius / 8
-                                                 : face.carrier == Carrier::torus ? 1.0 / 24
-                                                                                  : span;
+  double const span = o.high_y - o.low_y, curved = face.carrier == Carrier::sphere  ? face.radius / 8
+                                                   : face.carrier == Carrier::torus ? 1.0 / 24
+                                                                                    : span;
+  double const step = face.carrier == Carrier::plane ? span : std::fmin(curved, span / 8);  // oblique edges bend too
   for (double at = o.low_y + step; at < o.high_y; at += step) y.push_back(at);
   std::erase_if(y, [&](double at) { return at < o.low_y || at > o.high_y; });
   std::sort(y.begin(), y.end());
