@@ -7,7 +7,9 @@
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/report_page.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "report/band.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
@@ -19,7 +21,7 @@ int run(Options const& options) {
   Earlier const earlier(options.input);           // a run file is made again from its own content
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
-  if (!options.quiet) std::cerr << model.warnings;
+  tell_warnings(model, options);
 
   make_folder(options.out);
   FolderLock const lock(options.out);
@@ -30,6 +32,8 @@ int run(Options const& options) {
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
   RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
   std::string const undrawn = write_results(options.out, content, paths, model);
+  Picture const picture{"png", undrawn.empty() ? read_file(options.out + "/report.png") : ""};
+  write_file(options.out + "/report.html", report_page(content, paths, model, {}, picture));
 
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
@@ -43,7 +47,7 @@ int run(Options const& options) {
       std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
     if (!options.quiet)
       std::cerr << merit_text(merits(content), merits_shown)
-                << fmt::format("results in {}: report.png report.txt{} paths.csv{} run.h5\n", options.out,
+                << fmt::format("results in {}: report.html report.png report.txt{} paths.csv{} run.h5\n", options.out,
                                budget ? " h_asd.txt" : "", content.receivers.empty() ? "" : " receivers.csv");
   }
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;

@@ -16,31 +16,40 @@ constexpr double far_wavelength = 0.05;  // relative
 
 class MeasuredReader {
  public:
-  MeasuredReader(Node const& law, LawReading& out) : law_(law), out_(out) {}
+  explicit MeasuredReader(Node const& law) : law_(law) {}
 
-  void read() {
+  void read(LawReading& out) {
+    if (!read_file()) return;
+    out.wavelength = fmt::format("{:g} nm", file.declared.wavelength * 1e9);
+    at_wavelength(out);
+    MeasuredSummary summary;
+    Measured p = law_of_points(file.points, beyond_, summary);
+    p.prepare();
+    report(p, summary, out);
+    out.add(p);
+  }
+
+  // False, with problems in the document, when the file cannot be used.
+  bool read_file() {
     static constexpr std::string_view rules[] = {"constant", "power", "zero"}, scalings[] = {"none", "smooth"};
-    std::string const beyond = law_.choice("beyond", rules);
+    beyond_ = law_.choice("beyond", rules);
     std::string const scaling = law_.choice("scaling", scalings, "none");
+    scaled = scaling == "smooth";
     ScatterDeclared const given = declared();
     name_ = law_.word("file");
-    if (name_.empty() || beyond.empty() || scaling.empty() || !law_.healthy()) return;
+    if (name_.empty() || beyond_.empty() || scaling.empty() || !law_.healthy()) return false;
     std::string const text = law_["file"].data_file(name_);
-    if (text.empty()) return;
+    if (text.empty()) return false;
     std::vector<Problem> problems;
-    ScatterFile file = read_scatter_file(text, given, problems);
+    file = read_scatter_file(text, given, problems);
     if (problems.empty()) check_scatter_points(file.points, problems);
     for (Problem const& p : problems)
       law_["file"].file_problem(name_, p.place.line, p.place.column, p.what, p.suggestion);
-    if (!problems.empty() || !side_fits(file)) return;
-    out_.wavelength = fmt::format("{:g} nm", file.declared.wavelength * 1e9);
-    at_wavelength(file, scaling == "smooth");
-    MeasuredSummary summary;
-    Measured p = law_of_points(file.points, beyond, summary);
-    p.prepare();
-    report(file, p, summary, beyond);
-    out_.add(p);
+    return problems.empty() && side_fits();
   }
+
+  ScatterFile file;
+  bool scaled = false;
 
  private:
   ScatterDeclared declared() const {
@@ -52,7 +61,7 @@ class MeasuredReader {
     return d;
   }
 
-  bool side_fits(ScatterFile const& file) const {
+  bool side_fits() const {
     bool const through = law_.has("through") && law_.flag("through", false);
     if (!file.transmitted || through) return true;
     law_["file"].problem(fmt::format("'{}' holds what is scattered through the surface (BTDF)", name_),
@@ -62,8 +71,8 @@ class MeasuredReader {
 
   // physics.md eq. 3.8: of a smooth surface the same spatial frequencies scatter at offsets in proportion to the
   // wavelength, with a BSDF that goes as its inverse fourth power.
-  void at_wavelength(ScatterFile& file, bool scaled) {
-    double const measured = file.declared.wavelength, wanted = out_.world.wavelength, ratio = measured / wanted;
+  void at_wavelength(LawReading& out) {
+    double const measured = file.declared.wavelength, wanted = out.world.wavelength, ratio = measured / wanted;
     double const factor = std::pow(ratio, 4);
     if (scaled) {
       for (ScatterPoint& p : file.points) {
@@ -71,7 +80,7 @@ class MeasuredReader {
         p.value *= factor;
       }
       std::erase_if(file.points, [](ScatterPoint const& p) { return p.offset >= 1 + std::sin(p.theta_i); });
-      out_.note(
+      out.note(
           fmt::format("'{}' scaled from {:g} nm to {:g} nm as a smooth surface: BSDF times {:.4g}, offsets times "
                       "{:.4g} (eq. 3.8)",
                       name_, measured * 1e9, wanted * 1e9, factor, 1 / ratio));
@@ -84,12 +93,12 @@ class MeasuredReader {
     }
   }
 
-  void report(ScatterFile const& file, Measured const& p, MeasuredSummary const& s, std::string const& beyond) {
-    out_.note(fmt::format(
+  void report(Measured const& p, MeasuredSummary const& s, LawReading& out) {
+    out.note(fmt::format(
         "'{}' ({}): {:g} angles of incidence up to {:.3g} deg, |alpha - alpha_0| from {:.3g} to {:.3g}; {} beyond; "
         "directions exchanged, it differs by a factor up to {:.3g} before the mean is taken",
         name_, file.format, p.incidences, std::asin(p.sine[int(p.incidences) - 1]) / (pi / 180), s.smallest_offset,
-        s.largest_offset, beyond, s.asymmetry));
+        s.largest_offset, beyond_, s.asymmetry));
     auto const limits = std::count_if(file.points.begin(), file.points.end(), [](auto const& q) { return q.limit; });
     if (limits > 0)
       law_.warning(fmt::format("{} of {} points are upper limits at the noise floor of {:.3g} /sr", limits,
@@ -105,7 +114,7 @@ class MeasuredReader {
     if (s.reach < 0.95 || s.smallest_offset > 0.01)
       law_.warning(
           fmt::format("measured for |alpha - alpha_0| from {:.3g} to {:.3g}; beyond, the law is {}", s.smallest_offset,
-                      s.largest_offset, beyond == "power" ? "continued as a power law" : beyond),
+                      s.largest_offset, beyond_ == "power" ? "continued as a power law" : beyond_),
           "trust what falls outside as far as you trust 'beyond'");
     if (s.spread > 1.5)
       law_.warning(
@@ -120,12 +129,19 @@ class MeasuredReader {
   }
 
   Node law_;
-  LawReading& out_;
-  std::string name_;
+  std::string name_, beyond_;
 };
 
 }  // namespace
 
-void read_measured(Node const& law, LawReading& out) { MeasuredReader(law, out).read(); }
+void read_measured(Node const& law, LawReading& out) { MeasuredReader(law).read(out); }
+
+std::vector<MeasuredPoint> measured_points(Node const& law) {
+  MeasuredReader reader(law);
+  std::vector<MeasuredPoint> points;
+  if (reader.read_file() && !reader.scaled)
+    for (ScatterPoint const& p : reader.file.points) points.push_back({std::sin(p.theta_i), p.offset, p.value});
+  return points;
+}
 
 }  // namespace straytrace
