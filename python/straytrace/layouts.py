@@ -47,7 +47,7 @@ def main(arguments=None) -> int:
         print("\n".join(error.problems), file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: '{error.filename}': {error.strerror}; check the name and the folder", file=sys.stderr)
         return 2
     print(f"written: {asked.out}: {len(layout.optics)} optics, {len(layout.beams)} beams")
     for note in layout.left_out:

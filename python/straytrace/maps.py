@@ -250,11 +250,15 @@ def main(arguments=None) -> int:
     asked = parse(arguments)
     try:
         run(asked)
-    except (OSError, ValueError, KeyError) as error:
-        what = f"no key {error}" if isinstance(error, KeyError) else error
-        print(f"error: {what}", file=sys.stderr)
-        return 2
-    return 0
+    except OSError as error:
+        print(f"error: '{error.filename}': {error.strerror}; check the name and the folder", file=sys.stderr)
+    except KeyError as error:
+        print(f"error: {asked.join}: no {error}; give what 'straytrace inspect FILE --format json' prints", file=sys.stderr)
+    except ValueError as error:
+        print(f"error: {error}", file=sys.stderr)
+    else:
+        return 0
+    return 2
 
 
 if __name__ == "__main__":

@@ -99,6 +99,10 @@ class MeasuredReader {
         "directions exchanged, it differs by a factor up to {:.3g} before the mean is taken",
         name_, file.format, p.incidences, std::asin(p.sine[int(p.incidences) - 1]) / (pi / 180), s.smallest_offset,
         s.largest_offset, beyond_, s.asymmetry));
+    if (file.incidences_left_out > 0)
+      law_.warning(fmt::format("the file has {} angles of incidence, of which {} are used",
+                               p.incidences + double(file.incidences_left_out), p.incidences),
+                   "the law holds no more; leave out those that matter least yourself to choose");
     auto const limits = std::count_if(file.points.begin(), file.points.end(), [](auto const& q) { return q.limit; });
     if (limits > 0)
       law_.warning(fmt::format("{} of {} points are upper limits at the noise floor of {:.3g} /sr", limits,

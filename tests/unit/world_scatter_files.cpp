@@ -78,6 +78,18 @@ TEST(ScatterFiles, LaboratoryCsvMistakes) {
   EXPECT_THAT(refusal(edited(no_floor, "4e-8", "0")), HasSubstr("no noise floor"));
 }
 
+TEST(ScatterFiles, MoreIncidencesThanTheLawHolds) {
+  std::string text = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
+  for (int i = 0; i < 40; ++i)
+    for (int const away : {1, 5, 20}) text += std::to_string(2 * i) + ", " + std::to_string(2 * i - away) + ", 1e-3\n";
+  ScatterFile const f = sound(text);
+  auto const groups = by_incidence(f.points);
+  ASSERT_EQ(groups.size(), 16u);
+  EXPECT_EQ(f.incidences_left_out, 24u);
+  EXPECT_NEAR(groups.front()[0].theta_i, 0, 1e-12);
+  EXPECT_NEAR(groups.back()[0].theta_i, 78 * pi / 180, 1e-12);
+}
+
 // A BSDF of 0.2 /sr everywhere: the total is 0.2 pi at any incidence, whatever the directions are counted from.
 std::string zemax(std::string const& stated, double value = 0.2) {
   std::string text =

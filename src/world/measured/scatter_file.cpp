@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "optics/measured.hpp"
 #include "world/measured/text_tokens.hpp"
 
 namespace straytrace {
@@ -105,6 +106,20 @@ void mark_limits(ScatterFile& file, std::vector<Problem>& problems) {
   if (file.format != columns) std::erase_if(file.points, [](ScatterPoint const& p) { return p.value == 0; });
 }
 
+// At most as many incidences as the law holds, even in their order, the first and the last among them.
+void thin(ScatterFile& file) {
+  auto const groups = by_incidence(file.points);
+  constexpr std::size_t most = Measured::most_incidences;
+  if (groups.size() <= most) return;
+  file.points.clear();
+  for (std::size_t i = 0; i < most; ++i) {
+    auto const& group = groups[(i * (groups.size() - 1) + (most - 1) / 2) / (most - 1)];
+    file.points.insert(file.points.end(), group.begin(), group.end());
+  }
+  file.incidences_left_out = groups.size() - most;
+  file.notes.push_back(fmt::format("{} incidences, of which {} are used", groups.size(), most));
+}
+
 }  // namespace
 
 ScatterPoint scatter_point(double theta_i, double theta_s, double phi, double value) {
@@ -159,6 +174,7 @@ ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& give
   if (format == astm) read_astm(text, file, problems);
   if (format == ssdd) read_ssdd(text, file, problems);
   mark_limits(file, problems);
+  thin(file);
   if (problems.size() == before && file.points.empty())
     complain(problems, {}, "the file holds no point above the surface", "check its angles");
   if (problems.size() == before || !file.points.empty()) demand(file, problems);

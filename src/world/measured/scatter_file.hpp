@@ -45,6 +45,7 @@ struct ScatterFile {
   std::vector<std::string> notes;  // what was understood, a sentence each
   std::vector<ScatterPoint> points;
   std::vector<StatedTis> stated;
+  std::size_t incidences_left_out = 0;  // where there are more than the law holds
 };
 
 // Directions: incidence and scatter in rad from the normal, azimuth of scatter (0: the side of the specular direction).
@@ -58,7 +59,7 @@ ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& give
 // Points of one incidence each, in increasing incidence, in the order of the file.
 std::vector<std::vector<ScatterPoint>> by_incidence(std::vector<ScatterPoint> const&);
 
-// At most 16 incidences, several angles of scatter for each.
+// Several angles of scatter for each incidence.
 void check_scatter_points(std::vector<ScatterPoint> const&, std::vector<Problem>&);
 
 // As SSDD, on the grid of the measured directions; empty, and `why`, where they form neither a grid nor planes.

@@ -12,9 +12,6 @@ namespace straytrace {
 
 void check_scatter_points(std::vector<ScatterPoint> const& points, std::vector<Problem>& problems) {
   auto const groups = by_incidence(points);
-  if (groups.size() > std::size_t(Measured::most_incidences))
-    return complain(problems, {}, fmt::format("{} angles of incidence", groups.size()),
-                    fmt::format("keep {} at most", int(Measured::most_incidences)));
   for (auto const& group : groups) {
     auto const [low, high] = std::minmax_element(group.begin(), group.end(),
                                                  [](auto const& a, auto const& b) { return a.offset < b.offset; });
