@@ -9,6 +9,7 @@ import pathlib
 import h5py
 import numpy as np
 
+from .interpolate import BEYOND, log_log
 from .run import RunError, open_run
 
 try:
@@ -21,7 +22,6 @@ except ImportError:
         def __init__(self, *_arguments, **_values):
             raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install gwinc")
 
-BEYOND = ("nan", "constant", "slope")
 QUANTITIES = ("displacement", "strain")
 
 
@@ -84,29 +84,6 @@ def read_strain(path):
     if np.any(strain < 0):
         raise RunError(f"'{path}' is no ASD: its value at {frequency[strain < 0][0]:g} Hz is negative")
     return frequency, strain, title or path.name
-
-
-def log_log(hz, frequency, strain, beyond="nan"):
-    """Straight lines in log-log between the points; beside a point of 0, in value over log f. Outside them: `nan`, not
-    known; `constant`, the value at the end; `slope`, on with the power law of the last two points. On from a 0 it is 0."""
-    if beyond not in BEYOND:
-        raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{beyond}'")
-    x, known = np.log(np.asarray(hz, float)), np.log(frequency)
-    with np.errstate(divide="ignore"):
-        y = np.log(np.asarray(strain, float))
-    outside = np.nan if beyond == "nan" else None
-    zero = np.asarray(strain) == 0
-    beside = np.interp(x, known, zero.astype(float), left=0, right=0) > 0
-    value = np.interp(x, known, np.where(zero, 0, y), left=outside, right=outside)
-    if beyond == "slope":
-        for side, (i, k) in ((x < known[0], (0, 1)), (x > known[-1], (-1, -2))):
-            value[side] = np.nan if zero[i] or zero[k] else y[i] + (y[k] - y[i]) / (known[k] - known[i]) * (x[side] - known[i])
-    value = np.exp(value)
-    value[beside] = np.interp(x[beside], known, strain)
-    for side, i in ((x < known[0], 0), (x > known[-1], -1)):
-        if zero[i] and beyond != "nan":
-            value[side] = 0
-    return value
 
 
 class StrayLight(Noise):
