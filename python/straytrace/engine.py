@@ -68,7 +68,7 @@ def environment() -> dict[str, str]:
 def _heard(event: Mapping[str, Any], progress: "Callable[[Progress], object] | None") -> None:
     if progress is None:
         return
-    numbers = {key: math.nan if value is None else value for key, value in event.items() if key != "event"}
+    numbers: dict[str, Any] = {key: math.nan if value is None else value for key, value in event.items() if key != "event"}
     progress(Progress(**numbers))
 
 

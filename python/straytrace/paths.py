@@ -191,8 +191,8 @@ def _check(node: ast.AST, text: str) -> None:
 
 def _value(node: ast.AST, row: Path) -> Any:
     if isinstance(node, ast.BoolOp):
-        values = (_value(part, row) for part in node.values)
-        return all(values) if isinstance(node.op, ast.And) else any(values)
+        parts = (_value(part, row) for part in node.values)
+        return all(parts) if isinstance(node.op, ast.And) else any(parts)
     if isinstance(node, ast.UnaryOp):
         value = _value(node.operand, row)
         return not value if isinstance(node.op, ast.Not) else -value

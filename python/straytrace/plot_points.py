@@ -11,6 +11,7 @@ from .plot import GREY, LIGHT, plain_number
 from .words import shortened
 
 if TYPE_CHECKING:
+    from .curves import Noise
     from .scan import Scan
 
 SIZE = (12.0, 5.2)  # inches at 100 dpi
@@ -19,7 +20,14 @@ MOST_IN_LEGEND = 8
 
 def label(params: "dict[str, Any]") -> str:
     """The parameters of a point."""
-    return shortened(", ".join(f"{name} = {value}" for name, value in params.items()), 30)
+    return str(shortened(", ".join(f"{name} = {value}" for name, value in params.items()), 30))
+
+
+def draw_line(axes: Any, noise: "Noise") -> None:
+    """The margin line: margin times the first design curve."""
+    for name, design in list(noise.design.items())[:1]:
+        axes.plot(noise.frequency, noise.margin * design, color=GREY, lw=1.5, ls=(0, (6, 2)),
+                  label=f"{name} × {noise.margin:g} (margin)")
 
 
 def draw_noise(axes: Any, scan: "Scan") -> None:
@@ -33,10 +41,8 @@ def draw_noise(axes: Any, scan: "Scan") -> None:
         bound = " (lower bound)" if noise.unresolved else ""
         axes.plot(f, h, color=colour, lw=1.6, label=label(point.params) + bound)
         axes.fill_between(f, np.maximum(h - sigma, 1e-300), h + sigma, color=colour, alpha=0.25, lw=0)
-    first = next((p.run.noise for p in scan.points if p.run.noise is not None), None)
-    for name, design in list(first.design.items())[:1] if first else []:
-        axes.plot(first.frequency, first.margin * design, color=GREY, lw=1.5, ls=(0, (6, 2)),
-                  label=f"{name} × {first.margin:g} (margin)")
+    for noise in [point.run.noise for point in scan.points if point.run.noise is not None][:1]:
+        draw_line(axes, noise)
     axes.set(xscale="log", yscale="log", xlabel="frequency [Hz]", ylabel=r"strain $h$ [1/$\sqrt{\mathrm{Hz}}$], one-sided")
     axes.xaxis.set_major_formatter(FuncFormatter(plain_number))
     axes.xaxis.set_minor_formatter(NullFormatter())

@@ -92,10 +92,11 @@ def _bands(group: Any) -> "Bands | None":
     if "bands" not in group:
         return None
     bands = group["bands"]
-    curves = [bands[name][()] for name in ("input_low", "input_high", "speckle_05", "speckle_50", "speckle_95", "coherent")]
+    names = ("input_low", "input_high", "speckle_05", "speckle_50", "speckle_95", "coherent")
+    curves: dict[str, Any] = {name: bands[name][()] for name in names}
     sources = list(zip(texts(bands["source"]), texts(bands["statement"]), bands["source_low"][()].tolist(),
                        bands["source_high"][()].tolist(), bands["source_share"][()].tolist()))
-    return Bands(*curves, sources, texts(bands["taken_as_exact"]))
+    return Bands(**curves, sources=sources, taken_as_exact=texts(bands["taken_as_exact"]))
 
 
 def noise_of(file: Any) -> "Noise | None":
@@ -107,16 +108,17 @@ def noise_of(file: Any) -> "Noise | None":
     arrays = {name: routes[name][()] for name in columns}
     names, why = texts(routes["name"]), texts(routes["why_not"])
     resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
-    later = [routes[name][()] if name in routes else None for name in ("linear_share", "input_low", "input_high")]
+    later: dict[str, Any] = {name: routes[name][()] for name in ("linear_share", "input_low", "input_high") if name in routes}
     design = group["design"]
     return Noise(
         frequency=group["frequency"][()],
         edges=group["frequency_edges"][()],
-        total=Curve("total", *(total[name][()] for name in columns),
+        total=Curve("total", **{name: total[name][()] for name in columns},
                     linear_share=total["linear_share"][()] if "linear_share" in total else None),
         routes=[
-            Curve(names[i], *(arrays[c][i] for c in columns), bool(resolved[i]), why[i], float(phase[i]),
-                  *(rows[i] if rows is not None else None for rows in later))
+            Curve(names[i], **{c: arrays[c][i] for c in columns}, resolved=bool(resolved[i]), why_not=why[i],
+                  mean_square_phase=float(phase[i]),
+                  **{key: rows[i] for key, rows in later.items()})
             for i in range(len(names))
         ],
         unresolved=texts(group["unresolved"]),
@@ -161,6 +163,6 @@ def receivers_of(file: Any) -> Receivers:
                 setattr(receiver, key, maps[key][part].reshape(shape))
                 setattr(receiver, key + "_error", maps[key + "_error"][part].reshape(shape))
         if receiver.image is not None:
-            receiver.field = _coherent(maps, i, (rows, columns), 4 * np.prod(receiver.half) / receiver.image.size)
+            receiver.field = _coherent(maps, i, (rows, columns), float(4 * np.prod(receiver.half) / receiver.image.size))
         found.append(receiver)
     return found
