@@ -10,44 +10,64 @@ pandas tables::
     storm = run.noise(motion="storm.yaml")
 """
 
+import importlib
 import os
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .curves import Bands, Curve, Noise
 from .engine import Progress
 from .errors import InputError, NumericalError, Problem, RunError, StraytraceWarning
-from .model import Check, Model
 from .paths import Path, Paths
 from .routes import Ledger, Receiver, Receivers, Routes
 from .run import Run, open_run
-from .scan import Scan, ScanPoint, scan
-from .tree import Items, Table, quantity
 
-try:
-    __version__ = version("straytrace")
-except PackageNotFoundError:                    # used from the source tree
-    __version__ = "unknown"
+if TYPE_CHECKING:
+    from .model import Check, Model
+    from .scans import Scan, ScanPoint, scan
+    from .tree import Items, Table, quantity
+
+# Loaded when they are asked for: pictures of the program do without, and without what they need.
+_LATER = {"Check": "model", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Items": "tree",
+          "Table": "tree", "quantity": "tree"}
 
 open = open_run
 
 
-def check(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", **options: Any) -> Check:
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            return version("straytrace")
+        except PackageNotFoundError:            # used from the source tree
+            return "unknown"
+    if name not in _LATER:
+        raise AttributeError(f"straytrace has no '{name}'; it has: {', '.join(__all__)}")
+    return getattr(importlib.import_module("." + _LATER[name], __name__), name)
+
+
+def _model(what: "Model | Mapping[str, Any] | str | os.PathLike[str]") -> "Model":
+    from .model import Model
+
+    return Model.of(what)
+
+
+def check(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", **options: Any) -> "Check":
     """Model.check of a Model, a dict or a file."""
-    return Model.of(model).check(**options)
+    return _model(model).check(**options)
 
 
 def trace(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", out: "str | os.PathLike[str] | None" = None,
           **options: Any) -> Run:
     """Model.trace of a Model, a dict or a file."""
-    return Model.of(model).trace(out, **options)
+    return _model(model).trace(out, **options)
 
 
 def run(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", out: "str | os.PathLike[str] | None" = None,
         **options: Any) -> Run:
     """Model.run of a Model, a dict or a file."""
-    return Model.of(model).run(out, **options)
+    return _model(model).run(out, **options)
 
 
 __all__ = ["Bands", "Check", "Curve", "InputError", "Items", "Ledger", "Model", "Noise", "NumericalError", "Path", "Paths",

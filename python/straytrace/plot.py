@@ -278,7 +278,7 @@ def main(arguments=None):
     try:
         run = open_run(options.run)
     except RunError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(error, file=sys.stderr)
         return 2
     with plt.rc_context(STYLE):
         figure = draw(run, options.band)

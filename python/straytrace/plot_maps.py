@@ -106,7 +106,7 @@ def main(arguments=None):
     try:
         run = open_run(options.run)
     except RunError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(error, file=sys.stderr)
         return 2
     with plt.rc_context(STYLE):
         for receiver in run.receivers:

@@ -12,7 +12,7 @@ from .words import shortened
 
 if TYPE_CHECKING:
     from .curves import Noise
-    from .scan import Scan
+    from .scans import Scan
 
 SIZE = (12.0, 5.2)  # inches at 100 dpi
 MOST_IN_LEGEND = 8

@@ -48,8 +48,8 @@ def main():
         (place / "source").mkdir()
         (place / "away").mkdir()
         sources(place / "source")
-        pip("wheel", "--no-build-isolation", "--no-deps", "-w", place, place / "source", "-C", f"build-dir={place}/build",
-            "-C", f"cmake.define.STRAYTRACE_PREBUILT={PROGRAM}")
+        pip("wheel", "--no-build-isolation", "--no-deps", "-w", place, place / "source", f"--config-settings=build-dir={place}/build",
+            f"--config-settings=cmake.define.STRAYTRACE_PREBUILT={PROGRAM}")
         wheel, = place.glob("*.whl")
         held = zipfile.ZipFile(wheel).namelist()
         for wanted in ("straytrace/bin/straytrace", "straytrace/py.typed", "straytrace/plot.py", "straytrace/plot_budget.py"):
