@@ -10,6 +10,8 @@ pandas tables::
     storm = run.noise(motion="storm.yaml")
 """
 
+from __future__ import annotations
+
 import importlib
 import os
 from collections.abc import Mapping
@@ -47,24 +49,24 @@ def __getattr__(name: str) -> Any:
     return getattr(importlib.import_module("." + _LATER[name], __name__), name)
 
 
-def _model(what: "Model | Mapping[str, Any] | str | os.PathLike[str]") -> "Model":
+def _model(what: Model | Mapping[str, Any] | str | os.PathLike[str]) -> Model:
     from .model import Model
 
     return Model.of(what)
 
 
-def check(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", **options: Any) -> "Check":
+def check(model: Model | Mapping[str, Any] | str | os.PathLike[str], **options: Any) -> Check:
     """Model.check of a Model, a dict or a file."""
     return _model(model).check(**options)
 
 
-def trace(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", out: "str | os.PathLike[str] | None" = None,
+def trace(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os.PathLike[str] | None = None,
           **options: Any) -> Run:
     """Model.trace of a Model, a dict or a file."""
     return _model(model).trace(out, **options)
 
 
-def run(model: "Model | Mapping[str, Any] | str | os.PathLike[str]", out: "str | os.PathLike[str] | None" = None,
+def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os.PathLike[str] | None = None,
         **options: Any) -> Run:
     """Model.run of a Model, a dict or a file."""
     return _model(model).run(out, **options)

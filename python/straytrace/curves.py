@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Strain noise as numpy arrays and tables. All strains are one-sided ASDs in 1/sqrt(Hz), [n] over frequency."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -33,9 +35,9 @@ class Curve:
     resolved: bool = True
     why_not: str = ""
     mean_square_phase: float = 0.0    # rad^2
-    linear_share: "Array | None" = None    # [n] of the PSD, by motion of that frequency; None before schema 1.5
-    input_low: "Array | None" = None       # [n] of routes: what stated inputs leave open; None before schema 1.6
-    input_high: "Array | None" = None
+    linear_share: Array | None = None    # [n] of the PSD, by motion of that frequency; None before schema 1.5
+    input_low: Array | None = None       # [n] of routes: what stated inputs leave open; None before schema 1.6
+    input_high: Array | None = None
 
 
 @dataclass
@@ -64,11 +66,11 @@ class Noise:
     faint: list[str]                  # unresolved too, but too faint to move the total
     design: dict[str, Array]          # name: ASD
     margin: float                     # of the first design curve
-    bands: "Bands | None" = None      # None where only the mean was made
-    run: "Run | None" = field(default=None, repr=False, compare=False)
+    bands: Bands | None = None      # None where only the mean was made
+    run: Run | None = field(default=None, repr=False, compare=False)
 
-    def __call__(self, motion: "Model | Mapping[str, Any] | str | os.PathLike[str] | None" = None,
-                 response: "Model | Mapping[str, Any] | str | os.PathLike[str] | None" = None) -> "Noise":
+    def __call__(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+                 response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None) -> "Noise":
         """The noise of the same light under other motion or with other responses, without tracing: Run.project."""
         if self.run is None:
             raise RunError("this noise is of no run that could be projected again")
@@ -96,11 +98,11 @@ class Noise:
         error = np.sqrt((1 - share) ** 2 * sigma**2 + share**2 * others) / total
         return np.where(resolved, share, np.nan), np.where(resolved, error, np.nan)
 
-    def at(self, hz: npt.ArrayLike, curve: "Curve | None" = None) -> Array:
+    def at(self, hz: npt.ArrayLike, curve: Curve | None = None) -> Array:
         """The ASD of the total, or of a curve, at frequencies: straight in log-log, NaN outside the band."""
         return log_log(hz, self.frequency, (curve or self.total).mean)
 
-    def table(self) -> "pandas.DataFrame":
+    def table(self) -> pandas.DataFrame:
         """A row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)]; index: Hz."""
         import pandas
 
@@ -114,7 +116,7 @@ class Noise:
         table["lower_bound"] = bool(self.unresolved)
         return table
 
-    def to_gwpy(self, curve: "Curve | None" = None, *, interpolate: "float | None" = None) -> Any:
+    def to_gwpy(self, curve: Curve | None = None, *, interpolate: float | None = None) -> Any:
         """A gwpy FrequencySeries of the ASD. It holds regular axes only: a logarithmic one is refused unless
         `interpolate` gives the step [Hz] of a regular one within the band, straight in log-log between the bins."""
         from .gwpy import frequency_series

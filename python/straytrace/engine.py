@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Starts the program, so that Python and the command line give the same bits, and listens to it."""
 
+from __future__ import annotations
+
 import json
 import math
 import os
@@ -20,7 +22,7 @@ from .errors import InputError, NumericalError
 HERE = pathlib.Path(__file__).resolve().parent
 DONE, INPUT_ERROR, NUMERICAL_FAILURE, CHECKPOINTED = 0, 2, 3, 85
 
-_running: "set[subprocess.Popen[bytes]]" = set()
+_running: set[subprocess.Popen[bytes]] = set()
 _guard = threading.Lock()
 
 
@@ -65,7 +67,7 @@ def environment() -> dict[str, str]:
     return {**os.environ, "STRAYTRACE_PYTHON": sys.executable, "STRAYTRACE_PYTHONPATH": str(HERE.parent)}
 
 
-def _heard(event: Mapping[str, Any], progress: "Callable[[Progress], object] | None") -> None:
+def _heard(event: Mapping[str, Any], progress: Callable[[Progress], object] | None) -> None:
     if progress is None:
         return
     numbers: dict[str, Any] = {key: math.nan if value is None else value for key, value in event.items() if key != "event"}
@@ -75,9 +77,9 @@ def _heard(event: Mapping[str, Any], progress: "Callable[[Progress], object] | N
 class _Listener:
     """Reads stderr of the program until it ends; Ctrl-C is handed on to it once, a second one ends it."""
 
-    def __init__(self, process: "subprocess.Popen[bytes]", progress: "Callable[[Progress], object] | None") -> None:
+    def __init__(self, process: subprocess.Popen[bytes], progress: Callable[[Progress], object] | None) -> None:
         self.process, self.progress = process, progress
-        self.problems: "tuple[str, str] | None" = None
+        self.problems: tuple[str, str] | None = None
         self.words: list[str] = []
         self.asked_to_stop = False
 
@@ -114,8 +116,8 @@ def interrupt_all() -> None:
             process.send_signal(signal.SIGINT)
 
 
-def ask(*words: str, unsaved: "Mapping[str, str] | None" = None,
-        progress: "Callable[[Progress], object] | None" = None) -> Answer:
+def ask(*words: str, unsaved: Mapping[str, str] | None = None,
+        progress: Callable[[Progress], object] | None = None) -> Answer:
     """Runs the command `words`. `unsaved`: text that is read where a file of this name is meant. Raises InputError and
     NumericalError as the program means them."""
     with tempfile.TemporaryDirectory(prefix="straytrace-") as folder, tempfile.TemporaryFile() as output:

@@ -9,6 +9,8 @@ by its answer to DARM this is what `responses` of an interferometer reads (docs/
     model.interferometer.responses = {"SNEB": found.save("responses", "SNEB")}
 """
 
+from __future__ import annotations
+
 import os
 import pathlib
 from collections.abc import Mapping
@@ -31,12 +33,12 @@ class Response:
     amplitude: ComplexArray               # W per relative field in phase with it (Re s)
     darm: ComplexArray                    # W/m
 
-    def save(self, folder: "str | os.PathLike[str]", name: str) -> "dict[str, str | list[str]]":
+    def save(self, folder: str | os.PathLike[str], name: str) -> dict[str, str | list[str]]:
         """Writes NAME_phase.txt, NAME_amplitude.txt and NAME_darm.txt into `folder`, and returns what `responses` says
         of the port; the names are relative to a model beside `folder`."""
         folder = pathlib.Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        said: "dict[str, str | list[str]]" = {"columns": ["Hz", "re", "im"], "unit": "W"}
+        said: dict[str, str | list[str]] = {"columns": ["Hz", "re", "im"], "unit": "W"}
         for what, unit in (("phase", "W per relative field"), ("amplitude", "W per relative field"), ("darm", "W/m")):
             place = folder / f"{name}_{what}.txt"
             values = getattr(self, what)
@@ -66,13 +68,17 @@ def _sidebands(model: Any, node: str, fields: Any, main: str, f: npt.NDArray[np.
     return amplitude, phase
 
 
-def response(model: Any, *, inject: str, frequencies: npt.ArrayLike, relative_to: "str | None" = None,
+def response(model: Any, *, inject: str, frequencies: npt.ArrayLike, relative_to: str | None = None,
              readout: str = "AS.DC.o", darm: Mapping[str, float] = DARM) -> Response:
     """How `readout` [W] answers to stray light at a node of a FINESSE model.
 
     inject: optical node where the light joins, in its direction: "ETMx.p2.i", or "ITMx.p2.o" inside an arm.
     relative_to: node whose light the couplings of the port are relative to (docs/reference/interferometer.md, Ports);
-    `inject` itself unless given. frequencies: Hz, above 0. darm: inputs with their weights for one metre of DARM.
+    `inject` itself unless given.
+    frequencies: Hz, above 0.
+    readout: what answers, in W.
+    darm: inputs with their weights for one metre of DARM.
+
     The model needs `fsig`; with higher modes the stray light has the mode content of the main light."""
     try:
         from finesse.analysis.actions import DCFields, FrequencyResponse

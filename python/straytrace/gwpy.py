@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Curves for gwpy (the extra straytrace[gwpy])."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ from .curves import Curve, Noise
 UNIT = "1 / Hz(1/2)"  # as gwpy writes it
 
 
-def frequency_series(noise: Noise, curve: Curve, interpolate: "float | None") -> Any:
+def frequency_series(noise: Noise, curve: Curve, interpolate: float | None) -> Any:
     """Noise.to_gwpy."""
     try:
         from gwpy.frequencyseries import FrequencySeries

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Between the frequencies of a curve."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

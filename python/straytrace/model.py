@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Models: the tree of a scene file, built or loaded, checked and run."""
 
+from __future__ import annotations
+
 import json
 import math
 import os
@@ -39,7 +41,7 @@ class Check:
     warnings: list[str]               # as the command prints them
 
 
-def overrides(params: "Parameters | None") -> list[str]:
+def overrides(params: Parameters | None) -> list[str]:
     """Options -p of the command line."""
     words = []
     for name, value in (params or {}).items():
@@ -50,7 +52,7 @@ def overrides(params: "Parameters | None") -> list[str]:
     return words
 
 
-def _count(value: "int | float | None", name: str) -> "int | None":
+def _count(value: int | float | None, name: str) -> int | None:
     """A whole number; 1e6 is one."""
     if value is None:
         return None
@@ -59,8 +61,8 @@ def _count(value: "int | float | None", name: str) -> "int | None":
     return int(value)
 
 
-def trace_words(histories: "int | float | None", until: "str | None", seed: "int | None", threads: "int | None",
-                max_time: "float | str | None", force: bool) -> list[str]:
+def trace_words(histories: int | float | None, until: str | None, seed: int | None, threads: int | None,
+                max_time: float | str | None, force: bool) -> list[str]:
     """Options of the command line for a trace."""
     if until is not None and not isinstance(until, str):
         raise TypeError(f"until is {until!r}; write a rule such as 'h_total < 5 %' or '10 min'")
@@ -82,7 +84,7 @@ class Model(Table):
     `folder` is where names of files in the model start from, `name` that of the model itself in messages and run files.
     """
 
-    def __init__(self, tree: "Mapping[str, Any] | None" = None, *, folder: "str | os.PathLike[str]" = ".",
+    def __init__(self, tree: Mapping[str, Any] | None = None, *, folder: str | os.PathLike[str] = ".",
                  name: str = "model.yaml", **tables: Any) -> None:
         if tree is not None and not isinstance(tree, Mapping):
             raise TypeError(f"a model is a dict of tables, not {type(tree).__name__}; for a file: Model.load({tree!r})")
@@ -91,13 +93,13 @@ class Model(Table):
             data.insert(0, "straytrace", FORMAT)
         self._set(data, pathlib.Path(folder) / name, None)
 
-    def _set(self, data: Any, path: pathlib.Path, text: "str | None") -> None:
+    def _set(self, data: Any, path: pathlib.Path, text: str | None) -> None:
         super().__init__(data, "model")
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "_read", (text, dump(data)) if text is not None else None)
 
     @classmethod
-    def load(cls, path: "str | os.PathLike[str]") -> "Model":
+    def load(cls, path: str | os.PathLike[str]) -> Model:
         """The model in a YAML file, with its comments. Raises InputError."""
         path = pathlib.Path(path)
         try:
@@ -108,7 +110,7 @@ class Model(Table):
         return cls.from_text(text, path)
 
     @classmethod
-    def from_text(cls, text: str, path: "str | os.PathLike[str]" = "model.yaml") -> "Model":
+    def from_text(cls, text: str, path: str | os.PathLike[str] = "model.yaml") -> Model:
         """The model in a text that stands, or might stand, in the file `path`. Raises InputError."""
         path = pathlib.Path(path)
         try:
@@ -124,7 +126,7 @@ class Model(Table):
         return model
 
     @classmethod
-    def of(cls, what: "Model | Mapping[str, Any] | str | os.PathLike[str]") -> "Model":
+    def of(cls, what: Model | Mapping[str, Any] | str | os.PathLike[str]) -> Model:
         """A model as it is, of a dict, or of a file."""
         if isinstance(what, Model):
             return what
@@ -139,7 +141,7 @@ class Model(Table):
         now = dump(self.data)
         return self._read[0] if self._read and self._read[1] == now else now
 
-    def save(self, path: "str | os.PathLike[str]") -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the YAML text to `path`; the file appears complete or not at all."""
         path = pathlib.Path(path)
         handle, part = tempfile.mkstemp(prefix=path.name + ".part-", dir=path.parent)
@@ -157,7 +159,7 @@ class Model(Table):
     def _ask(self, *words: str, **options: Any) -> engine.Answer:
         return engine.ask(words[0], str(self.path), *words[1:], unsaved={str(self.path): self.text()}, **options)
 
-    def check(self, params: "Parameters | None" = None) -> Check:
+    def check(self, params: Parameters | None = None) -> Check:
         """Everything that can be known without tracing. Raises InputError with all problems at once."""
         answer = self._ask("check", "--format", "json", *overrides(params))
         about = {"surfaces": 0, "groups": 0, "ports": 0, "receivers": 0, "lit": [], "model_hash": "",
@@ -165,20 +167,21 @@ class Model(Table):
         about.pop("ok")
         return Check(**about, warnings=answer.warnings)
 
-    def resolved(self, params: "Parameters | None" = None) -> str:
+    def resolved(self, params: Parameters | None = None) -> str:
         """The YAML text with every parameter evaluated, includes, parts and repeats unfolded, in SI."""
         return self._ask("check", "--resolved", *overrides(params)).output
 
-    def run(self, out: "str | os.PathLike[str] | None" = None, *, params: "Parameters | None" = None,
-            histories: "int | float | None" = None, until: "str | None" = None, seed: "int | None" = None,
-            threads: "int | None" = None, max_time: "float | str | None" = None, force: bool = False,
-            progress: "bool | Shown | None" = True) -> Run:
+    def run(self, out: str | os.PathLike[str] | None = None, *, params: Parameters | None = None,
+            histories: int | float | None = None, until: str | None = None, seed: int | None = None,
+            threads: int | None = None, max_time: float | str | None = None, force: bool = False,
+            progress: bool | Shown | None = True) -> Run:
         """Check, trace and noise, as `straytrace run`: the same bits.
 
         out: a folder for all results, or a run file (.h5); None: a file that goes with the result.
         params: of the model, instead of its own, as -p: ``{"aperture": "60 cm"}``.
         histories, until, seed: how much light, or how sure: ``"h_total < 5 %"``; else as the model says.
-        threads: all cores unless given; the numbers do not depend on it. max_time: seconds, or "50min".
+        threads: all cores unless given; the numbers do not depend on it.
+        max_time: seconds, or "50min".
         force: overwrite the run of another model in `out`; otherwise a run of the same model is gone on with.
         progress: True, False, or a function that is called with a `Progress` every half second.
 
@@ -186,16 +189,16 @@ class Model(Table):
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
         return self._traced("run", words, out, progress)
 
-    def trace(self, out: "str | os.PathLike[str] | None" = None, *, params: "Parameters | None" = None,
-              histories: "int | float | None" = None, until: "str | None" = None, seed: "int | None" = None,
-              threads: "int | None" = None, max_time: "float | str | None" = None, force: bool = False,
-              progress: "bool | Shown | None" = True) -> Run:
+    def trace(self, out: str | os.PathLike[str] | None = None, *, params: Parameters | None = None,
+              histories: int | float | None = None, until: str | None = None, seed: int | None = None,
+              threads: int | None = None, max_time: float | str | None = None, force: bool = False,
+              progress: bool | Shown | None = True) -> Run:
         """The coupling table alone, as `straytrace trace`, into the run file `out`; arguments as of `run`."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
         return self._traced("trace", words, out, progress)
 
-    def _traced(self, command: str, words: list[str], out: "str | os.PathLike[str] | None",
-                progress: "bool | Shown | None") -> Run:
+    def _traced(self, command: str, words: list[str], out: str | os.PathLike[str] | None,
+                progress: bool | Shown | None) -> Run:
         scratch = Scratch() if out is None else None
         place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
         with shown(progress) as listener:

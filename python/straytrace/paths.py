@@ -7,6 +7,8 @@ h(30 Hz), the ASD of the route in 1/sqrt(Hz); rank, scatters (events S of the se
 with a number that is not resolved is never true.
 """
 
+from __future__ import annotations
+
 import ast
 import fnmatch
 import math
@@ -57,7 +59,7 @@ class Path:
     opl: float                        # m, mean optical path
     vertices: int
     histories: int                    # that scored
-    strain: "Callable[[float], float]"    # Hz to 1/sqrt(Hz)
+    strain: Callable[[float], float]    # Hz to 1/sqrt(Hz)
 
     @property
     def objects(self) -> list[str]:
@@ -88,14 +90,14 @@ class Paths(Sequence[Path]):
     def __iter__(self) -> Iterator[Path]:
         return iter(self.rows)
 
-    def where(self, which: "str | Callable[[Path], bool] | None") -> "Paths":
+    def where(self, which: str | Callable[[Path], bool] | None) -> Paths:
         """Those for which `which` is true."""
         if which is None:
             return self
         test = which if callable(which) else condition(which)
         return Paths([row for row in self.rows if test(row)])
 
-    def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> "pandas.DataFrame":
+    def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
         """A row per route; h at `frequencies` [Hz] in 1/sqrt(Hz), NaN outside the band and where not resolved."""
         import pandas
 
@@ -106,11 +108,11 @@ class Paths(Sequence[Path]):
         return pandas.DataFrame(columns, index=pandas.Index([row.rank for row in self.rows], name="rank"))
 
 
-def _number(value: "float | None") -> float:
+def _number(value: float | None) -> float:
     return math.nan if value is None else float(value)
 
 
-def paths_from(answer: Mapping[str, Any], noise: "Noise | None", low: float, high: float) -> Paths:
+def paths_from(answer: Mapping[str, Any], noise: Noise | None, low: float, high: float) -> Paths:
     """Rows of `straytrace paths --format json`; with a band their shares in it, ranked anew."""
     curves = {curve.name: curve for curve in noise.routes} if noise is not None else {}
     shares: dict[str, tuple[float, float]] = {}
@@ -118,7 +120,7 @@ def paths_from(answer: Mapping[str, Any], noise: "Noise | None", low: float, hig
         names = [curve.name for curve in noise.routes]
         shares = dict(zip(names, zip(*(column.tolist() for column in noise.shares(low, high)))))
 
-    def strain_of(name: str, resolved: bool) -> "Callable[[float], float]":
+    def strain_of(name: str, resolved: bool) -> Callable[[float], float]:
         curve = curves.get(name) if resolved else None
         return lambda hz: math.nan if noise is None or curve is None else float(noise.at(hz, curve))
 
@@ -160,7 +162,7 @@ def _matches(row: Path, what: str, pattern: str) -> bool:
     return any(fnmatch.fnmatchcase(name, pattern) for name in names)
 
 
-def condition(text: str) -> "Callable[[Path], bool]":
+def condition(text: str) -> Callable[[Path], bool]:
     """The test that a text of `where` means. Raises InputError."""
     if not isinstance(text, str):
         raise TypeError(f"where is {text!r}; write a condition such as 'via(\"baffle*\")', or a function of a row")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The picture of a scan made in Python: noise of every point, and its largest ratio to the margin line."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
@@ -18,7 +20,7 @@ SIZE = (12.0, 5.2)  # inches at 100 dpi
 MOST_IN_LEGEND = 8
 
 
-def label(params: "dict[str, Any]") -> str:
+def label(params: dict[str, Any]) -> str:
     """The parameters of a point."""
     return str(shortened(", ".join(f"{name} = {value}" for name, value in params.items()), 30))
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The line that says how far a trace is, in notebooks, on terminals and in logs."""
 
+from __future__ import annotations
+
 import sys
 import time
 from collections.abc import Callable
@@ -64,16 +66,16 @@ def _in_notebook() -> bool:
 class shown:
     """Context: what is called with the progress. `wanted`: True, False, or a function of your own."""
 
-    def __init__(self, wanted: "bool | Shown | None") -> None:
-        self.line: "_Line | _Cell | None" = None
+    def __init__(self, wanted: bool | Shown | None) -> None:
+        self.line: _Line | _Cell | None = None
         if callable(wanted):
-            self.call: "Shown | None" = wanted
+            self.call: Shown | None = wanted
             return
         if wanted:
             self.line = _Cell() if _in_notebook() else _Line()
         self.call = self.line
 
-    def __enter__(self) -> "Shown | None":
+    def __enter__(self) -> Shown | None:
         return self.call
 
     def __exit__(self, *_: object) -> None:

@@ -4,6 +4,8 @@
 Imports without pygwinc; only making a noise needs it.
 """
 
+from __future__ import annotations
+
 import importlib
 import os
 import pathlib
@@ -73,7 +75,7 @@ def _of_text(path: pathlib.Path) -> Known:
     return table[:, 0], np.sqrt(np.sum(table[:, stray] ** 2, axis=1)), ""
 
 
-def read_strain(path: "str | os.PathLike[str]") -> Known:
+def read_strain(path: str | os.PathLike[str]) -> Known:
     """Frequencies [Hz], one-sided strain ASD [1/sqrt(Hz)] and title of the stray light in a file: a run file (or the
     folder of run.h5), an exported budget (HDF5), or text. Raises RunError."""
     path = pathlib.Path(path)
@@ -101,13 +103,13 @@ class StrayLight(Noise):  # type: ignore[misc]
 
     Make a class for each file: ``StrayLight.of("run.h5")``, or a subclass that says `file`."""
 
-    file: "str | os.PathLike[str] | None" = None    # run file, exported budget or text: read_strain
+    file: str | os.PathLike[str] | None = None    # run file, exported budget or text: read_strain
     beyond = "nan"          # outside the band of the file: log_log
     quantity = "displacement"
     style = {"label": "stray light", "color": "black"}
 
     @classmethod
-    def of(cls, file: "str | os.PathLike[str]", name: str = "StrayLight", **values: Any) -> "type[StrayLight]":
+    def of(cls, file: str | os.PathLike[str], name: str = "StrayLight", **values: Any) -> type[StrayLight]:
         """A class for `file`; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
         unknown = sorted(set(values) - {"beyond", "quantity", "style"})
         if unknown:

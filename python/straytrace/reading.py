@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the datasets of a run file to objects. Layout: schema/run-1.txt."""
 
+from __future__ import annotations
+
 import hashlib
 import pathlib
 from typing import Any
@@ -88,7 +90,7 @@ def routes_of(file: Any, ports: list[str]) -> Routes:
     )
 
 
-def _bands(group: Any) -> "Bands | None":
+def _bands(group: Any) -> Bands | None:
     if "bands" not in group:
         return None
     bands = group["bands"]
@@ -99,7 +101,7 @@ def _bands(group: Any) -> "Bands | None":
     return Bands(**curves, sources=sources, taken_as_exact=texts(bands["taken_as_exact"]))
 
 
-def noise_of(file: Any) -> "Noise | None":
+def noise_of(file: Any) -> Noise | None:
     """/noise."""
     if "noise" not in file:
         return None

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Routes of light and what they meet, as numpy arrays and tables."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +31,7 @@ class Routes:
     kind: list[str]                   # "scattered"; "ghost", "edge": computed, without a Monte-Carlo error
     statement: list[str]              # of ghosts and edges: what the number is and how far it holds
 
-    def table(self) -> "pandas.DataFrame":
+    def table(self) -> pandas.DataFrame:
         """A row per route; couplings are NaN where they are not resolved, `hint` has what was seen."""
         import pandas
 
@@ -53,19 +55,19 @@ class Receiver:
     why_not: str
     half: tuple[float, ...]           # m, half width and height of the image
     angle_sine: float                 # half width of the map of directions
-    image: "Array | None" = None      # [rows, columns] power per pixel
-    image_error: "Array | None" = None
-    angles: "Array | None" = None     # [bins, bins] power per cell of direction cosines
-    angles_error: "Array | None" = None
-    quadrants: "Array | None" = None  # [5] lower left, lower right, upper left, upper right, gap
-    quadrants_error: "Array | None" = None
+    image: Array | None = None      # [rows, columns] power per pixel
+    image_error: Array | None = None
+    angles: Array | None = None     # [bins, bins] power per cell of direction cosines
+    angles_error: Array | None = None
+    quadrants: Array | None = None  # [5] lower left, lower right, upper left, upper right, gap
+    quadrants_error: Array | None = None
     field: Any = None                 # complex [rows, columns], of free beams, sqrt(W)/m per sqrt(W) of the main mode
 
 
 class Receivers(list[Receiver]):
     """The receivers of a run, in the order of its scene."""
 
-    def table(self) -> "pandas.DataFrame":
+    def table(self) -> pandas.DataFrame:
         """A row per receiver: power over that of the main mode, NaN where it is not resolved."""
         import pandas
 
@@ -77,7 +79,7 @@ class Receivers(list[Receiver]):
 class Ledger(dict[str, tuple[float, float]]):
     """Where the light went: name to (mean, standard error) of the power per history."""
 
-    def table(self) -> "pandas.DataFrame":
+    def table(self) -> pandas.DataFrame:
         """A row per fate, with its share of what was emitted."""
         import pandas
 

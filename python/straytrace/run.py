@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run file: arrays, tables, pictures, and its noise under other motion. Layout: schema/run-1.txt."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import os
@@ -42,11 +44,11 @@ class Run:
     bodies: list[str]
     ports: list[str]
     warnings: list[str]
-    noise: "Noise | None" = None      # None: traced only; project() makes it
+    noise: Noise | None = None      # None: traced only; project() makes it
     files: dict[str, str] = field(default_factory=dict)   # input texts by name
     receivers: Receivers = field(default_factory=Receivers)
     beam_power: float = 0.0           # W, 0: not stated
-    scratch: "Scratch | None" = field(default=None, repr=False)    # holds a file that nobody asked to keep
+    scratch: Scratch | None = field(default=None, repr=False)    # holds a file that nobody asked to keep
 
     @property
     def complete(self) -> bool:
@@ -78,17 +80,18 @@ class Run:
         return {**{k: int(v) if k in ("seed", "histories") else v for k, v in found.items()},
                 "complete": self.complete, "files": sorted(self.files)}
 
-    def paths(self, where: "Where | None" = None, low: float = 0.0, high: float = 0.0) -> Paths:
-        """The routes, ranked by their share of the noise, as `straytrace paths`: columns of interface and command line.
+    def paths(self, where: Where | None = None, low: float = 0.0, high: float = 0.0) -> Paths:
+        """The routes, ranked by their share of the noise, as `straytrace paths`.
 
         where: which of them, for example ``'via("baffle*") and h(30 Hz) > 1e-25'`` (straytrace.paths), or a function
-        of a row. low, high: Hz, band of the shares; 0: all frequencies."""
+        of a row.
+        low, high: Hz, band of the shares; 0: all frequencies."""
         answer = engine.ask("paths", str(self.path), "--format", "json", "--by", "port")
         return paths_from(json.loads(answer.output), self.noise, low, high).where(where)
 
-    def project(self, motion: "Model | Mapping[str, Any] | str | os.PathLike[str] | None" = None,
-                response: "Model | Mapping[str, Any] | str | os.PathLike[str] | None" = None,
-                out: "str | os.PathLike[str] | None" = None) -> "Run":
+    def project(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+                response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+                out: str | os.PathLike[str] | None = None) -> Run:
         """The same light under other motion (or `noise`, `interferometer`) and with other responses at ports: a new run,
         without tracing. Each is a file, a Model or a dict of its tables, ``{"bodies": {"tube": {"motion": ...}}}``.
         out: a folder for all results, or a run file (.h5); None: a file that goes with the result."""
@@ -108,21 +111,23 @@ class Run:
             warnings.warn(warning, StraytraceWarning, stacklevel=2)
         return run
 
-    def plot(self, path: "str | os.PathLike[str] | None" = None, *, low: float = 0.0, high: float = 0.0) -> "Figure":
-        """The picture of the run: noise, routes, where the light went. path: also written there (png, pdf, svg).
+    def plot(self, path: str | os.PathLike[str] | None = None, *, low: float = 0.0, high: float = 0.0) -> Figure:
+        """The picture of the run: noise, routes, where the light went.
+
+        path: also written there (png, pdf, svg).
         low, high: Hz, band of the shares; 0: all frequencies."""
         import matplotlib.pyplot as plt
 
         from .plot import STYLE, draw, save
 
         with plt.rc_context(STYLE):
-            figure: "Figure" = draw(self, (low, high) if high > low else None)
+            figure: Figure = draw(self, (low, high) if high > low else None)
             plt.close(figure)                   # of no window: a notebook shows it once, as the value of its cell
             if path is not None:
                 save(figure, path)
         return figure
 
-    def save(self, path: "str | os.PathLike[str]") -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Copies the run file to `path`."""
         part = pathlib.Path(f"{os.fspath(path)}.part-{os.getpid()}")
         shutil.copyfile(self.path, part)
@@ -166,7 +171,7 @@ def _read(file: Any, path: pathlib.Path) -> Run:
     return run
 
 
-def open_run(path: "str | os.PathLike[str]") -> Run:
+def open_run(path: str | os.PathLike[str]) -> Run:
     """Reads the run file at `path`, or `run.h5` in the folder `path`. Raises RunError for a file that is none, is damaged
     or of a newer format."""
     path = pathlib.Path(path)

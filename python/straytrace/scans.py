@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A model over its parameters, on any executor of concurrent.futures."""
 
+from __future__ import annotations
+
 import itertools
 import os
 import pathlib
@@ -33,7 +35,7 @@ class ScanPoint:
     params: Point
     run: Run
 
-    def worst(self) -> "tuple[float, float, float]":
+    def worst(self) -> tuple[float, float, float]:
         """Largest ratio of the noise to its margin line (margin times the first design curve), its standard error, and
         the frequency [Hz] where it is; NaN without a design curve or noise."""
         noise = self.run.noise
@@ -53,9 +55,9 @@ class Scan:
 
     points: list[ScanPoint]
     complete: bool = True             # False: stopped early; points that were not reached are not in it
-    scratch: "Scratch | None" = field(default=None, repr=False)
+    scratch: Scratch | None = field(default=None, repr=False)
 
-    def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> "pandas.DataFrame":
+    def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
         """A row per point: parameters, h at `frequencies` [Hz] with one standard error [1/sqrt(Hz)], the largest ratio to
         the margin line with its error and frequency, and whether h is a lower bound."""
         import pandas
@@ -74,22 +76,24 @@ class Scan:
             rows.append(row)
         return pandas.DataFrame(rows)
 
-    def plot(self, path: "str | os.PathLike[str] | None" = None) -> "Figure":
-        """The noise of every point, and the largest ratio to the margin line against the points. path: also written."""
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """The noise of every point, and the largest ratio to the margin line against the points.
+
+        path: also written there."""
         import matplotlib.pyplot as plt
 
         from .plot import STYLE, save
         from .plot_points import draw
 
         with plt.rc_context(STYLE):
-            figure: "Figure" = draw(self)
+            figure: Figure = draw(self)
             plt.close(figure)
             if path is not None:
                 save(figure, path)
         return figure
 
 
-def _points(params: "Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, str | float]]") -> list[Point]:
+def _points(params: Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, str | float]]) -> list[Point]:
     """All combinations of lists, or the points as given."""
     if isinstance(params, Mapping):
         for name, values in params.items():
@@ -106,7 +110,7 @@ def _points(params: "Mapping[str, Iterable[str | float]] | Iterable[Mapping[str,
     return points
 
 
-def _work(path: str, text: str, point: Point, out: "str | None", options: dict[str, Any]) -> "bytes | str":
+def _work(path: str, text: str, point: Point, out: str | None, options: dict[str, Any]) -> bytes | str:
     """What a worker does, here or on another machine: the bytes of the run file, or its name where it is to be kept."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StraytraceWarning)      # told once, with the result
@@ -114,13 +118,13 @@ def _work(path: str, text: str, point: Point, out: "str | None", options: dict[s
     return str(run.path) if out is not None else run.path.read_bytes()
 
 
-def _serial(jobs: list[tuple[Any, ...]]) -> "Iterable[bytes | str]":
+def _serial(jobs: list[tuple[Any, ...]]) -> Iterable[bytes | str]:
     for job in jobs:
         yield _work(*job)
 
 
-def _parallel(executor: Executor, jobs: list[tuple[Any, ...]]) -> "Iterable[bytes | str]":
-    futures: "list[Future[bytes | str]]" = [executor.submit(_work, *job) for job in jobs]
+def _parallel(executor: Executor, jobs: list[tuple[Any, ...]]) -> Iterable[bytes | str]:
+    futures: list[Future[bytes | str]] = [executor.submit(_work, *job) for job in jobs]
     try:
         for future in futures:
             yield future.result()
@@ -131,9 +135,9 @@ def _parallel(executor: Executor, jobs: list[tuple[Any, ...]]) -> "Iterable[byte
         raise
 
 
-def scan(model: "Model | Mapping[str, Any] | str | os.PathLike[str]",
-         params: "Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, str | float]]", *,
-         executor: "Executor | None" = None, out: "str | os.PathLike[str] | None" = None, progress: bool = True,
+def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
+         params: Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, str | float]], *,
+         executor: Executor | None = None, out: str | os.PathLike[str] | None = None, progress: bool = True,
          **options: Any) -> Scan:
     """Runs the model at every point: all combinations of ``{"aperture": ["50 cm", "60 cm"], "n": [40, 80]}``, or a list of
     points ``[{"aperture": "50 cm", "n": 40}, ...]``.
@@ -142,7 +146,8 @@ def scan(model: "Model | Mapping[str, Any] | str | os.PathLike[str]",
     points as cores run at once. Its machines need this package; model and result travel with the job, data files that the
     model names do not. Without one, point after point with all cores.
     out: folder for a run file of every point, point000.h5 ...: finished points are gone on with, not traced again.
-    progress: a line per point on stderr. options: those of Model.run (histories, until, seed, threads, max_time, force).
+    progress: a line per point on stderr.
+    options: those of Model.run (histories, until, seed, threads, max_time, force).
 
     Ctrl-C gives the points that are done, with ``complete == False``."""
     source = Model.of(model)
@@ -170,7 +175,7 @@ def scan(model: "Model | Mapping[str, Any] | str | os.PathLike[str]",
     return result
 
 
-def _kept(answer: "bytes | str", scratch: "Scratch | None", number: int) -> Run:
+def _kept(answer: bytes | str, scratch: Scratch | None, number: int) -> Run:
     if isinstance(answer, str) or scratch is None:
         return open_run(str(answer))
     place = scratch.file(f"point{number:03}.h5")

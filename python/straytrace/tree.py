@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tables and lists of a model as Python writes them: ``model.beams.arm.power = "650 kW"``."""
 
+from __future__ import annotations
+
 import difflib
 import math
 import os
@@ -123,7 +125,7 @@ class Items(MutableSequence[Any]):
     def __init__(self, data: Any, where: str) -> None:
         self.data, self.where = data, where
 
-    def _index(self, key: "int | str") -> int:
+    def _index(self, key: int | str) -> int:
         if isinstance(key, int):
             return key
         names = [entry.get("name") if isinstance(entry, Mapping) else None for entry in self.data]
@@ -134,7 +136,7 @@ class Items(MutableSequence[Any]):
         raise KeyError(f"{self.where} has no entry named '{key}'; {hint}")
 
     @overload
-    def __getitem__(self, key: "int | str") -> Any: ...
+    def __getitem__(self, key: int | str) -> Any: ...
     @overload
     def __getitem__(self, key: slice) -> Any: ...
     def __getitem__(self, key: Any) -> Any:
