@@ -4,7 +4,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ("src", "tests", "python", "tools")
+FOLDERS = ("src", "step", "tests", "python", "tools")
 CPP = {".cpp", ".hpp", ".h", ".cu"}
 SOURCES = CPP | {".py", ".sh", ".txt"}            # .txt: only CMakeLists.txt, data files are not sources
 MAX_LINES = 300

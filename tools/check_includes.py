@@ -4,7 +4,7 @@ import pathlib
 import re
 import sys
 
-ROOMS = ("base geometry optics beams hdf5 signal commission motion scene world trace ifo noise report app").split()
+ROOMS = ("base geometry optics beams hdf5 signal commission motion scene world trace ifo noise report page app").split()
 MAY_INCLUDE = {                        # room: rooms it may include besides itself
     "base": "",
     "geometry": "base",
@@ -20,7 +20,8 @@ MAY_INCLUDE = {                        # room: rooms it may include besides itse
     "ifo": "base beams signal",
     "noise": "base beams signal motion trace ifo",
     "report": "base hdf5 signal motion beams scene world trace ifo noise",
-    "app": "base beams hdf5 signal commission motion scene world trace ifo noise report",
+    "page": "base geometry beams motion scene world trace noise report",
+    "app": "base beams hdf5 signal commission motion scene world trace ifo noise report page",
 }
 NARROW = {                             # (room, other): the only files it may take from there
     ("noise", "beams"): {"beams/cavity_mode.hpp"},

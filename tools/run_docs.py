@@ -3,7 +3,7 @@
 
 Usage: run_docs.py [--write] PROGRAM [ROOT]
 
-Pages are read in the order README, guide, commands, ghosts, signal, in one temporary folder that holds examples/, python/
+Pages are read in the order of the list below, in one temporary folder that holds examples/, python/
 and build/straytrace.
 In a ```console block each line `$ command` is run. It must exit with 0, or with N where the line ends in `# exit N`.
 The lines below it, if any, are what it prints, all and in this order; a line `...` stands for anything left out.
@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 PAGES = ("README.md", "docs/guide/*.md", "docs/reference/commands.md", "docs/reference/ghosts.md",
-         "docs/reference/signal.md", "docs/reference/couple.md", "docs/reference/fit.md")
+         "docs/reference/cad.md", "docs/reference/signal.md", "docs/reference/couple.md", "docs/reference/fit.md", "docs/reference/report.md")
 NOT_RUN = ("scripts/setup", "scripts/build", "scripts/demo", "scripts/test", "scripts/lint")   # install or build
 BLOCK = re.compile(r"^```(console|yaml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXIT = re.compile(r"\s+# exit (\d+)$")

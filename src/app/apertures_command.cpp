@@ -11,6 +11,7 @@
 
 #include "app/common_options.hpp"
 #include "app/model.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "report/columns.hpp"
@@ -177,7 +178,7 @@ void print_profile(Named const& n, Wanted const& wanted, bool json) {
 
 int apertures(Options const& options, Wanted const& wanted) {
   Model const model = read_model(options.input, options.overrides);
-  if (!options.quiet) std::cerr << model.scene.warnings();
+  tell_warnings(model.scene, options);
   std::vector<Named> const all = named_apertures(model);
   if (!wanted.profile.empty()) {
     print_profile(chosen(all, wanted.profile), wanted, options.json());

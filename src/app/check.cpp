@@ -8,15 +8,14 @@
 #include "app/common_options.hpp"
 #include "app/lit_table.hpp"
 #include "app/model.hpp"
+#include "app/read_file.hpp"
 #include "base/message.hpp"
+#include "scene/warnings.hpp"
 
 namespace straytrace {
 namespace {
 
-// A file with nothing to trace holds motion for `straytrace noise --motion`: what it gives is checked on its own.
-bool only_motion(Scene const& scene) {
-  return scene.table("bodies") && !scene.root().has("scene") && !scene.root().has("beams");
-}
+constexpr int newest_format = 1;
 
 int check_motion(Scene const& scene, Options const& options) {
   for (auto const& [name, node] : scene.table("bodies").items())
@@ -24,8 +23,9 @@ int check_motion(Scene const& scene, Options const& options) {
   std::vector<std::string> const names = bodies_and_modes(scene.table("bodies"));
   read_motion_file(scene);
   std::string const warnings = scene.warnings();
-  if (!options.quiet || options.strict) std::cerr << warnings;
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? warnings_as_json(scene) : warnings);
   if (options.strict && !warnings.empty()) return input_error;
+  if (options.resolved) return print_resolved(scene, options);
   if (options.json())
     std::cout << fmt::format("{{\"ok\": true, \"bodies\": {}}}\n", names.size());
   else
@@ -34,16 +34,21 @@ int check_motion(Scene const& scene, Options const& options) {
   return done;
 }
 
+// Format 1 is the first, and read_scene() has refused any other.
+int migrate(Options const& options) {
+  read_scene(options.input, options.overrides).throw_if_problems();
+  std::cout << fmt::format("{}: format {}, the newest that this program knows: nothing to rewrite\n", options.input,
+                           newest_format);
+  return done;
+}
+
 int check(Options const& options) {
   if (Scene const scene = read_scene(options.input, options.overrides); only_motion(scene))
     return check_motion(scene, options);
   Model const model = read_model(options.input, options.overrides);
-  if (!options.quiet || options.strict) std::cerr << model.warnings;
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? model.warnings_json : model.warnings);
   if (options.strict && !model.warnings.empty()) return input_error;
-  if (options.resolved) {
-    std::cout << model.scene.resolved();
-    return done;
-  }
+  if (options.resolved) return print_resolved(model.scene, options);
   if (options.json()) {
     std::cout << fmt::format(
         "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"receivers\": {}, "
@@ -69,13 +74,16 @@ int check(Options const& options) {
 void add_check(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand("check", "find every error that can be found without tracing");
   add_scene_options(*command, options);
-  command->add_flag("--resolved", options.resolved, "print the scene with every parameter evaluated, in SI");
+  command->add_flag("--resolved", options.resolved,
+                    "print the model with every default, in SI: the same as straytrace print");
+  static bool migrates = false;
+  command->add_flag("--migrate", migrates, "rewrite a scene of an older format; there is none yet");
   command->add_flag("--strict", options.strict, "warnings count as errors");
   command->footer(
       "Examples:\n"
       "  straytrace check examples/virgo_arm.yaml\n"
       "  straytrace check examples/virgo_arm.yaml -p rim=48cm --format json");
-  command->callback([&] { exit_code = check(options); });
+  command->callback([&] { exit_code = migrates ? migrate(options) : check(options); });
 }
 
 }  // namespace straytrace

@@ -264,7 +264,7 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
                     "no check for fringe wrapping: the witness need not see all that reaches the target");
   add_band_option(*command, o.data, "LOW..HIGH of the answer: \"20 Hz..400 Hz\"");
   add_welch_options(*command, o.data);
-  command->add_option("--show", o.show, "rows of the table")->default_str("12");
+  command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
   add_couple_outputs(*command, o.data);
   command->footer(

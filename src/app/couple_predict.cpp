@@ -222,7 +222,7 @@ void add_couple_predict(CLI::App& couple, int& exit_code) {
       ->check(CLI::ExistingFile);
   command->add_option("--coupling-unit", o.unit, "of the measured factor, where the file does not say it: 1/m");
   command->add_option("--witness-unit", o.witness_unit, "of its witness, where the file does not say it: m");
-  command->add_option("--show", o.show, "rows of the tables")->default_str("8");
+  command->add_option("--show", o.show, "rows of the tables")->default_str("8")->check(whole_between(1, 1e6, "20"));
   add_couple_outputs(*command, o.data);
   command->footer(
       "Examples:\n"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "app/common_options.hpp"
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
 #include "commission/ridge.hpp"
@@ -101,7 +102,7 @@ void add_couple_sweep(CLI::App& couple, int& exit_code) {
   command->add_option("--witness-ratio", o.ridge.witness_ratio, "amplitude of the drive over what is beside it")
       ->default_str("10");
   command->add_option("--significance", o.ridge.significance, "of the target; below: an upper limit")->default_str("3");
-  command->add_option("--show", o.show, "rows of the table")->default_str("12");
+  command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
   add_couple_outputs(*command, o.data);
   command->footer(

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "app/common_options.hpp"
 #include "app/couple_data.hpp"
 #include "base/message.hpp"
 #include "commission/taps.hpp"
@@ -166,7 +167,7 @@ void add_couple_taps(CLI::App& couple, int& exit_code) {
       ->default_str("3");
   add_band_option(*command, o.data, "LOW..HIGH of the answer");
   add_welch_options(*command, o.data);
-  command->add_option("--show", o.show, "peaks of the table")->default_str("12");
+  command->add_option("--show", o.show, "peaks of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
   add_couple_outputs(*command, o.data);
   command->footer(
       "Examples:\n"

@@ -16,9 +16,6 @@
 namespace straytrace {
 namespace {
 
-constexpr std::uint64_t least_batches = 4;  // with fewer the spread says nothing about the error
-
-bool resolved(Estimate const& e) { return e.scored >= least_batches; }
 std::string cell(Estimate const& e) {
   if (e.scored == 0) return "-";
   if (!resolved(e)) return "unresolved";

@@ -2,10 +2,15 @@
 #pragma once
 
 #include "app/options.hpp"
+#include "trace/coupling.hpp"
 
 namespace straytrace {
 
 // straytrace paths FILE --first-order: what is lit, what is seen, and both. Returns the exit code.
 int print_first_order(Options const&);
+
+// Of an entry of these lists, whose histories are batches: with fewer the spread says nothing about the error.
+constexpr std::uint64_t least_batches = 4;
+inline bool resolved(Estimate const& e) { return e.scored >= least_batches; }
 
 }  // namespace straytrace

@@ -16,6 +16,7 @@
 #include "app/ghost_search.hpp"
 #include "app/interrupt.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "report/growing_file.hpp"
 #include "report/picture.hpp"
@@ -157,7 +158,7 @@ class Answers {
 int ghosts(Options const& options, Wanted const& wanted) {
   refuse_two_formats(options);
   Model const model = read_for_ghosts(options);
-  if (!options.quiet) std::cerr << model.scene.warnings();
+  tell_warnings(model.scene, options);
   GhostSearch search{
       model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown, nullptr, {}};
   std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);

@@ -10,6 +10,7 @@
 
 #include "app/common_options.hpp"
 #include "app/importance_map.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "report/columns.hpp"
 #include "trace/estimate/importance.hpp"
@@ -48,7 +49,7 @@ std::vector<Row> find_rows(Options const& options) {
       file ? read_scene(file->about.main_file, overrides, &file->about.files) : read_scene(options.input, overrides);
   World world = build_world(scene);
   scene.throw_if_problems();
-  if (!options.quiet && !file) std::cerr << scene.warnings();
+  if (!file) tell_warnings(scene, options);
   world.limits.targets = true;
   steer(world);
   return rows_of(importance_map(world), world.groups());
@@ -109,7 +110,7 @@ void add_importance(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("importance", "where light must not go: adjoint of each part of each surface");
   add_scene_options(*command, options, "scene (YAML), or run file (HDF5) whose own map is shown");
-  command->add_option("--show", options.show, "rows; 20 unless given");
+  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
   command->add_flag("--csv", options.csv, "all rows, all digits, in the order of the scene");
   command->footer(
       "Examples:\n"

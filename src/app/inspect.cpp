@@ -11,8 +11,12 @@
 #include <iterator>
 
 #include "app/common_options.hpp"
+#include "app/inspect_geometry.hpp"
 #include "app/inspect_motion.hpp"
+#include "app/read_file.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
+#include "page/material_json.hpp"
 #include "report/picture.hpp"
 #include "world/material_presets.hpp"
 #include "world/material_view.hpp"
@@ -23,11 +27,8 @@ namespace straytrace {
 namespace {
 
 struct Inspected {
-  std::string what, scene, plot, beyond = "constant", angles = "from_normal", wavelength = "1064 nm";
+  std::string what, scene, plot, units, beyond = "constant", angles = "from_normal", wavelength = "1064 nm";
 };
-
-constexpr double angles_shown[] = {0, 10, 20, 30, 40, 50, 60, 70, 80, 85, 89};  // deg
-constexpr double incidences_shown[] = {0, 30, 60, 80};
 
 bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
 bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
@@ -59,61 +60,17 @@ Scene scene_of(Inspected const& i, FileTexts& texts) {
   return read_scene("options of inspect", {}, &texts);
 }
 
-std::vector<double> offsets(int per_decade, double low, double high) {
-  std::vector<double> all;
-  int const count = int(std::lround(std::log10(high / low) * per_decade));
-  for (int i = 0; i <= count; ++i) all.push_back(low * std::pow(10, double(i) / per_decade));
-  return all;
-}
-
-nlohmann::json as_json(WorldView const& world, MaterialInfo const& info, std::vector<std::string> const& notes) {
-  Optic const& optic = world.optics[info.optic];
-  nlohmann::json out{{"material", info.name}, {"source", info.source}, {"notes", notes}};
-  out["laws"] = nlohmann::json::array();
-  for (std::size_t i = 0; i < info.laws.size(); ++i)
-    out["laws"].push_back({{"model", info.laws[i].model},
-                           {"source", info.laws[i].source},
-                           {"wavelength", info.laws[i].wavelength},
-                           {"through", optic.through[i]}});
-  out["tis"] = nlohmann::json::array();
-  for (double degrees : angles_shown) {
-    MaterialShares const r = shares_at(world, optic, degrees);
-    out["tis"].push_back({{"deg", degrees},
-                          {"scattered", r.scattered},
-                          {"laws", r.laws},
-                          {"reflect", r.reflect},
-                          {"transmit", r.transmit},
-                          {"absorbed", r.absorbed}});
-  }
-  out["bsdf"] = nlohmann::json::array();
-  for (int side : {1, -1})
-    for (double degrees : incidences_shown) {
-      nlohmann::json curve{
-          {"deg", degrees}, {"side", side}, {"offset", nlohmann::json::array()}, {"bsdf", nlohmann::json::array()}};
-      double most = 0;
-      for (double offset : offsets(30, 1e-5, 1.99)) {
-        double const value = bsdf_at(world, optic, degrees, offset, side);
-        if (value < 0) break;
-        curve["offset"].push_back(offset);
-        curve["bsdf"].push_back(value);
-        most = std::fmax(most, value);
-      }
-      if (most > 0) out["bsdf"].push_back(curve);
-    }
-  return out;
-}
-
 void print_bsdf(WorldView const& world, Optic const& optic, int side) {
   double any = 0;
-  for (double offset : offsets(6, 1e-5, 1)) any = std::fmax(any, bsdf_at(world, optic, 0, offset, side));
+  for (double offset : material_offsets(6, 1e-5, 1)) any = std::fmax(any, bsdf_at(world, optic, 0, offset, side));
   if (!(any > 0)) return;
   std::cout << fmt::format("\nBSDF [1/sr], {}, in the plane of incidence towards the normal\n{:>14}",
                            side > 0 ? "reflected" : "transmitted", "|beta-beta0|");
-  for (double degrees : incidences_shown) std::cout << fmt::format("  {:>6.0f} deg", degrees);
+  for (double degrees : material_incidences) std::cout << fmt::format("  {:>6.0f} deg", degrees);
   std::cout << '\n';
-  for (double offset : offsets(2, 1e-5, 1)) {
+  for (double offset : material_offsets(2, 1e-5, 1)) {
     std::cout << fmt::format("{:14.3e}", offset);
-    for (double degrees : incidences_shown) {
+    for (double degrees : material_incidences) {
       double const value = bsdf_at(world, optic, degrees, offset, side);
       std::cout << (value < 0 ? fmt::format("  {:>10}", "-") : fmt::format("  {:10.3e}", value));
     }
@@ -131,7 +88,7 @@ void print(WorldView const& world, MaterialInfo const& info, std::vector<std::st
   std::cout << fmt::format("\n{:>6}  {:>10}", "deg", "TIS");
   for (int i = 0; i < optic.laws; ++i) std::cout << fmt::format("  {:>10}", fmt::format("law {}", i + 1));
   std::cout << fmt::format("  {:>10}  {:>10}  {:>10}\n", "specular R", "T", "absorbed");
-  for (double degrees : angles_shown) {
+  for (double degrees : material_angles) {
     MaterialShares const r = shares_at(world, optic, degrees);
     std::cout << fmt::format("{:6.0f}  {:10.4e}", degrees, r.scattered);
     for (double share : r.laws) std::cout << fmt::format("  {:10.4e}", share);
@@ -157,7 +114,8 @@ void plot(nlohmann::json const& data, std::string const& png) {
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
   std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file)) throw InputError(fmt::format("error: cannot read '{}'", file));
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(fmt::format("error: cannot read '{}'\n  check the name and the folder", file));
   std::string const text(std::istreambuf_iterator<char>(in), {});
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
@@ -190,7 +148,13 @@ int print_list(std::string const& file, bool json) {
 }
 
 int inspect(Inspected const& i, Options const& options) {
+  if (is_run_file(i.what))
+    throw InputError(fmt::format(
+        "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "
+        "FOLDER to make it again",
+        i.what));
   if (is_list(i.what) && i.scene.empty()) return print_list(i.what, options.json());
+  if (is_geometry(i.what) && i.scene.empty()) return inspect_geometry(i.what, i.units, i.plot, options);
   bool const whole = is_scene(i.what), own = !i.scene.empty();
   if (whole && own)
     throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
@@ -202,7 +166,7 @@ int inspect(Inspected const& i, Options const& options) {
   read_media(scene, world, names);
   read_materials(scene, world, names);
   scene.throw_if_problems();
-  if (!options.quiet) std::cerr << scene.warnings();
+  tell_warnings(scene, options);
   bool found = false;
   std::vector<std::string> known;
   for (MaterialInfo const& info : world.materials) {
@@ -213,7 +177,7 @@ int inspect(Inspected const& i, Options const& options) {
       if (note.starts_with("material " + info.name + ":")) notes.push_back(note.substr(11 + info.name.size()));
     if (found && !options.json()) std::cout << '\n';
     found = true;
-    nlohmann::json const data = as_json(world.view(), info, notes);
+    nlohmann::json const data = material_json(world.view(), info, notes);
     if (options.json())
       std::cout << data.dump() << '\n';
     else
@@ -231,20 +195,22 @@ int inspect(Inspected const& i, Options const& options) {
 }  // namespace
 
 void add_inspect(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("inspect", "what a material, a preset, a BSDF file or a motion file contains as understood");
+  auto* const command = app.add_subcommand(
+      "inspect", "what a material, a preset, or a file of CAD, meshes, BSDF or motion contains as understood");
   static Inspected what;
   command
       ->add_option(
           "what", what.what,
-          "material of a scene, preset, BSDF file (CSV), list of materials (newmtl, .mtl), scene, or motion file")
+          "material of a scene, preset, CAD or mesh file, BSDF file (CSV), list of materials (newmtl, .mtl), scene, or "
+          "motion file")
       ->required();
   command->add_option("scene", what.scene, "scene that holds the material");
   command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
   command->add_option(
       "--plot", what.plot,
-      "draw BSDF against |beta - beta0| and TIS against angle, or the ASDs of motion, into this PNG file");
+      "draw the parts, BSDF against |beta - beta0| and TIS against angle, or the ASDs of motion, into this PNG file");
+  command->add_option("--units", what.units, "of a CAD or mesh file: unit of its numbers, for example mm");
   command->add_option("--beyond", what.beyond, "of a BSDF file: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
   command->add_option("--angles", what.angles, "of a BSDF file: from_normal or from_specular")
@@ -256,6 +222,7 @@ void add_inspect(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace inspect oxidised_steel\n"
       "  straytrace inspect test_mass examples/virgo_arm.yaml --format json\n"
+      "  straytrace inspect examples/data/cad_bench.step --plot bench.png\n"
       "  straytrace inspect examples/data/iris.mtl > materials.yaml");
   command->callback([&] { exit_code = inspect(what, options); });
 }

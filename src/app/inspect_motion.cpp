@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "app/model.hpp"
+#include "app/tell.hpp"
 #include "noise/motion_classes.hpp"
 #include "report/curve_file.hpp"
 
@@ -120,7 +121,7 @@ bool shows_motion(Scene const& scene) { return scene.table("bodies") && !scene.r
 
 int inspect_motion(Scene const& scene, std::string const& plot, Options const& options) {
   MotionSet const motion = read_motion_file(scene);
-  if (!options.quiet) std::cerr << scene.warnings();
+  tell_warnings(scene, options);
   std::vector<MotionClass> const classes = group_by_shape(motion);
   std::vector<Row> const rows = rows_of(motion, classes);
   if (options.json())

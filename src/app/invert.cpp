@@ -11,6 +11,7 @@
 
 #include "app/earlier.hpp"
 #include "app/invert_text.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "noise/inversion.hpp"
 #include "world/scattered_share.hpp"
@@ -42,9 +43,11 @@ Traced traced(Options const& options, Requirement const& requirement) {
     if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
     t.coupling = std::move(result.coupling);
   }
-  if (!options.quiet) std::cerr << t.model.warnings;
+  tell_warnings(t.model, options);
   apply(requirement, t.model);
-  if (!t.model.detector) throw InputError("error: a requirement needs noise, and the scene has no 'interferometer'");
+  if (!t.model.detector)
+    throw InputError(
+        "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
   if (t.model.design.empty())
     throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
   return t;

@@ -7,32 +7,15 @@
 #include <string_view>
 
 #include "app/build_info.hpp"
+#include "app/command_words.hpp"
 #include "app/events.hpp"
 #include "app/options.hpp"
 #include "base/message.hpp"
-#include "base/table.hpp"
 #include "report/report.hpp"
 #include "scene/unsaved.hpp"
 
 namespace straytrace {
 namespace {
-
-std::vector<std::string> words_of(CLI::App const& app) {
-  std::vector<std::string> words;
-  for (CLI::Option const* option : app.get_options())
-    for (std::string const& name : option->get_lnames()) words.push_back("--" + name);
-  for (CLI::App const* command : app.get_subcommands(nullptr)) words.push_back(command->get_name());
-  return words;
-}
-
-// What the command line held that nobody asked for; empty when only the command is missing.
-std::string unknown_word(CLI::App const& command, CLI::App const& app) {
-  for (CLI::App const* a : {&command, &app})
-    for (std::string const& word : a->remaining())
-      if (word.starts_with('-')) return word.substr(0, word.find('='));
-  auto const rest = app.remaining(true);
-  return rest.empty() ? "" : rest.front();
-}
 
 // One problem, for people or as the list that scripts read.
 void say(std::string const& what, bool json) {
@@ -51,20 +34,7 @@ int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
     deepest = below.front();
     named += deepest->get_name() + " ";
   }
-  CLI::App const& command = *deepest;
-  std::string const help = fmt::format("see straytrace {}--help", named);
-  bool const takes_commands = !command.get_subcommands(nullptr).empty();
-  std::string const name =
-      takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
-  if (name.empty()) {
-    say(fmt::format("{}\n  {}", e.what(), help), json);
-  } else {
-    std::string const near = nearest_word(name, words_of(command));
-    std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
-    say(fmt::format("'{}' is not {} here\n  {}{}", name, what,
-                    near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help),
-        json);
-  }
+  say(in_our_words(*deepest, app, e, named), json);
   return input_error;
 }
 
@@ -117,9 +87,10 @@ int main(int argc, char** argv) {
   Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
-  for (auto* add :
-       {add_run, add_check, add_trace, add_noise, add_paths, add_maps, add_inspect, add_render, add_importance,
-        add_apertures, add_ghosts, add_budget, add_scan, add_signal, add_project, add_fringes, add_couple, add_fit})
+  for (auto* add : {add_run,     add_check,      add_trace,     add_noise,  add_paths,  add_maps, add_inspect,
+                    add_render,  add_importance, add_apertures, add_ghosts, add_budget, add_scan, add_signal,
+                    add_project, add_fringes,    add_couple,    add_fit,    add_report, add_view, add_library,
+                    add_print,   add_explain,    add_schema,    add_diff})
     add(app, options, exit_code);
   try {
     app.parse(argc, argv);

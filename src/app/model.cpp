@@ -13,6 +13,7 @@
 #include "ifo/ports.hpp"
 #include "noise/speckle_band.hpp"
 #include "report/report.hpp"
+#include "scene/warnings.hpp"
 
 namespace straytrace {
 namespace {
@@ -98,12 +99,12 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
                          !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
   bool const without = !noiseless && !model.scene.root().has("interferometer");
-  if (without)
+  if (without && !model.scene.root().data()->misspelt)  // otherwise it may be what is misspelt
     model.scene.root().problem(
         "there is no 'interferometer' that turns light at the ports into strain",
         "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
         "input_transmission: 1.4 %}', or count watts on 'receivers'");
-  else if (!noiseless)
+  else if (!without && !noiseless)
     model.detector = read_detector(model, model.scene.table("interferometer"));
   if (model.detector) refuse_input_mirrors(model.scene, model.world);
   if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
@@ -117,6 +118,7 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
   model.scene.throw_if_problems();
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
   model.warnings = model.scene.warnings();
+  model.warnings_json = warnings_as_json(model.scene);
   return model;
 }
 
@@ -161,6 +163,7 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     for (MotionFile& measured : model.motion.files) measured.place = {};
   if (bodies || noise) warn_of_gaps(model.motion, model.noise, bodies ? bodies : noise, model.world.wavelength);
   model.warnings = (bodies ? "" : model.warnings) + other.warnings();
+  model.warnings_json = (bodies ? "" : model.warnings_json) + warnings_as_json(other);
   if (!read) return;
   for (auto const& [name, text] : other.files())
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
@@ -216,7 +219,8 @@ std::vector<std::string> Model::assumptions() const {
         lines.push_back(
             fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
   for (auto const& [name, material] : scene.table("materials").items())
-    if (Node const source = material["source"]) lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
+    if (Node const source = material["source"]; source && !material.has("status"))
+      lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
   return lines;
 }
 

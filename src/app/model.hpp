@@ -53,7 +53,8 @@ struct Model {
   bool histories_stated = false;  // by the scene: an upper limit for every stop rule
   StopRule until;
   std::size_t paths_shown = 12;
-  std::string warnings;  // rendered, of the scene, or of the file that its motion was taken from instead
+  std::string warnings;       // rendered, of the scene, or of the file that its motion was taken from instead
+  std::string warnings_json;  // the same for editors: JSON lists
 
   std::string hash() const;  // of what decides the trace
   NoiseBudget project(CouplingTable const&) const;

@@ -10,6 +10,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "report/band.hpp"
 
 namespace straytrace {
@@ -47,7 +48,7 @@ int noise(Options const& options) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
   }
-  if (!options.quiet) std::cerr << model.warnings;
+  tell_warnings(model, options);
   NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
   tell_warnings(budget, options);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -91,7 +92,7 @@ void add_noise(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("-o,--out", options.out,
                       "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
   add_force_option(*command, options);
-  command->add_option("--show", options.show, "rows of the path table");
+  command->add_option("--show", options.show, "rows of the path table")->check(whole_between(1, 1e6, "20"));
   command->add_flag("--quiet", options.quiet, "results only");
   add_format_option(*command, options);
   command->footer(

@@ -13,6 +13,8 @@ class App;
 
 namespace straytrace {
 
+class Scene;
+
 struct Options {
   std::string input, out, motion, response;
   std::vector<std::string> overrides;  // "aperture=60cm"
@@ -33,6 +35,12 @@ enum ExitCode { done = 0, input_error = 2, numerical_failure = 3, checkpointed =
 
 // Each adds its sub-command; the chosen one runs when the command line has been parsed and sets `exit_code`.
 void add_check(CLI::App&, Options&, int& exit_code);
+void add_print(CLI::App&, Options&, int& exit_code);
+void add_explain(CLI::App&, Options&, int& exit_code);
+void add_schema(CLI::App&, Options&, int& exit_code);
+void add_diff(CLI::App&, Options&, int& exit_code);
+// The model as `print` shows it, on stdout.
+int print_resolved(Scene const&, Options const&);
 void add_trace(CLI::App&, Options&, int& exit_code);
 void add_run(CLI::App&, Options&, int& exit_code);
 void add_noise(CLI::App&, Options&, int& exit_code);
@@ -50,5 +58,8 @@ void add_fit(CLI::App&, Options&, int& exit_code);
 void add_scan(CLI::App&, Options&, int& exit_code);
 void add_couple(CLI::App&, Options&, int& exit_code);
 void add_signal(CLI::App&, Options&, int& exit_code);
+void add_report(CLI::App&, Options&, int& exit_code);
+void add_view(CLI::App&, Options&, int& exit_code);
+void add_library(CLI::App&, Options&, int& exit_code);
 
 }  // namespace straytrace

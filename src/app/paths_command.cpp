@@ -14,7 +14,9 @@ namespace {
 
 void print_receivers(Options const& options, RunContent const& content, std::size_t show) {
   ReceiverTable const table = receiver_table(content);
-  if (options.json())
+  if (options.by == "source" && !options.json())
+    std::cout << (options.csv ? source_csv(table) : source_text(table));
+  else if (options.json())
     std::cout << receiver_json(table, content);
   else if (options.csv)
     std::cout << (options.census ? census_csv(table, content) : receiver_csv(table, content));
@@ -30,7 +32,7 @@ int paths(Options const& options) {
   RunContent const content = file.content();
   std::size_t const show = options.show ? options.show : model.paths_shown;
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();
-  if (options.census || options.by == "receiver" || without_ports) {
+  if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
     print_receivers(options, content, show);
     return done;
   }
@@ -52,6 +54,9 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
       app.add_subcommand("paths", "ranked table of the routes by which light rejoins the mode or reaches receivers");
   command->add_option("run", options.input, "run file (HDF5); with --first-order also a scene")->required();
   command->add_option("--show", options.show, "rows");
+  command->add_option("--by", options.by, "port or receiver; source: what lights which receiver")
+      ->check(CLI::IsMember({"port", "receiver", "source"}));
+  command->add_option("--show", options.show, "rows")->check(whole_between(1, 1e6, "20"));
   command->add_option("--by", options.by, "port or receiver")->check(CLI::IsMember({"port", "receiver"}));
   command->add_flag("--census", options.census, "objects that the light of each receiver has met, by watts");
   command->add_flag("--first-order", options.first_order, "what is lit, what is seen, and both; of a scene or a run");

@@ -84,7 +84,7 @@ int project(ProjectOptions const& o) {
         "--witness");
   check_time_files(o.files);
   TimeInputs const in = read_time_inputs(o.time);
-  if (!o.data.quiet) std::cerr << in.model.warnings;
+  if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o.time, in);
   Realisations all;
   StrayLight first;

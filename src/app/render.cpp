@@ -23,7 +23,8 @@ namespace {
 struct Wanted {
   std::string mode = "shaded", eye, look, up, field, pixels = "800x600", from, at;
   std::vector<std::string> cuts;
-  bool section = false, whole = false;
+  std::string lamp = "5 mm";
+  bool section = false, whole = false, flash = false;
 };
 
 [[noreturn]] void refuse(std::string const& option, std::string const& text, std::string const& instead) {
@@ -171,6 +172,9 @@ void print(Options const& options, Camera const& c, Drawn const& drawn) {
     nlohmann::json legend = nlohmann::json::array();
     for (LegendEntry const& e : drawn.legend)
       legend.push_back({{"colour", e.colour}, {"name", e.name}, {"object", e.what}});
+    nlohmann::json shine = nlohmann::json::array();
+    for (Shine const& o : drawn.shine)
+      shine.push_back({{"object", o.object}, {"scattered", o.scattered}, {"glint", o.glint}});
     nlohmann::json const out{{"file", options.out},
                              {"columns", c.columns},
                              {"rows", c.rows},
@@ -179,6 +183,7 @@ void print(Options const& options, Camera const& c, Drawn const& drawn) {
                              {"up", {c.up.x, c.up.y, c.up.z}},
                              {"focal_length_pixels", c.focal_length()},
                              {"scale", drawn.scale},
+                             {"shine", shine},
                              {"legend", legend}};
     std::cout << out.dump() << '\n';
     return;
@@ -192,6 +197,10 @@ void print(Options const& options, Camera const& c, Drawn const& drawn) {
                              c.eye.y, c.eye.z, c.forward.x, c.forward.y, c.forward.z);
   std::cout << '\n';
   if (!drawn.scale.empty()) std::cout << drawn.scale << '\n';
+  if (!drawn.shine.empty())
+    std::cout << "scattered    glint        at the eye over the intensity of the flash, 1/m^2\n";
+  for (Shine const& o : drawn.shine)
+    std::cout << fmt::format("{:<11.3e}  {:<11.3e}  {}\n", o.scattered, o.glint, o.object);
   for (LegendEntry const& e : drawn.legend) std::cout << fmt::format("{} {:7} {}\n", e.colour, e.name, e.what);
 }
 
@@ -204,6 +213,17 @@ void check_picture_name(std::string const& file) {
       fmt::format("error: '{}' is not the name of a PNG file, and pictures are written as PNG\n"
                   "  write -o {}",
                   file, path.replace_extension(".png").string()));
+}
+
+Flash flash_of(Wanted const& w, Camera const& camera) {
+  std::string const instead = "write for example --lamp 5mm";
+  Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
+  if (!(flash.radius > 0)) refuse("lamp", w.lamp, instead);
+  if (camera.lens == Camera::Lens::flat || w.mode != "shaded" || !w.cuts.empty())
+    throw InputError(
+        "error: --flash needs a camera that stands somewhere, in a scene that is whole\n"
+        "  write --from NAME or --eye X,Y,Z, and leave out --section, --mode and --cut");
+  return flash;
 }
 
 // The scene itself, or that of a run.
@@ -226,7 +246,8 @@ int render(Options const& options, Wanted const& w) {
   LookSettings settings{view.cuts, looks_of(world.view()), options.threads};
   if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
   for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
-  Drawn const drawn = w.mode == "id"       ? draw_ids(world, view.camera, settings)
+  Drawn const drawn = w.flash              ? draw_flash(world, view.camera, settings, flash_of(w, view.camera))
+                      : w.mode == "id"     ? draw_ids(world, view.camera, settings)
                       : w.mode == "depth"  ? draw_depths(world, view.camera, settings)
                       : w.mode == "normal" ? draw_normals(world, view.camera, settings)
                       : w.mode == "importance"
@@ -258,6 +279,9 @@ void add_render(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--at", wanted.at, "frame this object instead of the whole scene");
   command->add_option("--cut", wanted.cuts, "leave out one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
       ->allow_extra_args(false);
+  command->add_flag("--flash", wanted.flash,
+                    "by the light of the camera's own flash: what scatters it back, and glints");
+  command->add_option("--lamp", wanted.lamp, "radius of the flash around the eye; default: 5 mm");
   command->add_flag("--section", wanted.section, "half beyond the axis, each side of the picture with its own scale");
   command->add_flag("--whole", wanted.whole, "draw walls from behind too, where they carry no material");
   command->add_option("--threads", options.threads, "default: all cores; does not change the picture");
@@ -265,6 +289,7 @@ void add_render(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace render examples/bench.yaml -o bench.png\n"
       "  straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg\n"
+      "  straytrace render examples/virgo_arm.yaml -o flash.png --from ITM --fov 2deg --flash\n"
       "  straytrace render out/run.h5 -o where_not.png --mode importance");
   command->callback([&] { exit_code = render(options, wanted); });
 }

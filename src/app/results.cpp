@@ -9,6 +9,7 @@
 #include "app/build_info.hpp"
 #include "app/importance_map.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "report/picture.hpp"
 #include "report/receivers.hpp"
 
@@ -52,9 +53,8 @@ std::string write_results(std::string const& folder, RunContent const& content, 
 }
 
 void tell_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {
-  if (options.quiet) return;
   for (std::string const& warning : budget.warnings)
-    std::cerr << fmt::format("warning: {}{}{}\n", where, where.empty() ? "" : ": ", warning);
+    tell_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
 }
 
 std::string headline(NoiseBudget const& budget, PathTable const& paths) {

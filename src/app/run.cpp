@@ -7,7 +7,9 @@
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/report_page.hpp"
 #include "app/session.hpp"
+#include "app/tell.hpp"
 #include "report/band.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
@@ -15,11 +17,20 @@
 namespace straytrace {
 namespace {
 
+// All files of a result; what could not be drawn.
+std::string write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
+                            Model const& model) {
+  std::string undrawn = write_results(folder, content, paths, model);
+  Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
+  write_file(folder + "/report.html", report_page(content, paths, model, {}, picture));
+  return undrawn;
+}
+
 int run(Options const& options) {
   Earlier const earlier(options.input);           // a run file is made again from its own content
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
-  if (!options.quiet) std::cerr << model.warnings;
+  tell_warnings(model, options);
 
   bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
   if (!alone) make_folder(options.out);
@@ -35,7 +46,7 @@ int run(Options const& options) {
   if (alone)
     write_run(run_file, content);
   else
-    undrawn = write_results(options.out, content, paths, model);
+    undrawn = write_with_page(options.out, content, paths, model);
 
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
@@ -50,8 +61,9 @@ int run(Options const& options) {
     if (!options.quiet)
       std::cerr << merit_text(merits(content), merits_shown)
                 << (alone ? fmt::format("run file: {}\n", run_file)
-                          : fmt::format("results in {}: report.png report.txt{} paths.csv{} run.h5\n", options.out,
-                                        budget ? " h_asd.txt" : "", content.receivers.empty() ? "" : " receivers.csv"));
+                          : fmt::format("results in {}: report.html report.png report.txt{} paths.csv{} run.h5\n",
+                                        options.out, budget ? " h_asd.txt" : "",
+                                        content.receivers.empty() ? "" : " receivers.csv"));
   }
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';

@@ -21,4 +21,12 @@ std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool ope
 // "name=value" of each parameter, for every combination; the last parameter changes first.
 std::vector<std::vector<std::string>> combinations(std::vector<ScanAxis> const&);
 
+// A CSV of points: a header of parameters with their units, "rim [cm], baffles", and a row for each point. Throws one
+// InputError with all problems.
+struct ScanList {
+  std::vector<ScanAxis> axes;  // columns
+  std::vector<std::vector<std::string>> points;
+};
+ScanList read_points(std::string const& file);
+
 }  // namespace straytrace

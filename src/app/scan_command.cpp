@@ -10,6 +10,7 @@
 #include "app/common_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/invert.hpp"
+#include "app/scan_jobs.hpp"
 #include "app/scan_view.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
@@ -19,7 +20,8 @@ namespace {
 
 struct ScanOrder {
   std::vector<std::string> axes;
-  std::string csv, margin;
+  std::string csv, margin, points;
+  unsigned jobs = 1;
   Requirement requirement;
   InvertOrder invert;
 };
@@ -46,13 +48,26 @@ void save(ScanTable const& table, Options const& options, ScanOrder const& order
     std::cerr << "warning: scan.png was not drawn: " << message << '\n';
 }
 
-int scan(Options const& options, ScanOrder const& order) {
-  ScanTable table{std::filesystem::path(options.input).filename().string(), "", parse_axes(order.axes, false), {}, 0};
-  if (table.axes.empty())
+ScanList points_of(ScanOrder const& order) {
+  if (!order.points.empty() && !order.axes.empty())
+    throw InputError("error: --points and values of parameters both say what to scan\n  keep one of them");
+  if (!order.points.empty()) return read_points(order.points);
+  ScanList list{parse_axes(order.axes, false), {}};
+  if (list.axes.empty())
     throw InputError(
-        "error: nothing to scan\n  name a parameter and its values: aperture=50cm..80cm:7, or ask with --invert");
-  auto const all = combinations(table.axes);
-  table.wanted = all.size();
+        "error: nothing to scan\n  name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or "
+        "ask "
+        "with --invert");
+  list.points = combinations(list.axes);
+  return list;
+}
+
+int scan(Options const& options, ScanOrder const& order) {
+  ScanList const list = points_of(order);
+  auto const& all = list.points;
+  ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
+  if (order.jobs > 1 && options.out.empty())
+    throw InputError("error: --jobs hands the traces over in a folder\n  name one with -o");
   std::optional<FolderLock> lock;
   if (!options.out.empty()) {
     make_folder(options.out + "/runs");
@@ -60,6 +75,7 @@ int scan(Options const& options, ScanOrder const& order) {
   }
   InterruptGuard const guard;
   Scanner scanner(options, order.requirement, options.out);
+  if (order.jobs > 1) scanner.made(trace_together(all, options, order.requirement, order.jobs, guard.stop()));
   for (auto const& settings : all) {
     if (guard.stop()) break;
     if (!options.quiet)
@@ -106,6 +122,10 @@ void add_scan(CLI::App& app, Options& options, int& exit_code) {
                       "folder for scan.csv, scan.json, scan.txt, scan.png and the runs; finished points are not traced "
                       "again");
   command->add_option("--csv", order.csv, "file for the table, all digits");
+  command->add_option("--points", order.points,
+                      "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point");
+  command->add_option("--jobs", order.jobs, "points traced at the same time, with -o; the results are the same bits")
+      ->check(whole_between(1, 1024, "4"));
   add_invert_options(*command, order);
   command->footer(
       "Examples:\n"

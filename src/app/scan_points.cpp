@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "noise/design.hpp"
 #include "noise/fundamental/budget.hpp"
@@ -72,11 +73,15 @@ void judge(ScanPoint& point, NoiseBudget const& b, std::vector<double> const& li
   }
 }
 
+std::string run_name(std::string const& model_hash, std::uint64_t seed) {
+  return fmt::format("{}-{}", model_hash.substr(0, 16), seed);
+}
+
 Scanner::Scanner(Options options, Requirement requirement, std::string folder)
     : options_(std::move(options)), requirement_(std::move(requirement)), folder_(std::move(folder)) {}
 
 std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& point) {
-  std::string const name = fmt::format("{}-{}", point.model_hash.substr(0, 16), model.seed);
+  std::string const name = run_name(point.model_hash, model.seed);
   if (auto const known = traced_.find(name); known != traced_.end()) {
     point.from = ScanPoint::From::shared;
     return known->second;
@@ -87,8 +92,9 @@ std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& 
     before = stored->trace.coupling.histories;
   TraceResult result = trace_model(model, options_, file);
   point.complete = !result.checkpointed();
-  point.from = result.coupling.histories == before ? ScanPoint::From::stored : ScanPoint::From::traced;
-  if (!file.empty() && point.from == ScanPoint::From::traced) write_run(file, content_of(model, result, nullptr));
+  bool const unchanged = result.coupling.histories == before;
+  point.from = unchanged && !made_.contains(name) ? ScanPoint::From::stored : ScanPoint::From::traced;
+  if (!file.empty() && !unchanged) write_run(file, content_of(model, result, nullptr));
   auto const coupling = std::make_shared<CouplingTable const>(std::move(result.coupling));
   if (point.complete) traced_.emplace(name, coupling);
   return coupling;
@@ -109,7 +115,7 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
   }
   if (!model.detector)
     throw InputError("error: a scan looks at noise, and the scene has no 'interferometer'\n  add one, and 'ports'");
-  if (!options_.quiet && model.warnings != told_) std::cerr << model.warnings;
+  if (model.warnings != told_) tell_warnings(model, options_);
   told_ = model.warnings;
   point.model_hash = model.hash();
   auto const coupling = trace_of(model, point);

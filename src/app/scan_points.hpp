@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 
 #include "app/session.hpp"
 
@@ -32,6 +33,9 @@ std::string name_of_line(Model const&);                                       //
 std::vector<double> line_of(Model const&);                                    // ASD per bin; NaN: none
 void judge(ScanPoint&, NoiseBudget const&, std::vector<double> const& line);  // ratio, worst_hz, unresolved
 
+// Of the run file of a model under `runs/`, without its ending.
+std::string run_name(std::string const& model_hash, std::uint64_t seed);
+
 class Scanner {
  public:
   static constexpr double frequencies[] = {10, 30, 100};  // Hz
@@ -40,6 +44,8 @@ class Scanner {
   Scanner(Options options, Requirement requirement, std::string folder);
   // Throws InputError for a model that cannot be read, with the settings of the point in front.
   ScanPoint at(std::vector<std::string> const& settings);
+  // Runs that this scan has made already, by name: they count as traced, not as stored.
+  void made(std::set<std::string> runs) { made_ = std::move(runs); }
   std::string const& line() const { return line_; }  // as the last point named it
 
  private:
@@ -47,7 +53,8 @@ class Scanner {
 
   Options options_;
   Requirement requirement_;
-  std::string folder_, line_, told_;                                    // the warnings of the last point
+  std::string folder_, line_, told_;  // the warnings of the last point
+  std::set<std::string> made_;
   std::map<std::string, std::shared_ptr<CouplingTable const>> traced_;  // by hash and seed
 };
 

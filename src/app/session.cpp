@@ -16,6 +16,7 @@
 #include "app/events.hpp"
 #include "app/ghost_noise.hpp"
 #include "app/interrupt.hpp"
+#include "app/tell.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "trace/edges.hpp"
@@ -160,8 +161,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   TraceResult result = trace(model.world, settings, *make_backend("cpu"));
   result.warnings.insert(result.warnings.end(), edges.warnings.begin(), edges.warnings.end());
   result.warnings.insert(result.warnings.end(), ghosts.warnings.begin(), ghosts.warnings.end());
-  if (!options.quiet)
-    for (std::string const& warning : result.warnings) std::cerr << "warning: " << warning << '\n';
+  for (std::string const& warning : result.warnings) tell_warning(warning, options);
   return result;
 }
 

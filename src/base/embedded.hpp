@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of the folder data/, compiled in, so that they are found wherever the program stands.
+// The files of the folders data/ and library/, compiled in, so that they are found wherever the program stands.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 namespace straytrace {
 
 struct EmbeddedFile {
-  std::string_view name, text;  // "curves/et-d.txt"
+  std::string_view name, text;  // "curves/et-d.txt", "library/arm.yaml"
 };
 std::span<EmbeddedFile const> embedded_files();         // by name
 std::string_view embedded_file(std::string_view name);  // its text; empty: no such file

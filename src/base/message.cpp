@@ -29,9 +29,10 @@ std::string problems_as_json(InputError const& error) {
   for (Problem const& p : error.problems) {
     std::string const file = p.place.file < error.files.size() ? error.files[p.place.file] : std::string();
     out += fmt::format(
-        "{}\n  {{\"file\": {}, \"line\": {}, \"column\": {}, \"width\": {}, \"severity\": \"{}\", \"what\": {}, "
+        "{}\n  {{\"file\": {}, \"line\": {}, \"column\": {}, \"width\": {}, \"end_column\": {}, \"severity\": \"{}\", "
+        "\"what\": {}, "
         "\"suggestion\": {}}}",
-        out.size() > 1 ? "," : "", json_string(file), p.place.line, p.place.column, p.width,
+        out.size() > 1 ? "," : "", json_string(file), p.place.line, p.place.column, p.width, p.place.column + p.width,
         p.severity == Severity::error ? "error" : "warning", json_string(p.what), json_string(p.suggestion));
   }
   return out + "\n]\n";

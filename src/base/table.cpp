@@ -52,7 +52,7 @@ std::string const& Node::text() const {
 
 bool Node::has(std::string_view key) const {
   if (kind() != Kind::table) return false;
-  data_->asked.emplace(key);
+  data_->asked.try_emplace(std::string(key));
   NodeData::Entry const* entry = data_->find(key);
   if (entry) entry->value->known = true;
   return entry != nullptr;
@@ -76,6 +76,7 @@ std::vector<std::pair<std::string, Node>> Node::items() const {
     problem(fmt::format("'{}' needs a table of keys, got {}", data_->label, kind_name(data_->kind)),
             "write '{name: value}'");
   if (kind() != Kind::table) return out;
+  data_->listed = true;
   for (NodeData::Entry const& e : data_->entries) {
     e.value->known = true;
     out.emplace_back(e.key, Node(e.value, scope_, document_));
@@ -96,12 +97,14 @@ void Node::missing(std::string_view key, std::string_view nature, std::string co
 
 std::string Node::word(std::string_view key, std::string_view fallback) const {
   Node const value = (*this)[key];
+  if (data_) data_->note(key, {.form = Asked::Form::word, .word = std::string(fallback)});
   if (value.data_) return value.as_word();
   if (fallback.empty()) missing(key, "text", fmt::format("add '{}: ...'", key));
   return std::string(fallback);
 }
 
 std::string Node::as_word() const {
+  if (data_) data_->read.form = Asked::Form::word;
   if (kind() == Kind::list || kind() == Kind::table)
     problem(fmt::format("'{}' is a single text, got {}", data_->label, kind_name(kind())),
             fmt::format("write '{}: text'", data_->label));
@@ -112,6 +115,7 @@ std::string Node::choice(std::string_view key, std::span<std::string_view const>
                          std::string_view fallback) const {
   std::vector<std::string> const words(choices.begin(), choices.end());
   Node const value = (*this)[key];
+  if (data_) data_->note(key, {.form = Asked::Form::choice, .choices = words, .word = std::string(fallback)});
   if (!value.data_) {
     if (fallback.empty())
       missing(key, "a choice", fmt::format("add '{}: {}' (accepted: {})", key, words.front(), listed(words)));
@@ -129,6 +133,7 @@ std::string Node::choice(std::string_view key, std::span<std::string_view const>
 
 bool Node::flag(std::string_view key, bool fallback) const {
   Node const value = (*this)[key];
+  if (data_) data_->note(key, {.form = Asked::Form::flag, .word = fallback ? "on" : "off"});
   if (!value) return fallback;
   std::string const word = value.as_word();
   if (word == "on" || word == "yes" || word == "true") return true;
@@ -141,17 +146,23 @@ bool Node::flag(std::string_view key, bool fallback) const {
 
 Node Node::table(std::string_view key) const {
   Node const value = (*this)[key];
+  if (data_) data_->note(key, {.form = Asked::Form::table});
   if (!value || value.kind() == Kind::table) return value;
   value.problem(fmt::format("'{}' needs a table of keys, got {}", key, kind_name(value.kind())),
                 fmt::format("write '{}: {{name: value}}'", key));
   return silent(value);
 }
 
-std::vector<Node> Node::list(std::string_view key) const { return (*this)[key].as_list(); }
+std::vector<Node> Node::list(std::string_view key) const {
+  Node const value = (*this)[key];
+  if (data_) data_->note(key, {.form = Asked::Form::list});
+  return value.as_list();
+}
 
 std::vector<Node> Node::as_list() const {
   std::vector<Node> out;
   if (kind() == Kind::none) return out;
+  if (data_->read.form == Asked::Form::named) data_->read.form = Asked::Form::list;
   if (kind() != Kind::list) return {*this};
   for (auto const& element : data_->elements) out.emplace_back(element, scope_, document_);
   return out;
@@ -159,7 +170,9 @@ std::vector<Node> Node::as_list() const {
 
 void Node::refuse_unknown(std::string_view what) const {
   if (kind() != Kind::table) return;
-  std::vector<std::string> const known(data_->asked.begin(), data_->asked.end());
+  data_->role = what;
+  std::vector<std::string> known;
+  for (auto const& [key, how] : data_->asked) known.push_back(key);
   int reported = 0;
   for (NodeData::Entry const& e : data_->entries) {
     if (e.value->known || ++reported > 100) continue;  // hostile input: enough is said

@@ -92,6 +92,8 @@ bool Node::within(double si, Dimension d, double low, double high) const {
 
 double Node::number(std::string_view key, Dimension d, double fallback, double low, double high) const {
   Node const value = (*this)[key];
+  if (data_)
+    data_->note(key, {.form = Asked::Form::number, .dimension = d, .fallback = fallback, .low = low, .high = high});
   if (value.data_) return value.as_number(d, low, high);
   if (std::isnan(fallback))
     missing(key, described(d), fmt::format("add '{}: {}'{}", key, example(d, low, high), units_hint(d)));
@@ -99,6 +101,7 @@ double Node::number(std::string_view key, Dimension d, double fallback, double l
 }
 
 double Node::as_number(Dimension d, double low, double high) const {
+  if (data_) data_->read = {.form = Asked::Form::number, .dimension = d, .low = low, .high = high};
   auto const q = evaluated(d);
   if (!q) return not_a_number;
   if (q->amplitude != Amplitude::none) {
@@ -111,6 +114,7 @@ double Node::as_number(Dimension d, double low, double high) const {
 
 std::uint64_t Node::whole(std::string_view key, double fallback, double low, double high) const {
   double const x = number(key, dim::plain, fallback, low, high);
+  if (data_) data_->note(key, {.form = Asked::Form::whole, .fallback = fallback, .low = low, .high = high});
   if (std::isnan(x)) return 0;
   if (x == std::round(x)) return static_cast<std::uint64_t>(x);
   (*this)[key].problem(fmt::format("'{}' must be a whole number, got \"{}\"", key, shortened((*this)[key].text())),
@@ -121,6 +125,7 @@ std::uint64_t Node::whole(std::string_view key, double fallback, double low, dou
 Quantity Node::amplitude(std::string_view key, Dimension d) const {
   Quantity const nothing{not_a_number, d, Amplitude::none};
   Node const value = (*this)[key];
+  if (data_) data_->note(key, {.form = Asked::Form::amplitude, .dimension = d});
   if (!value.data_) {
     missing(key, described(d), fmt::format("add '{}: {} peak' (or pp, or rms)", key, example(d, -infinity, infinity)));
     return nothing;
@@ -136,6 +141,7 @@ Quantity Node::amplitude(std::string_view key, Dimension d) const {
 }
 
 Quantity Node::as_quantity() const {
+  if (data_) data_->read.form = Asked::Form::quantity;
   if (kind() == Kind::list || kind() == Kind::table)
     problem(
         fmt::format("'{}' is one quantity, got {}", data_->label, kind() == Kind::list ? "a list" : "a table of keys"),
@@ -147,6 +153,7 @@ Quantity Node::as_quantity() const {
 
 std::vector<double> Node::as_numbers(Dimension d, std::size_t expected) const {
   std::vector<Node> const elements = as_list();
+  if (data_) data_->read = {.form = Asked::Form::numbers, .dimension = d, .count = expected};
   if (elements.size() != expected && kind() != Kind::none) {
     problem(fmt::format("'{}' needs {} values, got {}", data_->label, expected, elements.size()),
             fmt::format("write a list of {}, each like '{}'", expected, example(d, -infinity, infinity)));

@@ -45,4 +45,9 @@ double read_uncertainty(Node const& value, double fallback) {
   return fallback;
 }
 
+std::string read_status(Node const& table) {
+  static constexpr std::string_view all[] = {"measured", "published", "required", "derived", "estimate", "assumed"};
+  return table.has("status") ? table.choice("status", all) : std::string();
+}
+
 }  // namespace straytrace

@@ -11,4 +11,8 @@ namespace straytrace {
 // at most 100 %, so that 30 without the sign is not taken for a factor of 31.
 double read_uncertainty(Node const& value, double fallback = 1);
 
+// How far a number can be trusted: the key `status` of a table, empty without it. One of measured, published (a paper
+// or public code), required (a specification), derived (computed from others), estimate, assumed (no public number).
+std::string read_status(Node const& table);
+
 }  // namespace straytrace

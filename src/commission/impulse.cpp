@@ -163,7 +163,8 @@ std::vector<double> find_taps(TimeSeries const& force, double threshold, double 
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const& s) {
   if (force.rate != target.rate || force.samples.size() != target.samples.size())
-    throw InputError("error: force and target do not share their samples");
+    throw InputError(
+        "error: force and target do not share their samples\n  give both at one rate, over the same stretch");
   auto const n = std::size_t(std::lround(s.length * force.rate)),
              silent = std::size_t(std::lround(s.before * force.rate));
   if (n < 32 || n > force.samples.size() || silent * 2 > n)

@@ -122,7 +122,8 @@ RidgePoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, R
 
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const& s) {
   if (witness.rate != target.rate || witness.samples.size() != target.samples.size())
-    throw InputError("error: witness and target do not share their samples");
+    throw InputError(
+        "error: witness and target do not share their samples\n  give both at one rate, over the same stretch");
   if (!(s.low > 0 && s.low < s.high && s.high <= witness.rate / 2))
     throw InputError(
         fmt::format("error: no sweep between {:g} and {:g} Hz can be seen at {:g} Hz\n  choose --band "

@@ -75,6 +75,25 @@ STRAY_HD SurfaceCurvature curvature_of(Torus const& s, Vec3 p, std::uint32_t) {
   Vec3 const outward = (1 / rho) * across;
   return curvature_detail::revolved(s.axis, outward, normal, -dot(outward, normal) / rho, -1 / s.minor_radius);
 }
+STRAY_HD SurfaceCurvature curvature_of_carrier(CadFace const& s, Vec3 p) {
+  switch (s.carrier) {
+    case Carrier::plane:
+      break;
+    case Carrier::cylinder:
+      return curvature_of(s.cylinder(), p, 0);
+    case Carrier::cone:
+      return curvature_of(s.cone(), p, 0);
+    case Carrier::sphere:
+      return curvature_of(s.sphere(), p, 0);
+    case Carrier::torus:
+      return curvature_of(s.torus(), p, 0);
+  }
+  return curvature_detail::everywhere(s.axis, 0);
+}
+STRAY_HD SurfaceCurvature curvature_of(CadFace const& s, Vec3 p, std::uint32_t) {
+  SurfaceCurvature const k = curvature_of_carrier(s, p);
+  return s.sense > 0 ? k : k.from_behind();
+}
 // Height s(w), w = rho^2: slope ds/drho = 2 rho s_w, second derivative 2 s_w + 4 w s_ww.
 STRAY_HD SurfaceCurvature curvature_of(Conic const& s, Vec3 p, std::uint32_t) {
   Vec3 const o = s.local(p - s.vertex), normal = s.normal(p);

@@ -18,6 +18,7 @@
 
 #include <tuple>
 
+#include "geometry/cad_face.hpp"
 #include "geometry/cap.hpp"
 #include "geometry/cone.hpp"
 #include "geometry/conic.hpp"
@@ -39,12 +40,15 @@
 namespace straytrace {
 
 using ShapeTypes = std::tuple<Disk, Cap, Cylinder, Cone, Sphere, Conic, Rectangle, Ellipse, Polygon, Cuboid, Torus,
-                              PiercedCylinder, SerratedCone, Zone, CutCylinder, TriangleMesh>;
+                              PiercedCylinder, SerratedCone, Zone, CutCylinder, TriangleMesh, CadFace>;
 
 template <>
 inline constexpr bool may_hide_itself<Torus> = true;
 template <>
 inline constexpr bool may_hide_itself<Conic> = true;  // with aspheric terms
+
+template <>
+inline constexpr bool may_hide_itself<CadFace> = true;  // of a torus
 
 template <std::size_t... I>
 STRAY_HD bool kind_may_hide_itself(std::uint32_t kind, std::index_sequence<I...>) {

@@ -17,7 +17,14 @@ struct Torus {
     centre = pose.origin;
     axis = pose.e3;
   }
-  STRAY_HD double distance(Ray const& r, bool leaving) const { return leaving ? other_root(r) : first_of_four(r); }
+  STRAY_HD double distance(Ray const& r, bool leaving) const {
+    return first(r, leaving, [](Vec3) { return true; });
+  }
+  // First hit whose place relative to the centre is one to keep.
+  template <class Keep>
+  STRAY_HD double first(Ray const& r, bool leaving, Keep const& keep) const {
+    return leaving ? other_root(r, keep) : first_of_four(r, keep);
+  }
 
   // x^3 + c2 x^2 + c1 x + c0
   struct Cubic {
@@ -46,7 +53,8 @@ struct Torus {
   };
   // With s from the point nearest the centre the quartic has no cubic term; its turning points are roots of a cubic and
   // enclose its roots. Signs are taken from the distance to the tube, which does not cancel.
-  STRAY_HD double first_of_four(Ray const& r) const {
+  template <class Keep>
+  STRAY_HD double first_of_four(Ray const& r, Keep const& keep) const {
     Vec3 const o = r.origin - centre;
     double const near = -dot(o, r.dir);
     Vec3 const q = o + near * r.dir;
@@ -69,14 +77,15 @@ struct Torus {
       double const right = off(stop[i + 1]).value;
       if ((left < 0) != (right < 0)) {
         double const t = near + bracketed_root(off, stop[i], stop[i + 1], left < 0);
-        if (t > 0 && t < r.t_max) return t;
+        if (t > 0 && t < r.t_max && keep(o + t * r.dir)) return t;
       }
       left = right;
     }
     return infinity;
   }
   // On the surface one root is 0: a cubic is left, whose constant term is the slope against the surface.
-  STRAY_HD double other_root(Ray const& r) const {
+  template <class Keep>
+  STRAY_HD double other_root(Ray const& r, Keep const& keep) const {
     Vec3 const o = r.origin - centre;
     double const ring = major_radius, oz = dot(o, axis), dz = dot(r.dir, axis), b = dot(o, r.dir);
     Vec3 const op = o - oz * axis;
@@ -85,7 +94,9 @@ struct Torus {
     double x[3];
     int const n = Cubic{4 * b, 4 * b * b + 4 * ring * rho - 4 * ring * ring * flat, 8 * ring * rho * slope}.roots(
         0, 2.0001 * (ring + minor_radius), x);
-    return n > 0 && x[0] > 0 && x[0] < r.t_max ? x[0] : infinity;
+    for (int i = 0; i < n && x[i] > 0 && x[i] < r.t_max; ++i)
+      if (keep(o + x[i] * r.dir)) return x[i];
+    return infinity;
   }
   STRAY_HD Vec3 from_ring(Vec3 p) const {  // from the nearest point of the circle within the tube
     Vec3 const o = p - centre, op = o - dot(o, axis) * axis;

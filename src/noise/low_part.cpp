@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <math.h>
 #include <numeric>
 
@@ -87,9 +88,10 @@ double norm1(std::vector<double> const& v) {
 
 }  // namespace
 
+// Exact until the last division: hundreds of turns in double leave 1e-13 of one, which a tone of z = 100 shows.
 double LagGrid::turns(double hz, std::size_t n) const {
-  double const turns = std::round(hz / spacing) * (static_cast<double>(n) + 0.5) / static_cast<double>(samples);
-  return turns - std::floor(turns);
+  std::uint64_t const turn = 2 * std::uint64_t{samples}, line = std::uint64_t(std::round(hz / spacing));
+  return static_cast<double>(line % turn * (2 * n + 1) % turn) / static_cast<double>(turn);
 }
 
 Covariance covariance(std::vector<double> lines, LagGrid const& lags) {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
-#include <array>
 #include <chrono>
-#include <memory>
 
 #include "base/message.hpp"
 #include "hdf5/hdf5.hpp"
@@ -14,33 +11,6 @@
 
 namespace straytrace {
 namespace {
-
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    check(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));
-  }
-  void add(std::string_view bytes) { check(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size())); }
-  // With the length in front, so that no two lists of texts look the same.
-  void add_counted(std::string_view bytes) {
-    add(fmt::format("{}:", bytes.size()));
-    add(bytes);
-  }
-  std::string hex() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest = {};
-    unsigned length = 0;
-    check(EVP_DigestFinal_ex(context_.get(), digest.data(), &length));
-    std::string text;
-    for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
-    return text;
-  }
-
- private:
-  static void check(int ok) {
-    if (ok != 1) throw NumericalError("sha256 is not available in this OpenSSL");
-  }
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
 
 std::string shape_of(H5::DataSpace const& space) {
   std::vector<hsize_t> sizes(std::size_t(space.getSimpleExtentNdims()));
@@ -98,12 +68,6 @@ void add_group(Sha256& sum, H5::Group const& group, std::string const& path) {
 }
 
 }  // namespace
-
-std::string sha256(std::string_view bytes) {
-  Sha256 sum;
-  sum.add(bytes);
-  return sum.hex();
-}
 
 std::string model_hash(std::span<std::string const> texts) {
   Sha256 sum;

@@ -2,18 +2,15 @@
 #include "report/picture.hpp"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
-#include <spawn.h>
 #include <string_view>
 #include <unistd.h>
 #include <vector>
+
+#include "base/child_process.hpp"
 
 extern char** environ;
 
@@ -68,55 +65,6 @@ std::vector<std::string> child_environment(std::string const& folder) {
   return all;
 }
 
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-  std::vector<char*> all;
-  for (std::string& t : texts) all.push_back(t.data());
-  all.push_back(nullptr);
-  return all;
-}
-
-std::string read_all(int descriptor) {
-  std::string text;
-  std::array<char, 4096> buffer = {};
-  for (;;) {
-    ssize_t const got = ::read(descriptor, buffer.data(), buffer.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return text;
-    text.append(buffer.data(), std::size_t(got));
-  }
-}
-
-struct Finished {
-  int start_error = 0;  // errno, when the program could not be started
-  int status = -1;      // exit status
-  std::string output;   // both streams
-};
-
-Finished run_child(std::vector<std::string> arguments, std::vector<std::string> variables) {
-  std::array<int, 2> ends = {};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {errno, -1, ""};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-  pid_t child = 0;
-  Finished result;
-  result.start_error = ::posix_spawnp(&child, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(),
-                                      pointers(variables).data());
-  posix_spawn_file_actions_destroy(&actions);
-  ::close(ends[1]);
-  if (result.start_error == 0) {
-    result.output = read_all(ends[0]);
-    int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-  }
-  ::close(ends[0]);
-  return result;
-}
-
 std::string last_line(std::string text) {
   text.erase(text.find_last_not_of(" \n\r") + 1);
   return text.substr(text.rfind('\n') + 1);
@@ -132,7 +80,7 @@ bool draw(std::vector<std::string> words, std::string const& png_file, std::stri
     return false;
   }
   words.insert(words.begin(), {python, "-m"});
-  Finished const child = run_child(words, child_environment(folder));
+  FinishedChild const child = run_child(words, child_environment(folder));
   std::error_code ignored;
   if (child.start_error == 0 && child.status == 0 && fs::exists(png_file, ignored)) return true;
   if (child.start_error != 0)

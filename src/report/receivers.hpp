@@ -60,6 +60,8 @@ ReceiverTable receiver_table(RunContent const&);
 
 std::string receiver_text(ReceiverTable const&, std::size_t show);
 std::string census_text(ReceiverTable const&, std::size_t show);
+std::string source_text(ReceiverTable const&);  // sources by receivers; rows by power
+std::string source_csv(ReceiverTable const&);   // one row per source and receiver, all digits
 std::string receiver_csv(ReceiverTable const&, RunContent const&);
 std::string census_csv(ReceiverTable const&, RunContent const&);
 std::string receiver_json(ReceiverTable const&, RunContent const&);

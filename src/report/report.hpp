@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/sha256.hpp"
 #include "motion/motion.hpp"
 #include "noise/noise.hpp"
 #include "scene/scene.hpp"
@@ -76,7 +77,6 @@ void write_run(std::string const& file, RunContent const&);
 // Throws InputError: no such file, another kind of file, a newer schema, damaged content.
 RunFile read_run(std::string const& file);
 
-std::string sha256(std::string_view bytes);                  // 64 hexadecimal digits
 std::string model_hash(std::span<std::string const> texts);  // sha256 over the texts, each with its length in front
 // sha256 over every dataset and attribute in path order, except /timing and the attribute `created`: equal for equal
 // results, whoever computed them and when.

@@ -40,6 +40,10 @@ class InPart : public Document {
   std::optional<std::string> optional_file(Node const& from, std::string const& name) override {
     return whole_.optional_file(from, name);
   }
+  std::optional<std::string> derived_file(Node const& from, std::string const& name,
+                                          std::function<std::optional<std::string>()> const& make) override {
+    return whole_.derived_file(from, name, make);
+  }
   Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override {
     return whole_.place_in_file(from, name, line, column);
   }

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <array>
 
+#include "base/embedded.hpp"
+#include "scene/library.hpp"
+#include "scene/like.hpp"
 #include "scene/render.hpp"
 #include "scene/yaml_tree.hpp"
 
@@ -48,11 +51,15 @@ class Merger {
 
   std::shared_ptr<NodeData> run(std::string const& main_file) {
     std::uint32_t const main = document_.open_main(main_file);
-    std::uint32_t const builtin = document_.add_source("built-in parts", builtin_parts, false);
+    std::uint32_t const builtin =
+        document_.add_source("built-in parts", std::string(embedded_file("library/parts/builtin.yaml")), false);
     if (auto const root = read_yaml(document_, builtin)) merge(*root);
     model_->place = {main, 1, 1};
+    for (TopKey const& k : top_keys) model_->asked.try_emplace(std::string(k.name));
     read(main, 0);
     if (unreadable_) throw_errors(document_);
+    take_over_materials(document_, *model_);
+    drop_unused(document_, *model_);
     return model_;
   }
 
@@ -136,6 +143,7 @@ class Merger {
     for (NodeData::Entry const& e : root.entries) {
       if (document_.error_count() > 1000) return;  // hostile input: enough is said
       if (std::find(names.begin(), names.end(), e.key) != names.end()) continue;
+      model_->misspelt = true;
       std::string const near = nearest_word(e.key, names);
       std::string all;
       for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;

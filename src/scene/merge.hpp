@@ -13,7 +13,6 @@ namespace straytrace {
 std::shared_ptr<NodeData> read_model(SceneDocument&, std::string const& main_file);
 
 constexpr int format_version = 1;
-extern char const* const builtin_parts;  // YAML text
 // The source that holds them, in a document whose main file is `main`.
 constexpr std::uint32_t builtin_source(std::uint32_t main) { return main + 1; }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <map>
 
+#include "scene/warnings.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -95,9 +97,18 @@ std::string rendered_warnings(SceneDocument const& document) {
   return out;
 }
 
+std::string warnings_as_json(Scene const& scene) {
+  auto const* document = dynamic_cast<SceneDocument const*>(scene.root().document());
+  auto warnings = document ? document->problems(Severity::warning) : std::vector<Problem>{};
+  return warnings.empty() ? "" : problems_as_json(InputError(std::move(warnings), "", document->source_names()));
+}
+
+// Warnings go with the errors to those who read them one by one; the text for people holds the errors alone.
 void throw_errors(SceneDocument const& document) {
-  if (!document.healthy())
-    throw InputError(document.problems(Severity::error), rendered_errors(document), document.source_names());
+  if (document.healthy()) return;
+  auto all = document.problems(Severity::error), warnings = document.problems(Severity::warning);
+  all.insert(all.end(), warnings.begin(), warnings.end());
+  throw InputError(std::move(all), rendered_errors(document), document.source_names());
 }
 
 }  // namespace straytrace

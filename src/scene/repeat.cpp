@@ -48,14 +48,32 @@ std::vector<double> by_ends(Node const& repeat, std::size_t count) {
   return offsets;
 }
 
+// As many as `count` says, or as are needed for the shadow of the last one to reach `to` (the second form of eq. 8.16).
+std::size_t shadow_count(Node const& repeat, double origin, double from, double ratio) {
+  if (!repeat.has("to")) return repeat.whole("count", required, 1, most_instances);
+  if (repeat.has("count")) {
+    repeat["count"].problem("'count' and 'to' say the same thing twice", "keep one of them");
+    return 0;
+  }
+  double const to = repeat.number("to", dim::length);
+  if (std::isnan(origin + from + to + ratio)) return 0;
+  double const steps = std::log((to - origin) / (from - origin)) / std::log(ratio);
+  if (steps > 0 && steps <= most_instances) return std::size_t(std::ceil(steps * (1 - 1e-12)));
+  repeat["to"].problem("no progression with this ratio leads from 'from' to 'to'",
+                       "write a 'to' beyond 'from' as seen from 'origin', and a ratio above 1; or 'count' instead");
+  return 0;
+}
+
 // Distances from `origin` in geometric progression: the shadow rule of baffles (physics.md eq. 8.16).
-std::vector<double> by_ratio(Node const& repeat, std::size_t count) {
+std::vector<double> by_ratio(Node const& repeat) {
   double const origin = repeat.number("origin", dim::length, 0), from = repeat.number("from", dim::length);
   double const ratio = repeat.number("ratio", dim::plain, required, 1e-3, 1e3);
+  for (char const* key : {"count", "to"}) repeat.has(key);
   if (from == origin) {
     repeat["from"].problem("the progression starts at its own origin", "write another position as 'from'");
     return {};
   }
+  std::size_t const count = shadow_count(repeat, origin, from, ratio);
   if (std::isnan(origin) || std::isnan(from) || std::isnan(ratio)) return {};
   std::vector<double> offsets(count);
   for (std::size_t i = 0; i < count; ++i)
@@ -89,11 +107,11 @@ Repeat read_repeat(Node const& entry) {
     result.axis = read_axis(repeat);
     if (repeat.has("at")) {
       result.offsets = by_list(repeat);
+    } else if (repeat.has("ratio")) {
+      result.offsets = by_ratio(repeat);
     } else {
       std::size_t const count = repeat.whole("count", required, 1, most_instances);
-      result.offsets = repeat.has("ratio")   ? by_ratio(repeat, count)
-                       : repeat.has("pitch") ? by_pitch(repeat, count)
-                                             : by_ends(repeat, count);
+      result.offsets = repeat.has("pitch") ? by_pitch(repeat, count) : by_ends(repeat, count);
     }
     if (result.axis < 0) result.offsets.clear();
   }

@@ -15,48 +15,6 @@ namespace {
 
 constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
 
-// Plain where YAML reads it back as the same text, double-quoted otherwise.
-std::string yaml_text(std::string const& text) {
-  constexpr std::string_view not_first = "-?:,[]{}#&*!|>'\"%@`~=<. ", nowhere = ":#,[]{}\"'";
-  bool const control =
-      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
-  bool const special = text.empty() || control || not_first.find(text.front()) != std::string_view::npos ||
-                       text.back() == ' ' || text.find_first_of(nowhere) != std::string::npos || text == "null" ||
-                       text == "Null" || text == "NULL";
-  if (!special) return text;
-  std::string out = "\"";
-  for (char const c : text) {
-    if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
-    else if (c == '"' || c == '\\')
-      out += {'\\', c};
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
-std::string in_si(std::optional<Value> const& value) {
-  if (!value) return "\"?\"";
-  Quantity const& q = value->quantity;
-  std::string text = with_unit(fmt::format("{}", q.si), dim::plain);
-  if (q.dimension == dim::angle)
-    text += " rad";  // the example unit of angles is not the SI unit
-  else
-    text = with_unit(text, q.dimension);
-  switch (q.amplitude) {
-    case Amplitude::peak:
-      return text + " peak";
-    case Amplitude::peak_to_peak:
-      return text + " pp";
-    case Amplitude::rms:
-      return text + " rms";
-    case Amplitude::none:
-      break;
-  }
-  return text;
-}
-
 // One line in flow style.
 std::string flow(NodeData const& n) {
   if (n.kind == Node::Kind::scalar) return yaml_text(n.text);
@@ -83,11 +41,52 @@ std::string instance_line(Scene::Instance const& i, Scope const* model) {
   if (i.repeat_axis >= 0) out += fmt::format(", {}: {} m", axes[static_cast<std::size_t>(i.repeat_axis)], i.offset);
   Scope const* own = i.node.scope().get();
   if (own && own != model)
-    for (auto const& [name, value] : own->own) out += fmt::format(", {}: {}", name, in_si(value));
+    for (auto const& [name, value] : own->own) out += fmt::format(", {}: {}", name, si_text(value));
   return out + "}\n";
 }
 
 }  // namespace
+
+std::string yaml_text(std::string const& text) {
+  constexpr std::string_view not_first = "-?:,[]{}#&*!|>'\"%@`~=<. ", nowhere = ":#,[]{}\"'";
+  bool const control =
+      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  bool const special = text.empty() || control || not_first.find(text.front()) != std::string_view::npos ||
+                       text.back() == ' ' || text.find_first_of(nowhere) != std::string::npos || text == "null" ||
+                       text == "Null" || text == "NULL";
+  if (!special) return text;
+  std::string out = "\"";
+  for (char const c : text) {
+    if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    else if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string si_text(std::optional<Value> const& value) {
+  if (!value) return "\"?\"";
+  Quantity const& q = value->quantity;
+  std::string text = with_unit(fmt::format("{}", q.si), dim::plain);
+  if (q.dimension == dim::angle)
+    text += " rad";  // the example unit of angles is not the SI unit
+  else
+    text = with_unit(text, q.dimension);
+  switch (q.amplitude) {
+    case Amplitude::peak:
+      return text + " peak";
+    case Amplitude::peak_to_peak:
+      return text + " pp";
+    case Amplitude::rms:
+      return text + " rms";
+    case Amplitude::none:
+      break;
+  }
+  return text;
+}
 
 std::string resolved_text(Node const& root, std::vector<Scene::Instance> const& instances) {
   Scope const* model = root.scope().get();
@@ -109,7 +108,7 @@ std::string resolved_text(Node const& root, std::vector<Scene::Instance> const& 
     }
     out += "params:\n";
     for (NodeData::Entry const& p : e.value->entries)
-      out += fmt::format("  {}: {}\n", yaml_text(p.key), in_si(find_parameter(model, p.key).value));
+      out += fmt::format("  {}: {}\n", yaml_text(p.key), si_text(find_parameter(model, p.key).value));
   }
   if (!instances.empty()) out += "instances:\n";
   for (Scene::Instance const& i : instances) out += instance_line(i, model);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "base/embedded.hpp"
+#include "scene/library.hpp"
 #include "scene/scope.hpp"
 #include "scene/unsaved.hpp"
 
@@ -24,6 +26,16 @@ std::vector<std::size_t> line_starts(std::string_view text) {
 bool is_absolute(std::string_view name) {
   bool const drive = name.size() > 1 && name[1] == ':';
   return name.starts_with('/') || name.starts_with('\\') || name.starts_with('~') || drive;
+}
+
+void refuse_library_name(Node const& named_by, std::string const& name) {
+  std::vector<std::string> names;
+  for (EmbeddedFile const& file : embedded_files())
+    if (is_library(file.name)) names.emplace_back(file.name);
+  std::string const near = nearest_word(name, names);
+  named_by.problem(
+      fmt::format("no file '{}', neither next to the main file nor in the library of the program", shortened(name)),
+      near.empty() ? "'straytrace library' lists what is there" : fmt::format("did you mean '{}'?", near));
 }
 
 }  // namespace
@@ -46,7 +58,7 @@ SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* text
 }
 
 void SceneDocument::add(Problem p) {
-  if (blame && p.place.file == blame->hidden) {
+  if (blame && (p.place.file == blame->hidden || is_library(sources_[p.place.file].name))) {
     p.what = fmt::format("'{}': {}", blame->name, p.what);
     p.suggestion = fmt::format("change what the part is given ({}:{}:{}: {})", sources_[p.place.file].name,
                                p.place.line, p.place.column, p.suggestion);
@@ -165,7 +177,13 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
   if (auto const known = known_source(name)) return known;
   std::string why;
   auto text = read(name, size_limit, why);
+  if (!text)
+    if (auto const file = open_library(name, written)) return file;
   if (!text) {
+    if (is_library(name) && !texts_) {
+      refuse_library_name(named_by, name);
+      return {};
+    }
     named_by.problem(
         fmt::format("cannot read file '{}': {}", shortened(written), why),
         fmt::format("names are relative to the file they stand in: '{}' was looked for next to the main file",
@@ -173,6 +191,23 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
     return {};
   }
   return add_source(name, std::move(*text), true);
+}
+
+// What the program brings along, where the user has nothing of that name. Files of the library name one another as they
+// stand in it; a stored model is never mixed with the library of another version.
+std::optional<std::uint32_t> SceneDocument::open_library(std::string const& name, std::string const& written) {
+  std::string const shipped =
+      is_library(name) ? name : std::filesystem::path(written).lexically_normal().generic_string();
+  if (!is_library(shipped)) return {};
+  if (auto const known = known_source(shipped)) return known;
+  if (texts_) {
+    auto const hit = texts_->find(shipped);
+    if (hit == texts_->end()) return {};
+    return add_source(shipped, hit->second, true);
+  }
+  std::string_view const text = embedded_file(shipped);
+  if (text.empty()) return {};
+  return add_source(shipped, std::string(text), true);
 }
 
 std::string SceneDocument::data_file(Node const& from, std::string const& name) {
@@ -186,6 +221,16 @@ std::optional<std::string> SceneDocument::optional_file(Node const& from, std::s
   if (auto const known = known_source(name)) return sources_[*known].text;
   std::string why;
   auto text = read(name, data_file_limit, why);
+  if (text) add_source(name, *text, true);
+  return text;
+}
+
+std::optional<std::string> SceneDocument::derived_file(Node const& from, std::string const& written,
+                                                       std::function<std::optional<std::string>()> const& make) {
+  std::string const name = name_from(from, written);
+  if (auto const known = known_source(name)) return sources_[*known].text;
+  auto const kept = texts_ ? texts_->find(name) : FileTexts::const_iterator();
+  std::optional<std::string> text = texts_ && kept != texts_->end() ? kept->second : make();
   if (text) add_source(name, *text, true);
   return text;
 }

@@ -39,6 +39,8 @@ class SceneDocument : public Document {
   std::optional<Value> evaluate(NodeData const&, ParameterLookup const&);
   std::string data_file(Node const& from, std::string const& name) override;
   std::optional<std::string> optional_file(Node const& from, std::string const& name) override;
+  std::optional<std::string> derived_file(Node const& from, std::string const& name,
+                                          std::function<std::optional<std::string>()> const& make) override;
   Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) override;
 
   std::uint32_t add_source(std::string name, std::string text, bool stored);
@@ -61,6 +63,7 @@ class SceneDocument : public Document {
  private:
   // Where the file stands that a file of the model names so.
   std::string name_from(Node const& named_by, std::string const& written) const;
+  std::optional<std::uint32_t> open_library(std::string const& name, std::string const& written);
   std::optional<std::uint32_t> known_source(std::string const& name) const;
   std::optional<std::string> read(std::string const& name, std::size_t size_limit, std::string& why);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/uncertainty.hpp"
 #include "scene/scene_document.hpp"
 
 namespace straytrace {
@@ -55,7 +56,8 @@ class ScopeBuilder {
       return {};
     }
     chain_.push_back(e.key);
-    std::optional<Value> value = written(*e.value);
+    bool const table = e.value->kind == Node::Kind::table && e.value->find("value");
+    std::optional<Value> value = table ? sourced(e.value) : written(*e.value);
     if (auto const hit = replaced_.find(e.key); hit != replaced_.end())
       value = agreeing(value, written(*hit->second), hit->second);
     if (given_)
@@ -69,10 +71,20 @@ class ScopeBuilder {
     if (node.kind == Node::Kind::none) return {};
     if (node.kind != Node::Kind::scalar) {
       document_.add({node.place, fmt::format("parameter '{}' must be one quantity", node.label),
-                     "write a number with a unit, for example '80 cm'"});
+                     "write a number with a unit, for example '80 cm', or {value: 80 cm, status: assumed}"});
       return {};
     }
     return document_.evaluate(node, {[this](std::string_view name) { return find(name); }, [this] { return names(); }});
+  }
+
+  // A quantity with where it is from: {value: 10 m, status: assumed, source: TEXT}.
+  std::optional<Value> sourced(std::shared_ptr<NodeData> const& data) {
+    Node const table(data, nullptr, &document_);
+    for (char const* key : {"value", "source"}) table.has(key);
+    read_status(table);
+    table.refuse_unknown(fmt::format("parameter '{}'", data->label));
+    NodeData const& value = *data->find("value")->value;
+    return value.kind == Node::Kind::table ? std::nullopt : written(value);
   }
 
   // What is given must have the dimension of what is written; a bare 0 takes it over.

@@ -74,7 +74,7 @@ std::vector<TimeSeries> aligned(std::vector<TimeSeries> const& all) {
   if (to - start < 2 / slow.rate) {
     std::string spans;
     for (TimeSeries const& s : all) spans += fmt::format("\n  '{}': GPS {}", s.name, span_text(s));
-    throw InputError("error: the series have no stretch in common" + spans);
+    throw InputError("error: the series have no stretch in common\n  choose records of the same time" + spans);
   }
   auto const count = std::size_t(std::floor((to - start) * slow.rate + sample_slack));
   std::vector<TimeSeries> out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "scene/library.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {
@@ -23,6 +24,7 @@ void read_trace_limits(Scene const& scene, World& world) {
 World build_world(Scene const& scene) {
   World world;
   Registry names;
+  world.notes = assumed_parameters(scene);
   read_media(scene, world, names);
   read_materials(scene, world, names);
   read_bodies(scene, world, names);

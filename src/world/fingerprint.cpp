@@ -67,6 +67,14 @@ void add(Bytes& out, TriangleMesh const& mesh) {
   out.add(mesh.unit);
   for (std::uint64_t x : mesh.content.digest) out.add(x);
 }
+void add(Bytes& out, CadFace const& face) {
+  out.add(std::uint64_t(face.carrier));
+  out.add_doubles(face.pose);
+  out.add(face.radius);
+  out.add(face.second);
+  out.add(face.sense);
+  for (std::uint64_t x : face.outline.digest) out.add(x);
+}
 
 }  // namespace
 

@@ -1,189 +1,81 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world/material_presets.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/embedded.hpp"
+#include "base/uncertainty.hpp"
+#include "scene/library.hpp"
+
 namespace straytrace {
 namespace {
 
-using Gives = MaterialPreset::Gives;
+// One value, or low, mid, high.
+bool read_case_values(Node const& node, Dimension dimension, double (&into)[3]) {
+  if (node.kind() == Node::Kind::list) {
+    auto const given = node.as_numbers(dimension, 3);
+    if (given.size() != 3) return false;
+    std::copy(given.begin(), given.end(), into);
+  } else {
+    std::fill(into, into + 3, node.as_number(dimension));
+  }
+  if (into[0] >= 0 && into[0] <= into[1] && into[1] <= into[2]) return true;
+  if (node.healthy())
+    node.problem("a bracket is low, mid, high, in this order", "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");
+  return false;
+}
 
-constexpr MaterialPreset presets[] = {
-    {"black_welders_glass",
-     Gives::brdf,
-     1e-6,
-     1e-6,
-     1e-6,
-     {},
-     0,
-     0,
-     "1064 nm",
-     "measured",
-     "LIGO-T080064",
-     "the lowest of its set"},
-    {"steel_ebonol",
-     Gives::brdf,
-     1e-3,
-     3e-3,
-     1e-2,
-     {},
-     0,
-     0,
-     "1064 nm (assumed)",
-     "measured",
-     "GEO600 baffle page",
-     "no specular reflex"},
-    {"oxidised_steel",
-     Gives::brdf,
-     1e-3,
-     3e-3,
-     1e-2,
-     {},
-     0,
-     0,
-     "1064 nm",
-     "assumed",
-     "equivalence: LIGO-L1100197",
-     "equivalent to porcelain for an arm-cavity baffle"},
-    {"baffle_et_assumed", Gives::brdf, 1e-4, 1e-4, 1e-4, {}, 0, 0, "1064, 1550 nm", "assumed", "public ET budgets", ""},
-    {"baffle_kagra_spec",
-     Gives::tis,
-     0.02,
-     0.02,
-     0.02,
-     {},
-     0.1,
-     0,
-     "1064 nm",
-     "required",
-     "KAGRA vacuum slides 2013",
-     "specular below 10 % from 0 to 60 deg, total scatter below 2 % at 12 deg"},
-    {"ar_window",
-     Gives::tis,
-     1e-6,
-     1e-6,
-     1e-6,
-     {},
-     22e-6,
-     30e-6,
-     "1064 nm",
-     "measured",
-     "Appl. Opt. 53, 1315 (2014)",
-     "R 14-30 ppm, transmitted scatter 20-40 ppm; below 1e-6 /sr at 10-80 deg; bulk Rayleigh scatter is not in it"},
-    {"ar_haze_spec",
-     Gives::tis,
-     50e-6,
-     50e-6,
-     50e-6,
-     {},
-     0,
-     0,
-     "1064 nm",
-     "required",
-     "LIGO-E1500092",
-     "tens of ppm found"},
-    {"compensation_plate",
-     Gives::tis,
-     3e-6,
-     3e-6,
-     3e-6,
-     {},
-     0,
-     0,
-     "1064 nm",
-     "measured",
-     "LIGO-T1100490",
-     "micro-roughness; Rayleigh scatter of the bulk is comparable and not in it"},
-    {"superpolished_wide_angle",
-     Gives::tis,
-     4e-6,
-     4e-6,
-     4e-6,
-     {},
-     0,
-     0,
-     "1064 nm",
-     "measured",
-     "arXiv:1204.2528",
-     "integral over large angles only"},
-    {"mirror_losses",
-     Gives::tis,
-     10e-6,
-     15e-6,
-     30e-6,
-     {},
-     0,
-     0,
-     "1064 nm",
-     "estimate",
-     "KAGRA note (Yamamoto)",
-     "point scatterers only; 45 ppm of figure above 1 mm and 6 ppm below scatter to small angles: add a law for them"},
-    {"ar_retroreflection_lisa",
-     Gives::reflect,
-     80e-9,
-     360e-9,
-     1.6e-6,
-     {},
-     0,
-     0,
-     "about 1064 nm",
-     "measured",
-     "BARRITON",
-     "mid: geometric mean"},
-    {"al_mirror_0p7nm",
-     Gives::brdf,
-     2.7e-5,
-     6.1e-5,
-     1.4e-4,
-     {},
-     0,
-     0,
-     "632.8 nm",
-     "measured",
-     "SPIE 967 (1989)",
-     "10 deg in, 35 deg out; a factor 5 between the lowest and the highest of 18 laboratories"},
-    {"black_anodise",
-     Gives::tis_75,
-     0.022,
-     0.045,
-     0.09,
-     {0.125, 0.25, 0.5},
-     0,
-     0,
-     "visible",
-     "assumed",
-     "bracket",
-     "forward lobe at grazing"},
-    {"nickel_black",
-     Gives::tis,
-     0.004,
-     0.004,
-     0.004,
-     {},
-     0,
-     0,
-     "visible",
-     "measured",
-     "NPL",
-     "99.9 % absorbed at 45 deg; about 1 % reflected at 3 um; not at 1064 nm"},
-    {"carbon_nanotubes",
-     Gives::tis,
-     0.0025,
-     0.005,
-     0.01,
-     {},
-     0,
-     0,
-     "visible",
-     "measured",
-     "NASA GSFC",
-     "low: grown, high: sprayed; upper limits; not at 1064 nm"},
-    {"dlc", Gives::brdf, 1e-5, 1e-4, 1e-3, {}, 0, 0, "1064, 1550 nm", "assumed", "no public number", ""},
-    {"silicon_carbide", Gives::brdf, 1e-5, 1e-4, 1e-3, {}, 0, 0, "1064, 1550 nm", "assumed", "no public number", ""},
-    {"ar_steel", Gives::brdf, 1e-5, 1e-4, 1e-3, {}, 0, 0, "1064, 1550 nm", "assumed", "no public number", ""},
-    {"acktar_black", Gives::brdf, 1e-5, 1e-4, 1e-3, {}, 0, 0, "1064, 1550 nm", "assumed", "no public number", ""},
-};
+std::vector<MaterialPreset> presets_of_library() {
+  FileTexts texts;
+  std::string include;
+  for (EmbeddedFile const& file : embedded_files())
+    if (file.name.starts_with("library/materials/")) {
+      texts[std::string(file.name)] = file.text;
+      include += (include.empty() ? "" : ", ") + std::string(file.name);
+    }
+  texts["presets"] = fmt::format("straytrace: 1\ninclude: [{}]\nscene: [{{name: all, file: all}}]\n", include);
+  Scene const scene = read_scene("presets", {}, &texts);
+  std::vector<MaterialPreset> all;
+  for (auto const& [name, node] : scene.table("materials").items())
+    if (Node const table = node["preset"]; table.kind() == Node::Kind::table)
+      if (auto const preset = read_preset_numbers(name, table)) all.push_back(*preset);
+  return all;
+}
 
 }  // namespace
 
-std::span<MaterialPreset const> material_presets() { return presets; }
+std::optional<MaterialPreset> read_preset_numbers(std::string const& name, Node const& table) {
+  using Gives = MaterialPreset::Gives;
+  MaterialPreset p;
+  p.name = name;
+  p.status = read_status(table);
+  p.wavelength = table.word("wavelength", "wavelength not given");
+  p.source = table.word("source", "source not given");
+  if (table.has("note")) p.note = table.word("note");
+  bool const brdf = table.has("brdf"), tis = table.has("tis"), at_75 = table.has("tis_at_75_deg");
+  bool const mirror = !brdf && !tis && table.has("reflect");
+  if (!brdf && !tis && !mirror) {
+    table.problem("a table 'preset' has numbers", "write {brdf: [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]}, 'tis' or 'reflect'");
+    return {};
+  }
+  p.gives = brdf ? Gives::brdf : mirror ? Gives::reflect : at_75 ? Gives::tis_75 : Gives::tis;
+  bool whole = read_case_values(table[brdf     ? "brdf"
+                                      : mirror ? "reflect"
+                                               : "tis"],
+                                brdf ? dim::brdf : dim::plain, p.values);
+  if (p.gives == Gives::tis_75) whole = read_case_values(table["tis_at_75_deg"], dim::plain, p.at_75) && whole;
+  if (!mirror) p.reflect = table.number("reflect", dim::plain, 0, 0, 1);
+  p.through = table.number("through", dim::plain, 0, 0, 1);
+  table.refuse_unknown("'preset'");
+  return whole ? std::optional(p) : std::nullopt;
+}
+
+std::span<MaterialPreset const> material_presets() {
+  static std::vector<MaterialPreset> const all = presets_of_library();
+  return all;
+}
 
 }  // namespace straytrace

@@ -225,30 +225,4 @@ MeshAdvice scale_advice(Box const& box, double unit) {
   return {};
 }
 
-std::string describe(MeshFile const& file) {
-  MeshHealth const health = examine(file);
-  std::size_t vertices = 0;
-  for (MeshPart const& p : file.parts) vertices += p.vertices.size();
-  Box const box = file.box();
-  Vec3 const d = box.upper - box.lower;
-  std::string out = fmt::format("{}: {} parts, {} triangles, {} vertices\n", file.name, file.parts.size(),
-                                file.triangle_count(), vertices);
-  out += fmt::format("size  {:.6g} x {:.6g} x {:.6g} in the unit of the file, from ({:.6g}, {:.6g}, {:.6g})\n", d.x,
-                     d.y, d.z, box.lower.x, box.lower.y, box.lower.z);
-  if (file.stated_unit > 0)
-    out += fmt::format("unit  stated by the format: {}\n", size_text(box, file.stated_unit));
-  else
-    out += fmt::format("unit  not in the file. As mm: {}; as m: {}\n", size_text(box, 1e-3), size_text(box, 1));
-  for (std::size_t i = 0; i < file.parts.size(); ++i) {
-    MeshHealth::Part const& p = health.parts[i];
-    out += fmt::format("part  {}{}: {} triangles, area {:.6g}, {}\n", shown(file.parts[i].name),
-                       file.parts[i].material.empty() ? "" : ", material " + shown(file.parts[i].material),
-                       file.parts[i].triangles.size(), p.area,
-                       p.closed ? fmt::format("in a closed body of volume {:.6g}", std::fabs(p.volume))
-                                : fmt::format("not closed, {} open edges", p.open_edges));
-  }
-  for (MeshAdvice const& a : advice(file, health)) out += fmt::format("note  {}\n      {}\n", a.what, a.suggestion);
-  return out + "That triangles pass through each other is not checked.\n";
-}
-
 }  // namespace straytrace

@@ -39,7 +39,5 @@ std::vector<MeshAdvice> advice(MeshFile const&, MeshHealth const&);
 MeshAdvice scale_advice(Box const&, double unit);
 
 std::string size_text(Box const&, double unit);  // "1.2 m x 300 mm x 5 mm"
-// Everything of the above in words, for people.
-std::string describe(MeshFile const&);
 
 }  // namespace straytrace

@@ -10,11 +10,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <unordered_map>
+
+#include "world/mesh_colours.hpp"
 
 namespace straytrace {
 namespace {
@@ -122,7 +126,7 @@ struct VertexHash {
 // Collects the meshes of one file into parts by name and material.
 class Parts {
  public:
-  explicit Parts(MeshFile& out) : out_(out) {}
+  Parts(MeshFile& out, bool linear_colours) : out_(out), linear_colours_(linear_colours) {}
 
   void walk(aiScene const& scene, aiNode const& node, Transform const& above, int depth) {
     if (depth > 1000) return;
@@ -147,16 +151,35 @@ class Parts {
         material = printable(given.C_Str());
       if (material == AI_DEFAULT_MATERIAL_NAME) material.clear();
     }
-    auto const [hit, fresh] = number_.try_emplace({name, material}, out_.parts.size());
+    std::vector<std::string> const by_face = vertex_colours(mesh);
+    std::string const colour = material.empty() || !linear_colours_ ? "" : gltf_colour(scene, mesh);
+    if (by_face.empty()) return add_faces(mesh, number_of(name, material, colour), here, {}, "");
+    for (std::string const& one : std::set<std::string>(by_face.begin(), by_face.end()))
+      add_faces(mesh, number_of(name, material, one), here, by_face, one);
+  }
+
+  std::size_t number_of(std::string const& name, std::string const& material, std::string const& colour) {
+    auto const [hit, fresh] = number_.try_emplace({name, material, colour}, out_.parts.size());
     if (fresh) {
-      out_.parts.push_back({name, material, {}, {}});
+      out_.parts.push_back({name, material, colour, {}, {}});
       known_.emplace_back();
     }
-    MeshPart& part = out_.parts[hit->second];
-    auto& known = known_[hit->second];
+    return hit->second;
+  }
+
+  // All faces, or those of one colour.
+  void add_faces(aiMesh const& mesh, std::size_t number, Transform const& here, std::vector<std::string> const& by_face,
+                 std::string const& colour) {
+    MeshPart& part = out_.parts[number];
+    auto& known = known_[number];
     bool const mirrored = here.determinant() < 0;
+    std::vector<char> used(mesh.mNumVertices, by_face.empty());
+    for (unsigned i = 0; i < by_face.size(); ++i)
+      for (unsigned k = 0; k < mesh.mFaces[i].mNumIndices && by_face[i] == colour; ++k)
+        used.at(mesh.mFaces[i].mIndices[k]) = 1;
     std::vector<std::uint32_t> vertex(mesh.mNumVertices);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      if (!used[i]) continue;
       MeshVertex const v = here(mesh.mVertices[i]);
       finite_ = finite_ && std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
       auto const [at, added] = known.try_emplace(v, std::uint32_t(part.vertices.size()));
@@ -165,6 +188,7 @@ class Parts {
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       aiFace const& face = mesh.mFaces[i];
+      if (!by_face.empty() && by_face[i] != colour) continue;
       if (face.mNumIndices != 3) {
         ++out_.left_out;
         continue;
@@ -176,7 +200,8 @@ class Parts {
   }
 
   MeshFile& out_;
-  std::map<std::pair<std::string, std::string>, std::size_t> number_;
+  bool linear_colours_;  // of materials: glTF
+  std::map<std::array<std::string, 3>, std::size_t> number_;
   std::vector<std::unordered_map<MeshVertex, std::uint32_t, VertexHash>> known_;
   bool finite_ = true;
 };
@@ -206,10 +231,8 @@ Box MeshFile::box() const {
 
 MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companion, MeshFile& out) {
   std::string const kind = ending(out.name);
-  if (kind == ".step" || kind == ".stp")
-    return {"STEP files are not meshes", "export the parts as STL, OBJ, PLY or glTF"};
   if (kind != ".stl" && kind != ".obj" && kind != ".ply" && kind != ".gltf" && kind != ".glb")
-    return {fmt::format("'{}' is not a kind of mesh file", kind), "use .stl, .obj, .ply, .gltf or .glb"};
+    return {fmt::format("'{}' is not a kind of mesh file", kind), "use .stl, .obj, .ply, .gltf, .glb or .step"};
   std::string const inside = out.name.substr(out.name.find_last_of('/') + 1);
   Assimp::Importer importer;
   importer.SetIOHandler(new MemoryFiles(inside, bytes, companion));  // the importer deletes it
@@ -219,7 +242,7 @@ MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companio
   std::string const fix = "check that the file is complete and that its ending says its format";
   if (!scene || !scene->mRootNode)
     return {fmt::format("not a readable {} file: {}", kind.substr(1), printable(importer.GetErrorString())), fix};
-  Parts parts(out);
+  Parts parts(out, kind == ".gltf" || kind == ".glb");
   parts.walk(*scene, *scene->mRootNode, {}, 0);
   std::erase_if(out.parts, [](MeshPart const& p) { return p.triangles.empty(); });
   if (out.parts.empty()) return {"the file holds no triangles", "export the faces of the parts, not only their edges"};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh files: STL (text, binary), OBJ, PLY, glTF and GLB, read from bytes in memory. Polygons become triangles; names
-// of parts and materials are kept; normals, colours and textures of the file are not used.
+// of parts and materials are kept, and colours, by which rules can choose; normals and textures are not used.
 #pragma once
 
 #include <functional>
@@ -13,6 +13,7 @@ namespace straytrace {
 
 struct MeshPart {
   std::string name, material;  // empty: the file names none
+  std::string colour;          // "#rrggbb": of the material (glTF), of vertices (PLY, STL), of a material library (OBJ)
   std::vector<MeshVertex> vertices;
   std::vector<MeshTriangle> triangles;
 };
@@ -38,5 +39,8 @@ struct MeshFault {
 
 // Fills `out.parts` and what else the file says from `bytes`; the format follows from the ending of out.name.
 MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companion, MeshFile& out);
+
+// Colours (Kd, as sRGB) of a material library for the parts that name its materials.
+void set_library_colours(std::string const& library, MeshFile&);
 
 }  // namespace straytrace

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "base/document.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -56,6 +58,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
   }
   read_ports(scene, world, names, beams);
   warn_of_closed_ends(scene, world);
+  if (scene.root().data()->misspelt) return;  // which may be what is missing
   if (beams.names.empty())
     scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
   else if (scene.table("ports").items().empty() && scene.table("receivers").items().empty())

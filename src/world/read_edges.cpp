@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "world/read_mesh.hpp"
+#include "world/file_parts.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {

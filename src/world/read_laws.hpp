@@ -38,9 +38,10 @@ void read_k_correlation(Node const&, LawReading&);
 void read_psd(Node const&, LawReading&);
 void read_harvey_shack(Node const&, LawReading&);
 void read_measured(Node const&, LawReading&);
+std::vector<MeasuredPoint> measured_points(Node const& law);  // of such a law, as its file has them
 
 // Laws of a preset with its reflectance where the material gives no `specular` (docs/reference/scatter/presets.md).
-void read_preset(Node const& material, LawReading&, Optic&);
+LawInfo read_preset(Node const& material, LawReading&, Optic&);
 
 // Wavelength at which a law is evaluated: the key `wavelength`, or that of the scene.
 double law_wavelength(Node const& law, World const&);

@@ -6,14 +6,19 @@
 #include <set>
 
 #include "beams/overlap.hpp"
+#include "world/file_parts.hpp"
 #include "world/lit_surfaces.hpp"
 #include "world/read_beams.hpp"
-#include "world/read_mesh.hpp"
 
 namespace straytrace {
 namespace {
 
 constexpr std::size_t most_spots = 2000;  // every one of them is connected to from every vertex
+
+// A part of a CAD file has many faces; the first bears its name, the others are NAME/face_2 and so on.
+bool names_surface(std::string const& pattern, std::string const& name) {
+  return matches(pattern, name) || matches(pattern + "/face_*", name);
+}
 
 // Patterns under a key; each must fit the name of some surface, or of an entry whose problem is reported.
 std::vector<std::string> patterns(Node const& table, std::string_view key, Registry const& names) {
@@ -21,7 +26,7 @@ std::vector<std::string> patterns(Node const& table, std::string_view key, Regis
   for (auto const& [name, id] : names.surfaces) known.push_back(name);
   for (Node const& word : table.list(key)) {
     std::string const pattern = all.emplace_back(word.as_word());
-    auto const fits = [&](std::string const& name) { return matches(pattern, name); };
+    auto const fits = [&](std::string const& name) { return names_surface(pattern, name); };
     bool const refused = std::any_of(names.refused.begin(), names.refused.end(), [&](std::string const& entry) {
       return fits(entry) || pattern.starts_with(entry + "/") || pattern.starts_with(entry + "[");
     });
@@ -38,7 +43,7 @@ class Wanted {
  public:
   Wanted(LitWish const& wish, Registry const& names) {
     for (auto const& [name, id] : names.surfaces) {
-      auto const fits = [&name = name](std::string const& pattern) { return matches(pattern, name); };
+      auto const fits = [&name = name](std::string const& pattern) { return names_surface(pattern, name); };
       if (std::any_of(wish.only.begin(), wish.only.end(), fits)) only_.insert(id.value);
       if (std::any_of(wish.except.begin(), wish.except.end(), fits)) except_.insert(id.value);
     }

@@ -104,11 +104,12 @@ void yield_to_dust(MaterialInfo const& info, World& world, Optic& optic) {
   optic.has_interface = true;
 }
 
-LawInfo provenance_of(std::string const& preset) {
-  for (MaterialPreset const& p : material_presets())
-    if (p.name == preset)
-      return {"preset " + preset, fmt::format("{}, {}", p.status, p.source), std::string(p.wavelength)};
-  return {};
+// "assumed; SOURCE; NOTE", as a material says it beside its laws; empty when it does not.
+std::string said_of(Node const& material) {
+  std::string said = read_status(material);
+  for (char const* key : {"source", "wavelength", "note"})
+    if (Node const text = material[key]) said += (said.empty() ? "" : "; ") + text.as_word();
+  return said;
 }
 
 Vec3 incoming(double cosine, double turn) {
@@ -146,16 +147,20 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     read_specular(node, world, names, optic);
     optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
     LawReading reading{world, name, {}, &optic};
+    std::string const said = said_of(node);
+    node.has("like");  // taken over already
     if (node.has("preset")) {
-      read_preset(node, reading, optic);
+      LawInfo const about = read_preset(node, reading, optic);
       for (std::size_t i = 0; i < reading.laws.size(); ++i) {
         optic.law[i] = reading.laws[i];
-        info.laws.push_back(provenance_of(node["preset"].text()));
+        info.laws.push_back(about);
       }
       info.spread = reading.spread;
       info.spread.factor = read_uncertainty(node["uncertainty"], info.spread.factor);
     } else {
       info.spread = read_spread(node);
+      info.spread.status = read_status(node);
+      if (node.has("status")) reading.note(said);
     }
     for (Node const& law : node.list("scatter")) read_law(law, reading, optic, info);
     if (reading.laws.size() > std::size_t(Optic::most_laws))

@@ -14,32 +14,37 @@ constexpr double degree = pi / 180;
 
 class MeasuredReader {
  public:
-  MeasuredReader(Node const& law, LawReading& out) : law_(law), out_(out) {}
+  explicit MeasuredReader(Node const& law) : law_(law) {}
 
-  void read() {
-    static constexpr std::string_view rules[] = {"constant", "power", "zero"},
-                                      conventions[] = {"from_normal", "from_specular"};
-    std::string const beyond = law_.choice("beyond", rules);
-    double const wavelength = law_.number("wavelength", dim::length, required, 1e-8, 1e-3);
-    law_.has("angles");
-    name_ = law_.word("file");
-    if (name_.empty()) return;
-    file_ = read_columns(law_["file"], name_, "theta_i [deg], theta_s [deg], brdf [1/sr]");
-    bool const by_angle = file_.find("theta_s") >= 0;
-    std::string const angles = by_angle ? law_.choice("angles", conventions) : "from_normal";
-    if (file_.rows.empty() || !columns_fit() || beyond.empty() || angles.empty() || !(wavelength > 0)) return;
+  void read(LawReading& out) {
     std::vector<MeasuredPoint> points;
-    for (ColumnFile::Row const& row : file_.rows)
-      if (!point(row, angles == "from_specular", points)) return;
-    if (!enough(points)) return;
+    std::string beyond;
+    if (!read_points(points, beyond) || !enough(points)) return;
     Measured p;
     auto const s = fit_measured(p, points,
                                 beyond == "constant" ? Beyond::constant
                                 : beyond == "power"  ? Beyond::power
                                                      : Beyond::zero);
     p.prepare();
-    report(p, s, beyond);
-    out_.add(p);
+    report(p, s, beyond, out);
+    out.add(p);
+  }
+  // False, with problems in the document, when the file cannot be used.
+  bool read_points(std::vector<MeasuredPoint>& points, std::string& beyond) {
+    static constexpr std::string_view rules[] = {"constant", "power", "zero"},
+                                      conventions[] = {"from_normal", "from_specular"};
+    beyond = law_.choice("beyond", rules);
+    double const wavelength = law_.number("wavelength", dim::length, required, 1e-8, 1e-3);
+    law_.has("angles");
+    name_ = law_.word("file");
+    if (name_.empty()) return false;
+    file_ = read_columns(law_["file"], name_, "theta_i [deg], theta_s [deg], brdf [1/sr]");
+    bool const by_angle = file_.find("theta_s") >= 0;
+    std::string const angles = by_angle ? law_.choice("angles", conventions) : "from_normal";
+    if (file_.rows.empty() || !columns_fit() || beyond.empty() || angles.empty() || !(wavelength > 0)) return false;
+    for (ColumnFile::Row const& row : file_.rows)
+      if (!point(row, angles == "from_specular", points)) return false;
+    return true;
   }
 
  private:
@@ -135,8 +140,8 @@ class MeasuredReader {
     return true;
   }
 
-  void report(Measured const& p, MeasuredSummary const& s, std::string const& beyond) {
-    out_.note(fmt::format(
+  void report(Measured const& p, MeasuredSummary const& s, std::string const& beyond, LawReading& out) {
+    out.note(fmt::format(
         "'{}': {:g} angles of incidence up to {:.3g} deg, |alpha - alpha_0| from {:.3g} to {:.3g}; {} beyond; "
         "directions exchanged, it differs by a factor up to {:.3g} before the mean is taken",
         name_, p.incidences, std::asin(p.sine[int(p.incidences) - 1]) / degree, s.smallest_offset, s.largest_offset,
@@ -159,13 +164,19 @@ class MeasuredReader {
   }
 
   Node law_;
-  LawReading& out_;
   std::string name_;
   ColumnFile file_;
 };
 
 }  // namespace
 
-void read_measured(Node const& law, LawReading& out) { MeasuredReader(law, out).read(); }
+void read_measured(Node const& law, LawReading& out) { MeasuredReader(law).read(out); }
+
+std::vector<MeasuredPoint> measured_points(Node const& law) {
+  std::vector<MeasuredPoint> points;
+  std::string beyond;
+  MeasuredReader(law).read_points(points, beyond);
+  return points;
+}
 
 }  // namespace straytrace

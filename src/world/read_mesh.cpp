@@ -7,37 +7,10 @@
 #include "world/mesh_doctor.hpp"
 
 namespace straytrace {
-
-bool matches(std::string_view pattern, std::string_view text) {
-  std::size_t p = 0, t = 0, star = std::string_view::npos, mark = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      mark = t;
-    } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p;
-      ++t;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      t = ++mark;
-    } else {
-      return false;
-    }
-  }
-  while (p < pattern.size() && pattern[p] == '*') ++p;
-  return p == pattern.size();
-}
-
 namespace {
 
-void warn(Node const& file, MeshAdvice const& a) {
-  Document* const document = file.document();
-  if (document)
-    document->add({document->place_in_file(file, file.text(), 0, 0), a.what, a.suggestion, Severity::warning});
-}
-
-// Material libraries that an OBJ file names; its own lines name the materials, so none is read.
-void look_for_libraries(Node const& file, std::string const& bytes, std::string const& folder) {
+// Material libraries that an OBJ file names: only the colours are read, the file itself names the materials.
+void read_libraries(Node const& file, std::string const& bytes, std::string const& folder, MeshFile& mesh) {
   if (!file.document() || !file.as_word().ends_with(".obj")) return;
   std::size_t number = 0;
   for (std::size_t at = 0; at < bytes.size(); ++number) {
@@ -51,11 +24,16 @@ void look_for_libraries(Node const& file, std::string const& bytes, std::string 
     if (line.empty()) continue;
     std::string const name = shortened(line);
     bool const below = line.find("..") == line.npos && line.find_first_of("\\:") == line.npos && line[0] != '/';
-    if (below && file.document()->optional_file(file, folder + std::string(line))) continue;
+    auto const library =
+        below ? file.document()->optional_file(file, folder + std::string(line)) : std::optional<std::string>();
+    if (library) {
+      set_library_colours(*library, mesh);
+      continue;
+    }
     Place place = file.document()->place_in_file(file, file.text(), std::uint32_t(number + 1), 8);
     file.document()->add({place, fmt::format("the material library '{}' that this file names is not beside it", name),
-                          "nothing is read from it, materials keep the names behind 'usemtl': copy it here if the "
-                          "export should be complete",
+                          "only colours are read from it, materials keep the names behind 'usemtl': copy it here if "
+                          "rules should choose by colour",
                           Severity::warning});
   }
 }
@@ -78,9 +56,9 @@ std::shared_ptr<LoadedMesh const> load(Node const& file, World& world, MeshLibra
     file.file_problem(name, 0, 0, fault.what, fault.suggestion);
     return slot;
   }
-  look_for_libraries(file, bytes, folder);
+  read_libraries(file, bytes, folder, mesh->file);
   MeshHealth const health = examine(mesh->file);
-  for (MeshAdvice const& a : advice(mesh->file, health)) warn(file, a);
+  for (MeshAdvice const& a : advice(mesh->file, health)) warn_of_file(file, a.what, a.suggestion);
   repair(mesh->file, health);
   for (MeshPart& part : mesh->file.parts)
     mesh->content.push_back(prepare_mesh(std::move(part.vertices), std::move(part.triangles), world.storage));
@@ -94,53 +72,6 @@ Box box_of(LoadedMesh const& mesh) {
   return box;
 }
 
-// m per unit of the file; 0, and a problem, when it is not known.
-double read_unit(Scene::Instance const& instance, LoadedMesh const& mesh, bool first_time) {
-  Node const units = instance.node.has("units") ? instance.node["units"] : instance.placement["units"];
-  Node const& owner = units ? units : instance.placement;
-  std::string const sizes = fmt::format("its bounding box would be {} as mm and {} as m", size_text(box_of(mesh), 1e-3),
-                                        size_text(box_of(mesh), 1));
-  std::string const text = units ? units.as_word() : "";
-  auto const refuse = [&](std::string const& why) {
-    if (first_time) owner.problem(why + ": " + sizes, "write units: mm");
-    return 0.0;
-  };
-  if (!units) {
-    if (mesh.file.stated_unit > 0) {
-      if (first_time)
-        owner.problem(fmt::format("'{}' has no 'units'", instance.group), "write units: from_file (its format says m)");
-      return 0;
-    }
-    return refuse(fmt::format("'{}' has no 'units'", instance.group));
-  }
-  if (text == "from_file")
-    return mesh.file.stated_unit > 0 ? mesh.file.stated_unit : refuse("files of this format state no unit");
-  auto const unit = parse_unit(text);
-  if (!unit || !(unit->dimension == dim::length)) return refuse(fmt::format("'{}' is not a unit of length", text));
-  return unit->si;
-}
-
-// One row of `surfaces`.
-struct Choice {
-  std::string pattern;
-  Node material;
-  bool used = false;
-};
-
-std::vector<Choice> read_choices(Scene::Instance const& instance) {
-  std::vector<Choice> out;
-  Node const table = instance.node.has("surfaces") ? instance.node["surfaces"] : instance.placement["surfaces"];
-  if (table && table.kind() != Node::Kind::table)
-    table.problem("'surfaces' names a material for each part", "write {\"dump*\": NAME, default: NAME}");
-  else if (table)
-    for (auto const& [pattern, node] : table.items())
-      if (pattern != "default") out.push_back({pattern, node});
-  if (table.kind() == Node::Kind::table && table.has("default")) out.push_back({"*", table["default"], true});
-  Node const material = instance.node.has("material") ? instance.node["material"] : instance.placement["material"];
-  if (material) out.push_back({"*", material, true});  // of everything not named
-  return out;
-}
-
 std::string part_name(LoadedMesh const& mesh, std::size_t i) {
   MeshPart const& part = mesh.file.parts[i];
   if (!part.name.empty()) return part.name;
@@ -148,38 +79,11 @@ std::string part_name(LoadedMesh const& mesh, std::size_t i) {
   return mesh.file.parts.size() == 1 ? "" : fmt::format("part_{}", i + 1);
 }
 
-std::uint32_t optic_of(Node const& material, Registry const& names) {
-  std::string const name = material.as_word();
-  if (auto const hit = names.materials.find(name); hit != names.materials.end()) return hit->second;
-  std::vector<std::string> known;
-  for (auto const& entry : names.materials) known.push_back(entry.first);
-  std::string const near = nearest_word(name, known);
-  if (!name.empty())
-    material.problem(
-        fmt::format("material '{}' is not defined", name),
-        near.empty() ? fmt::format("defined: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
-  return names.black;
-}
-
-void report_choices(Scene::Instance const& instance, LoadedMesh const& mesh, std::vector<Choice> const& choices,
-                    std::vector<std::string> const& bare) {
-  std::vector<std::string> words;
+std::vector<PartLabel> labels_of(LoadedMesh const& mesh) {
+  std::vector<PartLabel> labels;
   for (std::size_t i = 0; i < mesh.file.parts.size(); ++i)
-    for (std::string const& word : {mesh.file.parts[i].name, mesh.file.parts[i].material})
-      if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
-  std::string const all = words.empty() ? "it names no parts and no materials; write 'default' only"
-                                        : shortened(fmt::format("it has: {}", fmt::join(words, ", ")));
-  for (Choice const& c : choices) {
-    if (c.used) continue;
-    std::string const near = nearest_word(c.pattern, words);
-    c.material.warning(fmt::format("no part or material of '{}' matches '{}'", mesh.file.name, c.pattern),
-                       near.empty() ? all : fmt::format("did you mean '{}'?", near));
-  }
-  if (!bare.empty())
-    instance.placement.problem(fmt::format("{} of {} parts of '{}' have no material, the first is '{}'", bare.size(),
-                                           mesh.file.parts.size(), mesh.file.name, bare.front()),
-                               fmt::format("write surfaces: {{{}default: NAME}}",
-                                           bare.front().empty() ? "" : fmt::format("\"{}\": NAME, ", bare.front())));
+    labels.push_back({part_name(mesh, i), mesh.file.parts[i].material, mesh.file.parts[i].colour});
+  return labels;
 }
 
 }  // namespace
@@ -187,28 +91,24 @@ void report_choices(Scene::Instance const& instance, LoadedMesh const& mesh, std
 void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pose, Surface as, std::string const& side,
               bool first_time, World& world, Registry& names, MeshLibrary& library) {
   auto const mesh = load(file, world, library);
-  std::vector<Choice> choices = read_choices(instance);
+  PartRules rules(instance, first_time);
   if (!mesh->sound) {
     instance.placement.has("units");
     instance.node.has("units");
     return;
   }
-  double const unit = read_unit(instance, *mesh, first_time);
+  double const stated = mesh->file.stated_unit;
+  double const unit =
+      read_file_unit(instance, box_of(*mesh), stated,
+                     stated > 0 ? "its format says m" : "files of this format state no unit", first_time);
   if (unit > 0 && first_time)
-    if (MeshAdvice const odd = scale_advice(box_of(*mesh), unit); !odd.what.empty()) warn(file, odd);
-  std::vector<std::string> bare;
+    if (MeshAdvice const odd = scale_advice(box_of(*mesh), unit); !odd.what.empty())
+      warn_of_file(file, odd.what, odd.suggestion);
+  std::vector<PartLabel> const labels = labels_of(*mesh);
   for (std::size_t i = 0; i < mesh->file.parts.size(); ++i) {
-    std::uint32_t optic = names.black;
-    bool chosen = false;
-    for (Choice& c : choices) {
-      MeshPart const& part = mesh->file.parts[i];
-      bool const fits = matches(c.pattern, part.name) || (!part.material.empty() && matches(c.pattern, part.material));
-      if (!fits) continue;
-      if (!chosen) optic = optic_of(c.material, names);
-      chosen = c.used = true;
-    }
-    std::string const part = part_name(*mesh, i), tail = part.empty() ? "" : "/" + part;
-    if (!chosen) bare.push_back(part);
+    std::uint32_t const optic = rules.optic(labels[i], names);
+    std::string const& part = labels[i].name;
+    std::string const tail = part.empty() ? "" : "/" + part;
     TriangleMesh shape;
     shape.unit = unit > 0 ? unit : 1;
     shape.content = mesh->content[i];
@@ -221,7 +121,7 @@ void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pos
     names.surfaces.try_emplace(instance.group + tail, id);
     names.surfaces.try_emplace(instance.name, id);
   }
-  if (first_time) report_choices(instance, *mesh, choices, bare);
+  if (first_time) rules.report(instance, mesh->file.name, labels);
 }
 
 }  // namespace straytrace

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "world/file_parts.hpp"
 #include "world/mesh_file.hpp"
-#include "world/read_parts.hpp"
 
 namespace straytrace {
 
@@ -18,9 +18,6 @@ struct LoadedMesh {
   bool sound = false;
 };
 using MeshLibrary = std::map<std::string, std::shared_ptr<LoadedMesh const>>;
-
-// Whether `text` is `pattern`, in which each * stands for any characters.
-bool matches(std::string_view pattern, std::string_view text);
 
 // Adds one surface per part. `file` is the name as written; `as` says body and volume; `side` which sides scatter, the
 // other absorbs. `first_time`: of several instances of one entry.

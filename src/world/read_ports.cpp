@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "world/file_parts.hpp"
 #include "world/read_beams.hpp"
-#include "world/read_mesh.hpp"
 
 namespace straytrace {
 namespace {

@@ -23,30 +23,37 @@ int case_of(Node const& material) {
   return std::isfinite(number) ? int(number) : 1;
 }
 
-}  // namespace
-
-void read_preset(Node const& material, LawReading& out, Optic& optic) {
+// The preset of a material: a name of the list, or its own numbers.
+std::optional<MaterialPreset> preset_of(std::string const& name, Node const& material) {
+  if (Node const own = material["preset"]; own.kind() == Node::Kind::table) return read_preset_numbers(name, own);
   std::vector<std::string_view> names;
   for (MaterialPreset const& p : material_presets()) names.push_back(p.name);
   std::string const wanted = material.choice("preset", names);
-  int const which = case_of(material);
-  MaterialPreset const* preset = nullptr;
   for (MaterialPreset const& p : material_presets())
-    if (p.name == wanted) preset = &p;
+    if (p.name == wanted) return p;
+  return {};
+}
+
+}  // namespace
+
+LawInfo read_preset(Node const& material, LawReading& out, Optic& optic) {
+  int const which = case_of(material);
+  auto const preset = preset_of(out.material, material);
   if (!preset) {
     material.has("bracket");
-    return;
+    return {};
   }
   using Gives = MaterialPreset::Gives;
   Dimension const dimension = preset->gives == Gives::brdf ? dim::brdf : dim::plain;
-  double values[3] = {preset->low, preset->mid, preset->high};
+  double values[3] = {preset->values[0], preset->values[1], preset->values[2]};
   bool const own = material.has("bracket");
   if (own) {
     auto const given = material["bracket"].as_numbers(dimension, 3);
-    if (given.size() != 3) return;
-    if (!(given[0] >= 0 && given[0] <= given[1] && given[1] <= given[2]))
-      return material["bracket"].problem("a bracket is low, mid, high, in this order",
-                                         "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");
+    if (given.size() != 3) return {};
+    if (!(given[0] >= 0 && given[0] <= given[1] && given[1] <= given[2])) {
+      material["bracket"].problem("a bracket is low, mid, high, in this order", "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");
+      return {};
+    }
     for (int i = 0; i < 3; ++i) values[i] = given[std::size_t(i)];
   }
   double const value = values[which];
@@ -68,8 +75,8 @@ void read_preset(Node const& material, LawReading& out, Optic& optic) {
     out.add(p);
   } else {
     double const tis = preset->gives == Gives::brdf ? pi * value : value;
-    if (tis > 1) return material.problem("the preset would scatter more than 1", "lower its bracket");
-    out.add(Lambertian{tis});
+    if (tis > 1) material.problem("the preset would scatter more than 1", "lower its bracket");
+    out.add(Lambertian{std::fmin(tis, 1)});
   }
   if (preset->through > 0) {
     optic.through[out.laws.size()] = true;
@@ -80,8 +87,10 @@ void read_preset(Node const& material, LawReading& out, Optic& optic) {
                        values[1], values[2], dimension == dim::brdf ? " /sr" : "", preset->status, preset->source,
                        preset->wavelength, preset->note.empty() ? "" : "; ", preset->note));
   if (!own && !preset->has_bracket())
-    material["preset"].warning(fmt::format("preset '{}' comes without a bracket", preset->name),
-                               "add one: bracket: [low, mid, high]");
+    material["preset"].warning(
+        fmt::format("preset '{}' comes without a bracket", preset->name),
+        fmt::format("name a material of your own: {{preset: {}, bracket: [low, mid, high]}}", preset->name));
+  return {"preset " + preset->name, fmt::format("{}, {}", preset->status, preset->source), preset->wavelength};
 }
 
 }  // namespace straytrace

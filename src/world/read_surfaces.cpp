@@ -7,6 +7,7 @@
 #include <set>
 
 #include "geometry/keys.hpp"
+#include "world/read_cad.hpp"
 #include "world/read_mesh.hpp"
 #include "world/read_parts.hpp"
 
@@ -65,8 +66,9 @@ namespace {
 // Reads one shape from its table and adds the surface.
 template <class Shape>
 SurfaceId add_shape(Node const& keys, Surface const& as, Pose const& pose, World& world) {
-  if constexpr (std::is_same_v<Shape, TriangleMesh>) {
-    keys.problem("a mesh is read from a file", "write 'file: bench.obj, units: mm' in place of 'shape'");
+  if constexpr (std::is_same_v<Shape, TriangleMesh> || std::is_same_v<Shape, CadFace>) {
+    keys.problem(fmt::format("a {} is read from a file", Shape::key),
+                 "write 'file: bench.obj, units: mm' or 'file: bench.step, units: from_file' in place of 'shape'");
     return {};
   } else {
     Shape shape;
@@ -126,6 +128,7 @@ auto find_named(Node const& node, Map const& map, std::string_view what) -> type
 // The material of a face: as `surfaces` of the entry says, otherwise of the face, otherwise of the entry. Faces are
 // named there without the name of the entry: "barrel", "lens/barrel".
 Node material_of(Scene::Instance const& instance) {
+  Node const usual = given(instance, "material");  // known, even where every face has its own
   std::size_t const slash = instance.name.find('/');
   if (Node const by_face = instance.placement["surfaces"]; by_face && slash != std::string::npos) {
     if (by_face.kind() != Node::Kind::table)
@@ -133,7 +136,7 @@ Node material_of(Scene::Instance const& instance) {
     else if (Node const own = by_face[instance.name.substr(slash + 1)])
       return own;
   }
-  return given(instance, "material");
+  return usual;
 }
 
 // What is read once for several instances, by name.
@@ -142,6 +145,7 @@ struct Shared {
   std::map<std::string, std::uint32_t> volumes;  // by part that it fills and medium
   std::map<std::uint32_t, Node> volume_places;
   MeshLibrary meshes;
+  CadLibrary cads;
 };
 
 // Faces of one placed part that name the same medium enclose one volume; `none`: the face encloses nothing.
@@ -210,6 +214,9 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   as.back = side == "front" || side == "outer" ? names.black : optic;
   as.body = body_id;
   as.volume = volume_of(instance, world, names, shared);
+  std::string const file_name = file ? file.as_word() : "";
+  if (is_step(file_name) || is_converted(file_name))
+    return add_cad(instance, file, pose, as, side, first_time, world, names, shared.cads);
   if (file) return add_mesh(instance, file, pose, as, side, first_time, world, names, shared.meshes);
   as.group = world.add_group(instance.group);
   SurfaceId const id = add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());

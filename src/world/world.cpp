@@ -101,6 +101,14 @@ void World::open_port(std::string const& name, std::vector<std::uint32_t> const&
   }
 }
 
+void World::anchor(BodyId id, Vec3 place) {
+  if (!id.valid() || bodies_[id.value].pivot_given) return;
+  auto const on_it = [id](Surface const& s) { return s.body.value == id.value; };
+  if (std::any_of(surfaces_.begin(), surfaces_.end(), on_it)) return;
+  bodies_[id.value].pivot = place;
+  bodies_[id.value].pivot_given = true;
+}
+
 void World::settle_pivots() {
   WorldView const now = view();
   for (auto s = surfaces_.rbegin(); s != surfaces_.rend(); ++s) {  // backwards: the first surface has the last word

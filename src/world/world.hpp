@@ -208,9 +208,10 @@ class World {
   // Lets light rejoin at every footprint of a beam on a surface; false when there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);
-  void settle_pivots();  // bodies without a given pivot turn about the place of their first surface
-  void build_search();   // of all surfaces there are
-  void finish();         // the same, unless it was done, and the lists of footprints; call last
+  void anchor(BodyId, Vec3 place);  // its pivot, m, when none is given and no surface is on it yet
+  void settle_pivots();             // bodies without a given pivot turn about the place of their first surface
+  void build_search();              // of all surfaces there are
+  void finish();                    // the same, unless it was done, and the lists of footprints; call last
   void steer(SteeringTables tables) { steering_ = std::move(tables); }
   SteeringTables const& steering() const { return steering_; }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/rng.hpp"
+#include "cad_faces.hpp"
 #include "shapes.hpp"
 
 namespace straytrace::testing {
@@ -109,6 +110,10 @@ template <>
 inline std::vector<Zone> instances() {
   return everywhere<Zone>({zone(1, -0.3, 0.9), zone(0.5, 0.1, 0.2), zone(2, -2, -1), zone(1683, 1682, 1683)});
 }
+template <>
+inline std::vector<CadFace> instances() {
+  return everywhere<CadFace>(cad_faces());
+}
 
 struct Axial {
   double height, radius;  // along and across the axis, from reference(), m
@@ -142,6 +147,22 @@ inline double implicit(Cone const& s, Vec3 p) {
   return (a.radius - s.inner_radius) * std::cos(s.half_angle) - a.height * std::sin(s.half_angle);
 }
 inline double implicit(Sphere const& s, Vec3 p) { return length(p - s.centre) - s.radius; }
+inline double implicit(CadFace const& s, Vec3 p) {
+  Axial const a = axial(s, p);
+  switch (s.carrier) {
+    case Carrier::plane:
+      return s.sense * a.height;
+    case Carrier::cylinder:
+      return s.sense * (a.radius - s.radius);
+    case Carrier::cone:
+      return s.sense * (a.radius * std::cos(s.second) - a.height * std::sin(s.second));
+    case Carrier::sphere:
+      return s.sense * (length(p - s.pose.origin) - s.radius);
+    case Carrier::torus:
+      return s.sense * (std::hypot(a.radius - s.radius, a.height) - s.second);
+  }
+  return not_a_number;
+}
 template <class Shape>
 double implicit(Shape const& s, Vec3 p, std::uint32_t) {
   return implicit(s, p);
@@ -170,6 +191,9 @@ double feature(Shape const& s) {
 }
 inline double feature(Cuboid const& s) { return std::fmin(s.width, std::fmin(s.height, s.depth)); }
 inline double feature(Rectangle const& s) { return s.width; }
+inline double feature(CadFace const& s) {
+  return s.carrier == Carrier::torus ? s.second : axial(s, s.sample(0.5, 0.5)).radius;
+}
 inline double feature(Torus const& s) { return s.minor_radius; }
 inline double feature(Conic const& s) { return s.outer_radius / (1 + s.bend * s.outer_radius); }
 

@@ -93,6 +93,25 @@ TEST(FringesInTime, LinesOfTheSmallMotion) {  // E.2b, small case: z = 0.885787
   EXPECT_NEAR(line(y, 1024, 50), 2.749e-4, 1e-7);
 }
 
+TEST(FringesInTime, SourceTonesOnAStillMirror) {  // E.2b: phases put on the light itself, rad
+  struct Tone {
+    double hz, amplitude, phase;
+  };
+  Tone const tones[] = {{40, 0.051, 3}, {110, 0.1, 0.78}, {120, 0.01, 2.6}};
+  MotionSet motion = moving({Spectrum()});
+  motion.inputs.clear();
+  for (Tone const& t : tones)
+    motion.inputs.push_back({"", {}, t.hz, {{BodyId{0}, 2, std::polar(t.amplitude / e2b_lever, t.phase)}}});
+  std::vector<double> const y = phase_quadrature(OnePath(e2b_lever), draw_motion(motion, {0, 1024, 2048}, 1));
+  for (Tone const& t : tones) {
+    std::complex<double> sum = 0;
+    for (std::size_t i = 0; i < y.size(); ++i) sum += y[i] * std::polar(1.0, -2 * pi * t.hz * double(i) / 1024);
+    EXPECT_NEAR(2 * std::abs(sum) / double(y.size()) / t.amplitude, 1, 0.01) << t.hz;
+    EXPECT_GT(std::fabs(2 * std::abs(sum) / double(y.size()) - t.amplitude / std::sqrt(2)), 0.2 * t.amplitude)
+        << "twin: amplitudes taken as rms";
+  }
+}
+
 TEST(FringesInTime, TwoToneWall) {  // E.2c: lambda 0.5 um, 360 Hz are enough
   double const two_k_green = 4 * pi / 0.5e-6;
   MotionSet motion = moving({Spectrum()});

@@ -135,49 +135,5 @@ TEST(ReceiverMaps, CrossedPlaneWavesInterfere) {
   EXPECT_NEAR(mean, 1.25 / (pi * 64e-6), 0.03 * 1.25 / (pi * 64e-6));
 }
 
-// R4.02, case E.2a: rings of a Michelson with mirrors of 2.2 m and 9.2 m, 0.25 um apart. The spots are magnified
-// differently, so that fields sqrt(P/area) have contrast 0.9757; rays counted as amplitudes 0.9085. Path difference
-// 0.5 um + 0.48799/m rho^2, bright where it is a multiple of the wavelength. Some 80 rays of each arm in a pixel leave
-// the contrast of fields 0.003 low, as a root of what scatters is.
-TEST(ReceiverMaps, RingsOfAMichelsonE2a) {
-  auto const part = [](char const* name, char const* shape, char const* at, char const* facing, char const* material) {
-    return fmt::format("  - {{name: {}, shape: {{{}}}, at: [{}], facing: [{}], body: b, material: {}}}\n", name, shape,
-                       at, facing, material);
-  };
-  Traced const t =
-      traced("scene:\n" + part("splitter", "disk: {outer_radius: 2 cm}", "0 m, 0 m, 0 m", "-1, 1, 0", "half") +
-                 part("X", "cap: {outer_radius: 57.5 mm, curvature: curvature(2.2 m)}", "71.5 mm, 0 m, 0 m", "-1, 0, 0",
-                      "mirror") +
-                 part("Y", "cap: {outer_radius: 57.5 mm, curvature: curvature(9.2 m)}", "0 m, 71.50025 mm, 0 m",
-                      "0, -1, 0", "mirror") +
-                 part("det", "disk: {outer_radius: 6 mm}", "0 m, -200 mm, 0 m", "0, 1, 0", "black") +
-                 "beams: {b: {from: [-0.5 m, 0 m, 0 m], facing: [1, 0, 0], profile: even, radius: 5.75 mm, power: 1 W, "
-                 "wavelength: 600 nm}}\nreceivers: {PD: {on: det, map: {pixels: [20, 20], width: 3 mm}}}\n",
-             256);
-  ReceiverSums const& sums = t.result.total.receivers[0];
-  FieldMap const map = field_map(t.world.receivers()[0], sums, t.result.total.histories);
-  // Least squares of I = a + b cos(2 pi (0.5 um + 0.48799 rho^2)/lambda) over the disc in the map; contrast b/a.
-  auto const contrast = [&](auto const& irradiance, double curvature) {
-    double n = 0, c = 0, cc = 0, y = 0, yc = 0;
-    for (std::size_t i = 0; i < map.field.size(); ++i) {
-      double const u = (double(i % 20) - 9.5) * 150e-6, v = (double(i / 20) - 9.5) * 150e-6, rho2 = u * u + v * v;
-      if (rho2 > 1.4e-3 * 1.4e-3) continue;
-      double const cosine = std::cos(2 * pi * (0.5e-6 + curvature * rho2) / 600e-9), value = irradiance(i);
-      n += 1, c += cosine, cc += cosine * cosine, y += value, yc += value * cosine;
-    }
-    double const b = (yc - c * y / n) / (cc - c * c / n);
-    return b / (y / n - b * c / n);
-  };
-  auto const right = [&](std::size_t i) { return std::norm(map.field[i]); };
-  auto const wrong = [&](std::size_t i) {  // twin: the power of a pixel taken as its amplitude
-    std::complex<double> sum;
-    for (auto const& [route, f] : sums.fields) sum += std::polar(f.power[i], std::atan2(f.imaginary[i], f.real[i]));
-    return std::norm(sum);
-  };
-  EXPECT_NEAR(contrast(right, 0.48799), 0.9757, 0.01);
-  EXPECT_NEAR(contrast(wrong, 0.48799), 0.9085, 0.02);
-  EXPECT_LT(contrast(right, 0.48799 / 2), 0.5);  // twin: one pass of the mirrors
-}
-
 }  // namespace
 }  // namespace straytrace::testing

@@ -58,7 +58,7 @@ TEST(Answers, AListThatMakesLightIsRefusedWithItsPlace) {
 // Requirements 8.1: all rows that ship keep R + T + S at 1 or below, and can be included.
 TEST(Answers, TheMaterialsOfTheEndBenchAreSound) {
   Finished const r =
-      straytrace({"inspect", source_folder + "/examples/data/end_bench_materials.yaml", "--format", "json"});
+      straytrace({"inspect", source_folder + "/library/materials/end_bench_2018.yaml", "--format", "json"});
   EXPECT_EQ(r.code, 0) << r.err;
   std::istringstream lines(r.out);
   int count = 0;

@@ -142,7 +142,7 @@ Finished refused_run(Folder const& folder, std::string const& text) {
 
 TEST(BadInput, EveryEditIsRefused) {
   Folder const folder;
-  std::string const good = text_of(virgo_arm);
+  std::string const good = text_of(written_arm);
   for (Case const& c : cases) {
     std::string const text = edited(good, c.from, c.to);
     Finished const r = refused_run(folder, text);
@@ -154,7 +154,7 @@ TEST(BadInput, EveryEditIsRefused) {
 // The same check on the unedited file, and on a wrong expectation.
 TEST(BadInput, TheCheckCanFail) {
   Folder const folder;
-  std::string const good = text_of(virgo_arm);
+  std::string const good = text_of(written_arm);
   Case c = cases.front();
   Finished const accepted = refused_run(folder, good);
   EXPECT_EQ(accepted.code, 0) << accepted.err;
@@ -167,7 +167,7 @@ TEST(BadInput, TheCheckCanFail) {
 }
 
 TEST(BadInput, AllErrorsAtOnceInOrderAndOnce) {
-  std::string text = text_of(virgo_arm);
+  std::string text = text_of(written_arm);
   text = edited(text, "half_angle: 35 deg", "half_angle: 35");  // in a part that is placed 70 times
   text = edited(text, "material: baffle_steel", "material: bafle_steel");
   text = edited(text, "compare: [adv-lal]", "compare: [adv-lol]");
@@ -185,7 +185,7 @@ TEST(BadInput, AllErrorsAtOnceInOrderAndOnce) {
 }
 
 TEST(BadInput, ProblemsAsJson) {
-  std::string text = edited(text_of(virgo_arm), "half_angle: 35 deg", "half_angle: 35");
+  std::string text = edited(text_of(written_arm), "half_angle: 35 deg", "half_angle: 35");
   text = edited(text, "compare: [adv-lal]", "compare: [adv-lol]");
   Folder const folder;
   write_text(folder / "arm.yaml", text);
@@ -238,7 +238,7 @@ TEST(BadInput, EarlierResultsAreUntouched) {
   Folder const folder;
   fs::create_directory(folder / "out");
   write_text(folder / "out/run.h5", "precious");
-  Finished const r = refused_run(folder, edited(text_of(virgo_arm), "half_angle: 35 deg", "half_angle: 35"));
+  Finished const r = refused_run(folder, edited(text_of(written_arm), "half_angle: 35 deg", "half_angle: 35"));
   EXPECT_EQ(r.code, 2);
   EXPECT_EQ(text_of(folder / "out/run.h5"), "precious");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "out"), {}), 1);

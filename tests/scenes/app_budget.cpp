@@ -86,7 +86,7 @@ TEST(Budget, RunBesideADetector) {
 // frequencies the numbers that `noise` gives.
 TEST(Budget, BandsOfStrayLight) {
   Folder const folder;
-  write_text(folder / "a.yaml", edited(text_of(virgo_arm), "tis: 4 ppm}\n    source: \"Virgo",
+  write_text(folder / "a.yaml", edited(text_of(written_arm), "tis: 4 ppm}\n    source: \"Virgo",
                                        "tis: 4 ppm, uncertainty: factor 1.5}\n    source: \"Virgo"));
   ASSERT_EQ(straytrace({"run", folder / "a.yaml", "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
   std::string const run = folder / "run/run.h5";

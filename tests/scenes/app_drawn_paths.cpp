@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 // The Virgo arm with a slow line along the tube and a strong tone across: paths differ in the strength of the tone by
 // decades, and fringes fall by decades within a bin.
 std::string swaying_arm() {
-  std::string text = text_of(virgo_arm);
+  std::string text = text_of(written_arm);
   std::size_t const from = text.find("      z:\n"), to = text.find("  towers: {motion");
   EXPECT_TRUE(from < to && to != text.npos);
   return text

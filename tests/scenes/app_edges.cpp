@@ -11,7 +11,7 @@ std::string const et_edges = source_folder + "/examples/et_hf_edges.yaml";
 
 TEST(EdgesCommand, RowsOfTheirOwnKind) {
   Folder const folder;
-  Finished const run = straytrace({"run", et_edges, "-o", folder / "out", "-p", "baffles_per_half=3", "-p",
+  Finished const run = straytrace({"run", et_edges, "-o", folder / "out", "-p", "first_baffle=4000m", "-p",
                                    "miscentring=1mm", "--histories", "4e4", "--quiet"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("ITM·S > baffles_in·E > ETM·S"));

@@ -44,7 +44,8 @@ TEST(Files, OfARun) {
   ASSERT_EQ(r.code, 0) << r.err;
   Words names;
   for (auto const& entry : fs::directory_iterator(folder / "out")) names.push_back(entry.path().filename());
-  EXPECT_THAT(names, ::testing::UnorderedElementsAre("run.h5", "h_asd.txt", "paths.csv", "report.txt", "report.png"));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("run.h5", "h_asd.txt", "paths.csv", "report.txt", "report.png",
+                                                     "report.html"));
   EXPECT_TRUE(is_picture(text_of(folder / "out/report.png")));
   EXPECT_FALSE(is_picture(text_of(folder / "out/report.txt")));
   for (std::string const& name : names)

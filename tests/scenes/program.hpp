@@ -23,6 +23,8 @@ using Words = std::vector<std::string>;
 
 inline std::string const source_folder = STRAY_SOURCE_DIR;
 inline std::string const virgo_arm = source_folder + "/examples/virgo_arm.yaml";
+// The same arm without the library, written out: for tests that change its text.
+inline std::string const written_arm = source_folder + "/tests/scenes/virgo_arm.yaml";
 inline std::string const storm = source_folder + "/examples/storm.yaml";
 inline std::string const et_hf = source_folder + "/tests/scenes/et_hf_backscatter.yaml";
 

@@ -99,8 +99,8 @@ TEST(mesh_entry, demands_a_unit_and_says_what_it_would_mean) {
 
 TEST(mesh_entry, complains_about_choices_that_do_not_fit) {
   EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {\"dump*\": black_glass}").errors,
-              HasSubstr("2 of 3 parts of 'cad/cube.obj' have no material, the first is 'wall'"));
-  EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {dumb_1: steel, default: steel}").warnings,
+              HasSubstr("parts of 'cad/cube.obj' have no material: 'wall'"));
+  EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {dumb_1: steel, default: steel}").errors,
               HasSubstr("did you mean 'dump_1'?"));
   EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {default: stel}").errors,
               HasSubstr("did you mean 'steel'?"));
@@ -112,7 +112,35 @@ TEST(mesh_entry, complains_about_choices_that_do_not_fit) {
   EXPECT_THAT(built("shape: {mesh: {}}, material: steel").errors, HasSubstr("a mesh is read from a file"));
 }
 
-// Nothing is read from a material library, but a file that names one in vain may not be whole.
+TEST(mesh_entry, rules_see_colours) {
+  std::string cube = cube_obj.substr(cube_obj.find('\n') + 1);
+  FileTexts const obj{{"a.obj", "mtllib a.mtl\n" + cube}, {"a.mtl", "newmtl black\nKd 0 0.2 1\nnewmtl alu\n"}};
+  std::string const entry = "file: a.obj, units: mm, surfaces: {\"color #0033ff\": black_glass, default: steel}";
+  Built const b = built(entry, obj);
+  EXPECT_EQ(b.errors, "");
+  EXPECT_NE(b.world.surfaces()[1].front, b.world.surfaces()[2].front);
+  EXPECT_THAT(built(entry).errors, HasSubstr("cannot read file"));  // twin: another file
+  std::string const ply =
+      "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n0 0 1 0 0 255\n1 0 1 0 0 255\n0 1 1 0 0 255\n"
+      "3 0 1 2\n3 3 4 5\n";
+  Built const p =
+      built("file: a.ply, units: mm, surfaces: {\"color #0000ff\": steel, default: aluminium}", {{"a.ply", ply}});
+  EXPECT_EQ(p.errors, "");
+  ASSERT_EQ(p.world.surfaces().size(), 3u);
+  EXPECT_NE(p.world.surfaces()[1].front, p.world.surfaces()[2].front);
+  std::string coloured = gltf_with("a.bin");
+  coloured.replace(coloured.find("{\"name\":\"glass\"}"), 16,
+                   "{\"name\":\"glass\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0.2158605,1]}}");
+  EXPECT_EQ(built("file: a.gltf, units: from_file, surfaces: {\"color #ff0080\": steel}",
+                  {{"a.gltf", coloured}, {"a.bin", triangle_buffer()}})
+                .errors,
+            "");
+}
+
+// Of a material library only colours are read, but a file that names one in vain may not be whole.
 TEST(mesh_entry, material_libraries_that_are_not_there_are_told) {
   std::string const cube = cube_obj.substr(cube_obj.find('\n') + 1);
   auto const warnings = [&](std::string const& line, FileTexts files = {}) {

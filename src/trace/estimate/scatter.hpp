@@ -39,6 +39,15 @@ STRAY_HD double reached_density(WorldView const& world, PathState const& path, V
   return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / double(world.emitters.size);
 }
 
+// Phase of the interface, in turns (physics.md 0.3): a stated power reflects with a quarter, so that a splitter without
+// loss is unitary and the two ports of an interferometer are each other's complement.
+STRAY_HD double interface_turns(WorldView const& world, Vertex const& vertex, bool through) {
+  Amplitudes const a =
+      specular_amplitudes(world.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
+  Complex const field = through ? a.ts : a.rs;
+  return std::atan2(field.im, field.re) / (2 * pi);
+}
+
 // A specular lobe: its direction, and the state of polarisation after it.
 STRAY_HD void leave_specular(WorldView const& world, PathState& path, Vertex const& vertex, bool through) {
   Vec3 const travel = path.ray.dir;
@@ -55,6 +64,7 @@ STRAY_HD void leave_specular(WorldView const& world, PathState& path, Vertex con
                                  : reflected(path.polarisation, travel, vertex.frame.e3, a))
                             .state;
   }
+  if (path.coherent) path.turned += interface_turns(world, vertex, through);
   path.ray.dir = out;
   path.hop.left_by = through ? Event::transmit : Event::reflect;
 }

@@ -40,6 +40,7 @@ struct PathState {
   double left_pdf = 0;     // 1/sr over the cosine and n^2, with which it was left
   bool coherent = false;   // a free beam that has met specular surfaces only
   double path_length = 0;  // optical, sum of n d since the source, m
+  double turned = 0;       // by interfaces, of the phase of coherent light (s polarised), in turns
   MediaStack media;        // filled volumes the ray runs in
   Polarisation polarisation;
   std::uint64_t route = 0;   // rolling hash of (group, event) of all vertices left so far

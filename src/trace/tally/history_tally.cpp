@@ -91,7 +91,7 @@ void HistoryTally::add_to_maps(PathState const& path, std::uint32_t receiver, Ve
   if (r.quadrants) cells.quadrant = r.quadrant(y.point);
   if (path.coherent && by_itself && cells.pixel != Receiver::outside) {
     double const length = path.path_length + (r.clear ? y.leg : 0);  // a plane is met before the leg is over
-    double const turns = length / world_->wavelength;
+    double const turns = length / world_->wavelength + path.turned;
     SinCos const phase = sincos_turn(turns - std::floor(turns));
     cells.coherent = true;
     cells.real = power * phase.cos;

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Curves and bands as SVG with D3: drag to zoom, double click to see all, click a name to switch it off.
+"use strict";
+
+const plotSize = {width: 1100, height: 520, left: 84, right: 18, top: 14, bottom: 52};
+
+// series: {name, x, y, kind: "line" | "points", colour, width, dash} or {name, x, low, high, kind: "band", colour}
+// shades: {from, to, name} along x. x, y: {label, log}.
+class Plot {
+  constructor(parent, {x, y, series, shades = [], height}) {
+    this.series = series;
+    this.size = Object.assign({}, plotSize, height ? {height} : {});
+    this.axes = {x, y};
+    this.off = new Set(series.filter(s => s.off).map(s => s.name));
+    this.shades = shades;
+    const {width, height: tall, left, right, top, bottom} = this.size;
+    this.full = {x: this.extent("x"), y: this.extent("y")};
+    this.scale = {x: this.scaleOf("x").range([left, width - right]), y: this.scaleOf("y").range([tall - bottom, top])};
+    this.svg = d3.select(parent).append("svg").attr("class", "plot").attr("viewBox", [0, 0, width, tall].join(" "));
+    this.clip = "clip" + Plot.count++;
+    this.svg.append("clipPath").attr("id", this.clip).append("rect").attr("x", left).attr("y", top)
+        .attr("width", width - left - right).attr("height", tall - top - bottom);
+    for (const name of ["grid", "marks", "axis"]) this[name + "Group"] = this.svg.append("g").attr("class", name);
+    this.marksGroup.attr("clip-path", "url(#" + this.clip + ")");
+    this.cursor = this.svg.append("line").attr("stroke", "#999").attr("y1", top).attr("y2", tall - bottom).style("display", "none");
+    this.brush = d3.brush().extent([[left, top], [width - right, tall - bottom]]).on("end", () => this.zoom());
+    this.brushGroup = this.svg.append("g").call(this.brush);
+    this.brushGroup.on("mousemove", () => this.read(d3.mouse(this.svg.node())[0])).on("mouseleave", () => this.read(null))
+        .on("dblclick", () => this.show(this.full.x, this.full.y));
+    this.legend = el("div", {class: "legend"});
+    parent.append(this.legend);
+    this.drawLegend();
+    this.draw();
+  }
+  extent(axis) {
+    if (this.axes[axis].range) return this.axes[axis].range;
+    const all = [], log = this.axes[axis].log;
+    for (const s of this.series) {
+      if (s.aside || s.kind === "band" && axis === "y") continue;
+      for (const v of s[axis]) if (v !== null && (!log || v > 0)) all.push(v);
+    }
+    let [low, high] = d3.extent(all);
+    if (low === undefined) [low, high] = [log ? 0.1 : 0, 1];
+    if (!log) return axis === "y" ? [Math.min(low, 0), high + 0.05 * (high - low || 1)] : [low, high];
+    if (axis === "x") return low < high ? [low, high] : [low / 2, high * 2];
+    return [Math.max(low / 2, high * 1e-9), high * 3];
+  }
+  scaleOf(axis) { return (this.axes[axis].log ? d3.scaleLog() : d3.scaleLinear()).domain(this.full[axis]); }
+  show(x, y) {
+    this.scale.x.domain(x);
+    this.scale.y.domain(y);
+    this.draw();
+  }
+  zoom() {
+    const box = d3.event.selection;
+    if (!box) return;
+    this.brushGroup.call(this.brush.move, null);
+    const [[x0, y0], [x1, y1]] = box;
+    if (x1 - x0 > 8 && y1 - y0 > 8)
+      this.show([this.scale.x.invert(x0), this.scale.x.invert(x1)], [this.scale.y.invert(y1), this.scale.y.invert(y0)]);
+  }
+  // Decades get labels, and 2 and 5 where there is room.
+  ticks(axis) {
+    const scale = this.scale[axis];
+    if (!this.axes[axis].log) return {values: scale.ticks(axis === "x" ? 9 : 7), label: v => digits(v, 4)};
+    const [low, high] = scale.domain(), decades = Math.log10(high / low), all = [];
+    const every = axis === "y" ? Math.ceil(decades / 10) : Math.ceil(decades / 12);
+    for (let p = Math.floor(Math.log10(low)); p <= Math.ceil(Math.log10(high)); ++p)
+      for (const m of decades < 3 ? [1, 2, 5] : [1]) {
+        const v = m * Math.pow(10, p);
+        if (v >= low * 0.999999 && v <= high * 1.000001 && p % every === 0) all.push(v);
+      }
+    const plain = v => Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? powerOfTen(v) : digits(v, 2);
+    return {values: all, label: plain};
+  }
+  drawAxes() {
+    const {width, height, left, right, top, bottom} = this.size;
+    this.axisGroup.selectAll("*").remove();
+    this.gridGroup.selectAll("*").remove();
+    const tx = this.ticks("x"), ty = this.ticks("y");
+    const add = (axis, place, length, t) => {
+      this.gridGroup.append("g").attr("transform", place)
+          .call(axis.tickValues(t.values).tickSize(length).tickFormat("")).select(".domain").remove();
+      this.axisGroup.append("g").attr("transform", place).call(axis.tickSize(5).tickFormat(t.label));
+    };
+    add(d3.axisBottom(this.scale.x), "translate(0," + (height - bottom) + ")", top + bottom - height, tx);
+    add(d3.axisLeft(this.scale.y), "translate(" + left + ",0)", left + right - width, ty);
+    const label = this.axisGroup.append("text").attr("text-anchor", "middle").attr("font-size", 14);
+    label.attr("x", (left + width - right) / 2).attr("y", height - 10).text(this.axes.x.label);
+    this.axisGroup.append("text").attr("text-anchor", "middle")
+        .attr("transform", "translate(20," + (top + height - bottom) / 2 + ") rotate(-90)").text(this.axes.y.label);
+  }
+  good(v, axis) { return v !== null && v !== undefined && (!this.axes[axis].log || v > 0); }
+  draw() {
+    this.drawAxes();
+    const g = this.marksGroup, {x, y} = this.scale;
+    g.selectAll("*").remove();
+    for (const s of this.shades) {
+      const [a, b] = [x(Math.max(s.from, x.domain()[0])), x(Math.min(s.to, x.domain()[1]))];
+      if (b > a) g.append("rect").attr("x", a).attr("width", b - a).attr("y", 0).attr("height", this.size.height)
+          .attr("fill", "#e2e2e2").append("title").text(s.name);
+    }
+    for (const s of this.series) {
+      if (this.off.has(s.name)) continue;
+      if (s.kind === "band") this.drawBand(g, s);
+      else if (s.kind === "points") this.drawPoints(g, s);
+      else
+        g.append("path").attr("fill", "none").attr("stroke", s.colour).attr("stroke-width", s.width || 1.6)
+            .attr("stroke-dasharray", s.dash || null)
+            .attr("d", d3.line().defined((_, i) => this.good(s.y[i], "y") && this.good(s.x[i], "x"))
+                .x((_, i) => x(s.x[i])).y((_, i) => y(s.y[i]))(s.x));
+    }
+  }
+  drawBand(g, s) {
+    const {x, y} = this.scale, floor = y.domain()[0] / 10;
+    const at = v => y(this.axes.y.log ? Math.max(v, floor) : v);
+    g.append("path").attr("fill", s.colour).attr("opacity", s.opacity || 0.25)
+        .attr("d", d3.area().defined((_, i) => this.good(s.high[i], "y") && s.low[i] !== null)
+            .x((_, i) => x(s.x[i])).y0((_, i) => at(s.low[i])).y1((_, i) => at(s.high[i]))(s.x));
+  }
+  drawPoints(g, s) {
+    for (let i = 0; i < s.x.length; ++i) {
+      if (!this.good(s.y[i], "y") || !this.good(s.x[i], "x")) continue;
+      g.append("circle").attr("cx", this.scale.x(s.x[i])).attr("cy", this.scale.y(s.y[i])).attr("r", s.width || 3.4)
+          .attr("fill", s.hollow ? "#fff" : s.colour).attr("stroke", s.colour);
+    }
+  }
+  drawLegend() {
+    this.legend.replaceChildren(...this.series.map(s => {
+      const sign = d3.create("svg").attr("width", 26).attr("height", 12);
+      if (s.kind === "band") sign.append("rect").attr("width", 26).attr("height", 12).attr("fill", s.colour)
+          .attr("opacity", s.opacity || 0.25);
+      else if (s.kind === "points") sign.append("circle").attr("cx", 13).attr("cy", 6).attr("r", 4).attr("fill", s.colour);
+      else sign.append("line").attr("x2", 26).attr("y1", 6).attr("y2", 6).attr("stroke", s.colour)
+          .attr("stroke-width", s.width || 1.6).attr("stroke-dasharray", s.dash || null);
+      s.reading = el("b");
+      const entry = el("span", {class: this.off.has(s.name) ? "off" : null, title: s.name,
+                                on: {click: () => this.toggle(s)}}, sign.node(), s.name, s.reading);
+      return entry;
+    }));
+  }
+  toggle(s) {
+    if (!this.off.delete(s.name)) this.off.add(s.name);
+    this.drawLegend();
+    this.draw();
+  }
+  // What the curves say below the pointer.
+  read(px) {
+    const {left, right, width} = this.size, inside = px !== null && px >= left && px <= width - right;
+    this.cursor.attr("x1", px).attr("x2", px).style("display", inside ? "" : "none");
+    const at = inside ? this.scale.x.invert(px) : null;
+    for (const s of this.series) {
+      if (!inside || s.kind) { s.reading.textContent = ""; continue; }
+      const i = Math.min(d3.bisectLeft(s.x, at), s.x.length - 1);
+      s.reading.textContent = this.good(s.y[i], "y") ? digits(s.y[i]) : "";
+    }
+  }
+}
+Plot.count = 0;
+
+// values by rows from the lowest; null: nothing known. `pale(i)`: too few to be trusted.
+function heatMap(parent, {columns, rows, x, y, values, unit, xLabel, yLabel, pale = () => false, tell}) {
+  const known = values.filter(v => v > 0), [least, most] = d3.extent(known);
+  const floor = Math.max(least || 1, (most || 1) * 1e-4);
+  const colour = v => d3.interpolateViridis(most > floor ? Math.max(0, Math.log(v / floor) / Math.log(most / floor)) : 1);
+  const canvas = el("canvas", {width: columns, height: rows}), context = canvas.getContext("2d");
+  values.forEach((v, i) => {
+    if (!(v > 0)) return;
+    context.globalAlpha = pale(i) ? 0.45 : 1;
+    context.fillStyle = colour(v);
+    context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
+  });
+  const width = 460, left = 66, top = 12, side = 300, tall = side;
+  const svg = d3.select(parent).append("svg").attr("class", "plot").attr("viewBox", "0 0 " + width + " " + (tall + 66));
+  const sx = d3.scaleLinear().domain(x).range([left, left + side]), sy = d3.scaleLinear().domain(y).range([top + tall, top]);
+  svg.append("rect").attr("x", left).attr("y", top).attr("width", side).attr("height", tall).attr("fill", "#f0f0f0");
+  svg.append("image").attr("x", left).attr("y", top).attr("width", side).attr("height", tall)
+      .attr("preserveAspectRatio", "none").attr("style", "image-rendering: pixelated").attr("href", canvas.toDataURL())
+      .on("mousemove", function () {
+        const [px, py] = d3.mouse(svg.node());
+        const i = Math.floor((py - top) / tall * rows), k = Math.floor((px - left) / side * columns);
+        tell((rows - 1 - i) * columns + k);
+      }).on("mouseleave", () => tell(null));
+  const axis = svg.append("g").attr("class", "axis");
+  axis.append("g").attr("transform", "translate(0," + (top + tall) + ")").call(d3.axisBottom(sx).ticks(5));
+  axis.append("g").attr("transform", "translate(" + left + ",0)").call(d3.axisLeft(sy).ticks(6));
+  axis.append("text").attr("x", left + side / 2).attr("y", top + tall + 40).attr("text-anchor", "middle").text(xLabel);
+  axis.append("text").attr("transform", "translate(14," + (top + tall / 2) + ") rotate(-90)")
+      .attr("text-anchor", "middle").text(yLabel);
+  const bar = svg.append("g"), steps = 40;
+  for (let i = 0; i < steps && most > 0; ++i)
+    bar.append("rect").attr("x", left + side + 14).attr("width", 12).attr("height", tall / steps + 0.5)
+        .attr("y", top + tall - (i + 1) * tall / steps).attr("fill", d3.interpolateViridis((i + 0.5) / steps));
+  if (most > 0)
+    axis.append("g").attr("transform", "translate(" + (left + side + 26) + ",0)")
+        .call(d3.axisRight(d3.scaleLog().domain([floor, Math.max(most, floor * 1.01)]).range([top + tall, top]))
+            .ticks(4, v => digits(v, 1)));
+  axis.append("text").attr("x", left + side + 14).attr("y", tall + 58).attr("text-anchor", "middle").text("[" + unit + "]");
+}

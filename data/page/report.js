@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The report of a run: puts its parts in order.
+"use strict";
+
+function budgetSeries(b) {
+  const x = b.frequency, line = (name, y, more) => ({name, x, y, ...more});
+  const series = [];
+  if (b.speckle_05.length > 0)
+    series.push({name: "speckle, 5 to 95 %", kind: "band", colour: "#56B4E9", opacity: 0.35, x, low: b.speckle_05, high: b.speckle_95});
+  if (b.input_low.length > 0)
+    series.push({name: data.inputs.sources.length > 0 ? "inputs" : "inputs: nothing stated", kind: "band", colour: "#E69F00", opacity: 0.4, x, low: b.input_low, high: b.input_high});
+  series.push({name: "Monte Carlo, ± 1σ", kind: "band", colour: "#000", opacity: 0.35, x,
+               low: b.total.asd.map((v, i) => v === null ? null : Math.max(v - b.total.sigma[i], 0)),
+               high: b.total.asd.map((v, i) => v === null ? null : v + b.total.sigma[i])});
+  b.routes.forEach((r, i) => series.push(line(r.name, r.asd, {colour: colours[i % colours.length], width: 1.2, aside: true})));
+  const dashes = [null, "9 4", "3 3"];
+  b.design.forEach((d, i) => {
+    series.push(line(d.name, d.asd, {colour: "#6b6b6b", width: 2.2, dash: dashes[i % 3]}));
+    series.push(line("margin: " + digits(b.margin) + " × " + d.name, d.asd.map(v => v === null ? null : v * b.margin),
+                     {colour: "#6b6b6b", width: 1.4, dash: "2 3"}));
+  });
+  if (b.coherent.length > 0) series.push(line("all routes in phase: upper bound", b.coherent, {colour: "#999", width: 1, dash: "1 3", off: true, aside: true}));
+  series.push(line("stray light, total" + (b.unresolved.length > 0 ? " (lower bound)" : ""), b.total.asd, {colour: "#000", width: 2.6}));
+  return series;
+}
+
+function addBudget(b) {
+  const part = section("Noise budget", "budget"), box = el("figure");
+  part.append(box);
+  new Plot(box, {x: {label: "frequency [Hz]", log: true}, y: {label: "strain, one-sided ASD [1/√Hz]", log: true}, series: budgetSeries(b)});
+  const p = data.provenance;
+  box.append(el("figcaption", {}, p.program + " " + p.version + " (" + p.commit + "), model " + p.model.slice(0, 12) + ", seed " + p.seed + ", " +
+      p.histories.toLocaleString("en") + " histories, " + p.created + ". Mean over static phases. Drag to zoom, double click to see all, click a name to hide it."));
+  if (b.unresolved.length > 0)
+    part.append(el("p", {}, el("span", {class: "mark"}, "Lower bound"), " these routes are unresolved and not included:"), el("ul", {}, b.unresolved.map(u => el("li", {}, u))));
+  const rows = () => ["frequency [Hz]", ...["mean", "sigma", "input_low", "input_high", "speckle_05", "speckle_50", "speckle_95"], ...b.design.map(d => d.name)];
+  part.append(el("div", {class: "bar"}, el("button", {on: {click: () => {
+    const columns = [b.frequency, b.total.asd, b.total.sigma, b.input_low, b.input_high, b.speckle_05, b.speckle_50, b.speckle_95, ...b.design.map(d => d.asd)];
+    const lines = b.frequency.map((_, i) => columns.map(c => csvCell(c[i])).join(","));
+    offer("budget.csv", rows().map(csvCell).join(",") + "\n" + lines.join("\n") + "\n");
+  }}}, "CSV of these curves")));
+}
+
+function addRoutes() {
+  const part = section("Routes", "routes");
+  part.append(el("p", {class: "note"}, "Click a row to see its paths in the scene; with Ctrl several. Click a title to sort."));
+  const details = el("div");
+  let light = null;
+  const table = new PathTable(part, data.table, ids => {
+    details.replaceChildren();
+    if (light) {
+      const drawn = light.showPaths(ids);
+      light.stage.say(ids.length === 0 ? "" : drawn + " paths of " + ids.length + (ids.length > 1 ? " routes" : " route"));
+    }
+    if (data.scene) for (const id of ids) details.append(pathDetails(data.scene, id));
+  });
+  part.append(details);
+  return {table, attach: made => { light = made; }};
+}
+
+function build() {
+  if (data.warnings.length > 0) {
+    const note = el("p", {class: "headline"}, el("a", {href: "#warnings"}, data.warnings.length + (data.warnings.length > 1 ? " warnings" : " warning")));
+    document.getElementById("page").append(note);
+  }
+  if (data.budget) addBudget(data.budget);
+  let routes = null;
+  if (data.table.rows > 0) routes = addRoutes();
+  if (data.scene) {
+    const part = section("Scene", "scene");
+    part.append(el("p", {class: "note"}, "Turn with the left button, move with the right one, zoom with the wheel. Click a part for its name, " +
+        "material and body. Light is drawn to where it truly ends."));
+    const stage = new Stage(part, data.scene);
+    window.stage = stage;
+    const light = new Light(stage);
+    if (routes) {
+      routes.attach(light);
+      const first = routes.table.columns.get("id")[0];
+      if (data.scene.paths.some(p => p.id === first)) routes.table.choose(first);
+    }
+  }
+  if (data.maps && data.maps.length > 0) addMaps(data.maps);
+  if (data.receivers.list.length > 0) addReceivers(data.receivers);
+  if (data.ghosts) addGhosts(data.ghosts);
+  addFirstOrder(data.first_order);
+  if (data.materials) addMaterials(data.materials);
+  addAssumptions(data.assumptions, data.inputs, data.materials);
+  addLedger(data.ledger);
+  if (data.convergence) addConvergence(data.convergence);
+  const warnings = section("Warnings", "warnings");
+  warnings.append(data.warnings.length === 0 ? el("p", {}, "none") : el("ul", {}, data.warnings.map(w => el("li", {}, w))));
+  addProvenance(data.provenance, data.libraries);
+  document.body.dataset.ready = "yes";
+}
+
+build();

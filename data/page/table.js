@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The path table. Only the rows in sight are elements of the page, so 1e5 rows scroll like ten.
+"use strict";
+
+const rowHeight = 24, spareRows = 6;
+const shownAtFirst = ["rank", "sequence", "port", "share", "h10", "h30", "h100", "coupling", "body", "regime", "opl"];
+const wideColumns = {sequence: 340, verdict: 320, id: 150, body: 110, port: 80, first: 160, last: 160};
+
+class PathTable {
+  // `chosen(ids)`: hears of the rows that were clicked.
+  constructor(parent, table, chosen) {
+    this.table = table;
+    this.columns = new Map(table.columns.map(c => [c.key, c.values]));
+    this.about = new Map(table.columns.map(c => [c.key, c]));
+    this.shown = shownAtFirst.filter(key => this.about.has(key));
+    if (!this.about.has("h10") && !this.columns.has("h30")) this.shown.push("lever");
+    this.sortKey = "rank";
+    this.falling = false;
+    this.chosen = new Set();
+    this.tell = chosen;
+    this.order = Array.from({length: table.rows}, (_, i) => i);
+    this.build(parent);
+    this.refresh();
+  }
+  build(parent) {
+    this.input = el("input", {class: "filter", type: "search", "aria-label": "filter",
+                              placeholder: 'words, or  via("baffle*") and scatters == 2 and h(30 Hz) > 1e-26',
+                              on: {input: () => this.refresh()}});
+    this.said = el("span", {class: "note"});
+    const save = el("button", {on: {click: () => offer("paths.csv", this.csv())}}, "CSV of these rows");
+    this.box = el("div", {class: "routes", tabindex: "0", on: {scroll: () => this.draw()}});
+    this.head = el("div", {class: "head"});
+    this.space = el("div");
+    this.body = el("div", {style: "position:absolute"});
+    this.box.append(this.head, this.space, this.body);
+    parent.append(el("div", {class: "bar"}, this.input, save), this.said, this.box, this.choices());
+    window.addEventListener("resize", () => this.draw());
+    window.addEventListener("beforeprint", () => { this.box.scrollTop = 0; this.draw(40); });
+  }
+  choices() {
+    const list = el("div", {class: "choices"});
+    for (const [key, column] of this.about) {
+      const box = el("input", {type: "checkbox", on: {change: () => this.toggle(key)}});
+      box.checked = this.shown.includes(key);
+      list.append(el("label", {title: column.help}, box, " ", column.title, column.unit ? " [" + column.unit + "]" : ""));
+    }
+    return el("details", {class: "options"}, el("summary", {}, "Columns"), list,
+              el("p", {class: "note"}, "The filter knows: " + Predicate.names + "; and, or, not, brackets."));
+  }
+  toggle(key) {
+    this.shown = [...this.about.keys()].filter(k => (k === key) !== this.shown.includes(k));
+    this.refresh();
+  }
+  sortBy(key) {
+    this.falling = this.sortKey === key ? !this.falling : typeof this.columns.get(key)[0] === "number" && key !== "rank";
+    this.sortKey = key;
+    this.refresh();
+  }
+  refresh() {
+    let test = () => true;
+    this.said.classList.remove("bad");
+    this.input.removeAttribute("aria-invalid");
+    try {
+      test = rowTest(this.input.value, this.columns);
+    } catch (error) {
+      this.said.classList.add("bad");
+      this.input.setAttribute("aria-invalid", "true");
+      this.said.textContent = error.message;
+      return;
+    }
+    const values = this.columns.get(this.sortKey), sign = this.falling ? -1 : 1, order = [];
+    for (let i = 0; i < this.table.rows; ++i) if (test(i)) order.push(i);
+    const text = typeof values.find(v => v !== null) === "string";
+    order.sort((a, b) => {
+      const x = values[a], y = values[b];
+      if (x === null || y === null) return (x === null) - (y === null) || a - b;  // unresolved ones last
+      return sign * (text ? (x < y ? -1 : x > y ? 1 : 0) : x - y) || a - b;
+    });
+    this.order = order;
+    const share = this.columns.get("share");
+    const sum = order.reduce((s, i) => s + (share[i] || 0), 0);
+    this.said.textContent = order.length + " of " + this.table.rows + " rows" +
+        (share.some(x => x !== null) ? ", " + digits(sum, 4) + " % of the resolved noise power between " +
+         digits(this.table.band[0]) + " and " + digits(this.table.band[1]) + " Hz" : "");
+    this.drawHead();
+    this.space.style.height = order.length * rowHeight + "px";
+    this.draw();
+  }
+  width(key) { return wideColumns[key] || 108; }
+  isText(key) { return typeof this.columns.get(key).find(v => v !== null) === "string"; }
+  drawHead() {
+    this.head.replaceChildren(...this.shown.map(key => {
+      const c = this.about.get(key), mark = key === this.sortKey ? (this.falling ? " ▼" : " ▲") : "";
+      return el("span", {style: "width:" + this.width(key) + "px", class: this.isText(key) ? "text" : null, title: c.help,
+                         "data-key": key, on: {click: () => this.sortBy(key)}}, c.title + mark,
+                el("small", {}, c.unit ? "[" + c.unit + "]" : "\u00a0"));
+    }));
+  }
+  cell(key, i) {
+    const values = this.columns.get(key), errors = this.columns.get(key + "_sigma");
+    if (errors) return withError(values[i], errors[i]);
+    const x = values[i];
+    return typeof x === "number" ? (Number.isInteger(x) ? String(x) : digits(x, 4)) : x === null ? "–" : x;
+  }
+  draw(rows) {
+    const first = Math.max(0, Math.floor(this.box.scrollTop / rowHeight) - spareRows);
+    const count = rows || Math.ceil(this.box.clientHeight / rowHeight) + 2 * spareRows;
+    this.body.style.top = this.head.offsetHeight + first * rowHeight + "px";
+    this.body.replaceChildren(...this.order.slice(first, first + count).map(i => this.row(i)));
+    if (rows) this.space.style.height = Math.min(rows, this.order.length) * rowHeight + "px";
+  }
+  row(i) {
+    const id = this.columns.get("id")[i], bad = this.columns.get("verdict")[i] !== "resolved";
+    return el("div", {class: "row" + (this.chosen.has(id) ? " chosen" : "") + (bad ? " faint" : ""), "data-id": id,
+                      title: bad ? this.columns.get("verdict")[i] : null,
+                      on: {click: event => this.choose(id, event.ctrlKey || event.shiftKey || event.metaKey)}},
+              this.shown.map(key => el("span", {style: "width:" + this.width(key) + "px",
+                                                class: this.isText(key) ? "text" : null}, this.cell(key, i))));
+  }
+  choose(id, more) {
+    const had = this.chosen.has(id);
+    if (!more) this.chosen.clear();
+    if (had) this.chosen.delete(id); else this.chosen.add(id);
+    this.draw();
+    this.tell([...this.chosen]);
+  }
+  csv() {
+    const keys = [...this.about.keys()];
+    const title = key => this.about.get(key).unit ? key + " [" + this.about.get(key).unit + "]" : key;
+    const lines = [keys.map(key => csvCell(title(key))).join(",")];
+    for (const i of this.order) lines.push(keys.map(key => csvCell(this.columns.get(key)[i])).join(","));
+    return lines.join("\n") + "\n";
+  }
+}

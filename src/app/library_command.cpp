@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace library: the materials, parts and detectors that come with the program.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <iostream>
+
+#include "app/common_options.hpp"
+#include "app/library_list.hpp"
+#include "base/embedded.hpp"
+#include "report/columns.hpp"
+#include "report/report.hpp"
+#include "scene/library.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Wanted {
+  std::string name, kind, copy;
+};
+
+nlohmann::ordered_json json_of(LibraryEntry const& e) {
+  return {
+      {"kind", e.kind},     {"name", e.name},     {"include", e.file}, {"value", e.value}, {"wavelength", e.wavelength},
+      {"status", e.status}, {"source", e.source}, {"note", e.note},    {"text", e.text}};
+}
+
+std::string shortened_to(std::string const& text, std::size_t most) {
+  if (width_of(text) <= most) return text;
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end) + "...";
+}
+
+void print_list(std::vector<LibraryEntry> const& all) {
+  std::string kind;
+  Columns table;
+  auto const flush = [&] {
+    if (!table.rows.empty()) std::cout << aligned(table) << '\n';
+  };
+  for (LibraryEntry const& e : all) {
+    if (e.kind != kind) {
+      flush();
+      kind = e.kind;
+      table = {{kind, "value: low / mid / high", "wavelength", "status",
+                kind == "detector" || kind == "arm" ? "" : "source"},
+               {true, true, true, true, true},
+               {}};
+    }
+    std::string const said = e.source.empty() || kind == "part" ? e.note : e.source;
+    table.rows.push_back(
+        {e.name, shortened_to(e.value, 58), shortened_to(e.wavelength, 14), e.status, shortened_to(said, 60)});
+  }
+  flush();
+  std::cout << "straytrace library NAME prints one whole, --format json all; include: [library/materials.yaml],\n"
+               "[library/parts.yaml] or a detector in a scene. Media and the parts of every scene need no include.\n";
+}
+
+void print_one(LibraryEntry const& e) {
+  if (!e.file.empty()) std::cout << fmt::format("# include: [{}]\n", e.file);
+  std::cout << e.text;
+}
+
+LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const& name) {
+  std::vector<std::string> names;
+  for (LibraryEntry const& e : all) {
+    if (e.name == name) return e;
+    names.push_back(e.name);
+  }
+  std::string const near = nearest_word(name, names);
+  throw InputError(
+      fmt::format("error: the library holds no '{}'\n  {}", name,
+                  near.empty() ? "straytrace library lists what is there" : fmt::format("did you mean '{}'?", near)));
+}
+
+// All files or none: a file that is there is not touched without --force.
+void copy(Wanted const& wanted, std::vector<LibraryEntry> const& all, bool force) {
+  namespace fs = std::filesystem;
+  std::string const only = wanted.name.empty() ? "" : find(all, wanted.name).file;
+  if (!wanted.name.empty() && only.empty())
+    throw InputError(
+        fmt::format("error: '{}' needs no include, and has no file to copy\n  leave --copy out", wanted.name));
+  std::vector<EmbeddedFile> files;
+  for (EmbeddedFile const& file : embedded_files())
+    if (is_library(file.name) && (only.empty() || file.name == only)) files.push_back(file);
+  for (EmbeddedFile const& file : files)
+    if (fs::path const path = fs::path(wanted.copy) / file.name; !force && fs::exists(path))
+      throw InputError(
+          fmt::format("error: '{}' exists\n  choose another folder, or replace it with --force", path.string()));
+  for (EmbeddedFile const& file : files) {
+    fs::path const path = fs::path(wanted.copy) / file.name;
+    fs::create_directories(path.parent_path());
+    write_file(path.string(), file.text);
+    std::cout << path.string() << '\n';
+  }
+}
+
+int library(Options const& options, Wanted const& wanted) {
+  std::vector<LibraryEntry> all = library_entries();
+  if (!wanted.kind.empty()) std::erase_if(all, [&](LibraryEntry const& e) { return e.kind != wanted.kind; });
+  if (!wanted.copy.empty()) {
+    copy(wanted, all, options.force);
+  } else if (!wanted.name.empty()) {
+    LibraryEntry const& e = find(all, wanted.name);
+    if (options.json())
+      std::cout << json_of(e).dump() << '\n';
+    else
+      print_one(e);
+  } else if (options.json()) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::array();
+    for (LibraryEntry const& e : all) out.push_back(json_of(e));
+    std::cout << out.dump() << '\n';
+  } else {
+    print_list(all);
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_library(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("library", "materials, parts and detectors that come with the program");
+  static Wanted wanted;
+  command->add_option("NAME", wanted.name, "print this one as it is written");
+  command->add_option("--kind", wanted.kind, "list these alone: detector, arm, material, medium, part")
+      ->check(CLI::IsMember({"detector", "arm", "material", "medium", "part"}));
+  command->add_option("--copy", wanted.copy, "write the files below this folder, to change them there");
+  add_force_option(*command, options);
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace library --kind material\n"
+      "  straytrace library oxidised_steel");
+  command->callback([&] { exit_code = library(options, wanted); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the library of the program holds, one line for each thing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace straytrace {
+
+struct LibraryEntry {
+  std::string kind;  // material, medium, part, detector, arm
+  std::string name;
+  std::string file;   // what to include; empty: known without
+  std::string value;  // numbers in brief, low / mid / high where they have a bracket
+  std::string wavelength, status, source, note;
+  std::string text;  // as written
+};
+
+std::vector<LibraryEntry> library_entries();  // by kind, then as the files have them
+
+}  // namespace straytrace

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/model_diff.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "report/report.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::array<std::string_view, 13> sections{"materials", "media",     "scene", "bodies", "beams",
+                                                    "ports",     "receivers", "edges", "ghosts", "interferometer",
+                                                    "noise",     "trace",     "report"};
+constexpr double rounding = 1e-12;  // relative: 84 cm and 0.84 m
+
+struct Leaf {
+  std::string text;
+  std::optional<Quantity> quantity;
+  bool is_default = false;
+  std::string printed() const { return is_default ? text + " (default)" : text; }
+};
+using Leaves = std::map<std::string, Leaf>;
+
+// Peak to peak is twice the peak.
+Quantity comparable(Quantity q) {
+  if (q.amplitude == Amplitude::peak_to_peak) return {q.si / 2, q.dimension, Amplitude::peak};
+  return q;
+}
+
+bool same(Leaf const& a, Leaf const& b) {
+  if (!a.quantity || !b.quantity) return a.text == b.text;
+  Quantity const p = comparable(*a.quantity), q = comparable(*b.quantity);
+  bool const kind = p.dimension == q.dimension && p.amplitude == q.amplitude;
+  return kind && (p.si == q.si || std::fabs(p.si - q.si) <= rounding * std::max(std::fabs(p.si), std::fabs(q.si)));
+}
+
+class Flattener {
+ public:
+  explicit Flattener(Scene const& scene) : files_(scene.files()) {}
+
+  void add(ModelValue const& v, std::string const& path, Leaves& into) const {
+    // Where numbers come from; `like` is taken over already.
+    bool const remark = v.key == "source" || v.key == "note" || v.key == "status" || v.key == "override";
+    if (remark || (v.key == "like" && v.how.form != Asked::Form::choice)) return;  // of a motion it is a choice
+    if (v.kind == Node::Kind::none || v.kind == Node::Kind::scalar) {
+      if (!v.value.empty()) into[one_of_list(v) ? path + "[0]" : path] = leaf(v);
+      return;
+    }
+    for (std::size_t i = 0; i < v.children.size(); ++i) {
+      ModelValue const& c = v.children[i];
+      if (v.kind == Node::Kind::list)
+        add(c, fmt::format("{}[{}]", path, i), into);
+      else
+        add(c, path.empty() ? c.key : path + "." + c.key, into);
+    }
+    if (v.children.empty() && !path.empty()) into[path] = {"{}", {}, false};
+  }
+
+ private:
+  // A single value counts as a list of one.
+  static bool one_of_list(ModelValue const& v) { return v.given() && v.by_key && v.how.form == Asked::Form::list; }
+
+  Leaf leaf(ModelValue const& v) const {
+    auto const folder = v.origin.substr(0, v.origin.rfind('/') + 1);  // names are relative to the file they stand in
+    for (std::string const& name : {v.value, folder + v.value})
+      if (auto const hit = files_.find(name); v.given() && hit != files_.end())
+        return {fmt::format("{} (content {:.8})", v.value, sha256(hit->second)), {}, false};
+    return {v.value, v.quantity, !v.given()};
+  }
+
+  FileTexts const& files_;
+};
+
+// Files are the same when their content is, whatever they are called.
+std::string content_of(std::string const& text) {
+  auto const at = text.find(" (content ");
+  return at == text.npos ? text : text.substr(at);
+}
+
+void compare(Leaves const& before, Leaves const& after, std::string const& section, std::string const& name,
+             std::vector<Difference>& into) {
+  for (auto const& [key, b] : before) {
+    auto const hit = after.find(key);
+    if (hit == after.end()) {
+      if (!b.is_default) into.push_back({section, name, key, b.printed(), ""});
+    } else if (!same(b, hit->second) && content_of(b.text) != content_of(hit->second.text)) {
+      into.push_back({section, name, key, b.printed(), hit->second.printed()});
+    }
+  }
+  for (auto const& [key, a] : after)
+    if (!before.contains(key) && !a.is_default) into.push_back({section, name, key, "", a.printed()});
+}
+
+// name -> leaves of a section whose keys are names; "" for one that is a single table.
+std::map<std::string, Leaves> named(ModelValue const* section, Flattener const& flat) {
+  std::map<std::string, Leaves> out;
+  if (!section || !section->given()) return out;
+  for (ModelValue const& child : section->children) {
+    if (section->listed)
+      flat.add(child, "", out[child.key]);
+    else
+      flat.add(child, child.key, out[""]);
+  }
+  return out;
+}
+
+// What decides where a shape stands and what it is made of.
+Leaves placed(PlacedValue const& p, Flattener const& flat) {
+  Leaves out;
+  for (ModelValue const* table : {&p.entry, &p.face})  // the face has the last word
+    for (char const* key : {"shape", "file", "units", "body", "material", "side", "medium", "surfaces"})
+      if (ModelValue const* v = table->find(key); v && v->given()) flat.add(*v, key, out);
+  for (std::size_t i = 0; i < p.frames.size(); ++i)
+    for (char const* key : {"at", "facing", "rotate"})
+      if (ModelValue const* v = p.frames[i].find(key); v && v->given())
+        flat.add(*v, i == 0 ? key : fmt::format("frame {}.{}", i, key), out);
+  if (p.axis >= 0)
+    out[fmt::format("repeat along {}", "xyz"[p.axis])] = {fmt::format("{} m", p.offset),
+                                                          Quantity{p.offset, dim::length, {}}, false};
+  return out;
+}
+
+// Equal changes of instances of one group are one line.
+void fold(std::vector<Difference>& of_group) {
+  std::vector<Difference> folded;
+  for (Difference& d : of_group) {
+    auto const hit = std::find_if(folded.begin(), folded.end(), [&](Difference const& f) {
+      return f.key == d.key && f.before == d.before && f.after == d.after;
+    });
+    if (hit == folded.end())
+      folded.push_back(std::move(d));
+    else
+      ++hit->instances;
+  }
+  of_group = std::move(folded);
+}
+
+void compare_scenes(Scene const& before, Scene const& after, std::vector<Difference>& into) {
+  Flattener const flat_before(before), flat_after(after);
+  std::map<std::string, std::pair<std::string, Leaves>> b, a;  // by instance: group and leaves
+  for (PlacedValue const& p : placed_values(before)) b[p.name] = {p.group, placed(p, flat_before)};
+  for (PlacedValue const& p : placed_values(after)) a[p.name] = {p.group, placed(p, flat_after)};
+  std::map<std::string, std::vector<Difference>> by_group;
+  for (auto const& [name, entry] : b) {
+    auto& own = by_group[entry.first];
+    auto const hit = a.find(name);
+    if (hit == a.end()) {
+      own.push_back({"scene", entry.first, "", "present", ""});
+      continue;
+    }
+    compare(entry.second, hit->second.second, "scene", entry.first, own);
+  }
+  for (auto const& [name, entry] : a)
+    if (!b.contains(name)) by_group[entry.first].push_back({"scene", entry.first, "", "", "present"});
+  for (auto& [group, list] : by_group) {
+    fold(list);
+    into.insert(into.end(), list.begin(), list.end());
+  }
+}
+
+}  // namespace
+
+std::vector<Difference> differences(Scene const& before, Scene const& after) {
+  ModelValue const b = model_tree(before), a = model_tree(after);
+  std::vector<Difference> all;
+  for (std::string_view const section : sections) {
+    if (section == "report") continue;
+    if (section == "scene") {
+      compare_scenes(before, after, all);
+      continue;
+    }
+    auto const x = named(b.find(section), Flattener(before)), y = named(a.find(section), Flattener(after));
+    for (auto const& [name, leaves] : x) {
+      if (auto const hit = y.find(name); hit != y.end())
+        compare(leaves, hit->second, std::string(section), name, all);
+      else
+        all.push_back({std::string(section), name, "", "present", ""});
+    }
+    for (auto const& [name, leaves] : y)
+      if (!x.contains(name)) all.push_back({std::string(section), name, "", "", "present"});
+  }
+  return all;
+}
+
+std::string difference_text(std::vector<Difference> const& all) {
+  if (all.empty()) return "no physical difference between the models\n";
+  std::string text, section;
+  for (Difference const& d : all) {
+    if (d.section != section) text += (section = d.section) + "\n";
+    std::string const what = d.name + (d.name.empty() || d.key.empty() ? "" : " ") + d.key;
+    std::string const change = d.before.empty()  ? d.key.empty() ? "is new" : "now " + d.after
+                               : d.after.empty() ? d.key.empty() ? "is gone" : "no longer given, was " + d.before
+                                                 : d.before + " -> " + d.after;
+    text += fmt::format("  {}: {}{}\n", what.empty() ? section : what, change,
+                        d.instances > 1 ? fmt::format(" ({} instances)", d.instances) : "");
+  }
+  return text;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/tell.hpp"
+
+#include <iostream>
+
+#include "base/message.hpp"
+#include "scene/warnings.hpp"
+
+namespace straytrace {
+
+void tell_warnings(Model const& model, Options const& options) {
+  if (!options.quiet) std::cerr << (options.json() ? model.warnings_json : model.warnings);
+}
+
+void tell_warnings(Scene const& scene, Options const& options) {
+  if (!options.quiet) std::cerr << (options.json() ? warnings_as_json(scene) : scene.warnings());
+}
+
+void tell_warning(std::string const& sentence, Options const& options) {
+  if (options.quiet) return;
+  if (options.json())
+    std::cerr << problems_as_json(InputError({{{}, sentence, "", Severity::warning}}, ""));
+  else
+    std::cerr << "warning: " << sentence << '\n';
+}
+
+}  // namespace straytrace

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Hashes by which contents are known again.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace straytrace {
+
+class Sha256 {
+ public:
+  Sha256();
+  void add(std::string_view bytes);
+  // With the length in front, so that no two lists of texts look the same.
+  void add_counted(std::string_view bytes);
+  std::string hex();  // 64 hexadecimal digits; call once, last
+
+ private:
+  std::shared_ptr<void> context_;
+};
+
+std::string sha256(std::string_view bytes);
+
+}  // namespace straytrace

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a page is made of, as JSON: the scripts of the page draw it and compute nothing. Lengths in m, couplings over
+// the main mode, strain as one-sided ASD in 1/sqrt(Hz); null: not resolved or not known.
+#pragma once
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "page/ray_paths.hpp"
+#include "page/scene_drawing.hpp"
+#include "page/surface_maps.hpp"
+#include "report/report.hpp"
+
+namespace straytrace {
+
+using Json = nlohmann::json;
+
+Json number(double);  // null unless finite; six digits, which is more than a picture shows
+Json numbers(std::vector<double> const&);
+std::string base64(void const* bytes, std::size_t size);
+
+Json budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
+// By columns, since there may be 1e5 rows; titles and units are in `columns`.
+Json table_json(PathTable const&, CouplingTable const&);
+Json provenance_json(RunContent const&);
+Json ledger_json(RunContent const&);  // fates and objects, each with its error
+Json convergence_json(RunContent const&,
+                      PathTable const&);  // error against histories, from the replicas; figures of merit
+Json inputs_json(RunContent const&);      // what is not exactly known, and its share of the noise
+Json receivers_json(RunContent const&);   // routes and maps of receivers
+Json maps_json(std::vector<SurfaceMap> const&, double beam_power);
+
+Json scene_json(SceneDrawing const&);
+Json paths_json(World const&, std::vector<DrawnPath> const&);
+Json rays_json(World const&, std::vector<RaySegment> const&);
+Json told_json(std::vector<ToldEvent> const&);
+Json lit_json(World const&);  // spots of beams on surfaces, and ports
+
+}  // namespace straytrace

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Geometry and light of a page.
+#include <bit>
+#include <cmath>
+
+#include "page/page_json.hpp"
+#include "report/csv.hpp"
+
+namespace straytrace {
+
+static_assert(std::endian::native == std::endian::little);  // typed arrays of browsers
+
+std::string base64(void const* bytes, std::size_t size) {
+  constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  auto const* in = static_cast<unsigned char const*>(bytes);
+  std::string out;
+  out.reserve((size + 2) / 3 * 4);
+  for (std::size_t i = 0; i < size; i += 3) {
+    std::size_t const left = size - i;
+    unsigned const word =
+        unsigned(in[i]) << 16 | (left > 1 ? unsigned(in[i + 1]) << 8 : 0u) | (left > 2 ? in[i + 2] : 0u);
+    out += letters[word >> 18];
+    out += letters[word >> 12 & 63];
+    out += left > 1 ? letters[word >> 6 & 63] : '=';
+    out += left > 2 ? letters[word & 63] : '=';
+  }
+  return out;
+}
+
+namespace {
+
+// All digits that a picture of 40 km needs: 1e-5 m.
+double metres(double x) { return std::round(x * 1e6) * 1e-6; }
+Json vector_json(Vec3 p) { return {metres(p.x), metres(p.y), metres(p.z)}; }
+
+std::string group_name(World const& world, GroupId id) { return id.valid() ? world.groups()[id.value] : ""; }
+
+}  // namespace
+
+Json scene_json(SceneDrawing const& scene) {
+  Json meshes = Json::array(), parts = Json::array();
+  double moved = 0;
+  for (DrawnMesh const& m : scene.meshes) {
+    meshes.push_back({{"points", base64(m.points.data(), m.points.size() * sizeof(float))},
+                      {"corners", base64(m.corners.data(), m.corners.size() * sizeof(std::uint32_t))},
+                      {"triangles", m.triangles()},
+                      {"of", m.of_triangles}});
+    moved = std::max(moved, m.moved);
+  }
+  for (DrawnPart const& p : scene.parts) {
+    Json places = Json::array();
+    for (Vec3 const& at : p.places) places.push_back(vector_json(at));
+    parts.push_back({{"name", p.name},
+                     {"body", p.body},
+                     {"front", p.front},
+                     {"back", p.back},
+                     {"shape", p.shape},
+                     {"mesh", p.mesh},
+                     {"clear", p.clear},
+                     {"places", places}});
+  }
+  return {{"box", {vector_json(scene.box.lower), vector_json(scene.box.upper)}},
+          {"meshes", meshes},
+          {"parts", parts},
+          {"triangles", scene.triangles()},
+          {"of_triangles", scene.of_triangles()},
+          {"moved", number(moved)}};
+}
+
+Json paths_json(World const& world, std::vector<DrawnPath> const& paths) {
+  Json all = Json::array();
+  for (DrawnPath const& p : paths) {
+    Json points = Json::array(), steps = Json::array();
+    for (PathPoint const& v : p.points) {
+      points.push_back(vector_json(v.point));
+      steps.push_back(fmt::format("{}·{}", group_name(world, v.group), letter(v.event)));
+    }
+    all.push_back({{"id", hash_text(p.route)},
+                   {"address", p.computed ? "computed" : fmt::format("{}:{}:{}", p.history, p.event, p.connection)},
+                   {"weight", number(p.weight)},
+                   {"length", metres(p.path_length)},
+                   {"reversed", p.reversed},
+                   {"points", points},
+                   {"steps", steps}});
+  }
+  return all;
+}
+
+Json rays_json(World const& world, std::vector<RaySegment> const& rays) {
+  Json all = Json::array();
+  for (RaySegment const& r : rays)
+    all.push_back({{"from", vector_json(r.from)},
+                   {"to", vector_json(r.to)},
+                   {"power", number(r.power)},
+                   {"order", r.order},
+                   {"end", r.end == RaySegment::End::escaped ? "escaped" : group_name(world, r.on)},
+                   {"history", r.history}});
+  return all;
+}
+
+Json told_json(std::vector<ToldEvent> const& events) {
+  Json all = Json::array();
+  for (ToldEvent const& e : events) {
+    bool const placed = std::isfinite(e.point.x);
+    all.push_back({{"what", e.what},
+                   {"event", placed ? Json(e.event) : Json()},
+                   {"order", placed ? Json(e.order) : Json()},
+                   {"where", e.where},
+                   {"body", e.body},
+                   {"point_m", placed ? Json{e.point.x, e.point.y, e.point.z} : Json()},
+                   {"power", e.power}});
+  }
+  return all;
+}
+
+Json lit_json(World const& world) {
+  Json all = Json::array();
+  for (Footprint const& f : world.footprints()) {
+    bool const on = f.surface.valid();
+    all.push_back({{"at", vector_json(f.centre)},
+                   {"travel", {f.travel.x, f.travel.y, f.travel.z}},
+                   {"radius", number(f.profile == Profile::astigmatic ? std::sqrt(f.astigmatism.w1 * f.astigmatism.w2)
+                                                                      : f.radius)},
+                   {"on", on ? group_name(world, world.surfaces()[f.surface.value].group) : "free beam"},
+                   {"port", f.port.valid() ? world.ports()[f.port.value] : ""},
+                   {"standing", f.standing},
+                   {"beam", f.beam},
+                   {"share", number(f.share)}});
+  }
+  return all;
+}
+
+Json maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
+  Json all = Json::array();
+  double const watts = beam_power > 0 ? beam_power : 1;
+  for (SurfaceMap const& m : maps) {
+    std::vector<double> noise = m.noise, error = m.noise_error, light = m.light, light_error = m.light_error;
+    double const cm2 = 1e4 * m.cell_area();
+    for (std::size_t i = 0; i < noise.size(); ++i) {  // % of the noise per cm^2
+      noise[i] *= 100 / cm2;
+      error[i] *= 100 / cm2;
+      light[i] *= watts;
+      light_error[i] *= watts;
+    }
+    Json places = Json::array();
+    for (Vec3 const& p : m.places) places.push_back(vector_json(p));
+    std::vector<double> by_place = m.noise_by_place;
+    for (double& x : by_place) x *= 100;
+    all.push_back({{"name", m.name},
+                   {"unrolled", m.unrolled},
+                   {"columns", m.columns},
+                   {"rows", m.rows},
+                   {"x", {m.x_low, m.x_high}},
+                   {"y", {m.y_low, m.y_high}},
+                   {"surfaces", m.surfaces},
+                   {"noise_sum", number(100 * m.noise_sum)},
+                   {"noise", numbers(noise)},
+                   {"noise_error", numbers(error)},
+                   {"paths", m.paths},
+                   {"light", numbers(light)},
+                   {"light_error", numbers(light_error)},
+                   {"histories", m.histories},
+                   {"light_unit", beam_power > 0 ? "W/m²" : "1/m² per W of the main mode"},
+                   {"places", places},
+                   {"noise_by_place", numbers(by_place)}});
+  }
+  return all;
+}
+
+}  // namespace straytrace

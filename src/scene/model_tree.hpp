@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A model as its readers took it: every key that they asked for, what it is in SI, and where that comes from. Made
+// after the model was read; `print`, `diff` and the schema of the language stand on it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "scene/scene.hpp"
+
+namespace straytrace {
+
+struct ModelValue {
+  std::string key;                     // of a table entry; empty for elements of a list
+  Node::Kind kind = Node::Kind::none;  // none: not written, so `value` is the default, empty where there is none
+  std::string value;                   // of a scalar: a quantity in SI, "0.35 m", otherwise the text
+  std::optional<Quantity> quantity;    // where the readers took one
+  std::string written, origin;         // as in the file; "arm.yaml:12"
+  Asked how;                           // by the key in its table; otherwise how the value itself was read
+  bool by_key = false;                 // it was the former
+  std::string role;                    // what messages call a table: "beam 'arm'"
+  bool listed = false;                 // its keys are names that the user gives
+  std::vector<ModelValue> children;
+
+  bool given() const { return kind != Node::Kind::none; }
+  ModelValue const* find(std::string_view key) const;
+};
+
+// The table of the whole model, with includes merged; built-in parts are left out.
+ModelValue model_tree(Scene const&);
+
+// One placed shape: its face and the entry it came from, with the parameters in force there.
+struct PlacedValue {
+  std::string group, name;
+  ModelValue face, entry;
+  std::vector<ModelValue> frames;  // outermost first: tables with at, facing, rotate
+  double offset = 0;               // m along the axis of the repeat
+  int axis = -1;
+};
+std::vector<PlacedValue> placed_values(Scene const&);
+
+// YAML that is the same model again, with SI values; defaults and origins stand in comments.
+std::string printed_model(Scene const&);
+
+}  // namespace straytrace

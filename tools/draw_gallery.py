@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Draw the pictures of docs/guide/gallery.md: the report of each run and two views down a tube, small.
+
+Usage: draw_gallery.py PROGRAM
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from PIL import Image
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGES = ROOT / "docs" / "guide"
+RUNS = ("virgo_tube", "virgo_defect", "et_lf_arm", "kagra_arm", "ligo_arm", "ce_arm")
+VIEWS = {"closed": (), "open": ("-p", "spacing=1.2")}
+WIDTH, COLOURS = 1000, 48
+
+
+def small(picture, to):
+    image = Image.open(picture).convert("RGB")
+    width = min(WIDTH, image.width)
+    image = image.resize((width, round(image.height * width / image.width)), Image.LANCZOS)
+    image.quantize(COLOURS).save(to, optimize=True)
+    print(f"{to.relative_to(ROOT)}: {to.stat().st_size} bytes")
+
+
+def main(program):
+    with tempfile.TemporaryDirectory() as folder:
+        for name in RUNS:
+            subprocess.run([program, "run", ROOT / f"examples/{name}.yaml", "-o", f"{folder}/{name}", "--quiet"], check=True,
+                           stdout=subprocess.DEVNULL)
+            small(f"{folder}/{name}/report.png", PAGES / f"gallery_{name}.png")
+        for name, options in VIEWS.items():
+            subprocess.run([program, "render", ROOT / "examples/geo_tube.yaml", *options, "-o", f"{folder}/{name}.png", "--from",
+                            "near", "--fov", "4deg", "--pixels", "400x400", "--quiet"], check=True, stdout=subprocess.DEVNULL)
+        both = [Image.open(f"{folder}/{name}.png").convert("RGB") for name in VIEWS]
+        side = Image.new("RGB", (820, 400), "white")
+        for i, image in enumerate(both):
+            side.paste(image, (420 * i, 0))
+        side.save(f"{folder}/views.png")
+        small(f"{folder}/views.png", PAGES / "gallery_geo_tube.png")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(sys.argv[1])

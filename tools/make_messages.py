@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Collect what every message says from the source; the build hands it to `straytrace explain`.
+
+Usage: make_messages.py [--output FILE] [ROOT]
+
+A message is a problem or warning about a place in a file (what, remedy) or an InputError (one line, remedy below it).
+Without --output it only checks, and fails for a message without a remedy.
+"""
+import json
+import pathlib
+import re
+import sys
+
+CALL = re.compile(r"(?<![\w:])(?:(?:[\w\]\[\"\.\(\)]+(?:\.|->))?(problem|file_problem|warning|refuse)|(InputError))(\(|\{)")
+LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
+ABOUT = {"scene": "the scene file: docs/reference/scene.md", "world": "what stands in the scene: docs/reference/scene.md",
+         "motion": "motion: docs/reference/scene.md#bodies", "ifo": "the detector: docs/reference/interferometer.md",
+         "base": "values and units: docs/reference/scene.md#quantities", "geometry": "shapes: docs/reference/index.md#shapes",
+         "noise": "noise: docs/reference/scene.md#noise", "signal": "records and spectra: docs/reference/signal.md",
+         "report": "run files: docs/reference/run_file.md", "app": "commands: docs/reference/commands.md",
+         "commission": "measurements: docs/reference/couple.md"}
+
+
+def closing(text, at):
+    """The end of the bracket that opens at `at`, and the commas of its own level."""
+    depth, commas, i, pairs = 0, [], at, {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
+    while i < len(text):
+        if hit := (LITERAL.match(text, i) if text[i] == '"' else None):
+            i = hit.end()
+            continue
+        depth += pairs.get(text[i], 0)
+        if depth == 0:
+            return i, commas
+        if depth == 1 and text[i] == ",":
+            commas.append(i)
+        i += 1
+    return len(text), commas
+
+
+def said(argument):
+    """The text of an argument; what is put in stands as `...`, other wordings behind ` | `."""
+    argument = re.sub(r'"\s*\n?\s*"', "", argument)          # literals that stand together are one
+    parts = [t for t in LITERAL.findall(argument) if len(t) > 2 and not re.fullmatch(r"[a-z_]+", t)]
+    texts = [re.sub(r"\{[^{}]*\}", "...", t.replace("{{", "(").replace("}}", ")")) for t in parts]
+    return " | ".join(t.replace('\\"', '"').replace("\\n", "\n") for t in texts)
+
+
+def messages_of(file, room):
+    text = file.read_text(encoding="utf-8")
+    text = re.sub(r"//[^\n]*", "", text)
+    for call in CALL.finditer(text):
+        open_at = call.end() - 1
+        end, commas = closing(text, open_at)
+        ends = [*commas, end]
+        arguments = [text[a:b] for a, b in zip([open_at + 1, *(c + 1 for c in commas)], ends)]
+        if call.group(2):
+            if call.group(3) == "(" and len(arguments) == 1:
+                yield from thrown(arguments[0], room)
+            continue
+        kind = call.group(1)
+        if kind in ("problem", "warning") and len(arguments) == 2 or kind == "file_problem" and len(arguments) == 5:
+            what, remedy = said(arguments[-2]), arguments[-1]
+            if what:
+                variable = not LITERAL.search(remedy) and bool(re.search(r"[a-z]", remedy))
+                yield {"severity": "warning" if kind == "warning" else "error", "what": what,
+                       "remedy": "as the message says" if variable else said(remedy), "about": ABOUT[room]}
+
+
+def thrown(argument, room):
+    text = said(argument)
+    if not text.startswith("error: ") or re.fullmatch(r"((\.\.\.|--[\w-]+)(: \.\.\.)?)?", text[7:]):
+        return
+    what, _, remedy = text[7:].partition("\n")
+    yield {"severity": "error", "what": what.strip(), "remedy": remedy.strip(), "about": ABOUT[room]}
+
+
+def collected(root):
+    found = []
+    for file in sorted((root / "src").rglob("*.cpp")):
+        room = file.relative_to(root / "src").parts[0]
+        if room in ABOUT:
+            found += [m | {"file": str(file.relative_to(root))} for m in messages_of(file, room)]
+    return sorted(found, key=lambda m: (m["file"], m["what"]))
+
+
+def main(root, output):
+    found = collected(root)
+    if output:
+        told = [{k: v for k, v in m.items() if k != "file"} for m in found]
+        pathlib.Path(output).write_text(json.dumps(told, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")
+        return 0
+    wrong = [f"{m['file']}: '{m['what']}' has no remedy" for m in found if not m["remedy"]]
+    wrong += [f"{m['file']}: '{m['what']}' ends with a full stop" for m in found if m["what"].endswith(".")
+              and not m["what"].endswith("...")]
+    if len(found) < 300:
+        wrong.append(f"only {len(found)} messages were found; is the pattern right?")
+    print("\n".join(wrong) or f"{len(found)} messages, each with a remedy")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    words = sys.argv[1:]
+    into = words.pop(words.index("--output") + 1) if "--output" in words else None
+    words = [w for w in words if w != "--output"]
+    sys.exit(main(pathlib.Path(words[0] if words else pathlib.Path(__file__).parents[1]).resolve(), into))
