@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .errors import InputError, NumericalError
+from .errors import InputError, NumericalError, Problem, problems_of
 
 HERE = pathlib.Path(__file__).resolve().parent
 DONE, INPUT_ERROR, NUMERICAL_FAILURE, CHECKPOINTED = 0, 2, 3, 85
@@ -46,7 +46,8 @@ class Answer:
 
     output: str                       # stdout
     complete: bool                    # False: stopped early with a valid result
-    warnings: list[str]               # as printed
+    warnings: list[str]               # as printed, of a command that speaks to people
+    told: tuple[Problem, ...]         # of one that speaks JSON
 
 
 def program() -> str:
@@ -160,9 +161,23 @@ def _warnings(lines: Sequence[str]) -> list[str]:
     return [warning.rstrip("\n").removeprefix("warning: ") for warning in found]
 
 
+def _told(words: str) -> tuple[Problem, ...]:
+    """Lists of problems among the words of stderr."""
+    found: tuple[Problem, ...] = ()
+    at = words.find("[\n")
+    while at >= 0:
+        try:
+            _, end = json.JSONDecoder().raw_decode(words, at)
+            found += problems_of(words[at:end])
+        except ValueError:
+            end = at + 1
+        at = words.find("[\n", end)
+    return found
+
+
 def _answer(code: int, output: str, listener: _Listener) -> Answer:
     if code in (DONE, CHECKPOINTED):
-        return Answer(output, code == DONE, _warnings(listener.words))
+        return Answer(output, code == DONE, _warnings(listener.words), _told("".join(listener.words)))
     text, problems = listener.problems or ("".join(listener.words), "")
     if code == INPUT_ERROR:
         raise InputError(text or "the program refused its input without a word", problems)

@@ -16,7 +16,7 @@ from typing import Any
 from ruamel.yaml.comments import CommentedMap
 
 from . import engine
-from .errors import InputError, StraytraceWarning
+from .errors import InputError, Problem, StraytraceWarning
 from .progress import Shown, shown
 from .run import Run, open_run
 from .scratch import Scratch
@@ -38,7 +38,7 @@ class Check:
     receivers: int
     lit: list[dict[str, Any]]         # what beams that are followed light: commands.md, check
     model_hash: str                   # of what decides the trace
-    warnings: list[str]               # as the command prints them
+    warnings: tuple[Problem, ...]
 
 
 def overrides(params: Parameters | None) -> list[str]:
@@ -165,7 +165,7 @@ class Model(Table):
         about = {"surfaces": 0, "groups": 0, "ports": 0, "receivers": 0, "lit": [], "model_hash": "",
                  **json.loads(answer.output)}
         about.pop("ok")
-        return Check(**about, warnings=answer.warnings)
+        return Check(**about, warnings=answer.told)
 
     def resolved(self, params: Parameters | None = None) -> str:
         """The YAML text with every parameter evaluated, includes, parts and repeats unfolded, in SI."""

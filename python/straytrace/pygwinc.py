@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .interpolate import BEYOND, log_log
-from .run import RunError, open_run
+from .run import Run, RunError, open_run
 
 
 class _Absent:
@@ -109,11 +109,13 @@ class StrayLight(Noise):  # type: ignore[misc]
     style = {"label": "stray light", "color": "black"}
 
     @classmethod
-    def of(cls, file: str | os.PathLike[str], name: str = "StrayLight", **values: Any) -> type[StrayLight]:
-        """A class for `file`; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
+    def of(cls, file: Run | str | os.PathLike[str], name: str = "StrayLight", **values: Any) -> type[StrayLight]:
+        """A class for `file`, or for a Run; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
         unknown = sorted(set(values) - {"beyond", "quantity", "style"})
         if unknown:
             raise TypeError(f"StrayLight.of knows beyond, quantity and style, not {', '.join(unknown)}")
+        if isinstance(file, Run):
+            values["run"], file = file, file.path        # whose file may go with it
         if values.get("beyond", cls.beyond) not in BEYOND:
             raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{values['beyond']}'")
         if values.get("quantity", cls.quantity) not in QUANTITIES:

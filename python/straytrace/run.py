@@ -97,7 +97,7 @@ class Run:
         out: a folder for all results, or a run file (.h5); None: a file that goes with the result."""
         scratch = Scratch() if out is None else None
         place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
-        words, unsaved = ["noise", str(self.path), "-o", place, "--format", "json"], {}
+        words, unsaved = ["noise", str(self.path), "-o", place], {}
         for option, given in (("motion", motion), ("response", response)):
             if given is None:
                 continue
@@ -123,6 +123,25 @@ class Run:
         with plt.rc_context(STYLE):
             figure: Figure = draw(self, (low, high) if high > low else None)
             plt.close(figure)                   # of no window: a notebook shows it once, as the value of its cell
+            if path is not None:
+                save(figure, path)
+        return figure
+
+    def plot_map(self, receiver: str, path: str | os.PathLike[str] | None = None) -> Figure:
+        """The pictures of a receiver: image, directions, quadrants, with their errors.
+
+        receiver: one of `maps`.
+        path: also written there."""
+        import matplotlib.pyplot as plt
+
+        from .plot import STYLE, save
+        from .plot_maps import draw
+
+        if receiver not in self.maps:
+            raise RunError(f"'{self.path}' holds no map of '{receiver}'; it has maps of: {', '.join(self.maps) or 'nothing'}")
+        with plt.rc_context(STYLE):
+            figure: Figure = draw(self, self.maps[receiver])
+            plt.close(figure)
             if path is not None:
                 save(figure, path)
         return figure

@@ -161,7 +161,7 @@ def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
     try:
         for i, answer in enumerate(_parallel(executor, jobs) if executor is not None else _serial(jobs)):
             result.points.append(ScanPoint(points[i], _kept(answer, result.scratch, i)))
-            if not result.points[-1].run.complete and options.get("max_time") is None:
+            if result.points[-1].run.attributes.get("stopped_by") == "signal":
                 result.complete = False
             if progress:
                 print(f"scan  {i + 1} of {len(points)}: {', '.join(f'{k}={v}' for k, v in points[i].items())}",

@@ -68,6 +68,8 @@ class Tables(unittest.TestCase):
             self.assertEqual(straytrace.open(pathlib.Path(folder, "kept.h5")).histories, self.run_.histories)
             figure = self.run_.plot(pathlib.Path(folder, "run.png"), low=10, high=100)
             self.assertGreater(pathlib.Path(folder, "run.png").stat().st_size, 50000)
+        with self.assertRaisesRegex(straytrace.RunError, "maps of: nothing"):
+            self.run_.plot_map("PD")
         self.assertIn("10 to 100 Hz", [a.get_title(loc="left") for a in figure.axes][1])
 
     def test_gwpy_gets_regular_axes_or_a_reason(self):
@@ -88,7 +90,7 @@ class Tables(unittest.TestCase):
 
         f = np.geomspace(10, 500, 40)
         base = gwinc.load_budget("aLIGO", freq=f)
-        kind = type("Budget", (type(base),), {"noises": [StrayLight.of(self.run_.path)]})
+        kind = type("Budget", (type(base),), {"noises": [StrayLight.of(self.run_)]})
         total = kind(freq=f, ifo=base.ifo).run().psd
         np.testing.assert_allclose(np.sqrt(total), self.run_.noise.at(f), rtol=1e-9)
         self.assertFalse(np.allclose(np.sqrt(total), self.run_.noise.at(f) * base.ifo.Infrastructure.Length, atol=0))
@@ -114,6 +116,21 @@ s ay ITMy.p2 ETMy.p1 L=3000
 fsig(1)
 readout_dc AS SRM.p2.o
 """
+
+
+class OfReceivers(unittest.TestCase):
+    def test_watts_and_maps(self):
+        run = straytrace.run(SOURCE / "examples/two_mirrors.yaml", histories=4096, progress=False)
+        self.assertIsNone(run.noise)
+        self.assertEqual(run.paths().rows, [])
+        self.assertEqual(list(run.maps), ["PD", "plane"])
+        self.assertEqual(run.maps["PD"].image.shape, (48, 48))
+        self.assertEqual(list(run.receivers.table().index), ["PD", "plane"])
+        seen = np.nansum(run.maps["PD"].image)
+        self.assertTrue(0 < seen <= run.maps["PD"].power * (1 + 1e-9), (seen, run.maps["PD"].power))
+        self.assertGreater(len(run.plot_map("PD").axes), 2)
+        with self.assertRaisesRegex(straytrace.InputError, "without an interferometer"):
+            run.project({"bodies": {"bench": {"motion": "still"}}})
 
 
 class FromFinesse(unittest.TestCase):
