@@ -269,7 +269,6 @@ class Maker:
 
 def built_in_parts(root):
     parts = yaml.safe_load((root / "library/parts/builtin.yaml").read_text(encoding="utf-8"))["parts"]
-    return {name: {k: str(v) for k, v in part["params"].items()} for name, part in parts.items()}
     return {name: {k: str(v["value"] if isinstance(v, dict) else v) for k, v in part["params"].items()}
             for name, part in parts.items()}
 

@@ -53,11 +53,9 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("paths", "ranked table of the routes by which light rejoins the mode or reaches receivers");
   command->add_option("run", options.input, "run file (HDF5); with --first-order also a scene")->required();
-  command->add_option("--show", options.show, "rows");
   command->add_option("--by", options.by, "port or receiver; source: what lights which receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));
   command->add_option("--show", options.show, "rows")->check(whole_between(1, 1e6, "20"));
-  command->add_option("--by", options.by, "port or receiver")->check(CLI::IsMember({"port", "receiver"}));
   command->add_flag("--census", options.census, "objects that the light of each receiver has met, by watts");
   command->add_flag("--first-order", options.first_order, "what is lit, what is seen, and both; of a scene or a run");
   command
