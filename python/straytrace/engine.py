@@ -185,7 +185,8 @@ def _answer(code: int, output: str, listener: _Listener) -> Answer:
         raise NumericalError(text.rstrip("\n"))
     if listener.asked_to_stop:
         raise KeyboardInterrupt
-    raise RuntimeError(f"the program ended with code {code}: {text.strip() or 'it said nothing'}")
+    how = f"code {code}" if code >= 0 else f"signal {signal.Signals(-code).name}"
+    raise RuntimeError(f"the program ended with {how}: {text.strip() or 'it said nothing; was there enough memory?'}")
 
 
 def command(arguments: Sequence[str] | None = None) -> None:

@@ -61,8 +61,8 @@ def _count(value: int | float | None, name: str) -> int | None:
     return int(value)
 
 
-def trace_words(histories: int | float | None, until: str | None, seed: int | None, threads: int | None,
-                max_time: float | str | None, force: bool) -> list[str]:
+def trace_words(histories: int | float | None = None, until: str | None = None, seed: int | None = None,
+                threads: int | None = None, max_time: float | str | None = None, force: bool = False) -> list[str]:
     """Options of the command line for a trace."""
     if until is not None and not isinstance(until, str):
         raise TypeError(f"until is {until!r}; write a rule such as 'h_total < 5 %' or '10 min'")
@@ -187,7 +187,7 @@ class Model(Table):
 
         Ctrl-C gives what was traced so far, a valid result with ``complete == False``."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
-        return self._traced("run", words, out, progress)
+        return self.traced("run", words, out, progress)
 
     def trace(self, out: str | os.PathLike[str] | None = None, *, params: Parameters | None = None,
               histories: int | float | None = None, until: str | None = None, seed: int | None = None,
@@ -195,19 +195,18 @@ class Model(Table):
               progress: bool | Shown | None = True) -> Run:
         """The coupling table alone, as `straytrace trace`, into the run file `out`; arguments as of `run`."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
-        return self._traced("trace", words, out, progress)
+        return self.traced("trace", words, out, progress)
 
-    def _traced(self, command: str, words: list[str], out: str | os.PathLike[str] | None,
-                progress: bool | Shown | None) -> Run:
+    def traced(self, command: str, words: list[str], out: str | os.PathLike[str] | None,
+               progress: bool | Shown | None, warn: bool = True) -> Run:
+        """What `run` and `trace` do, with options as the command line writes them. warn: of what a reader must know."""
         scratch = Scratch() if out is None else None
         place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
         with shown(progress) as listener:
             answer = self._ask(command, "-o", place, *words, progress=listener)
         run = open_run(place)
         run.scratch = scratch
-        for warning in answer.warnings:
+        early = [] if run.complete else [f"stopped early, after {run.histories} histories, with a valid result"]
+        for warning in answer.warnings + early if warn else []:
             warnings.warn(warning, StraytraceWarning, stacklevel=3)
-        if not run.complete:
-            warnings.warn(f"stopped early, after {run.histories} histories, with a valid result", StraytraceWarning,
-                          stacklevel=3)
         return run

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import engine
 from .errors import StraytraceWarning
-from .model import Model, overrides
+from .model import Model, overrides, trace_words
 from .run import Run, open_run
 from .scratch import Scratch
 
@@ -112,9 +112,7 @@ def _points(params: Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, 
 
 def _work(path: str, text: str, point: Point, out: str | None, options: dict[str, Any]) -> bytes | str:
     """What a worker does, here or on another machine: the bytes of the run file, or its name where it is to be kept."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", StraytraceWarning)      # told once, with the result
-        run = Model.from_text(text, path).run(out, params=point, progress=False, **options)
+    run = Model.from_text(text, path).traced("run", [*overrides(point), *trace_words(**options)], out, False, warn=False)
     return str(run.path) if out is not None else run.path.read_bytes()
 
 
@@ -152,6 +150,7 @@ def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
     Ctrl-C gives the points that are done, with ``complete == False``."""
     source = Model.of(model)
     points = _points(params)
+    trace_words(**options)                      # wrong ones are told here
     if out is not None:
         pathlib.Path(out).mkdir(parents=True, exist_ok=True)
     folder = pathlib.Path(out) if out is not None else None

@@ -10,6 +10,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 import warnings
 
 from python_arm import BLOCK, PROGRAM, SOURCE, arm
@@ -116,6 +117,26 @@ class Errors(unittest.TestCase):
         with self.assertRaises(straytrace.InputError) as caught:
             straytrace.Model.from_text("a: [1\nb: {", "broken.yaml")
         self.assertEqual(caught.exception.problems[0].file, "broken.yaml")
+
+    def test_what_stands_before_the_command(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text, scene = pathlib.Path(folder, "a=b.yaml"), pathlib.Path(folder, "no=such.yaml")
+            arm().save(text)
+            text.rename(pathlib.Path(folder, "text"))
+            said = subprocess.run([PROGRAM, "--unsaved", f"{scene}={folder}/text", "check", scene], capture_output=True, text=True)
+            self.assertEqual(said.returncode, 0, said.stderr)
+            self.assertNotIn("text", said.stdout)
+        for words, told in ((["--unsaved", "scene.yaml", "check", "scene.yaml"], "write --unsaved SCENE=FILE"),
+                            (["--unsaved", "scene.yaml=/none", "check", "scene.yaml"], "/none")):
+            said = subprocess.run([PROGRAM, *words], capture_output=True, text=True)
+            self.assertEqual(said.returncode, 2)
+            self.assertIn(told, said.stderr)
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(RuntimeError, "signal SIGKILL"):
+            script = pathlib.Path(folder, "program")
+            script.write_text("#!/bin/sh\nkill -9 $$\n")
+            script.chmod(0o755)
+            with unittest.mock.patch.dict(os.environ, STRAYTRACE_PROGRAM=str(script)):
+                arm().check()
 
     def test_check_tells_numbers_and_warnings(self):
         model = arm(bodies={"mirrors": {"motion": "still"}, "tube": {"motion": "still"}})
