@@ -41,6 +41,7 @@ std::string package_folder() {
   std::error_code unknown;
   fs::path above = fs::read_symlink("/proc/self/exe", unknown).parent_path();
   for (; !above.empty(); above = above.parent_path()) {
+    if (holds_package(above)) return above;  // as pip installs it
     if (holds_package(above / "python")) return above / "python";
     if (holds_package(above / "share/straytrace/python")) return above / "share/straytrace/python";
     if (above == above.root_path()) break;
