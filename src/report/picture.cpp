@@ -110,6 +110,10 @@ bool draw_law_picture(std::string const& json_file, std::string const& png_file,
   return draw({"straytrace.plot_law", json_file, "-o", png_file}, png_file, message);
 }
 
+bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
+  return draw({"straytrace.plot_scatter", json_file, "-o", png_file}, png_file, message);
+}
+
 bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
   return draw({"straytrace.plot_ghosts", json_file, "-o", png_file}, png_file, message);
 }
