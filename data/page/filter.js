@@ -13,7 +13,8 @@ function globTest(pattern) {
   return new RegExp("^" + text + "$", "s");
 }
 
-function objectsOf(sequence) { return sequence.split(" > ").map(step => step.split("·")[0]); }
+// Names of the objects on a route; none of a row `other`, which sums many routes.
+function objectsOf(sequence) { return sequence.split(" > ").filter(step => step.includes("·")).map(step => step.split("·")[0]); }
 
 // The nearest by edit distance with transpositions, "" when nothing is close.
 function nearestWord(word, words) {
@@ -231,7 +232,7 @@ class Predicate {
 function rowTest(text, table) {
   const words = text.toLowerCase().split(/\s+/).filter(w => w);
   if (words.length === 0) return () => true;
-  if (/[()<>=!"']/.test(text) || words.every(w => ["resolved", "not", "and", "or"].includes(w))) return new Predicate(text, table).test;
+  if (/[()<>=!"']/.test(text) || words.some(w => ["resolved", "not", "and", "or"].includes(w))) return new Predicate(text, table).test;
   const texts = table.columns.filter(c => ["sequence", "body", "port", "kind"].includes(c.key)).map(c => c.values);
   return i => words.every(word => texts.some(column => column[i].toLowerCase().includes(word)));
 }

@@ -59,7 +59,7 @@ std::vector<std::string> objects_of(std::string const& sequence) {
   for (std::size_t at = 0; at <= sequence.size();) {
     std::size_t const end = std::min(sequence.find(then, at), sequence.size());
     std::string const step = sequence.substr(at, end - at);
-    all.push_back(step.substr(0, step.find(event)));
+    if (std::size_t const name = step.find(event); name != std::string::npos) all.push_back(step.substr(0, name));
     at = end + then.size();
   }
   return all;
@@ -194,7 +194,7 @@ void RouteColumns::add_units() {
     if (c.is_text) continue;
     std::string names;
     if (c.unit == "m") names = accepted_units(dim::length);
-    if (c.unit == "s") names = accepted_units(dim::time) + ", ns";
+    if (c.unit == "s") names = accepted_units(dim::time);
     if (c.unit == "rad") names = accepted_units(dim::angle);
     if (c.unit == "rad/m") names = "rad/m, rad/mm, rad/um";
     if (c.unit == "%" || c.unit == "1") names = "%, ppm, ppb";

@@ -57,7 +57,7 @@ class RouteColumns {
 // To six digits, as columns are compared and drawn: more than any error of them holds.
 double six_digits(double);
 
-// Names of the objects on a route, "ITM·S > baffles·S": ITM, baffles.
+// Names of the objects on a route, "ITM·S > baffles·S": ITM, baffles. None of a row `other`, which sums many routes.
 std::vector<std::string> objects_of(std::string const& sequence);
 
 }  // namespace straytrace

@@ -21,7 +21,7 @@ std::vector<std::string> words_in(std::string_view text) {
   return words;
 }
 
-// Conditions hold signs, brackets or quotes, or are made of these words alone.
+// Conditions hold signs, brackets, quotes or one of these words.
 bool is_condition(std::string_view text, std::vector<std::string> const& words) {
   return text.find_first_of("()<>=!\"'") != std::string_view::npos ||
          std::all_of(words.begin(), words.end(),
