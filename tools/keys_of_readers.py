@@ -106,7 +106,9 @@ class Facts:
             slot.scalars.append(node["asked"])
 
     def tidy(self):
-        """Without keys that are looked for only to be refused."""
+        """Without keys that are looked for only to be refused, and without 'override', which every definition may have."""
+        for keys in self.contexts.values():
+            keys.pop("override", None)
         del self.contexts["a model"]["scan"]
         for link in ("mode", "pendulum", "resonance"):
             self.contexts.get("a transfer function", {}).pop(link, None)

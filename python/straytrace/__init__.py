@@ -1,8 +1,77 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads straytrace run files: ``run = straytrace.open("run.h5")``."""
+"""Stray-light noise of interferometric gravitational-wave detectors.
 
-from .run import Run, RunError, open_run
+Builds and checks models, runs them with the program of the same name, and reads their results as numpy arrays and
+pandas tables::
+
+    import straytrace
+    run = straytrace.Model.load("arm.yaml").run()
+    print(run.paths(where="share > 5 %").table())
+    storm = run.noise(motion="storm.yaml")
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from .curves import Bands, Curve, Noise
+from .engine import Progress
+from .errors import InputError, NumericalError, Problem, RunError, StraytraceWarning
+from .paths import Path, Paths
+from .routes import Ledger, Receiver, Receivers, Routes
+from .run import Run, open_run
+
+if TYPE_CHECKING:
+    from .model import Check, Model
+    from .scans import Scan, ScanPoint, scan
+    from .tree import Items, Table, quantity
+
+# Loaded when they are asked for: pictures of the program do without, and without what they need.
+_LATER = {"Check": "model", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Items": "tree",
+          "Table": "tree", "quantity": "tree"}
 
 open = open_run
 
-__all__ = ["Run", "RunError", "open", "open_run"]
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            return version("straytrace")
+        except PackageNotFoundError:            # used from the source tree
+            return "unknown"
+    if name not in _LATER:
+        raise AttributeError(f"straytrace has no '{name}'; it has: {', '.join(__all__)}")
+    return getattr(importlib.import_module("." + _LATER[name], __name__), name)
+
+
+def _model(what: Model | Mapping[str, Any] | str | os.PathLike[str]) -> Model:
+    from .model import Model
+
+    return Model.of(what)
+
+
+def check(model: Model | Mapping[str, Any] | str | os.PathLike[str], **options: Any) -> Check:
+    """Model.check of a Model, a dict or a file."""
+    return _model(model).check(**options)
+
+
+def trace(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os.PathLike[str] | None = None,
+          **options: Any) -> Run:
+    """Model.trace of a Model, a dict or a file."""
+    return _model(model).trace(out, **options)
+
+
+def run(model: Model | Mapping[str, Any] | str | os.PathLike[str], out: str | os.PathLike[str] | None = None,
+        **options: Any) -> Run:
+    """Model.run of a Model, a dict or a file."""
+    return _model(model).run(out, **options)
+
+
+__all__ = ["Bands", "Check", "Curve", "InputError", "Items", "Ledger", "Model", "Noise", "NumericalError", "Path", "Paths",
+           "Problem", "Progress", "Receiver", "Receivers", "Routes", "Run", "RunError", "Scan", "ScanPoint",
+           "StraytraceWarning", "Table", "check", "open", "open_run", "quantity", "run", "scan", "trace"]

@@ -8,17 +8,13 @@ import sys
 import tempfile
 import textwrap
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
-
-from .plot_bands import draw_bands  # noqa: E402
-from .run import RunError, open_run  # noqa: E402
-from .words import hertz, plain, power_of_ten, shortened  # noqa: E402
+from .plot_bands import draw_bands
+from .run import RunError, open_run
+from .words import hertz, plain, power_of_ten, shortened
 
 # Okabe and Ito: told apart by every common kind of colour vision. Black is the total, grey the design curve.
 ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -282,7 +278,7 @@ def main(arguments=None):
     try:
         run = open_run(options.run)
     except RunError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(error, file=sys.stderr)
         return 2
     with plt.rc_context(STYLE):
         figure = draw(run, options.band)

@@ -5,16 +5,12 @@ import argparse
 import pathlib
 import sys
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LogNorm
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.colors import LogNorm  # noqa: E402
-
-from .plot import GREY, footer, save  # noqa: E402
-from .run import RunError, open_run  # noqa: E402
+from .plot import GREY, footer, save
+from .run import RunError, open_run
 
 STYLE = {"font.size": 9, "axes.titlesize": 10, "axes.titleweight": "bold", "axes.titlelocation": "left"}
 
@@ -110,7 +106,7 @@ def main(arguments=None):
     try:
         run = open_run(options.run)
     except RunError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(error, file=sys.stderr)
         return 2
     with plt.rc_context(STYLE):
         for receiver in run.receivers:

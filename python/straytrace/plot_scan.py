@@ -5,14 +5,10 @@ import argparse
 import json
 import sys
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from .plot import GREY, LIGHT, ROUTE_COLOURS, STYLE, save  # noqa: E402
+from .plot import GREY, LIGHT, ROUTE_COLOURS, STYLE, save
 
 MOST_CURVES = 12
 

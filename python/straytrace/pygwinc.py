@@ -4,28 +4,39 @@
 Imports without pygwinc; only making a noise needs it.
 """
 
+from __future__ import annotations
+
+import importlib
+import os
 import pathlib
+from typing import Any
 
 import h5py
 import numpy as np
+import numpy.typing as npt
 
-from .run import RunError, open_run
+from .interpolate import BEYOND, log_log
+from .run import Run, RunError, open_run
+
+
+class _Absent:
+    def __init__(self, *_arguments: object, **_values: object) -> None:
+        raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install 'straytrace[pygwinc]'")
+
 
 try:
-    from gwinc.ifo.noises import dhdl
-    from gwinc.nb import Noise
+    Noise: Any = importlib.import_module("gwinc.nb").Noise
+    dhdl: Any = importlib.import_module("gwinc.ifo.noises").dhdl
 except ImportError:
-    dhdl = None
+    Noise, dhdl = _Absent, None
 
-    class Noise:
-        def __init__(self, *_arguments, **_values):
-            raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install gwinc")
-
-BEYOND = ("nan", "constant", "slope")
 QUANTITIES = ("displacement", "strain")
 
 
-def _of_run(path):
+Known = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], str]
+
+
+def _of_run(path: pathlib.Path) -> Known:
     run = open_run(path)
     if run.noise is None:
         raise RunError(f"'{path}' holds no noise, only couplings: give a run with ports")
@@ -33,7 +44,7 @@ def _of_run(path):
     return run.noise.frequency, run.noise.total.mean, (run.attributes.get("title") or "") + bound
 
 
-def _of_budget(path):
+def _of_budget(path: pathlib.Path) -> Known:
     """Sum of the stray light in a file of ``straytrace budget --export pygwinc``."""
     with h5py.File(path, "r") as file:
         parts = file["Total/budget"] if "Total/budget" in file else {}
@@ -43,7 +54,7 @@ def _of_budget(path):
         return file["Freq"][()], np.sqrt(np.sum(psds, axis=0)), ""
 
 
-def _of_text(path):
+def _of_text(path: pathlib.Path) -> Known:
     """Columns frequency and strain of h_asd.txt or of two columns; of budget.txt all columns StrayLight*_strain."""
     lines = pathlib.Path(path).read_text(encoding="utf-8").splitlines()
     try:
@@ -52,8 +63,8 @@ def _of_text(path):
         raise RunError(f"'{path}' is not a table of numbers: {error}") from None
     if table.ndim != 2 or table.shape[1] < 2:
         raise RunError(f"'{path}' has no columns of frequency and strain")
-    titles = [line[1:].split() for line in lines if line.startswith("#")]
-    titles = next((t for t in titles if len(t) == table.shape[1] and t[0] in ("Hz", "frequency_Hz")), [])
+    heads = [line[1:].split() for line in lines if line.startswith("#")]
+    titles: list[str] = next((t for t in heads if len(t) == table.shape[1] and t[0] in ("Hz", "frequency_Hz")), [])
     stray = [i for i, t in enumerate(titles) if t.startswith("StrayLight") and t.endswith("_strain")]
     if titles[:1] == ["Hz"] and table.shape[1] > 2 and not stray:
         raise RunError(f"'{path}' is a budget without stray light")
@@ -64,7 +75,7 @@ def _of_text(path):
     return table[:, 0], np.sqrt(np.sum(table[:, stray] ** 2, axis=1)), ""
 
 
-def read_strain(path):
+def read_strain(path: str | os.PathLike[str]) -> Known:
     """Frequencies [Hz], one-sided strain ASD [1/sqrt(Hz)] and title of the stray light in a file: a run file (or the
     folder of run.h5), an exported budget (HDF5), or text. Raises RunError."""
     path = pathlib.Path(path)
@@ -86,46 +97,25 @@ def read_strain(path):
     return frequency, strain, title or path.name
 
 
-def log_log(hz, frequency, strain, beyond="nan"):
-    """Straight lines in log-log between the points; beside a point of 0, in value over log f. Outside them: `nan`, not
-    known; `constant`, the value at the end; `slope`, on with the power law of the last two points. On from a 0 it is 0."""
-    if beyond not in BEYOND:
-        raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{beyond}'")
-    x, known = np.log(np.asarray(hz, float)), np.log(frequency)
-    with np.errstate(divide="ignore"):
-        y = np.log(np.asarray(strain, float))
-    outside = np.nan if beyond == "nan" else None
-    zero = np.asarray(strain) == 0
-    beside = np.interp(x, known, zero.astype(float), left=0, right=0) > 0
-    value = np.interp(x, known, np.where(zero, 0, y), left=outside, right=outside)
-    if beyond == "slope":
-        for side, (i, k) in ((x < known[0], (0, 1)), (x > known[-1], (-1, -2))):
-            value[side] = np.nan if zero[i] or zero[k] else y[i] + (y[k] - y[i]) / (known[k] - known[i]) * (x[side] - known[i])
-    value = np.exp(value)
-    value[beside] = np.interp(x[beside], known, strain)
-    for side, i in ((x < known[0], 0), (x > known[-1], -1)):
-        if zero[i] and beyond != "nan":
-            value[side] = 0
-    return value
-
-
-class StrayLight(Noise):
+class StrayLight(Noise):  # type: ignore[misc]
     """Stray light of a file in a gwinc Budget, whose calibration to strain it undoes beforehand: calc() returns the PSD
     of the difference of the arms, m^2/Hz, so that the budget gets back h^2. Used alone, `quantity = "strain"` gives h^2.
 
     Make a class for each file: ``StrayLight.of("run.h5")``, or a subclass that says `file`."""
 
-    file = None             # run file, exported budget or text: read_strain
+    file: str | os.PathLike[str] | None = None    # run file, exported budget or text: read_strain
     beyond = "nan"          # outside the band of the file: log_log
     quantity = "displacement"
     style = {"label": "stray light", "color": "black"}
 
     @classmethod
-    def of(cls, file, name="StrayLight", **values):
-        """A class for `file`; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
+    def of(cls, file: Run | str | os.PathLike[str], name: str = "StrayLight", **values: Any) -> type[StrayLight]:
+        """A class for `file`, or for a Run; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
         unknown = sorted(set(values) - {"beyond", "quantity", "style"})
         if unknown:
             raise TypeError(f"StrayLight.of knows beyond, quantity and style, not {', '.join(unknown)}")
+        if isinstance(file, Run):
+            values["run"], file = file, file.path        # whose file may go with it
         if values.get("beyond", cls.beyond) not in BEYOND:
             raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{values['beyond']}'")
         if values.get("quantity", cls.quantity) not in QUANTITIES:
@@ -133,15 +123,16 @@ class StrayLight(Noise):
         label = {"label": "stray light: " + read_strain(file)[2], "color": "black"}
         return type(name, (cls,), {"file": file, "style": label, **values})
 
-    def load(self):
+    def load(self) -> None:
         if self.file is None:
             raise RunError("StrayLight needs a file: StrayLight.of('run.h5')")
         self._known = read_strain(self.file)[:2]
 
-    def calc(self):
+    def calc(self) -> npt.NDArray[np.float64]:
         if not hasattr(self, "_known"):
             self.load()
-        psd = log_log(self.freq, *self._known, self.beyond) ** 2
+        frequency, strain = self._known
+        psd = log_log(self.freq, frequency, strain, self.beyond) ** 2
         if self.quantity not in QUANTITIES:
             raise ValueError(f"quantity is one of {', '.join(QUANTITIES)}, not '{self.quantity}'")
         if self.quantity == "strain":
@@ -149,4 +140,5 @@ class StrayLight(Noise):
         if self.ifo is None:
             raise RunError("a displacement needs the length of the arms: use StrayLight in a Budget with an ifo, or "
                            "quantity='strain'")
-        return psd / dhdl(self.freq, self.ifo.Infrastructure.Length)[0]
+        displacement: npt.NDArray[np.float64] = psd / dhdl(self.freq, self.ifo.Infrastructure.Length)[0]
+        return displacement

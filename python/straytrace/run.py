@@ -1,133 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A run file as numpy arrays. Layout: schema/run-1.txt. All strains are one-sided ASDs in 1/sqrt(Hz)."""
+"""A run file: arrays, tables, pictures, and its noise under other motion. Layout: schema/run-1.txt."""
 
+from __future__ import annotations
+
+import hashlib
+import json
+import os
 import pathlib
+import shutil
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import h5py
-import numpy as np
 
-SCHEMA_MAJOR = 1
-KINDS = ("scattered", "ghost", "edge")
+from . import engine, reading
+from .curves import Noise
+from .errors import RunError, StraytraceWarning
+from .paths import Paths, Where, paths_from
+from .routes import Ledger, Receiver, Receivers, Routes
+from .scratch import Scratch
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-class RunError(Exception):
-    """The file is not a run file that can be read; the message says why."""
+    from .model import Model
 
-
-def _text(value):
-    if isinstance(value, np.ndarray):           # a binary or large input file
-        value = value.tobytes()
-    if isinstance(value, bytes):
-        return value.decode("utf-8", "replace")
-    return str(value)
-
-
-def _texts(dataset):
-    return [_text(value) for value in dataset[()]]
-
-
-@dataclass
-class Curve:
-    """One strain noise curve on the frequencies of the run."""
-
-    name: str
-    mean: np.ndarray
-    sigma: np.ndarray                 # one standard error, Monte Carlo
-    phase: np.ndarray
-    amplitude: np.ndarray
-    resolved: bool = True
-    why_not: str = ""
-    mean_square_phase: float = 0.0    # rad^2
-    linear_share: np.ndarray | None = None    # of the PSD, by motion of that frequency; None before schema 1.5
-    input_low: np.ndarray | None = None       # of routes: what stated inputs leave open; None before schema 1.6
-    input_high: np.ndarray | None = None
-
-
-@dataclass
-class Bands:
-    """Beside the Monte-Carlo error of the total, 1/sqrt(Hz)."""
-
-    input_low: np.ndarray             # what brackets and uncertainties of the input leave open
-    input_high: np.ndarray
-    speckle_05: np.ndarray            # percentiles of one realisation of the static phases
-    speckle_50: np.ndarray
-    speckle_95: np.ndarray
-    coherent: np.ndarray              # linear sum of the ASDs of the routes
-    sources: list                     # (name, statement, least and largest factor on the total, share of the noise)
-    taken_as_exact: list
-
-
-@dataclass
-class Noise:
-    frequency: np.ndarray             # Hz, geometric centres
-    edges: np.ndarray                 # Hz
-    total: Curve                      # a lower bound when `unresolved` is not empty
-    routes: list                      # of Curve, one per route of the run
-    unresolved: list                  # names with reason
-    faint: list                       # unresolved too, but too faint to move the total
-    design: dict                      # name: ASD
-    margin: float                     # of the first design curve
-    bands: Bands | None = None        # None where only the mean was made
-
-    def power(self, curve, low=0.0, high=np.inf):
-        """Integral of the PSD over the band, strain^2, with its error (errors of bins add)."""
-        inside = (self.frequency >= low) & (self.frequency <= high)
-        width = np.diff(self.edges)[inside]
-        mean, sigma = curve.mean[inside], curve.sigma[inside]
-        return float(np.sum(mean**2 * width)), float(np.sum(2 * mean * sigma * width))
-
-    def shares(self, low=0.0, high=np.inf):
-        """Share of each route in the resolved noise power of the band, and its error; NaN where unresolved."""
-        powers = np.array([self.power(r, low, high) for r in self.routes]).reshape(-1, 2)
-        resolved = np.array([r.resolved for r in self.routes], dtype=bool)
-        value, sigma = np.where(resolved[:, None], powers, 0.0).T
-        total, variance = value.sum(), np.sum(sigma**2)
-        if total <= 0:
-            return np.full(len(value), np.nan), np.full(len(value), np.nan)
-        share = value / total
-        others = np.maximum(variance - sigma**2, 0)
-        error = np.sqrt((1 - share) ** 2 * sigma**2 + share**2 * others) / total
-        return np.where(resolved, share, np.nan), np.where(resolved, error, np.nan)
-
-
-@dataclass
-class Routes:
-    """Columns of the coupling table: one entry per ordered route."""
-
-    hash: np.ndarray
-    name: list
-    port: list
-    coupling: np.ndarray              # recoupled power fraction; only a hint where not `trusted`
-    sigma: np.ndarray
-    reverse: np.ndarray               # C_rev, not multiplied into `coupling`
-    by_reverse: np.ndarray            # carries the numbers of the same route run backwards
-    trusted: np.ndarray
-    why_not: list
-    kind: list                        # "scattered"; "ghost", "edge": computed, without a Monte-Carlo error
-    statement: list                   # of ghosts and edges: what the number is and how far it holds
-
-
-@dataclass
-class Receiver:
-    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was seen.
-
-    An error of a map is NaN, too, where it is not resolved."""
-
-    name: str
-    power: float                      # only a hint where not `trusted`
-    sigma: float
-    trusted: bool
-    why_not: str
-    half: tuple                       # m, half width and height of the image
-    angle_sine: float                 # half width of the map of directions
-    image: np.ndarray | None = None   # power per pixel
-    image_error: np.ndarray | None = None
-    angles: np.ndarray | None = None
-    angles_error: np.ndarray | None = None
-    quadrants: np.ndarray | None = None   # lower left, lower right, upper left, upper right, gap
-    quadrants_error: np.ndarray | None = None
-    field: np.ndarray | None = None   # complex, of free beams, sqrt(W)/m per sqrt(W) of the main mode
+__all__ = ["Run", "RunError", "open_run"]
 
 
 @dataclass
@@ -135,163 +35,170 @@ class Run:
     """A run file, read whole; the file is closed again."""
 
     path: pathlib.Path
-    attributes: dict                  # of the root: version, model_hash, seed, histories ...
+    attributes: dict[str, Any]        # of the root: version, model_hash, seed, histories ...
     routes: Routes
-    ledger: dict                      # name: (mean, standard error) of the power per history
-    arrived: dict                     # group: (mean, standard error)
-    absorbed: dict                    # group, then "(in media)": (mean, standard error); empty before schema 1.3
-    groups: list
-    bodies: list
-    ports: list
-    warnings: list
-    noise: Noise | None = None
-    files: dict = field(default_factory=dict)   # input texts by name
-    receivers: list = field(default_factory=list)
+    ledger: Ledger                    # name: (mean, standard error) of the power per history
+    arrived: dict[str, tuple[float, float]]     # group: (mean, standard error)
+    absorbed: dict[str, tuple[float, float]]    # group, then "(in media)"; empty before schema 1.3
+    groups: list[str]
+    bodies: list[str]
+    ports: list[str]
+    warnings: list[str]
+    noise: Noise | None = None      # None: traced only; project() makes it
+    files: dict[str, str] = field(default_factory=dict)   # input texts by name
+    receivers: Receivers = field(default_factory=Receivers)
     beam_power: float = 0.0           # W, 0: not stated
+    scratch: Scratch | None = field(default=None, repr=False)    # holds a file that nobody asked to keep
 
     @property
-    def complete(self):
+    def complete(self) -> bool:
+        """False: stopped early, a valid result that can be gone on with."""
         return bool(self.attributes["complete"])
 
+    @property
+    def histories(self) -> int:
+        """How many were traced."""
+        return int(self.attributes["histories"])
 
-def _attributes(file):
-    values = {}
-    for name, value in file.attrs.items():
-        values[name] = _text(value) if isinstance(value, (bytes, str)) else value
-    return values
+    @property
+    def title(self) -> str:
+        """That of the model, or nothing."""
+        return str(self.attributes.get("title") or "")
 
+    @property
+    def maps(self) -> dict[str, Receiver]:
+        """The receivers that hold an image, a map of directions or quadrants, by name."""
+        return {r.name: r for r in self.receivers
+                if r.image is not None or r.angles is not None or r.quadrants is not None}
 
-def _routes(file, ports):
-    group = file["classes"]
-    count = len(group["hash"])
-    kinds = group["kind"][()] if "kind" in group else np.zeros(count, int)    # since schema 1.4
-    return Routes(
-        hash=group["hash"][()],
-        name=_texts(group["name"]),
-        port=[ports[i] for i in group["port"][()]],
-        coupling=group["mean"][()],
-        sigma=group["std_error"][()],
-        reverse=group["reverse"][()],
-        by_reverse=group["by_reverse"][()].astype(bool) if "by_reverse" in group else np.zeros(count, bool),
-        trusted=group["trusted"][()].astype(bool),
-        why_not=_texts(group["why_not"]),
-        kind=[KINDS[k] for k in kinds],
-        statement=_texts(group["statement"]) if "statement" in group else [""] * count,
-    )
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """What the run was made by and from: version, commit, seed, hash of the model, names of all input files."""
+        wanted = ("program", "version", "commit", "build_flags", "created", "title", "model_hash", "seed", "histories",
+                  "complete", "stop_rule", "stopped_by", "motion_file")
+        found = {name: self.attributes[name] for name in wanted if name in self.attributes}
+        return {**{k: int(v) if k in ("seed", "histories") else v for k, v in found.items()},
+                "complete": self.complete, "files": sorted(self.files)}
 
+    def paths(self, where: Where | None = None, low: float = 0.0, high: float = 0.0) -> Paths:
+        """The routes, ranked by their share of the noise, as `straytrace paths`.
 
-def _bands(group):
-    if "bands" not in group:
-        return None
-    bands = group["bands"]
-    curves = [bands[name][()] for name in ("input_low", "input_high", "speckle_05", "speckle_50", "speckle_95", "coherent")]
-    sources = list(zip(_texts(bands["source"]), _texts(bands["statement"]), bands["source_low"][()].tolist(),
-                       bands["source_high"][()].tolist(), bands["source_share"][()].tolist()))
-    return Bands(*curves, sources, _texts(bands["taken_as_exact"]))
+        where: which of them, for example ``'via("baffle*") and h(30 Hz) > 1e-25'`` (straytrace.paths), or a function
+        of a row.
+        low, high: Hz, band of the shares; 0: all frequencies."""
+        answer = engine.ask("paths", str(self.path), "--format", "json", "--by", "port")
+        return paths_from(json.loads(answer.output), self.noise, low, high).where(where)
 
+    def project(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+                response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+                out: str | os.PathLike[str] | None = None) -> Run:
+        """The same light under other motion (or `noise`, `interferometer`) and with other responses at ports: a new run,
+        without tracing. Each is a file, a Model or a dict of its tables, ``{"bodies": {"tube": {"motion": ...}}}``.
+        out: a folder for all results, or a run file (.h5); None: a file that goes with the result."""
+        scratch = Scratch() if out is None else None
+        place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
+        words, unsaved = ["noise", str(self.path), "-o", place], {}
+        for option, given in (("motion", motion), ("response", response)):
+            if given is None:
+                continue
+            name, text = _table_of(given, option)
+            words += ["--" + option, name]
+            unsaved[name] = text
+        answer = engine.ask(*words, unsaved=unsaved)
+        run = open_run(place)
+        run.scratch = scratch
+        for warning in answer.warnings:
+            warnings.warn(warning, StraytraceWarning, stacklevel=2)
+        return run
 
-def _noise(file):
-    if "noise" not in file:
-        return None
-    group, total, routes = file["noise"], file["noise/total"], file["noise/routes"]
-    columns = ("mean", "sigma", "phase", "amplitude")
-    arrays = {name: routes[name][()] for name in columns}
-    names, why = _texts(routes["name"]), _texts(routes["why_not"])
-    resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
-    later = [routes[name][()] if name in routes else None for name in ("linear_share", "input_low", "input_high")]
-    design = group["design"]
-    return Noise(
-        frequency=group["frequency"][()],
-        edges=group["frequency_edges"][()],
-        total=Curve("total", *(total[name][()] for name in columns),
-                    linear_share=total["linear_share"][()] if "linear_share" in total else None),
-        routes=[
-            Curve(names[i], *(arrays[c][i] for c in columns), bool(resolved[i]), why[i], float(phase[i]),
-                  *(rows[i] if rows is not None else None for rows in later))
-            for i in range(len(names))
-        ],
-        unresolved=_texts(group["unresolved"]),
-        faint=_texts(group["faint"]),
-        design=dict(zip(_texts(design["name"]), design["asd"][()])),
-        margin=float(group.attrs["margin"]),
-        bands=_bands(group),
-    )
+    def plot(self, path: str | os.PathLike[str] | None = None, *, low: float = 0.0, high: float = 0.0) -> Figure:
+        """The picture of the run: noise, routes, where the light went.
 
+        path: also written there (png, pdf, svg).
+        low, high: Hz, band of the shares; 0: all frequencies."""
+        import matplotlib.pyplot as plt
 
-def _pairs(names, group):
-    return dict(zip(names, zip(group["mean"][()].tolist(), group["std_error"][()].tolist())))
+        from .plot import STYLE, draw, save
 
+        with plt.rc_context(STYLE):
+            figure: Figure = draw(self, (low, high) if high > low else None)
+            plt.close(figure)                   # of no window: a notebook shows it once, as the value of its cell
+            if path is not None:
+                save(figure, path)
+        return figure
 
-def _coherent(maps, number, shape, area):
-    """Sum over routes of sqrt(P/area) e^(i phase)."""
-    total = None
-    for i in np.flatnonzero(maps["field_receiver"][()] == number):
-        part = slice(*maps["field_offset"][i:i + 2])
-        mean = maps["field_real"][part] + 1j * maps["field_imaginary"][part]
-        size = np.abs(mean)
-        phase = np.divide(mean, size, out=np.zeros_like(mean), where=size > 0)
-        wave = np.sqrt(maps["field_power"][part] / area) * phase
-        total = wave if total is None else total + wave
-    if total is None:
-        return None
-    total[total == 0] = np.nan                  # no light was seen there
-    return total.reshape(shape)
+    def plot_map(self, receiver: str, path: str | os.PathLike[str] | None = None) -> Figure:
+        """The pictures of a receiver: image, directions, quadrants, with their errors.
 
+        receiver: one of `maps`.
+        path: also written there."""
+        import matplotlib.pyplot as plt
 
-def _receivers(file):
-    if "receivers" not in file:
-        return []
-    about, maps, found = file["receivers"], file["maps"], []
-    for i, name in enumerate(_texts(file["names/receivers"])):
-        receiver = Receiver(name, float(about["mean"][i]), float(about["std_error"][i]), bool(about["trusted"][i]),
-                            _text(about["why_not"][i]), tuple(0.5 * about["size"][i]), float(about["angle_sine"][i]))
-        columns, rows = (int(n) for n in about["pixels"][i])
-        bins = int(about["angle_bins"][i])
-        for key, shape in (("image", (rows, columns)), ("angles", (bins, bins)), ("quadrants", (-1,))):
-            part = slice(*maps[key + "_offset"][i:i + 2])
-            if part.stop > part.start:
-                setattr(receiver, key, maps[key][part].reshape(shape))
-                setattr(receiver, key + "_error", maps[key + "_error"][part].reshape(shape))
-        if receiver.image is not None:
-            receiver.field = _coherent(maps, i, (rows, columns), 4 * np.prod(receiver.half) / receiver.image.size)
-        found.append(receiver)
-    return found
+        from .plot import STYLE, save
+        from .plot_maps import draw
+
+        if receiver not in self.maps:
+            raise RunError(f"'{self.path}' holds no map of '{receiver}'; it has maps of: {', '.join(self.maps) or 'nothing'}")
+        with plt.rc_context(STYLE):
+            figure: Figure = draw(self, self.maps[receiver])
+            plt.close(figure)
+            if path is not None:
+                save(figure, path)
+        return figure
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Copies the run file to `path`."""
+        part = pathlib.Path(f"{os.fspath(path)}.part-{os.getpid()}")
+        shutil.copyfile(self.path, part)
+        os.replace(part, path)
 
 
-def _read(file, path):
-    attributes = _attributes(file)
-    if attributes.get("file_type") != "straytrace-run":
-        raise RunError(f"'{path}' is not a straytrace run file")
-    if int(attributes["schema"][0]) != SCHEMA_MAJOR:
-        version = ".".join(str(n) for n in attributes["schema"])
-        raise RunError(f"'{path}' has format {version}; this program reads format {SCHEMA_MAJOR}")
-    groups, ports = _texts(file["names/groups"]), _texts(file["names/ports"])
-    inputs = file["input/files"]
-    return Run(
-        path=pathlib.Path(path),
-        attributes=attributes,
-        routes=_routes(file, ports),
-        ledger=_pairs(_texts(file["ledger/name"]), file["ledger"]),
-        arrived=_pairs(groups, file["arrived"]),
-        absorbed=_pairs(groups + ["(in media)"], file["absorbed"]) if "absorbed" in file else {},
+def _table_of(given: Any, option: str) -> tuple[str, str]:
+    """Where the text of other motion or responses stands, or might stand, and the text."""
+    from .model import Model
+
+    model = Model.of(given)
+    text = model.text()
+    if not isinstance(given, Mapping) or isinstance(given, Model):
+        return str(model.path), text
+    return f"{option}-{hashlib.sha256(text.encode()).hexdigest()[:8]}.yaml", text
+
+
+def _read(file: Any, path: pathlib.Path) -> Run:
+    about = reading.attributes(file)
+    reading.refuse_other(about, path)
+    texts, pairs = reading.texts, reading.pairs
+    groups, ports = texts(file["names/groups"]), texts(file["names/ports"])
+    run = Run(
+        path=path,
+        attributes=about,
+        routes=reading.routes_of(file, ports),
+        ledger=Ledger(pairs(texts(file["ledger/name"]), file["ledger"])),
+        arrived=pairs(groups, file["arrived"]),
+        absorbed=pairs([*groups, "(in media)"], file["absorbed"]) if "absorbed" in file else {},
         groups=groups,
-        bodies=_texts(file["names/bodies"]),
+        bodies=texts(file["names/bodies"]),
         ports=ports,
-        warnings=_texts(file["warnings/scene"]) + _texts(file["warnings/trace"]),
-        noise=_noise(file),
-        receivers=_receivers(file),
+        warnings=texts(file["warnings/scene"]) + texts(file["warnings/trace"]),
+        noise=reading.noise_of(file),
+        receivers=reading.receivers_of(file),
         beam_power=float(file["receivers"].attrs["beam_power"]) if "receivers" in file else 0.0,
-        files={_text(text.attrs["name"]): _text(text[()]) for text in inputs.values()},
+        files={reading.text(item.attrs["name"]): reading.text(item[()]) for item in file["input/files"].values()},
     )
+    if run.noise is not None:
+        run.noise.run = run
+    return run
 
 
-def open_run(path):
-    """Reads the run file at `path`, or `run.h5` in the folder `path`."""
+def open_run(path: str | os.PathLike[str]) -> Run:
+    """Reads the run file at `path`, or `run.h5` in the folder `path`. Raises RunError for a file that is none, is damaged
+    or of a newer format."""
     path = pathlib.Path(path)
     if path.is_dir():
         path = path / "run.h5"
     try:
+        reading.refuse_damaged(path)
         with h5py.File(path, "r") as file:
             return _read(file, path)
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError) as error:
         raise RunError(f"cannot read '{path}': {error}") from error

@@ -7,15 +7,11 @@ import pathlib
 import sys
 import textwrap
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from .plot import GREY, STYLE, save  # noqa: E402
-from .words import shortened  # noqa: E402
+from .plot import GREY, STYLE, save
+from .words import shortened
 
 
 def values(numbers):

@@ -9,19 +9,19 @@
 
 namespace straytrace {
 
-struct Answer {
+struct Explanation {
   std::string text;
   nlohmann::ordered_json json;
 };
 
 // "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; nothing when no name is like it.
-std::optional<Answer> explain_key(std::string const& what);
+std::optional<Explanation> explain_key(std::string const& what);
 std::string nearest_key(std::string const& what);  // empty: none
-Answer explain_unit(std::string const& unit);
+Explanation explain_unit(std::string const& unit);
 // A message as it was printed, or a part of it; nothing when none is like it.
-std::optional<Answer> explain_message(std::string const& text);
+std::optional<Explanation> explain_message(std::string const& text);
 // The chain of factors from the coupling of one route to its strain at `hz` (physics.md 1.7, section 9). `path`: its
 // rank in the path table.
-Answer explain_strain(std::string const& run_file, std::size_t path, double hz);
+Explanation explain_strain(std::string const& run_file, std::size_t path, double hz);
 
 }  // namespace straytrace

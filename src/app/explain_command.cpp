@@ -20,7 +20,7 @@ struct Asked {
   double hz = 30;
 };
 
-Answer answer_to(Asked const& asked) {
+Explanation answer_to(Asked const& asked) {
   std::vector<std::string> const& words = asked.words;
   if (words.front() == "unit" && words.size() == 2) return explain_unit(words[1]);
   if (words.front() == "h" && words.size() == 2) return explain_strain(words[1], asked.path, asked.hz);
@@ -57,7 +57,7 @@ void add_explain(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace explain \"does not say which amplitude it is\"\n"
       "  straytrace explain h out/run.h5 --path 2 --at 10");
   command->callback([&] {
-    Answer const answer = answer_to(asked);
+    Explanation const answer = answer_to(asked);
     std::cout << (options.json() ? answer.json.dump(1) + "\n" : answer.text);
     exit_code = done;
   });

@@ -30,8 +30,8 @@ Json as_json(LanguageKey const& k) {
   return out;
 }
 
-Answer answer(std::vector<LanguageKey const*> const& found, bool table) {
-  Answer a;
+Explanation answer(std::vector<LanguageKey const*> const& found, bool table) {
+  Explanation a;
   a.json = Json::array();
   std::size_t width = 0;
   for (LanguageKey const* k : found) width = std::max(width, (table ? k->key : full_name(*k)).size());
@@ -49,7 +49,7 @@ Answer answer(std::vector<LanguageKey const*> const& found, bool table) {
 
 }  // namespace
 
-std::optional<Answer> explain_key(std::string const& what) {
+std::optional<Explanation> explain_key(std::string const& what) {
   std::vector<LanguageKey const*> keys, tables;
   for (LanguageKey const& k : language_keys()) {
     if (full_name(k) == what || k.key == what) keys.push_back(&k);
@@ -57,9 +57,9 @@ std::optional<Answer> explain_key(std::string const& what) {
   }
   if (keys.empty() && tables.empty()) return {};
   if (keys.empty()) return answer(tables, true);
-  Answer a = answer(keys, false);
+  Explanation a = answer(keys, false);
   if (tables.empty()) return a;
-  Answer const more = answer(tables, true);
+  Explanation const more = answer(tables, true);
   a.text += more.text;
   a.json.insert(a.json.end(), more.json.begin(), more.json.end());
   return a;
@@ -77,7 +77,7 @@ std::string nearest_key(std::string const& what) {
   return nearest_word(what, names);
 }
 
-Answer explain_unit(std::string const& unit) {
+Explanation explain_unit(std::string const& unit) {
   auto const found = parse_unit(unit);
   if (!found) {
     std::string const near = likely_unit(unit);
@@ -85,7 +85,7 @@ Answer explain_unit(std::string const& unit) {
                                  near.empty() ? "" : fmt::format("did you mean '{}'? ", near), all_unit_names()));
   }
   std::string const accepted = accepted_units(found->dimension), si = with_unit("1", found->dimension);
-  Answer a;
+  Explanation a;
   a.json = {{"unit", unit}, {"dimension", name_of(found->dimension)}, {"si", found->si}, {"accepted", accepted}};
   a.text = fmt::format("{}: {}\n  in SI    {:.10g}{}\n  accepted {}\n", unit, described(found->dimension), found->si,
                        found->dimension == dim::angle   ? " rad"

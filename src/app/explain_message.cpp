@@ -43,7 +43,7 @@ double likeness(std::set<std::string> const& message, std::set<std::string> cons
 
 }  // namespace
 
-std::optional<Answer> explain_message(std::string const& text) {
+std::optional<Explanation> explain_message(std::string const& text) {
   std::set<std::string> const asked = words_of(text);
   if (asked.size() < 2) return {};
   Json const all = Json::parse(embedded_file("schema/messages.json"));
@@ -55,7 +55,7 @@ std::optional<Answer> explain_message(std::string const& text) {
   double const best = found.front().first;
   std::erase_if(found, [&](auto const& f) { return f.first < best - near_best; });
   found.resize(std::min(most, found.size()));
-  Answer a;
+  Explanation a;
   a.json = Json::array();
   for (auto const& [like, m] : found) {
     a.json.push_back(*m);

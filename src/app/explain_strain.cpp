@@ -58,7 +58,7 @@ std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathR
 
 }  // namespace
 
-Answer explain_strain(std::string const& run_file, std::size_t path, double hz) {
+Explanation explain_strain(std::string const& run_file, std::size_t path, double hz) {
   RunFile const file = read_run(run_file);
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
   replace_as_before(model, file.about);
@@ -73,7 +73,7 @@ Answer explain_strain(std::string const& run_file, std::size_t path, double hz) 
   CouplingClass const& c = class_of(table, row, index);
   NoiseTrace const& trace = budget.routes[index];
   double const centre = budget.grid.centre(bin);
-  Answer a;
+  Explanation a;
   a.json = {{"path", path},
             {"route", row.sequence},
             {"port", row.port},

@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 std::string contents(fs::path const& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || fs::is_directory(file))
-  throw InputError(
-      fmt::format("error: cannot read '{}'\n  check the name and the folder, and that it is a file", file.string()));
+    throw InputError(
+        fmt::format("error: cannot read '{}'\n  check the name and the folder, and that it is a file", file.string()));
   return {std::istreambuf_iterator<char>(in), {}};
 }
 

@@ -9,10 +9,12 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <optional>
 
 #include "app/common_options.hpp"
 #include "app/inspect_geometry.hpp"
 #include "app/inspect_motion.hpp"
+#include "app/inspect_scatter.hpp"
 #include "app/read_file.hpp"
 #include "app/tell.hpp"
 #include "base/message.hpp"
@@ -27,37 +29,33 @@ namespace straytrace {
 namespace {
 
 struct Inspected {
-  std::string what, scene, plot, units, beyond = "constant", angles = "from_normal", wavelength = "1064 nm";
+  std::string scene, units;
+  ScatterRequest what;
 };
 
 bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
 bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
-// A scene that holds nothing but the preset or the file; it reads from `texts` as long as it lives.
-Scene scene_of(Inspected const& i, FileTexts& texts) {
+bool is_preset(std::string const& name) {
   for (MaterialPreset const& p : material_presets())
-    if (p.name == i.what) {
-      texts["preset"] = fmt::format("straytrace: 1\nmaterials: {{{0}: {{preset: {0}}}}}\n", i.what);
-      return read_scene("preset", {}, &texts);
-    }
-  std::ifstream in(i.what, std::ios::binary);
-  if (!in || std::filesystem::is_directory(i.what)) {
-    std::vector<std::string> names;
-    for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
-    std::string const near = nearest_word(i.what, names);
-    throw InputError(
-        fmt::format("error: '{}' is neither a file nor a preset\n  {}to see a material of a scene, name the "
-                    "scene after it: straytrace inspect steel arm.yaml",
-                    i.what, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
-  }
-  std::string const name = std::filesystem::path(i.what).filename().string();
-  std::string const yaml = fmt::format(
-      "straytrace: 1\nmaterials:\n  {}: {{scatter: {{model: table, file: \"{}\", beyond: {}, angles: {}, "
-      "wavelength: {}}}}}\n",
-      "measured", name, i.beyond, i.angles, i.wavelength);
-  texts["options of inspect"] = yaml;
-  texts[name] = std::string(std::istreambuf_iterator<char>(in), {});
-  return read_scene("options of inspect", {}, &texts);
+    if (p.name == name) return true;
+  return false;
+}
+
+// A scene that holds nothing but the preset; it reads from `texts` as long as it lives.
+Scene scene_of_preset(std::string const& name, FileTexts& texts) {
+  texts["preset"] = fmt::format("straytrace: 1\nmaterials: {{{0}: {{preset: {0}}}}}\n", name);
+  return read_scene("preset", {}, &texts);
+}
+
+[[noreturn]] void refuse_name(std::string const& name) {
+  std::vector<std::string> names;
+  for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
+  std::string const near = nearest_word(name, names);
+  throw InputError(
+      fmt::format("error: '{}' is neither a file nor a preset\n  {}to see a material of a scene, name the "
+                  "scene after it: straytrace inspect steel arm.yaml",
+                  name, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
 }
 
 void print_bsdf(WorldView const& world, Optic const& optic, int side) {
@@ -147,20 +145,35 @@ int print_list(std::string const& file, bool json) {
   return done;
 }
 
+// The scene that is asked for; nothing where it is a file of measured scatter.
+std::optional<Scene> scene_asked(Inspected const& i, Options const& options, FileTexts& texts) {
+  std::string const& name = i.what.file;
+  bool const whole = is_scene(name), own = !i.scene.empty();
+  if (whole && own)
+    throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
+  if (own || whole) return read_scene(own ? i.scene : name, options.overrides);
+  if (is_preset(name)) return scene_of_preset(name, texts);
+  if (!std::filesystem::is_regular_file(name)) refuse_name(name);
+  return {};
+}
+
 int inspect(Inspected const& i, Options const& options) {
-  if (is_run_file(i.what))
+  std::string const& name = i.what.file;
+  if (is_run_file(name))
     throw InputError(fmt::format(
         "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "
         "FOLDER to make it again",
-        i.what));
-  if (is_list(i.what) && i.scene.empty()) return print_list(i.what, options.json());
-  if (is_geometry(i.what) && i.scene.empty()) return inspect_geometry(i.what, i.units, i.plot, options);
-  bool const whole = is_scene(i.what), own = !i.scene.empty();
-  if (whole && own)
-    throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
+        name));
+  if (is_geometry(name) && i.scene.empty()) return inspect_geometry(name, i.units, i.what.plot, options);
+  if (is_list(i.what.file) && i.scene.empty()) return print_list(i.what.file, options.json());
   FileTexts texts;
-  Scene const scene = own || whole ? read_scene(own ? i.scene : i.what, options.overrides) : scene_of(i, texts);
-  if (whole && shows_motion(scene)) return inspect_motion(scene, i.plot, options);
+  std::optional<Scene> const asked = scene_asked(i, options, texts);
+  if (!asked) return inspect_scatter(i.what, options);
+  if (!i.what.write.empty())
+    throw InputError("error: --write converts files of measured scatter\n  name such a file, or leave --write out");
+  Scene const& scene = *asked;
+  bool const own = !i.scene.empty();
+  if (is_scene(i.what.file) && shows_motion(scene)) return inspect_motion(scene, i.what.plot, options);
   World world;
   Registry names;
   read_media(scene, world, names);
@@ -171,7 +184,7 @@ int inspect(Inspected const& i, Options const& options) {
   std::vector<std::string> known;
   for (MaterialInfo const& info : world.materials) {
     known.push_back(info.name);
-    if (own && info.name != i.what) continue;
+    if (own && info.name != i.what.file) continue;
     std::vector<std::string> notes;
     for (std::string const& note : world.notes)
       if (note.starts_with("material " + info.name + ":")) notes.push_back(note.substr(11 + info.name.size()));
@@ -182,12 +195,12 @@ int inspect(Inspected const& i, Options const& options) {
       std::cout << data.dump() << '\n';
     else
       print(world.view(), info, notes);
-    if (!i.plot.empty()) plot(data, i.plot);
-    if (!i.plot.empty()) break;
+    if (!i.what.plot.empty()) plot(data, i.what.plot);
+    if (!i.what.plot.empty()) break;
   }
   if (found) return done;
-  std::string const near = nearest_word(i.what, known);
-  throw InputError(fmt::format("error: '{}' has no material '{}'\n  {}", own ? i.scene : i.what, i.what,
+  std::string const near = nearest_word(i.what.file, known);
+  throw InputError(fmt::format("error: '{}' has no material '{}'\n  {}", own ? i.scene : i.what.file, i.what.file,
                                !near.empty() ? fmt::format("did you mean '{}'?", near)
                                              : fmt::format("its materials: {}", fmt::join(known, ", "))));
 }
@@ -196,32 +209,37 @@ int inspect(Inspected const& i, Options const& options) {
 
 void add_inspect(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand(
-      "inspect", "what a material, a preset, or a file of CAD, meshes, BSDF or motion contains as understood");
+      "inspect",
+      "what a material, a preset, or a file of CAD, meshes, measured scatter or motion contains as understood");
   static Inspected what;
   command
       ->add_option(
-          "what", what.what,
-          "material of a scene, preset, CAD or mesh file, BSDF file (CSV), list of materials (newmtl, .mtl), scene, or "
-          "motion file")
+          "what", what.what.file,
+          "material of a scene, preset, CAD or mesh file, file of measured scatter, list of materials (newmtl, .mtl), "
+          "scene, or motion file")
       ->required();
   command->add_option("scene", what.scene, "scene that holds the material");
   command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
       ->allow_extra_args(false);
   command->add_option(
-      "--plot", what.plot,
-      "draw the parts, BSDF against |beta - beta0| and TIS against angle, or the ASDs of motion, into this PNG file");
+      "--plot", what.what.plot,
+      "draw the parts, BSDF against |beta - beta0| and TIS against angle, measured scatter with fits and residuals, or "
+      "the ASDs of motion, into this PNG file");
   command->add_option("--units", what.units, "of a CAD or mesh file: unit of its numbers, for example mm");
-  command->add_option("--beyond", what.beyond, "of a BSDF file: constant, power or zero")
+  command->add_option("--write", what.what.write, "convert a file of measured scatter into this SSDD file");
+  command->add_option("--beyond", what.what.beyond, "of measured scatter: constant, power or zero")
       ->check(CLI::IsMember({"constant", "power", "zero"}));
-  command->add_option("--angles", what.angles, "of a BSDF file: from_normal or from_specular")
+  command->add_option("--angles", what.what.angles, "of a CSV that does not say it: from_normal or from_specular")
       ->check(CLI::IsMember({"from_normal", "from_specular"}));
-  command->add_option("--wavelength", what.wavelength, "of a BSDF file, for example \"633 nm\"");
+  command->add_option("--wavelength", what.what.wavelength, "of a file that does not say it, for example \"633 nm\"");
+  command->add_option("--entry", what.what.entry, "of an ABg catalogue: the name of the entry");
   command->add_flag("--quiet", options.quiet, "no warnings");
   add_format_option(*command, options);
   command->footer(
       "Examples:\n"
       "  straytrace inspect oxidised_steel\n"
       "  straytrace inspect test_mass examples/virgo_arm.yaml --format json\n"
+      "  straytrace inspect examples/data/steel_bsdf.csv --plot steel.png\n"
       "  straytrace inspect examples/data/cad_bench.step --plot bench.png\n"
       "  straytrace inspect examples/data/iris.mtl > materials.yaml");
   command->callback([&] { exit_code = inspect(what, options); });

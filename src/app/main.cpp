@@ -8,8 +8,11 @@
 
 #include "app/build_info.hpp"
 #include "app/command_words.hpp"
+#include "app/events.hpp"
 #include "app/options.hpp"
 #include "base/message.hpp"
+#include "report/report.hpp"
+#include "scene/unsaved.hpp"
 
 namespace straytrace {
 namespace {
@@ -20,6 +23,7 @@ void say(std::string const& what, bool json) {
     std::cerr << problems_as_json(InputError(what)) << '\n';
   else
     std::cerr << "error: " << what << '\n';
+  tell_problems(InputError(what));
 }
 
 // One sentence and what to write instead; the exit code.
@@ -50,6 +54,26 @@ std::string sentence(InputError const& e) {
   return text.find("error: ") == text.npos ? "error: " + text : text;
 }
 
+// "scene.yaml=/tmp/text": the text is read where the model names the scene.
+void add_unsaved(std::string const& pair) {
+  std::size_t const equal = pair.rfind('=');
+  if (equal == 0 || equal >= pair.size() - 1)
+    throw InputError(fmt::format("error: --unsaved '{}' names no two files\n  write --unsaved SCENE=FILE", pair));
+  set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
+}
+
+// For programs that start this one.
+void add_program_options(CLI::App& app) {
+  app.add_flag_callback("--events", tell_events, "progress and problems as lines of JSON on stderr");
+  app.add_option_function<std::vector<std::string>>(
+         "--unsaved",
+         [](std::vector<std::string> const& pairs) {
+           for (std::string const& pair : pairs) add_unsaved(pair);
+         },
+         "SCENE=FILE: the text in FILE is read where SCENE is meant, as an editor holds it")
+      ->allow_extra_args(false);
+}
+
 }  // namespace
 }  // namespace straytrace
 
@@ -59,6 +83,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")");
   app.footer("Every command explains itself: straytrace run --help");
+  add_program_options(app);
   Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
@@ -73,6 +98,7 @@ int main(int argc, char** argv) {
     return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
   } catch (InputError const& e) {
     std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
+    tell_problems(e);
     return input_error;
   } catch (std::filesystem::filesystem_error const& e) {
     say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);

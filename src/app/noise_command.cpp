@@ -33,7 +33,10 @@ int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
   RunFile const file = read_run(options.input);
   Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
-  if (!options.out.empty() && std::filesystem::is_directory(options.out))
+  bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
+  if (alone)
+    earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
+  else if (!options.out.empty() && std::filesystem::is_directory(options.out))
     earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
   FileTexts files = file.about.files;
   std::string replaced = options.motion.empty() ? file.about.motion_file : name_of(options.motion);
@@ -65,6 +68,10 @@ int noise(Options const& options) {
     if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
   }
   if (options.out.empty()) return done;
+  if (alone) {
+    write_run(options.out, content);
+    return done;
+  }
   warn_of_own_folder(options);
   make_folder(options.out);
   std::string const undrawn = write_results(options.out, content, paths, model);
@@ -82,7 +89,8 @@ void add_noise(CLI::App& app, Options& options, int& exit_code) {
   command->add_option(
       "--response", options.response,
       "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', of ports that get others");
-  command->add_option("-o,--out", options.out, "folder for curves, tables and picture");
+  command->add_option("-o,--out", options.out,
+                      "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
   add_force_option(*command, options);
   command->add_option("--show", options.show, "rows of the path table")->check(whole_between(1, 1e6, "20"));
   command->add_flag("--quiet", options.quiet, "results only");

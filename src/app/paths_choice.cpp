@@ -65,8 +65,8 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   if (chosen.strain.empty())
     text += fmt::format("  sum of couplings {}, before {}\n", number_of(chosen.all.total_coupling),
                         number_of(chosen.coupling_before));
-  bool const others = std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(),
-                                  [](PathRow const& row) { return row.vertices == 0; });
+  bool const others =
+      std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
   if (others) text += "  Rows 'other' stay in the sums: some of the routes they hold may pass there as well.\n";
   if (chosen.all.lower_bound()) text += "  lower bounds: unresolved routes are in none of these sums\n";
   return text + "  What their light would do instead is not traced: for that take the object out of the scene.\n";

@@ -17,23 +17,36 @@
 namespace straytrace {
 namespace {
 
+// All files of a result; what could not be drawn.
+std::string write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
+                            Model const& model) {
+  std::string undrawn = write_results(folder, content, paths, model);
+  Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
+  write_file(folder + "/report.html", report_page(content, paths, model, {}, picture));
+  return undrawn;
+}
+
 int run(Options const& options) {
   Earlier const earlier(options.input);           // a run file is made again from its own content
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
   tell_warnings(model, options);
 
-  make_folder(options.out);
-  FolderLock const lock(options.out);
-  TraceResult const traced = trace_model(model, options, options.out + "/run.h5");  // world -> coupling table
-  std::optional<NoiseBudget> budget;                                                // from here on nothing is expensive
+  bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
+  if (!alone) make_folder(options.out);
+  std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
+  std::string const run_file = alone ? options.out : options.out + "/run.h5";
+  TraceResult const traced = trace_model(model, options, run_file);  // world -> coupling table
+  std::optional<NoiseBudget> budget;                                 // from here on nothing is expensive
   if (model.detector) budget = model.project_with_bands(traced.coupling);
   if (budget) tell_warnings(*budget, options);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
   RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
-  std::string const undrawn = write_results(options.out, content, paths, model);
-  Picture const picture{"png", undrawn.empty() ? read_file(options.out + "/report.png") : ""};
-  write_file(options.out + "/report.html", report_page(content, paths, model, {}, picture));
+  std::string undrawn;
+  if (alone)
+    write_run(run_file, content);
+  else
+    undrawn = write_with_page(options.out, content, paths, model);
 
   if (options.json()) {
     std::cout << summary_json(content, paths) << '\n';
@@ -47,8 +60,10 @@ int run(Options const& options) {
       std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
     if (!options.quiet)
       std::cerr << merit_text(merits(content), merits_shown)
-                << fmt::format("results in {}: report.html report.png report.txt{} paths.csv{} run.h5\n", options.out,
-                               budget ? " h_asd.txt" : "", content.receivers.empty() ? "" : " receivers.csv");
+                << (alone ? fmt::format("run file: {}\n", run_file)
+                          : fmt::format("results in {}: report.html report.png report.txt{} paths.csv{} run.h5\n",
+                                        options.out, budget ? " h_asd.txt" : "",
+                                        content.receivers.empty() ? "" : " receivers.csv"));
   }
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
@@ -61,7 +76,8 @@ void add_run(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand("run", "check, trace, noise and report in one go");
   add_scene_options(*command, options, "scene file (YAML), or run file (HDF5) to make again");
   add_trace_options(*command, options);
-  command->add_option("-o,--out", options.out, "folder for the results")->required();
+  command->add_option("-o,--out", options.out, "folder for the results; a name that ends with .h5: the run file alone")
+      ->required();
   command->footer(
       "Examples:\n"
       "  straytrace run examples/virgo_arm.yaml -o out/\n"

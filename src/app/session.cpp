@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "app/build_info.hpp"
+#include "app/events.hpp"
 #include "app/ghost_noise.hpp"
 #include "app/interrupt.hpp"
 #include "app/tell.hpp"
@@ -152,6 +153,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   steer(model.world);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
+    if (events_told()) return tell_progress(p, progress_line(p, model.until));
     progress.at(p.seconds, [&] { return progress_line(p, model.until); });
   };
   InterruptGuard const guard;

@@ -41,6 +41,7 @@ std::string package_folder() {
   std::error_code unknown;
   fs::path above = fs::read_symlink("/proc/self/exe", unknown).parent_path();
   for (; !above.empty(); above = above.parent_path()) {
+    if (holds_package(above)) return above;  // as pip installs it
     if (holds_package(above / "python")) return above / "python";
     if (holds_package(above / "share/straytrace/python")) return above / "share/straytrace/python";
     if (above == above.root_path()) break;
@@ -107,6 +108,10 @@ bool draw_map_pictures(std::string const& run_file, std::string const& folder, s
 
 bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
   return draw({"straytrace.plot_law", json_file, "-o", png_file}, png_file, message);
+}
+
+bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
+  return draw({"straytrace.plot_scatter", json_file, "-o", png_file}, png_file, message);
 }
 
 bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message) {

@@ -19,6 +19,8 @@ bool draw_map_pictures(std::string const& run_file, std::string const& folder, s
 
 // The same for a scatter law, from the JSON that `straytrace inspect --format json` prints.
 bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message);
+// Measured scatter with fits and residuals, from the same JSON of a file of measured scatter.
+bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 // The same for a noise budget, from the JSON that `straytrace budget --format json` prints.
 bool draw_budget_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 

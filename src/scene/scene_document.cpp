@@ -9,6 +9,7 @@
 #include "base/embedded.hpp"
 #include "scene/library.hpp"
 #include "scene/scope.hpp"
+#include "scene/unsaved.hpp"
 
 namespace straytrace {
 namespace {
@@ -120,6 +121,7 @@ std::optional<std::string> SceneDocument::read(std::string const& name, std::siz
   }
   std::error_code code;
   std::filesystem::path const path = folder_ / name;
+  if (auto text = unsaved_text(path)) return text;
   if (!std::filesystem::exists(path, code))
     why = "there is no such file";
   else if (!std::filesystem::is_regular_file(path, code))

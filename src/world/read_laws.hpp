@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "world/column_file.hpp"
 #include "world/read_parts.hpp"
 
 namespace straytrace {
@@ -13,9 +14,10 @@ namespace straytrace {
 struct LawReading {
   World& world;
   std::string material;
-  std::vector<PoolRef> laws;  // what was read
-  Optic* optic = nullptr;     // of the material
-  ScatterSpread spread = {};  // of a preset, around the case that is taken
+  std::vector<PoolRef> laws;    // what was read
+  Optic* optic = nullptr;       // of the material
+  ScatterSpread spread = {};    // of a preset, around the case that is taken
+  std::string wavelength = {};  // that the file of the law now read says
 
   template <class Law>
   void add(Law const& law) {
@@ -46,23 +48,6 @@ LawInfo read_preset(Node const& material, LawReading&, Optic&);
 // Wavelength at which a law is evaluated: the key `wavelength`, or that of the scene.
 double law_wavelength(Node const& law, World const&);
 
-// A text file of columns: header 'theta_i [deg], brdf [1/sr]', then rows; '#' starts a comment.
-struct ColumnFile {
-  struct Column {
-    std::string name;
-    Quantity unit;
-    std::uint32_t line, at;  // place of the name
-  };
-  struct Row {
-    std::vector<double> values;  // SI
-    std::uint32_t line;
-    std::vector<std::uint32_t> at;  // columns where the cells begin
-  };
-  std::string name;
-  std::vector<Column> columns;
-  std::vector<Row> rows;
-  int find(std::string_view column) const;  // -1: none
-};
 // Problems go to the file's lines, and an empty file comes back. `example`: a header for messages.
 ColumnFile read_columns(Node const& owner, std::string const& file, std::string const& example);
 

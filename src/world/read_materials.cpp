@@ -77,11 +77,14 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
   }();
   std::string const model = law.choice("model", names);
   std::size_t const before = out.laws.size();
+  out.wavelength.clear();
   for (Model const& m : models)
     if (model == m.name) m.read(law, out);
   bool const through = law.flag("through", false);
   LawInfo about{model, law.word("source", "not given"),
-                law.has("wavelength") ? law["wavelength"].as_word() : "not given"};
+                law.has("wavelength")    ? law["wavelength"].as_word()
+                : out.wavelength.empty() ? "not given"
+                                         : out.wavelength};
   for (std::size_t i = before; i < out.laws.size() && i < std::size_t(Optic::most_laws); ++i) {
     optic.law[i] = out.laws[i];
     optic.through[i] = through;

@@ -1,155 +1,124 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measured BSDF files: columns theta_i, theta_s, (phi) or offset, and brdf or brdf_cos.
+// The law `table`: measured scatter from a file of any format that world/measured reads.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "world/measured/scatter_file.hpp"
+#include "world/measured/scatter_law.hpp"
 #include "world/read_laws.hpp"
 
 namespace straytrace {
 namespace {
 
-constexpr double degree = pi / 180;
+constexpr double far_wavelength = 0.05;  // relative
 
 class MeasuredReader {
  public:
   explicit MeasuredReader(Node const& law) : law_(law) {}
 
   void read(LawReading& out) {
-    std::vector<MeasuredPoint> points;
-    std::string beyond;
-    if (!read_points(points, beyond) || !enough(points)) return;
-    Measured p;
-    auto const s = fit_measured(p, points,
-                                beyond == "constant" ? Beyond::constant
-                                : beyond == "power"  ? Beyond::power
-                                                     : Beyond::zero);
+    if (!read_file()) return;
+    out.wavelength = fmt::format("{:g} nm", file.declared.wavelength * 1e9);
+    at_wavelength(out);
+    MeasuredSummary summary;
+    Measured p = law_of_points(file.points, beyond_, summary);
     p.prepare();
-    report(p, s, beyond, out);
+    report(p, summary, out);
     out.add(p);
   }
+
   // False, with problems in the document, when the file cannot be used.
-  bool read_points(std::vector<MeasuredPoint>& points, std::string& beyond) {
-    static constexpr std::string_view rules[] = {"constant", "power", "zero"},
-                                      conventions[] = {"from_normal", "from_specular"};
-    beyond = law_.choice("beyond", rules);
-    double const wavelength = law_.number("wavelength", dim::length, required, 1e-8, 1e-3);
-    law_.has("angles");
+  bool read_file() {
+    static constexpr std::string_view rules[] = {"constant", "power", "zero"}, scalings[] = {"none", "smooth"};
+    beyond_ = law_.choice("beyond", rules);
+    std::string const scaling = law_.choice("scaling", scalings, "none");
+    scaled = scaling == "smooth";
+    ScatterDeclared const given = declared();
     name_ = law_.word("file");
-    if (name_.empty()) return false;
-    file_ = read_columns(law_["file"], name_, "theta_i [deg], theta_s [deg], brdf [1/sr]");
-    bool const by_angle = file_.find("theta_s") >= 0;
-    std::string const angles = by_angle ? law_.choice("angles", conventions) : "from_normal";
-    if (file_.rows.empty() || !columns_fit() || beyond.empty() || angles.empty() || !(wavelength > 0)) return false;
-    for (ColumnFile::Row const& row : file_.rows)
-      if (!point(row, angles == "from_specular", points)) return false;
-    return true;
+    if (name_.empty() || beyond_.empty() || scaling.empty() || !law_.healthy()) return false;
+    std::string const text = law_["file"].data_file(name_);
+    if (text.empty()) return false;
+    std::vector<Problem> problems;
+    file = read_scatter_file(text, given, problems);
+    if (problems.empty()) check_scatter_points(file.points, problems);
+    for (Problem const& p : problems)
+      law_["file"].file_problem(name_, p.place.line, p.place.column, p.what, p.suggestion);
+    return problems.empty() && side_fits();
   }
 
+  ScatterFile file;
+  bool scaled = false;
+
  private:
-  bool problem(std::uint32_t line, std::uint32_t at, std::string what, std::string suggestion) {
-    law_["file"].file_problem(name_, line, at, std::move(what), std::move(suggestion));
+  ScatterDeclared declared() const {
+    static constexpr std::string_view conventions[] = {"from_normal", "from_specular"};
+    ScatterDeclared d;
+    if (law_.has("wavelength")) d.wavelength = law_.number("wavelength", dim::length, required, 1e-8, 1e-3);
+    if (law_.has("angles")) d.angles = law_.choice("angles", conventions);
+    if (law_.has("entry")) d.entry = law_.word("entry");
+    return d;
+  }
+
+  bool side_fits() const {
+    bool const through = law_.has("through") && law_.flag("through", false);
+    if (!file.transmitted || through) return true;
+    law_["file"].problem(fmt::format("'{}' holds what is scattered through the surface (BTDF)", name_),
+                         "write 'through: yes' beside it");
     return false;
   }
 
-  bool columns_fit() {
-    static constexpr std::string_view known[] = {"theta_i", "theta_s", "phi", "offset", "brdf", "brdf_cos"};
-    for (ColumnFile::Column const& c : file_.columns) {
-      bool const angle = c.name == "theta_i" || c.name == "theta_s" || c.name == "phi",
-                 value = c.name.starts_with("brdf");
-      if (std::find(std::begin(known), std::end(known), c.name) == std::end(known))
-        return problem(c.line, c.at, fmt::format("unknown column '{}'", c.name),
-                       fmt::format("known columns: {}", fmt::join(known, ", ")));
-      if (c.unit.dimension != (angle ? dim::angle : value ? dim::brdf : dim::plain))
-        return problem(c.line, c.at, fmt::format("column '{}' needs its unit", c.name),
-                       fmt::format("write '{}{}'", c.name,
-                                   angle   ? " [deg]"
-                                   : value ? " [1/sr]"
-                                           : ""));
+  // physics.md eq. 3.8: of a smooth surface the same spatial frequencies scatter at offsets in proportion to the
+  // wavelength, with a BSDF that goes as its inverse fourth power.
+  void at_wavelength(LawReading& out) {
+    double const measured = file.declared.wavelength, wanted = out.world.wavelength, ratio = measured / wanted;
+    double const factor = std::pow(ratio, 4);
+    if (scaled) {
+      for (ScatterPoint& p : file.points) {
+        p.offset /= ratio;
+        p.value *= factor;
+      }
+      std::erase_if(file.points, [](ScatterPoint const& p) { return p.offset >= 1 + std::sin(p.theta_i); });
+      out.note(
+          fmt::format("'{}' scaled from {:g} nm to {:g} nm as a smooth surface: BSDF times {:.4g}, offsets times "
+                      "{:.4g} (eq. 3.8)",
+                      name_, measured * 1e9, wanted * 1e9, factor, 1 / ratio));
+    } else if (std::fabs(ratio - 1) > far_wavelength) {
+      law_.warning(fmt::format("'{}' was measured at {:g} nm, the scene is at {:g} nm; nothing is scaled", name_,
+                               measured * 1e9, wanted * 1e9),
+                   fmt::format("a smooth surface would scatter {:.3g} times as much at {:.3g} times the offset (eq. "
+                               "3.8): 'scaling: smooth' does that; a rough or black one changes little",
+                               factor, 1 / ratio));
     }
-    auto const there = [&](char const* column) { return file_.find(column) >= 0; };
-    std::uint32_t const line = file_.columns.front().line;
-    if (there("brdf") == there("brdf_cos"))
-      return problem(line, 1, "the values must be one of 'brdf' and 'brdf_cos'",
-                     "'brdf_cos' is BRDF times cos(theta_s)");
-    if (there("offset") == there("theta_s") || (there("phi") && !there("theta_s")))
-      return problem(line, 1, "the direction of scatter must be 'offset', or 'theta_s' with or without 'phi'",
-                     "offset = |alpha - alpha_0| in direction cosines");
-    if (!there("theta_i")) return problem(line, 1, "the angle of incidence is missing", "add a column 'theta_i [deg]'");
-    if (there("offset") && there("brdf_cos"))
-      return problem(line, 1, "'brdf_cos' needs the angle of scatter, not an offset", "divide by the cosine first");
-    return true;
   }
 
-  double value(ColumnFile::Row const& row, char const* column) const {
-    int const i = file_.find(column);
-    return i < 0 ? 0 : row.values[std::size_t(i)];
-  }
-
-  bool point(ColumnFile::Row const& row, bool from_specular, std::vector<MeasuredPoint>& points) {
-    auto const at = [&](char const* column) { return row.at[std::size_t(file_.find(column))]; };
-    double const incidence = value(row, "theta_i");
-    if (!(incidence >= 0 && incidence < pi / 2))
-      return problem(row.line, at("theta_i"), fmt::format("incidence of {:g} deg", incidence / degree),
-                     "give 0 to below 90 deg");
-    bool const by_angle = file_.find("theta_s") >= 0;
-    double const scatter = value(row, "theta_s") + (from_specular ? incidence : 0), phi = value(row, "phi");
-    if (!(std::fabs(scatter) < pi / 2))
-      return problem(row.line, at("theta_s"), fmt::format("scatter at {:g} deg from the normal", scatter / degree),
-                     "leave out what is below the surface; check 'angles'");
-    MeasuredPoint p;
-    p.sin_i = std::sin(incidence);
-    double const x = std::sin(scatter) * std::cos(phi) - p.sin_i, y = std::sin(scatter) * std::sin(phi);
-    p.offset = by_angle ? std::hypot(x, y) : value(row, "offset");
-    if (!(p.offset >= 0 && p.offset < 2))
-      return problem(row.line, at("offset"), fmt::format("offset {:g}", p.offset), "give 0 to below 2");
-    char const* const column = file_.find("brdf") >= 0 ? "brdf" : "brdf_cos";
-    p.value = value(row, column) / (file_.find("brdf") >= 0 ? 1 : std::cos(scatter));
-    if (!(p.value > 0))
-      return problem(row.line, at(column),
-                     by_angle ? fmt::format("BRDF {:g} /sr at {:g} deg", p.value, scatter / degree)
-                              : fmt::format("BRDF {:g} /sr at offset {:g}", p.value, p.offset),
-                     "leave out points at or below the noise floor");
-    points.push_back(p);
-    return true;
-  }
-
-  bool enough(std::vector<MeasuredPoint> const& points) {
-    std::vector<double> sines;
-    for (MeasuredPoint const& p : points) {
-      bool known = false;
-      for (double s : sines) known = known || std::fabs(s - p.sin_i) < 1e-6;
-      if (!known) sines.push_back(p.sin_i);
-    }
-    if (sines.size() > Measured::most_incidences)
-      return problem(0, 0, fmt::format("{} angles of incidence", sines.size()),
-                     fmt::format("keep {} at most", int(Measured::most_incidences)));
-    for (double s : sines) {
-      double low = 2, high = 0;
-      for (MeasuredPoint const& p : points)
-        if (std::fabs(s - p.sin_i) < 1e-6) {
-          low = std::fmin(low, p.offset);
-          high = std::fmax(high, p.offset);
-        }
-      if (high < 1.5 * low || high < 1e-6)
-        return problem(
-            0, 0, fmt::format("the points at {:.4g} deg of incidence cover no range of angles", std::asin(s) / degree),
-            "measure several angles of scatter for each incidence, or leave this one out");
-    }
-    return true;
-  }
-
-  void report(Measured const& p, MeasuredSummary const& s, std::string const& beyond, LawReading& out) {
+  void report(Measured const& p, MeasuredSummary const& s, LawReading& out) {
     out.note(fmt::format(
-        "'{}': {:g} angles of incidence up to {:.3g} deg, |alpha - alpha_0| from {:.3g} to {:.3g}; {} beyond; "
+        "'{}' ({}): {:g} angles of incidence up to {:.3g} deg, |alpha - alpha_0| from {:.3g} to {:.3g}; {} beyond; "
         "directions exchanged, it differs by a factor up to {:.3g} before the mean is taken",
-        name_, p.incidences, std::asin(p.sine[int(p.incidences) - 1]) / degree, s.smallest_offset, s.largest_offset,
-        beyond, s.asymmetry));
+        name_, file.format, p.incidences, std::asin(p.sine[int(p.incidences) - 1]) / (pi / 180), s.smallest_offset,
+        s.largest_offset, beyond_, s.asymmetry));
+    if (file.incidences_left_out > 0)
+      law_.warning(fmt::format("the file has {} angles of incidence, of which {} are used",
+                               p.incidences + double(file.incidences_left_out), p.incidences),
+                   "the law holds no more; leave out those that matter least yourself to choose");
+    auto const limits = std::count_if(file.points.begin(), file.points.end(), [](auto const& q) { return q.limit; });
+    if (limits > 0)
+      law_.warning(fmt::format("{} of {} points are upper limits at the noise floor of {:.3g} /sr", limits,
+                               file.points.size(), file.declared.noise_floor),
+                   "the law takes the floor there, which is the most that it may be");
+    for (StatedTis const& t : file.stated)
+      if (std::fabs(t.integral / t.stated - 1) > stated_tis_tolerance) {
+        law_.warning(fmt::format("the file states a total of {:.4g} at {:g} deg, its own values integrate to {:.4g}",
+                                 t.stated, t.theta_i / (pi / 180), t.integral),
+                     "the values are used; a lobe narrower than the steps of the table is lost in them");
+        break;
+      }
     if (s.reach < 0.95 || s.smallest_offset > 0.01)
       law_.warning(
           fmt::format("measured for |alpha - alpha_0| from {:.3g} to {:.3g}; beyond, the law is {}", s.smallest_offset,
-                      s.largest_offset, beyond == "power" ? "continued as a power law" : beyond),
+                      s.largest_offset, beyond_ == "power" ? "continued as a power law" : beyond_),
           "trust what falls outside as far as you trust 'beyond'");
     if (s.spread > 1.5)
       law_.warning(
@@ -164,8 +133,7 @@ class MeasuredReader {
   }
 
   Node law_;
-  std::string name_;
-  ColumnFile file_;
+  std::string name_, beyond_;
 };
 
 }  // namespace
@@ -173,9 +141,10 @@ class MeasuredReader {
 void read_measured(Node const& law, LawReading& out) { MeasuredReader(law).read(out); }
 
 std::vector<MeasuredPoint> measured_points(Node const& law) {
+  MeasuredReader reader(law);
   std::vector<MeasuredPoint> points;
-  std::string beyond;
-  MeasuredReader(law).read_points(points, beyond);
+  if (reader.read_file() && !reader.scaled)
+    for (ScatterPoint const& p : reader.file.points) points.push_back({std::sin(p.theta_i), p.offset, p.value});
   return points;
 }
 

@@ -4,28 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "base/csv_cells.hpp"
+#include "world/measured/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
-
-struct Word {
-  std::string_view text;
-  std::uint32_t column;
-};
-
-std::vector<Word> words_of(std::string_view line) {
-  std::vector<Word> out;
-  line = line.substr(0, line.find('#'));
-  for (std::size_t at = 0; at < line.size();) {
-    std::size_t const begin = line.find_first_not_of(" \t\r", at);
-    if (begin == std::string_view::npos) break;
-    at = std::min(line.find_first_of(" \t\r", begin), line.size());
-    out.push_back({line.substr(begin, at - begin), std::uint32_t(begin + 1)});
-  }
-  return out;
-}
 
 // Written as 1064, 1.064 or 1064e-9: the unit follows from the size of the number.
 double wavelength_in_m(double x) { return x >= 50 ? x * 1e-9 : x >= 1e-2 ? x * 1e-6 : x; }
@@ -34,16 +19,14 @@ class Reader {
  public:
   explicit Reader(std::vector<Problem>& problems) : problems_(problems) {}
 
-  void line(std::uint32_t number, std::string_view text) {
-    std::vector<Word> const words = words_of(text);
-    if (words.empty()) return;
-    number_ = number;
+  void line(TextLine const& line) {
+    std::vector<Token> const words = words_of(line);
     std::string_view const key = words[0].text;
     if (key == "newmtl") {
       if (words.size() != 2) return complain(words[0], "'newmtl' needs one name", "write for example 'newmtl iris'");
       NewmtlMaterial m;
       m.name = words[1].text;
-      m.line = number;
+      m.line = line.number;
       if (std::any_of(out.begin(), out.end(), [&](NewmtlMaterial const& o) { return o.name == m.name; }))
         complain(words[1], fmt::format("material '{}' is defined twice", m.name), "choose another name");
       out.push_back(m);
@@ -67,52 +50,40 @@ class Reader {
   void finish() {
     for (NewmtlMaterial const& m : out) {
       double const sum = m.transmit + m.reflect + m.scatter_transmit + m.scatter_reflect;
-      number_ = m.line;
       if (sum > 1 + 1e-12)
-        complain({m.name, 8}, fmt::format("material '{}' makes light: T + R + scatter = {:g}", m.name, sum),
+        complain({m.name, m.line, 8}, fmt::format("material '{}' makes light: T + R + scatter = {:g}", m.name, sum),
                  "lower TR or PPM; what is left over is absorbed");
     }
   }
   std::vector<NewmtlMaterial> out;
 
  private:
-  void two(std::vector<Word> const& words, double& first, double& second, char const* example, double high) {
+  void two(std::vector<Token> const& words, double& first, double& second, char const* example, double high) {
     if (words.size() != 3)
       return complain(words[0], fmt::format("'{}' needs two numbers", words[0].text),
                       fmt::format("write for example '{}'", example));
     double* const into[] = {&first, &second};
     for (std::size_t i = 0; i < 2; ++i) {
       std::string_view const text = words[i + 1].text;
-      double x = 0;
-      auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), x);
-      if (code != std::errc() || end != text.data() + text.size() || !(x >= 0 && x <= high))
+      auto const x = csv_number(text, {1, dim::plain, {}});
+      if (!x || !(*x >= 0 && *x <= high))
         complain(words[i + 1], fmt::format("'{}' is not a number between 0 and {:g}", text, high),
                  fmt::format("write for example '{}'", example));
       else
-        *into[i] = x;
+        *into[i] = *x;
     }
   }
-  void complain(Word const& where, std::string what, std::string suggestion) {
-    problems_.push_back({{0, number_, where.column},
-                         std::move(what),
-                         std::move(suggestion),
-                         Severity::error,
-                         std::uint32_t(where.text.size())});
+  void complain(Token const& where, std::string what, std::string suggestion) {
+    straytrace::complain(problems_, where, std::move(what), std::move(suggestion));
   }
   std::vector<Problem>& problems_;
-  std::uint32_t number_ = 0;
 };
 
 }  // namespace
 
 std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems) {
   Reader reader(problems);
-  std::uint32_t number = 0;
-  while (!text.empty()) {
-    std::size_t const end = std::min(text.find('\n'), text.size());
-    reader.line(++number, text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
+  for (TextLine const& line : lines_of(text)) reader.line(line);
   reader.finish();
   return std::move(reader.out);
 }

@@ -64,7 +64,7 @@ TEST(Inspect, DrawsAPicture) {
 TEST(Inspect, ReadsABsdfFile) {
   Finished const r = straytrace({"inspect", source_folder + "/examples/data/steel_bsdf.csv"});
   EXPECT_EQ(r.code, 0) << r.err;
-  EXPECT_THAT(r.out, HasSubstr("3 angles of incidence up to 60 deg"));
+  EXPECT_THAT(r.out, HasSubstr("laboratory CSV, reflected, 1064 nm"));
 }
 
 struct Bad {
@@ -90,7 +90,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
            Bad{"  m: {scatter: {" + table + ", file: one.csv}}\n", "cover no range of angles"},
            Bad{"  m: {scatter: {" + table + ", file: text.csv}}\n", "text.csv:2:4: error: 'ten' is not a number"},
            Bad{"  m: {scatter: {model: table, file: one.csv, angles: from_normal, beyond: zero}}\n",
-               "key 'wavelength'"},
+               "nothing declares wavelength of the measurement"},
            Bad{"  m: {scatter: {model: psd, file: psd.csv, dimension: 2d, sides: two, beyond: zero}}\n",
                "psd.csv:3:1: error: the frequency is not above"},
            Bad{"  m: {scatter: {model: psd, file: psd.csv, dimension: 2d, sides: one, beyond: zero}}\n",

@@ -71,7 +71,7 @@ def check_run(path):
     np.testing.assert_allclose(total, run.noise.total.mean, rtol=1e-9)   # powers of routes add (interface.md 10.6)
     share, error = run.noise.shares()
     assert abs(np.nansum(share) - 1) < 1e-9 and np.all(error[np.isfinite(error)] >= 0)
-    twin = [straytrace.run.Curve(r.name, 2 * r.mean, r.sigma, r.phase, r.amplitude) for r in resolved[:1]] + resolved[1:]
+    twin = [straytrace.Curve(r.name, 2 * r.mean, r.sigma, r.phase, r.amplitude) for r in resolved[:1]] + resolved[1:]
     assert not np.allclose(np.sqrt(sum(r.mean**2 for r in twin)), run.noise.total.mean, rtol=1e-3, atol=0)
     return run
 

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Strain noise as numpy arrays and tables. All strains are one-sided ASDs in 1/sqrt(Hz), [n] over frequency."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import RunError
+from .interpolate import log_log
+
+if TYPE_CHECKING:
+    import pandas
+
+    from .model import Model
+    from .run import Run
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass
+class Curve:
+    """One strain noise curve on the frequencies of the run."""
+
+    name: str
+    mean: Array                       # [n] over the static phases of the paths
+    sigma: Array                      # [n] one standard error, Monte Carlo
+    phase: Array                      # [n] of it: phase quadrature
+    amplitude: Array                  # [n] of it: amplitude quadrature
+    resolved: bool = True
+    why_not: str = ""
+    mean_square_phase: float = 0.0    # rad^2
+    linear_share: Array | None = None    # [n] of the PSD, by motion of that frequency; None before schema 1.5
+    input_low: Array | None = None       # [n] of routes: what stated inputs leave open; None before schema 1.6
+    input_high: Array | None = None
+
+
+@dataclass
+class Bands:
+    """Beside the Monte-Carlo error of the total, [n], 1/sqrt(Hz)."""
+
+    input_low: Array                  # what brackets and uncertainties of the input leave open
+    input_high: Array
+    speckle_05: Array                 # percentiles of one realisation of the static phases
+    speckle_50: Array
+    speckle_95: Array
+    coherent: Array                   # linear sum of the ASDs of the routes
+    sources: list[tuple[str, str, float, float, float]]    # name, statement, factors on the total, share of the noise
+    taken_as_exact: list[str]
+
+
+@dataclass
+class Noise:
+    """The strain noise of a run. Called, it gives that of other motion: ``run.noise(motion="storm.yaml")``."""
+
+    frequency: Array                  # [n] Hz, geometric centres of bins
+    edges: Array                      # [n + 1] Hz
+    total: Curve                      # a lower bound when `unresolved` is not empty
+    routes: list[Curve]               # one per route of the run
+    unresolved: list[str]             # names with reason
+    faint: list[str]                  # unresolved too, but too faint to move the total
+    design: dict[str, Array]          # name: ASD
+    margin: float                     # of the first design curve
+    bands: Bands | None = None      # None where only the mean was made
+    run: Run | None = field(default=None, repr=False, compare=False)
+
+    def __call__(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
+                 response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None) -> "Noise":
+        """The noise of the same light under other motion or with other responses, without tracing: Run.project."""
+        if self.run is None:
+            raise RunError("this noise is of no run that could be projected again")
+        noise = self.run.project(motion, response).noise
+        assert noise is not None
+        return noise
+
+    def power(self, curve: Curve, low: float = 0.0, high: float = np.inf) -> tuple[float, float]:
+        """Integral of the PSD over the band [Hz], strain^2, with its error (errors of bins add)."""
+        inside = (self.frequency >= low) & (self.frequency <= high)
+        width = np.diff(self.edges)[inside]
+        mean, sigma = curve.mean[inside], curve.sigma[inside]
+        return float(np.sum(mean**2 * width)), float(np.sum(2 * mean * sigma * width))
+
+    def shares(self, low: float = 0.0, high: float = np.inf) -> tuple[Array, Array]:
+        """Share of each route in the resolved noise power of the band [Hz], and its error; NaN where unresolved."""
+        powers = np.array([self.power(r, low, high) for r in self.routes]).reshape(-1, 2)
+        resolved = np.array([r.resolved for r in self.routes], dtype=bool)
+        value, sigma = np.where(resolved[:, None], powers, 0.0).T
+        total, variance = value.sum(), np.sum(sigma**2)
+        if total <= 0:
+            return np.full(len(value), np.nan), np.full(len(value), np.nan)
+        share = value / total
+        others = np.maximum(variance - sigma**2, 0)
+        error = np.sqrt((1 - share) ** 2 * sigma**2 + share**2 * others) / total
+        return np.where(resolved, share, np.nan), np.where(resolved, error, np.nan)
+
+    def at(self, hz: npt.ArrayLike, curve: Curve | None = None) -> Array:
+        """The ASD of the total, or of a curve, at frequencies: straight in log-log, NaN outside the band."""
+        return log_log(hz, self.frequency, (curve or self.total).mean)
+
+    def table(self) -> pandas.DataFrame:
+        """A row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)]; index: Hz."""
+        import pandas
+
+        columns = {"h": self.total.mean, "sigma": self.total.sigma, "phase": self.total.phase,
+                   "amplitude": self.total.amplitude}
+        if self.bands is not None:
+            for name in ("input_low", "input_high", "speckle_05", "speckle_50", "speckle_95", "coherent"):
+                columns[name] = getattr(self.bands, name)
+        columns |= self.design
+        table = pandas.DataFrame(columns, index=pandas.Index(self.frequency, name="frequency_Hz"))
+        table["lower_bound"] = bool(self.unresolved)
+        return table
+
+    def to_gwpy(self, curve: Curve | None = None, *, interpolate: float | None = None) -> Any:
+        """A gwpy FrequencySeries of the ASD. It holds regular axes only: a logarithmic one is refused unless
+        `interpolate` gives the step [Hz] of a regular one within the band, straight in log-log between the bins."""
+        from .gwpy import frequency_series
+
+        return frequency_series(self, curve or self.total, interpolate)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Responses of ports to stray light from a FINESSE 3 model (the extra straytrace[finesse]).
+
+A stray field at a port is the main light there times s (physics.md 9): its real part is an amplitude, its imaginary part
+a phase. Both sidebands of s go into the model at the node where the light joins, and the read-out answers in W; divided
+by its answer to DARM this is what `responses` of an interferometer reads (docs/reference/interferometer.md)::
+
+    found = straytrace.finesse.response(kat, inject="ETMx.p2.i", relative_to="ETMx.p2.o", frequencies=f)
+    model.interferometer.responses = {"SNEB": found.save("responses", "SNEB")}
+"""
+
+from __future__ import annotations
+
+import os
+import pathlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+ComplexArray = npt.NDArray[np.complex128]
+DARM: Mapping[str, float] = {"ETMx.mech.z": -0.5, "ETMy.mech.z": 0.5}    # one metre of difference of the arms
+
+
+@dataclass
+class Response:
+    """Of one read-out, [n] over frequency, complex, for exp(+iwt)."""
+
+    frequency: npt.NDArray[np.float64]    # Hz
+    phase: ComplexArray                   # W per relative field in quadrature with the main light (Im s)
+    amplitude: ComplexArray               # W per relative field in phase with it (Re s)
+    darm: ComplexArray                    # W/m
+
+    def save(self, folder: str | os.PathLike[str], name: str) -> dict[str, str | list[str]]:
+        """Writes NAME_phase.txt, NAME_amplitude.txt and NAME_darm.txt into `folder`, and returns what `responses` says
+        of the port; the names are relative to a model beside `folder`."""
+        folder = pathlib.Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        said: dict[str, str | list[str]] = {"columns": ["Hz", "re", "im"], "unit": "W"}
+        for what, unit in (("phase", "W per relative field"), ("amplitude", "W per relative field"), ("darm", "W/m")):
+            place = folder / f"{name}_{what}.txt"
+            values = getattr(self, what)
+            np.savetxt(place, np.column_stack([self.frequency, values.real, values.imag]), fmt="%.12g",
+                       header=f"Hz, re, im of the response to {what} [{unit}], for exp(+iwt); from FINESSE")
+            said[what] = f"{folder.name}/{place.name}"
+        return said
+
+
+def _sidebands(model: Any, node: str, fields: Any, main: str, f: npt.NDArray[np.float64],
+               readout: str) -> tuple[ComplexArray, ComplexArray]:
+    """Answers to the real and the imaginary part of s: sidebands E s/2 above and below every carrier. The lower one is
+    solved for as its conjugate."""
+    from finesse.analysis.actions import FrequencyResponse2
+
+    light = np.asarray(fields[main]).reshape(-1, fields.fields.shape[-1])       # [carriers, modes]
+    carriers = [(float(getattr(value, "f", value)), e) for value, e in zip(fields.frequencies, light) if np.any(e != 0)]
+    if not carriers:
+        raise ValueError("there is no light at the node that the stray field is relative to, so it has no response")
+    inputs = [(node, value + sign * model.fsig.f.ref) for value, _ in carriers for sign in (1, -1)]
+    out = model.run(FrequencyResponse2(f, inputs, [readout])).out[:, 0]         # [frequencies, inputs, modes]
+    amplitude, phase = np.zeros(len(f), complex), np.zeros(len(f), complex)
+    for k, (_, e) in enumerate(carriers):
+        upper, lower = out[:, 2 * k] @ e / 2, out[:, 2 * k + 1] @ np.conj(e) / 2
+        amplitude += upper + lower
+        phase += 1j * (upper - lower)
+    return amplitude, phase
+
+
+def response(model: Any, *, inject: str, frequencies: npt.ArrayLike, relative_to: str | None = None,
+             readout: str = "AS.DC.o", darm: Mapping[str, float] = DARM) -> Response:
+    """How `readout` [W] answers to stray light at a node of a FINESSE model.
+
+    inject: optical node where the light joins, in its direction: "ETMx.p2.i", or "ITMx.p2.o" inside an arm.
+    relative_to: node whose light the couplings of the port are relative to (docs/reference/interferometer.md, Ports);
+    `inject` itself unless given.
+    frequencies: Hz, above 0.
+    readout: what answers, in W.
+    darm: inputs with their weights for one metre of DARM.
+
+    The model needs `fsig`; with higher modes the stray light has the mode content of the main light."""
+    try:
+        from finesse.analysis.actions import DCFields, FrequencyResponse
+    except ImportError:
+        raise ImportError("responses need FINESSE 3, which is not here: pip install 'straytrace[finesse]'") from None
+    f = np.atleast_1d(np.asarray(frequencies, float))
+    if not np.all(f > 0):
+        raise ValueError("frequencies are in Hz, above 0")
+    fields = model.run(DCFields())
+    amplitude, phase = _sidebands(model, inject, fields, relative_to or inject, f, readout)
+    moved = model.run(FrequencyResponse(f, list(darm), [readout])).out[:, 0]
+    return Response(f, phase, amplitude, np.asarray(moved) @ np.array(list(darm.values()), complex))

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From the datasets of a run file to objects. Layout: schema/run-1.txt."""
+
+from __future__ import annotations
+
+import hashlib
+import pathlib
+from typing import Any
+
+import numpy as np
+
+from .curves import Bands, Curve, Noise
+from .errors import RunError
+from .routes import Receiver, Receivers, Routes
+
+SCHEMA_MAJOR = 1
+KINDS = ("scattered", "ghost", "edge")
+USER_BLOCK = 512  # bytes
+
+
+def text(value: Any) -> str:
+    """Of a dataset or attribute."""
+    if isinstance(value, np.ndarray):           # a binary or large input file
+        value = value.tobytes()
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    return str(value)
+
+
+def texts(dataset: Any) -> list[str]:
+    """Of a dataset of texts."""
+    return [text(value) for value in dataset[()]]
+
+
+def pairs(names: list[str], group: Any) -> dict[str, tuple[float, float]]:
+    """Mean and standard error by name."""
+    return dict(zip(names, zip(group["mean"][()].tolist(), group["std_error"][()].tolist())))
+
+
+def attributes(file: Any) -> dict[str, Any]:
+    """Those of the root."""
+    return {name: text(value) if isinstance(value, (bytes, str)) else value for name, value in file.attrs.items()}
+
+
+def refuse_damaged(path: pathlib.Path) -> None:
+    """RunError where the bytes are not those that its first line tells the hash of."""
+    with open(path, "rb") as file:
+        words = file.read(USER_BLOCK).split(b"\n")[0].split()
+        if words[:2] != [b"straytrace-run", b"sha256"] or len(words) != 5:
+            return
+        found = hashlib.sha256()
+        size = 0
+        while block := file.read(1 << 20):
+            found.update(block)
+            size += len(block)
+    if size != int(words[4]):
+        raise RunError(f"'{path}' is damaged: it holds {size} bytes of {int(words[4])}\n"
+                       "  copy it again from where it was made, or make it again with: straytrace run")
+    if found.hexdigest().encode() != words[2]:
+        raise RunError(f"'{path}' is damaged: its content is not what was written\n"
+                       "  copy it again from where it was made, or make it again with: straytrace run")
+
+
+def refuse_other(about: dict[str, Any], path: pathlib.Path) -> None:
+    """RunError for a file that is no run file, or of a schema that is not known here."""
+    if about.get("file_type") != "straytrace-run":
+        raise RunError(f"'{path}' is not a straytrace run file")
+    if int(about["schema"][0]) != SCHEMA_MAJOR:
+        version = ".".join(str(n) for n in about["schema"])
+        raise RunError(f"'{path}' has format {version}; this program reads format {SCHEMA_MAJOR}")
+
+
+def routes_of(file: Any, ports: list[str]) -> Routes:
+    """/classes."""
+    group = file["classes"]
+    count = len(group["hash"])
+    kinds = group["kind"][()] if "kind" in group else np.zeros(count, int)    # since schema 1.4
+    return Routes(
+        hash=group["hash"][()],
+        name=texts(group["name"]),
+        port=[ports[i] for i in group["port"][()]],
+        coupling=group["mean"][()],
+        sigma=group["std_error"][()],
+        reverse=group["reverse"][()],
+        by_reverse=group["by_reverse"][()].astype(bool) if "by_reverse" in group else np.zeros(count, bool),
+        trusted=group["trusted"][()].astype(bool),
+        why_not=texts(group["why_not"]),
+        kind=[KINDS[k] for k in kinds],
+        statement=texts(group["statement"]) if "statement" in group else [""] * count,
+    )
+
+
+def _bands(group: Any) -> Bands | None:
+    if "bands" not in group:
+        return None
+    bands = group["bands"]
+    names = ("input_low", "input_high", "speckle_05", "speckle_50", "speckle_95", "coherent")
+    curves: dict[str, Any] = {name: bands[name][()] for name in names}
+    sources = list(zip(texts(bands["source"]), texts(bands["statement"]), bands["source_low"][()].tolist(),
+                       bands["source_high"][()].tolist(), bands["source_share"][()].tolist()))
+    return Bands(**curves, sources=sources, taken_as_exact=texts(bands["taken_as_exact"]))
+
+
+def noise_of(file: Any) -> Noise | None:
+    """/noise."""
+    if "noise" not in file:
+        return None
+    group, total, routes = file["noise"], file["noise/total"], file["noise/routes"]
+    columns = ("mean", "sigma", "phase", "amplitude")
+    arrays = {name: routes[name][()] for name in columns}
+    names, why = texts(routes["name"]), texts(routes["why_not"])
+    resolved, phase = routes["resolved"][()], routes["mean_square_phase"][()]
+    later: dict[str, Any] = {name: routes[name][()] for name in ("linear_share", "input_low", "input_high") if name in routes}
+    design = group["design"]
+    return Noise(
+        frequency=group["frequency"][()],
+        edges=group["frequency_edges"][()],
+        total=Curve("total", **{name: total[name][()] for name in columns},
+                    linear_share=total["linear_share"][()] if "linear_share" in total else None),
+        routes=[
+            Curve(names[i], **{c: arrays[c][i] for c in columns}, resolved=bool(resolved[i]), why_not=why[i],
+                  mean_square_phase=float(phase[i]),
+                  **{key: rows[i] for key, rows in later.items()})
+            for i in range(len(names))
+        ],
+        unresolved=texts(group["unresolved"]),
+        faint=texts(group["faint"]),
+        design=dict(zip(texts(design["name"]), design["asd"][()])),
+        margin=float(group.attrs["margin"]),
+        bands=_bands(group),
+    )
+
+
+def _coherent(maps: Any, number: int, shape: tuple[int, ...], area: float) -> Any:
+    """Sum over routes of sqrt(P/area) e^(i phase)."""
+    total = None
+    for i in np.flatnonzero(maps["field_receiver"][()] == number):
+        part = slice(*maps["field_offset"][i:i + 2])
+        mean = maps["field_real"][part] + 1j * maps["field_imaginary"][part]
+        size = np.abs(mean)
+        phase = np.divide(mean, size, out=np.zeros_like(mean), where=size > 0)
+        wave = np.sqrt(maps["field_power"][part] / area) * phase
+        total = wave if total is None else total + wave
+    if total is None:
+        return None
+    total[total == 0] = np.nan                  # no light was seen there
+    return total.reshape(shape)
+
+
+def receivers_of(file: Any) -> Receivers:
+    """/receivers and /maps."""
+    found = Receivers()
+    if "receivers" not in file:
+        return found
+    about, maps = file["receivers"], file["maps"]
+    for i, name in enumerate(texts(file["names/receivers"])):
+        receiver = Receiver(name, float(about["mean"][i]), float(about["std_error"][i]), bool(about["trusted"][i]),
+                            text(about["why_not"][i]), tuple(0.5 * about["size"][i]), float(about["angle_sine"][i]))
+        columns, rows = (int(n) for n in about["pixels"][i])
+        bins = int(about["angle_bins"][i])
+        shapes: list[tuple[str, tuple[int, ...]]] = [("image", (rows, columns)), ("angles", (bins, bins)), ("quadrants", (-1,))]
+        for key, shape in shapes:
+            part = slice(*maps[key + "_offset"][i:i + 2])
+            if part.stop > part.start:
+                setattr(receiver, key, maps[key][part].reshape(shape))
+                setattr(receiver, key + "_error", maps[key + "_error"][part].reshape(shape))
+        if receiver.image is not None:
+            receiver.field = _coherent(maps, i, (rows, columns), float(4 * np.prod(receiver.half) / receiver.image.size))
+        found.append(receiver)
+    return found

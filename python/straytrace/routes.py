@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Routes of light and what they meet, as numpy arrays and tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass
+class Routes:
+    """Columns of the coupling table: one entry per ordered route, [c]."""
+
+    hash: npt.NDArray[np.uint64]
+    name: list[str]
+    port: list[str]
+    coupling: Array                   # recoupled power fraction; only a hint where not `trusted`
+    sigma: Array
+    reverse: Array                    # C_rev, not multiplied into `coupling`
+    by_reverse: npt.NDArray[np.bool_]    # carries the numbers of the same route run backwards
+    trusted: npt.NDArray[np.bool_]
+    why_not: list[str]
+    kind: list[str]                   # "scattered"; "ghost", "edge": computed, without a Monte-Carlo error
+    statement: list[str]              # of ghosts and edges: what the number is and how far it holds
+
+    def table(self) -> pandas.DataFrame:
+        """A row per route; couplings are NaN where they are not resolved, `hint` has what was seen."""
+        import pandas
+
+        hidden = np.where(self.trusted, 1.0, np.nan)
+        return pandas.DataFrame({
+            "route": self.name, "port": self.port, "kind": self.kind, "coupling": self.coupling * hidden,
+            "sigma": self.sigma * hidden, "C_rev": self.reverse, "resolved": self.trusted, "why_not": self.why_not,
+            "hint": self.coupling}, index=pandas.Index([f"{int(h):016x}" for h in self.hash], name="id"))
+
+
+@dataclass
+class Receiver:
+    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was seen.
+
+    An error of a map is NaN, too, where it is not resolved."""
+
+    name: str
+    power: float                      # only a hint where not `trusted`
+    sigma: float
+    trusted: bool
+    why_not: str
+    half: tuple[float, ...]           # m, half width and height of the image
+    angle_sine: float                 # half width of the map of directions
+    image: Array | None = None      # [rows, columns] power per pixel
+    image_error: Array | None = None
+    angles: Array | None = None     # [bins, bins] power per cell of direction cosines
+    angles_error: Array | None = None
+    quadrants: Array | None = None  # [5] lower left, lower right, upper left, upper right, gap
+    quadrants_error: Array | None = None
+    field: Any = None                 # complex [rows, columns], of free beams, sqrt(W)/m per sqrt(W) of the main mode
+
+
+class Receivers(list[Receiver]):
+    """The receivers of a run, in the order of its scene."""
+
+    def table(self) -> pandas.DataFrame:
+        """A row per receiver: power over that of the main mode, NaN where it is not resolved."""
+        import pandas
+
+        rows = [(r.power if r.trusted else np.nan, r.sigma if r.trusted else np.nan, r.trusted, r.why_not) for r in self]
+        return pandas.DataFrame(rows, columns=["power", "sigma", "resolved", "why_not"],
+                                index=pandas.Index([r.name for r in self], name="receiver"))
+
+
+class Ledger(dict[str, tuple[float, float]]):
+    """Where the light went: name to (mean, standard error) of the power per history."""
+
+    def table(self) -> pandas.DataFrame:
+        """A row per fate, with its share of what was emitted."""
+        import pandas
+
+        table = pandas.DataFrame(list(self.values()), columns=["mean", "sigma"], index=pandas.Index(list(self), name="fate"))
+        table["share"] = table["mean"] / self["emitted"][0] if self.get("emitted", (0, 0))[0] > 0 else np.nan
+        return table

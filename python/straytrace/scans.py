@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A model over its parameters, on any executor of concurrent.futures."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import pathlib
+import sys
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import engine
+from .errors import StraytraceWarning
+from .model import Model, overrides, trace_words
+from .run import Run, open_run
+from .scratch import Scratch
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+Point = dict[str, str | float]
+
+
+@dataclass
+class ScanPoint:
+    """One point: its parameters and its run."""
+
+    params: Point
+    run: Run
+
+    def worst(self) -> tuple[float, float, float]:
+        """Largest ratio of the noise to its margin line (margin times the first design curve), its standard error, and
+        the frequency [Hz] where it is; NaN without a design curve or noise."""
+        noise = self.run.noise
+        if noise is None or not noise.design:
+            return (float("nan"),) * 3
+        line = noise.margin * next(iter(noise.design.values()))
+        ratio = np.where(line > 0, noise.total.mean / np.where(line > 0, line, 1), np.nan)
+        if not np.any(np.isfinite(ratio)):
+            return (float("nan"),) * 3
+        i = int(np.nanargmax(ratio))
+        return float(ratio[i]), float(noise.total.sigma[i] / line[i]), float(noise.frequency[i])
+
+
+@dataclass
+class Scan:
+    """Points in the order asked for. The files of runs that nobody asked to keep go with it."""
+
+    points: list[ScanPoint]
+    complete: bool = True             # False: stopped early; points that were not reached are not in it
+    scratch: Scratch | None = field(default=None, repr=False)
+
+    def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
+        """A row per point: parameters, h at `frequencies` [Hz] with one standard error [1/sqrt(Hz)], the largest ratio to
+        the margin line with its error and frequency, and whether h is a lower bound."""
+        import pandas
+
+        rows = []
+        for point in self.points:
+            row: dict[str, Any] = dict(point.params)
+            noise = point.run.noise
+            for f in frequencies if noise is not None else ():
+                assert noise is not None
+                row[f"h({f:g} Hz)"] = float(noise.at(f))
+                row[f"sigma({f:g} Hz)"] = float(np.interp(np.log(f), np.log(noise.frequency), noise.total.sigma,
+                                                         left=np.nan, right=np.nan))
+            row["worst_ratio"], row["worst_sigma"], row["worst_Hz"] = point.worst()
+            row["lower_bound"] = bool(noise is not None and noise.unresolved)
+            rows.append(row)
+        return pandas.DataFrame(rows)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """The noise of every point, and the largest ratio to the margin line against the points.
+
+        path: also written there."""
+        import matplotlib.pyplot as plt
+
+        from .plot import STYLE, save
+        from .plot_points import draw
+
+        with plt.rc_context(STYLE):
+            figure: Figure = draw(self)
+            plt.close(figure)
+            if path is not None:
+                save(figure, path)
+        return figure
+
+
+def _points(params: Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, str | float]]) -> list[Point]:
+    """All combinations of lists, or the points as given."""
+    if isinstance(params, Mapping):
+        for name, values in params.items():
+            if isinstance(values, (str, int, float)):
+                raise TypeError(f"params[{name!r}] is {values!r}, one value; write a list of them: [{values!r}]")
+        names = list(params)
+        points: list[Point] = [dict(zip(names, values)) for values in itertools.product(*params.values())]
+    else:
+        points = [dict(point) for point in params]
+    if not points:
+        raise ValueError("a scan needs at least one point: {'aperture': ['50 cm', '60 cm']}")
+    for point in points:
+        overrides(point)
+    return points
+
+
+def _work(path: str, text: str, point: Point, out: str | None, options: dict[str, Any]) -> bytes | str:
+    """What a worker does, here or on another machine: the bytes of the run file, or its name where it is to be kept."""
+    run = Model.from_text(text, path).traced("run", [*overrides(point), *trace_words(**options)], out, False, warn=False)
+    return str(run.path) if out is not None else run.path.read_bytes()
+
+
+def _serial(jobs: list[tuple[Any, ...]]) -> Iterable[bytes | str]:
+    for job in jobs:
+        yield _work(*job)
+
+
+def _parallel(executor: Executor, jobs: list[tuple[Any, ...]]) -> Iterable[bytes | str]:
+    futures: list[Future[bytes | str]] = [executor.submit(_work, *job) for job in jobs]
+    try:
+        for future in futures:
+            yield future.result()
+    except BaseException:
+        for future in futures:
+            future.cancel()
+        engine.interrupt_all()                  # those that threads of this process wait for
+        raise
+
+
+def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
+         params: Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, str | float]], *,
+         executor: Executor | None = None, out: str | os.PathLike[str] | None = None, progress: bool = True,
+         **options: Any) -> Scan:
+    """Runs the model at every point: all combinations of ``{"aperture": ["50 cm", "60 cm"], "n": [40, 80]}``, or a list of
+    points ``[{"aperture": "50 cm", "n": 40}, ...]``.
+
+    executor: any of concurrent.futures, with threads, processes or jobs elsewhere; give `threads=1` besides when as many
+    points as cores run at once. Its machines need this package; model and result travel with the job, data files that the
+    model names do not. Without one, point after point with all cores.
+    out: folder for a run file of every point, point000.h5 ...: finished points are gone on with, not traced again.
+    progress: a line per point on stderr.
+    options: those of Model.run (histories, until, seed, threads, max_time, force).
+
+    Ctrl-C gives the points that are done, with ``complete == False``."""
+    source = Model.of(model)
+    points = _points(params)
+    trace_words(**options)                      # wrong ones are told here
+    if out is not None:
+        pathlib.Path(out).mkdir(parents=True, exist_ok=True)
+    folder = pathlib.Path(out) if out is not None else None
+    jobs = [(str(source.path), source.text(), point, str(folder / f"point{i:03}.h5") if folder else None, options)
+            for i, point in enumerate(points)]
+    result = Scan([], scratch=None if folder else Scratch())
+    try:
+        for i, answer in enumerate(_parallel(executor, jobs) if executor is not None else _serial(jobs)):
+            result.points.append(ScanPoint(points[i], _kept(answer, result.scratch, i)))
+            if result.points[-1].run.attributes.get("stopped_by") == "signal":
+                result.complete = False
+            if progress:
+                print(f"scan  {i + 1} of {len(points)}: {', '.join(f'{k}={v}' for k, v in points[i].items())}",
+                      file=sys.stderr)
+            if not result.complete:
+                break
+    except KeyboardInterrupt:
+        result.complete = False
+    if not result.complete:
+        warnings.warn(f"stopped early, after {len(result.points)} of {len(points)} points", StraytraceWarning, stacklevel=2)
+    return result
+
+
+def _kept(answer: bytes | str, scratch: Scratch | None, number: int) -> Run:
+    if isinstance(answer, str) or scratch is None:
+        return open_run(str(answer))
+    place = scratch.file(f"point{number:03}.h5")
+    pathlib.Path(place).write_bytes(answer)
+    run = open_run(place)
+    run.scratch = scratch
+    return run

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace inspect of a file of measured scatter: what was understood, audit, fits, picture, conversion.
+#pragma once
+
+#include <string>
+
+#include "app/options.hpp"
+
+namespace straytrace {
+
+struct ScatterRequest {
+  std::string file, beyond = "constant", angles, wavelength,
+                    entry;  // as the keys of the law `table`; empty: the file says
+  std::string plot, write;  // PNG and SSDD to write; empty: none
+};
+int inspect_scatter(ScatterRequest const&, Options const&);
+
+}  // namespace straytrace

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/scatter_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double degree = pi / 180;
+
+std::string or_undeclared(std::string const& text) { return text.empty() ? "not declared" : text; }
+
+std::string head(std::string const& name, ScatterFile const& file) {
+  ScatterDeclared const& d = file.declared;
+  std::string out = fmt::format("{}: {}, {}, {:g} nm\n", name, file.format,
+                                file.transmitted ? "transmitted" : "reflected", d.wavelength * 1e9);
+  out += fmt::format("  polarisation in: {}, out: {}; noise floor: {}\n", or_undeclared(d.polarisation_in),
+                     or_undeclared(d.polarisation_out),
+                     d.noise_floor > 0    ? fmt::format("{:g} /sr", d.noise_floor)
+                     : d.noise_floor == 0 ? "none"
+                                          : "not declared");
+  for (std::string const& note : file.notes) out += fmt::format("  {}\n", note);
+  return out;
+}
+
+std::string totals(ScatterAudit const& audit, std::string const& beyond) {
+  bool const stated =
+      std::any_of(audit.incidences.begin(), audit.incidences.end(), [](auto const& i) { return i.stated >= 0; });
+  std::string out =
+      fmt::format("\n{:>6} {:>7} {:>7} {:>11} {:>11} {:>10} {:>9} {:>13}{}\n", "deg", "points", "limits", "nearest",
+                  "farthest", "TIS", "sampling", "extrapolated", stated ? "      stated   of table" : "");
+  for (IncidenceAudit const& i : audit.incidences) {
+    out += fmt::format("{:6.4g} {:7} {:7} {:11.3g} {:11.3g} {:10.3e} {:9.1e} {:>13}", i.theta_i / degree, i.points,
+                       i.limits, i.nearest, i.farthest, i.tis, i.sampling,
+                       i.tis > 0 ? fmt::format("{:.1f} %", 100 * (i.inside + i.outside) / i.tis) : "-");
+    if (stated)
+      out += i.stated >= 0 ? fmt::format(" {:11.4g} {:10.4g}", i.stated, i.integral) : "           -          -";
+    out += '\n';
+  }
+  return out + fmt::format(
+                   "nearest, farthest: |beta-beta0| of the points. TIS: by |beta-beta0| alone, {} beyond the points "
+                   "(extrapolated: the share\nof it there). sampling: how much it moves without every second point.\n",
+                   beyond);
+}
+
+std::string finding(char const* about, bool good, std::string const& what) {
+  return fmt::format("  {:<14}{} {}\n", about, good ? "ok:" : "look:", what);
+}
+
+std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
+  std::string out = "\n";
+  auto const most = std::max_element(audit.incidences.begin(), audit.incidences.end(),
+                                     [](auto const& a, auto const& b) { return a.tis < b.tis; });
+  out += finding("energy", most->tis <= 1,
+                 fmt::format("at most {:.3g} of the light, at {:.3g} deg", most->tis, most->theta_i / degree));
+  out += audit.pairs == 0
+             ? finding("reciprocity", true, "no pair of directions was measured both ways: not tested")
+             : finding("reciprocity", audit.worst_reciprocity < 0.4,
+                       fmt::format("{} pairs of directions measured both ways: factor {:.3g} at most, {:.3g} rms",
+                                   audit.pairs, std::exp(audit.worst_reciprocity), std::exp(audit.rms_reciprocity)));
+  if (file.declared.noise_floor > 0)
+    out += finding("noise floor", audit.limits * 10 < audit.points,
+                   fmt::format("{} of {} points at or below it: upper limits", audit.limits, audit.points));
+  else
+    out += finding(
+        "noise floor", file.declared.noise_floor == 0 || file.format != "laboratory CSV",
+        file.declared.noise_floor == 0 ? "declared as none" : "not declared: no point counts as an upper limit");
+  out += finding("angles", audit.turns + audit.duplicates == 0,
+                 fmt::format("run back {} times; {} directions measured twice", audit.turns, audit.duplicates));
+  out += finding(
+      "isotropy", audit.spread < 1.5,
+      fmt::format("points of one incidence at the same |beta-beta0| differ by a factor {:.3g} at most", audit.spread));
+  for (IncidenceAudit const& i : audit.incidences)
+    if (i.stated >= 0 && std::fabs(i.integral / i.stated - 1) > 0.05) {
+      out += finding("stated TIS", false,
+                     fmt::format("{:.4g} at {:.3g} deg, but the table integrates to {:.4g}", i.stated,
+                                 i.theta_i / degree, i.integral));
+      break;
+    }
+  return out;
+}
+
+// Two digits of the error, as many of the value.
+std::string with_error(FitParameter const& p) {
+  std::string const unit = p.unit.empty() ? "" : " " + p.unit;
+  if (!std::isfinite(p.error)) return fmt::format("{} = {:.2g}{} (not resolved)", p.name, p.value, unit);
+  int const digits = std::clamp(int(std::floor(std::log10(std::fabs(p.value) / p.error))) + 2, 1, 6);
+  return fmt::format("{} = {:.{}g} +- {:.2g}{}", p.name, p.value, digits, p.error, unit);
+}
+
+std::string fits_text(ScatterFile const& file, std::vector<ScatterFit> const& fits) {
+  bool const stated = std::any_of(file.points.begin(), file.points.end(), [](auto const& p) { return p.error > 0; });
+  std::string out = fmt::format("\nfits to all incidences at once; errors of the points: {}\n",
+                                stated ? "of the file" : fmt::format("{:.0f} % assumed", 100 * assumed_scatter_error));
+  ScatterFit const* best = nullptr;
+  for (ScatterFit const& fit : fits) {
+    if (!fit.why.empty()) {
+      out += fmt::format("  {:<14}{}\n", fit.model, fit.why);
+      continue;
+    }
+    if (!best || fit.chi2 < best->chi2) best = &fit;
+    std::string parameters;
+    for (FitParameter const& p : fit.parameters) parameters += (parameters.empty() ? "" : ", ") + with_error(p);
+    out += fmt::format(
+        "  {:<14}{}\n  {:<14}chi2 {:.4g} for {} degrees of freedom, residuals {:.2g} dex rms, {} outliers; TIS(0) = "
+        "{:.3g}\n",
+        fit.model, parameters, "", fit.chi2, fit.freedom, fit.rms, fit.outliers, fit.tis);
+  }
+  if (!best) return out;
+  if (best->scaled) out += "  errors of the parameters: scaled by the residuals, sqrt(chi2 / degrees of freedom)\n";
+  out += "\nto paste into a material, the best fit first:\n";
+  std::vector<ScatterFit const*> sound;
+  for (ScatterFit const& fit : fits)
+    if (fit.why.empty()) sound.push_back(&fit);
+  std::sort(sound.begin(), sound.end(), [](auto a, auto b) { return a->chi2 < b->chi2; });
+  for (ScatterFit const* fit : sound) out += fmt::format("  scatter: {}\n", fit->yaml);
+  return out;
+}
+
+}  // namespace
+
+std::string scatter_text(std::string const& name, ScatterFile const& file, ScatterAudit const& audit,
+                         std::vector<ScatterFit> const& fits, std::string const& beyond) {
+  return head(name, file) + totals(audit, beyond) + findings(file, audit) + fits_text(file, fits);
+}
+
+}  // namespace straytrace
