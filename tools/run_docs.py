@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 
-PAGES = ("README.md", "docs/guide/*.md", "docs/reference/commands.md", "docs/reference/ghosts.md",
+PAGES = ("README.md", "docs/guide/*.md", "docs/reference/commands.md", "docs/reference/filter.md", "docs/reference/ghosts.md",
          "docs/reference/cad.md", "docs/reference/signal.md", "docs/reference/couple.md", "docs/reference/fit.md", "docs/reference/report.md",
          "docs/reference/maps.md", "docs/reference/layouts.md", "docs/reference/scatter/measured_files.md")
 NOT_RUN = ("scripts/setup", "scripts/build", "scripts/demo", "scripts/test", "scripts/lint")   # install or build

@@ -17,6 +17,7 @@ class PathTable {
     this.sortKey = "rank";
     this.falling = false;
     this.chosen = new Set();
+    this.off = new Set();  // ids of rows that are switched off
     this.tell = chosen;
     this.order = Array.from({length: table.rows}, (_, i) => i);
     this.build(parent);
@@ -28,12 +29,16 @@ class PathTable {
                               on: {input: () => this.refresh()}});
     this.said = el("span", {class: "note"});
     const save = el("button", {on: {click: () => offer("paths.csv", this.csv())}}, "CSV of these rows");
+    const off = el("button", {title: "of the chosen rows, or of all that the filter lets through: the total without them",
+                              on: {click: () => this.switchOff()}}, "Switch off");
+    const on = el("button", {on: {click: () => { this.off.clear(); this.resum(); this.draw(); }}}, "All on");
+    this.sums = el("div", {class: "note sums"});
     this.box = el("div", {class: "routes", tabindex: "0", on: {scroll: () => this.draw()}});
     this.head = el("div", {class: "head"});
     this.space = el("div");
     this.body = el("div", {style: "position:absolute"});
     this.box.append(this.head, this.space, this.body);
-    parent.append(el("div", {class: "bar"}, this.input, save), this.said, this.box, this.choices());
+    parent.append(el("div", {class: "bar"}, this.input, save, off, on), this.said, this.sums, this.box, this.choices());
     window.addEventListener("resize", () => this.draw());
     window.addEventListener("beforeprint", () => { this.box.scrollTop = 0; this.draw(40); });
   }
@@ -45,7 +50,35 @@ class PathTable {
       list.append(el("label", {title: column.help}, box, " ", column.title, column.unit ? " [" + column.unit + "]" : ""));
     }
     return el("details", {class: "options"}, el("summary", {}, "Columns"), list,
-              el("p", {class: "note"}, "The filter knows: " + Predicate.names + "; and, or, not, brackets."));
+              el("p", {class: "note"}, "The filter knows: " + Predicate.numbers(this.about).join(" ") + " " + textNames.map(n => n + "()").join(" ") +
+                 " resolved; and, or, not, brackets; units, as in opl > 2 km."));
+  }
+  switchOff() {
+    const ids = this.columns.get("id");
+    for (const id of this.chosen.size > 0 ? this.chosen : this.order.map(i => ids[i])) this.off.add(id);
+    this.choose(null);
+    this.resum();
+  }
+  // The total without rows that are off. Routes share histories, so their errors add up to at most their plain sum.
+  resum() {
+    const parts = [], ids = this.columns.get("id");
+    for (const [key, values] of this.columns) {
+      const sigma = this.columns.get(key + "_sigma");
+      if (!isStrain({key}) || !values.some(v => v !== null)) continue;
+      let all = 0, left = 0, error = 0;
+      for (let i = 0; i < values.length; ++i) {
+        if (values[i] === null) continue;
+        all += values[i] * values[i];
+        if (this.off.has(ids[i])) continue;
+        left += values[i] * values[i];
+        error += values[i] * sigma[i];
+      }
+      const h = Math.sqrt(left);
+      parts.push("h(" + key.slice(1) + " Hz) " + (left > 0 ? withError(h, error / h) + " (error at most), " +
+                 digits(h / Math.sqrt(all)) + " of the whole" : "nothing resolved is left"));
+    }
+    this.sums.textContent = this.off.size === 0 ? "" : "Without the " + this.off.size + " rows that are off: " + parts.join("; ") +
+        ". Unresolved rows are in none of these sums.";
   }
   toggle(key) {
     this.shown = [...this.about.keys()].filter(k => (k === key) !== this.shown.includes(k));
@@ -61,7 +94,7 @@ class PathTable {
     this.said.classList.remove("bad");
     this.input.removeAttribute("aria-invalid");
     try {
-      test = rowTest(this.input.value, this.columns);
+      test = rowTest(this.input.value, this.table);
     } catch (error) {
       this.said.classList.add("bad");
       this.input.setAttribute("aria-invalid", "true");
@@ -111,7 +144,7 @@ class PathTable {
   }
   row(i) {
     const id = this.columns.get("id")[i], bad = this.columns.get("verdict")[i] !== "resolved";
-    return el("div", {class: "row" + (this.chosen.has(id) ? " chosen" : "") + (bad ? " faint" : ""), "data-id": id,
+    return el("div", {class: "row" + (this.chosen.has(id) ? " chosen" : "") + (bad ? " faint" : "") + (this.off.has(id) ? " off" : ""), "data-id": id,
                       title: bad ? this.columns.get("verdict")[i] : null,
                       on: {click: event => this.choose(id, event.ctrlKey || event.shiftKey || event.metaKey)}},
               this.shown.map(key => el("span", {style: "width:" + this.width(key) + "px",
@@ -120,7 +153,7 @@ class PathTable {
   choose(id, more) {
     const had = this.chosen.has(id);
     if (!more) this.chosen.clear();
-    if (had) this.chosen.delete(id); else this.chosen.add(id);
+    if (had) this.chosen.delete(id); else if (id !== null) this.chosen.add(id);
     this.draw();
     this.tell([...this.chosen]);
   }

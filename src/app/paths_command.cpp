@@ -3,9 +3,11 @@
 #include <CLI/CLI.hpp>
 
 #include <iostream>
+#include <memory>
 
 #include "app/common_options.hpp"
 #include "app/first_order.hpp"
+#include "app/paths_choice.hpp"
 #include "app/session.hpp"
 #include "report/receivers.hpp"
 
@@ -24,8 +26,30 @@ void print_receivers(Options const& options, RunContent const& content, std::siz
     std::cout << (options.census ? census_text(table, show) : receiver_text(table, show)) << '\n';
 }
 
-int paths(Options const& options) {
+void print_ports(Options const& options, PathsChoice const& choice, RunContent const& content, PathTable const& table,
+                 std::size_t show) {
+  ChosenPaths const chosen = choose_paths(choice, table, content.trace->coupling, content.noise);
+  std::string const said = choice_text(choice, chosen);
+  if (options.json()) {
+    std::string const json = path_json(chosen.shown, content);
+    std::cout << (choice.any() ? with_choice(json, choice, chosen) : json) << '\n';
+  } else if (options.csv) {
+    for (std::size_t at = 0; at < said.size(); at = said.find('\n', at) + 1)
+      std::cout << "# " << said.substr(at, said.find('\n', at) + 1 - at);
+    std::cout << path_csv(chosen.shown, content);
+  } else if (!choice.any()) {
+    std::cout << path_text(table, show) << '\n';
+  } else {
+    std::cout << said << '\n' << path_text(chosen.shown, show, chosen.all) << '\n';
+  }
+}
+
+int paths(Options const& options, PathsChoice const& choice) {
   refuse_two_formats(options);
+  if (choice.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
+    throw InputError(
+        "error: --where, --without and --sort choose routes to ports\n  leave out --by, --census and "
+        "--first-order, or leave out the choice");
   if (options.first_order) return print_first_order(options);
   RunFile const file = read_run(options.input);
   Model const model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
@@ -33,17 +57,15 @@ int paths(Options const& options) {
   std::size_t const show = options.show ? options.show : model.paths_shown;
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();
   if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
+    if (choice.any())
+      throw InputError(
+          "error: this run has no ports, and --where, --without and --sort choose routes to ports\n  leave "
+          "them out");
     print_receivers(options, content, show);
     return done;
   }
   NoiseBudget const* const budget = file.noise ? &*file.noise : nullptr;
-  PathTable const table = table_for(file.trace.coupling, budget, model);
-  if (options.csv)
-    std::cout << path_csv(table, content);
-  else if (options.json())
-    std::cout << path_json(table, content) << '\n';
-  else
-    std::cout << path_text(table, show) << '\n';
+  print_ports(options, choice, content, table_for(file.trace.coupling, budget, model), show);
   return done;
 }
 
@@ -55,6 +77,13 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("run", options.input, "run file (HDF5); with --first-order also a scene")->required();
   command->add_option("--by", options.by, "port or receiver; source: what lights which receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));
+  auto const choice = std::make_shared<PathsChoice>();
+  command->add_option("--where", choice->where,
+                      "only routes of which this is true: 'via(\"baffle*\") and scatters == 2'");
+  command->add_option("--sort", choice->sort, "by this name of --where, largest first: opl, 'h(30 Hz)'");
+  command
+      ->add_option("--without", choice->without, "sums the noise again without routes that pass this object, * for any")
+      ->allow_extra_args(false);
   command->add_option("--show", options.show, "rows")->check(whole_between(1, 1e6, "20"));
   command->add_flag("--census", options.census, "objects that the light of each receiver has met, by watts");
   command->add_flag("--first-order", options.first_order, "what is lit, what is seen, and both; of a scene or a run");
@@ -70,10 +99,12 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace paths out/run.h5 --show 20\n"
+      "  straytrace paths out/run.h5 --where 'via(\"baffle*\") and h(30 Hz) > 1e-25' --sort opl\n"
+      "  straytrace paths out/run.h5 --without 'baffle*'\n"
       "  straytrace paths out/run.h5 --by receiver\n"
       "  straytrace paths examples/virgo_arm.yaml --first-order\n"
       "  straytrace paths out/run.h5 --census --csv > census.csv");
-  command->callback([&] { exit_code = paths(options); });
+  command->callback([&, choice] { exit_code = paths(options, *choice); });
 }
 
 }  // namespace straytrace

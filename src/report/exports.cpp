@@ -165,6 +165,16 @@ Json objects(RunContent const& run) {
   return all;
 }
 
+Json total_strain(PathTable const& table) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
+    Json h = json_of(table.total_strain[i]);
+    h["frequency_Hz"] = table.frequencies[i];
+    all.push_back(h);
+  }
+  return all;
+}
+
 void add_receivers(Json& j, RunContent const& run) {
   if (run.trace->coupling.receivers.empty()) return;
   Json const table = Json::parse(receiver_json(receiver_table(run), run));
@@ -247,6 +257,7 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   Json j;
   j["run"] = origin(run);
   j["band_Hz"] = {table.low, table.high};
+  j["total_strain"] = total_strain(table);
   j["routes"] = Json::array();
   for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
   j["objects"] = objects(run);
@@ -261,12 +272,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   j["complete"] = !run.trace->checkpointed();
   if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
   j["lower_bound"] = table.lower_bound();
-  j["total_strain"] = Json::array();
-  for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
-    Json h = json_of(table.total_strain[i]);
-    h["frequency_Hz"] = table.frequencies[i];
-    j["total_strain"].push_back(h);
-  }
+  j["total_strain"] = total_strain(table);
   if (run.noise && run.noise->bands.made()) add_bands(j, *run.noise, table.frequencies);
   j["unresolved"] = Json::array();
   for (PathRow const& row : table.rows)

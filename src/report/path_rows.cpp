@@ -6,6 +6,7 @@
 #include "noise/motion_classes.hpp"
 #include "report/band.hpp"
 #include "report/replicas.hpp"
+#include "report/route_sums.hpp"
 
 namespace straytrace {
 namespace {
@@ -130,8 +131,12 @@ bool before(PathRow const& a, PathRow const& b) {
   return x != y ? x > y : a.hash < b.hash;
 }
 
-void finish(PathTable& table) {
+}  // namespace
+
+void rank_and_sum(PathTable& table, bool shares) {
+  if (shares) find_shares(table.rows);
   std::sort(table.rows.begin(), table.rows.end(), before);
+  table.unresolved = table.faint = 0;
   ReplicaSum coupling;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     PathRow& row = table.rows[i];
@@ -145,8 +150,6 @@ void finish(PathTable& table) {
   }
   table.total_coupling = coupling.result();
 }
-
-}  // namespace
 
 std::vector<FoldedRow> folded_rows(CouplingTable const& table, CouplingClass const& c) {
   std::vector<FoldedRow> rows;
@@ -223,8 +226,7 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
     find_body(row, c, coupling.bodies, !motion ? nullptr : row.rms_phase < 1 ? &in_band : &all);
     table.rows.push_back(std::move(row));
   }
-  if (table.has_noise) find_shares(table.rows);
-  finish(table);
+  rank_and_sum(table, table.has_noise);
   return table;
 }
 

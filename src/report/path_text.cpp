@@ -8,6 +8,7 @@
 #include "report/band.hpp"
 #include "report/columns.hpp"
 #include "report/replicas.hpp"
+#include "report/route_sums.hpp"
 
 namespace straytrace {
 namespace {
@@ -60,16 +61,16 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   return c;
 }
 
-// Sum of resolved rows from `first` on: shares and couplings add, strains add in power.
-Cells rest_of(PathTable const& table, std::size_t first) {
+// Sum of resolved rows from `first` on: shares, of `whole`, and couplings add, strains add in power.
+Cells rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
   ReplicaSum power, all_power, coupling;
   std::vector<ReplicaSum> strain(table.frequencies.size());  // h^2, with half its deviations: h dh
   std::size_t count = 0;
-  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+  for (PathRow const& row : whole.rows)
+    if (row.resolved) all_power.add({row.power, row.replicas});
+  for (std::size_t i = first; i < table.rows.size(); ++i) {
     PathRow const& row = table.rows[i];
     if (!row.resolved) continue;
-    all_power.add({row.power, row.replicas});
-    if (i < first) continue;
     ++count;
     coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
     power.add({row.power, row.replicas});
@@ -78,7 +79,7 @@ Cells rest_of(PathTable const& table, std::size_t first) {
       strain[k].add({{h * h, h * row.strain[k].sigma}, row.replicas});
     }
   }
-  Cells c = {"", fmt::format("{} further route{}", count, count == 1 ? "" : "s"), ""};
+  Cells c = {"", fmt::format("{} {} route{}", count, title, count == 1 ? "" : "s"), ""};
   if (has_kinds(table)) c.push_back("");
   bool const moves = power.value() > 0;
   WithError const share = power.share_of(all_power), sum = coupling.result();
@@ -178,12 +179,20 @@ std::string folded_text(std::string const& row, std::size_t routes, std::vector<
 
 std::string path_text(PathTable const& table, std::size_t show) {
   if (table.rows.empty()) return "No route was found: no traced light rejoined a port.\n";
+  return path_text(table, show, table);
+}
+
+std::string path_text(PathTable const& table, std::size_t show, PathTable const& whole) {
+  if (table.rows.empty()) return fmt::format("No route of {} is shown.\n", whole.rows.size());
   Columns columns = head(table);
   std::size_t const resolved = table.rows.size() - table.unresolved, shown = std::min(show, resolved);
   for (std::size_t i = 0; i < shown; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
-  if (Cells rest = rest_of(table, shown); !rest.empty()) columns.rows.push_back(std::move(rest));
+  if (Cells rest = rest_of(table, shown, whole, "further"); !rest.empty()) columns.rows.push_back(std::move(rest));
   columns.rows.push_back({});
-  columns.rows.push_back(sum_of(table));
+  if (table.rows.size() == whole.rows.size())
+    columns.rows.push_back(sum_of(table));
+  else if (Cells sum = rest_of(table, 0, whole, "shown"); !sum.empty())
+    columns.rows.push_back(std::move(sum));
   std::size_t const last = std::min(table.rows.size(), resolved + show);
   for (std::size_t i = resolved; i < last; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
   return explanation(table) + aligned(columns) + statements(table, show) + reasons(table);

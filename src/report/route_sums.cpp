@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/route_sums.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "report/band.hpp"
+#include "report/replicas.hpp"
+
+namespace straytrace {
+namespace {
+
+void keep_rows(PathTable& table, std::vector<std::size_t> const& rows) {
+  std::vector<PathRow> kept;
+  for (std::size_t const i : rows) kept.push_back(table.rows[i]);
+  table.rows = std::move(kept);
+}
+
+// What is left, and what it is of the total, as curves with their errors.
+struct Curves {
+  NoiseTrace after, factor;
+};
+
+void add_root(NoiseTrace& curve, WithError square) {
+  double const root = std::sqrt(square.value);
+  curve.asd.push_back(root > 0 ? root : not_a_number);
+  curve.sigma.push_back(square.sigma / (2 * root));  // d sqrt(x) = dx/(2 sqrt(x))
+}
+
+Curves curves_without(std::set<std::uint64_t> const& left_out, CouplingTable const& coupling, NoiseBudget const& b) {
+  std::vector<ReplicaSum> all(b.grid.size()), rest(b.grid.size());  // PSD
+  for (std::size_t r = 0; r < b.routes.size(); ++r) {
+    NoiseTrace const& t = b.routes[r];
+    if (!t.resolved) continue;
+    ReplicaPattern const pattern = pattern_of(coupling, coupling.classes[r]);
+    bool const stays = !left_out.contains(t.hash);
+    for (std::size_t i = 0; i < b.grid.size(); ++i) {
+      ReplicaSum const power({t.asd[i] * t.asd[i], 2 * t.asd[i] * t.sigma[i]}, pattern);
+      all[i].add(power);
+      if (stays) rest[i].add(power);
+    }
+  }
+  Curves c;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    add_root(c.after, rest[i].result());
+    add_root(c.factor, rest[i].share_of(all[i]));
+  }
+  return c;
+}
+
+}  // namespace
+
+PathTable part_of(PathTable const& table, std::vector<std::size_t> const& rows) {
+  PathTable part = table;
+  keep_rows(part, rows);
+  std::stable_partition(part.rows.begin(), part.rows.end(), [](PathRow const& row) { return row.resolved; });
+  part.unresolved = part.faint = 0;
+  for (PathRow const& row : part.rows) {
+    part.unresolved += !row.resolved;
+    part.faint += !row.resolved && row.faint;
+  }
+  return part;
+}
+
+Without without_rows(PathTable const& table, std::vector<std::size_t> const& left_out, CouplingTable const& coupling,
+                     NoiseBudget const* budget) {
+  std::set<std::size_t> const out(left_out.begin(), left_out.end());
+  std::set<std::uint64_t> hashes;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    if (out.contains(i))
+      hashes.insert(table.rows[i].hash);
+    else
+      kept.push_back(i);
+  }
+  Without w{table, {}};
+  keep_rows(w.rest, kept);
+  rank_and_sum(w.rest, w.rest.has_noise);
+  if (!budget || !table.has_noise) return w;
+  Curves const c = curves_without(hashes, coupling, *budget);
+  for (std::size_t k = 0; k < table.frequencies.size(); ++k) {
+    double const hz = table.frequencies[k];
+    w.strain.push_back(
+        {hz, table.total_strain[k], strain_at(c.after, budget->grid, hz), strain_at(c.factor, budget->grid, hz)});
+    w.rest.total_strain[k] = w.strain.back().after;
+  }
+  return w;
+}
+
+}  // namespace straytrace
