@@ -84,7 +84,7 @@ arm.yaml:16:92: error: cannot subtract a plain number from a length
     EXPECT_THAT(
         json,
         HasSubstr(
-            R"({"file": "arm.yaml", "line": 8, "column": 29, "width": 5, "severity": "error", "what": "\"10 um\" does not say)"));
+            R"({"file": "arm.yaml", "line": 8, "column": 29, "width": 5, "end_column": 34, "severity": "error", "what": "\"10 um\" does not say)"));
   }
 }
 
