@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Fail when a room includes a room it may not know. Usage: check_includes.py SRC_DIR"""
+"""Fail when a room includes a room it may not know, or when two headers define a type of one name, which the linker would
+take for one. Usage: check_includes.py SRC_DIR"""
 import pathlib
 import re
 import sys
@@ -30,6 +31,16 @@ NARROW = {                             # (room, other): the only files it may ta
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*"((' + "|".join(ROOMS) + r')/[^"]+)"')
 
+TYPE = re.compile(r"(?<!>\n)^(?:struct|class) (?:alignas\([^)]*\) )?(\w+)[^;\n]*\{", re.MULTILINE)    # of no template
+
+
+def doubles(src):
+    first = {}
+    for path in sorted(pathlib.Path(src).rglob("*.hpp")):
+        for name in TYPE.findall(path.read_text()):
+            if first.setdefault(name, path) != path:
+                yield f"{path}: '{name}' is a type of {first[name]} already; give it a name of its own"
+
 
 def problems(src):
     seen = 0
@@ -51,6 +62,6 @@ def problems(src):
         yield f"{src}: no project includes found; is the path right?"
 
 
-found = list(problems(sys.argv[1]))
+found = [*problems(sys.argv[1]), *doubles(sys.argv[1])]
 print("\n".join(found) or "all includes allowed")
 sys.exit(1 if found else 0)

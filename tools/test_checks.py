@@ -67,6 +67,14 @@ class CheckIncludes(unittest.TestCase):
     def test_no_includes_at_all_fails(self):
         self.expect("int a;", 1)
 
+    def test_two_types_of_one_name_fail(self):
+        line = {"src/trace/a.cpp": '#include "base/vec3.hpp"\n'}
+        one, other = HEAD + "struct Answer {\n};\n", HEAD + "class Answer : Base {\n};\n"
+        self.assertEqual(verdict("check_includes.py", {**line, "src/base/a.hpp": one, "src/base/b.hpp": other}, "src")[0], 1)
+        for good in (HEAD + "struct Answer;\n", HEAD + "template <class T>\nclass Answer {\n};\n", HEAD + "struct Answers {\n};\n"):
+            found, output = verdict("check_includes.py", {**line, "src/base/a.hpp": one, "src/base/b.hpp": good}, "src")
+            self.assertEqual(found, 0, output)
+
 
 class CheckHeaders(unittest.TestCase):
     def expect(self, header, status, part, source=""):

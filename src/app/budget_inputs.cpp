@@ -58,7 +58,7 @@ std::vector<double> band_of(BudgetRequest const& r) {
 }
 
 // Frequencies of curves and picture.
-std::vector<double> grid_of(std::vector<double> band, std::size_t points, std::vector<Source> const& sources) {
+std::vector<double> grid_of(std::vector<double> band, std::size_t points, std::vector<NoiseSource> const& sources) {
   Sampled const* const first = sources.empty() ? nullptr : &sources.front().curve;
   if (band.empty() && first && points == 0) return first->hz;
   if (band.empty() && first) band = {std::min(first->low, first->hz.front()), std::max(first->high, first->hz.back())};
@@ -87,7 +87,7 @@ ReferenceCurve reference_curve(std::string const& name, std::vector<double> cons
   curve.name = std::filesystem::path(name).filename().string();
   std::string const bytes = read_file(name);
   if (bytes.starts_with("straytrace-run") || (is_hdf5(bytes) && !is_budget_file(bytes, name))) {
-    Source const run = stray_light(name);
+    NoiseSource const run = stray_light(name);
     curve.name = run.run.file;
     curve.asd = run.curve.on(at, run.curve.asd);
     return curve;
@@ -100,7 +100,7 @@ ReferenceCurve reference_curve(std::string const& name, std::vector<double> cons
 struct Gathered {
   std::optional<IfoFile> ifo;
   std::string detector;  // as it was named
-  std::vector<Source> sources;
+  std::vector<NoiseSource> sources;
 };
 
 void add_input(std::string const& name, BudgetRequest const& r, Gathered& g) {
@@ -113,7 +113,7 @@ void add_input(std::string const& name, BudgetRequest const& r, Gathered& g) {
                                               : fmt::format("did you mean '{}'?", near)));
   }
   if (InputKind const kind = preset ? InputKind::detector : kind_of_input(name); kind == InputKind::budget) {
-    for (Source& s : noises_of_budget(name)) g.sources.push_back(std::move(s));
+    for (NoiseSource& s : noises_of_budget(name)) g.sources.push_back(std::move(s));
   } else if (kind == InputKind::run) {
     g.sources.push_back(stray_light(name));
   } else {
@@ -220,7 +220,7 @@ BudgetOn put_on(Gathered const& g, std::vector<std::string> const& compare, std:
     if (left_out) *left_out = all.left_out;
     for (CurveFile const& c : g.ifo->curves) add_curve(c, g.ifo->detector, b.table, left_out);
   }
-  for (Source const& s : g.sources) b.table.entries.push_back(s.on(hz));
+  for (NoiseSource const& s : g.sources) b.table.entries.push_back(s.on(hz));
   for (std::string const& name : compare) b.curves.push_back(reference_curve(name, hz));
   if (g.ifo) add_lines(b, g.ifo->detector);
   return b;
@@ -263,7 +263,7 @@ BudgetView gather_budget(BudgetRequest const& r) {
     titles.push_back(titled ? g.ifo->title : v.inputs.back());
   }
   v.title = fmt::format("noise budget of {}", fmt::join(titles, ", "));
-  for (Source const& s : g.sources) {
+  for (NoiseSource const& s : g.sources) {
     if (!s.run.entry.empty()) v.runs.push_back(s.run);
     v.warnings.insert(v.warnings.end(), s.warnings.begin(), s.warnings.end());
     for (std::string const& model : s.models)

@@ -26,11 +26,11 @@ Sampled sampled(std::vector<double> const& hz, BudgetTrace const& trace) {
   return s;
 }
 
-Source source_of(std::vector<double> const& hz, BudgetTrace const& trace, bool stray) {
+NoiseSource source_of(std::vector<double> const& hz, BudgetTrace const& trace, bool stray) {
   bool const light = stray || trace.name.starts_with("StrayLight");
   BudgetEntry entry{
       trace.name, trace.label, light ? BudgetEntry::Kind::stray_light : BudgetEntry::Kind::technical, {}, {}, "", {}};
-  Source s{std::move(entry), sampled(hz, trace), {}, {}, {}, {}};
+  NoiseSource s{std::move(entry), sampled(hz, trace), {}, {}, {}, {}};
   for (BudgetTrace const& part : trace.parts) s.parts.push_back(source_of(hz, part, light));
   return s;
 }
@@ -62,14 +62,14 @@ std::vector<std::string> tags(std::vector<std::string> const& files) {
 
 // Sources that share a text get the tag of their file through `add`.
 template <class Text, class Add>
-void tell_apart(std::vector<Source>& sources, Text const& text, Add const& add) {
+void tell_apart(std::vector<NoiseSource>& sources, Text const& text, Add const& add) {
   std::set<std::string> seen;
-  for (Source const& first : sources) {
+  for (NoiseSource const& first : sources) {
     std::string const shared = text(first);
     if (!seen.insert(shared).second) continue;
-    std::vector<Source*> same;
+    std::vector<NoiseSource*> same;
     std::vector<std::string> files;
-    for (Source& s : sources)
+    for (NoiseSource& s : sources)
       if (text(s) == shared) same.push_back(&s), files.push_back(s.file);
     if (same.size() < 2) continue;
     std::vector<std::string> const tag = tags(files);
@@ -90,7 +90,7 @@ bool same_curve(Sampled const& a, Sampled const& b) {
 }
 
 // Light of one scene, whatever seed, motion or ports: the model hash knows of none of them.
-bool same_scene(Source const& a, Source const& b) {
+bool same_scene(NoiseSource const& a, NoiseSource const& b) {
   return std::any_of(a.models.begin(), a.models.end(), [&](std::string const& model) {
     return std::find(b.models.begin(), b.models.end(), model) != b.models.end();
   });
@@ -103,7 +103,7 @@ bool is_fundamental(std::string const& name) {
 
 }  // namespace
 
-bool holds_fundamental(Source const& s) { return is_fundamental(s.entry.name); }
+bool holds_fundamental(NoiseSource const& s) { return is_fundamental(s.entry.name); }
 
 std::vector<double> Sampled::on(std::vector<double> const& at, std::vector<double> const& values) const {
   constexpr double rounding = 1e-9;
@@ -116,13 +116,13 @@ std::vector<double> Sampled::on(std::vector<double> const& at, std::vector<doubl
   return out;
 }
 
-BudgetEntry Source::on(std::vector<double> const& at) const {
+BudgetEntry NoiseSource::on(std::vector<double> const& at) const {
   BudgetEntry e = entry;
   e.asd = curve.on(at, curve.asd);
   if (!curve.sigma.empty()) e.sigma = curve.on(at, curve.sigma);
   for (BudgetBandColumn const& c : budget_band_columns)
     if (!(bands.*c.curve).empty()) e.bands.*c.curve = curve.on(at, bands.*c.curve);
-  for (Source const& part : parts) e.parts.push_back(part.on(at));
+  for (NoiseSource const& part : parts) e.parts.push_back(part.on(at));
   return e;
 }
 
@@ -151,7 +151,7 @@ InputKind kind_of_input(std::string const& file) {
   return InputKind::detector;
 }
 
-Source stray_light(std::string const& file) {
+NoiseSource stray_light(std::string const& file) {
   RunFile const run = read_run(file);
   if (!run.noise)
     throw InputError(
@@ -177,8 +177,8 @@ Source stray_light(std::string const& file) {
                              b.unresolved.size() == 1 ? " is" : "s are");
   std::vector<std::string> models{about.model_hash};
   double const low = b.grid.edges.front(), high = b.grid.edges.back();
-  Source s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high}, {}, file, std::move(about),
-           std::move(models)};
+  NoiseSource s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high}, {}, file, std::move(about),
+                std::move(models)};
   s.bands = {b.bands.input_low, b.bands.input_high, b.bands.speckle_05, b.bands.speckle_50, b.bands.speckle_95};
   s.entry.inputs_stated = !b.bands.sources.empty();
   for (std::string const& warning : b.warnings) s.warnings.push_back(fmt::format("'{}': {}", file, warning));
@@ -195,19 +195,19 @@ Source stray_light(std::string const& file) {
 }
 
 // One that has no parts is an entry itself.
-std::vector<Source> noises_of_budget(std::string const& name) {
+std::vector<NoiseSource> noises_of_budget(std::string const& name) {
   BudgetFile const file = read_budget_file(name);
-  std::vector<Source> all;
+  std::vector<NoiseSource> all;
   for (BudgetTrace const& part : file.total.parts) all.push_back(source_of(file.hz, part, false));
   if (file.total.parts.empty()) all.push_back(source_of(file.hz, file.total, false));
-  for (Source& s : all) {
+  for (NoiseSource& s : all) {
     s.file = name;
     if (s.entry.kind == BudgetEntry::Kind::stray_light) s.models = file.models;
   }
   return all;
 }
 
-std::vector<std::string> repeats(std::vector<Source> const& all, std::vector<std::string> const& fundamental,
+std::vector<std::string> repeats(std::vector<NoiseSource> const& all, std::vector<std::string> const& fundamental,
                                  std::string const& detector) {
   std::vector<std::string> said;
   std::set<std::pair<std::string, std::string>> pairs;
@@ -217,7 +217,7 @@ std::vector<std::string> repeats(std::vector<Source> const& all, std::vector<std
                                  a, b, name, remedy));
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    Source const& s = all[i];
+    NoiseSource const& s = all[i];
     if (std::find(fundamental.begin(), fundamental.end(), s.entry.name) != fundamental.end())
       say(detector, s.file, s.entry.name, "leave out the detector, or give the file with --compare");
     for (std::size_t k = 0; k < i; ++k) {
@@ -235,14 +235,14 @@ std::vector<std::string> repeats(std::vector<Source> const& all, std::vector<std
   return said;
 }
 
-void name_apart(std::vector<Source>& sources) {
+void name_apart(std::vector<NoiseSource>& sources) {
   tell_apart(
-      sources, [](Source const& s) { return s.entry.words; },
-      [](Source& s, std::string const& tag) { s.entry.words += fmt::format(" ({})", tag); });
+      sources, [](NoiseSource const& s) { return s.entry.words; },
+      [](NoiseSource& s, std::string const& tag) { s.entry.words += fmt::format(" ({})", tag); });
   tell_apart(
-      sources, [](Source const& s) { return s.entry.name; },
-      [](Source& s, std::string const& tag) { s.entry.name += "-" + tag; });
-  for (Source& s : sources) {
+      sources, [](NoiseSource const& s) { return s.entry.name; },
+      [](NoiseSource& s, std::string const& tag) { s.entry.name += "-" + tag; });
+  for (NoiseSource& s : sources) {
     if (s.run.entry.empty()) continue;
     s.run.entry = s.entry.name;
     s.entry.words = "stray light: " + s.entry.words;

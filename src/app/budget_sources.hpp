@@ -32,10 +32,10 @@ struct RunAbout {
 };
 
 // An entry with its parts, before it is put on frequencies.
-struct Source {
+struct NoiseSource {
   BudgetEntry entry;
   Sampled curve;
-  std::vector<Source> parts;
+  std::vector<NoiseSource> parts;
   std::string file;                   // as it was named
   RunAbout run;                       // of a run file
   std::vector<std::string> models{};  // hashes of the scenes whose stray light is in it
@@ -44,19 +44,19 @@ struct Source {
   BudgetEntry on(std::vector<double> const& at) const;
 };
 
-bool holds_fundamental(Source const&);  // by its name: of a budget file
+bool holds_fundamental(NoiseSource const&);  // by its name: of a budget file
 
 enum class InputKind { detector, run, budget };
 InputKind kind_of_input(std::string const& file);  // by its content; throws InputError when it is none of them
 
-Source stray_light(std::string const& run_file);                // total, and the routes that are resolved
-std::vector<Source> noises_of_budget(std::string const& file);  // every noise of a budget of pygwinc
+NoiseSource stray_light(std::string const& run_file);                // total, and the routes that are resolved
+std::vector<NoiseSource> noises_of_budget(std::string const& file);  // every noise of a budget of pygwinc
 
 // What a sum would count twice: a sentence for each pair of inputs, with what to do. `fundamental`: names of the noises
 // that the detector `detector` brings.
-std::vector<std::string> repeats(std::vector<Source> const&, std::vector<std::string> const& fundamental,
+std::vector<std::string> repeats(std::vector<NoiseSource> const&, std::vector<std::string> const& fundamental,
                                  std::string const& detector);
 // Equal names get the folder or the file behind them, equal titles as well.
-void name_apart(std::vector<Source>&);
+void name_apart(std::vector<NoiseSource>&);
 
 }  // namespace straytrace

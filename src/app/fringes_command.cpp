@@ -171,8 +171,8 @@ int fringes(FringesOptions const& o) {
     std::vector<FringeStride> const strides = by_stride(p.largest, p.times, stride, above);
     text += "\nlargest of these routes, by stride\n" + strides_text(strides, above);
     if (above > 0) {
-      std::vector<FringeStretch> const stretches = stretches_above(strides, above);
-      for (FringeStretch const& s : stretches)
+      std::vector<StretchAbove> const stretches = stretches_above(strides, above);
+      for (StretchAbove const& s : stretches)
         text += fmt::format("above {:g} Hz from GPS {} to {}, at most {:.4g} Hz\n", above, gps_text(s.from),
                             gps_text(s.to), s.largest);
       if (stretches.empty()) text += fmt::format("never above {:g} Hz\n", above);

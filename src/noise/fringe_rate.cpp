@@ -81,8 +81,8 @@ std::vector<FringeStride> by_stride(std::span<double const> hz, SampleTimes cons
   return out;
 }
 
-std::vector<FringeStretch> stretches_above(std::span<FringeStride const> strides, double threshold) {
-  std::vector<FringeStretch> out;
+std::vector<StretchAbove> stretches_above(std::span<FringeStride const> strides, double threshold) {
+  std::vector<StretchAbove> out;
   bool inside = false;
   for (FringeStride const& s : strides) {
     bool const above = s.largest > threshold;

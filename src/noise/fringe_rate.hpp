@@ -40,9 +40,9 @@ struct FringeStride {
 std::vector<FringeStride> by_stride(std::span<double const> hz, SampleTimes const&, double stride, double threshold);
 
 // Stretches of strides in which the frequency passes the threshold.
-struct FringeStretch {
+struct StretchAbove {
   double from = 0, to = 0, largest = 0;  // GPS s, Hz
 };
-std::vector<FringeStretch> stretches_above(std::span<FringeStride const>, double threshold);
+std::vector<StretchAbove> stretches_above(std::span<FringeStride const>, double threshold);
 
 }  // namespace straytrace

@@ -92,7 +92,7 @@ TEST(FringeStrides, PercentilesAndCrossings) {  // R6.10
   EXPECT_NEAR(strides[1].largest, 40, 0.02);
   EXPECT_NEAR(strides[1].share_above, 1 - 2 / pi * std::asin(0.25), 0.01);
   EXPECT_EQ(strides[0].share_above, 0);
-  std::vector<FringeStretch> const stretches = stretches_above(strides, 10);
+  std::vector<StretchAbove> const stretches = stretches_above(strides, 10);
   ASSERT_EQ(stretches.size(), 1u);
   EXPECT_EQ(stretches[0].from, 1010);
   EXPECT_EQ(stretches[0].to, 1030);

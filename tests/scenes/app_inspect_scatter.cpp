@@ -54,7 +54,8 @@ TEST(InspectScatter, PictureAndConversion) {
   EXPECT_FALSE(fs::exists(folder / "dump.png.json"));
   Finished const back = straytrace({"inspect", folder / "dump.ssdd"});
   EXPECT_EQ(back.code, 0) << back.err;
-  EXPECT_THAT(back.out, HasSubstr("SSDD, reflected, 1064 nm"));
+  EXPECT_THAT(back.out, HasSubstr("SSDD, reflected, 1064 nm\n  polarisation in: s, out: both; noise floor: 2e-06 /sr"));
+  EXPECT_THAT(back.out, HasSubstr("at or below it: upper limits"));
   Finished const bad = straytrace({"inspect", dump, "--write", folder / "dump.txt"});
   EXPECT_EQ(bad.code, 2);
   EXPECT_THAT(bad.err, HasSubstr("is no SSDD file"));

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The public part of the Python package under mypy --strict. Modules that draw pictures for the program are not typed."""
+"""The public part of the Python package under mypy --strict. Modules that draw pictures for the
+program, or read files of others for the command line, are not typed."""
 import os
 import pathlib
 import subprocess
@@ -8,8 +9,10 @@ import tempfile
 
 from python_arm import SOURCE
 
-UNTYPED = {f"{name}.py" for name in ("labels", "words", "sheet", "plot", "plot_bands", "plot_budget", "plot_curves", "plot_ghosts",
-                                      "plot_law", "plot_maps", "plot_scan")}
+UNTYPED = {f"{name}.py" for name in (
+    "labels", "words", "sheet", "plot", "plot_bands", "plot_budget", "plot_curves", "plot_ghosts", "plot_law", "plot_maps",
+    "plot_scan", "plot_scatter",                                                      # pictures
+    "layouts", "layout_gtrace", "layout_scene", "layout_theia", "maps", "map_files")}    # readers of other programs' files
 
 USE = """
 import straytrace

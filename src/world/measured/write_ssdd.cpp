@@ -67,6 +67,16 @@ Grid grid_of(ScatterFile const& file) {
   return g;
 }
 
+// Comments that this program reads back: the format has no place for them.
+std::string declared_lines(ScatterDeclared const& d) {
+  std::string out;
+  if (!d.polarisation_in.empty()) out += fmt::format("# polarisation_in: {}\n", d.polarisation_in);
+  if (!d.polarisation_out.empty()) out += fmt::format("# polarisation_out: {}\n", d.polarisation_out);
+  if (d.noise_floor > 0) out += fmt::format("# noise_floor: {:.6g} /sr\n", d.noise_floor);
+  if (d.noise_floor == 0) out += "# noise_floor: none\n";
+  return out;
+}
+
 }  // namespace
 
 std::string ssdd_text(ScatterFile const& file, std::string_view beyond, std::string& why) {
@@ -99,12 +109,13 @@ std::string ssdd_text(ScatterFile const& file, std::string_view beyond, std::str
       }
   return fmt::format(
       "VERSION 0.2\nSOFTWARE straytrace\n\n# converted from: {}\n# of {} values {} were not measured: interpolated, or "
-      "continued ({})\n# azimuth 0 points from the specular direction away from the normal\nDATA_TYPE {}\nCOLOR_MODEL "
+      "continued ({})\n# azimuth 0 points from the specular direction away from the normal\n{}DATA_TYPE "
+      "{}\nCOLOR_MODEL "
       "spectrum\nWAVELENGTH_LIST {:.10g}\nPARAM_TYPE specular_coordinate_system\nREDUCTION_TYPE "
       "bilateral_symmetry\nPARAM0_LIST {}\nPARAM2_LIST {}\nPARAM3_LIST {}\nSOURCE_TYPE measured\nDATA ascii\n{}",
       file.format, g.incidence.size() * g.polar.size() * g.azimuth.size(), filled, beyond,
-      file.transmitted ? "btdf" : "brdf", file.declared.wavelength * 1e9, fmt::join(g.incidence, " "),
-      fmt::join(g.polar, " "), fmt::join(g.azimuth, " "), rows);
+      declared_lines(file.declared), file.transmitted ? "btdf" : "brdf", file.declared.wavelength * 1e9,
+      fmt::join(g.incidence, " "), fmt::join(g.polar, " "), fmt::join(g.azimuth, " "), rows);
 }
 
 }  // namespace straytrace
