@@ -29,8 +29,10 @@ class PathTable {
                               on: {input: () => this.refresh()}});
     this.said = el("span", {class: "note"});
     const save = el("button", {on: {click: () => offer("paths.csv", this.csv())}}, "CSV of these rows");
-    const off = el("button", {title: "of the chosen rows, or of all that the filter lets through: the total without them",
-                              on: {click: () => this.switchOff()}}, "Switch off");
+    const off = (name, title, ids) => el("button", {title, on: {click: () => this.switchOff(ids())}}, name);
+    const all = () => this.order.map(i => this.columns.get("id")[i]);
+    const buttons = [off("Switch chosen off", "the total without the rows that are chosen", () => [...this.chosen]),
+                     off("Switch these off", "the total without the rows that the filter lets through", all)];
     const on = el("button", {on: {click: () => { this.off.clear(); this.resum(); this.draw(); }}}, "All on");
     this.sums = el("div", {class: "note sums"});
     this.box = el("div", {class: "routes", tabindex: "0", on: {scroll: () => this.draw()}});
@@ -38,7 +40,7 @@ class PathTable {
     this.space = el("div");
     this.body = el("div", {style: "position:absolute"});
     this.box.append(this.head, this.space, this.body);
-    parent.append(el("div", {class: "bar"}, this.input, save, off, on), this.said, this.sums, this.box, this.choices());
+    parent.append(el("div", {class: "bar"}, this.input, save, buttons, on), this.said, this.sums, this.box, this.choices());
     window.addEventListener("resize", () => this.draw());
     window.addEventListener("beforeprint", () => { this.box.scrollTop = 0; this.draw(40); });
   }
@@ -53,11 +55,10 @@ class PathTable {
               el("p", {class: "note"}, "The filter knows: " + Predicate.numbers(this.about).join(" ") + " " + textNames.map(n => n + "()").join(" ") +
                  " resolved; and, or, not, brackets; units, as in opl > 2 km."));
   }
-  switchOff() {
-    const ids = this.columns.get("id");
-    for (const id of this.chosen.size > 0 ? this.chosen : this.order.map(i => ids[i])) this.off.add(id);
-    this.choose(null);
+  switchOff(ids) {
+    for (const id of ids) this.off.add(id);
     this.resum();
+    this.draw();
   }
   // The total without rows that are off. Routes share histories, so their errors add up to at most their plain sum.
   resum() {
@@ -77,7 +78,7 @@ class PathTable {
       parts.push("h(" + key.slice(1) + " Hz) " + (left > 0 ? withError(h, error / h) + " (error at most), " +
                  digits(h / Math.sqrt(all)) + " of the whole" : "nothing resolved is left"));
     }
-    this.sums.textContent = this.off.size === 0 ? "" : "Without the " + this.off.size + " rows that are off: " + parts.join("; ") +
+    this.sums.textContent = this.off.size === 0 ? "" : "Without the " + this.off.size + (this.off.size === 1 ? " row that is off: " : " rows that are off: ") + parts.join("; ") +
         ". Unresolved rows are in none of these sums.";
   }
   toggle(key) {
@@ -153,7 +154,7 @@ class PathTable {
   choose(id, more) {
     const had = this.chosen.has(id);
     if (!more) this.chosen.clear();
-    if (had) this.chosen.delete(id); else if (id !== null) this.chosen.add(id);
+    if (had) this.chosen.delete(id); else this.chosen.add(id);
     this.draw();
     this.tell([...this.chosen]);
   }

@@ -83,11 +83,17 @@ class Run:
     def paths(self, where: Where | None = None, low: float = 0.0, high: float = 0.0) -> Paths:
         """The routes, ranked by their share of the noise, as `straytrace paths`.
 
-        where: which of them, for example ``'via("baffle*") and h(30 Hz) > 1e-25'`` (straytrace.paths), or a function
-        of a row.
+        where: which of them, a condition of `straytrace paths --where`, for example ``'via("baffle*") and h(30 Hz) > 1e-25'``, or
+        a function of a row.
         low, high: Hz, band of the shares; 0: all frequencies."""
-        answer = engine.ask("paths", str(self.path), "--format", "json", "--by", "port")
-        return paths_from(json.loads(answer.output), self.noise, low, high).where(where)
+        words = ["paths", str(self.path), "--format", "json", "--by", "port"]
+        if high > low:
+            words += ["--band", f"{float(low)!r} Hz..{min(float(high), 1e12)!r} Hz"]
+
+        def ids(condition: str) -> list[str]:
+            return [row["id"] for row in json.loads(engine.ask(*words, "--where", condition).output)["routes"]]
+
+        return paths_from(json.loads(engine.ask(*words).output), self.noise, ids).where(where)
 
     def project(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
                 response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,

@@ -53,15 +53,18 @@ nlohmann::ordered_json json_of(WithError const& x) {
 }
 
 std::string number_of(WithError const& x) {
-  return std::isnan(x.value) ? "nothing resolved" : with_brackets(x.value, x.sigma);
+  return std::isnan(x.value) ? "unresolved" : with_brackets(x.value, x.sigma);
 }
 
 std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   std::string text = fmt::format("Without {} ({} route{} left out):\n", fmt::join(choice.without, " and "),
                                  chosen.left_out, chosen.left_out == 1 ? "" : "s");
-  for (StrainWithout const& s : chosen.strain)
-    text += fmt::format("  h({:g} Hz) {}, before {} 1/sqrt(Hz): factor {}\n", s.hz, number_of(s.after),
-                        number_of(s.before), number_of(s.factor));
+  for (StrainWithout const& s : chosen.strain) {
+    text += fmt::format("  h({:g} Hz) ", s.hz);
+    text += std::isnan(s.after.value) ? "not resolved: no resolved route that is left makes noise there"
+                                      : fmt::format("{}, factor {}", number_of(s.after), number_of(s.factor));
+    text += fmt::format("; before {} 1/sqrt(Hz)\n", number_of(s.before));
+  }
   if (chosen.strain.empty())
     text += fmt::format("  sum of couplings {}, before {}\n", number_of(chosen.all.total_coupling),
                         number_of(chosen.coupling_before));

@@ -11,8 +11,9 @@ namespace straytrace {
 
 struct PathsChoice {
   std::string where, sort;
+  std::string band;                  // of shares and ranks: "10 Hz..100 Hz"; empty: all frequencies
   std::vector<std::string> without;  // patterns of objects
-  bool any() const { return !where.empty() || !sort.empty() || !without.empty(); }
+  bool any() const { return !where.empty() || !sort.empty() || !without.empty() || !band.empty(); }
 };
 
 struct ChosenPaths {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "app/common_options.hpp"
+#include "app/data_options.hpp"
 #include "app/first_order.hpp"
 #include "app/paths_choice.hpp"
 #include "app/session.hpp"
@@ -40,7 +41,7 @@ void print_ports(Options const& options, PathsChoice const& choice, RunContent c
   } else if (!choice.any()) {
     std::cout << path_text(table, show) << '\n';
   } else {
-    std::cout << said << '\n' << path_text(chosen.shown, show, chosen.all) << '\n';
+    std::cout << said << (said.empty() ? "" : "\n") << path_text(chosen.shown, show, chosen.all) << '\n';
   }
 }
 
@@ -48,8 +49,8 @@ int paths(Options const& options, PathsChoice const& choice) {
   refuse_two_formats(options);
   if (choice.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
     throw InputError(
-        "error: --where, --without and --sort choose routes to ports\n  leave out --by, --census and "
-        "--first-order, or leave out the choice");
+        "error: --where, --without, --sort and --band are about routes to ports\n  leave out --by, --census and "
+        "--first-order, or leave these out");
   if (options.first_order) return print_first_order(options);
   RunFile const file = read_run(options.input);
   Model const model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
@@ -59,13 +60,20 @@ int paths(Options const& options, PathsChoice const& choice) {
   if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
     if (choice.any())
       throw InputError(
-          "error: this run has no ports, and --where, --without and --sort choose routes to ports\n  leave "
+          "error: this run has no ports, and --where, --without, --sort and --band are about routes to ports\n  leave "
           "them out");
     print_receivers(options, content, show);
     return done;
   }
   NoiseBudget const* const budget = file.noise ? &*file.noise : nullptr;
-  print_ports(options, choice, content, table_for(file.trace.coupling, budget, model), show);
+  TableSettings settings;
+  if (!choice.band.empty()) {
+    FrequencyBand const band = option_band(choice.band, "--band");
+    settings.low = band.low;
+    settings.high = band.high;
+  }
+  print_ports(options, choice, content,
+              path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings), show);
   return done;
 }
 
@@ -80,6 +88,7 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
   auto const choice = std::make_shared<PathsChoice>();
   command->add_option("--where", choice->where,
                       "only routes of which this is true: 'via(\"baffle*\") and scatters == 2'");
+  command->add_option("--band", choice->band, "of shares and ranks: \"10 Hz..100 Hz\"; all frequencies unless given");
   command->add_option("--sort", choice->sort, "by this name of --where, largest first: opl, 'h(30 Hz)'");
   command
       ->add_option("--without", choice->without, "sums the noise again without routes that pass this object, * for any")

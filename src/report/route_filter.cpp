@@ -24,7 +24,7 @@ std::vector<std::string> words_in(std::string_view text) {
 // Conditions hold signs, brackets, quotes or one of these words.
 bool is_condition(std::string_view text, std::vector<std::string> const& words) {
   return text.find_first_of("()<>=!\"'") != std::string_view::npos ||
-         std::all_of(words.begin(), words.end(),
+         std::any_of(words.begin(), words.end(),
                      [](std::string const& w) { return w == "resolved" || w == "not" || w == "and" || w == "or"; });
 }
 

@@ -131,8 +131,24 @@ def check_table(browser, data):
     check(said.startswith(f"{wanted} of "), f"the predicate lets through '{said}', not {wanted} rows")
     loud = sum(h is not None and h > 1e-25 for h in columns["h30"])
     check(filtered(browser, "h(30 Hz) > 1e-25").startswith(f"{loud} of "), "h(30 Hz) > 1e-25 is not what it says")
+    check_switch(browser, columns)
     check("is not known" in filtered(browser, "colour > 3"), "an unknown name in a filter is not told")
     check(filtered(browser, "fold").split()[0] != filtered(browser, "").split()[0], "plain words filter nothing")
+
+
+def check_switch(browser, columns):
+    """Rows that are off leave the sum of squares."""
+    press = "[...document.querySelectorAll('#routes button')].find(b => b.textContent === arguments[0]).click()"
+    filtered(browser, "not rank == 2")
+    browser.run(press, "Switch these off")
+    said = browser.run("return document.querySelector('.sums').textContent")
+    total = sum(h * h for h in columns["h30"] if h)**0.5
+    left = columns["h30"][columns["rank"].index(2)] / total
+    found = re.search(r"h\(30 Hz\) [^,]*, ([0-9.e-]+) of the whole", said)
+    check(found and abs(float(found[1]) / left - 1) < 5e-3, f"all but one row off leave {left}, the page says '{said}'")
+    check(left < 0.9, "the row that is left is all there is: this proves nothing")
+    browser.run(press, "All on")
+    check(browser.run("return document.querySelector('.sums').textContent") == "", "rows that are on again are missing")
 
 
 def check_paths(browser, data):
