@@ -83,7 +83,7 @@ def response(model: Any, *, inject: str, frequencies: npt.ArrayLike, relative_to
     try:
         from finesse.analysis.actions import DCFields, FrequencyResponse
     except ImportError:
-        raise ImportError("responses need FINESSE 3, which is not here: pip install 'straytrace[finesse]'") from None
+        raise ImportError("responses need FINESSE 3, which is not here: pip install finesse") from None
     f = np.atleast_1d(np.asarray(frequencies, float))
     if not np.all(f > 0):
         raise ValueError("frequencies are in Hz, above 0")

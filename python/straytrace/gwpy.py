@@ -17,7 +17,7 @@ def frequency_series(noise: Noise, curve: Curve, interpolate: float | None) -> A
     try:
         from gwpy.frequencyseries import FrequencySeries
     except ImportError:
-        raise ImportError("to_gwpy needs gwpy, which is not here: pip install 'straytrace[gwpy]'") from None
+        raise ImportError("to_gwpy needs gwpy, which is not here: pip install gwpy") from None
     f, values = noise.frequency, curve.mean
     steps = np.diff(f)
     if interpolate is not None:

@@ -21,7 +21,7 @@ from .run import Run, RunError, open_run
 
 class _Absent:
     def __init__(self, *_arguments: object, **_values: object) -> None:
-        raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install 'straytrace[pygwinc]'")
+        raise ImportError("StrayLight is a noise of pygwinc, which is not here: pip install gwinc")
 
 
 try:

@@ -53,6 +53,7 @@ std::string rewritten(std::string const& text, std::string const& named) {
   if (std::regex_match(text, m, choice)) return choices_of(m[1], m[2], m[3]);
   if (std::regex_match(text, m, number))
     return fmt::format("{} cannot be '{}'\n  write a number without a unit", m[1].str(), m[2].str());
+  if (text == "A subcommand is required") return "a command is missing\n  write one behind the name";
   if (std::regex_match(text, m, missing))
     return m[1].str().starts_with('-') ? fmt::format("{} is missing\n  add it with its value", m[1].str())
                                        : fmt::format("'{0}' is missing\n  write straytrace {1}{0}", m[1].str(), named);

@@ -42,12 +42,13 @@ class Flattener {
  public:
   explicit Flattener(Scene const& scene) : files_(scene.files()) {}
 
-  void add(ModelValue const& v, std::string const& path, Leaves& into) const {
+  void add(ModelValue const& v, std::string const& named, Leaves& into) const {
+    std::string const path = one_of_list(v) ? named + "[0]" : named;
     // Where numbers come from; `like` is taken over already.
     bool const remark = v.key == "source" || v.key == "note" || v.key == "status" || v.key == "override";
     if (remark || (v.key == "like" && v.how.form != Asked::Form::choice)) return;  // of a motion it is a choice
     if (v.kind == Node::Kind::none || v.kind == Node::Kind::scalar) {
-      if (!v.value.empty()) into[one_of_list(v) ? path + "[0]" : path] = leaf(v);
+      if (!v.value.empty()) into[path] = leaf(v);
       return;
     }
     for (std::size_t i = 0; i < v.children.size(); ++i) {
@@ -62,7 +63,9 @@ class Flattener {
 
  private:
   // A single value counts as a list of one.
-  static bool one_of_list(ModelValue const& v) { return v.given() && v.by_key && v.how.form == Asked::Form::list; }
+  static bool one_of_list(ModelValue const& v) {
+    return v.kind != Node::Kind::list && v.given() && v.by_key && v.how.form == Asked::Form::list;
+  }
 
   Leaf leaf(ModelValue const& v) const {
     auto const folder = v.origin.substr(0, v.origin.rfind('/') + 1);  // names are relative to the file they stand in

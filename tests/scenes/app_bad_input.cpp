@@ -28,7 +28,7 @@ std::vector<Case> const cases = {
      "unknown key 'half_angel' in shape 'cone'", "did you mean 'half_angle'?", 2},
     {"unknown table", "noise:", "nose:", "nose", "unknown key 'nose'", "did you mean 'noise'?"},
     {"no interferometer", "interferometer:", "interferometr:", "interferometr", "unknown key 'interferometr'",
-     "did you mean 'interferometer'?", 2},
+     "did you mean 'interferometer'?"},
     {"key twice", "towers: {motion: still}", "towers: {motion: still}\n  ETM: {motion: still}",
      "ETM:", "key 'ETM' is written twice", "remove one of them"},
     {"name twice", "{name: link_in,", "{name: tube,", "tube,", "name 'tube' is used twice", "choose another name"},

@@ -16,11 +16,11 @@ Words split(std::string const& line) {
   Words words;
   std::istringstream in(line);
   for (std::string word; in >> word && word != ">";) {
-    if (word.starts_with('"')) {
+    if (char const quote = word.front(); quote == '"' || quote == '\'') {
       std::string rest;
-      if (!word.ends_with('"') || word.size() == 1) std::getline(in, rest, '"');
+      if (!word.ends_with(quote) || word.size() == 1) std::getline(in, rest, quote);
       word = word.substr(1) + rest;
-      if (word.ends_with('"')) word.pop_back();
+      if (word.ends_with(quote)) word.pop_back();
     }
     words.push_back(word);
   }
@@ -40,6 +40,7 @@ std::vector<Words> examples_in(std::string const& help) {
 TEST(CommandLine, SplitsLikeAShell) {
   EXPECT_EQ(split(R"(a -u "h < 1 %" -p b=1 > c)"), (Words{"a", "-u", "h < 1 %", "-p", "b=1"}));
   EXPECT_EQ(split(R"(a "b" c)"), (Words{"a", "b", "c"}));
+  EXPECT_EQ(split(R"(a 'h("b") > 1' c)"), (Words{"a", "h(\"b\") > 1", "c"}));
   EXPECT_EQ(examples_in("no such section\n  straytrace run x y").size(), 0u);
 }
 
@@ -63,7 +64,9 @@ TEST(CommandLine, ExamplesOfTheHelpRun) {
         if (auto const given = std::find(words.begin(), words.end(), "1e6"); given != words.end())
           words.erase(given - 1, given + 1);
       }
-      Finished const r = straytrace(words, how);
+      Launch one = how;
+      one.picture = std::find(words.begin(), words.end(), "--plot") != words.end();
+      Finished const r = straytrace(words, one);
       EXPECT_TRUE(r.code == 0 || r.code == 85) << ::testing::PrintToString(words) << r.err;
       EXPECT_GT(r.out.size(), 20u);
     }
@@ -100,15 +103,15 @@ TEST(CommandLine, MistakesAreExplained) {
   std::string const out = folder / "out";
   write_text(folder / "file", "");
   Wrong const all[] = {
-      {{}, "A subcommand is required", "straytrace --help"},
+      {{}, "a command is missing", "straytrace --help"},
       {{"chek", virgo_arm}, "'chek' is not a command", "did you mean 'check'?"},
-      {{"run"}, "scene is required", "straytrace run --help"},
-      {{"run", virgo_arm}, "--out is required", "straytrace run --help"},
+      {{"run"}, "'scene' is missing", "straytrace run --help"},
+      {{"run", virgo_arm}, "--out is missing", "straytrace run --help"},
       {{"run", virgo_arm, "-o", out, "--histores", "9"},
        "'--histores' is not an option",
        "did you mean '--histories'?"},
       {{"check", virgo_arm, "twice"}, "'twice' is not expected", "straytrace check --help"},
-      {{"noise"}, "run is required", "straytrace noise --help"},
+      {{"noise"}, "'run' is missing", "straytrace noise --help"},
       {{"run", virgo_arm, "-o", out, "--until", "5%"}, "'5%' is not a stop rule", "write 'h_total < 5 %'"},
       {{"run", virgo_arm, "-o", out, "--until", "h_total < 5"}, "is not a stop rule", "'10 min'"},
       {{"run", virgo_arm, "-o", out, "--until", ""}, "is not a stop rule", "straytrace run --help"},

@@ -166,7 +166,7 @@ TEST(GhostCommand, refuses_with_a_remedy) {
   says({"ghosts", bench, "--show", "0"}, "'0' is not a whole number from 1", "write for example 50");
   says({"apertures", virgo_arm, "--show", "0"}, "'0' is not a whole number from 1", "write for example 20");
   says({"ghosts", bench, "--order", "two"}, "'two' is not a whole number", "write for example 2");
-  says({"ghosts", bench, "--by", "size"}, "size not in", "see straytrace ghosts --help");
+  says({"ghosts", bench, "--by", "size"}, "--by cannot be 'size'", "see straytrace ghosts --help");
   Folder const folder;
   write_text(folder / "even.yaml", edited(text_of(bench), "radius: waist,", "radius: waist, profile: even,"));
   says({"ghosts", folder / "even.yaml", "--quiet"}, "no Gaussian beam to launch", "leave its profile Gaussian");

@@ -37,10 +37,15 @@ TEST(LibraryCommand, CopiesAndTheCopyIsUsed) {
   Folder const folder;
   ASSERT_EQ(straytrace({"library", "oxidised_steel", "--copy", folder.path()}).code, 0);
   std::string const copy = folder / "library/materials/metals.yaml";
-  Finished const again = straytrace({"run", folder / "arm.h5", "-o", folder / "again", "--quiet"}, {folder.path()});
-  ASSERT_EQ(again.code, 0) << again.err;
-  EXPECT_EQ(straytrace({"paths", folder / "arm.h5", "--csv"}).out,
-            straytrace({"paths", folder / "again/run.h5", "--csv"}).out);
+  Finished const again = straytrace({"library", "--copy", folder.path()});
+  EXPECT_EQ(again.code, 2);
+  EXPECT_THAT(again.err, HasSubstr("metals.yaml' exists"));
+  EXPECT_FALSE(fs::exists(folder / "library/arm.yaml")) << "all files or none";
+  std::string text = text_of(copy);
+  write_text(copy, text.replace(text.find("1e-2 /sr"), 8, "5e-2 /sr"));
+  write_text(folder / "a.yaml",
+             "straytrace: 1\ninclude: [library/materials.yaml]\nmaterials: {m: {like: steel_ebonol}}\n");
+  EXPECT_THAT(straytrace({"inspect", "m", folder / "a.yaml"}).out, HasSubstr("[0.001, 0.003, 0.05] /sr"));
 }
 
 std::string hash_of(Words words) {
