@@ -109,7 +109,7 @@ void add_paths(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace paths out/run.h5 --show 20\n"
       "  straytrace paths out/run.h5 --where 'via(\"baffle*\") and h(30 Hz) > 1e-25' --sort opl\n"
-      "  straytrace paths out/run.h5 --without 'baffle*'\n"
+      "  straytrace paths out/run.h5 --without ETM\n"
       "  straytrace paths out/run.h5 --by receiver\n"
       "  straytrace paths examples/virgo_arm.yaml --first-order\n"
       "  straytrace paths out/run.h5 --census --csv > census.csv");
