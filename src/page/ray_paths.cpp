@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trace/first_order.hpp"
 #include "trace/history/step.hpp"
 #include "trace/tally/replay.hpp"
 
@@ -30,16 +31,6 @@ Vec3 leaves(Box const& box, Ray const& ray) {
   if (std::isfinite(nearest)) end = std::max(nearest, 0.0);
   return ray.origin + end * ray.dir;
 }
-
-struct SilentSink {
-  template <class... T>
-  void emitted(T const&...) {}
-  template <class... T>
-  void visit(T const&...) {}
-  template <class... T>
-  void score(T const&...) {}
-  void book(Fate, double) {}
-};
 
 // Follows one history; each(path, hit) hears of every leg before it is flown.
 template <class Sink, class Each>
@@ -127,7 +118,7 @@ std::vector<DrawnPath> paths_of(World const& world, std::uint64_t seed, Coupling
 std::vector<RaySegment> sample_rays(World const& world, Box const& box, std::uint64_t seed, std::uint64_t histories) {
   std::vector<RaySegment> all;
   WorldView const view = world.view();
-  SilentSink sink;
+  NoBooks sink;
   for (std::uint64_t h = 0; h < histories; ++h)
     follow(view, seed, h, sink, [&](PathState const& path, Hit const& hit) {
       bool const met = hit.surface.valid();

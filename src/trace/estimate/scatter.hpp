@@ -45,7 +45,7 @@ STRAY_HD double interface_turns(WorldView const& world, Vertex const& vertex, bo
   Amplitudes const a =
       specular_amplitudes(world.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
   Complex const field = through ? a.ts : a.rs;
-  return std::atan2(field.im, field.re) / (2 * pi);
+  return turn_of(field.re, field.im);
 }
 
 // A specular lobe: its direction, and the state of polarisation after it.
