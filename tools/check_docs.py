@@ -34,7 +34,7 @@ def dead_links(root, pages):
                 continue                                # another site
             file, _, anchor = target.partition("#")
             place = (page.parent / file).resolve() if file else page
-            if not place.exists():
+            if not place.is_file():                     # a folder is no page
                 yield f"{page.relative_to(root)}: no such file: {target}"
             elif anchor and place.suffix == ".md" and anchor not in anchors(place):
                 yield f"{page.relative_to(root)}: no such heading: {target}"
