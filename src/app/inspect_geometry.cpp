@@ -72,8 +72,8 @@ void print_text(std::string const& file, GeometryFile const& g, std::string cons
   std::cout << fmt::format("\n{:<{}}  {:<9}{:>12}  faces\n", "part", width, "colour",
                            g.unit_known ? "area [m2]" : "area");
   for (GeometryPart const& p : g.parts)
-    std::cout << fmt::format("{:<{}}  {:<9}{:>12.6g}  {}{}{}\n", p.name, width, p.colour.empty() ? "-" : p.colour, p.area,
-                             faces_text(p), p.material.empty() ? "" : ", material '" + p.material + "'",
+    std::cout << fmt::format("{:<{}}  {:<9}{:>12.6g}  {}{}{}\n", p.name, width, p.colour.empty() ? "-" : p.colour,
+                             p.area, faces_text(p), p.material.empty() ? "" : ", material '" + p.material + "'",
                              p.closed.empty() ? "" : ", " + p.closed);
   for (MeshFault const& n : g.notes) std::cout << fmt::format("\nnote: {}\n      {}\n", n.what, n.suggestion);
   std::cout << "\nThat parts pass through each other is not checked. For a scene:\n\n" << entry(file, g, units);

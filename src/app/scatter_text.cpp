@@ -82,10 +82,10 @@ std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
         "noise floor", file.declared.noise_floor == 0 || file.format != "laboratory CSV",
         file.declared.noise_floor == 0 ? "declared as none" : "not declared: no point counts as an upper limit");
   bool const tiny = seems_to_be_radian(file);
-  out += finding("angles", audit.turns + audit.duplicates == 0 && !tiny,
-                 fmt::format("run back {} times; {} directions measured twice{}", audit.turns, audit.duplicates,
-                             tiny ? "; none is above 1.58 deg: if they are radian, write 'theta_i [rad], theta_s [rad]'"
-                                  : ""));
+  out += finding(
+      "angles", audit.turns + audit.duplicates == 0 && !tiny,
+      fmt::format("run back {} times; {} directions measured twice{}", audit.turns, audit.duplicates,
+                  tiny ? "; none is above 1.58 deg: if they are radian, write 'theta_i [rad], theta_s [rad]'" : ""));
   out += finding(
       "isotropy", audit.spread < 1.5,
       fmt::format("points of one incidence at the same |beta-beta0| differ by a factor {:.3g} at most", audit.spread));
@@ -122,10 +122,10 @@ std::string farthest_text(ScatterFile const& file, ScatterFit const& fit) {
     ratio = p.value / fit.fitted[i];
   }
   if (!point) return "";
-  std::string const where = std::isfinite(point->theta_s)
-                                ? fmt::format("theta_i {:.4g} deg, theta_s {:.4g} deg", point->theta_i / degree,
-                                              point->theta_s / degree)
-                                : fmt::format("theta_i {:.4g} deg, offset {:.4g}", point->theta_i / degree, point->offset);
+  std::string const where =
+      std::isfinite(point->theta_s)
+          ? fmt::format("theta_i {:.4g} deg, theta_s {:.4g} deg", point->theta_i / degree, point->theta_s / degree)
+          : fmt::format("theta_i {:.4g} deg, offset {:.4g}", point->theta_i / degree, point->offset);
   return fmt::format(
       "  look: line {} ({}) is {:.3g} times the best fit: a glint, or a bad point? 'model: table' spreads it over a\n"
       "  ring about the specular direction; leave it out there, and look at the part where it comes from\n",

@@ -84,7 +84,7 @@ void PartRules::add(std::string const& pattern, Node const& says, bool complain)
     if (!is_colour(rule.colour)) {
       if (complain)
         says.problem(fmt::format("'{}' is not a colour", shortened(pattern)),
-                         "write \"color #rrggbb\", as inspect prints it");
+                     "write \"color #rrggbb\", as inspect prints it");
       rule.used = true;
     }
   }
@@ -144,7 +144,7 @@ void PartRules::report(Scene::Instance const& instance, std::string const& name,
     if (r.used) continue;
     std::string const near = nearest_word(r.pattern, words);
     r.says.problem(fmt::format("no part, material or colour of '{}' matches '{}'", name, r.pattern),
-                       near.empty() ? all : fmt::format("did you mean '{}'?", near));
+                   near.empty() ? all : fmt::format("did you mean '{}'?", near));
   }
   if (bare_.empty()) return;
   instance.placement.problem(fmt::format("parts of '{}' have no material: {}", name, some_of(bare_)),

@@ -116,9 +116,8 @@ void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pos
     shape.place(pose);
     std::uint32_t const front = side == "back" || side == "inner" ? names.black : optic;
     std::uint32_t const back = side == "front" || side == "outer" ? names.black : optic;
-    SurfaceId const id =
-        world.add_surface(shape, front, back, as.body, world.add_group(instance.group + tail),
-                          medium ? fill(medium, part) : as.volume);
+    SurfaceId const id = world.add_surface(shape, front, back, as.body, world.add_group(instance.group + tail),
+                                           medium ? fill(medium, part) : as.volume);
     names.surfaces.try_emplace(instance.name + tail, id);
     names.surfaces.try_emplace(instance.group + tail, id);
     names.surfaces.try_emplace(instance.name, id);

@@ -142,7 +142,7 @@ Node material_of(Scene::Instance const& instance) {
 // What is read once for several instances, by name.
 struct Shared {
   std::set<std::string> complained;
-  std::map<std::string, std::uint32_t> volumes;  // by part that it fills and medium
+  std::map<std::string, std::uint32_t> volumes;                         // by part that it fills and medium
   std::map<std::uint32_t, std::pair<Node, std::string>> volume_places;  // and the part
   MeshLibrary meshes;
   CadLibrary cads;
@@ -283,8 +283,8 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
     std::string const fault = id < faces.size() ? volume_fault(world, faces[id]) : "";
     if (!fault.empty())
       node.problem(fmt::format("{}: {}", part, fault),
-                    "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "
-                    "along 'facing', cylinder away from its axis, sphere and box outwards");
+                   "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "
+                   "along 'facing', cylinder away from its axis, sphere and box outwards");
   }
 }
 
