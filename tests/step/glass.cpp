@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One part of a STEP file filled with glass: a lens refracts, its holder does not.
 #include <complex>
+#include <unistd.h>
 
 #include "step/support.hpp"
 #include "world/world.hpp"
@@ -86,7 +87,9 @@ TEST(step_glass, rows_of_medium_are_rules) {
 
 // A thread is joined by nothing: OpenCASCADE would look for joints in it without an end.
 TEST(step_glass, threads_come_to_an_end) {
+  ::alarm(120);  // s: of a second or two
   CadFile const f = converted(sample(step::add_thread));
+  ::alarm(0);
   ASSERT_EQ(f.parts.size(), 1u);
   EXPECT_GT(f.parts[0].triangles.size(), 100u);
   EXPECT_GE(f.parts[0].faces.size(), 5u);
