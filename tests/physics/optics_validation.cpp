@@ -4,6 +4,7 @@
 
 #include "contract/optics_quadrature.hpp"
 #include "optics/height_spectrum.hpp"
+#include "optics/lambertian.hpp"
 #include "optics/mie.hpp"
 #include "recorded.hpp"
 
@@ -18,15 +19,15 @@ TEST(validation, total_scatter_a15) {
   EXPECT_GT(deviation(tis_moderate(5e-9, 1, 0.5e-6), 0.0157914), 5e-3) << "twin: the exponential form";
 }
 
-// A15, eq. 3.9: index 1.45 in the specular direction at 30 deg.
-// B10, the BRDF round robin of 1989: an aluminium mirror of 0.7 nm at 632.8 nm, and a white diffuser of 0.27 /sr, known
-// to a factor of 2, that stands between the Lambertian laws of albedo 1 and 1/2.
+// B10, the BRDF round robin of 1989: an aluminium mirror of 0.7 nm at 632.8 nm, and a white diffuser of 0.27 /sr, on
+// which laboratories differed by a factor of 2; the Lambertian of albedo 1 has 0.318 /sr.
 TEST(validation, round_robin_b10) {
   EXPECT_LT(deviation(tis_smooth(0.7e-9, 1, 632.8e-9), 1.93e-4), 2e-3);
   EXPECT_GT(deviation(tis_smooth(0.7e-9, 1, 1.064e-6), 1.93e-4), 0.5) << "twin: 1064 nm";
   EXPECT_NEAR(std::log2(Lambertian{1}.eval({0, 0, 1}, {0.6, 0, 0.8}) / 0.27), 0, 1);
 }
 
+// A15, eq. 3.9: index 1.45 in the specular direction at 30 deg.
 TEST(validation, polarisation_factors_a15) {
   PolarisationFactor const glass{1.45 * 1.45, 0, 1};
   Vec3 const in = incoming(30);
