@@ -231,8 +231,8 @@ class CheckValidation(unittest.TestCase):
     def test_bounds_and_series(self):
         share = [(1, "above", "share", 1, 0.9, [0.66, 0.6, 0]), (2, "below", "share", 1, 0.9, [0.66, 0.75, 0])]
         self.assertEqual(self.compared("", "", *share, write=True)[1], "| A1 | 0.66 in 0.6 to 0.75 | – | `A.b` |")
-        series = (1, "near", "x", 400, 0.002, [2, 2, 1e-9])
-        self.assertEqual(self.compared("", "", series, write=True)[1], "| A1 | 400 numbers | <1 % | `A.b` |")
+        series = (1, "near", "x", 400, 0.002, [2, 2 + 2.5e-12, 1e-9])
+        self.assertEqual(self.compared("", "", series, write=True)[1], "| A1 | 400 numbers off by at most 2.5e-12 | <1 % | `A.b` |")
 
     def test_row_that_is_none_is_said(self):
         self.assertIn("write | as", self.compared("a | b", "", tests="`A.b`")[0][0])

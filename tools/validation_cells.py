@@ -9,7 +9,7 @@ import math
 import pathlib
 import re
 
-PIECES = 10                                             # numbers of a row that are shown
+PIECES = 12                                             # numbers of a row that are shown
 LISTED = 10                                             # longer series are told by their worst number
 
 
@@ -34,7 +34,7 @@ def number(value, quantum, slack):
     """(text, slack) of a value known to the quantum, with at most seven digits."""
     if value == 0 or not math.isfinite(value):
         return ("0" if value == 0 else str(value)), slack
-    top = math.floor(math.log10(abs(value)))
+    top = int(f"{abs(value):.6e}".partition("e")[2])
     last = math.floor(math.log10(quantum)) if quantum > 0 else top - 6
     digits = min(max(top - last, 0), 6)
     if -4 < top < 6:
@@ -81,8 +81,19 @@ class Shown:
         if self.kind == "below" or self.kind == "above":
             return [self.limited()]
         if not self.listed:
-            return [[count_of(self.c), " numbers"]]
+            return [self.series()]
+        if len(self.samples) > 3 and len({expected for _, expected, _ in self.samples}) == 1:
+            ends = [self.value(*s) for s in (min(self.samples), max(self.samples))]
+            return [[*ends[0], " to ", *ends[1]]] if ends[0][0][0] != ends[1][0][0] else ends[:1]
         return [self.value(*s) for s in self.samples]
+
+    def series(self):
+        """A long one by its size and its worst number."""
+        obtained, expected, allowed = self.c["worst"]
+        gap = abs(obtained - expected)
+        if self.kind == "equal":
+            return [count_of(self.c), " numbers"]
+        return [count_of(self.c), " numbers off by at most ", (rough(gap), allowed / 2)]
 
     def value(self, obtained, expected, allowed):
         if self.kind == "mean":
@@ -164,7 +175,7 @@ def merged(comparisons):
 def cells(records, tests):
     """Cells "obtained" and "error" of a row; None where a test has no record."""
     obtained, error = Cell(), Cell()
-    budget = max(2, PIECES // max(len(tests), 1))
+    budget = max(3, PIECES // max(len(tests), 1))
     for i, test in enumerate(tests):
         shown = records.shown(test)
         if shown is None:
@@ -178,7 +189,10 @@ def cells(records, tests):
 
 
 def add_obtained(cell, shown, budget):
-    pieces = [piece for s in shown for piece in s.pieces()]
+    pieces = []
+    for piece in (piece for s in shown for piece in s.pieces()):
+        if piece not in pieces:
+            pieces.append(piece)
     for i, piece in enumerate(pieces[:budget]):
         cell.add(", " if i else "", *piece)
     if len(pieces) > budget:

@@ -12,6 +12,8 @@
 namespace straytrace {
 namespace {
 
+using testing::deviation;
+
 constexpr double nd_yag = 1.064e-6, et_lf = 1.55e-6;  // m
 TEST(cavity, numbers_of_r2_07) {
   CavityMode const m = cavity_mode(3000, 1420, 1683, nd_yag);

@@ -10,7 +10,7 @@
 namespace straytrace {
 namespace {
 
-using testing::Dice;
+using testing::deviation, testing::Dice;
 constexpr double nd_yag = 1.064e-6;  // m
 TEST(clipping, centred_apertures_a8_b8) {
   EXPECT_LT(deviation(clipped_share(0.170, 0.058), 3.4513e-8), 2e-5);

@@ -13,6 +13,8 @@
 namespace straytrace {
 namespace {
 
+using testing::deviation;
+
 constexpr double nd_yag = 1.064e-6;  // m
 // Closed ring over the points; the round trip starts at the first, e1 near `side`.
 struct Ring {

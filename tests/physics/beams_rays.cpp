@@ -161,7 +161,7 @@ TEST(beam_path, says_where_the_chief_ray_misses) {
 // B13: rings about the beam of LHO, seen at about 20 degrees: light of the arm on the bevel of the input mirror (45
 // degrees assumed, n 1.45) leaves by its flat back. Snell twice: asin(n sin(45 deg - asin(sin 45 deg/n))) = 23.3 deg.
 double ring_angle(Vec3 bevel, Vec3 back) {
-  Mode const beam = circular_mode({0, 0, -1}, along_z, 0.05, 0, nd_yag);
+  Mode const beam = circular_mode({0, 0, -1}, along_z, 0.05, 0, 1.064e-6);
   OpticalElement const in = spherical_face({}, bevel, infinity, 1.45);
   Mode const glass = follow(beam, 1, std::array{in}).mode;
   OpticalElement const out = spherical_face(glass.origin + 0.2 * glass.travel, back, infinity, 1);

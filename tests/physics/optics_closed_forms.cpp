@@ -12,7 +12,7 @@
 namespace straytrace {
 namespace {
 
-using testing::abg, testing::power_law;
+using testing::deviation, testing::abg, testing::power_law;
 
 // Integral of f over [a, b] by Simpson's rule with 20,000 steps.
 double simpson(std::function<double(double)> const& f, double a, double b) {
