@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "recorded.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {
