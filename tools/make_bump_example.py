@@ -9,7 +9,7 @@ Usage: make_bump_example.py FOLDER
   ACC_LINK: x'' in counts of 2 um/s^2, at 256 Hz; SEIS: slow' in counts of 2 nm/s, at 16 Hz
   ACC_BENCH: another bench, 2 nm rms around 83 Hz and a twentieth of ring(t), in counts of 2 um/s^2, at 256 Hz
 
-Quiet: 128 s from GPS 1400000000. Shaken: 64 s from 1400001000, with ring(t) and 21 nm rms from 68 to
+Quiet: 192 s from GPS 1400000000. Shaken: 64 s from 1400001000, with ring(t) and 21 nm rms from 68 to
 72 Hz, of which the bench again feels a twentieth.
 """
 import sys
@@ -64,7 +64,7 @@ def stretch(group, rng, start, seconds, shaken):
 
 def main():
     rng = np.random.default_rng(70)
-    for name, start, seconds in (("quiet", 1400000000, 128), ("shaken", 1400001000, 64)):
+    for name, start, seconds in (("quiet", 1400000000, 192), ("shaken", 1400001000, 64)):
         with h5py.File(f"{sys.argv[1]}/bump_{name}.hdf5", "w") as file:
             stretch(file, rng, start, seconds, name == "shaken")
 

@@ -22,6 +22,7 @@
 #include "hdf5/hdf5.hpp"
 #include "page/material_json.hpp"
 #include "report/picture.hpp"
+#include "report/report.hpp"
 #include "world/material_presets.hpp"
 #include "world/material_view.hpp"
 #include "world/read_newmtl.hpp"

@@ -13,7 +13,7 @@ namespace straytrace {
 // changing its power, so H is the coupling of small motion where that of single lines is not.
 struct BandCoupling {
   double factor = not_a_number,
-         sigma = not_a_number;                 // target unit per witness unit; sigma at most, one standard error
+         sigma = not_a_number;                 // target unit per witness unit; one standard error of the averages
   double witness_ratio = 0, target_ratio = 0;  // injection over quiet, of amplitudes in the whole band
   double share = not_a_number;  // of the power of the quiet target that the quiet witness makes, 1 for all
   bool rises_at_low = false, rises_at_high = false;  // the target has risen at this end too: the band is too narrow
