@@ -51,26 +51,15 @@ Scene scene_of_preset(std::string const& name, FileTexts& texts) {
   return read_scene("preset", {}, &texts);
 }
 
-// The same of a material that a file of the library holds; it is taken over under the name "library".
-std::optional<Scene> scene_of_library(std::string const& name, FileTexts& texts) {
-  for (LibraryEntry const& e : library_entries()) {
-    if (e.kind != "material" || e.name != name || e.file.empty()) continue;
-    texts["library"] =
-        fmt::format("straytrace: 1\ninclude: [{}]\nmaterials: {{library: {{like: {}}}}}\n", e.file, name);
-    return read_scene("library", {}, &texts);
-  }
-  return {};
-}
-
 [[noreturn]] void refuse_name(std::string const& name) {
   std::vector<std::string> names;
   for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
   for (LibraryEntry const& e : library_entries()) {
     if (e.name == name)
-      throw InputError(
-          fmt::format("error: '{0}' is a {1} of the library, and inspect shows materials and files\n  see "
-                      "straytrace library {0}",
-                      name, e.kind));
+      throw InputError(fmt::format(
+          "error: '{0}' is a {1} of the library, and inspect shows presets, materials of a scene, and files\n  see "
+          "straytrace library {0}",
+          name, e.kind));
     names.push_back(e.name);
   }
   std::string const near = nearest_word(name, names);
@@ -176,7 +165,6 @@ std::optional<Scene> scene_asked(Inspected const& i, Options const& options, Fil
   if (own || whole) return read_scene(own ? i.scene : name, options.overrides);
   if (is_preset(name)) return scene_of_preset(name, texts);
   if (std::filesystem::is_regular_file(name)) return {};
-  if (auto found = scene_of_library(name, texts)) return found;
   refuse_name(name);
 }
 
@@ -219,7 +207,7 @@ int inspect(Inspected const& i, Options const& options) {
   tell_warnings(scene, options);
   bool found = false;
   std::vector<std::string> known;
-  for (MaterialInfo info : world.materials) {
+  for (MaterialInfo const& info : world.materials) {
     known.push_back(info.name);
     if (own && info.name != i.what.file) continue;
     std::vector<std::string> notes;
@@ -227,7 +215,6 @@ int inspect(Inspected const& i, Options const& options) {
       if (note.starts_with("material " + info.name + ":")) notes.push_back(note.substr(11 + info.name.size()));
     if (found && !options.json()) std::cout << '\n';
     found = true;
-    if (texts.contains("library")) info.name = name;
     nlohmann::json const data = material_json(world.view(), info, notes);
     if (options.json())
       std::cout << data.dump() << '\n';
