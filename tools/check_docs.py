@@ -34,7 +34,8 @@ def dead_links(root, pages):
                 continue                                # another site
             file, _, anchor = target.partition("#")
             place = (page.parent / file).resolve() if file else page
-            if not place.is_file():                     # a folder is no page
+            folder = place.is_dir() and page.is_relative_to(root / "docs")    # Sphinx has no page for it
+            if folder or not place.exists():
                 yield f"{page.relative_to(root)}: no such file: {target}"
             elif anchor and place.suffix == ".md" and anchor not in anchors(place):
                 yield f"{page.relative_to(root)}: no such heading: {target}"

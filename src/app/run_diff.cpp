@@ -92,7 +92,9 @@ double Change::sigmas() const {
 
 RunDifference run_differences(RunFile const& before, RunFile const& after) {
   if (!before.noise || !after.noise)
-    throw InputError("error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'");
+    throw InputError(
+        "error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'; "
+        "one that was only traced gets its noise by 'straytrace noise RUN -o DIR'");
   NoiseBudget const &b = *before.noise, &a = *after.noise;
   RunDifference d;
   d.low = std::max(b.grid.edges.front(), a.grid.edges.front());

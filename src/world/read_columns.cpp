@@ -51,8 +51,10 @@ class Reader {
     if (cells.size() != file_.columns.size())
       return problem({line.text.substr(0, 1), line.number, 1},
                      fmt::format("{} values, but the header has {} columns", cells.size(), file_.columns.size()),
-                     cells.size() > file_.columns.size() ? "use decimal points, not decimal commas: 1.5, not 1,5"
-                                                         : "give one value per column, separated by commas");
+                     line.text.find(';') != line.text.npos
+                         ? "separate values by commas, not semicolons, and write decimal points: 1.5, not 1,5"
+                     : cells.size() > file_.columns.size() ? "use decimal points, not decimal commas: 1.5, not 1,5"
+                                                           : "give one value per column, separated by commas");
     ColumnFile::Row row{{}, line.number, {}};
     for (std::size_t i = 0; i < cells.size(); ++i) {
       auto const value = csv_number(cells[i].text, file_.columns[i].unit);

@@ -146,7 +146,9 @@ class Columns {
     double const incidence = there("theta_i") ? value(row, "theta_i") : file_.declared.theta_i;
     if (!(incidence >= 0 && incidence < pi / 2))
       return problem(row.line, at(row, "theta_i"), fmt::format("incidence of {:g} deg", incidence / degree),
-                     "give 0 to below 90 deg");
+                     incidence >= pi / 2 && incidence < 90
+                         ? "give 0 to below 90 deg; if the numbers are degrees, write 'theta_i [deg]' into the header"
+                         : "give 0 to below 90 deg");
     bool const from_specular = file_.declared.angles == "from_specular";
     double const scatter = value(row, "theta_s") + (from_specular ? incidence : 0), phi = value(row, "phi");
     if (!(std::fabs(scatter) < pi / 2))
