@@ -14,7 +14,7 @@ if [[ "$("$tool" --version)" != *" 14."* ]]; then
   exit 1
 fi
 
-mapfile -t files < <(find src step tests -name '*.cpp' -o -name '*.hpp' | sort)
+mapfile -t files < <(find src step tests fuzz -name '*.cpp' -o -name '*.hpp' | sort)
 if ((${#files[@]} == 0)); then
   echo "no C++ files found in $PWD/src, step and tests" >&2
   exit 1
