@@ -10,10 +10,11 @@ CPP = (
     (r"::system\s*\(|\bpopen\s*\(", "starts a shell; use run_child of base/child_process.hpp", ()),
     (r"\bexec[lv][pe]{0,2}\s*\(|\bposix_spawnp?\s*\(|\bvfork\s*\(",
      "starts a program; use run_child of base/child_process.hpp", ("src/base/child_process.cpp",)),
-    (r"\bfork\s*\(", "makes a process", ("src/app/scan_jobs.cpp",)),
+    (r"\bfork\s*\(", "makes a process", ("src/app/scan_jobs.cpp", "src/base/apart.cpp")),
     (r"\b(?:socket|getaddrinfo|gethostbyname)\s*\(|\bcurl_", "reaches the network", ()),
     (r"\bdlopen\s*\(", "loads code", ()),
-    (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file", ()),
+    (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",
+     ("src/base/apart.cpp",)),
 )
 PYTHON = (
     (r"\bos\.(?:system|popen)\b|\bshell\s*=\s*True", "starts a shell; give a list of words to subprocess", ()),

@@ -19,10 +19,11 @@
 namespace straytrace {
 namespace {
 
-[[noreturn]] void refuse(std::string const& verb, std::string const& file, std::string const& why) {
-  throw InputError(fmt::format("cannot {} '{}': {}", verb, file, why));
+[[noreturn]] void refuse_to_write(std::string const& file, std::string const& why) {
+  throw InputError(
+      fmt::format("error: cannot write '{}': {}\n  choose another place, or make room or rights there", file, why));
 }
-[[noreturn]] void refuse_to_write(std::string const& file) { refuse("write", file, std::strerror(errno)); }
+[[noreturn]] void refuse_to_write(std::string const& file) { refuse_to_write(file, std::strerror(errno)); }
 
 }  // namespace
 
@@ -31,7 +32,7 @@ namespace {
 GrowingFile::GrowingFile(std::string const& destination) : destination_(destination) {
   struct stat there = {};
   if (::stat(destination.c_str(), &there) == 0 && !S_ISREG(there.st_mode))
-    refuse("write", destination, S_ISDIR(there.st_mode) ? std::strerror(EISDIR) : "it is not a regular file");
+    refuse_to_write(destination, S_ISDIR(there.st_mode) ? std::strerror(EISDIR) : "it is not a regular file");
   std::string const folder = std::filesystem::path(destination).parent_path();
   bool const can_be_named = ::access("/proc/self/fd", X_OK) == 0;
   if (can_be_named) descriptor_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
@@ -102,7 +103,7 @@ void write_files(std::vector<std::pair<std::string, std::string>> const& files) 
 
 std::string read_file(std::string const& file) {
   FileBytes read = bytes_of_file(file);
-  if (!read.why.empty()) refuse("read", file, read.why);
+  if (!read.why.empty()) throw InputError(fmt::format("cannot read '{}': {}", file, read.why));
   return std::move(read.bytes);
 }
 

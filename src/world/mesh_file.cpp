@@ -229,7 +229,7 @@ Box MeshFile::box() const {
   return box;
 }
 
-MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companion, MeshFile& out) {
+MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, MeshFile& out) {
   std::string const kind = ending(out.name);
   if (kind != ".stl" && kind != ".obj" && kind != ".ply" && kind != ".gltf" && kind != ".glb")
     return {fmt::format("'{}' is not a kind of mesh file", kind), "use .stl, .obj, .ply, .gltf, .glb or .step"};
