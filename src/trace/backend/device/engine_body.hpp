@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An engine for any machine that the library of parallel algorithms serves. What is left to the machine:
+//   facts()                     see engine.hpp
+//   workers(), stride()         of the walk (walk.hpp)
+//   launch(workers, walk)       runs walk(0) to walk(workers - 1)
+#pragma once
+
+#include "trace/backend/device/books.hpp"
+#include "trace/backend/device/engine.hpp"
+#include "trace/backend/device/phases.hpp"
+#include "trace/backend/device/walk.hpp"
+
+namespace straytrace::device {
+
+// Memory behind a common list, and behind the slabs of all workers.
+template <class T>
+struct Memory {
+  Array<Recorded<T>> common;
+  Array<T> slabs;
+  Slab<T> slab(std::uint32_t workers, std::uint32_t room) {
+    slabs.resize(std::size_t(workers) * room);
+    return {data_of(slabs), room, 0, false};
+  }
+  CommonList<T> list(std::size_t room, std::uint32_t* count) {
+    common.resize(room);
+    return {data_of(common), std::uint32_t(room), count};
+  }
+  std::size_t bytes() const { return common.capacity() * sizeof(Recorded<T>) + slabs.capacity() * sizeof(T); }
+};
+
+struct IsEmpty {
+  template <class T>
+  STRAY_HD bool operator()(Recorded<T> const& r) const {
+    return r.history == no_history;
+  }
+};
+struct RunsAgain {
+  HistoryRecord const* histories;
+  STRAY_HD bool operator()(std::uint32_t i) const { return histories[i].again != 0; }
+};
+
+template <class Machine>
+class EngineBody final : public DeviceEngine {
+ public:
+  DeviceFacts facts() const override { return machine_.facts(); }
+
+  void* room_for_world(std::size_t bytes) override {
+    world_.clear();
+    world_.resize(bytes);
+    return data_of(world_);
+  }
+  void load_world(std::span<std::byte const> placed) override {
+    thrust::copy(placed.begin(), placed.end(), world_.begin());
+  }
+
+  BatchSums run(BatchOrder const& order, std::function<HistoryRun(std::uint64_t)> const& again,
+                BatchCounts& counts) override {
+    walk(order);
+    counts.run_again = run_rest(order, again);
+    BatchSums sums = summed();
+    counts.bytes = world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
+                   arrivals_.bytes() + cells_.bytes();
+    return sums;
+  }
+
+  std::vector<std::complex<double>> phase_sum(PhaseOrder const& order) override { return summed_phases(order); }
+
+ private:
+  // Room of a history in its worker's slabs, and of all of them in common, on average; doubled when it was not enough.
+  struct Rooms {
+    std::uint32_t totals = 64, scores = 256, arrivals = 64, cells = 64;
+  };
+
+  void walk(BatchOrder const& order) {
+    auto const histories = std::uint32_t(order.blocks.size() * block_size);
+    std::uint32_t const workers = machine_.workers();
+    Rooms rooms = rooms_;
+    if (order.room > 0) rooms = {order.room, order.room, order.room, order.room};
+    histories_.resize(histories);
+    blocks_.assign(order.blocks.begin(), order.blocks.end());
+    Array<std::uint32_t> counters(5, 0);
+    std::uint32_t* const counter = data_of(counters);
+    auto const room = [&](std::uint32_t of_history) { return std::size_t(of_history) * histories / common_share_; };
+    DeviceWalk walk;
+    walk.world = reinterpret_cast<WorldView const*>(data_of(world_));
+    walk.seed = order.seed;
+    walk.number = {data_of(blocks_)};
+    walk.histories = histories;
+    walk.stride = machine_.stride();
+    walk.begun = counter;
+    walk.slabs = {totals_.slab(workers, rooms.totals), scores_.slab(workers, rooms.scores),
+                  arrivals_.slab(workers, rooms.arrivals), cells_.slab(workers, rooms.cells)};
+    walk.common = {data_of(histories_),
+                   {totals_.list(room(rooms.totals), counter + 1), scores_.list(room(rooms.scores), counter + 2),
+                    arrivals_.list(room(rooms.arrivals), counter + 3), cells_.list(room(rooms.cells), counter + 4)}};
+    machine_.launch(workers, walk);
+    std::vector<std::uint32_t> taken(counters.size());
+    thrust::copy(counters.begin(), counters.end(), taken.begin());
+    keep_written(totals_.common, taken[1]);
+    keep_written(scores_.common, taken[2]);
+    keep_written(arrivals_.common, taken[3]);
+    keep_written(cells_.common, taken[4]);
+  }
+  template <class Record>
+  static void keep_written(Array<Record>& list, std::uint32_t taken) {
+    list.resize(std::min<std::size_t>(list.size(), taken));
+    auto const end = thrust::remove_if(thrust::device, list.begin(), list.end(), IsEmpty());
+    list.resize(std::size_t(end - list.begin()));
+  }
+
+  // Histories that did not fit are run on the host; their records are added to the lists, which the order of the sums
+  // then treats like all others.
+  std::uint64_t run_rest(BatchOrder const& order, std::function<HistoryRun(std::uint64_t)> const& again) {
+    auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
+    auto const n = std::uint32_t(histories_.size());
+    Array<std::uint32_t> found(n);
+    auto const end =
+        thrust::copy_if(thrust::device, zero, zero + n, found.begin(), RunsAgain{data_of(histories_)});
+    std::vector<std::uint32_t> rest(std::size_t(end - found.begin()));
+    thrust::copy(found.begin(), end, rest.begin());
+    if (rest.empty()) return 0;
+    std::vector<TotalRecord> totals;
+    std::vector<ScoreRecord> scores;
+    std::vector<ArrivalRecord> arrivals;
+    std::vector<CellsRecord> cells;
+    for (std::uint32_t const history : rest) {
+      HistoryRun const run = again(BatchHistories{order.blocks.data()}(history));
+      histories_[history] = run.record;
+      write(totals, run.lists.totals, history);
+      write(scores, run.lists.scores, history);
+      write(arrivals, run.lists.arrivals, history);
+      write(cells, run.lists.cells, history);
+    }
+    append(totals_.common, totals);
+    append(scores_.common, scores);
+    append(arrivals_.common, arrivals);
+    append(cells_.common, cells);
+    if (rest.size() > n / 1000) make_room();
+    return rest.size();
+  }
+  template <class T>
+  static void write(std::vector<Recorded<T>>& to, std::vector<T> const& list, std::uint32_t history) {
+    for (std::uint32_t i = 0; i < list.size(); ++i) to.push_back({history, i, list[i]});
+  }
+  template <class Record>
+  static void append(Array<Record>& to, std::vector<Record> const& records) {
+    to.insert(to.end(), records.begin(), records.end());
+  }
+  void make_room() {
+    if (common_share_ > 1)
+      common_share_ /= 2;
+    else
+      rooms_ = {2 * rooms_.totals, 2 * rooms_.scores, 2 * rooms_.arrivals, 2 * rooms_.cells};
+  }
+
+  BatchSums summed() {
+    BatchHistories const number{data_of(blocks_)};
+    BatchRows<Array> rows;
+    make_block_rows(histories_, number, rows.blocks);
+    make_total_rows(totals_.common, number, rows.routes, rows.route_tails);
+    make_kept_rows(scores_.common, rows.routes_kept, rows.kept);
+    make_total_rows(totals_by_receiver(totals_.common), number, rows.receivers, rows.receiver_tails);
+    make_group_rows(arrivals_.common, number, rows.groups);
+    make_cell_rows(cells_.common, rows.cells);
+    BatchSums sums;
+    fetch(rows.blocks, sums.blocks);
+    fetch(rows.routes, sums.routes);
+    fetch(rows.receivers, sums.receivers);
+    fetch(rows.routes_kept, sums.routes_kept);
+    fetch(rows.route_tails, sums.route_tails);
+    fetch(rows.receiver_tails, sums.receiver_tails);
+    fetch(rows.kept, sums.kept);
+    fetch(rows.groups, sums.groups);
+    fetch(rows.cells, sums.cells);
+    return sums;
+  }
+  template <class T>
+  static void fetch(Array<T> const& from, std::vector<T>& to) {
+    to.resize(from.size());
+    thrust::copy(from.begin(), from.end(), to.begin());
+  }
+
+  Machine machine_;
+  Rooms rooms_;
+  std::uint32_t common_share_ = 8;  // common lists are this much shorter than all slabs of a batch would be
+  Array<std::byte> world_;
+  Array<std::uint64_t> blocks_;
+  Array<HistoryRecord> histories_;
+  Memory<HistoryTotal> totals_;
+  Memory<HistoryScore> scores_;
+  Memory<HistoryArrival> arrivals_;
+  Memory<HistoryCells> cells_;
+};
+
+}  // namespace straytrace::device
