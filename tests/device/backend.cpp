@@ -6,7 +6,6 @@
 #include <mutex>
 #include <thread>
 
-#include "app/model.hpp"
 #include "contract/geometry_instances.hpp"
 #include "device/blocks.hpp"
 #include "device/laws.hpp"
@@ -21,7 +20,7 @@ namespace {
 // The blocks of a world on a device, asked for by as many threads at once.
 std::vector<std::string> on_device(World const& world, std::vector<std::uint64_t> const& blocks, BatchCounts& counts,
                                    std::uint32_t room = 0) {
-  auto const backend = device_backend("twin", load_engine(STRAY_TWIN),
+  auto const backend = device_backend("twin", load_engine(engine_tested()),
                                       {room, [&](BatchCounts const& c) { counts.run_again += c.run_again; }});
   std::vector<std::string> found(blocks.size());
   std::vector<std::jthread> callers;
@@ -48,9 +47,8 @@ void expect_same(World const& world, std::vector<std::uint64_t> const& blocks) {
 class Example : public ::testing::TestWithParam<char const*> {};
 
 TEST_P(Example, LeavesTheBitsOfTheHost) {
-  Model model = read_model(std::string(STRAY_SOURCE_DIR "/examples/") + GetParam() + ".yaml", {});
-  steer(model.world);
-  expect_same(model.world, {3});
+  World const world = example(GetParam());
+  expect_same(world, {3});
 }
 INSTANTIATE_TEST_SUITE_P(Device, Example,
                          ::testing::Values("arm_tube", "bench", "cad_bench", "end_bench", "et_hf_arm", "geo_tube",
@@ -83,8 +81,8 @@ class Room {
     camera.quadrants = true;
     camera.quadrant_frame = camera.frame;
     world.add_receiver("camera", camera);
-    world.limits.max_order = 60;
-    world.limits.children = 3;
+    world.limits.max_order = 40;
+    world.limits.children = 2;
     world.finish();
     steer(world);
   }

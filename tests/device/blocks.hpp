@@ -4,12 +4,29 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <string>
 
 #include "trace/backend/device/device_backend.hpp"
+#include "trace/estimate/importance.hpp"
 
 namespace straytrace::testing {
+
+// The twin, or the engine that STRAYTRACE_TEST_ENGINE names.
+inline std::string engine_tested() {
+  char const* const named = std::getenv("STRAYTRACE_TEST_ENGINE");
+  return named ? named : STRAY_TWIN;
+}
+
+// One of examples/, ready to be traced.
+inline World example(std::string const& name) {
+  Scene const scene = read_scene(STRAY_SOURCE_DIR "/examples/" + name + ".yaml", {});
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  steer(world);
+  return world;
+}
 
 class Bytes {
  public:

@@ -7,9 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "app/model.hpp"
+#include "device/blocks.hpp"
 #include "trace/backend/device/world_image.hpp"
-#include "trace/estimate/importance.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -49,9 +48,8 @@ std::size_t left_behind(std::vector<std::byte> const& image, Mapped const& mappe
 class Image : public ::testing::TestWithParam<char const*> {};
 
 TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
-  Model model = read_model(std::string(STRAY_SOURCE_DIR "/examples/") + GetParam() + ".yaml", {});
-  steer(model.world);
-  WorldView const view = model.world.view();
+  World const world = example(GetParam());
+  WorldView const view = world.view();
   WorldImage const image(view);
   Mapped const mapped;
   std::vector<std::byte> placed = image.placed_at(reinterpret_cast<void const*>(std::uintptr_t{1} << 60));
@@ -62,7 +60,7 @@ TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
 }
 INSTANTIATE_TEST_SUITE_P(Device, Image,
                          ::testing::Values("bench", "cad_bench", "virgo_arm", "benches/michelson",
-                                           "benches/output_isolator", "benches/rb1_bench"));
+                                           "benches/output_isolator", "benches/rb1_telescope"));
 
 }  // namespace
 }  // namespace straytrace::testing

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/rng.hpp"
+#include "device/blocks.hpp"
 #include "noise/phase_sum.hpp"
-#include "trace/backend/device/device_backend.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -28,7 +28,7 @@ TEST(DevicePhases, LeaveTheBitsOfTheHost) {
     for (std::size_t c = 0; c < coordinates; ++c) terms.lever.push_back(c == j % 5 ? 0 : 2e6 * rng.uniform());
   }
   std::vector<double> position;
-  auto const device = load_engine(STRAY_TWIN)->phase_sum(order_of(terms, position));
+  auto const device = load_engine(engine_tested())->phase_sum(order_of(terms, position));
   EXPECT_TRUE(device == direct_phase_sum(terms));
   terms.turns[7] = std::nextafter(terms.turns[7], 2.0);  // twin: one bit of one path
   EXPECT_FALSE(device == direct_phase_sum(terms));

@@ -32,30 +32,24 @@ struct MakeBlockRow {
   }
 };
 inline void make_block_rows(Array<HistoryRecord> const& histories, BatchHistories number, Array<BlockRow>& rows) {
-  auto const blocks = std::uint32_t(histories.size() / block_size);
-  rows.resize(blocks);
-  for_each_number(blocks * (batch_columns + 1), MakeBlockRow{data_of(histories), data_of(rows), number});
+  rows.resize(histories.size() / block_size);
+  for_each_number(rows.size() * (batch_columns + 1), MakeBlockRow{data_of(histories), data_of(rows), number});
 }
 
 using ArrivalRecord = Recorded<HistoryArrival>;
-struct GroupOrder {
-  STRAY_HD bool operator()(ArrivalRecord const& a, ArrivalRecord const& b) const {
-    if (block_of(a) != block_of(b)) return block_of(a) < block_of(b);
-    return a.what.group != b.what.group ? a.what.group < b.what.group : a.history < b.history;
-  }
-};
-struct SameGroup {
-  STRAY_HD bool operator()(ArrivalRecord const& a, ArrivalRecord const& b) const {
-    return block_of(a) == block_of(b) && a.what.group == b.what.group;
+struct ByGroup {
+  ArrivalRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    return {{block_of(records[i]), records[i].what.group, records[i].history}};
   }
 };
 struct MakeGroupRow {
-  Run<ArrivalRecord> run;
+  RecordRun<ArrivalRecord> run;
   GroupRow* rows;
   BatchHistories number;
   STRAY_HD void operator()(std::uint32_t i) const {
     ArrivalRecord const& any = run[run.begin(i)];
-    GroupRow row{block_of(any), any.what.group, {}, {}};
+    GroupRow row{std::uint32_t(block_of(any)), any.what.group, {}, {}};
     for (std::uint32_t k = run.begin(i); k < run.end(i); ++k) {
       add_total(row.arrived, run[k].what.power, number(run[k].history));
       add_total(row.absorbed, run[k].what.absorbed, number(run[k].history));
@@ -64,79 +58,63 @@ struct MakeGroupRow {
   }
 };
 inline void make_group_rows(Array<ArrivalRecord> const& arrivals, BatchHistories number, Array<GroupRow>& rows) {
-  Array<std::uint32_t> const order = ordered(arrivals, GroupOrder()), starts = runs(arrivals, order, SameGroup());
+  auto const keys = ordered(arrivals.size(), ByGroup{data_of(arrivals)});
+  auto const starts = runs(keys, 2);  // block and group
   rows.resize(run_count(starts));
-  for_each_number(run_count(starts), MakeGroupRow{run_of(arrivals, order, starts), data_of(rows), number});
+  for_each_number(rows.size(), MakeGroupRow{run_of(arrivals, keys, starts), data_of(rows), number});
 }
 
-// What one score adds to one cell of one map.
+// What one score adds to the cell of one map: number i is map i % 4 of record i / 4.
 using CellsRecord = Recorded<HistoryCells>;
-struct CellEntry {
-  CellRow row;
-  std::uint32_t history, place;
-};
-struct EntryOf {  // number i: map i % 4 of record i / 4
+struct CellOf {
   CellsRecord const* records;
-  STRAY_HD CellEntry operator()(std::uint32_t i) const {
+  STRAY_HD CellRow operator()(std::uint32_t i) const {
     CellsRecord const& r = records[i / 4];
     HistoryCells const& c = r.what;
     auto const map = static_cast<MapKind>(i % 4);
-    std::uint32_t const cell = map == MapKind::angles      ? c.angle_pixel
-                               : map == MapKind::quadrants ? c.quadrant
-                               : map == MapKind::image     ? c.pixel
-                               : c.coherent                ? c.pixel
-                                                           : Receiver::outside;
-    bool const field = map == MapKind::field;
-    return {{field ? c.route : 0, block_of(r), c.receiver, cell, map, c.power, field ? c.real : 0,
-             field ? c.imaginary : 0},
-            r.history,
-            r.place};
+    CellRow row{0, std::uint32_t(block_of(r)), c.receiver, c.pixel, map, c.power, 0, 0};
+    if (map == MapKind::angles) row.cell = c.angle_pixel;
+    if (map == MapKind::quadrants) row.cell = c.quadrant;
+    if (map == MapKind::field) {
+      row.route = c.route;
+      row.real = c.real;
+      row.imaginary = c.imaginary;
+      if (!c.coherent) row.cell = Receiver::outside;
+    }
+    return row;
   }
 };
-struct IsInside {
-  STRAY_HD bool operator()(CellEntry const& e) const { return e.row.cell != Receiver::outside; }
-};
-struct SameCell {
-  STRAY_HD bool operator()(CellEntry const& a, CellEntry const& b) const {
-    return a.row.block == b.row.block && a.row.receiver == b.row.receiver && a.row.map == b.row.map &&
-           a.row.route == b.row.route && a.row.cell == b.row.cell;
-  }
-};
-struct CellOrder {
-  STRAY_HD bool operator()(CellEntry const& a, CellEntry const& b) const {
-    CellRow const &p = a.row, &q = b.row;
-    if (p.block != q.block) return p.block < q.block;
-    if (p.receiver != q.receiver) return p.receiver < q.receiver;
-    if (p.map != q.map) return p.map < q.map;
-    if (p.route != q.route) return p.route < q.route;
-    if (p.cell != q.cell) return p.cell < q.cell;
-    return a.history != b.history ? a.history < b.history : a.place < b.place;
+struct ByCell {
+  CellOf cell_of;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    CellsRecord const& r = cell_of.records[i / 4];
+    CellRow const c = cell_of(i);
+    if (r.history == no_history || c.cell == Receiver::outside) return {{nothing}};
+    return {{c.block, pair_of(c.receiver, std::uint32_t(c.map)), c.route, c.cell, pair_of(r.history, r.place)}};
   }
 };
 struct MakeCellRow {
-  Run<CellEntry> run;
+  Run run;
+  CellOf cell_of;
   CellRow* rows;
   STRAY_HD void operator()(std::uint32_t i) const {
-    CellRow row = run[run.begin(i)].row;
+    CellRow row = cell_of(run.record(run.begin(i)));
     row.power = row.real = row.imaginary = 0;
     for (std::uint32_t k = run.begin(i); k < run.end(i); ++k) {
-      row.power += run[k].row.power;
-      row.real += run[k].row.real;
-      row.imaginary += run[k].row.imaginary;
+      CellRow const one = cell_of(run.record(k));
+      row.power += one.power;
+      row.real += one.real;
+      row.imaginary += one.imaginary;
     }
     rows[i] = row;
   }
 };
 inline void make_cell_rows(Array<CellsRecord> const& cells, Array<CellRow>& rows) {
-  auto const candidates = std::uint32_t(4 * cells.size());
-  auto const all = thrust::make_transform_iterator(thrust::make_counting_iterator(std::uint32_t{0}),
-                                                   EntryOf{data_of(cells)});
-  Array<CellEntry> entries(candidates);
-  auto const end = thrust::copy_if(thrust::device, all, all + candidates, entries.begin(), IsInside());
-  entries.resize(std::size_t(end - entries.begin()));
-  Array<std::uint32_t> const order = ordered(entries, CellOrder()), starts = runs(entries, order, SameCell());
+  CellOf const cell_of{data_of(cells)};
+  auto const keys = ordered(4 * cells.size(), ByCell{cell_of});
+  auto const starts = runs(keys, 4);  // block, map, route and cell
   rows.resize(run_count(starts));
-  for_each_number(run_count(starts), MakeCellRow{run_of(entries, order, starts), data_of(rows)});
+  for_each_number(rows.size(), MakeCellRow{run_of(keys, starts), cell_of, data_of(rows)});
 }
 
 }  // namespace straytrace::device

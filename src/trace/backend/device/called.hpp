@@ -41,9 +41,21 @@
 #include "world/search_kernels.hpp"
 #include "world/steering.hpp"
 
+#include "base/rng.hpp"
+#include "geometry/strips.hpp"
+#include "optics/media_stack.hpp"
+#include "optics/polarisation.hpp"
+#include "optics/refraction.hpp"
+#include "trace/result.hpp"
+
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
+#include "trace/estimate/connect.hpp"
+#include "trace/estimate/receive.hpp"
+#include "trace/estimate/scatter.hpp"
+#include "trace/estimate/through_glass.hpp"
+#include "world/vertex.hpp"
 #include "world/world.hpp"
 #pragma pop_macro("STRAY_HD")
 #endif

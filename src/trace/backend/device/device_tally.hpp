@@ -66,18 +66,22 @@ struct CommonLists {
   // All of a history or nothing of it.
   STRAY_HD void land(std::uint32_t history, DeviceTally const& tally) const {
     HistoryRecord record = record_of(tally);
-    record.again = !put(history, tally);
+    record.again = put(history, tally);
     histories[history] = record;
   }
 
  private:
-  STRAY_HD bool put(std::uint32_t history, DeviceTally const& t) const {
-    if (t.totals().full || t.scores().full || t.arrivals().full || t.cells().full) return false;
+  STRAY_HD static std::uint32_t bits(bool totals, bool scores, bool arrivals, bool cells) {
+    return totals | scores << 1 | arrivals << 2 | cells << 3;
+  }
+  STRAY_HD std::uint32_t put(std::uint32_t history, DeviceTally const& t) const {
+    std::uint32_t const full = bits(t.totals().full, t.scores().full, t.arrivals().full, t.cells().full);
+    if (full) return full;
     std::uint32_t const totals = lists.totals.reserve(t.totals()), scores = lists.scores.reserve(t.scores()),
                         arrivals = lists.arrivals.reserve(t.arrivals()), cells = lists.cells.reserve(t.cells());
-    bool const fit = lists.totals.fits(totals, t.totals()) && lists.scores.fits(scores, t.scores()) &&
-                     lists.arrivals.fits(arrivals, t.arrivals()) && lists.cells.fits(cells, t.cells());
-    if (fit) {
+    std::uint32_t const late = bits(!lists.totals.fits(totals, t.totals()), !lists.scores.fits(scores, t.scores()),
+                                    !lists.arrivals.fits(arrivals, t.arrivals()), !lists.cells.fits(cells, t.cells()));
+    if (!late) {
       lists.totals.copy(totals, t.totals(), history);
       lists.scores.copy(scores, t.scores(), history);
       lists.arrivals.copy(arrivals, t.arrivals(), history);
@@ -88,7 +92,7 @@ struct CommonLists {
       lists.arrivals.leave_empty(arrivals, t.arrivals());
       lists.cells.leave_empty(cells, t.cells());
     }
-    return fit;
+    return late << shared_list;
   }
 };
 

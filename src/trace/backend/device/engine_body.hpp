@@ -5,6 +5,8 @@
 //   launch(workers, walk)       runs walk(0) to walk(workers - 1)
 #pragma once
 
+#include <array>
+
 #include "trace/backend/device/books.hpp"
 #include "trace/backend/device/engine.hpp"
 #include "trace/backend/device/phases.hpp"
@@ -28,12 +30,6 @@ struct Memory {
   std::size_t bytes() const { return common.capacity() * sizeof(Recorded<T>) + slabs.capacity() * sizeof(T); }
 };
 
-struct IsEmpty {
-  template <class T>
-  STRAY_HD bool operator()(Recorded<T> const& r) const {
-    return r.history == no_history;
-  }
-};
 struct RunsAgain {
   HistoryRecord const* histories;
   STRAY_HD bool operator()(std::uint32_t i) const { return histories[i].again != 0; }
@@ -66,21 +62,23 @@ class EngineBody final : public DeviceEngine {
   std::vector<std::complex<double>> phase_sum(PhaseOrder const& order) override { return summed_phases(order); }
 
  private:
-  // Room of a history in its worker's slabs, and of all of them in common, on average; doubled when it was not enough.
-  struct Rooms {
-    std::uint32_t totals = 64, scores = 256, arrivals = 64, cells = 64;
+  // For what one history writes into each list: at most, and on average. Grows when it was not enough.
+  struct Room {
+    std::uint32_t most, mean;
   };
+  enum { for_totals, for_scores, for_arrivals, for_cells, lists };
 
   void walk(BatchOrder const& order) {
     auto const histories = std::uint32_t(order.blocks.size() * block_size);
     std::uint32_t const workers = machine_.workers();
-    Rooms rooms = rooms_;
-    if (order.room > 0) rooms = {order.room, order.room, order.room, order.room};
+    std::array<Room, lists> rooms = rooms_;
+    if (order.room > 0) rooms.fill({order.room, (order.room + 1) / 2});
     histories_.resize(histories);
     blocks_.assign(order.blocks.begin(), order.blocks.end());
     Array<std::uint32_t> counters(5, 0);
     std::uint32_t* const counter = data_of(counters);
-    auto const room = [&](std::uint32_t of_history) { return std::size_t(of_history) * histories / common_share_; };
+    auto const most = [&](int list) { return rooms[list].most; };
+    auto const shared = [&](int list) { return std::size_t(rooms[list].mean) * histories; };
     DeviceWalk walk;
     walk.world = reinterpret_cast<WorldView const*>(data_of(world_));
     walk.seed = order.seed;
@@ -88,11 +86,11 @@ class EngineBody final : public DeviceEngine {
     walk.histories = histories;
     walk.stride = machine_.stride();
     walk.begun = counter;
-    walk.slabs = {totals_.slab(workers, rooms.totals), scores_.slab(workers, rooms.scores),
-                  arrivals_.slab(workers, rooms.arrivals), cells_.slab(workers, rooms.cells)};
+    walk.slabs = {totals_.slab(workers, most(for_totals)), scores_.slab(workers, most(for_scores)),
+                  arrivals_.slab(workers, most(for_arrivals)), cells_.slab(workers, most(for_cells))};
     walk.common = {data_of(histories_),
-                   {totals_.list(room(rooms.totals), counter + 1), scores_.list(room(rooms.scores), counter + 2),
-                    arrivals_.list(room(rooms.arrivals), counter + 3), cells_.list(room(rooms.cells), counter + 4)}};
+                   {totals_.list(shared(for_totals), counter + 1), scores_.list(shared(for_scores), counter + 2),
+                    arrivals_.list(shared(for_arrivals), counter + 3), cells_.list(shared(for_cells), counter + 4)}};
     machine_.launch(workers, walk);
     std::vector<std::uint32_t> taken(counters.size());
     thrust::copy(counters.begin(), counters.end(), taken.begin());
@@ -104,8 +102,6 @@ class EngineBody final : public DeviceEngine {
   template <class Record>
   static void keep_written(Array<Record>& list, std::uint32_t taken) {
     list.resize(std::min<std::size_t>(list.size(), taken));
-    auto const end = thrust::remove_if(thrust::device, list.begin(), list.end(), IsEmpty());
-    list.resize(std::size_t(end - list.begin()));
   }
 
   // Histories that did not fit are run on the host; their records are added to the lists, which the order of the sums
@@ -123,8 +119,10 @@ class EngineBody final : public DeviceEngine {
     std::vector<ScoreRecord> scores;
     std::vector<ArrivalRecord> arrivals;
     std::vector<CellsRecord> cells;
+    std::uint32_t short_of = 0;
     for (std::uint32_t const history : rest) {
       HistoryRun const run = again(BatchHistories{order.blocks.data()}(history));
+      short_of |= HistoryRecord(histories_[history]).again;
       histories_[history] = run.record;
       write(totals, run.lists.totals, history);
       write(scores, run.lists.scores, history);
@@ -135,7 +133,7 @@ class EngineBody final : public DeviceEngine {
     append(scores_.common, scores);
     append(arrivals_.common, arrivals);
     append(cells_.common, cells);
-    if (rest.size() > n / 1000) make_room();
+    if (rest.size() > n / 1000) make_room(short_of);
     return rest.size();
   }
   template <class T>
@@ -146,11 +144,11 @@ class EngineBody final : public DeviceEngine {
   static void append(Array<Record>& to, std::vector<Record> const& records) {
     to.insert(to.end(), records.begin(), records.end());
   }
-  void make_room() {
-    if (common_share_ > 1)
-      common_share_ /= 2;
-    else
-      rooms_ = {2 * rooms_.totals, 2 * rooms_.scores, 2 * rooms_.arrivals, 2 * rooms_.cells};
+  void make_room(std::uint32_t short_of) {
+    for (int i = 0; i < lists; ++i) {
+      if (short_of >> i & 1) rooms_[i].most *= 2;
+      if (short_of >> (shared_list + i) & 1) rooms_[i].mean *= 2;
+    }
   }
 
   BatchSums summed() {
@@ -181,8 +179,7 @@ class EngineBody final : public DeviceEngine {
   }
 
   Machine machine_;
-  Rooms rooms_;
-  std::uint32_t common_share_ = 8;  // common lists are this much shorter than all slabs of a batch would be
+  std::array<Room, lists> rooms_{Room{64, 16}, {512, 64}, {64, 32}, {256, 64}};
   Array<std::byte> world_;
   Array<std::uint64_t> blocks_;
   Array<HistoryRecord> histories_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Records put in order, and cut where their key changes. The library sorts on the host when it is compiled for it: the
-// same source is tested there (tests/device).
+// Records put in order, and cut where what they have in common changes. The library sorts on the host when it is
+// compiled for it: the same source is tested there (tests/device). All orders are sorts of one kind of key, so that the
+// sort of a device is compiled once.
 #pragma once
 
 #include <thrust/copy.h>
@@ -8,16 +9,12 @@
 #include <thrust/execution_policy.h>
 #include <thrust/for_each.h>
 #include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
-#include <thrust/remove.h>
 #include <thrust/scan.h>
-#include <thrust/sequence.h>
 #include <thrust/sort.h>
-#include <thrust/transform.h>
 
 #include <cstdint>
 
-#include "base/host_device.hpp"
+#include "base/functions.hpp"
 
 namespace straytrace::device {
 
@@ -33,68 +30,98 @@ T* data_of(Array<T>& a) {
 }
 
 template <class F>
-void for_each_number(std::uint32_t count, F const& f) {
+void for_each_number(std::size_t count, F const& f) {
   auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
-  thrust::for_each(thrust::device, zero, zero + count, f);
+  thrust::for_each(thrust::device, zero, zero + std::uint32_t(count), f);
 }
 
-template <class Record, class Before>
-struct ByRecord {
-  Record const* records;
-  Before before;
-  STRAY_HD bool operator()(std::uint32_t a, std::uint32_t b) const { return before(records[a], records[b]); }
-};
-// Numbers of the records in an order without ties, so that it does not matter how they came to stand where they do.
-template <class Record, class Before>
-Array<std::uint32_t> ordered(Array<Record> const& records, Before const& before) {
-  Array<std::uint32_t> order(records.size());
-  thrust::sequence(thrust::device, order.begin(), order.end());
-  thrust::sort(thrust::device, order.begin(), order.end(), ByRecord<Record, Before>{data_of(records), before});
-  return order;
-}
+// The words of a key make an order without ties, so it does not matter how the records came to stand where they do.
+struct SortKey {
+  static constexpr int words = 5;
+  std::uint64_t word[words] = {};
+  std::uint32_t record = 0;
 
-template <class Record, class Same>
-struct Begins {
-  Record const* records;
-  std::uint32_t const* order;
-  Same same;
-  STRAY_HD bool operator()(std::uint32_t i) const {
-    return i == 0 || !same(records[order[i - 1]], records[order[i]]);
+  STRAY_HD bool operator<(SortKey const& other) const {
+    for (int i = 0; i < words; ++i)
+      if (word[i] != other.word[i]) return word[i] < other.word[i];
+    return false;
+  }
+  STRAY_HD bool shares(int count, SortKey const& other) const {
+    for (int i = 0; i < count; ++i)
+      if (word[i] != other.word[i]) return false;
+    return true;
   }
 };
-// Where runs of the same key begin in an order, and its end.
-template <class Record, class Same>
-Array<std::uint32_t> runs(Array<Record> const& records, Array<std::uint32_t> const& order, Same const& same) {
+constexpr std::uint64_t nothing = ~std::uint64_t{0};  // first word of what does not count: it comes last
+STRAY_HD std::uint64_t pair_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t(high) << 32 | low; }
+// A word that falls while the number, not negative, rises.
+STRAY_HD std::uint64_t falling(double x) { return ~bits_of(x); }
+
+template <class KeyOf>
+struct WriteKey {
+  KeyOf key_of;
+  SortKey* keys;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    SortKey key = key_of(i);
+    key.record = i;
+    keys[i] = key;
+  }
+};
+// key_of(i) gives the words of record number i.
+template <class KeyOf>
+Array<SortKey> ordered(std::size_t count, KeyOf const& key_of) {
+  Array<SortKey> keys(count);
+  for_each_number(count, WriteKey<KeyOf>{key_of, data_of(keys)});
+  thrust::sort(thrust::device, keys.begin(), keys.end());
+  return keys;
+}
+
+struct Begins {
+  SortKey const* keys;
+  int words;
+  STRAY_HD bool operator()(std::uint32_t i) const { return i == 0 || !keys[i].shares(words, keys[i - 1]); }
+};
+// Where runs of keys with the same first words begin, and the end of the last; without what does not count.
+inline Array<std::uint32_t> runs(Array<SortKey> const& keys, int words) {
   auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
-  auto const n = std::uint32_t(order.size());
+  auto const n = std::uint32_t(keys.size());
   Array<std::uint32_t> starts(std::size_t(n) + 1);
-  auto const end = thrust::copy_if(thrust::device, zero, zero + n, starts.begin(),
-                                   Begins<Record, Same>{data_of(records), data_of(order), same});
-  *end = n;
-  starts.resize(std::size_t(end - starts.begin()) + 1);
+  auto const end = thrust::copy_if(thrust::device, zero, zero + n, starts.begin(), Begins{data_of(keys), words});
+  bool const rest = n > 0 && SortKey(keys.back()).word[0] == nothing;
+  if (!rest) *end = n;
+  starts.resize(std::size_t(end - starts.begin()) + (rest ? 0 : 1));
   return starts;
 }
-template <class Record>
-struct Run {  // of records in their order
-  Record const* records;
-  std::uint32_t const *order, *starts;
+inline std::size_t run_count(Array<std::uint32_t> const& starts) { return starts.size() - 1; }
+
+struct Run {
+  SortKey const* keys;
+  std::uint32_t const* starts;
   STRAY_HD std::uint32_t begin(std::uint32_t run) const { return starts[run]; }
   STRAY_HD std::uint32_t end(std::uint32_t run) const { return starts[run + 1]; }
-  STRAY_HD Record const& operator[](std::uint32_t i) const { return records[order[i]]; }
+  STRAY_HD std::uint32_t record(std::uint32_t i) const { return keys[i].record; }
+};
+inline Run run_of(Array<SortKey> const& keys, Array<std::uint32_t> const& starts) {
+  return {data_of(keys), data_of(starts)};
+}
+
+template <class Record>
+struct RecordRun : Run {
+  Record const* records;
+  STRAY_HD Record const& operator[](std::uint32_t i) const { return records[record(i)]; }
 };
 template <class Record>
-Run<Record> run_of(Array<Record> const& records, Array<std::uint32_t> const& order,
-                   Array<std::uint32_t> const& starts) {
-  return {data_of(records), data_of(order), data_of(starts)};
+RecordRun<Record> run_of(Array<Record> const& records, Array<SortKey> const& keys, Array<std::uint32_t> const& starts) {
+  return {run_of(keys, starts), data_of(records)};
 }
-inline std::uint32_t run_count(Array<std::uint32_t> const& starts) { return std::uint32_t(starts.size() - 1); }
 
 // Members `first` of rows from their counts; returns the sum of all counts.
 template <class Row>
-struct CountOf {
+struct CopyCount {
   Row const* rows;
   std::uint32_t Row::*count;
-  STRAY_HD std::uint32_t operator()(std::uint32_t i) const { return rows[i].*count; }
+  std::uint32_t* counts;
+  STRAY_HD void operator()(std::uint32_t i) const { counts[i + 1] = rows[i].*count; }
 };
 template <class Row>
 struct SetFirst {
@@ -105,14 +132,11 @@ struct SetFirst {
 };
 template <class Row>
 std::uint32_t lay_out(Array<Row>& rows, std::uint32_t Row::*first, std::uint32_t Row::*count) {
-  auto const n = std::uint32_t(rows.size());
-  if (n == 0) return 0;
-  auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
-  Array<std::uint32_t> sums(n + std::size_t{1});
-  auto const counts = thrust::make_transform_iterator(zero, CountOf<Row>{data_of(rows), count});
-  thrust::inclusive_scan(thrust::device, counts, counts + n, sums.begin() + 1);
-  for_each_number(n, SetFirst<Row>{data_of(rows), first, data_of(sums)});
-  return sums[n];
+  Array<std::uint32_t> sums(rows.size() + 1, 0);
+  for_each_number(rows.size(), CopyCount<Row>{data_of(rows), count, data_of(sums)});
+  thrust::inclusive_scan(thrust::device, sums.begin(), sums.end(), sums.begin());
+  for_each_number(rows.size(), SetFirst<Row>{data_of(rows), first, data_of(sums)});
+  return sums.back();
 }
 
 }  // namespace straytrace::device

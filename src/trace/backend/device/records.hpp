@@ -30,8 +30,11 @@ struct HistoryRecord {
   double column[batch_columns];
   double window_variance;
   std::uint64_t bounces, lost;
-  std::uint32_t again;  // it did not fit: the host has to run it
+  std::uint32_t again;  // it did not fit: the host has to run it; bits of what was short
 };
+
+// Of what there was too little: bit i for list i of TallyLists, bit 4 + i for the list that all histories share.
+constexpr int shared_list = 4;
 
 template <template <class> class List>
 STRAY_HD HistoryRecord record_of(BasicTally<List> const& tally) {

@@ -14,49 +14,42 @@ using TotalRecord = Recorded<HistoryTotal>;
 using ScoreRecord = Recorded<HistoryScore>;
 
 template <class T>
-STRAY_HD std::uint32_t block_of(Recorded<T> const& r) {
-  return r.history / std::uint32_t(block_size);
+STRAY_HD std::uint64_t block_of(Recorded<T> const& r) {
+  return r.history == no_history ? nothing : r.history / block_size;
 }
 // By block and route, then as the histories wrote them.
+template <class T>
 struct AsWritten {
-  template <class T>
-  STRAY_HD bool operator()(Recorded<T> const& a, Recorded<T> const& b) const {
-    if (block_of(a) != block_of(b)) return block_of(a) < block_of(b);
-    if (a.what.route != b.what.route) return a.what.route < b.what.route;
-    return a.history != b.history ? a.history < b.history : a.place < b.place;
-  }
-};
-struct SameRoute {
-  template <class T>
-  STRAY_HD bool operator()(Recorded<T> const& a, Recorded<T> const& b) const {
-    return block_of(a) == block_of(b) && a.what.route == b.what.route;
+  Recorded<T> const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    Recorded<T> const& r = records[i];
+    return {{block_of(r), r.what.route, pair_of(r.history, r.place)}};
   }
 };
 struct LargestTotalFirst {
-  STRAY_HD bool operator()(TotalRecord const& a, TotalRecord const& b) const {
-    if (!SameRoute()(a, b)) return AsWritten()(a, b);
-    return a.what.sum != b.what.sum ? a.what.sum > b.what.sum : a.history < b.history;
+  TotalRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    TotalRecord const& r = records[i];
+    return {{block_of(r), r.what.route, falling(r.what.sum), r.history}};
   }
 };
-struct LargestPriorityFirst {
-  STRAY_HD bool operator()(ScoreRecord const& a, ScoreRecord const& b) const {
-    if (!SameRoute()(a, b)) return AsWritten()(a, b);
-    ScoreAddress const &p = a.what.address, &q = b.what.address;  // as before() does
-    if (p.priority != q.priority) return p.priority > q.priority;
-    if (p.history != q.history) return p.history < q.history;
-    if (p.event != q.event) return p.event < q.event;
-    if (p.connection != q.connection) return p.connection < q.connection;
-    return a.place < b.place;
+struct LargestPriorityFirst {  // as before() in result.hpp
+  ScoreRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    ScoreRecord const& r = records[i];
+    ScoreAddress const& a = r.what.address;
+    return {{block_of(r), r.what.route, falling(a.priority), a.history, pair_of(a.event, a.connection)}};
   }
 };
+constexpr int block_and_route = 2;  // words
 
 struct MakeTotalRow {
-  Run<TotalRecord> run;
+  RecordRun<TotalRecord> run;
   TotalRow* rows;
   BatchHistories number;
   STRAY_HD void operator()(std::uint32_t i) const {
     TotalRecord const& any = run[run.begin(i)];
-    TotalRow row{any.what.route, block_of(any), any.what.port, {}, 0, 0};
+    TotalRow row{any.what.route, std::uint32_t(block_of(any)), any.what.port, {}, 0, 0};
     for (std::uint32_t k = run.begin(i); k < run.end(i); ++k) {
       add_total(row.moments, run[k].what.sum, number(run[k].history));
       row.tails += run[k].what.sum > 0 && row.tails < tail_size;
@@ -65,27 +58,28 @@ struct MakeTotalRow {
   }
 };
 struct CopyTail {
-  Run<TotalRecord> run;  // largest first
+  RecordRun<TotalRecord> largest;
   TotalRow const* rows;
   double* tails;
   STRAY_HD void operator()(std::uint32_t i) const {
-    for (std::uint32_t k = 0; k < rows[i].tails; ++k) tails[rows[i].first_tail + k] = run[run.begin(i) + k].what.sum;
+    for (std::uint32_t k = 0; k < rows[i].tails; ++k)
+      tails[rows[i].first_tail + k] = largest[largest.begin(i) + k].what.sum;
   }
 };
 // One record per history and route at most.
 inline void make_total_rows(Array<TotalRecord> const& totals, BatchHistories number, Array<TotalRow>& rows,
                             Array<double>& tails) {
-  Array<std::uint32_t> order = ordered(totals, AsWritten());
-  Array<std::uint32_t> const starts = runs(totals, order, SameRoute());
+  auto keys = ordered(totals.size(), AsWritten<HistoryTotal>{data_of(totals)});
+  auto const starts = runs(keys, block_and_route);
   rows.resize(run_count(starts));
-  for_each_number(run_count(starts), MakeTotalRow{run_of(totals, order, starts), data_of(rows), number});
+  for_each_number(rows.size(), MakeTotalRow{run_of(totals, keys, starts), data_of(rows), number});
   tails.resize(lay_out(rows, &TotalRow::first_tail, &TotalRow::tails));
-  order = ordered(totals, LargestTotalFirst());
-  for_each_number(run_count(starts), CopyTail{run_of(totals, order, starts), data_of(rows), data_of(tails)});
+  keys = ordered(totals.size(), LargestTotalFirst{data_of(totals)});
+  for_each_number(rows.size(), CopyTail{run_of(totals, keys, starts), data_of(rows), data_of(tails)});
 }
 
 struct MakeKeptRow {
-  Run<ScoreRecord> written, largest;
+  RecordRun<ScoreRecord> written, largest;
   KeptRow* rows;
   STRAY_HD void operator()(std::uint32_t i) const {
     KeptRow row{};
@@ -101,58 +95,52 @@ struct MakeKeptRow {
   }
 };
 struct CopyKept {
-  Run<ScoreRecord> largest;
+  RecordRun<ScoreRecord> largest;
   KeptRow const* rows;
   ScoreAddress* kept;
   STRAY_HD void operator()(std::uint32_t i) const {
-    for (std::uint32_t k = 0; k < rows[i].count; ++k) kept[rows[i].first + k] = largest[largest.begin(i) + k].what.address;
+    for (std::uint32_t k = 0; k < rows[i].count; ++k)
+      kept[rows[i].first + k] = largest[largest.begin(i) + k].what.address;
   }
 };
 // Every route that has a total has a score: the rows are those of the totals.
 inline void make_kept_rows(Array<ScoreRecord> const& scores, Array<KeptRow>& rows, Array<ScoreAddress>& kept) {
-  Array<std::uint32_t> const order = ordered(scores, AsWritten()), largest = ordered(scores, LargestPriorityFirst());
-  Array<std::uint32_t> const starts = runs(scores, order, SameRoute());
-  auto const by_priority = run_of(scores, largest, starts);
+  auto const written = ordered(scores.size(), AsWritten<HistoryScore>{data_of(scores)});
+  auto const by_priority = ordered(scores.size(), LargestPriorityFirst{data_of(scores)});
+  auto const starts = runs(written, block_and_route);
+  auto const largest = run_of(scores, by_priority, starts);
   rows.resize(run_count(starts));
-  for_each_number(run_count(starts), MakeKeptRow{run_of(scores, order, starts), by_priority, data_of(rows)});
+  for_each_number(rows.size(), MakeKeptRow{run_of(scores, written, starts), largest, data_of(rows)});
   kept.resize(lay_out(rows, &KeptRow::first, &KeptRow::count));
-  for_each_number(run_count(starts), CopyKept{by_priority, data_of(rows), data_of(kept)});
+  for_each_number(rows.size(), CopyKept{largest, data_of(rows), data_of(kept)});
 }
 
-// What each history brought to each receiver: its totals there, in the order in which they were first met.
-struct IsReceived {
-  STRAY_HD bool operator()(TotalRecord const& r) const { return r.what.port >= first_receiver_end; }
-};
-struct NamedByEnd {
-  STRAY_HD TotalRecord operator()(TotalRecord r) const {
-    r.what.route = r.what.port;
-    return r;
-  }
-};
-struct SameHistory {
-  STRAY_HD bool operator()(TotalRecord const& a, TotalRecord const& b) const {
-    return a.history == b.history && a.what.route == b.what.route;
+// What each history brought to each receiver: its totals there, in the order in which they were first met. The route of
+// these totals is the number of the end.
+struct ByReceiver {
+  TotalRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    TotalRecord const& r = records[i];
+    if (r.what.port < first_receiver_end) return {{nothing}};
+    return {{block_of(r), r.what.port, r.history, r.place}};
   }
 };
 struct SumOfHistory {
-  Run<TotalRecord> run;
+  RecordRun<TotalRecord> run;
   TotalRecord* sums;
   STRAY_HD void operator()(std::uint32_t i) const {
     TotalRecord sum = run[run.begin(i)];
+    sum.what.route = sum.what.port;
     sum.what.sum = 0;
     for (std::uint32_t k = run.begin(i); k < run.end(i); ++k) sum.what.sum += run[k].what.sum;
     sums[i] = sum;
   }
 };
 inline Array<TotalRecord> totals_by_receiver(Array<TotalRecord> const& totals) {
-  Array<TotalRecord> received(totals.size());
-  auto const end =
-      thrust::copy_if(thrust::device, totals.begin(), totals.end(), received.begin(), IsReceived());
-  received.resize(std::size_t(end - received.begin()));
-  thrust::transform(thrust::device, received.begin(), received.end(), received.begin(), NamedByEnd());
-  Array<std::uint32_t> const order = ordered(received, AsWritten()), starts = runs(received, order, SameHistory());
+  auto const keys = ordered(totals.size(), ByReceiver{data_of(totals)});
+  auto const starts = runs(keys, 3);  // block, end and history
   Array<TotalRecord> sums(run_count(starts));
-  for_each_number(run_count(starts), SumOfHistory{run_of(received, order, starts), data_of(sums)});
+  for_each_number(sums.size(), SumOfHistory{run_of(totals, keys, starts), data_of(sums)});
   return sums;
 }
 
