@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A device against one core: bench_device [ENGINE]. One JSON line per scene.
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/message.hpp"
@@ -12,9 +13,7 @@
 namespace straytrace::bench {
 namespace {
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 World example(std::string const& name) {
   Scene const scene = read_scene(STRAY_SOURCE_DIR "/examples/" + name + ".yaml");

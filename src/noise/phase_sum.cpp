@@ -177,7 +177,8 @@ std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned
 }
 
 std::vector<std::complex<double>> phase_sum(PhaseTerms const& t, unsigned threads, DirectSum const& direct) {
-  if (!direct) return phase_sum(t, threads, [threads](PhaseTerms const& some) { return direct_phase_sum(some, threads); });
+  if (!direct)
+    return phase_sum(t, threads, [threads](PhaseTerms const& some) { return direct_phase_sum(some, threads); });
   std::size_t const none = t.coordinate.size();
   std::vector<std::vector<std::size_t>> moved(none + 1);  // by their only coordinate; the rest behind
   for (std::size_t j = 0; j < t.paths(); ++j) moved[only_mover(t, j, none)].push_back(j);

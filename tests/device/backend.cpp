@@ -67,8 +67,8 @@ class Room {
     bright.law[1] = world.add_law(Lambertian{0.2});
     std::uint32_t const wall = world.add_optic(bright), mirror = power_law_optic(world, 0.01, 2, 1e-5, 0.9);
     world.add_surface(sphere(12), wall, wall, body_, world.add_group("wall"));
-    SurfaceId const lit = world.add_surface(disk(0, 0.3, {{0, 0, -3}, {0, 0, 1}}), mirror, wall, body_,
-                                            world.add_group("mirror"));
+    SurfaceId const lit =
+        world.add_surface(disk(0, 0.3, {{0, 0, -3}, {0, 0, 1}}), mirror, wall, body_, world.add_group("mirror"));
     SurfaceId const chip =
         world.add_surface(disk(0, 0.5, {{0, 3, 3}, {0, -1, 0}}), wall, wall, body_, world.add_group("camera"));
     world.add_footprint(spot(lit, {0, 0, -3}, {0, 0, -1}, Profile::gaussian, 0.05, world.add_port("port")));

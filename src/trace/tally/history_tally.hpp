@@ -180,7 +180,8 @@ STRAY_HD void BasicTally<List>::add_to_maps(PathState const& path, std::uint32_t
                                             std::uint64_t route, bool alone, double power) {
   Receiver const& r = world_->receivers[receiver];
   std::uint32_t const out = Receiver::outside;
-  HistoryCells cells{route, receiver, r.pixel(y.point), r.angle_pixel(y.frame.to_world(-y.wi)), out, power, false, 0, 0};
+  HistoryCells cells{route, receiver, r.pixel(y.point), r.angle_pixel(y.frame.to_world(-y.wi)), out, power, false,
+                     0,     0};
   if (r.quadrants) cells.quadrant = r.quadrant(y.point);
   if (path.coherent && alone && cells.pixel != out) {
     double const length = path.path_length + (r.clear ? y.leg : 0);  // a plane is met before the leg is over

@@ -20,7 +20,7 @@ STRAY_HD std::uint64_t hash_of_ends(std::uint32_t beam, std::uint64_t name, std:
 
 // `at`: the vertex scored from; `y`: the point on the goal.
 STRAY_HD Route route_of(WorldView const& world, PathState const& path, Vertex const& at, std::uint32_t goal,
-                      std::uint32_t number, SurfaceId y) {
+                        std::uint32_t number, SurfaceId y) {
   bool const receiver = goal >= world.lit.size;
   Route route;
   route.end = receiver ? first_receiver_end + (goal - std::uint32_t(world.lit.size)) : world.lit[goal].port.value;
@@ -41,13 +41,13 @@ STRAY_HD std::uint32_t number_through(WorldView const& world, std::uint32_t rece
 }
 // And of the one that starts on a surface lit by the beam `source`: numbers beyond all others, counted by hops.
 STRAY_HD std::uint32_t number_lit(WorldView const& world, std::uint32_t source, std::uint32_t hops,
-                                std::uint32_t receiver) {
+                                  std::uint32_t receiver) {
   std::uint32_t const place = (receiver * std::uint32_t(world.lit.size) + source) * (most_specular_hops + 1) + hops;
   return connection_number(std::uint32_t(world.lit.size + 2 * world.receivers.size) + place);
 }
 // `name`: of the vertices up to z; `vertices`: their number.
 STRAY_HD Route route_behind(WorldView const& world, std::uint64_t name, std::uint32_t vertices, std::uint32_t source,
-                          Chain const& chain, std::uint32_t receiver) {
+                            Chain const& chain, std::uint32_t receiver) {
   Route route;
   route.end = first_receiver_end + receiver;
   route.vertices = vertices + chain.hops + 1;
@@ -60,14 +60,14 @@ STRAY_HD Route route_behind(WorldView const& world, std::uint64_t name, std::uin
 }
 // Route of x -> z -> glass -> receiver.
 STRAY_HD Route route_through(WorldView const& world, PathState const& path, Vertex const& x, Vertex const& z,
-                           Chain const& chain, std::uint32_t receiver) {
+                             Chain const& chain, std::uint32_t receiver) {
   std::uint64_t name = extended(path.route, world.surfaces[x.surface.value].group, Event::scatter);
   name = extended(name, world.surfaces[z.surface.value].group, Event::scatter);
   return route_behind(world, name, path.order + 2, path.source, chain, receiver);
 }
 // Route of z -> glass -> receiver, for light of the beam `source` on z.
 STRAY_HD Route route_lit(WorldView const& world, std::uint32_t source, Vertex const& z, Chain const& chain,
-                       std::uint32_t receiver) {
+                         std::uint32_t receiver) {
   Footprint const& beam = world.lit[source];
   std::uint64_t const start = beam.free ? extended(0, beam.origin, Event::emit) : 0;
   std::uint64_t const name = extended(start, world.surfaces[z.surface.value].group, Event::scatter);

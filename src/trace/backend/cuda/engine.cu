@@ -4,7 +4,6 @@
 #include "trace/backend/device/called.hpp"
 //
 #include <cuda_runtime.h>
-
 #include <stdexcept>
 
 #include "trace/backend/device/engine_body.hpp"

@@ -33,6 +33,12 @@
 #include "optics/specular.hpp"
 #pragma pop_macro("STRAY_HD")
 
+#include "base/rng.hpp"
+#include "geometry/strips.hpp"
+#include "optics/media_stack.hpp"
+#include "optics/polarisation.hpp"
+#include "optics/refraction.hpp"
+#include "trace/result.hpp"
 #include "world/hit.hpp"
 #include "world/mode_shapes.hpp"
 #include "world/receiver.hpp"
@@ -40,13 +46,6 @@
 #include "world/search.hpp"
 #include "world/search_kernels.hpp"
 #include "world/steering.hpp"
-
-#include "base/rng.hpp"
-#include "geometry/strips.hpp"
-#include "optics/media_stack.hpp"
-#include "optics/polarisation.hpp"
-#include "optics/refraction.hpp"
-#include "trace/result.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD

@@ -76,14 +76,14 @@ class DeviceBackend final : public Backend {
       BatchOrder order{seed, {}, settings_.room};
       for (Request const& r : together) order.blocks.push_back(r.block);
       BatchCounts counts;
-      batch->blocks.emplace(world, engine_->run(
-                                       order, [&](std::uint64_t number) { return run_on_host(view, seed, number); },
-                                       counts));
+      batch->blocks.emplace(world,
+                            engine_->run(
+                                order, [&](std::uint64_t number) { return run_on_host(view, seed, number); }, counts));
       if (settings_.after_batch) settings_.after_batch(counts);
     } catch (std::exception const& e) {
-      batch->failure = std::make_exception_ptr(
-          NumericalError(std::string("backend ") + name_ + ": " + e.what() +
-                         "; the same trace with --backend cpu gives the same result"));
+      batch->failure =
+          std::make_exception_ptr(NumericalError(std::string("backend ") + name_ + ": " + e.what() +
+                                                 "; the same trace with --backend cpu gives the same result"));
     }
     return batch;
   }

@@ -28,13 +28,13 @@ struct BatchOrder {
 };
 
 struct DeviceFacts {
-  std::string name;                    // of the device
-  std::size_t memory = 0;              // bytes
-  std::uint32_t blocks_at_once = 1;    // that keep it busy
-  std::uint32_t workers = 0;           // histories under way at once
-  double occupancy = 0;                // of its threads, by the walk
-  std::uint32_t registers = 0;         // of a thread of the walk
-  std::size_t local_bytes = 0;         // of a thread of the walk, besides
+  std::string name;                  // of the device
+  std::size_t memory = 0;            // bytes
+  std::uint32_t blocks_at_once = 1;  // that keep it busy
+  std::uint32_t workers = 0;         // histories under way at once
+  double occupancy = 0;              // of its threads, by the walk
+  std::uint32_t registers = 0;       // of a thread of the walk
+  std::size_t local_bytes = 0;       // of a thread of the walk, besides
 };
 
 struct BatchCounts {

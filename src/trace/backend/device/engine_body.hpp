@@ -110,8 +110,7 @@ class EngineBody final : public DeviceEngine {
     auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
     auto const n = std::uint32_t(histories_.size());
     Array<std::uint32_t> found(n);
-    auto const end =
-        thrust::copy_if(thrust::device, zero, zero + n, found.begin(), RunsAgain{data_of(histories_)});
+    auto const end = thrust::copy_if(thrust::device, zero, zero + n, found.begin(), RunsAgain{data_of(histories_)});
     std::vector<std::uint32_t> rest(std::size_t(end - found.begin()));
     thrust::copy(found.begin(), end, rest.begin());
     if (rest.empty()) return 0;

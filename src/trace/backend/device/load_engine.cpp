@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <dlfcn.h>
 #include <filesystem>
 
 #include "base/message.hpp"
@@ -15,7 +15,8 @@ std::unique_ptr<DeviceEngine> load_engine(std::string const& library) {
   if (!loaded) throw InputError(fmt::format("error: {}\n  build it again, or use --backend cpu", dlerror()));
   auto const make = reinterpret_cast<MakeDeviceEngine>(dlsym(loaded, "straytrace_device_engine"));
   if (!make)
-    throw InputError(fmt::format("error: '{}' is no engine of straytrace\n  build it again, or use --backend cpu", library));
+    throw InputError(
+        fmt::format("error: '{}' is no engine of straytrace\n  build it again, or use --backend cpu", library));
   try {
     return std::unique_ptr<DeviceEngine>(make(device_abi));
   } catch (std::exception const& e) {

@@ -114,8 +114,8 @@ class WorldImage::Writer {
   template <class T>
   void follow(T const& original, std::size_t at) {
     arrays_of(original, [&]<class E>(View<E const> const& view) {
-      std::size_t const inside = std::size_t(reinterpret_cast<char const*>(&view.data) -
-                                             reinterpret_cast<char const*>(&original));
+      std::size_t const inside =
+          std::size_t(reinterpret_cast<char const*>(&view.data) - reinterpret_cast<char const*>(&original));
       if (view.size > 0) image_.pointers_.push_back({at + inside, put(view.data, view.size)});
     });
   }
