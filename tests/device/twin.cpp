@@ -4,13 +4,7 @@
 // clang-format off
 #include <bits/stdc++.h>
 #include <Random123/philox.h>
-#include <thrust/copy.h>
-#include <thrust/device_vector.h>
-#include <thrust/execution_policy.h>
-#include <thrust/for_each.h>
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/scan.h>
-#include <thrust/sort.h>
+#include "trace/backend/device/ordered.hpp"
 
 #define __CUDACC__ 1
 #define __CUDA_ARCH__ 800

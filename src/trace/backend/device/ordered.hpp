@@ -4,6 +4,10 @@
 // sort of a device is compiled once.
 #pragma once
 
+#if !defined(__NVCC__)
+#define THRUST_DEVICE_SYSTEM THRUST_DEVICE_SYSTEM_CPP  // the "device" of the library is the host
+#endif
+
 #include <thrust/copy.h>
 #include <thrust/device_vector.h>
 #include <thrust/execution_policy.h>
