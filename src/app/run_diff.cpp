@@ -31,6 +31,11 @@ WithError rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, double
   return {h, h > 0 ? error / (2 * h) : 0};
 }
 
+bool same_histories(RunFile const& before, RunFile const& after) {
+  CouplingTable const &b = before.trace.coupling, &a = after.trace.coupling;
+  return before.about.model_hash == after.about.model_hash && b.seed == a.seed && b.histories == a.histories;
+}
+
 using ById = std::map<std::uint64_t, NoiseTrace const*>;
 
 ById by_id(NoiseBudget const& b) {
@@ -43,8 +48,12 @@ Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid cons
                     RunDifference const& d) {
   NoiseTrace const& any = b ? *b : *a;
   bool const open = (b && !b->resolved) || (a && !a->resolved);
-  return {any.name, fmt::format("{:016x}", any.hash), b ? rms(*b, before, d.low, d.high) : WithError{},
-          a ? rms(*a, after, d.low, d.high) : WithError{}, open};
+  return {any.name,
+          fmt::format("{:016x}", any.hash),
+          b ? rms(*b, before, d.low, d.high) : WithError{},
+          a ? rms(*a, after, d.low, d.high) : WithError{},
+          open,
+          d.common};
 }
 
 std::string line(Change const& c, std::size_t width) {
@@ -86,15 +95,19 @@ nlohmann::ordered_json as_json(std::vector<Change> const& all) {
 }  // namespace
 
 double Change::sigmas() const {
-  double const error = std::hypot(before.sigma, after.sigma), change = after.value - before.value;
+  double const error = common ? std::fabs(before.sigma - after.sigma) : std::hypot(before.sigma, after.sigma),
+               change = after.value - before.value;
   return error > 0 ? change / error : change == 0 ? 0 : not_a_number;
 }
 
 RunDifference run_differences(RunFile const& before, RunFile const& after) {
   if (!before.noise || !after.noise)
-    throw InputError("error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'");
+    throw InputError(
+        "error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'; "
+        "one that was only traced gets its noise by 'straytrace noise RUN -o DIR'");
   NoiseBudget const &b = *before.noise, &a = *after.noise;
   RunDifference d;
+  d.common = same_histories(before, after);
   d.low = std::max(b.grid.edges.front(), a.grid.edges.front());
   d.high = std::min(b.grid.edges.back(), a.grid.edges.back());
   if (!(d.low < d.high))
@@ -107,7 +120,7 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
   bool const bound = !b.total.resolved || !a.total.resolved;
   for (std::size_t i = 0; i + 1 < at.size(); ++i)
     d.bands.push_back({fmt::format("{:g} to {:g} Hz", at[i], at[i + 1]), "", rms(b.total, b.grid, at[i], at[i + 1]),
-                       rms(a.total, a.grid, at[i], at[i + 1]), bound});
+                       rms(a.total, a.grid, at[i], at[i + 1]), bound, d.common});
   ById const x = by_id(b), y = by_id(a);
   for (auto const& [id, trace] : x)
     d.routes.push_back(route_change(trace, y.contains(id) ? y.at(id) : nullptr, b.grid, a.grid, d));
@@ -123,13 +136,18 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
 
 std::string run_difference_text(RunDifference const& d) {
   return fmt::format(
-      "\nrms strain of the total, in bands (one Monte-Carlo standard error of each; runs taken as independent)\n{}"
+      "\nrms strain of the total, in bands (one Monte-Carlo standard error of each; {})\n{}"
       "\nrms strain of routes, {:g} to {:g} Hz, largest change first\n{}",
+      d.common ? "same histories, so both err alike: sigmas are of what differs" : "runs taken as independent",
       lines(d.bands, d.bands.size()), d.low, d.high, lines(d.routes, shown));
 }
 
 nlohmann::ordered_json run_difference_json(RunDifference const& d) {
-  return {{"low_hz", d.low}, {"high_hz", d.high}, {"bands", as_json(d.bands)}, {"routes", as_json(d.routes)}};
+  return {{"low_hz", d.low},
+          {"high_hz", d.high},
+          {"same_histories", d.common},
+          {"bands", as_json(d.bands)},
+          {"routes", as_json(d.routes)}};
 }
 
 }  // namespace straytrace

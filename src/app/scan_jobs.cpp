@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -78,7 +79,11 @@ std::set<std::string> trace_together(std::vector<Settings> const& points, Option
     if (running.empty()) break;  // stopped
     int status = 0;
     pid_t const child = ::waitpid(-1, &status, 0);
-    if (child < 0 && errno == EINTR) continue;  // Ctrl-C: the jobs have had it too and finish their blocks
+    if (child < 0 && errno == EINTR) {  // Ctrl-C the jobs have had too; what was sent to this process alone goes on
+      for (auto const& [process, ignored] : running)
+        if (stop) ::kill(process, SIGTERM);
+      continue;
+    }
     auto const job = running.find(child);
     if (job == running.end()) continue;
     ++finished;

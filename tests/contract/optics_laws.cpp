@@ -172,7 +172,8 @@ TYPED_TEST(ScatterLaw, albedo_is_at_most_one) {
   for (TypeParam const& law : instances<TypeParam>())
     for (int i = 0; i <= 1000; ++i) {
       double const albedo = law.albedo(i / 1000.0);
-      EXPECT_TRUE(albedo >= 0 && albedo <= 1) << i;
+      EXPECT_GE(albedo, 0) << i;
+      EXPECT_LE(albedo, 1) << i;
     }
 }
 

@@ -72,7 +72,21 @@ TEST(Explain, AKeyHasTypeRangeDefaultExampleAndPage) {
   EXPECT_THAT(refusal({"explain", "cone.half_angel"}), HasSubstr("did you mean 'cone.half_angle'?"));
 }
 
+TEST(Explain, ThingsOfTheLibraryAndTheirNumbers) {
+  auto const rim = answer({"explain", "virgo_baffle.inner_radius"});
+  EXPECT_EQ(rim["default"], "49.5 cm");
+  EXPECT_THAT(rim["source"].get<std::string>(), HasSubstr("Virgo specification"));
+  EXPECT_EQ(answer({"explain", "adv.arm_power"})["default"], "650 kW");
+  EXPECT_EQ(answer({"explain", "dlc"})["status"], "assumed");
+  std::string const refused = refusal({"explain", "baffle.aperture"});  // no part has this name alone
+  EXPECT_THAT(refused, HasSubstr("conical_baffle"));
+  EXPECT_THAT(refused, HasSubstr("inner_radius"));
+  EXPECT_THAT(refusal({"explain", "lens.diametre"}), HasSubstr("did you mean 'lens.diameter'?"));
+}
+
 TEST(Explain, UnitsAndMessages) {
+  EXPECT_EQ(straytrace({"explain", "unit m/sqrt(Hz)"}).out, straytrace({"explain", "unit", "m/sqrt(Hz)"}).out);
+  EXPECT_EQ(straytrace({"explain", "m/sqrt(Hz)"}).out, straytrace({"explain", "unit", "m/sqrt(Hz)"}).out);
   EXPECT_NEAR(answer({"explain", "unit", "arcsec"})["si"].get<double>(), 4.84813681e-6, 1e-14);
   EXPECT_THAT(refusal({"explain", "unit", "metre"}), HasSubstr("did you mean 'm'?"));
   EXPECT_THAT(straytrace({"explain", "arm.yaml:8:29: error: \"10 um\" does not say which amplitude it is"}).out,

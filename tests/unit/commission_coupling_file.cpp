@@ -8,6 +8,7 @@
 #include "base/message.hpp"
 #include "commission/coupling_file.hpp"
 #include "commission/coupling_projection.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {
