@@ -10,38 +10,27 @@
 // What the headers below include is left as it is.
 #include "base/vec3.hpp"
 #include "beams/footprint.hpp"
-#include "geometry/cone.hpp"
-#include "geometry/cylinder.hpp"
-#include "geometry/plane_frame.hpp"
-#include "geometry/redraw.hpp"
-#include "geometry/sphere.hpp"
-#include "geometry/torus.hpp"
-#include "optics/bsdf.hpp"
-#include "optics/facets.hpp"
-#include "optics/lobe_table.hpp"
-#include "optics/optic.hpp"
-#include "optics/polarisation_factor.hpp"
-#include "optics/specular_types.hpp"
-
-#pragma push_macro("STRAY_HD")
-#undef STRAY_HD
-#define STRAY_HD STRAY_CALLED
-#include "geometry/cad_face.hpp"
-#include "geometry/pieces.hpp"
 #include "optics/abg.hpp"
 #include "optics/dust.hpp"
 #include "optics/gaussian.hpp"
 #include "optics/grooves.hpp"
 #include "optics/harvey.hpp"
 #include "optics/lambertian.hpp"
-#include "optics/law_types.hpp"
 #include "optics/measured.hpp"
 #include "optics/microfacet.hpp"
+#include "optics/optic.hpp"
 #include "optics/polynomial.hpp"
 #include "optics/power_law.hpp"
 #include "optics/roughness.hpp"
-#include "optics/specular.hpp"
+#include "optics/specular_types.hpp"
 #include "optics/through.hpp"
+
+#pragma push_macro("STRAY_HD")
+#undef STRAY_HD
+#define STRAY_HD STRAY_CALLED
+#include "geometry/pieces.hpp"
+#include "optics/law_types.hpp"
+#include "optics/specular.hpp"
 #pragma pop_macro("STRAY_HD")
 
 #include "base/rng.hpp"
