@@ -34,5 +34,30 @@ TEST(DevicePhases, LeaveTheBitsOfTheHost) {
   EXPECT_FALSE(device == direct_phase_sum(terms));
 }
 
+// As `project` asks for it: tables for paths that one coordinate moves, the device for what they are made of.
+TEST(DevicePhases, ServeTheTablesOfTheHost) {
+  constexpr std::size_t paths = 400, samples = 5000;
+  Rng rng(6, 0, 0, Stream::motion);
+  std::vector<double> motion(samples);
+  for (double& x : motion) x = 2e-5 * rng.uniform() - 1e-5;
+  PhaseTerms terms;
+  terms.coordinate = {motion};
+  for (std::size_t j = 0; j < paths; ++j) {
+    terms.amplitude.push_back(1e-6 * rng.uniform());
+    terms.turns.push_back(rng.uniform());
+    terms.lever.push_back(2e6 * rng.uniform());
+  }
+  auto const engine = load_engine(engine_tested());
+  std::size_t asked = 0;
+  auto const on_device = phase_sum(terms, 0, [&](PhaseTerms const& some) {
+    asked += some.coordinate[0].size();
+    std::vector<double> position;
+    return engine->phase_sum(order_of(some, position));
+  });
+  EXPECT_TRUE(on_device == phase_sum(terms));
+  EXPECT_GT(asked, 0u);
+  EXPECT_LT(asked, samples);  // a table, not the samples
+}
+
 }  // namespace
 }  // namespace straytrace::testing

@@ -5,7 +5,7 @@
 
 #include <complex>
 #include <cstddef>
-#include <memory>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>

@@ -46,7 +46,7 @@ class EngineBody final : public DeviceEngine {
     return data_of(world_);
   }
   void load_world(std::span<std::byte const> placed) override {
-    thrust::copy(placed.begin(), placed.end(), world_.begin());
+    thrust::copy(placed.data(), placed.data() + placed.size(), world_.begin());
   }
 
   BatchSums run(BatchOrder const& order, std::function<HistoryRun(std::uint64_t)> const& again,
@@ -54,8 +54,7 @@ class EngineBody final : public DeviceEngine {
     walk(order);
     counts.run_again = run_rest(order, again);
     BatchSums sums = summed();
-    counts.bytes = world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
-                   arrivals_.bytes() + cells_.bytes();
+    counts.bytes = bytes();
     return sums;
   }
 
@@ -143,7 +142,13 @@ class EngineBody final : public DeviceEngine {
   static void append(Array<Record>& to, std::vector<Record> const& records) {
     to.insert(to.end(), records.begin(), records.end());
   }
+  std::size_t bytes() const {
+    return world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
+           arrivals_.bytes() + cells_.bytes();
+  }
+  // As long as it is a small part of the memory: sorting takes about as much again, and stacks take theirs.
   void make_room(std::uint32_t short_of) {
+    if (bytes() > machine_.facts().memory / 8) return;
     for (int i = 0; i < lists; ++i) {
       if (short_of >> i & 1) rooms_[i].most *= 2;
       if (short_of >> (shared_list + i) & 1) rooms_[i].mean *= 2;

@@ -2,7 +2,6 @@
 // What a device writes down while it traces, and the sums it makes of it. Plain numbers: they are copied as they are.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "trace/tally/history_tally.hpp"
