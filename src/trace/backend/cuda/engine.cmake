@@ -15,18 +15,19 @@ endif()
 
 set(cuda_source ${CMAKE_SOURCE_DIR}/src/trace/backend/cuda/engine.cu)
 set(STRAYTRACE_NVCC_FLAGS -std=c++20 --expt-relaxed-constexpr --fmad=false -diag-suppress 20012 -O3
-    -I ${CMAKE_SOURCE_DIR}/src -isystem ${RANDOM123_INCLUDE})
+    -I ${CMAKE_SOURCE_DIR}/src -I ${RANDOM123_INCLUDE})
 set(cuda_targets)
 foreach(architecture ${STRAYTRACE_CUDA_ARCHITECTURES})
   list(APPEND cuda_targets -gencode arch=compute_${architecture},code=sm_${architecture})
 endforeach()
-list(APPEND cuda_targets -gencode arch=compute_${architecture},code=compute_${architecture})  # for later ones
+list(GET STRAYTRACE_CUDA_ARCHITECTURES -1 last)
+list(APPEND cuda_targets -gencode arch=compute_${last},code=compute_${last})  # for later ones
 set(STRAYTRACE_CUDA_LIBRARY ${CMAKE_BINARY_DIR}/libstraytrace_cuda.so)
 add_custom_command(
   OUTPUT ${STRAYTRACE_CUDA_LIBRARY}
-  COMMAND ${STRAYTRACE_NVCC} ${STRAYTRACE_NVCC_FLAGS} ${cuda_targets} --threads 0 -Xptxas -v -shared
+  COMMAND ${STRAYTRACE_NVCC} ${STRAYTRACE_NVCC_FLAGS} ${cuda_targets} --threads 0 -shared
           -Xcompiler=-fPIC,-fvisibility=hidden,-ffp-contract=off -Xlinker=-z,defs -MD -MF cuda_engine.d
-          -o ${STRAYTRACE_CUDA_LIBRARY} ${cuda_source} 2> cuda_engine.log || (cat cuda_engine.log >&2 && false)
+          -o ${STRAYTRACE_CUDA_LIBRARY} ${cuda_source}
   DEPENDS ${cuda_source}
   DEPFILE ${CMAKE_BINARY_DIR}/cuda_engine.d
   WORKING_DIRECTORY ${CMAKE_BINARY_DIR}
