@@ -11,13 +11,12 @@
 
 namespace straytrace {
 
-// A value of both runs; `sigmas` of the change in standard errors: of both together where the runs are independent,
-// of their difference where both come from the same histories, since these err alike. NaN where there is no answer.
+// A value of both runs, and the change in standard errors; NaN where there is no answer.
 struct Change {
   std::string what, id;  // "30 to 100 Hz", or a route and its hash
   WithError before, after;
-  bool bound = false;   // one of them is a lower bound
-  bool common = false;  // same histories
+  double error = 0;    // of the change: of independent runs both together; of the same histories see run_differences
+  bool bound = false;  // one of them is a lower bound
   double sigmas() const;
 };
 
@@ -28,6 +27,9 @@ struct RunDifference {
   bool common = false;         // same model, seed and number of histories: other motion or responses
 };
 
+// Runs of the same histories (other motion or responses) share the light: the power of route j is C_j times a factor
+// that the motion sets, and both have the relative error r_j of C_j. The change of a total, h = sqrt(sum of P_j), then
+// has the variance sum of ((P_j'/2h' - P_j/2h) r_j)^2.
 RunDifference run_differences(RunFile const& before, RunFile const& after);
 std::string run_difference_text(RunDifference const&);
 nlohmann::ordered_json run_difference_json(RunDifference const&);

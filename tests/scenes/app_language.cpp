@@ -172,6 +172,26 @@ TEST(Diff, RunsDifferBySigmas) {
   for (auto const& band : same["results"]["bands"]) EXPECT_EQ(band["sigmas"], 0);
 }
 
+// Twice the motion of the same light is twice h (physics.md eq. 1.3): the change is h, and so is its relative error.
+// Twin: errors taken as independent, sqrt(5) times too large.
+TEST(Diff, SameHistoriesErrAlike) {
+  Folder const folder;
+  write_text(folder / "a.yaml", baffle);
+  ASSERT_EQ(straytrace({"run", folder / "a.yaml", "-o", folder / "a", "--quiet"}).code, 0);
+  std::string const bodies = baffle.substr(baffle.find("bodies:"), baffle.find("scene:") - baffle.find("bodies:"));
+  write_text(folder / "more.yaml", "straytrace: 1\n" + edited(bodies, "1e-12 m", "2e-12 m"));
+  Finished const more =
+      straytrace({"noise", folder / "a/run.h5", "--motion", folder / "more.yaml", "-o", folder / "b", "--quiet"});
+  ASSERT_EQ(more.code, 0) << more.err;
+  auto const results = answer({"diff", folder / "a/run.h5", folder / "b/run.h5"})["results"];
+  EXPECT_TRUE(results["same_histories"]);
+  for (auto const& band : results["bands"]) {
+    double const h = band["before"]["value"], error = band["before"]["sigma"];
+    EXPECT_NEAR(band["after"]["value"].get<double>() / h, 2, 1e-3);
+    EXPECT_NEAR(band["sigmas"].get<double>() / (h / error), 1, 0.2);
+  }
+}
+
 TEST(Messages, WarningsComeAsJsonWithTheirPlaces) {
   Folder const folder;
   write_text(folder / "a.yaml",

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "recorded.hpp"
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 
