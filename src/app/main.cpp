@@ -10,6 +10,7 @@
 
 #include "app/build_info.hpp"
 #include "app/command_words.hpp"
+#include "app/device.hpp"
 #include "app/events.hpp"
 #include "app/options.hpp"
 #include "base/message.hpp"
@@ -64,6 +65,10 @@ void add_unsaved(std::string const& pair) {
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
+std::string version_text() {
+  return std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")\n" + devices_text();
+}
+
 // For programs that start this one.
 void add_program_options(CLI::App& app) {
   app.add_flag_callback("--events", tell_events, "progress and problems as lines of JSON on stderr");
@@ -84,7 +89,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
   CLI::App app{"straytrace: stray-light noise of interferometric gravitational-wave detectors", "straytrace"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")");
+  app.set_version_flag("--version", version_text);
   app.footer("Every command explains itself: straytrace run --help");
   add_program_options(app);
   Options options;

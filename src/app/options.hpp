@@ -19,6 +19,7 @@ struct Options {
   std::string input, out, motion, response;
   std::vector<std::string> overrides;  // "aperture=60cm"
   std::string format = "text", until;
+  std::string backend = "cpu";
   std::optional<std::uint64_t> seed, histories;
   unsigned threads = 0;
   double max_seconds = 0;  // 0: no limit

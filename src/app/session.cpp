@@ -141,7 +141,8 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   resume_earlier(model, options, run_file, settings);
   settings.seed = model.seed;
   settings.histories = model.histories;
-  settings.threads = options.threads;
+  auto const backend = make_backend(options.backend);
+  settings.threads = options.threads > 0 ? options.threads : backend->callers();
   settings.max_seconds = model.until.max_seconds;
   if (model.until.by_error()) {
     settings.wanted_error = model.until.wanted_error();
@@ -160,7 +161,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   };
   InterruptGuard const guard;
   settings.stop = &guard.stop();
-  TraceResult result = trace(model.world, settings, *make_backend("cpu"));
+  TraceResult result = trace(model.world, settings, *backend);
   result.warnings.insert(result.warnings.end(), edges.warnings.begin(), edges.warnings.end());
   result.warnings.insert(result.warnings.end(), ghosts.warnings.begin(), ghosts.warnings.end());
   for (std::string const& warning : result.warnings) tell_warning(warning, options);
