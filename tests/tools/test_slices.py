@@ -78,10 +78,10 @@ class Slices(unittest.TestCase):
 
     def test_what_does_not_fit_is_refused(self):
         twice = self.folder / "twice.h5"
-        shutil.copy(self.parts[6], twice)
+        shutil.copy(self.parts[7], twice)
         said = self.merge([*self.parts, twice], code=2, name="no.h5")
         self.assertIn("both hold block 5", said)
-        self.assertIn("part07.h5", said)
+        self.assertIn("part08.h5", said)
         self.assertIn("twice.h5", said)
         other = self.folder / "other.h5"
         trace(other, "--histories", MANY, "--slice", "1/12", "--seed", "3")
