@@ -86,14 +86,6 @@ TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
   EXPECT_TRUE(r.checkpointed());
 }
 
-World one_plate() {
-  World world;
-  SurfaceId const s = world.add_surface(Disk{}, lambertian_optic(world, 0.5), black_optic(world),
-                                        world.add_body("plate", {}), world.add_group("plate"));
-  world.add_footprint(spot(s, {}, {0, 0, -1}, Profile::gaussian, 0.1, world.add_port("plate")));
-  world.finish();
-  return world;
-}
 // Blocks after which a rule with these errors is looked at, wanted: below 1.
 std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why) {
   std::vector<std::uint64_t> seen;

@@ -87,6 +87,7 @@ struct Job {
       others.emplace_back([this, rank, settings] {
         ByMail transport(mail, rank);
         TraceSettings mine = settings_for(settings.threads);
+        mine.seed = settings.seed;
         mine.stop = &backends[std::size_t(rank)].stop;
         Ranks const ranks{transport, rank == stranger ? "another" : "same", packed, unpacked};
         try {
@@ -103,12 +104,12 @@ struct Job {
   }
   Mail mail;
   std::vector<Counting> backends;
-  World const world = small_tube();
+  World const world = two_plates();
   int stranger = 0;
 };
 
 TEST(Ranks, AnyNumberOfThemIsOneRun) {
-  TraceResult const one = trace(small_tube(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
   for (int const ranks : {1, 2, 4})
     for (unsigned const threads : {1u, 2u}) {
       Job job(ranks);
@@ -118,7 +119,9 @@ TEST(Ranks, AnyNumberOfThemIsOneRun) {
       std::uint64_t done = 0;
       for (Counting const& backend : job.backends) done += backend.done;
       EXPECT_EQ(done, blocks);
-      if (ranks > 1) EXPECT_LT(job.backends[0].done, blocks);  // the others have worked too
+      if (ranks > 1) {
+        EXPECT_LT(job.backends[0].done, blocks);  // the others have worked too
+      }
     }
   Job twin(2);
   TraceSettings other = settings_for(1);
@@ -147,7 +150,7 @@ TEST(Ranks, StopRulesLookAtTheSameMoments) {
 
 // A rank that ends on a signal of its own gives back what it has not done.
 TEST(Ranks, OneMayLeave) {
-  TraceResult const one = trace(small_tube(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
   Job job(3);
   job.backends[2].stop_after = 2;
   TraceResult const r = job.run(settings_for(1));
@@ -156,7 +159,7 @@ TEST(Ranks, OneMayLeave) {
 }
 
 TEST(Ranks, InterruptedAndResumed) {
-  TraceResult const one = trace(small_tube(), settings_for(1), *make_backend("cpu"));
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
   Job job(3);
   job.backends[0].stop_after = 2;
   TraceResult const part = job.run(settings_for(1));

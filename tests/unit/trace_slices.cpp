@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Slices of a run and what becomes of them: they cover each block once, sums with gaps say what they hold, and all of
 // them together are the bits of one run (interface.md 11).
+#include <atomic>
+#include <chrono>
 #include <random>
+#include <thread>
 
 #include "small_tube.hpp"
 #include "trace/handout.hpp"
@@ -86,8 +89,8 @@ TEST(Slices, NoFirstHalfIsMadeUp) {
     return tree;
   };
   SumTree tree = blocks_of(1, 7, 0);
-  for (auto const& [place, sums] : blocks_of(2, 8, 3).nodes())
-    tree.add(place.second, place.first >> place.second, sums);
+  SumTree const later = blocks_of(2, 8, 3);
+  for (auto const& [place, sums] : later.nodes()) tree.add(place.second, place.first >> place.second, sums);
   BlockSums const total = tree.total();  // 9 blocks, the border behind the fourth
   ASSERT_EQ(first_part(9), 4u);
   EXPECT_TRUE(std::isnan(total.classes.at(1).moments.first_sum));
@@ -104,7 +107,7 @@ TraceSettings settings_for(Slice slice = {}, SumTree resume = {}) {
   settings.resume = std::move(resume);
   return settings;
 }
-TraceResult traced(TraceSettings const& settings) { return trace(small_tube(), settings, *make_backend("cpu")); }
+TraceResult traced(TraceSettings const& settings) { return trace(two_plates(), settings, *make_backend("cpu")); }
 
 void add(SumTree& into, SumTree const& from) {
   for (auto const& [place, sums] : from.nodes()) into.add(place.second, place.first >> place.second, sums);
@@ -121,7 +124,7 @@ TEST(Slices, AllTogetherAreOneRun) {
       EXPECT_FALSE(part.checkpointed());
       add(all, part.tree);
     }
-    TraceResult const merged = result_of(small_tube(), settings_for(), all);
+    TraceResult const merged = result_of(two_plates(), settings_for(), all);
     EXPECT_TRUE(same(merged.total, one.total)) << of;
     EXPECT_EQ(merged.coupling.replica_histories, one.coupling.replica_histories);
   }
@@ -149,31 +152,39 @@ TEST(Slices, GapsAreFilled) {
   EXPECT_EQ(traced(fewer).tree.missing({0, some.done().back().end}).size(), 0u);
 }
 
-// What a checkpoint holds goes on to the same bits, from every one of them; and none is written when all blocks are
-// handed out, for a stop rule would then miss a look.
+// What a checkpoint holds goes on to the same bits; and none is made once all blocks are handed out, for a stop rule
+// would then miss a look. The backend waits until the first checkpoint is there, so that there is one.
+class Waiting final : public Backend {
+ public:
+  std::string_view name() const override { return "waiting"; }
+  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+    for (int i = 0; block == 5 && !seen && i < 1000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return cpu_->run_block(world, seed, block);
+  }
+  mutable std::atomic<bool> seen{false};
+
+ private:
+  std::unique_ptr<Backend> cpu_ = make_backend("cpu");
+};
+
 TEST(Slices, CheckpointsGoOnToTheSameBits) {
-  TraceResult const one = traced(settings_for());
-  std::vector<SumTree> kept;
+  Waiting const backend;
+  std::vector<TraceResult> kept;
   TraceSettings settings = settings_for();
   settings.threads = 1;
   settings.checkpoint_seconds = 0;
   settings.checkpoint = [&](TraceResult const& so_far) {
-    EXPECT_TRUE(so_far.checkpointed());
-    EXPECT_EQ(so_far.stopped, Stopped::by_checkpoint);
-    EXPECT_LT(so_far.total.blocks, blocks);
-    kept.push_back(so_far.tree);
+    kept.push_back(so_far);
+    backend.seen = true;
   };
-  settings.histories = 400 * block_size;  // the main thread looks twice a second
-  settings.max_seconds = 1.2;
-  TraceResult const part = traced(settings);
-  (void)part;
-  for (SumTree const& tree : kept) {
-    TraceSettings on = settings_for({}, tree);
-    on.histories = std::max<std::uint64_t>(tree.done().back().end, blocks) * block_size;
-    TraceSettings whole = settings_for();
-    whole.histories = on.histories;
-    EXPECT_TRUE(same(traced(on).total, traced(whole).total));
-  }
+  TraceResult const one = trace(two_plates(), settings, backend);
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_TRUE(kept[0].checkpointed());
+  EXPECT_EQ(kept[0].stopped, Stopped::by_checkpoint);
+  EXPECT_EQ(kept[0].total.blocks, 5u);
+  EXPECT_EQ(kept[0].all_blocks, blocks);
+  EXPECT_FALSE(same(kept[0].total, one.total));
+  EXPECT_TRUE(same(traced(settings_for({}, kept[0].tree)).total, one.total));
 }
 
 }  // namespace
