@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/model.hpp"
+#include "base/constants.hpp"
 
 namespace straytrace {
 namespace {
@@ -67,25 +68,35 @@ void add_scene_options(CLI::App& command, Options& options, char const* input) {
   add_format_option(command, options);
 }
 
-void add_trace_options(CLI::App& command, Options& options) {
+void add_history_options(CLI::App& command, Options& options) {
   command
       .add_option_function<double>(
           "--histories", [&](double n) { options.histories = std::uint64_t(n); },
           "at most so many histories, rounded up to whole blocks of 4096")
       ->check(number_between(1, 1e12, "1e6"));
+  command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
+      ->check(whole_between(0, 9e15, "7"));
+}
+
+void add_trace_options(CLI::App& command, Options& options) {
+  add_history_options(command, options);
   command
       .add_option("--until", options.until,
                   "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"receiver:PD < 5 %\", \"class:* < 10 %\", \"10 "
                   "min\", or a list; 'histories' of the scene stays the upper limit")
       ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
-  command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
-      ->check(whole_between(0, 9e15, "7"));
   command.add_option("--threads", options.threads, "default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
-  command.add_option("--backend", options.backend, "cpu, or cuda: histories run on a GPU; the same bits");
+  command.add_option(
+      "--backend", options.backend,
+      "cpu; cuda: histories run on a GPU; of trace also mpi: all processes that mpirun starts; the same bits");
   command.add_option_function<std::string>(
       "--max-time", [&](std::string const& text) { options.max_seconds = parse_duration(text); },
       "stop after this time, for example 50min, with a result that can be continued");
+  command.add_option_function<std::string>(
+      "--checkpoint",
+      [&](std::string const& text) { options.checkpoint_seconds = text == "off" ? infinity : parse_duration(text); },
+      "write the run file while it is traced, so that a kill loses no more than this time; default 20min; or off");
   add_force_option(command, options);
 }
 

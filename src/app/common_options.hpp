@@ -10,7 +10,8 @@
 namespace straytrace {
 
 void add_scene_options(CLI::App&, Options&, char const* input = "scene file (YAML)");  // SCENE, -p, --quiet, --format
-void add_trace_options(CLI::App&, Options&);  // --histories, --until, --seed, --threads, --max-time, --force
+void add_history_options(CLI::App&, Options&);                                         // --histories, --seed
+void add_trace_options(CLI::App&, Options&);  // these, --until, --threads, --max-time, --checkpoint, --force
 void add_force_option(CLI::App&, Options&);
 void add_format_option(CLI::App&, Options&);
 void refuse_two_formats(Options const&);  // InputError for --csv with --format json

@@ -22,11 +22,18 @@ Model Earlier::read(std::vector<std::string> const& overrides) const {
   replace_as_before(model, file_->about);
   model.seed = file_->trace.coupling.seed;
   if (file_->trace.stop_rule.empty()) {
+    bool const in_pieces = file_->trace.stopped == Stopped::by_gaps || !file_->trace.slice.whole();
     model.until = {};
-    model.histories = file_->trace.coupling.histories;
+    model.histories = in_pieces ? file_->trace.all_blocks * block_size : file_->trace.coupling.histories;
   } else {
     model.until = parse_stop_rule(file_->trace.stop_rule);
   }
+  return model;
+}
+
+Model Earlier::read_to_the_end(std::vector<std::string> const& overrides) const {
+  Model model = read(overrides);
+  if (file_) model.histories = file_->trace.all_blocks * block_size;
   return model;
 }
 

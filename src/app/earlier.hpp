@@ -16,7 +16,10 @@ class Earlier {
  public:
   explicit Earlier(std::string input);
   Model read(std::vector<std::string> const& overrides) const;  // refers to the texts held here
-  RunContent completed(RunContent) const;                       // with the motion file the run was projected with
+  // The same with as many histories as were asked for, where the run was stopped before.
+  Model read_to_the_end(std::vector<std::string> const& overrides) const;
+  Slice slice() const { return file_ ? file_->trace.slice : Slice{}; }
+  RunContent completed(RunContent) const;  // with the motion file the run was projected with
 
  private:
   std::string input_;

@@ -14,15 +14,16 @@ InterruptGuard::InterruptGuard() {
   stop_requested = false;
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, &before_int_);
-  sigaction(SIGTERM, &action, &before_term_);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    bool const from_batch_system = signals[i] == SIGUSR1 || signals[i] == SIGUSR2;  // may come several times
+    action.sa_flags = from_batch_system ? 0 : static_cast<int>(SA_RESETHAND);
+    sigaction(signals[i], &action, &before_[i]);
+  }
 }
 
 InterruptGuard::~InterruptGuard() {
   if (--guards > 0) return;
-  sigaction(SIGINT, &before_int_, nullptr);
-  sigaction(SIGTERM, &before_term_, nullptr);
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
 }
 
 std::atomic<bool> const& InterruptGuard::stop() const { return stop_requested; }

@@ -2,6 +2,7 @@
 // Long work under Ctrl-C, and what it says on stderr meanwhile.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <iostream>
@@ -10,8 +11,8 @@
 
 namespace straytrace {
 
-// While the outermost lives, Ctrl-C and SIGTERM ask for a stop; a second one ends the program at once.
-// One thread makes them.
+// While the outermost lives, Ctrl-C, SIGTERM and what batch systems warn with (SIGUSR1, SIGUSR2) ask for a stop; a
+// second Ctrl-C or SIGTERM ends the program at once. One thread makes them.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -21,8 +22,8 @@ class InterruptGuard {
   std::atomic<bool> const& stop() const;
 
  private:
-  struct sigaction before_int_ {
-  }, before_term_{};
+  static constexpr std::array signals{SIGINT, SIGTERM, SIGUSR1, SIGUSR2};
+  std::array<struct sigaction, signals.size()> before_{};
 };
 
 // A moving line on a terminal; elsewhere a line every ten seconds. Nothing in the first half second.

@@ -95,10 +95,10 @@ int main(int argc, char** argv) {
   Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
-  for (auto* add : {add_run,     add_check,      add_trace,     add_noise,  add_paths,  add_maps, add_inspect,
-                    add_render,  add_importance, add_apertures, add_ghosts, add_budget, add_scan, add_signal,
-                    add_project, add_fringes,    add_couple,    add_fit,    add_report, add_view, add_library,
-                    add_print,   add_explain,    add_schema,    add_diff})
+  for (auto* add : {add_run,  add_check,   add_trace,   add_merge,      add_submit,    add_noise,  add_paths,
+                    add_maps, add_inspect, add_render,  add_importance, add_apertures, add_ghosts, add_budget,
+                    add_scan, add_signal,  add_project, add_fringes,    add_couple,    add_fit,    add_report,
+                    add_view, add_library, add_print,   add_explain,    add_schema,    add_diff})
     add(app, options, exit_code);
   try {
     app.parse(argc, argv);

@@ -22,7 +22,9 @@ struct Options {
   std::string backend = "cpu";
   std::optional<std::uint64_t> seed, histories;
   unsigned threads = 0;
-  double max_seconds = 0;  // 0: no limit
+  double max_seconds = 0;               // 0: no limit
+  double checkpoint_seconds = 1200;     // between writings of the run file while it is traced; infinite: none
+  std::uint64_t slice = 1, slices = 1;  // 7/200
   bool force = false, quiet = false, strict = false, resolved = false;
   std::string where;
   std::size_t show = 0;  // 0: as the scene says
@@ -44,6 +46,8 @@ void add_diff(CLI::App&, Options&, int& exit_code);
 int print_resolved(Scene const&, Options const&);
 void add_trace(CLI::App&, Options&, int& exit_code);
 void add_run(CLI::App&, Options&, int& exit_code);
+void add_merge(CLI::App&, Options&, int& exit_code);
+void add_submit(CLI::App&, Options&, int& exit_code);
 void add_noise(CLI::App&, Options&, int& exit_code);
 void add_paths(CLI::App&, Options&, int& exit_code);
 void add_maps(CLI::App&, Options&, int& exit_code);

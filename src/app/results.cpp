@@ -10,6 +10,8 @@
 #include "app/importance_map.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
+#include "report/columns.hpp"
+#include "report/merit.hpp"
 #include "report/picture.hpp"
 #include "report/receivers.hpp"
 
@@ -50,6 +52,25 @@ std::string write_results(std::string const& folder, RunContent const& content, 
   write_file(folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions()));
   std::string message;
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
+}
+
+void tell_traced(RunContent const& content, Model const& model, Options const& options) {
+  PathTable const paths = table_for(content.trace->coupling, nullptr, model);
+  if (options.json()) {
+    std::cout << path_json(paths, content) << '\n';
+  } else {
+    if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
+    if (!content.receivers.empty()) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
+    std::cout << "Where the light went\n\n" << books_text(content) << '\n' << objects_text(content);
+  }
+  if (options.quiet) return;
+  std::cerr << merit_text(merits(content), merits_shown);
+  if (model.detector)
+    std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
+                             options.out);
+  else
+    std::cerr << fmt::format("light on receivers in {}; more with: straytrace paths {} --census\n", options.out,
+                             options.out);
 }
 
 void tell_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {

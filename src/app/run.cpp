@@ -29,7 +29,12 @@ std::string write_with_page(std::string const& folder, RunContent const& content
 }
 
 int run(Options const& options) {
-  Earlier const earlier(options.input);           // a run file is made again from its own content
+  Earlier const earlier(options.input);  // a run file is made again from its own content
+  if (!earlier.slice().whole())
+    throw InputError(fmt::format(
+        "error: '{0}' is slice {1}/{2} of a run\n  make one run of all slices by straytrace merge; straytrace "
+        "noise {0} and straytrace report {0} look at this one alone",
+        options.input, earlier.slice().number, earlier.slice().of));
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
   tell_warnings(model, options);

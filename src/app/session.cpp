@@ -20,12 +20,19 @@
 #include "base/message.hpp"
 #include "report/growing_file.hpp"
 #include "report/picture.hpp"
+#include "report/run_part.hpp"
 #include "trace/edges.hpp"
 #include "trace/estimate/importance.hpp"
+#include "trace/ranks.hpp"
 #include "trace/trace.hpp"
 
 namespace straytrace {
 namespace {
+
+std::string name_of(Slice const& slice, std::uint64_t histories) {
+  if (slice.whole()) return "a whole run";
+  return fmt::format("slice {}/{} of {} histories", slice.number, slice.of, histories);
+}
 
 std::string duration(double seconds) {
   if (!(seconds < 1e6)) return "days";
@@ -56,12 +63,16 @@ void resume_earlier(Model const& model, Options const& options, std::string cons
   auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
   if (!found) return;
   RunFile const& earlier = *found;
-  if (earlier.about.provenance.version != build_info::version || earlier.about.provenance.commit != build_info::commit)
-    throw InputError(
-        fmt::format("error: '{}' was traced by straytrace {} ({}), this is {} ({}): their histories are not mixed\n"
-                    "  choose another place with -o, or trace it anew with --force",
-                    run_file, earlier.about.provenance.version, earlier.about.provenance.commit, build_info::version,
-                    build_info::commit));
+  require_this_program(earlier.about.provenance, run_file,
+                       "choose another place with -o, or trace it anew with --force");
+  Slice const& before = earlier.trace.slice;
+  BlockRange const now = settings.slice.blocks((settings.histories + block_size - 1) / block_size);
+  if (before.number != settings.slice.number || before.of != settings.slice.of ||
+      (!before.whole() && !(before.blocks(earlier.trace.all_blocks) == now)))
+    throw InputError(fmt::format(
+        "error: '{}' holds {}, which is not {}\n  choose another place with -o, or overwrite "
+        "it with --force; parts become one run by straytrace merge",
+        run_file, name_of(before, earlier.trace.all_blocks * block_size), name_of(settings.slice, settings.histories)));
   if (!options.quiet)
     std::cerr << fmt::format("going on from {:.3g} histories in '{}'\n", double(earlier.trace.total.histories),
                              run_file);
@@ -71,6 +82,42 @@ void resume_earlier(Model const& model, Options const& options, std::string cons
     settings.good_looks = earlier.trace.good_looks;
   settings.resume = earlier.trace.tree;
   settings.seconds_before = earlier.trace.seconds;
+}
+
+// What stands beside the walk, with what must be known of it.
+struct Beside {
+  std::vector<CouplingClass> classes;
+  std::vector<std::string> warnings;
+
+  explicit Beside(Model const& model) {
+    EdgeClasses edges = edge_classes(model.world);
+    classes = std::move(edges.classes);
+    warnings = std::move(edges.warnings);
+    GhostClasses ghosts;
+    if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);
+    classes.insert(classes.end(), ghosts.classes.begin(), ghosts.classes.end());
+    warnings.insert(warnings.end(), ghosts.warnings.begin(), ghosts.warnings.end());
+  }
+  TraceResult completed(TraceResult result) const {
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
+  }
+};
+
+// A full disk is no reason to stop: the file that stood there still does.
+void save(std::string const& run_file, RunContent const& content, Options const& options) {
+  try {
+    write_run(run_file, content);
+  } catch (InputError const& e) {
+    tell_warning(fmt::format("no checkpoint was written: {}; the trace goes on, make room or it ends without a result",
+                             e.what()),
+                 options);
+  }
+}
+
+// What must be the same on all ranks.
+std::string identity_of(Model const& model) {
+  return fmt::format("{} {} {} {}", model.hash(), model.seed, build_info::version, build_info::commit);
 }
 
 }  // namespace
@@ -135,37 +182,70 @@ void apply(Options const& options, Model& model) {
   if (options.max_seconds > 0) model.until.max_seconds = std::min(model.until.max_seconds, options.max_seconds);
 }
 
-TraceResult trace_model(Model& model, Options const& options, std::string const& run_file) {
+void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy) {
+  if (about.version == build_info::version && about.commit == build_info::commit) return;
+  throw InputError(
+      fmt::format("error: '{}' was traced by straytrace {} ({}), this is {} ({}): their histories are not mixed\n  {}",
+                  file, about.version, about.commit, build_info::version, build_info::commit, remedy));
+}
+
+TraceResult trace_model(Model& model, Options const& options, std::string const& run_file, Transport* transport) {
+  InterruptGuard const guard;
   TraceSettings settings;
   settings.stop_rule = model.until.error_rule;
+  settings.histories = model.histories;
+  settings.slice = {options.slice, options.slices};
   resume_earlier(model, options, run_file, settings);
   settings.seed = model.seed;
-  settings.histories = model.histories;
-  auto const backend = make_backend(options.backend);
+  auto const backend = make_backend(transport ? "cpu" : options.backend);
   settings.threads = options.threads > 0 ? options.threads : backend->callers();
   settings.max_seconds = model.until.max_seconds;
   if (model.until.by_error()) {
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  EdgeClasses const edges = edge_classes(model.world);
-  settings.beside = edges.classes;
-  GhostClasses ghosts;
-  if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);
-  settings.beside.insert(settings.beside.end(), ghosts.classes.begin(), ghosts.classes.end());
+  Beside const beside(model);
+  settings.beside = beside.classes;
   steer(model.world);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
     if (events_told()) return tell_progress(p, progress_line(p, model.until));
     progress.at(p.seconds, [&] { return progress_line(p, model.until); });
   };
-  InterruptGuard const guard;
   settings.stop = &guard.stop();
-  TraceResult result = trace(model.world, settings, *backend);
-  result.warnings.insert(result.warnings.end(), edges.warnings.begin(), edges.warnings.end());
-  result.warnings.insert(result.warnings.end(), ghosts.warnings.begin(), ghosts.warnings.end());
+  if (!run_file.empty()) settings.checkpoint_seconds = options.checkpoint_seconds;
+  settings.checkpoint = [&](TraceResult const& so_far) {
+    TraceResult const result = beside.completed(so_far);
+    save(run_file, content_of(model, result, nullptr), options);
+  };
+  std::optional<Ranks> ranks;
+  if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
+  settings.ranks = ranks ? &*ranks : nullptr;
+  TraceResult result = beside.completed(trace(model.world, settings, *backend));
   for (std::string const& warning : result.warnings) tell_warning(warning, options);
   return result;
+}
+
+TraceResult result_of(Model& model, SumTree tree, Options const& options) {
+  Beside const beside(model);
+  TraceSettings settings;
+  settings.seed = model.seed;
+  settings.beside = beside.classes;
+  steer(model.world);
+  TraceResult result = beside.completed(result_of(model.world, settings, std::move(tree)));
+  for (std::string const& warning : result.warnings) tell_warning(warning, options);
+  return result;
+}
+
+void work_for_rank_0(Model& model, Options const& options, Transport& transport) {
+  InterruptGuard const guard;
+  steer(model.world);
+  TraceSettings settings;
+  settings.seed = model.seed;
+  settings.threads = options.threads;
+  settings.stop = &guard.stop();
+  work_for_rank_0(model.world, settings, *make_backend("cpu"),
+                  {transport, identity_of(model), nodes_image, nodes_of_image});
 }
 
 }  // namespace straytrace

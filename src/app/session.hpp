@@ -13,12 +13,24 @@
 
 namespace straytrace {
 
+class Transport;
+
 // Lets the command line overrule the scene: seed, histories, stop rule.
 void apply(Options const&, Model&);
 
 // Traces, or goes on with the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
-// finishes the blocks under way. Throws InputError when another model's run would be overwritten without --force.
-TraceResult trace_model(Model&, Options const&, std::string const& run_file);
+// finishes the blocks under way. From time to time `run_file` is written with what there is, unless it is empty. Throws
+// InputError when another model's run would be overwritten without --force. `transport`: this is rank 0 of several.
+TraceResult trace_model(Model&, Options const&, std::string const& run_file, Transport* transport = nullptr);
+
+// The result that these sums make; nothing is traced.
+TraceResult result_of(Model&, SumTree, Options const&);
+
+// This process is rank 1 or higher: works for rank 0 until it is sent home.
+void work_for_rank_0(Model&, Options const&, Transport&);
+
+// Throws InputError when this program would not trace the same bits as the one that wrote `about`.
+void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy);
 
 // The run that stands where this one will be written, if any. Throws InputError when it is of another model or seed and
 // may not be overwritten (`force`), or when nothing can be written there.
@@ -45,6 +57,9 @@ inline constexpr char how_to_go_on[] = "stopped early with a valid result; the s
 RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.
 std::string write_results(std::string const& folder, RunContent const&, PathTable const&, Model const&);
+
+// What a trace has found: coupling table, receivers, books on stdout; merits, and what to do next, on stderr.
+void tell_traced(RunContent const&, Model const&, Options const&);
 
 // The line that matters: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
 std::string headline(NoiseBudget const&, PathTable const&);

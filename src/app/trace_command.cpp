@@ -5,46 +5,68 @@
 
 #include <cmath>
 #include <iostream>
+#include <regex>
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/mpi.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
 #include "page/page_json.hpp"
 #include "page/ray_paths.hpp"
 #include "report/columns.hpp"
-#include "report/merit.hpp"
-#include "report/receivers.hpp"
 #include "trace/estimate/importance.hpp"
+#include "trace/ranks.hpp"
 
 namespace straytrace {
 namespace {
 
-int trace_only(Options const& options) {
-  Model model = read_model(options.input, options.overrides);
-  apply(options, model);
-  tell_warnings(model, options);
-  TraceResult const traced = trace_model(model, options, options.out);
-  RunContent const content = content_of(model, traced, nullptr);
-  write_run(options.out, content);
-  PathTable const paths = table_for(traced.coupling, nullptr, model);
-  bool const received = !content.receivers.empty();
-  if (options.json()) {
-    std::cout << path_json(paths, content) << '\n';
-  } else {
-    if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
-    if (received) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
-    std::cout << "Where the light went\n\n" << books_text(content) << '\n' << objects_text(content);
+// Looks of a stop rule are at all histories so far, and a slice has only its own.
+void refuse_stop_rule(Options const& options, Model const& model) {
+  if (options.slices == 1 || !model.until.by_error()) return;
+  throw InputError(
+      fmt::format("error: --slice {}/{}: the stop rule '{}' needs the histories of all slices together\n  say how many "
+                  "histories there are in all, for example --histories 1e8",
+                  options.slice, options.slices, model.until.error_rule));
+}
+
+// A run file is gone on with where it is, unless another place is named.
+int trace_only(Options options, Transport* transport) {
+  Earlier const earlier(options.input);
+  Model model = earlier.read_to_the_end(options.overrides);
+  if (options.slices == 1) {
+    options.slice = earlier.slice().number;
+    options.slices = earlier.slice().of;
   }
-  if (!options.quiet) std::cerr << merit_text(merits(content), merits_shown);
-  if (!options.quiet && model.detector)
-    std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
-                             options.out);
-  else if (!options.quiet)
-    std::cerr << fmt::format("light on receivers in {}; more with: straytrace paths {} --census\n", options.out,
-                             options.out);
+  apply(options, model);
+  refuse_stop_rule(options, model);
+  if (transport && transport->rank() > 0) {
+    work_for_rank_0(model, options, *transport);
+    return done;
+  }
+  tell_warnings(model, options);
+  TraceResult const traced = trace_model(model, options, options.out, transport);
+  RunContent const content = earlier.completed(content_of(model, traced, nullptr));
+  write_run(options.out, content);
+  tell_traced(content, model, options);
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   return traced.checkpointed() ? checkpointed : done;
+}
+
+// All processes of the job run this; rank 0 speaks and writes.
+int trace_by_mpi(Options const& options) {
+  std::unique_ptr<Transport> const transport = open_mpi();
+  bool const leads = transport->rank() == 0;
+  try {
+    return trace_only(options, transport.get());
+  } catch (std::exception const& e) {
+    if (leads) {
+      send_home(*transport);
+      throw;
+    }
+    report_failure(*transport, e.what());
+  }
+  return done;
 }
 
 // One history, event by event: of a scene as it would be traced, or of a run as it was.
@@ -75,11 +97,34 @@ int tell_history(Options const& options, std::uint64_t number) {
 
 }  // namespace
 
+namespace {
+
+// "7/200"
+void read_slice(std::string const& text, Options& options) {
+  static std::regex const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
+  std::smatch m;
+  if (std::regex_match(text, m, form)) {
+    options.slice = std::stoull(m[1]);
+    options.slices = std::stoull(m[2]);
+    if (options.slice >= 1 && options.slice <= options.slices) return;
+  }
+  throw InputError(fmt::format(
+      "error: --slice '{}' is no part of a run\n  write for example --slice 7/200: the seventh of 200", text));
+}
+
+}  // namespace
+
 void add_trace(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand("trace", "trace light into a coupling table; no motion, no noise yet");
   add_scene_options(*command, options);
   add_trace_options(*command, options);
-  auto* const out = command->add_option("-o,--out", options.out, "run file to write (HDF5)");
+  auto* const out =
+      command->add_option("-o,--out", options.out, "run file to write (HDF5); default: the one to go on with");
+  command
+      ->add_option_function<std::string>(
+          "--slice", [&](std::string const& text) { read_slice(text, options); },
+          "trace this part of the histories alone, for example 7/200; straytrace merge makes one run of all")
+      ->type_name("N/OF");
   static std::optional<std::uint64_t> history;
   command->add_option("--history", history, "follow this history alone and print its events; also of a run file")
       ->check(whole_between(0, 9e15, "1234"));
@@ -87,10 +132,19 @@ void add_trace(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e6\n"
       "  straytrace trace examples/virgo_arm.yaml -o virgo.h5 --until \"h_total < 2 %\" --seed 7\n"
-      "  straytrace trace virgo.h5 --history 1234");
+      "  straytrace trace examples/virgo_arm.yaml -o part007.h5 --histories 1e9 --slice 7/200\n"
+      "  straytrace trace part007.h5\n"
+      "  mpirun straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e9 --backend mpi\n"
+      "  straytrace trace virgo.h5 --history 1234\n"
+      "A run file is gone on with to the number of histories that was asked for.");
   command->callback([&, out] {
-    if (!history && out->count() == 0) throw CLI::RequiredError("--out");
-    exit_code = history ? tell_history(options, *history) : trace_only(options);
+    if (history) {
+      exit_code = tell_history(options, *history);
+      return;
+    }
+    if (out->count() == 0 && !options.input.ends_with(".h5")) throw CLI::RequiredError("--out");
+    if (out->count() == 0) options.out = options.input;
+    exit_code = options.backend == "mpi" ? trace_by_mpi(options) : trace_only(options, nullptr);
   });
 }
 

@@ -23,7 +23,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 6;
+constexpr int run_schema_major = 1, run_schema_minor = 7;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;

@@ -4,84 +4,10 @@
 
 #include <algorithm>
 
-#include "base/constants.hpp"
-#include "base/message.hpp"
-#include "report/run_parts.hpp"
+#include "report/node_columns.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr std::size_t sums = 6, counts = 2;  // columns of Moments: doubles and counts
-using Doubles = std::vector<double>;
-using Counts = std::vector<std::uint64_t>;
-
-// Moments laid end to end: two flat arrays.
-struct MomentColumns {
-  Doubles values;
-  Counts numbers;
-
-  void add(Moments const& m) {
-    values.insert(values.end(), {m.sum, m.sum2, m.sum3, m.sum4, m.block_sum2, m.largest});
-    numbers.insert(numbers.end(), {m.largest_history, m.scored});
-  }
-  Moments at(std::size_t i) const {
-    double const* v = values.data() + sums * i;
-    std::uint64_t const* n = numbers.data() + counts * i;
-    return {v[0], v[1], v[2], v[3], v[4], v[5], n[0], n[1], 0, {}};
-  }
-  void write(hdf5::Writer& out, std::string const& path, hdf5::Sizes shape) const {
-    shape.push_back(sums);
-    out.array(path, values, "1", shape);
-    shape.back() = counts;
-    out.array(path + "_counts", numbers, "1", shape);
-  }
-  static MomentColumns read(hdf5::Reader const& in, std::string const& path, std::size_t rows, std::size_t each = 1) {
-    return {in.rows<double>(path, rows, sums * each), in.rows<std::uint64_t>(path + "_counts", rows, counts * each)};
-  }
-};
-
-// What scores have besides: the largest of each row, and its sum over the first blocks. Files of schema 1.1 lack both:
-// an infinite score and a NaN say so.
-struct ScoreColumns {
-  MomentColumns moments;
-  Counts offset = {0};
-  Doubles largest, first_sum;
-
-  void add(Moments const& m) {
-    moments.add(m);
-    largest.insert(largest.end(), m.tail.begin(), m.tail.end());
-    offset.push_back(largest.size());
-    first_sum.push_back(m.first_sum);
-  }
-  Moments at(std::size_t i) const {
-    Moments m = moments.at(i);
-    m.first_sum = first_sum[i];
-    m.tail.assign(largest.begin() + std::ptrdiff_t(offset[i]), largest.begin() + std::ptrdiff_t(offset[i + 1]));
-    return m;
-  }
-  std::size_t rows() const { return first_sum.size(); }
-  // `path`: of the moments; `name`: what the other columns begin with.
-  void write(hdf5::Writer& out, std::string const& path, std::string const& name) const {
-    moments.write(out, path, {rows()});
-    out.array(name + "_first_sum", first_sum, "1");
-    out.array(name + "_largest_offset", offset, "1");
-    out.array(name + "_largest", largest, "1");
-  }
-  static ScoreColumns read(hdf5::Reader const& in, std::string const& path, std::string const& name, std::size_t rows) {
-    ScoreColumns c;
-    c.moments = MomentColumns::read(in, path, rows);
-    if (!in.has(name + "_first_sum")) {
-      c.first_sum.assign(rows, not_a_number);
-      c.largest.assign(rows, infinity);
-      for (std::size_t i = 1; i <= rows; ++i) c.offset.push_back(i);
-      return c;
-    }
-    c.first_sum = in.rows<double>(name + "_first_sum", rows);
-    c.largest = in.array<double>(name + "_largest");
-    c.offset = read_offsets(in, name + "_largest_offset", rows, c.largest.size());
-    return c;
-  }
-};
 
 struct ClassColumns {
   Counts offset = {0}, hash, kept_offset = {0}, kept_history;
@@ -162,7 +88,7 @@ struct ListColumns {
 
   void add(std::vector<Moments> const& list) {
     for (Moments const& m : list) moments.add(m);
-    offset.push_back(moments.numbers.size() / counts);
+    offset.push_back(moments.numbers.size() / moment_counts);
   }
   void write(hdf5::Writer& out, std::string const& path) const {
     out.array(path + "_offset", offset, "1");
@@ -172,7 +98,7 @@ struct ListColumns {
     if (!in.has(path)) return {Counts(nodes + 1), {}};
     ListColumns c;
     c.moments = MomentColumns::read(in, path, in.shape(path).at(0));
-    c.offset = read_offsets(in, path + "_offset", nodes, c.moments.numbers.size() / counts);
+    c.offset = read_offsets(in, path + "_offset", nodes, c.moments.numbers.size() / moment_counts);
     return c;
   }
   std::vector<Moments> at(std::size_t node) const {
@@ -237,10 +163,34 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   write_node_maps(out, tree);
 }
 
+namespace {
+
+// Of each node, its first block and its level.
+struct Places {
+  Counts first;
+  std::vector<std::uint32_t> level;
+
+  explicit Places(hdf5::Reader const& in)
+      : first(in.array<std::uint64_t>("/nodes/first_block")),
+        level(in.rows<std::uint32_t>("/nodes/level", first.size())) {
+    for (std::size_t i = 0; i < first.size(); ++i)
+      if (level[i] > 52 || (first[i] >> level[i]) << level[i] != first[i])
+        damaged_run("a node has an impossible place");
+  }
+};
+
+}  // namespace
+
+std::vector<BlockRange> read_done(hdf5::Reader const& in) {
+  auto const [first, level] = Places(in);
+  SumTree places;
+  for (std::size_t i = 0; i < first.size(); ++i) places.add(level[i], first[i] >> level[i], {});
+  return places.done();
+}
+
 SumTree read_nodes(hdf5::Reader const& in) {
-  Counts const first = in.array<std::uint64_t>("/nodes/first_block");
+  auto const [first, level] = Places(in);
   std::size_t const n = first.size();
-  auto const level = in.rows<std::uint32_t>("/nodes/level", n);
   MomentColumns const emitted = MomentColumns::read(in, "/nodes/emitted", n);
   MomentColumns const ledger = MomentColumns::read(in, "/nodes/ledger", n, fate_count);
   bool const odds = in.has("/nodes/window_variance");  // since schema 1.2
@@ -271,7 +221,6 @@ SumTree read_nodes(hdf5::Reader const& in) {
     node.absorbed = absorbed.at(i);
     for (std::size_t k = classes.offset[i]; k < classes.offset[i + 1]; ++k)
       node.classes.emplace(classes.hash[k], classes.at(k));
-    if (level[i] > 52 || (first[i] >> level[i]) << level[i] != first[i]) damaged_run("a node has an impossible place");
     tree.add(level[i], first[i] >> level[i], std::move(node));
   }
   return tree;

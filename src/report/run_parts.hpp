@@ -12,6 +12,7 @@ CouplingTable read_classes(hdf5::Reader const&);
 
 void write_nodes(hdf5::Writer&, SumTree const&);  // /nodes
 SumTree read_nodes(hdf5::Reader const&);
+std::vector<BlockRange> read_done(hdf5::Reader const&);  // which blocks they hold, ascending
 
 void write_node_maps(hdf5::Writer&, SumTree const&);  // what /nodes holds of receivers
 void read_node_maps(hdf5::Reader const&, std::vector<BlockSums>&);

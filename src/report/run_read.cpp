@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/message.hpp"
+#include "report/run_part.hpp"
 #include "report/run_parts.hpp"
 #include "report/seal.hpp"
 
@@ -27,7 +30,21 @@ Stopped read_stop(hdf5::Reader const& in) {
   if (word == "error") return Stopped::by_error;
   if (word == "signal") return Stopped::by_signal;
   if (word == "time") return Stopped::by_time;
+  if (word == "checkpoint") return Stopped::by_checkpoint;
+  if (word == "gaps") return Stopped::by_gaps;
   damaged_run(fmt::format("stopped by '{}'", word));
+}
+
+// Files before schema 1.7 hold whole runs from the first block on.
+void read_slice(hdf5::Reader const& in, TraceResult& trace) {
+  if (!in.file().attrExists("slice")) {
+    trace.all_blocks = trace.total.blocks;
+    return;
+  }
+  std::vector<std::uint64_t> const slice = in.attribute_counts("/", "slice");
+  if (slice.size() != 2 || slice[0] < 1 || slice[0] > slice[1]) damaged_run("it is an impossible slice");
+  trace.slice = {slice[0], slice[1]};
+  trace.all_blocks = in.attribute_count("/", "all_blocks");
 }
 
 void read_about(hdf5::Reader const& in, RunFile& run) {
@@ -102,31 +119,18 @@ RunContent RunFile::content() const {
   return all;
 }
 
-RunFile read_run(std::string const& file) { return run_of(unsealed(read_file(file), file), file); }
+namespace {
 
-RunFile run_of(std::string const& hdf5_image, std::string const& file) {
+std::string sound_bytes_of(std::string const& file) { return unsealed(read_file(file), file); }
+
+// What `read` takes from a sound file; all that can be wrong with it is an InputError that names the file.
+template <class Result, class Read>
+Result read_from(std::string const& hdf5_image, std::string const& file, Read const& read) {
   hdf5::Reader const in(hdf5_image);
   check_kind(in, file);
-  RunFile run;
+  Result result;
   try {
-    read_about(in, run);
-    read_input(in, run.about);
-    run.trace.coupling = read_classes(in);
-    run.trace.tree = read_nodes(in);
-    run.trace.total = run.trace.tree.total();
-    BlockSums const& total = run.trace.total;
-    for (ReceiverSums const& r : total.receivers)
-      run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
-    read_receivers(in, run.trace.coupling.receivers.size(), run.about);
-    run.about.importance = read_importance(in, run.trace.coupling.groups.size());
-    run.trace.stopped = read_stop(in);
-    run.trace.stop_rule = in.attribute_text("/", "stop_rule");
-    run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));
-    run.about.motion_file = in.attribute_text("/", "motion_file");
-    run.trace.warnings = in.strings("/warnings/trace");
-    run.about.warnings = in.strings("/warnings/scene");
-    if (in.has("/noise")) run.noise = read_noise(in);
-    read_timing(in, run);
+    read(in, result);
   } catch (InputError const& e) {
     throw InputError(fmt::format("'{}': {}", file, e.what()));
   } catch (H5::Exception const&) {
@@ -134,7 +138,89 @@ RunFile run_of(std::string const& hdf5_image, std::string const& file) {
   } catch (std::logic_error const& e) {
     throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()));
   }
-  return run;
+  return result;
 }
+
+// No blocks: no light on every group and receiver.
+void add_nothing(BlockSums& total, CouplingTable const& table) {
+  total.arrived.resize(table.groups.size());
+  total.absorbed.resize(table.groups.size() + 1);
+  total.receivers.resize(table.receivers.size());
+}
+
+void read_all(hdf5::Reader const& in, RunFile& run) {
+  read_about(in, run);
+  read_input(in, run.about);
+  run.trace.coupling = read_classes(in);
+  run.trace.tree = read_nodes(in);
+  run.trace.total = run.trace.tree.total();
+  read_slice(in, run.trace);
+  if (run.trace.total.blocks == 0) add_nothing(run.trace.total, run.trace.coupling);
+  BlockSums const& total = run.trace.total;
+  for (ReceiverSums const& r : total.receivers)
+    run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
+  read_receivers(in, run.trace.coupling.receivers.size(), run.about);
+  run.about.importance = read_importance(in, run.trace.coupling.groups.size());
+  run.trace.stopped = read_stop(in);
+  run.trace.stop_rule = in.attribute_text("/", "stop_rule");
+  run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));
+  run.about.motion_file = in.attribute_text("/", "motion_file");
+  run.trace.warnings = in.strings("/warnings/trace");
+  run.about.warnings = in.strings("/warnings/scene");
+  if (in.has("/noise")) run.noise = read_noise(in);
+  read_timing(in, run);
+}
+
+std::string hash_of_texts(RunContent const& about) {
+  std::vector<std::string> texts{about.main_file, about.motion_file};
+  texts.insert(texts.end(), about.overrides.begin(), about.overrides.end());
+  for (auto const& [name, text] : about.files) texts.insert(texts.end(), {name, text});
+  return model_hash(texts);
+}
+
+void read_head(hdf5::Reader const& in, PartHead& head) {
+  RunFile run;
+  read_about(in, run);
+  read_input(in, run.about);
+  read_timing(in, run);
+  run.about.motion_file = in.attribute_text("/", "motion_file");
+  head.provenance = run.about.provenance;
+  head.model_hash = run.about.model_hash;
+  head.texts_hash = hash_of_texts(run.about);
+  head.seed = in.attribute_count("/", "seed");
+  head.seconds = run.trace.seconds;
+  head.done = read_done(in);
+  for (BlockRange const& range : head.done) run.trace.total.blocks += range.size();
+  read_slice(in, run.trace);
+  head.slice = run.trace.slice;
+  head.all_blocks = std::max(run.trace.all_blocks, head.done.empty() ? 0 : head.done.back().end);
+}
+
+}  // namespace
+
+RunFile read_run(std::string const& file) { return run_of(sound_bytes_of(file), file); }
+
+RunFile run_of(std::string const& hdf5_image, std::string const& file) {
+  return read_from<RunFile>(hdf5_image, file, read_all);
+}
+
+PartHead read_part_head(std::string const& file) {
+  PartHead head = read_from<PartHead>(sound_bytes_of(file), file, read_head);
+  head.file = file;
+  return head;
+}
+
+SumTree read_part_sums(std::string const& file) {
+  return read_from<SumTree>(sound_bytes_of(file), file,
+                            [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
+}
+
+std::string nodes_image(SumTree const& tree) {
+  hdf5::Writer out;
+  write_nodes(out, tree);
+  return out.bytes();
+}
+
+SumTree nodes_of_image(std::string const& image) { return read_nodes(hdf5::Reader(image)); }
 
 }  // namespace straytrace

@@ -9,7 +9,7 @@
 namespace straytrace {
 namespace {
 
-constexpr char const* stop_words[] = {"histories", "error", "signal", "time"};
+constexpr char const* stop_words[] = {"histories", "error", "signal", "time", "checkpoint", "gaps"};
 
 void write_about(hdf5::Writer& out, RunContent const& run) {
   auto count = [&](char const* name, std::vector<std::uint64_t> const& value) { out.attribute("/", name, value); };
@@ -30,6 +30,9 @@ void write_about(hdf5::Writer& out, RunContent const& run) {
   count("seed", {run.trace->coupling.seed});
   count("histories", {run.trace->coupling.histories});
   count("block_size", {block_size});
+  count("slice", {run.trace->slice.number, run.trace->slice.of});
+  bool const all = run.trace->slice.whole() && !run.trace->checkpointed();
+  count("all_blocks", {all ? run.trace->total.blocks : run.trace->all_blocks});
   count("complete", {!run.trace->checkpointed()});
 }
 

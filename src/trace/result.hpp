@@ -80,9 +80,24 @@ enum class Fate : std::uint8_t { absorbed, escaped, limit, window, sampling };
 constexpr int fate_count = 5;
 char const* name_of(Fate);
 
+// Numbers of blocks, from the first to before the end.
+struct BlockRange {
+  std::uint64_t first = 0, end = 0;
+  std::uint64_t size() const { return end - first; }
+  bool operator==(BlockRange const& o) const { return first == o.first && end == o.end; }
+};
+
+// One of several parts of a run that are traced by themselves: 7/200. All of them hold each block once.
+struct Slice {
+  std::uint64_t number = 1, of = 1;
+  bool whole() const { return of == 1; }
+  BlockRange blocks(std::uint64_t all) const;  // may be empty, where there are more slices than blocks
+};
+
 struct BlockSums {
   std::uint64_t histories = 0, blocks = 0;
-  std::uint64_t bounces = 0, rays = 0;         // surface events; closest-hit queries
+  std::array<std::uint64_t, replica_count> replica_blocks = {};  // of SumTree::total(): how its blocks share replicas
+  std::uint64_t bounces = 0, rays = 0;                           // surface events; closest-hit queries
   std::uint64_t lost = 0;                      // geometry errors (NaN, no surface where one must be), never silent
   std::map<std::uint64_t, ClassSums> classes;  // by route hash
   Moments emitted;
@@ -100,6 +115,8 @@ class SumTree {
  public:
   void add(unsigned level, std::uint64_t index, BlockSums sums);  // covers blocks [index << level, (index+1) << level)
   BlockSums total() const;                                        // left to right, in block order
+  std::vector<BlockRange> done() const;                           // ascending, neighbours joined
+  std::vector<BlockRange> missing(BlockRange) const;              // what of it is not done
   std::map<std::pair<std::uint64_t, unsigned>, BlockSums> const& nodes() const {
     return nodes_;
   }  // {first block, level}
@@ -108,18 +125,21 @@ class SumTree {
   std::map<std::pair<std::uint64_t, unsigned>, BlockSums> nodes_;
 };
 
-enum class Stopped : std::uint8_t { by_histories, by_error, by_signal, by_time };
+// by_checkpoint: it has not, this is what there was at a moment; by_gaps: parts of it were missing when it was merged.
+enum class Stopped : std::uint8_t { by_histories, by_error, by_signal, by_time, by_checkpoint, by_gaps };
 
 struct TraceResult {
   SumTree tree;  // what merging and resuming need
   BlockSums total;
   CouplingTable coupling;  // with replayed records
+  Slice slice;
+  std::uint64_t all_blocks = 0;  // of the run that was asked for, with all its slices
   Stopped stopped = Stopped::by_histories;
   std::string stop_rule;         // as the user wrote it
   std::uint32_t good_looks = 0;  // looks in a row at which the rule held
   double seconds = 0;            // wall clock; goes to /timing only
   std::vector<std::string> warnings;
-  bool checkpointed() const { return stopped == Stopped::by_signal || stopped == Stopped::by_time; }
+  bool checkpointed() const { return stopped >= Stopped::by_signal; }
 };
 
 }  // namespace straytrace

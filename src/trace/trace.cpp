@@ -2,114 +2,18 @@
 #include "trace/trace.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
+#include <optional>
 
 #include "base/message.hpp"
 #include "trace/beside.hpp"
+#include "trace/ranks.hpp"
+#include "trace/runner.hpp"
+#include "trace/tally/block_sink.hpp"
 #include "trace/tally/coupling_table.hpp"
 
 namespace straytrace {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-// Workers take blocks from a counter and add them to the tree, whose bits do not depend on the order.
-class Runner {
- public:
-  Runner(World const& world, TraceSettings const& settings, Backend const& backend)
-      : world_(world), settings_(settings), backend_(backend), tree_(settings.resume), start_(Clock::now()) {
-    BlockSums const before = tree_.total();
-    blocks_ = before.blocks;
-    rays_ = 0;
-    if (unsigned const n = settings.threads; n > 0) threads_ = n;
-  }
-
-  // Runs blocks up to number `end`; false when stopped before.
-  bool run_to(std::uint64_t end) {
-    first_of_session_ = std::min(first_of_session_, blocks_);
-    next_ = blocks_;
-    end_ = end;
-    unsigned working = threads_;
-    std::exception_ptr failure;
-    {
-      std::vector<std::jthread> workers;
-      for (unsigned i = 0; i < threads_; ++i)
-        workers.emplace_back([&] {
-          try {
-            work();
-          } catch (...) {
-            std::scoped_lock const lock(mutex_);
-            failure = std::current_exception();
-            next_ = end_;
-          }
-          std::scoped_lock const lock(mutex_);
-          --working;
-          wake_.notify_all();
-        });
-      std::unique_lock lock(mutex_);
-      while (!wake_.wait_for(lock, std::chrono::milliseconds(500), [&] { return working == 0; })) {
-        lock.unlock();
-        report();
-        lock.lock();
-      }
-    }
-    if (failure) std::rethrow_exception(failure);
-    report();
-    return blocks_ >= end;
-  }
-
-  bool interrupted() const { return settings_.stop && settings_.stop->load(); }
-  bool out_of_time() const { return seconds_since(start_) > settings_.max_seconds; }
-  std::uint64_t blocks() const { return blocks_; }
-  SumTree const& tree() const { return tree_; }
-  double seconds() const { return seconds_since(start_); }
-
-  double error = not_a_number;
-
- private:
-  void work() {
-    while (!interrupted() && !out_of_time()) {
-      std::uint64_t const block = next_.fetch_add(1);
-      if (block >= end_) return;
-      BlockSums sums = backend_.run_block(world_, settings_.seed, block);
-      std::scoped_lock const lock(mutex_);
-      ++blocks_;
-      rays_ += sums.rays;
-      tree_.add(0, block, std::move(sums));
-    }
-  }
-  void report() {
-    if (!settings_.progress) return;
-    TraceProgress p;
-    {
-      std::scoped_lock const lock(mutex_);
-      p.histories = blocks_ * block_size;
-      p.seconds = seconds_since(start_);
-      p.histories_per_s = double((blocks_ - first_of_session_) * block_size) / p.seconds;
-      p.rays_per_s = double(rays_) / p.seconds;
-    }
-    p.wanted_histories = (settings_.histories + block_size - 1) / block_size * block_size;
-    p.error = error;
-    p.wanted_error = settings_.wanted_error;
-    settings_.progress(p);
-  }
-
-  World const& world_;
-  TraceSettings const& settings_;
-  Backend const& backend_;
-  SumTree tree_;
-  Clock::time_point start_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::atomic<std::uint64_t> next_{0};
-  std::uint64_t end_ = 0, blocks_ = 0, first_of_session_ = ~0ull, rays_ = 0;
-  unsigned threads_ = std::max(1u, std::thread::hardware_concurrency());
-};
 
 // Error of the mean of a column that is zero on average. Events may be so rare that few or none were drawn, and then
 // the spread of what was drawn says nothing. Of wins of a roulette the odds are known. In `sampling` they are
@@ -140,6 +44,18 @@ void check_books(BlockSums const& total) {
                          std::to_string(sum / total.emitted.sum) + " of what was emitted");
 }
 
+CouplingTable coupling_table(World const& world, TraceSettings const& settings, BlockSums const& total) {
+  CouplingTable table = make_coupling_table(world, total, settings.seed);
+  add_beside(table, settings.beside);
+  return table;
+}
+
+// Past the last block that is done.
+std::uint64_t end_of(SumTree const& tree) {
+  auto const done = tree.done();
+  return done.empty() ? 0 : done.back().end;
+}
+
 }  // namespace
 
 std::uint64_t next_look(std::uint64_t blocks) {
@@ -149,40 +65,66 @@ std::uint64_t next_look(std::uint64_t blocks) {
   }
 }
 
-TraceResult trace(World const& world, TraceSettings const& settings, Backend const& backend) {
-  Runner runner(world, settings, backend);
+TraceResult result_of(World const& world, TraceSettings const& settings, SumTree tree) {
   TraceResult result;
-  std::uint64_t const limit = (settings.histories + block_size - 1) / block_size;
-  auto const coupling_table = [&](BlockSums const& total) {
-    CouplingTable table = make_coupling_table(world, total, settings.seed);
-    add_beside(table, settings.beside);
-    return table;
-  };
-  std::uint32_t& good_looks = result.good_looks;
-  good_looks = settings.good_looks;
-  result.stop_rule = settings.stop_rule;
-  while (runner.blocks() < limit) {
-    if (good_looks >= 2) break;
-    std::uint64_t const look = settings.error ? std::min(next_look(runner.blocks()), limit) : limit;
-    if (!runner.run_to(look)) {
-      result.stopped = runner.interrupted() ? Stopped::by_signal : Stopped::by_time;
-      break;
-    }
-    if (!settings.error) continue;
-    runner.error = settings.error(coupling_table(runner.tree().total()));
-    good_looks = runner.error < settings.wanted_error ? good_looks + 1 : 0;
+  result.total = tree.total();
+  if (result.total.blocks == 0) {  // a slice may be empty: nothing on every group and receiver
+    result.total = BlockSink(world.view(), world.groups().size(), 0).finish();
+    result.total.blocks = 0;
   }
-  if (good_looks >= 2) result.stopped = Stopped::by_error;
-  result.tree = runner.tree();
-  result.total = result.tree.total();
+  result.tree = std::move(tree);
   check_books(result.total);
-  result.coupling = coupling_table(result.total);
+  result.coupling = coupling_table(world, settings, result.total);
   result.warnings = result.coupling.warnings;
   if (result.total.histories > 0 && !(result.total.emitted.sum > 0))
     result.warnings.emplace_back(
         "no light was emitted: what the beams light scatters nothing, or they miss it; all results are zero");
-  result.seconds = settings.seconds_before + runner.seconds();
+  result.slice = settings.slice;
+  result.stop_rule = settings.stop_rule;
+  result.good_looks = settings.good_looks;
   return result;
+}
+
+TraceResult trace(World const& world, TraceSettings const& settings, Backend const& backend) {
+  Runner runner(world, settings, backend, settings.resume);
+  std::optional<Crew> crew;
+  if (settings.ranks) crew.emplace(*settings.ranks);
+  // Of a whole run that goes on from more than is asked for, all that is missing is done.
+  std::uint64_t const asked = (settings.histories + block_size - 1) / block_size,
+                      all = settings.slice.whole() ? std::max(asked, end_of(settings.resume)) : asked;
+  BlockRange const wanted = settings.slice.blocks(all);
+  runner.wanted_blocks = wanted.size();
+  std::uint32_t good_looks = settings.good_looks;
+  Stopped stopped = Stopped::by_histories;
+  auto const result = [&](SumTree tree) {
+    TraceResult r = result_of(world, settings, std::move(tree));
+    r.all_blocks = all;
+    r.good_looks = good_looks;
+    r.stopped = stopped;
+    r.seconds = settings.seconds_before + runner.seconds();
+    return r;
+  };
+  if (settings.checkpoint)
+    runner.at_checkpoint = [&](SumTree tree) {
+      TraceResult so_far = result(std::move(tree));
+      so_far.stopped = Stopped::by_checkpoint;
+      settings.checkpoint(so_far);
+    };
+  for (auto gaps = runner.tree().missing(wanted); !gaps.empty() && good_looks < 2;
+       gaps = runner.tree().missing(wanted)) {
+    std::uint64_t const look = std::max(next_look(gaps.front().first), end_of(runner.tree()));
+    BlockRange const next{wanted.first, settings.error ? std::min(look, wanted.end) : wanted.end};
+    bool const all_done = runner.run(next, crew ? &*crew : nullptr);
+    if (!all_done && (runner.interrupted() || runner.out_of_time())) {
+      stopped = runner.interrupted() ? Stopped::by_signal : Stopped::by_time;
+      break;
+    }
+    if (!all_done || !settings.error) continue;  // a helper has left some of its blocks
+    runner.error = settings.error(coupling_table(world, settings, runner.tree().total()));
+    good_looks = runner.error < settings.wanted_error ? good_looks + 1 : 0;
+  }
+  if (good_looks >= 2) stopped = Stopped::by_error;
+  return result(runner.tree());
 }
 
 }  // namespace straytrace

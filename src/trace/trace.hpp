@@ -12,6 +12,8 @@
 
 namespace straytrace {
 
+struct Ranks;
+
 struct TraceProgress {
   std::uint64_t histories = 0, wanted_histories = 0;  // wanted: of the present goal
   double seconds = 0, histories_per_s = 0, rays_per_s = 0;
@@ -21,6 +23,7 @@ struct TraceProgress {
 struct TraceSettings {
   std::uint64_t seed = 1;
   std::uint64_t histories = 0;  // upper limit, rounded up to whole blocks
+  Slice slice;                  // of its blocks
   unsigned threads = 0;         // 0: all cores
   double max_seconds = infinity;
   // Stop rule: relative error of what the user wants, from the table so far; unused when empty. The run stops when it
@@ -32,13 +35,21 @@ struct TraceSettings {
   std::uint32_t good_looks = 0;  // looks in a row at which the same rule held before a resumed run was stopped
   std::function<void(TraceProgress const&)> progress;
   std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
-  SumTree resume;                           // blocks done before
-  double seconds_before = 0;                // that they took
+  // A result of what is done so far, from time to time: what follows goes on from it to the same bits.
+  std::function<void(TraceResult const&)> checkpoint;
+  double checkpoint_seconds = infinity;
+  Ranks const* ranks = nullptr;  // this process is rank 0 of several (trace/ranks.hpp)
+  SumTree resume;                // blocks done before; what is missing between them is done first
+  double seconds_before = 0;     // that they took
   // Deterministic classes that stand beside the walk (trace/beside.hpp); they enter the table, also that of `error`.
   std::vector<CouplingClass> beside;
 };
 
 TraceResult trace(World const&, TraceSettings const&, Backend const&);
+
+// The result that these sums make: books checked, records replayed; nothing is traced. Of the settings: seed and
+// beside.
+TraceResult result_of(World const&, TraceSettings const&, SumTree);
 
 // Block counts at which stop rules are looked at: 64, 91, 128, 181, ...
 std::uint64_t next_look(std::uint64_t blocks);

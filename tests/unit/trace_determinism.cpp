@@ -2,29 +2,11 @@
 // A result is a function of scene, seed and number of histories (architecture.md 7); and when a trace stops.
 #include <atomic>
 
-#include "trace_support.hpp"
+#include "small_tube.hpp"
 
 namespace straytrace::testing {
 namespace {
 
-// Baffled tube with a cavity's two spots: specular, diffuse and power-law events, several routes.
-World baffled_tube() {
-  World world;
-  BodyId const mirrors = world.add_body("mirrors", {}), pipe = world.add_body("pipe", {});
-  std::uint32_t const mirror = power_law_optic(world, 1e-3, 1.8, 1e-3, 0.3), black = black_optic(world),
-                      grey = lambertian_optic(world, 0.4);
-  SurfaceId const one = world.add_surface(Disk{{}, {0, 0, 1}, 0, 0.3}, mirror, black, mirrors, world.add_group("one"));
-  SurfaceId const two =
-      world.add_surface(Disk{{0, 0, 20}, {0, 0, -1}, 0, 0.3}, mirror, black, mirrors, world.add_group("two"));
-  world.add_surface(Cylinder{{}, {0, 0, 1}, 0.6, 0, 20}, black, grey, pipe, world.add_group("wall"));
-  for (int i = 1; i < 20; ++i)
-    world.add_surface(Disk{{0, 0, double(i)}, {0, 0, 1}, 0.4, 0.6}, grey, grey, pipe, world.add_group("baffles"));
-  world.add_footprint(spot(one, {}, {0, 0, -1}, Profile::gaussian, 0.05, world.add_port("one")));
-  world.add_footprint(spot(two, {0, 0, 20}, {0, 0, 1}, Profile::even, 0.1, world.add_port("two")));
-  world.limits.max_order = 10;
-  world.finish();
-  return world;
-}
 constexpr std::uint64_t blocks = 5;
 
 BlockSums total(World const& world, std::uint64_t seed, unsigned threads) {
@@ -32,7 +14,7 @@ BlockSums total(World const& world, std::uint64_t seed, unsigned threads) {
 }
 
 TEST(Determinism, ThreadsSeedAndBruteForce) {
-  World world = baffled_tube();
+  World world = small_tube();
   BlockSums const one = total(world, 1, 1);
   EXPECT_TRUE(same(one, total(world, 1, 2)));
   EXPECT_TRUE(same(one, total(world, 1, 3)));
@@ -44,7 +26,7 @@ TEST(Determinism, ThreadsSeedAndBruteForce) {
 
 // R3.33: 1, 4 and 16 threads.
 TEST(Determinism, AnyNumberOfThreadsR3_33) {
-  World const world = baffled_tube();
+  World const world = small_tube();
   auto const run = [&](unsigned threads, std::uint64_t seed) {
     return run_histories(world, 20 * block_size, seed, threads).total;
   };
@@ -74,7 +56,7 @@ class Interrupting final : public Backend {
 };
 
 TEST(Determinism, InterruptedAndResumed) {
-  World const world = baffled_tube();
+  World const world = small_tube();
   std::atomic<bool> stop = false;
   TraceSettings settings;
   settings.histories = blocks * block_size;
@@ -99,19 +81,11 @@ TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
   settings.histories = blocks * block_size;
   settings.threads = 1;
   settings.max_seconds = 0;
-  TraceResult const r = trace(baffled_tube(), settings, *test_backend());
+  TraceResult const r = trace(small_tube(), settings, *test_backend());
   EXPECT_EQ(r.stopped, Stopped::by_time);
   EXPECT_TRUE(r.checkpointed());
 }
 
-World one_plate() {
-  World world;
-  SurfaceId const s = world.add_surface(Disk{}, lambertian_optic(world, 0.5), black_optic(world),
-                                        world.add_body("plate", {}), world.add_group("plate"));
-  world.add_footprint(spot(s, {}, {0, 0, -1}, Profile::gaussian, 0.1, world.add_port("plate")));
-  world.finish();
-  return world;
-}
 // Blocks after which a rule with these errors is looked at, wanted: below 1.
 std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why) {
   std::vector<std::uint64_t> seen;

@@ -181,7 +181,7 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   table.seed = seed;
   table.wavelength = world.wavelength;
   table.reverse_routes = world.reverse_routes;
-  for (std::uint64_t b = 0; b < total.blocks; ++b) table.replica_histories[b % replica_count] += block_size;
+  for (std::size_t r = 0; r < replica_count; ++r) table.replica_histories[r] = total.replica_blocks[r] * block_size;
   table.receivers = world.receiver_names();
   for (ReceiverSums const& r : total.receivers)
     table.received_power.push_back(estimate(r.power, total.histories, total.blocks));

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "trace/result.hpp"
 #include "trace/tally/block_sink.hpp"
 
@@ -76,12 +77,18 @@ void move_border(BlockSums& sums, std::uint64_t more) {
 BlockSums merged(BlockSums left, BlockSums const& right) {
   if (left.blocks == 0 && left.classes.empty()) return right;
   move_border(left, right.blocks);
+  // What only the right has scored in has nothing before the border, unless that lies inside the right.
+  double const before_border = first_part(left.blocks + right.blocks) > left.blocks ? not_a_number : 0;
   left.histories += right.histories;
   left.blocks += right.blocks;
   left.bounces += right.bounces;
   left.rays += right.rays;
   left.lost += right.lost;
-  for (auto const& [route, sums] : right.classes) merge_class(left.classes[route], sums);
+  for (auto const& [route, sums] : right.classes) {
+    auto const [place, is_new] = left.classes.try_emplace(route);
+    if (is_new) place->second.moments.first_sum = before_border;
+    merge_class(place->second, sums);
+  }
   left.receivers.resize(std::max(left.receivers.size(), right.receivers.size()));
   for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);
   left.emitted = merged(left.emitted, right.emitted);
@@ -115,10 +122,52 @@ void SumTree::add(unsigned level, std::uint64_t index, BlockSums sums) {
   add(level + 1, index / 2, index & 1 ? merged(std::move(other), sums) : merged(std::move(sums), other));
 }
 
+namespace {
+
+// How many numbers below n are `rest` modulo replica_count.
+std::uint64_t below(std::uint64_t n, std::uint64_t rest) {
+  return n / replica_count + (n % replica_count > rest ? 1 : 0);
+}
+
+}  // namespace
+
 BlockSums SumTree::total() const {
   BlockSums all;
   for (auto const& [place, sums] : nodes_) all = merged(std::move(all), sums);
+  for (std::uint64_t r = 0; r < replica_count; ++r) {
+    all.replica_blocks[r] = 0;
+    for (BlockRange const& range : done()) all.replica_blocks[r] += below(range.end, r) - below(range.first, r);
+  }
   return all;
+}
+
+std::vector<BlockRange> SumTree::done() const {
+  std::vector<BlockRange> ranges;
+  for (auto const& [place, sums] : nodes_) {
+    std::uint64_t const first = place.first, end = first + (std::uint64_t(1) << place.second);
+    if (!ranges.empty() && ranges.back().end == first)
+      ranges.back().end = end;
+    else
+      ranges.push_back({first, end});
+  }
+  return ranges;
+}
+
+std::vector<BlockRange> SumTree::missing(BlockRange of) const {
+  std::vector<BlockRange> gaps;
+  for (BlockRange const& range : done()) {
+    if (range.end <= of.first) continue;
+    if (range.first >= of.end) break;
+    if (range.first > of.first) gaps.push_back({of.first, range.first});
+    of.first = range.end;
+  }
+  if (of.first < of.end) gaps.push_back(of);
+  return gaps;
+}
+
+BlockRange Slice::blocks(std::uint64_t all) const {
+  auto const border = [&](std::uint64_t n) { return all / of * n + all % of * n / of; };
+  return {border(number - 1), border(number)};
 }
 
 }  // namespace straytrace

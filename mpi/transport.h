@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What straytrace-mpi.so offers to the program, which loads it when it is asked for and knows nothing of MPI. */
+#ifndef STRAYTRACE_TRANSPORT_H
+#define STRAYTRACE_TRANSPORT_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { straytrace_transport_version = 1 };
+
+/* All of them are called by one thread. Errors end the job, with a message of the MPI library. */
+struct straytrace_transport {
+  int rank, size;
+  void (*send)(int to, void const* bytes, size_t count);
+  /* Size of the next message that has come and its sender; -1: none. */
+  long (*next)(int* from);
+  void (*receive)(int from, void* bytes, size_t count);
+  void (*close)(void);
+};
+
+/* Joins the job. `version`: straytrace_transport_version of the caller; returns the version of the library, and does
+   nothing when they differ. */
+int straytrace_transport_open(int version, struct straytrace_transport* transport);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/mpi.hpp"
+
+#include <fmt/format.h>
+
+#include <dlfcn.h>
+#include <filesystem>
+
+#include "base/message.hpp"
+#include "mpi/transport.h"
+
+namespace straytrace {
+namespace {
+
+class Mpi final : public Transport {
+ public:
+  explicit Mpi(straytrace_transport const& mpi) : mpi_(mpi) {}
+  ~Mpi() override { mpi_.close(); }
+  Mpi(Mpi const&) = delete;
+  Mpi& operator=(Mpi const&) = delete;
+
+  int rank() const override { return mpi_.rank; }
+  int size() const override { return mpi_.size; }
+  void send(int to, std::string const& bytes) override { mpi_.send(to, bytes.data(), bytes.size()); }
+  std::optional<Message> receive() override {
+    Message message;
+    long const size = mpi_.next(&message.from);
+    if (size < 0) return {};
+    message.bytes.resize(std::size_t(size));
+    mpi_.receive(message.from, message.bytes.data(), message.bytes.size());
+    return message;
+  }
+
+ private:
+  straytrace_transport mpi_;
+};
+
+[[noreturn]] void refuse(std::string const& why) {
+  throw InputError(
+      fmt::format("error: --backend mpi: {}\n  build straytrace where MPI is found (scripts/setup installs "
+                  "libopenmpi-dev), or divide the run: --slice 1/16, and straytrace merge",
+                  why));
+}
+
+}  // namespace
+
+// The library stays loaded: MPI cannot be started twice. Its own plug-ins look for its symbols (RTLD_GLOBAL).
+std::unique_ptr<Transport> open_mpi() {
+  std::error_code none;
+  std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", none);
+  std::string const file = (program.parent_path() / "straytrace-mpi.so").string();
+  if (!std::filesystem::exists(file, none)) refuse(fmt::format("there is no '{}'", file));
+  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (!library) refuse(dlerror());
+  auto const open = reinterpret_cast<decltype(&straytrace_transport_open)>(dlsym(library, "straytrace_transport_open"));
+  straytrace_transport mpi = {};
+  if (!open || open(straytrace_transport_version, &mpi) != straytrace_transport_version)
+    refuse(fmt::format("'{}' is of another version of straytrace", file));
+  return std::make_unique<Mpi>(mpi);
+}
+
+}  // namespace straytrace
