@@ -54,6 +54,28 @@ class CheckFiles(unittest.TestCase):
         self.expect({"src/a.hpp": HEAD + "int a;\n" * 299}, 0, "in order")
 
 
+class CheckCalls(unittest.TestCase):
+    def expect(self, name, line, status):
+        found, output = verdict("check_calls.py", {name: line + "\n"})
+        self.assertEqual(found, status, output)
+
+    def test_words_of_a_user_never_meet_a_shell(self):
+        for line in ("std::system(name.c_str());", "popen(name, mode);", "::execvp(a, b);", "std::ifstream in(name);",
+                     "::socket(AF_INET, 0, 0);", "fork();"):
+            self.expect("src/app/a.cpp", line, 1)
+        for line in ("os.system(name)", "subprocess.run(name, shell=True)", "eval(text)", "pickle.load(file)",
+                     "import urllib.request", "np.load(file, allow_pickle=True)"):
+            self.expect("python/straytrace/a.py", line, 1)
+
+    def test_where_it_is_meant_it_passes(self):
+        self.expect("src/base/child_process.cpp", "::posix_spawnp(a, b, c, d, e, f);", 0)
+        self.expect("src/app/a.cpp", "solve_system(matrix);  // no system()", 0)
+        self.expect("python/straytrace/a.py", "subprocess.run([program, name]); frame.eval(name)", 0)
+
+    def test_nothing_found_fails(self):
+        self.expect("other/a.cpp", "int a;", 1)
+
+
 class CheckIncludes(unittest.TestCase):
     def expect(self, line, status, room="trace"):
         files = {"src/base/vec3.hpp": HEAD, f"src/{room}/a.cpp": f"{line}\n"}

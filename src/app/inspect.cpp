@@ -6,9 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <optional>
 
 #include "app/common_options.hpp"
@@ -18,6 +16,7 @@
 #include "app/library_list.hpp"
 #include "app/read_file.hpp"
 #include "app/tell.hpp"
+#include "base/file_bytes.hpp"
 #include "base/message.hpp"
 #include "hdf5/hdf5.hpp"
 #include "page/material_json.hpp"
@@ -107,25 +106,19 @@ void print(WorldView const& world, MaterialInfo const& info, std::vector<std::st
   print_bsdf(world, optic, -1);
 }
 
-// Writes the data beside the picture for as long as it is drawn.
 void plot(nlohmann::json const& data, std::string const& png) {
-  std::string const file = png + ".json";
-  if (!(std::ofstream(file) << data.dump()))
-    throw InputError(
-        fmt::format("error: cannot write '{}'\n  name a picture in a folder that exists, with --plot", png));
   std::string message;
-  bool const drawn = draw_law_picture(file, png, message);
-  std::filesystem::remove(file);
-  if (!drawn) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  std::string const picture = picture_of(data.dump(), draw_law_picture, message);
+  if (picture.empty()) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  write_file(png, picture);
   std::cout << "\npicture: " << png << '\n';
 }
 
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(fmt::format("error: cannot read '{}'\n  check the name and the folder", file));
-  std::string const text(std::istreambuf_iterator<char>(in), {});
+  auto const [text, why] = bytes_of_file(file);
+  if (!why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  check the name and the folder", file, why));
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
   std::string const name = std::filesystem::path(file).filename().string();

@@ -2,8 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <string_view>
 
 #include "app/build_info.hpp"
@@ -79,6 +81,7 @@ void add_program_options(CLI::App& app) {
 
 int main(int argc, char** argv) {
   using namespace straytrace;
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
   CLI::App app{"straytrace: stray-light noise of interferometric gravitational-wave detectors", "straytrace"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")");
@@ -103,6 +106,9 @@ int main(int argc, char** argv) {
   } catch (std::filesystem::filesystem_error const& e) {
     say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
     return input_error;
+  } catch (std::bad_alloc const&) {
+    say("the memory does not hold this model or file\n  take a smaller one, or a machine with more memory", json);
+    return numerical_failure;
   } catch (std::exception const& e) {
     say(e.what(), json);
     return numerical_failure;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -42,7 +43,9 @@ std::vector<Job> different_models(std::vector<Settings> const& points, Options c
   return jobs;
 }
 
+// A child; it ends its blocks and writes when the scan is killed.
 [[noreturn]] void work(Job const& job, Options options, Requirement const& requirement, unsigned jobs) {
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   options.quiet = true;
   if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency() / jobs);
   int code = input_error;

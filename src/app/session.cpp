@@ -18,6 +18,7 @@
 #include "app/interrupt.hpp"
 #include "app/tell.hpp"
 #include "base/message.hpp"
+#include "report/growing_file.hpp"
 #include "report/picture.hpp"
 #include "trace/edges.hpp"
 #include "trace/estimate/importance.hpp"
@@ -103,6 +104,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
   if (std::filesystem::is_directory(run_file))
     throw InputError(fmt::format("error: '{}' is a folder\n  name a file with -o, for example -o {}", run_file,
                                  (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
+  GrowingFile const can_be_written(run_file);  // or hours of tracing would be lost
   if (force || !std::filesystem::exists(run_file)) return {};
   RunFile earlier;
   try {

@@ -102,8 +102,10 @@ RunContent RunFile::content() const {
   return all;
 }
 
-RunFile read_run(std::string const& file) {
-  hdf5::Reader const in(unsealed(read_file(file), file));
+RunFile read_run(std::string const& file) { return run_of(unsealed(read_file(file), file), file); }
+
+RunFile run_of(std::string const& hdf5_image, std::string const& file) {
+  hdf5::Reader const in(hdf5_image);
   check_kind(in, file);
   RunFile run;
   try {

@@ -3,14 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "base/file_bytes.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "signal/gps.hpp"
@@ -82,17 +79,10 @@ namespace {
 bool is_hdf5_file(std::string const& bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
 
 std::string bytes_of(std::string const& file) {
-  auto const refuse = [&](int error) {
-    throw InputError(
-        fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, std::strerror(error)));
-  };
-  std::error_code unknown;
-  if (std::filesystem::is_directory(file, unknown)) refuse(EISDIR);
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  if (!stream || stream.bad()) refuse(errno != 0 ? errno : EIO);
-  return bytes;
+  FileBytes read = bytes_of_file(file);
+  if (!read.why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, read.why));
+  return std::move(read.bytes);
 }
 
 double one_time(std::string const& text, std::string const& all) {

@@ -195,6 +195,9 @@ TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const&
     std::vector<Found> const all = series_in(reader, file);
     Found const& f = chosen(all, file, wanted.channel, reader);
     check_clock(f, file);
+    if (!reader.can_hold(f.samples))  // a byte each at least
+      refuse(file, fmt::format("'{}' states {} samples, more than the file can hold", f.path, f.samples),
+             "copy or make the file again");
     std::string const place = fmt::format("'{}'", f.path);
     std::string const unit = unit_or_refuse(file, place, f.unit ? &*f.unit : nullptr, wanted);
     double const end = *f.start + double(f.samples) * *f.step;
