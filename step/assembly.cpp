@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <BRepTools_History.hxx>
+#include <BRep_Builder.hxx>
 #include <Quantity_Color.hxx>
 #include <ShapeUpgrade_UnifySameDomain.hxx>
 #include <TDF_LabelSequence.hxx>
@@ -13,6 +14,7 @@
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
@@ -21,6 +23,8 @@
 #include <map>
 #include <set>
 #include <unordered_map>
+
+#include "step/convert_face.hpp"
 
 namespace straytrace::step {
 namespace {
@@ -71,17 +75,49 @@ struct Product {
   std::string colour;                // of the rest
 };
 
-// Joins faces that lie on one surface and show one colour: a cylinder in two halves becomes one.
+using FacesAtEdge = TopTools_IndexedDataMapOfShapeListOfShape;
+
+// Faces that are free surfaces, or share an edge with one.
+TopTools_MapOfShape beside_free_surfaces(FacesAtEdge const& faces_at) {
+  TopTools_MapOfShape out;
+  for (int i = 1; i <= faces_at.Extent(); ++i) {
+    auto const& faces = faces_at(i);
+    bool const exact = std::all_of(faces.begin(), faces.end(),
+                                   [](TopoDS_Shape const& face) { return has_carrier(TopoDS::Face(face)); });
+    if (!exact)
+      for (TopoDS_Shape const& face : faces) out.Add(face);
+  }
+  return out;
+}
+
+TopoDS_Compound compound(std::vector<TopoDS_Shape> const& shapes) {
+  TopoDS_Compound out;
+  BRep_Builder const build;
+  build.MakeCompound(out);
+  for (TopoDS_Shape const& shape : shapes) build.Add(out, shape);
+  return out;
+}
+
+// Joins faces that lie on one surface and show one colour: a cylinder in two halves becomes one. Faces beside free
+// surfaces stay as they are, because OpenCASCADE does not come to an end with those of a thread.
 void join_faces(Product& p, FaceColours& own) {
-  ShapeUpgrade_UnifySameDomain unify(p.shape, true, true, false);
-  TopTools_IndexedDataMapOfShapeListOfShape faces_at;
+  FacesAtEdge faces_at;
   TopExp::MapShapesAndAncestors(p.shape, TopAbs_EDGE, TopAbs_FACE, faces_at);
+  TopTools_MapOfShape const apart = beside_free_surfaces(faces_at);
+  std::vector<TopoDS_Shape> joinable, rest;
+  for (TopExp_Explorer f(p.shape, TopAbs_FACE); f.More(); f.Next())
+    (apart.Contains(f.Current()) ? rest : joinable).push_back(f.Current());
   TopTools_MapOfShape keep;
   for (int i = 1; i <= faces_at.Extent(); ++i) {
     std::set<std::string> seen;
-    for (TopoDS_Shape const& face : faces_at(i)) seen.insert(own.contains(face) ? own[face] : "");
-    if (seen.size() > 1) keep.Add(faces_at.FindKey(i));
+    bool border = false;
+    for (TopoDS_Shape const& face : faces_at(i)) {
+      seen.insert(own.contains(face) ? own[face] : "");
+      border = border || apart.Contains(face);
+    }
+    if (border || seen.size() > 1) keep.Add(faces_at.FindKey(i));
   }
+  ShapeUpgrade_UnifySameDomain unify(rest.empty() ? p.shape : compound(joinable), true, true, false);
   unify.KeepShapes(keep);
   unify.Build();
   FaceColours joined;
@@ -91,7 +127,8 @@ void join_faces(Product& p, FaceColours& own) {
     for (TopoDS_Shape const& f : now) joined[f] = colour;
   }
   own = std::move(joined);
-  p.shape = unify.Shape();
+  rest.push_back(unify.Shape());
+  p.shape = rest.size() == 1 ? rest.front() : compound(rest);
 }
 
 class Walk {

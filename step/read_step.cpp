@@ -18,10 +18,9 @@
 #include <XCAFApp_Application.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 
+#include "base/file_bytes.hpp"
 #include "step/assembly.hpp"
 #include "step/chart.hpp"
 #include "step/convert_face.hpp"
@@ -32,10 +31,9 @@ namespace {
 
 // The schema that the header names.
 std::string look_at_text(std::string const& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string const text(std::istreambuf_iterator<char>(in), {});
+  auto const [text, why] = bytes_of_file(file);
   std::string const again = "export it again as STEP AP203, AP214 or AP242 (ISO 10303-21, not packed)";
-  if (!in) throw Refused{"the file cannot be read", "check the name and the folder"};
+  if (!why.empty()) throw Refused{fmt::format("the file cannot be read: {}", why), "check the name and the folder"};
   std::size_t const start = text.find("ISO-10303-21");
   if (start == text.npos || start > 4096)
     throw Refused{"this is not a STEP file: it does not begin with ISO-10303-21", again};

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "recorded.hpp"
+
 namespace straytrace::testing {
 
 // Upper tail of the chi-square distribution: regularised incomplete gamma function Q(dof/2, x/2).
@@ -65,6 +67,10 @@ inline ChiSquare chi_square(std::vector<double> const& observed, std::vector<dou
 }
 
 // Whether one of `checks` checks of a file passes at a significance of 1e-6 for all of them together.
-inline bool passes(ChiSquare const& c, int checks) { return c.p > -std::expm1(std::log1p(-1e-6) / checks); }
+inline bool passes(ChiSquare const& c, int checks) {
+  double const least = -std::expm1(std::log1p(-1e-6) / checks);
+  if (c.p > least) recorded::record({recorded::Kind::above, __FILE__, __LINE__, "p of chi-square", "", c.p, least});
+  return c.p > least;
+}
 
 }  // namespace straytrace::testing

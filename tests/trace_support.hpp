@@ -8,6 +8,7 @@
 #include "laws.hpp"
 #include "shapes.hpp"
 #include "statistics.hpp"
+#include "test_backend.hpp"
 #include "trace/history/step.hpp"
 #include "trace/trace.hpp"
 
@@ -82,7 +83,7 @@ inline TraceResult run_histories(World const& world, std::uint64_t histories, st
   settings.seed = seed;
   settings.histories = histories;
   settings.threads = threads;
-  return trace(world, settings, *make_backend("cpu"));
+  return trace(world, settings, *test_backend());
 }
 
 // A sink that listens to nothing; tests overrule what they want to hear.

@@ -10,7 +10,7 @@ HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 KEY = re.compile(r'static constexpr char const\* key = "([a-z_-]+)";')
 NAMED_FILE = re.compile(r"`((?:\.ci|docs|examples|python|schema|scripts|src|tests|tools)/[\w./-]+)`")
 WITH_TESTS = ("docs/develop/conventions.md", "docs/theory/validation.md")   # pages that name tests, as `Suite.name`
-NAMED_TEST = re.compile(r"`([A-Za-z_]+\.[A-Za-z]\w+)`")
+NAMED_TEST = re.compile(r"`([A-Za-z_]\w*\.[A-Za-z]\w+)`")
 TEST = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
 PAGES = {"geometry": ("shapes",), "optics": ("scatter", "interfaces")}  # room of src/: folders of docs/reference/
 CITED = re.compile(r"\beqs?\. \(?(\d+\.\d+|C\.\d+)")

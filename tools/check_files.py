@@ -4,7 +4,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ("src", "step", "tests", "python", "tools")
+FOLDERS = ("src", "step", "tests", "fuzz", "python", "tools")
 CPP = {".cpp", ".hpp", ".h", ".cu"}
 SOURCES = CPP | {".py", ".sh", ".txt"}            # .txt: only CMakeLists.txt, data files are not sources
 MAX_LINES = 300
@@ -15,7 +15,7 @@ UNFINISHED = re.compile(r"\b(" + "|".join(("TO" "DO", "FIX" "ME", "X" "XX")) + r
 def sources(root):
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
-            if path.is_file() and path.suffix in SOURCES and (path.suffix != ".txt" or path.name == "CMakeLists.txt"):
+            if path.is_file() and "corpus" not in path.parts and path.suffix in SOURCES and (path.suffix != ".txt" or path.name == "CMakeLists.txt"):
                 yield path
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails when a C++ file of src/, step/ or tests/ is not formatted as .clang-format says. Version 14, because other versions of
+# Fails when a C++ file of src/, step/, tests/ or fuzz/ is not formatted as .clang-format says. Version 14, because other versions of
 # clang-format disagree with it. With --fix: rewrites the files.
 set -euo pipefail
 
@@ -14,7 +14,7 @@ if [[ "$("$tool" --version)" != *" 14."* ]]; then
   exit 1
 fi
 
-mapfile -t files < <(find src step tests -name '*.cpp' -o -name '*.hpp' | sort)
+mapfile -t files < <(find src step tests fuzz -name '*.cpp' -o -name '*.hpp' | sort)
 if ((${#files[@]} == 0)); then
   echo "no C++ files found in $PWD/src, step and tests" >&2
   exit 1

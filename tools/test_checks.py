@@ -8,6 +8,12 @@ import tempfile
 import unittest
 
 TOOLS = pathlib.Path(__file__).parent
+sys.path.insert(0, str(TOOLS))
+sys.dont_write_bytecode = True
+
+import validation  # noqa: E402
+from validation_cells import Records  # noqa: E402
+
 HEAD = "// SPDX-License-Identifier: BSD-3-Clause\n"
 
 
@@ -46,6 +52,28 @@ class CheckFiles(unittest.TestCase):
 
     def test_limit_itself_passes(self):
         self.expect({"src/a.hpp": HEAD + "int a;\n" * 299}, 0, "in order")
+
+
+class CheckCalls(unittest.TestCase):
+    def expect(self, name, line, status):
+        found, output = verdict("check_calls.py", {name: line + "\n"})
+        self.assertEqual(found, status, output)
+
+    def test_words_of_a_user_never_meet_a_shell(self):
+        for line in ("std::system(name.c_str());", "popen(name, mode);", "::execvp(a, b);", "std::ifstream in(name);",
+                     "::socket(AF_INET, 0, 0);", "fork();"):
+            self.expect("src/app/a.cpp", line, 1)
+        for line in ("os.system(name)", "subprocess.run(name, shell=True)", "eval(text)", "pickle.load(file)",
+                     "import urllib.request", "np.load(file, allow_pickle=True)"):
+            self.expect("python/straytrace/a.py", line, 1)
+
+    def test_where_it_is_meant_it_passes(self):
+        self.expect("src/base/child_process.cpp", "::posix_spawnp(a, b, c, d, e, f);", 0)
+        self.expect("src/app/a.cpp", "solve_system(matrix);  // no system()", 0)
+        self.expect("python/straytrace/a.py", "subprocess.run([program, name]); frame.eval(name)", 0)
+
+    def test_nothing_found_fails(self):
+        self.expect("other/a.cpp", "int a;", 1)
 
 
 class CheckIncludes(unittest.TestCase):
@@ -185,6 +213,52 @@ esac
 
     def test_new_lines_are_written(self):
         self.expect("$ build/straytrace run  # exit 3\n...\nh = 1.24e-24", 1, "\nh = 1.25e-24\n```", write=True)
+
+
+class CheckValidation(unittest.TestCase):
+    """A page of one row against records of one test."""
+
+    def compared(self, obtained, error, *comparisons, write=False, source="a();\n" * 9, tests="`A.b`"):
+        with tempfile.TemporaryDirectory() as place:
+            root = pathlib.Path(place)
+            (root / "validation").mkdir()
+            (root / "a.cpp").write_text(source)
+            kept = [{"at": f"a.cpp:{line}", "what": what, "against": "", "kind": kind, "count": count, "used": used,
+                     "samples": [sample] * min(count, 16), "worst": sample}
+                    for line, kind, what, count, used, sample in comparisons]
+            (root / "validation/A.b.json").write_text(json.dumps({"comparisons": kept}))
+            page = "| case | obtained | error | test |\n| --- | --- | --- | --- |\n" \
+                   f"| A1 | {obtained} | {error} | {tests} |"
+            problems, text = validation.compare(page, Records(root, root), write)
+            return problems, text.split("\n")[-1]
+
+    def test_page_that_holds_what_was_obtained_passes(self):
+        near = (1, "near", "x", 1, 0.3, [-0.25003, -0.25, 1e-4])
+        mean = (2, "mean", "m", 1, 0.8, [3.604e-10, 3.6e-10, 5e-13])
+        self.assertEqual(self.compared("", "", near, mean, write=True)[1],
+                         "| A1 | −0.25003, 3.604e-10 ± 5.0e-13 | 0.8 σ, 30 % | `A.b` |")
+        self.assertEqual(self.compared("−0.25003, 3.6040e-10 ± 5.0e-13", "0.8 σ, 30 %", near, mean)[0], [])
+        self.assertEqual(self.compared("−0.25001, 3.6042e-10 ± 5.1e-13", "1.2 σ, 10 %", near, mean)[0], [])
+        for moved in ("0.25003, 3.6040e-10 ± 5.0e-13", "−0.25013, 3.6040e-10 ± 5.0e-13", "−0.25003, 3.612e-10 ± 5.0e-13",
+                      "−0.25003", ""):
+            self.assertIn("obtained is", self.compared(moved, "0.8 σ, 30 %", near, mean)[0][0])
+
+    def test_twins_and_failures_are_no_results(self):
+        twin = (2, "below", "t", 1, 0.5, [0.5, 1, 0])
+        self.assertEqual(self.compared("", "", twin, write=True, source="a();\nEXPECT(t);  // twin: a diameter\n")[1],
+                         "| A1 | as stated | – | `A.b` |")
+        self.assertEqual(self.compared("", "", twin, write=True)[1], "| A1 | 0.50 < 1.0 | 50 % | `A.b` |")
+        self.assertIn("no numbers of A.c: run", self.compared("", "", twin, tests="`A.c`")[0][0])
+
+    def test_bounds_and_series(self):
+        share = [(1, "above", "share", 1, 0.9, [0.66, 0.6, 0]), (2, "below", "share", 1, 0.9, [0.66, 0.75, 0])]
+        self.assertEqual(self.compared("", "", *share, write=True)[1], "| A1 | 0.66 in 0.6 to 0.75 | – | `A.b` |")
+        series = (1, "near", "x", 400, 0.002, [2, 2 + 2.5e-12, 1e-9])
+        self.assertEqual(self.compared("", "", series, write=True)[1], "| A1 | 400 numbers off by at most 2.5e-12 | <1 % | `A.b` |")
+
+    def test_row_that_is_none_is_said(self):
+        self.assertIn("write | as", self.compared("a | b", "", tests="`A.b`")[0][0])
+        self.assertIn("no test", self.compared("", "", tests="A.b")[0][0])
 
 
 if __name__ == "__main__":

@@ -28,7 +28,9 @@ function addFirstOrder(lists) {
       "for Lambertian surfaces, relative to the main mode."));
   const text = e => e === null ? "unresolved" : withError(e.value, e.sigma);
   for (const list of lists.slice(0, 8))
-    part.append(el("h3", {}, "Seen from " + list.ending),
+    part.append(el("h3", {}, "Seen from " + list.ending), list.rows.length === 0 ?
+                el("p", {class: "note"}, "No walk met a surface: narrow or distant ones may be missed. straytrace paths RUN --first-order " +
+                    "--histories N walks more.") :
                 simpleTable(["surface", "power arriving", "seen with [m² sr]", "single scatter"],
                             list.rows.slice(0, 12).map(r => [r.name, text(r.power), text(r.seen), r.product && r.product.value === 0 ? "scatters nothing" : text(r.product)]), [0]));
 }

@@ -43,7 +43,10 @@ class Plot {
     if (low === undefined) [low, high] = [log ? 0.1 : 0, 1];
     if (!log) return axis === "y" ? [Math.min(low, 0), high + 0.05 * (high - low || 1)] : [low, high];
     if (axis === "x") return low < high ? [low, high] : [low / 2, high * 2];
-    return [Math.max(low / 2, high * 1e-9), high * 3];
+    // Nine decades, and more where a curve would otherwise be out of sight.
+    const tops = this.series.filter(s => !s.aside && s.kind !== "band").map(s => d3.max(s.y, v => v === null ? 0 : v));
+    const floor = Math.min(high * 1e-9, d3.min(tops.filter(v => v > 0)) * 1e-2);
+    return [Math.max(low / 2, floor), high * 3];
   }
   scaleOf(axis) { return (this.axes[axis].log ? d3.scaleLog() : d3.scaleLinear()).domain(this.full[axis]); }
   show(x, y) {

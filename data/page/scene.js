@@ -92,38 +92,61 @@ class Stage {
     g.computeBoundingSphere();
     return g;
   }
+  // One entry for each name with one material and body: the faces of a part that was read from a file are one entry.
   addParts() {
-    const geometries = this.scene.meshes.map(mesh => this.geometryOf(mesh)), edges = new Map();
-    this.parts = this.scene.parts.map(part => {
-      const geometry = geometries[part.mesh], box = geometry.boundingBox.getSize(new THREE.Vector3());
-      const wide = box.toArray().filter((s, i) => s > 0.6 * this.size[i]).length;
-      const glass = part.clear || wide === 3 || (wide === 2 && this.scene.parts.length > 2 && part.shape === "cylinder") ||
-                    (part.shape === "cylinder" && box.getComponent(this.long) > 0.1 * this.size[this.long]);
-      const material = new THREE.MeshPhongMaterial({side: THREE.DoubleSide, shininess: 0, specular: 0, flatShading: true,
-                                                    polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
-      const entry = {part, material, group: new THREE.Group(), state: glass ? "glass" : "solid",
-                     radius: geometry.boundingSphere.radius};
-      const outline = this.scene.meshes[part.mesh].triangles < 20000 && part.places.length <= 200;
-      if (outline && !edges.has(part.mesh)) edges.set(part.mesh, new THREE.EdgesGeometry(geometry, 32));
-      entry.ink = new THREE.LineBasicMaterial({color: 0x555555, transparent: true, opacity: 0.5});
-      for (const place of part.places) {
-        const object = new THREE.Mesh(geometry, material);
-        object.position.copy(this.at(place));
-        object.userData.entry = entry;
-        entry.group.add(object);
-        if (!outline) continue;
-        const lines = new THREE.LineSegments(edges.get(part.mesh), entry.ink);
-        lines.position.copy(object.position);
-        entry.group.add(lines);
-      }
-      this.world.add(entry.group);
-      return entry;
-    });
+    const geometries = this.scene.meshes.map(mesh => this.geometryOf(mesh)), edges = new Map(), byKey = new Map();
+    for (const part of this.scene.parts) {
+      const key = JSON.stringify([part.name, part.front, part.back, part.body, part.clear]);
+      byKey.set(key, [...byKey.get(key) || [], part]);
+    }
+    const entries = [...byKey.values()];
+    this.files = new Set(entries.filter(faces => faces.length > 1 || ["cad_face", "mesh"].includes(faces[0].shape))
+                             .map(faces => faces[0].name.split("/")[0]));
+    this.parts = entries.map(faces => this.entryOf(faces, geometries, edges));
     this.paint("name");
+  }
+  entryOf(faces, geometries, edges) {
+    const part = faces[0], material = new THREE.MeshPhongMaterial({
+      side: THREE.DoubleSide, shininess: 0, specular: 0, flatShading: true,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+    const entry = {part, faces, material, group: new THREE.Group(), state: this.isGlass(faces, geometries) ? "glass" : "solid",
+                   ink: new THREE.LineBasicMaterial({color: 0x555555, transparent: true, opacity: 0.5}),
+                   radius: Math.max(...faces.map(face => geometries[face.mesh].boundingSphere.radius))};
+    for (const face of faces) this.addFace(entry, face, geometries[face.mesh], edges);
+    this.world.add(entry.group);
+    return entry;
+  }
+  addFace(entry, face, geometry, edges) {
+    const outline = this.scene.meshes[face.mesh].triangles < 20000 && face.places.length <= 200;
+    if (outline && !edges.has(face.mesh)) edges.set(face.mesh, new THREE.EdgesGeometry(geometry, 32));
+    for (const place of face.places) {
+      const object = new THREE.Mesh(geometry, entry.material);
+      object.position.copy(this.at(place));
+      object.userData.entry = entry;
+      entry.group.add(object);
+      if (!outline) continue;
+      const lines = new THREE.LineSegments(edges.get(face.mesh), entry.ink);
+      lines.position.copy(object.position);
+      entry.group.add(lines);
+    }
+  }
+  // What would hide the rest: measuring planes, tubes and boxes around everything.
+  isGlass(faces, geometries) {
+    const part = faces[0], box = geometries[part.mesh].boundingBox.getSize(new THREE.Vector3());
+    if (part.clear) return true;
+    if (faces.length > 1) return false;
+    const wide = box.toArray().filter((s, i) => s > 0.6 * this.size[i]).length, tube = part.shape === "cylinder";
+    return wide === 3 || (tube && ((wide === 2 && this.scene.parts.length > 2) ||
+                                   box.getComponent(this.long) > 0.1 * this.size[this.long]));
+  }
+  // Entries of the scene go by their name, parts of a file by their own.
+  nameOf(part) {
+    const first = part.name.split("/")[0];
+    return this.files.has(first) ? part.name : first;
   }
   // One colour for each name, material or body.
   paint(by) {
-    const key = part => by === "name" ? part.name.split("/")[0] : by === "body" ? part.body || "(none)" :
+    const key = part => by === "name" ? this.nameOf(part) : by === "body" ? part.body || "(none)" :
         part.front || part.back || "(none)";
     const known = [...new Set(this.scene.parts.map(key))].sort();
     for (const entry of this.parts) {
@@ -156,15 +179,17 @@ class Stage {
             }}}, states[entry.state][0]),
             el("i", {style: "background:" + entry.colour}),
             el("span", {title: this.about(entry), on: {click: () => this.choose(entry)}}, entry.part.name,
-               entry.part.places.length > 1 ? " × " + entry.part.places.length : ""))));
+               entry.faces.length === 1 && entry.part.places.length > 1 ? " × " + entry.part.places.length : ""))));
   }
   about(entry) {
-    const p = entry.part, m = this.scene.meshes[p.mesh];
+    const p = entry.part, meshes = entry.faces.map(face => this.scene.meshes[face.mesh]);
+    const count = of => meshes.reduce((sum, m) => sum + m[of], 0), drawn = count("triangles"), all = count("of");
+    const shape = entry.faces.length > 1 ? entry.faces.reduce((sum, f) => sum + f.places.length, 0) + " faces" : p.shape;
     const material = p.front === p.back || !p.back ? p.front : !p.front ? p.back + " (back)" :
         p.front + " (front), " + p.back + " (back)";
-    return p.name + ": " + p.shape + ", material " + (material || "none") + ", body " + (p.body || "none") +
+    return p.name + ": " + shape + ", material " + (material || "none") + ", body " + (p.body || "none") +
            (p.clear ? ", measuring plane" : "") +
-           (m.triangles < m.of ? ", drawn with " + m.triangles + " of " + m.of + " triangles" : "");
+           (drawn < all ? ", drawn with " + drawn + " of " + all + " triangles" : "");
   }
   choose(entry) {
     if (this.chosen) this.chosen.material.emissive.set(0);

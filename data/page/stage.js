@@ -115,7 +115,7 @@ Object.assign(Stage.prototype, {
   nameLabels() {
     const known = new Set();
     for (const entry of this.parts || []) {
-      const name = entry.part.name.split("/")[0];
+      const name = this.nameOf(entry.part);
       if (known.has(name) || known.size >= 40) continue;
       known.add(name);
       this.label(name, entry.part.places[0], "name part");

@@ -86,7 +86,7 @@ class PathTable {
     this.refresh();
   }
   sortBy(key) {
-    this.falling = this.sortKey === key ? !this.falling : typeof this.columns.get(key)[0] === "number" && key !== "rank";
+    this.falling = this.sortKey === key ? !this.falling : !this.isText(key) && key !== "rank";
     this.sortKey = key;
     this.refresh();
   }

@@ -89,14 +89,14 @@ class Model(Table):
         if tree is not None and not isinstance(tree, Mapping):
             raise TypeError(f"a model is a dict of tables, not {type(tree).__name__}; for a file: Model.load({tree!r})")
         data = plain({**(tree or {}), **tables}, "model")
-        if "straytrace" not in data:
-            data.insert(0, "straytrace", FORMAT)
+        data.insert(0, "straytrace", data.pop("straytrace", FORMAT))      # the key that must be first
         self._set(data, pathlib.Path(folder) / name, None)
 
     def _set(self, data: Any, path: pathlib.Path, text: str | None) -> None:
         super().__init__(data, "model")
         object.__setattr__(self, "path", path)
         object.__setattr__(self, "_read", (text, dump(data)) if text is not None else None)
+        object.__setattr__(self, "_included", {})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Model:
@@ -153,11 +153,32 @@ class Model(Table):
         finally:
             pathlib.Path(part).unlink(missing_ok=True)
 
+    @property
+    def included(self) -> dict[str, Model]:
+        """The files that this model includes, by the names it gives them, as models whose changes are checked and run with
+        this one; `save` writes each alone. Files of the library are not there, only files on disk."""
+        for name in self._included_names():
+            path = self.path.parent / name
+            if name not in self._included and path.is_file():
+                self._included[name] = Model.load(path)
+        return {name: self._included[name] for name in self._included_names() if name in self._included}
+
+    def _included_names(self) -> list[str]:
+        names = self.data.get("include", [])
+        return [str(name) for name in names] if isinstance(names, list) else [str(names)]
+
+    def texts(self) -> dict[str, str]:
+        """What is read in place of files, by their names: this model, and what it includes as far as it was looked at."""
+        texts = {str(self.path): self.text()}
+        for name in self._included_names():
+            texts |= self._included[name].texts() if name in self._included else {}
+        return texts
+
     def __iter__(self) -> Iterator[str]:
         return iter(self.data)
 
     def _ask(self, *words: str, **options: Any) -> engine.Answer:
-        return engine.ask(words[0], str(self.path), *words[1:], unsaved={str(self.path): self.text()}, **options)
+        return engine.ask(words[0], str(self.path), *words[1:], unsaved=self.texts(), **options)
 
     def check(self, params: Parameters | None = None) -> Check:
         """Everything that can be known without tracing. Raises InputError with all problems at once."""
@@ -187,7 +208,7 @@ class Model(Table):
 
         Ctrl-C gives what was traced so far, a valid result with ``complete == False``."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
-        return self.traced("run", words, out, progress)
+        return traced(self.texts(), "run", words, out, progress)
 
     def trace(self, out: str | os.PathLike[str] | None = None, *, params: Parameters | None = None,
               histories: int | float | None = None, until: str | None = None, seed: int | None = None,
@@ -195,18 +216,20 @@ class Model(Table):
               progress: bool | Shown | None = True) -> Run:
         """The coupling table alone, as `straytrace trace`, into the run file `out`; arguments as of `run`."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
-        return self.traced("trace", words, out, progress)
+        return traced(self.texts(), "trace", words, out, progress)
 
-    def traced(self, command: str, words: list[str], out: str | os.PathLike[str] | None,
-               progress: bool | Shown | None, warn: bool = True) -> Run:
-        """What `run` and `trace` do, with options as the command line writes them. warn: of what a reader must know."""
-        scratch = Scratch() if out is None else None
-        place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
-        with shown(progress) as listener:
-            answer = self._ask(command, "-o", place, *words, progress=listener)
-        run = open_run(place)
-        run.scratch = scratch
-        early = [] if run.complete else [f"stopped early, after {run.histories} histories, with a valid result"]
-        for warning in answer.warnings + early if warn else []:
-            warnings.warn(warning, StraytraceWarning, stacklevel=3)
-        return run
+
+def traced(texts: Mapping[str, str], command: str, words: list[str], out: str | os.PathLike[str] | None,
+           progress: bool | Shown | None, warn: bool = True) -> Run:
+    """What Model.run and Model.trace do, with options as the command line writes them. texts: by file name, the model
+    first. warn: of what a reader must know."""
+    scratch = Scratch() if out is None else None
+    place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
+    with shown(progress) as listener:
+        answer = engine.ask(command, next(iter(texts)), "-o", place, *words, unsaved=texts, progress=listener)
+    run = open_run(place)
+    run.scratch = scratch
+    early = [] if run.complete else [f"stopped early, after {run.histories} histories, with a valid result"]
+    for warning in answer.warnings + early if warn else []:
+        warnings.warn(warning, StraytraceWarning, stacklevel=3)
+    return run

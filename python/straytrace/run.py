@@ -103,13 +103,14 @@ class Run:
         out: a folder for all results, or a run file (.h5); None: a file that goes with the result."""
         scratch = Scratch() if out is None else None
         place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
-        words, unsaved = ["noise", str(self.path), "-o", place], {}
+        words = ["noise", str(self.path), "-o", place]
+        unsaved: dict[str, str] = {}
         for option, given in (("motion", motion), ("response", response)):
             if given is None:
                 continue
-            name, text = _table_of(given, option)
-            words += ["--" + option, name]
-            unsaved[name] = text
+            texts = _table_of(given, option)
+            words += ["--" + option, next(iter(texts))]
+            unsaved |= texts
         answer = engine.ask(*words, unsaved=unsaved)
         run = open_run(place)
         run.scratch = scratch
@@ -159,15 +160,15 @@ class Run:
         os.replace(part, path)
 
 
-def _table_of(given: Any, option: str) -> tuple[str, str]:
-    """Where the text of other motion or responses stands, or might stand, and the text."""
+def _table_of(given: Any, option: str) -> dict[str, str]:
+    """The text of other motion or responses by the file where it stands, or might stand; then those it includes."""
     from .model import Model
 
     model = Model.of(given)
-    text = model.text()
     if not isinstance(given, Mapping) or isinstance(given, Model):
-        return str(model.path), text
-    return f"{option}-{hashlib.sha256(text.encode()).hexdigest()[:8]}.yaml", text
+        return model.texts()
+    text = model.text()
+    return {f"{option}-{hashlib.sha256(text.encode()).hexdigest()[:8]}.yaml": text}
 
 
 def _read(file: Any, path: pathlib.Path) -> Run:

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import engine
 from .errors import StraytraceWarning
-from .model import Model, overrides, trace_words
+from .model import Model, overrides, trace_words, traced
 from .run import Run, open_run
 from .scratch import Scratch
 
@@ -110,9 +110,9 @@ def _points(params: Mapping[str, Iterable[str | float]] | Iterable[Mapping[str, 
     return points
 
 
-def _work(path: str, text: str, point: Point, out: str | None, options: dict[str, Any]) -> bytes | str:
+def _work(texts: Mapping[str, str], point: Point, out: str | None, options: dict[str, Any]) -> bytes | str:
     """What a worker does, here or on another machine: the bytes of the run file, or its name where it is to be kept."""
-    run = Model.from_text(text, path).traced("run", [*overrides(point), *trace_words(**options)], out, False, warn=False)
+    run = traced(texts, "run", [*overrides(point), *trace_words(**options)], out, False, warn=False)
     return str(run.path) if out is not None else run.path.read_bytes()
 
 
@@ -154,7 +154,7 @@ def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
     if out is not None:
         pathlib.Path(out).mkdir(parents=True, exist_ok=True)
     folder = pathlib.Path(out) if out is not None else None
-    jobs = [(str(source.path), source.text(), point, str(folder / f"point{i:03}.h5") if folder else None, options)
+    jobs = [(source.texts(), point, str(folder / f"point{i:03}.h5") if folder else None, options)
             for i, point in enumerate(points)]
     result = Scan([], scratch=None if folder else Scratch())
     try:

@@ -21,7 +21,8 @@ namespace straytrace {
 void add_pair_options(CLI::App& command, PairOptions& o, char const* witness) {
   command.add_option("--witness", o.witness, witness)->required();
   command.add_option("--target", o.target, "FILE::CHANNEL of strain, or of what is disturbed")->required();
-  command.add_option("--witness-unit", o.witness_unit, "where the file does not say it: m/s^2");
+  command.add_option("--witness-unit", o.witness_unit,
+                     "where the file does not say it: m/s^2; of counts with what one is: \"2e-6 m/s^2\"");
   command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
   command.add_flag("--displacement", o.displacement, "witness in m, from m/s^2 or m/s");
 }
@@ -109,7 +110,7 @@ void answer_with_result(DataOptions const& o, CurveSheet const& sheet, std::stri
 std::vector<CurveColumn> coupling_columns(CouplingFunction const& c, std::string const& prefix) {
   CurveColumn value{prefix + "coupling", c.unit, {}, "points"}, low{prefix + "coupling_low", c.unit, {}, "band-low"},
       high{prefix + "coupling_high", c.unit, {}, "band-high"}, limit{prefix + "upper_limit", c.unit, {}, "upper-limit"},
-      wrapped{prefix + "fringe_wrapped", c.unit, {}, "hidden"};
+      wrapped{prefix + "fringe_wrapped", c.unit, {}, "points"};
   std::vector<CurveColumn> seen{{prefix + "witness_ratio", "1", {}, "hidden"},
                                 {prefix + "target_ratio", "1", {}, "hidden"},
                                 {prefix + "significance", "1", {}, "hidden"},
@@ -127,6 +128,20 @@ std::vector<CurveColumn> coupling_columns(CouplingFunction const& c, std::string
   std::vector<CurveColumn> all{value, low, high, limit, wrapped};
   all.insert(all.end(), seen.begin(), seen.end());
   return all;
+}
+
+std::string band_text(BandCoupling const& w, std::string const& unit) {
+  std::string const rise = fmt::format("witness x {:.3g}, target x {:.3g}", w.witness_ratio, w.target_ratio);
+  if (std::isnan(w.factor)) return rise + ", no clear rise of both";
+  std::string text = fmt::format(
+      "{} {} (C.13; {}), right where slow motion of the same surface spreads what small fast motion makes; the quiet "
+      "witness then makes {:.0f} % of the power of the quiet target",
+      plus_minus(w.factor, w.sigma), unit, rise, 100 * w.share);
+  if (!w.rises_at_low && !w.rises_at_high) return text;
+  return text + fmt::format("; the target has risen at {} of the band too: choose it wider",
+                            w.rises_at_low && w.rises_at_high ? "both ends"
+                            : w.rises_at_low                  ? "the low end"
+                                                              : "the high end");
 }
 
 void save_coupling(std::string const& file, CouplingFunction const& c, bool quiet) {

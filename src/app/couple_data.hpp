@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/data_options.hpp"
+#include "commission/band_coupling.hpp"
 #include "commission/coupling.hpp"
 #include "commission/line.hpp"
 
@@ -70,6 +71,9 @@ struct ToMetres {
 ToMetres to_metres(bool displacement, std::string const& unit);
 double factor_at(ToMetres const&, double hz);
 void in_metres(ToMetres const&, std::vector<LinePoint>&);
+
+// "3.7e-14 ± 0.2e-14 1/m (C.13; ...)", with what to do where the band is too narrow.
+std::string band_text(BandCoupling const&, std::string const& unit);
 
 // Answers with numbers that are no curve: beside the curves under "result".
 void answer_with_result(DataOptions const&, CurveSheet const&, std::string const& text, nlohmann::json const& result);

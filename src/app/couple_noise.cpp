@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "app/common_options.hpp"
 #include "app/couple_data.hpp"
@@ -29,8 +30,9 @@ struct NoiseCoupling {
 // One witness over all injections.
 struct Coupled {
   CouplingFunction coupling;
-  CrossSpectra quiet;       // witness in the unit of the coupling
-  TransferEstimate linear;  // H1 of all injections
+  CrossSpectra quiet;                 // witness in the unit of the coupling
+  TransferEstimate linear;            // H1 of all injections
+  std::optional<BandCoupling> whole;  // where single lines are not linear
   std::vector<std::string> notes;
 };
 
@@ -62,6 +64,7 @@ struct Spectra {
   std::string witness, target, witness_unit, target_unit;
   std::vector<std::string> notes;
   FoundStretch found;
+  WelchSettings welch;
 };
 
 Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
@@ -69,7 +72,7 @@ Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::stri
   auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
                              channel_in(where, o.target, o.target_unit, "--target")});
   WelchSettings const w = welch_of(o.data, both[0]);
-  Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}, {}};
+  Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}, {}, w};
   s.found = {fmt::format("{} {}", option, stretch),
              where.file.empty() ? witness.substr(0, witness.find("::")) : where.file, both[0].start, both[0].end()};
   Segments const segments(both[0].samples.size(), both[0].rate, w);
@@ -115,7 +118,11 @@ Coupled couple_one(NoiseCoupling const& o, std::string const& witness, Frequency
   }
   refuse_overlaps(stretches);
   out.coupling = combine(each);
-  out.linear = h1(pooled(loud));
+  CrossSpectra const all = pooled(loud);
+  out.linear = h1(all);
+  auto const is_wrapped = [](CouplingPoint const& p) { return p.flag == CouplingFlag::not_linear; };
+  if (std::any_of(out.coupling.points.begin(), out.coupling.points.end(), is_wrapped))
+    out.whole = band_coupling(all, out.quiet, band.low, band.high, quiet.welch);
   return out;
 }
 
@@ -159,6 +166,13 @@ std::string count_line(CouplingFunction const& c) {
       c.witness, c.points.size(), n[0], n[1], n[2], n[3], n[4]);
 }
 
+// Where single lines say "fringe wrapped": the coupling of all lines together.
+std::string band_line(Coupled const& c) {
+  if (!c.whole) return "";
+  return fmt::format("{}, {:g} to {:g} Hz together: {}\n", c.coupling.witness, c.coupling.points.front().hz,
+                     c.coupling.points.back().hz, band_text(*c.whole, c.coupling.unit));
+}
+
 std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
   std::string text;
   for (Coupled const& c : all) text += count_line(c.coupling);
@@ -178,6 +192,7 @@ std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
   }
   text += aligned(table);
   if (rows.size() > o.show) text += fmt::format("and {} more peaks: --show {}\n", rows.size() - o.show, rows.size());
+  for (Coupled const& c : all) text += band_line(c);
   return text;
 }
 
@@ -198,6 +213,10 @@ CurveSheet sheet_of(std::vector<Coupled> const& all) {
     sheet.y.push_back(std::move(h));
     sheet.y.push_back(std::move(sigma));
     sheet.notes.insert(sheet.notes.end(), c.notes.begin(), c.notes.end());
+    if (std::string line = band_line(c); !line.empty()) {
+      line.pop_back();
+      sheet.notes.insert(sheet.notes.begin(), line);
+    }
   }
   sheet.notes.emplace_back(
       "coupling = sqrt((target_inj^2 - target_quiet^2)/(witness_inj^2 - witness_quiet^2)); upper "
@@ -248,7 +267,8 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
       ->required()
       ->allow_extra_args(false);
   command->add_option("--quiet", o.quiet, "the same, without injection")->required();
-  command->add_option("--witness-unit", o.witness_unit, "where the file does not say it: m/s^2");
+  command->add_option("--witness-unit", o.witness_unit,
+                      "where the file does not say it: m/s^2; of counts with what one is: \"2e-6 m/s^2\"");
   command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
   command->add_flag("--displacement", o.displacement, "witness in m, from m/s^2 or m/s");
   command->add_option("--witness-ratio", o.thresholds.witness, "amplitude of the witness over quiet")

@@ -70,16 +70,28 @@ FrequencyGrid grid_of(PredictOptions const& o, Model const& model) {
   return logarithmic_grid(band.low, band.high, o.points > 0 ? o.points : 60);
 }
 
+// Those of every table, 10 to 1000 Hz; of a band that holds few of them, five across it.
+std::vector<double> told_frequencies(FrequencyGrid const& grid) {
+  std::vector<double> out;
+  double const low = grid.edges.front(), high = grid.edges.back();
+  for (double const f : {10.0, 30.0, 100.0, 300.0, 1000.0})
+    if (f >= low && f < high) out.push_back(f);
+  if (out.size() > 1) return out;
+  out.clear();
+  for (int i = 0; i < 5; ++i) out.push_back(low * std::pow(high / low, (i + 0.5) / 5));
+  return out;
+}
+
 std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, bool rotation) {
   char const* const unit = rotation ? "rad" : "m";
   if (p.routes.empty()) return fmt::format("no route moves with '{}'\n", o.body);
   std::string text = fmt::format("coupling of {} {} to h, mean over static phases, small motion\n", o.body, o.axis);
   Columns curve{{"frequency", fmt::format("coupling [1/{}]", unit)}, {}, {}};
-  for (double const f : {10.0, 30.0, 100.0, 300.0, 1000.0})
+  for (double const f : told_frequencies(p.grid))
     for (std::size_t i = 0; i < p.grid.size(); ++i)
       if (f >= p.grid.edges[i] && f < p.grid.edges[i + 1])
         curve.rows.push_back(
-            {fmt::format("{:g} Hz", f), p.factor[i] > 0 ? plus_minus(p.factor[i], p.sigma[i]) : "unresolved"});
+            {fmt::format("{:.4g} Hz", f), p.factor[i] > 0 ? plus_minus(p.factor[i], p.sigma[i]) : "unresolved"});
   Columns routes{
       {"route", "share", fmt::format("phase [rad/{}]", unit), "multiplicity", fmt::format("linear to [{} peak]", unit)},
       {true},

@@ -17,6 +17,10 @@ struct Explanation {
 // "cone.half_angle", "half_angle" in all tables, "cone" with all its keys; nothing when no name is like it.
 std::optional<Explanation> explain_key(std::string const& what);
 std::string nearest_key(std::string const& what);  // empty: none
+// A thing of the library, "virgo_baffle", or a number of a part or detector, "virgo_baffle.inner_radius".
+std::optional<Explanation> explain_library(std::string const& what);
+// Parts whose names hold the word before the dot, with their numbers, as a suggestion; empty: none.
+std::string parts_like(std::string const& what);
 Explanation explain_unit(std::string const& unit);
 // A message as it was printed, or a part of it; nothing when none is like it.
 std::optional<Explanation> explain_message(std::string const& text);

@@ -10,6 +10,7 @@
 #include "app/explain.hpp"
 #include "app/language.hpp"
 #include "base/message.hpp"
+#include "base/quantity.hpp"
 
 namespace straytrace {
 namespace {
@@ -20,8 +21,23 @@ struct Asked {
   double hz = 30;
 };
 
+// 'unit m/sqrt(Hz)' may stand in quotes as one word.
+std::vector<std::string> words_of(Asked const& asked) {
+  for (std::string const first : {"unit ", "h "})
+    if (asked.words.size() == 1 && asked.words.front().starts_with(first))
+      return {first.substr(0, first.size() - 1), asked.words.front().substr(first.size())};
+  return asked.words;
+}
+
+std::string suggestion_for(std::string const& what) {
+  std::string const near = nearest_key(what);
+  return (near.empty() ? "" : fmt::format("did you mean '{}'? ", near)) + parts_like(what) +
+         "write TABLE.KEY (cone.half_angle), a table (beam), a key (half_angle), PART.NUMBER (lens.diameter), "
+         "'unit m/sqrt(Hz)', or the text of a message";
+}
+
 Explanation answer_to(Asked const& asked) {
-  std::vector<std::string> const& words = asked.words;
+  std::vector<std::string> const words = words_of(asked);
   if (words.front() == "unit" && words.size() == 2) return explain_unit(words[1]);
   if (words.front() == "h" && words.size() == 2) return explain_strain(words[1], asked.path, asked.hz);
   if (words.front() == "h" || words.front() == "unit")
@@ -30,20 +46,22 @@ Explanation answer_to(Asked const& asked) {
                          : "error: 'explain unit' needs a unit\n  write straytrace explain unit 'm/sqrt(Hz)'");
   std::string const what = fmt::format("{}", fmt::join(words, " "));
   if (auto found = explain_key(what)) return *found;
+  if (auto found = explain_library(what)) return *found;
   if (auto found = explain_message(what)) return *found;
-  std::string const near = nearest_key(what);
-  throw InputError(fmt::format(
-      "error: nothing in the language is called '{}'\n  {}write TABLE.KEY (cone.half_angle), a table (beam), a key "
-      "(half_angle), 'unit m/sqrt(Hz)', or the text of a message",
-      what, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
+  if (parse_unit(what)) return explain_unit(what);
+  throw InputError(
+      fmt::format("error: nothing in the language or the library is called '{}'\n  {}", what, suggestion_for(what)));
 }
 
 }  // namespace
 
 void add_explain(CLI::App& app, Options& options, int& exit_code) {
   static Asked asked;
-  auto* const command = app.add_subcommand("explain", "a key of the language, a unit, a message, or a path's factors");
-  command->add_option("what", asked.words, "TABLE.KEY, TABLE, KEY, 'unit U', the text of a message, or 'h RUN'")
+  auto* const command =
+      app.add_subcommand("explain", "a key of the language, a part, a unit, a message, or a path's factors");
+  command
+      ->add_option("what", asked.words,
+                   "TABLE.KEY, TABLE, KEY, a thing of the library, 'unit U', the text of a message, or 'h RUN'")
       ->required();
   command->add_option("--path", asked.path, "of 'explain h': rank in the path table; 1 unless given")
       ->check(whole_between(1, 1e6, "3"));
@@ -53,6 +71,7 @@ void add_explain(CLI::App& app, Options& options, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  straytrace explain cone.half_angle\n"
+      "  straytrace explain virgo_baffle.inner_radius\n"
       "  straytrace explain unit 'm/sqrt(Hz)'\n"
       "  straytrace explain \"does not say which amplitude it is\"\n"
       "  straytrace explain h out/run.h5 --path 2 --at 10");

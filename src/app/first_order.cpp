@@ -75,7 +75,10 @@ void print_seen(Model const& model, FirstOrderList const& list, std::size_t show
   }
   std::cout << fmt::format("Seen from {}: throughput {:.4g} m^2 sr in all", name_of(model, list.ending), list.total);
   if (list.outside.scored > 0) std::cout << fmt::format(", of it {} past everything", cell(list.outside));
-  std::cout << '\n' << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
+  if (table.rows.empty())
+    std::cout << "\nno walk met a surface: narrow or distant ones may be missed, more walks see more (--histories)\n\n";
+  else
+    std::cout << '\n' << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
 }
 
 void print_csv(Model const& model, std::vector<FirstOrderList> const& lists) {

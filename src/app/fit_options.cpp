@@ -36,8 +36,8 @@ MotionKind kind_of(TimeSeries const& x, std::string const& option) {
     }
   throw InputError(
       fmt::format("error: {}: '{}' is in '{}', which is no motion\n  give m or rad, or one of them per s or s^2; say "
-                  "the unit with --witness-unit",
-                  option, x.name, x.unit));
+                  "the unit with {}-unit, of counts with what one is: \"2e-6 m/s^2\"",
+                  option, x.name, x.unit, option));
 }
 
 // Displacement [m] or angle [rad].
@@ -140,7 +140,7 @@ FringeRecords records_of(FitOptions const& o) {
   // Beyond the span of the target witnesses are welcome: delays reach there.
   records.witnesses.push_back(motion_of(series_argument(o.witness, o.witness_unit, span), o, "--witness"));
   if (!o.witness2.empty())
-    records.witnesses.push_back(motion_of(series_argument(o.witness2, o.witness_unit, span), o, "--witness2"));
+    records.witnesses.push_back(motion_of(series_argument(o.witness2, o.witness2_unit, span), o, "--witness2"));
   if (records.witnesses.front().unit != records.witnesses.back().unit)
     throw InputError("error: --witness2: one witness is an angle and the other a displacement\n  give two of one kind");
   if (o.witness2.empty() && (!o.ratio.empty() || is_free(o, "ratio")))
@@ -204,7 +204,9 @@ void add_record_options(CLI::App& command, FitOptions& o) {
   command.add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
   command.add_option("--witness", o.witness, "record of the motion, FILE or FILE::CHANNEL: m or rad, or per s or s^2");
   command.add_option("--witness2", o.witness2, "motion of a second body: the fit takes x_1 - ratio x_2");
-  command.add_option("--witness-unit", o.witness_unit, "where the file does not say it: um");
+  command.add_option("--witness-unit", o.witness_unit,
+                     "where the file does not say it: um; of counts with what one is: \"2e-6 m/s^2\"");
+  command.add_option("--witness2-unit", o.witness2_unit, "the same of the second witness");
   command.add_option("--corner", o.corner, "high pass of a witness that is integrated: \"0.05 Hz\"");
   command.add_option("--ratio", o.ratio, "of the second witness: 1 (default), a range 0.5..1.5, or free: 0..2");
   command.add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all that they share");

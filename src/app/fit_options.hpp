@@ -18,7 +18,7 @@ struct FitOptions {
   DataOptions data;
   std::string run, body, axis;    // of the model; none: fit data alone
   std::vector<std::size_t> rows;  // --path: ranks in its path table
-  std::string target, target_unit, witness, witness2, witness_unit, corner;
+  std::string target, target_unit, witness, witness2, witness_unit, witness2_unit, corner;
   std::string wavelength, multiplicity, delay, drift, ratio, gain;
   std::vector<std::string> free;
   std::size_t paths = 1;

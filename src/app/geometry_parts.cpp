@@ -5,10 +5,9 @@
 
 #include <array>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <variant>
 
+#include "base/file_bytes.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "world/cad_shapes.hpp"
@@ -21,11 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string contents(fs::path const& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || fs::is_directory(file))
-    throw InputError(
-        fmt::format("error: cannot read '{}'\n  check the name and the folder, and that it is a file", file.string()));
-  return {std::istreambuf_iterator<char>(in), {}};
+  FileBytes read = bytes_of_file(file);
+  if (!read.why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  check the name and the folder, and that it is a file",
+                                 file.string(), read.why));
+  return std::move(read.bytes);
 }
 
 void refuse(std::string const& name, MeshFault const& fault) {

@@ -6,20 +6,22 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <optional>
 
 #include "app/common_options.hpp"
 #include "app/inspect_geometry.hpp"
 #include "app/inspect_motion.hpp"
 #include "app/inspect_scatter.hpp"
+#include "app/library_list.hpp"
 #include "app/read_file.hpp"
 #include "app/tell.hpp"
+#include "base/file_bytes.hpp"
 #include "base/message.hpp"
+#include "hdf5/hdf5.hpp"
 #include "page/material_json.hpp"
 #include "report/picture.hpp"
+#include "report/report.hpp"
 #include "world/material_presets.hpp"
 #include "world/material_view.hpp"
 #include "world/read_newmtl.hpp"
@@ -51,9 +53,17 @@ Scene scene_of_preset(std::string const& name, FileTexts& texts) {
 [[noreturn]] void refuse_name(std::string const& name) {
   std::vector<std::string> names;
   for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
+  for (LibraryEntry const& e : library_entries()) {
+    if (e.name == name)
+      throw InputError(fmt::format(
+          "error: '{0}' is a {1} of the library, and inspect shows presets, materials of a scene, and files\n  see "
+          "straytrace library {0}",
+          name, e.kind));
+    names.push_back(e.name);
+  }
   std::string const near = nearest_word(name, names);
   throw InputError(
-      fmt::format("error: '{}' is neither a file nor a preset\n  {}to see a material of a scene, name the "
+      fmt::format("error: '{}' is neither a file nor in the library\n  {}to see a material of a scene, name the "
                   "scene after it: straytrace inspect steel arm.yaml",
                   name, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
 }
@@ -96,25 +106,19 @@ void print(WorldView const& world, MaterialInfo const& info, std::vector<std::st
   print_bsdf(world, optic, -1);
 }
 
-// Writes the data beside the picture for as long as it is drawn.
 void plot(nlohmann::json const& data, std::string const& png) {
-  std::string const file = png + ".json";
-  if (!(std::ofstream(file) << data.dump()))
-    throw InputError(
-        fmt::format("error: cannot write '{}'\n  name a picture in a folder that exists, with --plot", png));
   std::string message;
-  bool const drawn = draw_law_picture(file, png, message);
-  std::filesystem::remove(file);
-  if (!drawn) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  std::string const picture = picture_of(data.dump(), draw_law_picture, message);
+  if (picture.empty()) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  write_file(png, picture);
   std::cout << "\npicture: " << png << '\n';
 }
 
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(fmt::format("error: cannot read '{}'\n  check the name and the folder", file));
-  std::string const text(std::istreambuf_iterator<char>(in), {});
+  auto const [text, why] = bytes_of_file(file);
+  if (!why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  check the name and the folder", file, why));
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
   std::string const name = std::filesystem::path(file).filename().string();
@@ -153,12 +157,26 @@ std::optional<Scene> scene_asked(Inspected const& i, Options const& options, Fil
     throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
   if (own || whole) return read_scene(own ? i.scene : name, options.overrides);
   if (is_preset(name)) return scene_of_preset(name, texts);
-  if (!std::filesystem::is_regular_file(name)) refuse_name(name);
-  return {};
+  if (std::filesystem::is_regular_file(name)) return {};
+  refuse_name(name);
+}
+
+// Of a file that is HDF5: whether it says that it is a run, as records of sensors do not.
+bool is_run(std::string const& file) {
+  try {
+    return hdf5::Reader(read_file(file)).file().attrExists("file_type");
+  } catch (InputError const&) {
+    return true;  // damaged: what reads runs says so
+  }
 }
 
 int inspect(Inspected const& i, Options const& options) {
   std::string const& name = i.what.file;
+  if (is_run_file(name) && !is_run(name))
+    throw InputError(fmt::format(
+        "error: '{0}' is HDF5 and no run file\n  of recorded data, see straytrace signal psd {0}, which names its "
+        "channels",
+        name));
   if (is_run_file(name))
     throw InputError(fmt::format(
         "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "

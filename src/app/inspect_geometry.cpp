@@ -59,7 +59,7 @@ std::string entry(std::string const& file, GeometryFile const& g, std::string co
   for (GeometryPart const& p : g.parts)
     if (!p.colour.empty()) colours.insert(p.colour);
   for (std::string const& c : colours) out += fmt::format("      # or by colour: \"color {}\": MATERIAL\n", c);
-  return out + "      default: MATERIAL\n";
+  return out + "      default: MATERIAL\n    # lenses and windows: medium: {\"PART\": fused_silica}\n";
 }
 
 void print_text(std::string const& file, GeometryFile const& g, std::string const& units) {
@@ -67,10 +67,13 @@ void print_text(std::string const& file, GeometryFile const& g, std::string cons
       "{}: {}\nunit   {}\nsize   {}, from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) {}\n", file, g.format,
       g.unit, g.unit_known ? size_text(g.box, 1) : "see unit", g.box.lower.x, g.box.lower.y, g.box.lower.z,
       g.box.upper.x, g.box.upper.y, g.box.upper.z, g.unit_known ? "m" : "in the unit of the file");
-  std::cout << fmt::format("\n{:<32}{:<9}{:>12}  faces\n", "part", "colour", g.unit_known ? "area [m2]" : "area");
+  std::size_t width = 30;
+  for (GeometryPart const& p : g.parts) width = std::max(width, p.name.size());
+  std::cout << fmt::format("\n{:<{}}  {:<9}{:>12}  faces\n", "part", width, "colour",
+                           g.unit_known ? "area [m2]" : "area");
   for (GeometryPart const& p : g.parts)
-    std::cout << fmt::format("{:<32}{:<9}{:>12.6g}  {}{}{}\n", p.name, p.colour.empty() ? "-" : p.colour, p.area,
-                             faces_text(p), p.material.empty() ? "" : ", material '" + p.material + "'",
+    std::cout << fmt::format("{:<{}}  {:<9}{:>12.6g}  {}{}{}\n", p.name, width, p.colour.empty() ? "-" : p.colour,
+                             p.area, faces_text(p), p.material.empty() ? "" : ", material '" + p.material + "'",
                              p.closed.empty() ? "" : ", " + p.closed);
   for (MeshFault const& n : g.notes) std::cout << fmt::format("\nnote: {}\n      {}\n", n.what, n.suggestion);
   std::cout << "\nThat parts pass through each other is not checked. For a scene:\n\n" << entry(file, g, units);

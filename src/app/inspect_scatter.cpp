@@ -7,14 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 
 #include "app/scatter_text.hpp"
 #include "base/constants.hpp"
 #include "base/csv_cells.hpp"
 #include "base/document.hpp"
+#include "base/file_bytes.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "report/report.hpp"
@@ -34,10 +33,8 @@ double length_of(std::string const& text) {
 }
 
 ScatterFile read(ScatterRequest const& r) {
-  std::ifstream in(r.file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(r.file))
-    throw InputError(fmt::format("error: cannot read '{}'\n  name a file", r.file));
-  std::string const text(std::istreambuf_iterator<char>(in), {});
+  auto const [text, why] = bytes_of_file(r.file);
+  if (!why.empty()) throw InputError(fmt::format("error: cannot read '{}': {}\n  name a file", r.file, why));
   ScatterDeclared given;
   given.angles = r.angles;
   given.entry = r.entry;
@@ -146,12 +143,10 @@ nlohmann::json as_json(std::string const& name, ScatterFile const& file, Scatter
 }
 
 void draw(nlohmann::json const& data, std::string const& png) {
-  std::string const json = png + ".json";
-  write_file(json, data.dump());
   std::string message;
-  bool const drawn = draw_scatter_picture(json, png, message);
-  std::filesystem::remove(json);
-  if (!drawn) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  std::string const picture = picture_of(data.dump(), draw_scatter_picture, message);
+  if (picture.empty()) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  write_file(png, picture);
 }
 
 }  // namespace

@@ -89,11 +89,18 @@ std::string material_in_brief(NodeData const& m) {
   return value.empty() ? "absorbs all" : value;
 }
 
-std::string part_in_brief(NodeData const& part) {
-  std::string value;
-  if (NodeData::Entry const* params = part.find("params"))
+// Parameters with their defaults; of a table {value, status, source} the value.
+std::vector<std::pair<std::string, std::string>> numbers_of(NodeData const& about) {
+  std::vector<std::pair<std::string, std::string>> all;
+  if (NodeData::Entry const* params = about.find("params"))
     for (NodeData::Entry const& p : params->value->entries)
-      if (p.value->kind == Node::Kind::scalar) append(value, p.key + " " + p.value->text, ", ");
+      all.emplace_back(p.key, p.value->kind == Node::Kind::scalar ? p.value->text : text_at(*p.value, "value"));
+  return all;
+}
+
+std::string part_in_brief(LibraryEntry const& part) {
+  std::string value;
+  for (auto const& [name, number] : part.numbers) append(value, name + " " + number, ", ");
   return value;
 }
 
@@ -103,7 +110,8 @@ LibraryEntry entry_of(std::string kind, NodeData::Entry const& e, EmbeddedFile c
   NodeData const& facts = preset && preset->value->kind == Node::Kind::table ? *preset->value : about;
   std::string const include = file.name == builtin_parts ? "" : std::string(file.name);
   LibraryEntry out{std::move(kind), e.key, include, "", "", "", "", "", block(file.text, line)};
-  out.value = out.kind == "material" ? material_in_brief(about) : part_in_brief(about);
+  if (out.kind == "part") out.numbers = numbers_of(about);
+  out.value = out.kind == "material" ? material_in_brief(about) : part_in_brief(out);
   out.wavelength = text_at(facts, "wavelength");
   out.status = text_at(facts, "status");
   out.source = text_at(facts, "source");
@@ -140,6 +148,7 @@ LibraryEntry detector_of(EmbeddedFile const& file, NodeData const& root) {
   out.wavelength = number("lambda");
   out.status = fmt::format("{} numbers, {} assumed", params.entries.size(), assumed);
   out.note = headline(file.text);
+  out.numbers = numbers_of(root);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace straytrace {
@@ -13,7 +14,8 @@ struct LibraryEntry {
   std::string file;   // what to include; empty: known without
   std::string value;  // numbers in brief, low / mid / high where they have a bracket
   std::string wavelength, status, source, note;
-  std::string text;  // as written
+  std::string text;                                               // as written
+  std::vector<std::pair<std::string, std::string>> numbers = {};  // of parts and detectors: parameter, default
 };
 
 std::vector<LibraryEntry> library_entries();  // by kind, then as the files have them

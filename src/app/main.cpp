@@ -2,12 +2,15 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <string_view>
 
 #include "app/build_info.hpp"
 #include "app/command_words.hpp"
+#include "app/device.hpp"
 #include "app/events.hpp"
 #include "app/options.hpp"
 #include "base/message.hpp"
@@ -62,6 +65,10 @@ void add_unsaved(std::string const& pair) {
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
+std::string version_text() {
+  return std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")\n" + devices_text();
+}
+
 // For programs that start this one.
 void add_program_options(CLI::App& app) {
   app.add_flag_callback("--events", tell_events, "progress and problems as lines of JSON on stderr");
@@ -79,9 +86,10 @@ void add_program_options(CLI::App& app) {
 
 int main(int argc, char** argv) {
   using namespace straytrace;
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
   CLI::App app{"straytrace: stray-light noise of interferometric gravitational-wave detectors", "straytrace"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")");
+  app.set_version_flag("--version", version_text);
   app.footer("Every command explains itself: straytrace run --help");
   add_program_options(app);
   Options options;
@@ -103,6 +111,9 @@ int main(int argc, char** argv) {
   } catch (std::filesystem::filesystem_error const& e) {
     say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
     return input_error;
+  } catch (std::bad_alloc const&) {
+    say("the memory does not hold this model or file\n  take a smaller one, or a machine with more memory", json);
+    return numerical_failure;
   } catch (std::exception const& e) {
     say(e.what(), json);
     return numerical_failure;

@@ -8,6 +8,7 @@
 
 #include "app/entrances.hpp"
 #include "app/ghost_noise.hpp"
+#include "app/report_page.hpp"
 #include "base/document.hpp"
 #include "base/message.hpp"
 #include "ifo/ports.hpp"
@@ -38,6 +39,7 @@ void read_orders(Model& model) {
   if (!model.histories_stated) model.histories = model.until.by_error() ? no_limit : 1 << 20;
   if (Node const r = model.scene.table("report")) {
     model.paths_shown = r.whole("paths", 12, 1, 1e6);
+    read_pictures(r);
     r.refuse_unknown("'report'");
   }
 }

@@ -19,12 +19,12 @@ struct Options {
   std::string input, out, motion, response;
   std::vector<std::string> overrides;  // "aperture=60cm"
   std::string format = "text", until;
+  std::string backend = "cpu";
   std::optional<std::uint64_t> seed, histories;
   unsigned threads = 0;
   double max_seconds = 0;               // 0: no limit
   double checkpoint_seconds = 1200;     // between writings of the run file while it is traced; infinite: none
   std::uint64_t slice = 1, slices = 1;  // 7/200
-  std::string backend = "cpu";
   bool force = false, quiet = false, strict = false, resolved = false;
   std::string where;
   std::size_t show = 0;  // 0: as the scene says

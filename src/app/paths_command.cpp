@@ -2,6 +2,7 @@
 // straytrace paths: the ranked table of routes of a run, by port or by receiver.
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -71,6 +72,8 @@ int paths(Options const& options, PathsChoice const& choice) {
     FrequencyBand const band = option_band(choice.band, "--band");
     settings.low = band.low;
     settings.high = band.high;
+    std::erase_if(settings.frequencies, [&](double f) { return f < band.low || f > band.high; });
+    if (settings.frequencies.empty()) settings.frequencies = {std::sqrt(band.low * band.high)};
   }
   print_ports(options, choice, content,
               path_table(file.trace.coupling, budget, budget ? &model.motion : nullptr, settings), show);

@@ -7,6 +7,7 @@
 
 #include "app/common_options.hpp"
 #include "app/data_options.hpp"
+#include "app/device.hpp"
 #include "app/project_coupling.hpp"
 #include "app/time_results.hpp"
 
@@ -35,6 +36,7 @@ TimeDomainSettings settings_of(TimeOptions const& o, TimeInputs const& in) {
   s.band_high = in.model.noise.grid.edges.back();
   s.delay = o.retarded ? Delay::half_path : Delay::none;
   s.threads = o.threads;
+  s.direct = phase_summer(o.backend);
   return s;
 }
 
@@ -129,6 +131,7 @@ void add_project(CLI::App& app, Options&, int& exit_code) {
   command->add_flag("--retarded", o.time.retarded, "each path sees the motion as it was half of its length ago");
   command->add_option("--threads", o.time.threads, "default: all cores; does not change the result")
       ->check(whole_between(1, 1024, "4"));
+  command->add_option("--backend", o.time.backend, "cpu, or cuda: fields are summed on a GPU; the same bits");
   command->add_option("-o,--out", o.files.strain, "h(t) of the first realisation: .hdf5, .txt, .csv, .png, .html");
   command->add_option("--asd", o.files.asd, "spectrum of h: .txt .csv .hdf5 .json .png .html");
   command->add_option("--spectrogram", o.files.spectrogram, "of h, first realisation: .png .html .txt .hdf5");

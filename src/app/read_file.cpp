@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/read_file.hpp"
 
-#include <fstream>
-
 #include "app/model.hpp"
+#include "base/file_bytes.hpp"
 
 namespace straytrace {
 
 bool is_run_file(std::string const& file) {
   constexpr std::string_view seal = "straytrace-run ", hdf5 = "\x89HDF\r\n\x1a\n";
-  std::string head(seal.size(), ' ');
-  std::ifstream(file, std::ios::binary).read(head.data(), std::streamsize(head.size()));
+  std::string const head = head_of_file(file, seal.size());
   return head == seal || head.starts_with(hdf5);
 }
 

@@ -54,7 +54,7 @@ bool is_picture(std::string const& file) {
   return file.ends_with(".pdf") || file.ends_with(".png") || file.ends_with(".svg");
 }
 
-int report(Options const& options, ReportWanted const& wanted, std::string const& csv) {
+int report(Options const& options, ReportWanted wanted, std::string const& csv) {
   if (is_scene(options.input))
     throw InputError(
         fmt::format("error: '{}' is a scene, and a report is about a run\n  trace it first: straytrace run {} -o out/",
@@ -67,6 +67,7 @@ int report(Options const& options, ReportWanted const& wanted, std::string const
     return done;
   }
   Opened const run(options.input);
+  if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
   if (!csv.empty()) write_curves(csv, run.content, run.table);
   Picture const svg = wanted.has("budget") ? budget_svg(options.input, message) : Picture{};
   if (!message.empty() && !options.quiet)
@@ -141,8 +142,9 @@ void add_report(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--show", wanted.paths, "paths drawn of each of them; 12 unless given")
       ->check(whole_between(1, 512, "30"));
   command
-      ->add_option("--pictures", wanted.pictures,
-                   "of budget, scene, maps, ghosts, materials, convergence; default: all")
+      ->add_option(
+          "--pictures", wanted.pictures,
+          "of budget, scene, maps, ghosts, materials, convergence; default: those of 'report' in the scene, or all")
       ->delimiter(',')
       ->check(CLI::IsMember(report_pictures()));
   command->add_option("--title", wanted.title, "instead of that of the scene");

@@ -2,6 +2,7 @@
 #include "app/report_page.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "app/ghost_noise.hpp"
 #include "app/ghost_search.hpp"
 #include "app/session.hpp"
+#include "base/message.hpp"
 #include "page/html.hpp"
 #include "page/material_json.hpp"
 #include "page/page_json.hpp"
@@ -119,6 +121,19 @@ Json maps_part(Model const& model, RunContent const& run, PathTable const& table
 std::vector<std::string> const& report_pictures() {
   static std::vector<std::string> const all = {"budget", "scene", "maps", "ghosts", "materials", "convergence"};
   return all;
+}
+
+std::vector<std::string> read_pictures(Node const& report) {
+  std::vector<std::string> wanted;
+  for (Node const& word : report.list("pictures")) {
+    wanted.push_back(word.as_word());
+    if (word.kind() != Node::Kind::scalar || std::ranges::count(report_pictures(), wanted.back()) > 0) continue;
+    std::string const near = nearest_word(wanted.back(), report_pictures());
+    word.problem(fmt::format("a report has no picture '{}'", wanted.back()),
+                 fmt::format("{}write some of: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
+                             fmt::join(report_pictures(), ", ")));
+  }
+  return wanted;
 }
 
 bool ReportWanted::has(std::string const& picture) const {

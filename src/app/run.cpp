@@ -22,7 +22,9 @@ std::string write_with_page(std::string const& folder, RunContent const& content
                             Model const& model) {
   std::string undrawn = write_results(folder, content, paths, model);
   Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
-  write_file(folder + "/report.html", report_page(content, paths, model, {}, picture));
+  ReportWanted wanted;
+  wanted.pictures = read_pictures(model.scene.table("report"));
+  write_file(folder + "/report.html", report_page(content, paths, model, wanted, picture));
   return undrawn;
 }
 

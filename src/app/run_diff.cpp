@@ -31,6 +31,11 @@ WithError rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, double
   return {h, h > 0 ? error / (2 * h) : 0};
 }
 
+bool same_histories(RunFile const& before, RunFile const& after) {
+  CouplingTable const &b = before.trace.coupling, &a = after.trace.coupling;
+  return before.about.model_hash == after.about.model_hash && b.seed == a.seed && b.histories == a.histories;
+}
+
 using ById = std::map<std::uint64_t, NoiseTrace const*>;
 
 ById by_id(NoiseBudget const& b) {
@@ -39,12 +44,44 @@ ById by_id(NoiseBudget const& b) {
   return out;
 }
 
+// Error of the change of a route's rms, or of independent values.
+double error_of_change(WithError const& before, WithError const& after, bool common) {
+  return common ? std::fabs(before.sigma - after.sigma) : std::hypot(before.sigma, after.sigma);
+}
+
 Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid const& before, FrequencyGrid const& after,
                     RunDifference const& d) {
   NoiseTrace const& any = b ? *b : *a;
   bool const open = (b && !b->resolved) || (a && !a->resolved);
-  return {any.name, fmt::format("{:016x}", any.hash), b ? rms(*b, before, d.low, d.high) : WithError{},
-          a ? rms(*a, after, d.low, d.high) : WithError{}, open};
+  WithError const x = b ? rms(*b, before, d.low, d.high) : WithError{},
+                  y = a ? rms(*a, after, d.low, d.high) : WithError{};
+  return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open};
+}
+
+// Of the total in one band, x and y, when both runs are of the same histories.
+double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const& x, WithError const& y, double low,
+                    double high) {
+  ById const after = by_id(a);
+  auto const share = [](WithError const& route, WithError const& total) {
+    return total.value > 0 ? route.value * route.value / (2 * total.value) : 0;
+  };
+  double variance = 0;
+  for (NoiseTrace const& t : b.routes) {
+    auto const found = after.find(t.hash);
+    WithError const p = rms(t, b.grid, low, high),
+                    q = found == after.end() ? WithError{} : rms(*found->second, a.grid, low, high);
+    WithError const& known = p.value > 0 ? p : q;
+    if (!(known.value > 0)) continue;
+    double const error = (share(q, y) - share(p, x)) * 2 * known.sigma / known.value;
+    variance += error * error;
+  }
+  return std::sqrt(variance);
+}
+
+Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, double high, bool common) {
+  WithError const x = rms(b.total, b.grid, low, high), y = rms(a.total, a.grid, low, high);
+  double const error = common ? common_error(b, a, x, y, low, high) : error_of_change(x, y, false);
+  return {fmt::format("{:g} to {:g} Hz", low, high), "", x, y, error, !b.total.resolved || !a.total.resolved};
 }
 
 std::string line(Change const& c, std::size_t width) {
@@ -86,15 +123,18 @@ nlohmann::ordered_json as_json(std::vector<Change> const& all) {
 }  // namespace
 
 double Change::sigmas() const {
-  double const error = std::hypot(before.sigma, after.sigma), change = after.value - before.value;
+  double const change = after.value - before.value;
   return error > 0 ? change / error : change == 0 ? 0 : not_a_number;
 }
 
 RunDifference run_differences(RunFile const& before, RunFile const& after) {
   if (!before.noise || !after.noise)
-    throw InputError("error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'");
+    throw InputError(
+        "error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'; "
+        "one that was only traced gets its noise by 'straytrace noise RUN -o DIR'");
   NoiseBudget const &b = *before.noise, &a = *after.noise;
   RunDifference d;
+  d.common = same_histories(before, after);
   d.low = std::max(b.grid.edges.front(), a.grid.edges.front());
   d.high = std::min(b.grid.edges.back(), a.grid.edges.back());
   if (!(d.low < d.high))
@@ -104,10 +144,7 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
   for (double const f : ends)
     if (f > d.low && f < d.high) at.push_back(f);
   at.push_back(d.high);
-  bool const bound = !b.total.resolved || !a.total.resolved;
-  for (std::size_t i = 0; i + 1 < at.size(); ++i)
-    d.bands.push_back({fmt::format("{:g} to {:g} Hz", at[i], at[i + 1]), "", rms(b.total, b.grid, at[i], at[i + 1]),
-                       rms(a.total, a.grid, at[i], at[i + 1]), bound});
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) d.bands.push_back(band_change(b, a, at[i], at[i + 1], d.common));
   ById const x = by_id(b), y = by_id(a);
   for (auto const& [id, trace] : x)
     d.routes.push_back(route_change(trace, y.contains(id) ? y.at(id) : nullptr, b.grid, a.grid, d));
@@ -123,13 +160,18 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
 
 std::string run_difference_text(RunDifference const& d) {
   return fmt::format(
-      "\nrms strain of the total, in bands (one Monte-Carlo standard error of each; runs taken as independent)\n{}"
+      "\nrms strain of the total, in bands (one Monte-Carlo standard error of each; {})\n{}"
       "\nrms strain of routes, {:g} to {:g} Hz, largest change first\n{}",
+      d.common ? "same histories: sigmas of what changes, since both err alike" : "runs taken as independent",
       lines(d.bands, d.bands.size()), d.low, d.high, lines(d.routes, shown));
 }
 
 nlohmann::ordered_json run_difference_json(RunDifference const& d) {
-  return {{"low_hz", d.low}, {"high_hz", d.high}, {"bands", as_json(d.bands)}, {"routes", as_json(d.routes)}};
+  return {{"low_hz", d.low},
+          {"high_hz", d.high},
+          {"same_histories", d.common},
+          {"bands", as_json(d.bands)},
+          {"routes", as_json(d.routes)}};
 }
 
 }  // namespace straytrace

@@ -11,11 +11,11 @@
 
 namespace straytrace {
 
-// A value of both runs; `sigmas` of the change in standard errors of both together, taken as independent. NaN where one
-// of them has no answer.
+// A value of both runs, and the change in standard errors; NaN where there is no answer.
 struct Change {
   std::string what, id;  // "30 to 100 Hz", or a route and its hash
   WithError before, after;
+  double error = 0;    // of the change: of independent runs both together; of the same histories see run_differences
   bool bound = false;  // one of them is a lower bound
   double sigmas() const;
 };
@@ -24,8 +24,12 @@ struct RunDifference {
   std::vector<Change> bands;   // rms strain of the total in the band, from 1/sqrt(Hz) over all its bins [1]
   std::vector<Change> routes;  // the same over the common band, by largest change of power; matched by id
   double low = 0, high = 0;    // Hz, the common band
+  bool common = false;         // same model, seed and number of histories: other motion or responses
 };
 
+// Runs of the same histories (other motion or responses) share the light: the power of route j is C_j times a factor
+// that the motion sets, and both have the relative error r_j of C_j. The change of a total, h = sqrt(sum of P_j), then
+// has the variance sum of ((P_j'/2h' - P_j/2h) r_j)^2.
 RunDifference run_differences(RunFile const& before, RunFile const& after);
 std::string run_difference_text(RunDifference const&);
 nlohmann::ordered_json run_difference_json(RunDifference const&);

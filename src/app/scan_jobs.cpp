@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -41,7 +43,9 @@ std::vector<Job> different_models(std::vector<Settings> const& points, Options c
   return jobs;
 }
 
+// A child; it ends its blocks and writes when the scan is killed.
 [[noreturn]] void work(Job const& job, Options options, Requirement const& requirement, unsigned jobs) {
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   options.quiet = true;
   if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency() / jobs);
   int code = input_error;
@@ -78,7 +82,11 @@ std::set<std::string> trace_together(std::vector<Settings> const& points, Option
     if (running.empty()) break;  // stopped
     int status = 0;
     pid_t const child = ::waitpid(-1, &status, 0);
-    if (child < 0 && errno == EINTR) continue;  // Ctrl-C: the jobs have had it too and finish their blocks
+    if (child < 0 && errno == EINTR) {  // Ctrl-C the jobs have had too; what was sent to this process alone goes on
+      for (auto const& [process, ignored] : running)
+        if (stop) ::kill(process, SIGTERM);
+      continue;
+    }
     auto const job = running.find(child);
     if (job == running.end()) continue;
     ++finished;

@@ -57,7 +57,10 @@ std::string scan_text(ScanTable const& t) {
   if (compared) text += fmt::format("\nline: {}; above 1 the total exceeds it.", t.line);
   text += "\nh: one-sided strain ASD in 1/sqrt(Hz), mean over static phases; (n): one standard error, last digits.\n";
   for (ScanPoint const& p : t.points)
-    if (bound(p)) return text + "'>': a lower bound, routes are unresolved.\n";
+    if (bound(p))
+      return text +
+             "'>': a lower bound, 'no answer': no route is resolved; give more --histories, or --until \"h_total < 5 "
+             "%\".\n";
   return text;
 }
 

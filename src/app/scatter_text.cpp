@@ -52,6 +52,17 @@ std::string finding(char const* about, bool good, std::string const& what) {
   return fmt::format("  {:<14}{} {}\n", about, good ? "ok:" : "look:", what);
 }
 
+// Degrees would end at 90: a column of radian, read as degrees, ends at pi/2 of them.
+bool seems_to_be_radian(ScatterFile const& file) {
+  double most = 0, least = infinity;
+  for (ScatterPoint const& p : file.points) {
+    if (!std::isfinite(p.theta_s)) return false;
+    most = std::max({most, p.theta_i, std::fabs(p.theta_s)});
+    least = std::min(least, p.theta_i);
+  }
+  return most > 0.5 * degree && most < 1.58 * degree && least < 0.9 * most;
+}
+
 std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
   std::string out = "\n";
   auto const most = std::max_element(audit.incidences.begin(), audit.incidences.end(),
@@ -70,8 +81,11 @@ std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
     out += finding(
         "noise floor", file.declared.noise_floor == 0 || file.format != "laboratory CSV",
         file.declared.noise_floor == 0 ? "declared as none" : "not declared: no point counts as an upper limit");
-  out += finding("angles", audit.turns + audit.duplicates == 0,
-                 fmt::format("run back {} times; {} directions measured twice", audit.turns, audit.duplicates));
+  bool const tiny = seems_to_be_radian(file);
+  out += finding(
+      "angles", audit.turns + audit.duplicates == 0 && !tiny,
+      fmt::format("run back {} times; {} directions measured twice{}", audit.turns, audit.duplicates,
+                  tiny ? "; none is above 1.58 deg: if they are radian, write 'theta_i [rad], theta_s [rad]'" : ""));
   out += finding(
       "isotropy", audit.spread < 1.5,
       fmt::format("points of one incidence at the same |beta-beta0| differ by a factor {:.3g} at most", audit.spread));
@@ -91,6 +105,31 @@ std::string with_error(FitParameter const& p) {
   if (!std::isfinite(p.error)) return fmt::format("{} = {:.2g}{} (not resolved)", p.name, p.value, unit);
   int const digits = std::clamp(int(std::floor(std::log10(std::fabs(p.value) / p.error))) + 2, 1, 6);
   return fmt::format("{} = {:.{}g} +- {:.2g}{}", p.name, p.value, digits, p.error, unit);
+}
+
+// The point that is farthest from a fit, when it is far: a glint, light that missed the sample, a slip of the pen.
+std::string farthest_text(ScatterFile const& file, ScatterFit const& fit) {
+  constexpr double far = 3;  // factor
+  double worst = std::log(far);
+  ScatterPoint const* point = nullptr;
+  double ratio = 1;
+  for (std::size_t i = 0; i < file.points.size() && i < fit.fitted.size(); ++i) {
+    ScatterPoint const& p = file.points[i];
+    double const off = std::fabs(std::log(p.value / fit.fitted[i]));
+    if (p.limit || !(off > worst)) continue;
+    worst = off;
+    point = &p;
+    ratio = p.value / fit.fitted[i];
+  }
+  if (!point) return "";
+  std::string const where =
+      std::isfinite(point->theta_s)
+          ? fmt::format("theta_i {:.4g} deg, theta_s {:.4g} deg", point->theta_i / degree, point->theta_s / degree)
+          : fmt::format("theta_i {:.4g} deg, offset {:.4g}", point->theta_i / degree, point->offset);
+  return fmt::format(
+      "  look: line {} ({}) is {:.3g} times the best fit: a glint, or a bad point? 'model: table' spreads it over a\n"
+      "  ring about the specular direction; leave it out there, and look at the part where it comes from\n",
+      point->line, where, ratio);
 }
 
 std::string fits_text(ScatterFile const& file, std::vector<ScatterFit> const& fits) {
@@ -113,6 +152,7 @@ std::string fits_text(ScatterFile const& file, std::vector<ScatterFit> const& fi
   }
   if (!best) return out;
   if (best->scaled) out += "  errors of the parameters: scaled by the residuals, sqrt(chi2 / degrees of freedom)\n";
+  out += farthest_text(file, *best);
   out += "\nto paste into a material, the best fit first:\n";
   std::vector<ScatterFit const*> sound;
   for (ScatterFit const& fit : fits)

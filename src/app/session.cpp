@@ -18,6 +18,7 @@
 #include "app/interrupt.hpp"
 #include "app/tell.hpp"
 #include "base/message.hpp"
+#include "report/growing_file.hpp"
 #include "report/picture.hpp"
 #include "report/run_part.hpp"
 #include "trace/edges.hpp"
@@ -150,6 +151,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
   if (std::filesystem::is_directory(run_file))
     throw InputError(fmt::format("error: '{}' is a folder\n  name a file with -o, for example -o {}", run_file,
                                  (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
+  GrowingFile const can_be_written(run_file);  // or hours of tracing would be lost
   if (force || !std::filesystem::exists(run_file)) return {};
   RunFile earlier;
   try {
@@ -195,7 +197,8 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   settings.slice = {options.slice, options.slices};
   resume_earlier(model, options, run_file, settings);
   settings.seed = model.seed;
-  settings.threads = options.threads;
+  auto const backend = make_backend(transport ? "cpu" : options.backend);
+  settings.threads = options.threads > 0 ? options.threads : backend->callers();
   settings.max_seconds = model.until.max_seconds;
   if (model.until.by_error()) {
     settings.wanted_error = model.until.wanted_error();
@@ -218,7 +221,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   std::optional<Ranks> ranks;
   if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
   settings.ranks = ranks ? &*ranks : nullptr;
-  TraceResult result = beside.completed(trace(model.world, settings, *make_backend("cpu")));
+  TraceResult result = beside.completed(trace(model.world, settings, *backend));
   for (std::string const& warning : result.warnings) tell_warning(warning, options);
   return result;
 }

@@ -22,6 +22,7 @@ struct TimeOptions {
   std::uint64_t seed = 1;
   double rate = 0;            // Hz; 0: chosen
   std::size_t per_route = 0;  // 0: as many as keep the work small
+  std::string backend = "cpu";
   unsigned threads = 0;
   bool retarded = false;
 };

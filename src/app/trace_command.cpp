@@ -125,8 +125,6 @@ void add_trace(CLI::App& app, Options& options, int& exit_code) {
           "--slice", [&](std::string const& text) { read_slice(text, options); },
           "trace this part of the histories alone, for example 7/200; straytrace merge makes one run of all")
       ->type_name("N/OF");
-  command->add_option("--backend", options.backend, "cpu; mpi: all processes that mpirun starts, together")
-      ->check(CLI::IsMember({"cpu", "mpi"}));
   static std::optional<std::uint64_t> history;
   command->add_option("--history", history, "follow this history alone and print its events; also of a run file")
       ->check(whole_between(0, 9e15, "1234"));

@@ -8,6 +8,7 @@
 
 #include "base/message.hpp"
 #include "base/quantity.hpp"
+#include "signal/integration.hpp"
 
 namespace straytrace {
 namespace {
@@ -54,28 +55,34 @@ CouplingPoint at(CouplingFunction const& c, double hz) {
   return between(*(next - 1), *next, hz);
 }
 
-// Factor that takes the unit of the spectrum to that of the coupling's witness.
-double conversion(CouplingFunction const& c, QuietWitness const& w) {
+struct Conversion {
+  double scale = 1;
+  int integrations = 0;  // an ASD of m/s^2 over (2 pi f)^2 is one of m
+};
+
+// What takes the unit of the spectrum to that of the coupling's witness.
+Conversion conversion(CouplingFunction const& c, QuietWitness const& w) {
   auto const have = parse_unit(w.unit), want = parse_unit(c.witness_unit);
-  if (!have || !want || !(have->dimension == want->dimension))
-    throw InputError(
-        fmt::format("error: the coupling is per {}, and the witness is in {}\n  give the witness in the unit "
-                    "of the coupling",
-                    c.witness_unit, w.unit));
-  return have->si / want->si;
+  for (int n = 0; have && want && n <= 2; ++n)
+    if (auto const reached = times(have->dimension, *power_of(dim::time, n)); reached && *reached == want->dimension)
+      return {have->si / want->si, n};
+  throw InputError(
+      fmt::format("error: the coupling is per {}, and the witness is in {}\n  give the witness in the unit of the "
+                  "coupling, or per s or s^2 of it; of counts with what one is: --unit \"2e-6 m/s^2\"",
+                  c.witness_unit, w.unit));
 }
 
 }  // namespace
 
 ProjectedCoupling project_coupling(CouplingFunction const& c, QuietWitness const& w) {
-  double const scale = conversion(c, w);
+  Conversion const to = conversion(c, w);
   ProjectedCoupling out{c.witness, c.target, {}};
   if (w.hz.empty()) return out;
   refuse_wrapped(c, w.hz.front(), w.hz.back());
   for (std::size_t k = 0; k < w.hz.size(); ++k) {
     CouplingPoint const p = w.hz[k] > 0 ? at(c, w.hz[k]) : CouplingPoint{};
     ProjectedPoint q{w.hz[k], not_a_number, not_a_number, p.flag};
-    if (has_factor(p)) q.asd = p.factor * w.asd[k] * scale;
+    if (has_factor(p)) q.asd = p.factor * integrated_asd(w.asd[k], w.hz[k], to.integrations) * to.scale;
     if (p.flag == CouplingFlag::measured)
       q.sigma = q.asd * std::hypot(p.sigma / p.factor, w.asd[k] > 0 ? w.sigma[k] / w.asd[k] : 0);
     out.points.push_back(q);

@@ -140,7 +140,8 @@ std::vector<std::pair<std::size_t, std::size_t>> peaks_of(ImpulseResponse const&
     while (high + 2 < r.hz.size() && level(high) > height / 2 && level(high + 1) < 1.2 * level(high)) ++high;
     std::size_t const wide = std::clamp<std::size_t>(2 * (high - low), 4, most_bins);
     auto const range = std::pair(k > wide + 1 ? k - wide : 1, std::min(k + wide, r.hz.size() - 2));
-    if (std::none_of(ranges.begin(), ranges.end(), [&](auto const& o) { return k >= o.first && k <= o.second; }))
+    if (std::none_of(ranges.begin(), ranges.end(),
+                     [&, at = k](auto const& o) { return at >= o.first && at <= o.second; }))
       ranges.push_back(range);
   }
   return ranges;

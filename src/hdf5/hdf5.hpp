@@ -109,12 +109,15 @@ class Reader {
   std::uint64_t attribute_count(std::string const& path, std::string const& name) const;
 
   H5::H5File const& file() const { return file_; }
+  // Whether the file can hold so many bytes of numbers, as compressed as they may be.
+  bool can_hold(hsize_t bytes) const;
 
  private:
   std::size_t elements(std::string const& path, std::size_t columns) const;
   void raw(std::string const& path, void* into, H5::DataType const& in_memory) const;
   static void expect(std::string const& path, std::size_t found, std::size_t wanted);
   H5::H5File file_;
+  std::size_t size_;
 };
 
 }  // namespace straytrace::hdf5

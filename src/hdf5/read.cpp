@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "base/message.hpp"
@@ -9,7 +10,8 @@
 namespace straytrace::hdf5 {
 namespace {
 
-constexpr hsize_t most_bytes = hsize_t{1} << 34;  // of one array; more means a damaged size
+constexpr hsize_t most_bytes = hsize_t{1} << 34;      // of one array; more means a damaged size
+constexpr hsize_t deflated = 1100, always = 1 << 24;  // deflate makes at most 1032 bytes of one
 
 [[noreturn]] void damaged(std::string const& path, std::string const& how) {
   throw InputError(fmt::format("the run file is damaged: '{}' {}", path, how));
@@ -61,13 +63,15 @@ auto with_attribute(H5::H5File const& file, std::string const& path, std::string
 
 }  // namespace
 
-Reader::Reader(std::string const& bytes) {
+Reader::Reader(std::string const& bytes) : size_(bytes.size()) {
   H5::Exception::dontPrint();
   guarded("/", [&] {
     file_ = H5::H5File("straytrace-in-memory", H5F_ACC_RDONLY, H5::FileCreatPropList::DEFAULT, image_of(bytes));
     return 0;
   });
 }
+
+bool Reader::can_hold(hsize_t bytes) const { return bytes <= std::max(always, deflated * size_); }
 
 bool Reader::has(std::string const& path) const {
   return guarded(path, [&] { return file_.nameExists(path); });
@@ -81,9 +85,11 @@ std::size_t Reader::elements(std::string const& path, std::size_t columns) const
   Sizes const sizes = shape(path);
   if (sizes.empty()) damaged(path, "is not an array");
   hsize_t width = 1;
-  for (std::size_t i = 1; i < sizes.size(); ++i) width *= sizes[i];
+  for (std::size_t i = 1; i < sizes.size(); ++i)
+    if (__builtin_mul_overflow(width, sizes[i], &width)) damaged(path, "has an impossible size");
   if (width != columns) damaged(path, fmt::format("has rows of {} values, expected {}", width, columns));
-  if (columns > 0 && sizes[0] > most_bytes / columns / sizeof(double)) damaged(path, "has an impossible size");
+  if (columns > 0 && (sizes[0] > most_bytes / columns / sizeof(double) || !can_hold(sizes[0] * columns)))
+    damaged(path, "has an impossible size");
   return std::size_t(sizes[0]) * columns;
 }
 

@@ -35,6 +35,13 @@ struct Columns {
 std::optional<Columns> read_columns(Node const& spec, bool rotation) {
   std::string const example = rotation ? "columns: [Hz, rad/sqrt(Hz)]" : "columns: [Hz, m/sqrt(Hz)]";
   std::vector<Node> units = spec.list("columns"), use = spec.list("use");
+  if (Node const file = spec["asd"]; units.empty() && file.text().find("sqrt(Hz)") != std::string::npos) {
+    file.problem(
+        fmt::format("'asd' names a file, got a value, \"{}\"", file.text()),
+        fmt::format("for one level write {{power-law: {{asd: {}, at: 10 Hz, exponent: 0, from: 1 Hz, to: 1 kHz}}}}",
+                    file.text()));
+    return {};
+  }
   if (units.size() < 2 || (units.size() > 2 && use.empty()) || (!use.empty() && use.size() != 2)) {
     spec.problem("the two columns to read and their units must be named",
                  fmt::format("write '{}', and 'use: [1, 3]' to pick two", example));

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <thread>
 
-#include "base/simd.hpp"
+#include "base/turned.hpp"
 
 namespace straytrace {
 namespace {
@@ -20,23 +20,6 @@ struct Block {
   alignas(64) double phase[block], real[block], imag[block];
 };
 
-// Taylor series of sin(pi u)/u and cos(pi u) in u^2; for |u| <= 1/2 what is cut off is below 2e-17.
-constexpr double sine[] = {3.141592653589793,       -5.167712780049969,      2.550164039877345,
-                           -0.5992645293207919,     0.08214588661112819,     -0.007370430945714348,
-                           0.00046630280576761234,  -2.1915353447830204e-05, 7.952054001475508e-07,
-                           -2.2948428997269856e-08, 5.392664662608125e-10};
-constexpr double cosine[] = {1.0,
-                             -4.934802200544679,
-                             4.058712126416768,
-                             -1.3352627688545893,
-                             0.23533063035889312,
-                             -0.02580689139001405,
-                             0.001929574309403922,
-                             -0.00010463810492484565,
-                             4.303069587032944e-06,
-                             -1.387895246221376e-07,
-                             3.6047307974624982e-09};
-
 #if STRAY_VECTORS
 using Lane = simd::Doubles;
 constexpr std::size_t width = simd::lanes;
@@ -45,21 +28,11 @@ using Lane = double;
 constexpr std::size_t width = 1;
 #endif
 
-// Adds a exp(2 pi i u) for each phase u of a block. The half angle makes it free of branches.
+// Adds a exp(2 pi i u) for each phase u of a block.
 STRAY_INLINE void add_turned(Block& b, double a) {
-  constexpr double to_whole = 0x1.8p52;  // adding and taking it away rounds to a whole number
-  for (std::size_t i = 0; i < block; i += width) {
-    Lane const& phase = reinterpret_cast<Lane const&>(b.phase[i]);
-    Lane const u = phase - ((phase + to_whole) - to_whole), v = u * u;
-    Lane s = sine[10] * v + sine[9], c = cosine[10] * v + cosine[9];
-    for (int k = 8; k >= 0; --k) {
-      s = s * v + sine[k];
-      c = c * v + cosine[k];
-    }
-    s *= u;
-    reinterpret_cast<Lane&>(b.real[i]) += a - 2 * a * (s * s);
-    reinterpret_cast<Lane&>(b.imag[i]) += 2 * a * (s * c);
-  }
+  for (std::size_t i = 0; i < block; i += width)
+    straytrace::add_turned(reinterpret_cast<Lane const&>(b.phase[i]), a, reinterpret_cast<Lane&>(b.real[i]),
+                           reinterpret_cast<Lane&>(b.imag[i]));
 }
 
 STRAY_INLINE void sum_block(PhaseTerms const& t, std::size_t from, std::size_t n, Block& b) {
@@ -148,7 +121,7 @@ std::array<double, points> lagrange(double x) {
 }
 
 // False when a table would be more work than the samples.
-bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, std::size_t c, unsigned threads,
+bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, std::size_t c, DirectSum const& direct,
                   std::vector<std::complex<double>>& out) {
   std::span<double const> const x = all.coordinate[c];
   auto const [low, high] = std::minmax_element(x.begin(), x.end());
@@ -159,7 +132,7 @@ bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, 
   double const first = *low - double(before) * step;
   std::vector<double> nodes(static_cast<std::size_t>(wanted) + 1);
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = first + step * double(i);
-  std::vector<std::complex<double>> const table = direct_phase_sum(of_one(all, paths, c, nodes), threads);
+  std::vector<std::complex<double>> const table = direct(of_one(all, paths, c, nodes));
   for (std::size_t i = 0; i < x.size(); ++i) {
     double const place = (x[i] - first) / step;
     std::size_t const at = std::max(static_cast<std::size_t>(place), before);  // the lowest x may round to below it
@@ -203,16 +176,18 @@ std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned
   return out;
 }
 
-std::vector<std::complex<double>> phase_sum(PhaseTerms const& t, unsigned threads) {
+std::vector<std::complex<double>> phase_sum(PhaseTerms const& t, unsigned threads, DirectSum const& direct) {
+  if (!direct)
+    return phase_sum(t, threads, [threads](PhaseTerms const& some) { return direct_phase_sum(some, threads); });
   std::size_t const none = t.coordinate.size();
   std::vector<std::vector<std::size_t>> moved(none + 1);  // by their only coordinate; the rest behind
   for (std::size_t j = 0; j < t.paths(); ++j) moved[only_mover(t, j, none)].push_back(j);
   std::vector<std::complex<double>> from_tables(t.coordinate.empty() ? 0 : t.coordinate.front().size());
   for (std::size_t c = 0; c < none; ++c)
-    if (!moved[c].empty() && !add_by_table(t, moved[c], c, threads, from_tables))
+    if (!moved[c].empty() && !add_by_table(t, moved[c], c, direct, from_tables))
       moved[none].insert(moved[none].end(), moved[c].begin(), moved[c].end());
   if (moved[none].empty()) return from_tables;
-  std::vector<std::complex<double>> out = direct_phase_sum(only(t, moved[none]), threads);
+  std::vector<std::complex<double>> out = direct(only(t, moved[none]));
   for (std::size_t i = 0; i < out.size(); ++i) out[i] += from_tables[i];
   return out;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "noise/phase_sum.hpp"
 #include "noise/stray_paths.hpp"
 
 namespace straytrace {
@@ -28,6 +29,7 @@ struct TimeDomainSettings {
   double band_low = 3, band_high = 0;  // Hz, where responses are used, h(t) is zero elsewhere; high 0: up to rate/2
   Delay delay = Delay::none;
   unsigned threads = 0;  // 0: all cores; the same bits for any number
+  DirectSum direct;      // see phase_sum.hpp
 };
 
 struct PortField {
@@ -54,7 +56,7 @@ StrayLight stray_light(CouplingTable const&, MotionSet const&, Interferometer co
 
 // s(t) of each port that has paths.
 std::vector<PortField> stray_fields(std::span<StrayPath const>, MotionSeries const&, Delay = Delay::none,
-                                    unsigned threads = 0);
+                                    unsigned threads = 0, DirectSum const& = {});
 
 // h = T_ph * Im s + T_am * Re s (eq. 1.13), in the band; responses act on one period that is closed smoothly, so the
 // first and last 1/band_low are touched by each other.

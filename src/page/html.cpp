@@ -10,6 +10,7 @@
 #include "base/message.hpp"
 #include "page/page_json.hpp"
 #include "page/scripts.hpp"
+#include "report/markup.hpp"
 
 namespace straytrace {
 namespace {
@@ -52,30 +53,6 @@ std::string row_html(PathRow const& row) {
 }
 
 }  // namespace
-
-std::string escaped(std::string const& text) {
-  std::string out;
-  for (char const c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
 
 std::string static_head(StaticReport const& r) {
   std::string text = r.verdict.empty() ? "" : fmt::format("<p class=\"verdict\">{}</p>\n", escaped(r.verdict));

@@ -19,8 +19,6 @@ struct HtmlPage {
 };
 std::string html_text(HtmlPage const&);
 
-std::string escaped(std::string const&);  // for HTML, also within attributes
-
 // Verdict, picture, table and text of a run as HTML, for browsers without scripts.
 struct Picture {
   std::string type, bytes;  // "png", "svg+xml"; no bytes: none

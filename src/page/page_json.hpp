@@ -20,7 +20,6 @@ using Json = nlohmann::json;
 
 Json number(double);  // null unless finite; six digits, which is more than a picture shows
 Json numbers(std::vector<double> const&);
-std::string base64(void const* bytes, std::size_t size);
 
 Json budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
 // By columns, since there may be 1e5 rows; titles and units are in `columns`.

@@ -168,6 +168,7 @@ Json receivers_json(RunContent const& run) {
     all.push_back({{"name", e.name},
                    {"power", e.power.trusted ? number(watts * e.power.mean) : Json()},
                    {"sigma", e.power.trusted ? number(watts * e.power.std_error) : Json()},
+                   {"why", e.power.why_not},
                    {"unit", unit},
                    {"routes", routes}});
     Receiver const& r = run.receivers[i];

@@ -5,27 +5,11 @@
 
 #include "page/page_json.hpp"
 #include "report/csv.hpp"
+#include "report/markup.hpp"
 
 namespace straytrace {
 
 static_assert(std::endian::native == std::endian::little);  // typed arrays of browsers
-
-std::string base64(void const* bytes, std::size_t size) {
-  constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  auto const* in = static_cast<unsigned char const*>(bytes);
-  std::string out;
-  out.reserve((size + 2) / 3 * 4);
-  for (std::size_t i = 0; i < size; i += 3) {
-    std::size_t const left = size - i;
-    unsigned const word =
-        unsigned(in[i]) << 16 | (left > 1 ? unsigned(in[i + 1]) << 8 : 0u) | (left > 2 ? in[i + 2] : 0u);
-    out += letters[word >> 18];
-    out += letters[word >> 12 & 63];
-    out += left > 1 ? letters[word >> 6 & 63] : '=';
-    out += left > 2 ? letters[word & 63] : '=';
-  }
-  return out;
-}
 
 namespace {
 

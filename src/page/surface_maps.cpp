@@ -26,13 +26,14 @@ Place place_on(WorldView const& view, SurfaceId id, Vec3 p, bool unrolled) {
 }
 
 struct Reach {
-  double low, high, r_max;
+  double low, high, r_min, r_max;
+  bool barrel() const { return high > low && r_max - r_min < 1e-6 * r_max; }  // seen along its axis it is a line
 };
 Reach reach_of(WorldView const& view, SurfaceId id) {
   return view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) {
     double low = 0, high = 0, r_min = 0, r_max = 0;
     s.extent(low, high, r_min, r_max);
-    return Reach{low, high, r_max};
+    return Reach{low, high, r_min, r_max};
   });
 }
 
@@ -53,15 +54,17 @@ SurfaceMap empty_map(World const& world, GroupId group, std::size_t paths) {
   map.name = world.groups()[group.value];
   map.surfaces = surfaces.size();
   double low = infinity, high = -infinity, r_max = 0;
+  bool barrels = true;
   for (SurfaceId const id : surfaces) {
     Reach const r = reach_of(view, id);
     low = std::min(low, r.low);
     high = std::max(high, r.high);
     r_max = std::max(r_max, r.r_max);
+    barrels = barrels && r.barrel();
     map.places.push_back(view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.reference(); }));
   }
   map.noise_by_place.resize(surfaces.size());
-  map.unrolled = high - low > 2 * r_max;
+  map.unrolled = barrels || high - low > 2 * r_max;
   auto const side = std::size_t(std::sqrt(double(paths) / paths_per_cell));
   map.columns = map.rows = std::clamp(side, least_cells, most_cells);
   map.x_low = map.unrolled ? low : -r_max;

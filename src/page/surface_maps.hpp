@@ -9,8 +9,9 @@
 
 namespace straytrace {
 
-// All instances of a name are laid over one another, in the frame of their shapes: across the axis (x, y), or, where
-// the shape is longer than wide, unrolled (height along the axis, arc). Row 0 is the lowest y, column 0 the least x.
+// All instances of a name are laid over one another, in the frame of their shapes: as seen along the axis (x, y), or,
+// where the shape is longer than wide or a cylinder, unrolled (height along the axis, arc). Areas are those of the map.
+// Row 0 is the lowest y, column 0 the least x.
 struct SurfaceMap {
   std::string name;
   bool unrolled = false;

@@ -8,8 +8,8 @@
 #include <map>
 
 #include "page/exports.hpp"
-#include "page/html.hpp"
 #include "report/csv.hpp"
+#include "report/markup.hpp"
 
 namespace straytrace {
 namespace {

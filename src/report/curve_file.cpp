@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <unistd.h>
 
 #include "base/message.hpp"
 #include "report/curve_text.hpp"
@@ -17,36 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of our own for the picture on its way.
-class Workplace {
- public:
-  Workplace() {
-    std::string name = (fs::temp_directory_path() / "straytrace-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw InputError(fmt::format("error: cannot make a folder in '{}' for the picture\n  set TMPDIR to another one",
-                                   fs::temp_directory_path().string()));
-    folder_ = name;
-  }
-  ~Workplace() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  Workplace(Workplace const&) = delete;
-  Workplace& operator=(Workplace const&) = delete;
-  std::string path(char const* name) const { return (folder_ / name).string(); }
-
- private:
-  fs::path folder_;
-};
-
 std::string drawn(std::string const& json) {
-  Workplace const place;
-  std::string const from = place.path("curves.json"), to = place.path("curves.png");
   std::string message;
-  write_file(from, json);
-  if (!draw_curves_picture(from, to, message))
-    throw InputError("error: " + message + "\n  or write .txt, .csv or .hdf5");
-  return read_file(to);
+  std::string png = picture_of(json, draw_curves_picture, message);
+  if (png.empty()) throw InputError("error: " + message + "\n  or write .txt, .csv or .hdf5");
+  return png;
 }
 
 template <class Sheet>

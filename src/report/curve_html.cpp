@@ -4,47 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "report/curve_text.hpp"
+#include "report/markup.hpp"
 
 namespace straytrace::curve_format {
 namespace {
 
 constexpr std::size_t most_rows = 2000;  // a browser stays quick; the numbers are complete in the other formats
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (char const c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
-
-std::string base64(std::string const& bytes) {
-  constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned word = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      word = word << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-    for (std::size_t j = 0; j < 4; ++j) out += j <= bytes.size() - i ? letters[word >> (18 - 6 * j) & 63] : '=';
-  }
-  return out;
-}
 
 std::string head(std::string const& title, std::vector<std::string> const& notes, std::string const& png) {
   std::string page = fmt::format(
@@ -54,7 +21,8 @@ std::string head(std::string const& title, std::vector<std::string> const& notes
       "#ddd}}</style></head>\n<body><h1>"
       "{0}</h1>\n",
       escaped(title));
-  page += fmt::format("<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>\n<ul>\n", escaped(title), base64(png));
+  page += fmt::format("<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>\n<ul>\n", escaped(title),
+                      base64(png.data(), png.size()));
   for (std::string const& note : notes) page += fmt::format("<li>{}</li>\n", escaped(note));
   return page + "</ul>\n";
 }

@@ -22,7 +22,9 @@ class GrowingFile {
  private:
   static constexpr std::size_t buffered = 1 << 20;  // bytes
   void flush();
-  std::string destination_, name_, buffer_;
+  void give_name();
+  std::string destination_, buffer_;
+  std::string name_;  // beside the destination; empty as long as the file has none
   int descriptor_ = -1;
 };
 

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "base/child_process.hpp"
+#include "base/message.hpp"
+#include "report/report.hpp"
 
 extern char** environ;
 
@@ -92,7 +94,36 @@ bool draw(std::vector<std::string> words, std::string const& png_file, std::stri
   return false;
 }
 
+// A folder of our own for the picture on its way.
+class Workplace {
+ public:
+  Workplace() {
+    std::string name = (fs::temp_directory_path() / "straytrace-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+      throw InputError(fmt::format("error: cannot make a folder in '{}' for the picture\n  set TMPDIR to another one",
+                                   fs::temp_directory_path().string()));
+    folder_ = name;
+  }
+  ~Workplace() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  Workplace(Workplace const&) = delete;
+  Workplace& operator=(Workplace const&) = delete;
+  std::string path(char const* name) const { return (folder_ / name).string(); }
+
+ private:
+  fs::path folder_;
+};
+
 }  // namespace
+
+std::string picture_of(std::string const& json, DrawFromJson draw_from, std::string& message) {
+  Workplace const place;
+  std::string const from = place.path("data.json"), to = place.path("picture.png");
+  write_file(from, json);
+  return draw_from(from, to, message) ? read_file(to) : "";
+}
 
 bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz,
                   double high_hz) {

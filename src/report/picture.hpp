@@ -27,6 +27,10 @@ bool draw_budget_picture(std::string const& json_file, std::string const& png_fi
 // Curves or a map, from the JSON of report/curve_file.hpp.
 bool draw_curves_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 
+// The bytes of what one of these draws from `json`, in a folder of its own; empty, and `message`, when it cannot.
+using DrawFromJson = bool (*)(std::string const& json_file, std::string const& png_file, std::string& message);
+std::string picture_of(std::string const& json, DrawFromJson, std::string& message);
+
 // Beam tree over the surfaces it meets, from the JSON of `straytrace ghosts -o`.
 bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message);
 

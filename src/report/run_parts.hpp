@@ -32,6 +32,8 @@ NoiseBudget read_noise(hdf5::Reader const&);
 // Offsets of lists laid end to end: n + 1 numbers that begin with 0, never fall and end with `total`.
 std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& path, std::size_t lists,
                                         std::size_t total);
+// What the bytes behind the checksum hold; `file` names them in messages.
+RunFile run_of(std::string const& hdf5_image, std::string const& file);
 [[noreturn]] void damaged_run(std::string const& what);
 
 }  // namespace straytrace

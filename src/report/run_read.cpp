@@ -121,10 +121,12 @@ RunContent RunFile::content() const {
 
 namespace {
 
+std::string sound_bytes_of(std::string const& file) { return unsealed(read_file(file), file); }
+
 // What `read` takes from a sound file; all that can be wrong with it is an InputError that names the file.
 template <class Result, class Read>
-Result read_from(std::string const& file, Read const& read) {
-  hdf5::Reader const in(unsealed(read_file(file), file));
+Result read_from(std::string const& hdf5_image, std::string const& file, Read const& read) {
+  hdf5::Reader const in(hdf5_image);
   check_kind(in, file);
   Result result;
   try {
@@ -196,16 +198,21 @@ void read_head(hdf5::Reader const& in, PartHead& head) {
 
 }  // namespace
 
-RunFile read_run(std::string const& file) { return read_from<RunFile>(file, read_all); }
+RunFile read_run(std::string const& file) { return run_of(sound_bytes_of(file), file); }
+
+RunFile run_of(std::string const& hdf5_image, std::string const& file) {
+  return read_from<RunFile>(hdf5_image, file, read_all);
+}
 
 PartHead read_part_head(std::string const& file) {
-  PartHead head = read_from<PartHead>(file, read_head);
+  PartHead head = read_from<PartHead>(sound_bytes_of(file), file, read_head);
   head.file = file;
   return head;
 }
 
 SumTree read_part_sums(std::string const& file) {
-  return read_from<SumTree>(file, [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
+  return read_from<SumTree>(sound_bytes_of(file), file,
+                            [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
 }
 
 std::string nodes_image(SumTree const& tree) {

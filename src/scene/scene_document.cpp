@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "base/embedded.hpp"
+#include "base/file_bytes.hpp"
 #include "scene/library.hpp"
 #include "scene/scope.hpp"
 #include "scene/unsaved.hpp"
@@ -119,23 +119,12 @@ std::optional<std::string> SceneDocument::read(std::string const& name, std::siz
       return hit->second;
     return {};
   }
-  std::error_code code;
   std::filesystem::path const path = folder_ / name;
   if (auto text = unsaved_text(path)) return text;
-  if (!std::filesystem::exists(path, code))
-    why = "there is no such file";
-  else if (!std::filesystem::is_regular_file(path, code))
-    why = "it is not a regular file";
-  else if (std::filesystem::file_size(path, code) > size_limit)
-    why = fmt::format("it is larger than {} MB", size_limit >> 20);
+  FileBytes file = bytes_of_file(path, size_limit);
+  why = std::move(file.why);
   if (!why.empty()) return {};
-  std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.good() && !in.eof()) {
-    why = "it cannot be opened";
-    return {};
-  }
-  return text;
+  return std::move(file.bytes);
 }
 
 std::uint32_t SceneDocument::open_main(std::string const& name) {

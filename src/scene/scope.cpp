@@ -149,6 +149,19 @@ std::shared_ptr<Scope const> make_scope(SceneDocument& document, NodeData const*
   return ScopeBuilder(document, params, std::move(outer), &given).build();
 }
 
+namespace {
+
+std::string settable(std::vector<std::string> const& names) {
+  constexpr std::size_t most = 20;
+  if (names.empty()) return "only names under the top-level 'params' can be set, and there are none";
+  std::string list;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) list += (i > 0 ? ", " : "") + names[i];
+  return fmt::format("there are {}{}", list,
+                     names.size() > most ? fmt::format(" and {} more", names.size() - most) : "");
+}
+
+}  // namespace
+
 std::shared_ptr<Scope const> make_model_scope(SceneDocument& document, NodeData const* params,
                                               std::vector<std::string> const& overrides) {
   ScopeBuilder builder(document, params, nullptr, nullptr);
@@ -169,9 +182,8 @@ std::shared_ptr<Scope const> make_model_scope(SceneDocument& document, NodeData 
     if (!params || !params->find(name)) {
       std::string const near = nearest_word(name, names);
       document.add({place, fmt::format("parameter '{}' is not defined in the model", shortened(name)),
-                    near.empty() ? "only names under the top-level 'params' can be set"
-                                 : fmt::format("did you mean '{}'?", near),
-                    Severity::error, code_points(name)});
+                    near.empty() ? settable(names) : fmt::format("did you mean '{}'?", near), Severity::error,
+                    code_points(name)});
       continue;
     }
     auto text = std::make_shared<NodeData>();

@@ -42,10 +42,11 @@ int integrations_to_displacement(std::string const& unit) {
   auto const u = parse_unit(unit);
   for (int times = 0; u && times <= 2; ++times)
     if (u->dimension == Dimension{2, 0, static_cast<std::int8_t>(-2 * times)}) return times;
-  throw InputError(fmt::format(
-      "error: '{}' is no unit of displacement, velocity or acceleration\n  give m, m/s or m/s^2 with --unit; "
-      "of counts or volts, the calibrated one",
-      unit));
+  throw InputError(
+      fmt::format("error: '{}' is no unit of displacement, velocity or acceleration\n  say which it is with --unit or "
+                  "--witness-unit: m, "
+                  "m/s, m/s^2; of counts or volts with what one of them is, \"2e-6 m/s^2\"",
+                  unit));
 }
 
 double integrated_asd(double asd, double hz, int times) { return asd / std::pow(2 * pi * hz, times); }

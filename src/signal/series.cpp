@@ -46,7 +46,8 @@ TimeSeries cut(TimeSeries const& s, GpsSpan span) {
                       (span.to >= 1e300 || span.to <= s.end() + slack) && span.from < s.end() && span.to > s.start;
   if (!inside)
     throw InputError(
-        fmt::format("error: '{}' holds GPS {}, and {}..{} is asked for\n  choose a span inside it with --gps A..B",
+        fmt::format("error: '{}' holds GPS {}, and {}..{} is asked for\n  choose a span inside it, with --gps A..B or "
+                    "the option that names the stretch",
                     s.name, span_text(s), span.from <= -1e300 ? "its start" : gps_text(span.from),
                     span.to >= 1e300 ? "its end" : gps_text(span.to)));
   double const count = double(s.samples.size());

@@ -3,13 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "base/file_bytes.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "signal/gps.hpp"
@@ -41,13 +39,23 @@ void refuse_contradiction(std::string const& file, std::string const& place, std
            "leave the unit to the file, or correct it: straytrace signal convert --unit");
 }
 
+void refuse_second_calibration(std::string const& file, std::string const& place, std::string const& found) {
+  auto const in_file = unit_of_file(found);
+  auto const unit = in_file ? parse_unit(*in_file) : std::nullopt;
+  if (unit && is_calibrated(*unit))
+    refuse(file, fmt::format("{} is in {}, which needs no calibration", place, *in_file),
+           "a number before the unit is for counts, volts and plain numbers: leave it out");
+}
+
 }  // namespace
 
 std::string unit_or_refuse(std::string const& file, std::string const& place, std::string const* found,
                            SeriesRequest const& request) {
   std::string const& wanted = request.unit;
   if (wanted.empty() && !found)
-    refuse(file, fmt::format("{} has no unit", place), "say it with --unit, for example --unit um/s^2");
+    refuse(file, fmt::format("{} has no unit", place),
+           "say it with --unit, or the option that names the unit of this record, for example --unit um/s^2");
+  if (found && request.calibrates) refuse_second_calibration(file, place, *found);
   if (found && !wanted.empty() && !request.contradicts) refuse_contradiction(file, place, *found, wanted);
   std::string const text = wanted.empty() ? *found : wanted;
   if (auto const unit = unit_of_file(text)) return *unit;
@@ -71,17 +79,10 @@ namespace {
 bool is_hdf5_file(std::string const& bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
 
 std::string bytes_of(std::string const& file) {
-  auto const refuse = [&](int error) {
-    throw InputError(
-        fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, std::strerror(error)));
-  };
-  std::error_code unknown;
-  if (std::filesystem::is_directory(file, unknown)) refuse(EISDIR);
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  if (!stream || stream.bad()) refuse(errno != 0 ? errno : EIO);
-  return bytes;
+  FileBytes read = bytes_of_file(file);
+  if (!read.why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, read.why));
+  return std::move(read.bytes);
 }
 
 double one_time(std::string const& text, std::string const& all) {
@@ -93,6 +94,26 @@ double one_time(std::string const& text, std::string const& all) {
       fmt::format("error: '{}' in '{}' is neither a GPS time nor UTC\n  write for example 1234567890..1234567950, or "
                   "2019-02-01T12:00:00..2019-02-01T12:01:00",
                   text, all));
+}
+
+struct Calibration {
+  double factor = 1;
+  std::string unit;
+};
+
+// "2e-6 m/s^2": so much is one count, volt or 1 of the file. Units alone, such as "1/m", have no factor.
+Calibration calibration_of(std::string const& text) {
+  Calibration c{1, text};
+  auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), c.factor);
+  std::string const rest(end, text.data() + text.size());
+  std::size_t const unit = rest.find_first_not_of(' ');
+  if (code != std::errc() || unit == rest.npos || rest[0] != ' ' || rest[unit] == '/' || rest[unit] == '*')
+    return {1, text};
+  if (!(std::isfinite(c.factor) && c.factor != 0))
+    throw InputError(
+        fmt::format("error: '{}' calibrates with {:g}\n  write what one count is: \"2e-6 m/s^2\"", text, c.factor));
+  c.unit = rest.substr(unit);
+  return c;
 }
 
 std::string without_blanks_around(std::string const& text) {
@@ -110,8 +131,13 @@ TimeSeries parse_series(std::string const& bytes, std::string const& file, Serie
 TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects) {
   auto const mark = argument.find("::");
   std::string const file = argument.substr(0, mark);
-  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), unit, span, corrects};
-  return parse_series(bytes_of(file), std::filesystem::path(file).filename().string(), wanted);
+  auto const [factor, name] = calibration_of(unit);
+  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), name, span, corrects,
+                             name != unit && !corrects};
+  TimeSeries s = parse_series(bytes_of(file), std::filesystem::path(file).filename().string(), wanted);
+  if (factor != 1)
+    for (double& x : s.samples) x *= factor;
+  return s;
 }
 
 GpsSpan parse_gps(std::string const& text) {

@@ -18,6 +18,7 @@ struct SeriesRequest {
   std::string unit;  // overrides the one of the file; empty: that of the file
   GpsSpan span;
   bool contradicts = true;  // the unit may; false: refused where the file has a calibrated one
+  bool calibrates = false;  // a factor before the unit is applied afterwards: refused where the file is calibrated
 };
 
 // From the bytes of a file; `file`: its name, for messages and by its ending for nothing: the content decides what it
@@ -26,6 +27,7 @@ TimeSeries parse_series(std::string const& bytes, std::string const& file, Serie
 
 // The same from an argument of the command line, "FILE" or "FILE::CHANNEL". Reads the file.
 // A unit that contradicts a calibrated one of the file (all but counts, volts and 1) is refused, unless it `corrects`.
+// "2e-6 m/s^2" is a calibration: one count, volt or 1 of the file is so much.
 TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects = false);
 
 // "1234567890", "1234567890..1234567950", or the same as UTC "2019-02-01T12:00:00"; a single time is the beginning.

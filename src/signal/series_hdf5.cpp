@@ -139,7 +139,8 @@ std::vector<std::string> names_of(std::vector<Found> const& all) {
 }
 
 // By path, name of the channel, or the last part of the path where only one has it.
-Found const& chosen(std::vector<Found> const& all, std::string const& file, std::string wanted) {
+Found const& chosen(std::vector<Found> const& all, std::string const& file, std::string wanted,
+                    hdf5::Reader const& reader) {
   if (wanted.empty() && all.size() == 1) return all[0];
   if (wanted.empty())
     refuse(file, fmt::format("it has {} channels", all.size()),
@@ -151,6 +152,9 @@ Found const& chosen(std::vector<Found> const& all, std::string const& file, std:
   for (Found const& f : all)
     if (f.path.ends_with("/" + wanted)) hits.push_back(&f);
   if (hits.size() == 1) return *hits[0];
+  if (hits.empty() && reader.has(wanted))
+    refuse(file, fmt::format("'{}' has no sample rate", wanted),
+           "series carry the attributes x0 and dx (gwpy) or Xstart and Xspacing (GWOSC), in seconds");
   std::string const near = nearest_word(wanted, names_of(all));
   refuse(
       file, fmt::format("it has {} channel '{}'", hits.empty() ? "no" : "more than one", wanted),
@@ -189,8 +193,11 @@ TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const&
   hdf5::Reader const reader = opened(bytes, file);
   return readable(file, [&] {
     std::vector<Found> const all = series_in(reader, file);
-    Found const& f = chosen(all, file, wanted.channel);
+    Found const& f = chosen(all, file, wanted.channel, reader);
     check_clock(f, file);
+    if (!reader.can_hold(f.samples))  // a byte each at least
+      refuse(file, fmt::format("'{}' states {} samples, more than the file can hold", f.path, f.samples),
+             "copy or make the file again");
     std::string const place = fmt::format("'{}'", f.path);
     std::string const unit = unit_or_refuse(file, place, f.unit ? &*f.unit : nullptr, wanted);
     double const end = *f.start + double(f.samples) * *f.step;

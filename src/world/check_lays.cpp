@@ -27,7 +27,7 @@ void check_lays(Scene const& scene, World const& world) {
   WorldView const view = world.view();
   for (Surface const& s : world.surfaces())
     if (lay_vanishes(view, s, view.optics[s.front]) || lay_vanishes(view, s, view.optics[s.back]))
-      scene.table("scene").warning(
+      scene.root()["scene"].warning(
           fmt::format("the grooves of '{}' run along its normal: on the surface they have no direction",
                       world.groups()[s.group.value]),
           "write lay: around, or a direction that lies in the surface");

@@ -76,52 +76,60 @@ bool PartRules::Rule::fits(PartLabel const& part) const {
          (!part.material.empty() && matches(pattern, part.material));
 }
 
-void PartRules::add(std::string const& pattern, Node const& material, bool complain) {
-  Rule rule{pattern, "", material};
+void PartRules::add(std::string const& pattern, Node const& says, bool complain) {
+  Rule rule{pattern, "", says};
   std::string const low = lower_case(pattern);
   if (low.starts_with(by_colour) || low.starts_with("colour ")) {
     rule.colour = low.substr(low.find(' ') + 1);
     if (!is_colour(rule.colour)) {
       if (complain)
-        material.problem(fmt::format("'{}' is not a colour", shortened(pattern)),
-                         "write \"color #rrggbb\", as inspect prints it");
+        says.problem(fmt::format("'{}' is not a colour", shortened(pattern)),
+                     "write \"color #rrggbb\", as inspect prints it");
       rule.used = true;
     }
   }
   rules_.push_back(std::move(rule));
 }
 
-PartRules::PartRules(Scene::Instance const& instance, bool first_time) {
-  Node const table = instance.node.has("surfaces") ? instance.node["surfaces"] : instance.placement["surfaces"];
-  if (table && table.kind() != Node::Kind::table)
+PartRules::PartRules(Scene::Instance const& instance, std::string_view key, bool first_time) {
+  bool const materials = key == "surfaces";
+  Node const table = instance.node.has(key) ? instance.node[key] : instance.placement[key];
+  bool const rows = table && table.kind() == Node::Kind::table;
+  if (table && !rows && materials)
     table.problem("'surfaces' names a material for each part", "write {\"dump*\": NAME, default: NAME}");
-  else if (table)
+  if (rows)
     for (auto const& [pattern, node] : table.items())
       if (pattern != "default") add(pattern, node, first_time);
-  if (table.kind() == Node::Kind::table && table.has("default")) rules_.push_back({"*", "", table["default"], true});
+  if (rows && table.has("default")) rules_.push_back({"*", "", table["default"], true});
+  if (!materials) return;
   Node const material = instance.node.has("material") ? instance.node["material"] : instance.placement["material"];
   if (material) rules_.push_back({"*", "", material, true});  // of everything not named
 }
 
-std::uint32_t PartRules::optic(PartLabel const& part, Registry const& names) {
+Node PartRules::of(PartLabel const& part) {
   Rule* chosen = nullptr;
   for (Rule& rule : rules_) {
     if (!rule.fits(part)) continue;
     rule.used = true;
     if (!chosen) chosen = &rule;
   }
-  if (!chosen) {
+  return chosen ? chosen->says : Node();
+}
+
+std::uint32_t PartRules::optic(PartLabel const& part, Registry const& names) {
+  Node const material = of(part);
+  if (!material) {
     std::string const shown = part.name.empty() ? part.material : part.name;
     if (std::find(bare_.begin(), bare_.end(), shown) == bare_.end()) bare_.push_back(shown);
     return names.black;
   }
-  std::string const name = chosen->material.as_word();
+  std::string const name = material.as_word();
   if (auto const hit = names.materials.find(name); hit != names.materials.end()) return hit->second;
   std::vector<std::string> known;
   for (auto const& entry : names.materials) known.push_back(entry.first);
   std::string const near = nearest_word(name, known);
   if (!name.empty())
-    chosen->material.problem(
+    material.problem(
         fmt::format("material '{}' is not defined", name),
         near.empty() ? fmt::format("defined: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
   return names.black;
@@ -135,8 +143,8 @@ void PartRules::report(Scene::Instance const& instance, std::string const& name,
   for (Rule const& r : rules_) {
     if (r.used) continue;
     std::string const near = nearest_word(r.pattern, words);
-    r.material.problem(fmt::format("no part, material or colour of '{}' matches '{}'", name, r.pattern),
-                       near.empty() ? all : fmt::format("did you mean '{}'?", near));
+    r.says.problem(fmt::format("no part, material or colour of '{}' matches '{}'", name, r.pattern),
+                   near.empty() ? all : fmt::format("did you mean '{}'?", near));
   }
   if (bare_.empty()) return;
   instance.placement.problem(fmt::format("parts of '{}' have no material: {}", name, some_of(bare_)),

@@ -2,6 +2,7 @@
 // What scene entries with `file` have in common: the unit, and rules that give materials to parts by name or colour.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,13 @@ struct PartLabel {
   std::string name, material, colour;  // colour "#rrggbb"; empty: the file says none
 };
 
-// Rows of `surfaces` in the order of the scene, then its default, then `material`: the first that fits counts.
+// Rows of a table of an entry, `surfaces` or `medium`, in the order of the scene, then its default, then for `surfaces`
+// the `material` of the entry: the first that fits counts.
 class PartRules {
  public:
-  PartRules(Scene::Instance const&, bool first_time);
+  PartRules(Scene::Instance const&, std::string_view table, bool first_time);
+  // What the rules say of a part; empty when none fits.
+  Node of(PartLabel const&);
   // The optic of a part; everything black, and a note for report(), when no rule fits.
   std::uint32_t optic(PartLabel const&, Registry const&);
   // What fits nothing, and parts without material, in one problem each. `parts`: all of the file `name`.
@@ -29,15 +33,18 @@ class PartRules {
  private:
   struct Rule {
     std::string pattern, colour;  // of a rule by colour only the colour
-    Node material;
+    Node says;
     bool used = false;
     bool fits(PartLabel const&) const;
   };
-  void add(std::string const& pattern, Node const& material, bool complain);
+  void add(std::string const& pattern, Node const& says, bool complain);
 
   std::vector<Rule> rules_;
   std::vector<std::string> bare_;
 };
+
+// The volume of a part that is filled with the medium that a node names.
+using FillPart = std::function<std::uint32_t(Node const& medium, std::string const& part)>;
 
 // m per unit of the file; 0, and a problem, when it is not known. `box`: in units of the file. `stated`: m, 0 when the
 // file says none. `source` for messages: "its format says m".

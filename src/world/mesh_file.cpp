@@ -229,7 +229,7 @@ Box MeshFile::box() const {
   return box;
 }
 
-MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companion, MeshFile& out) {
+MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, MeshFile& out) {
   std::string const kind = ending(out.name);
   if (kind != ".stl" && kind != ".obj" && kind != ".ply" && kind != ".gltf" && kind != ".glb")
     return {fmt::format("'{}' is not a kind of mesh file", kind), "use .stl, .obj, .ply, .gltf, .glb or .step"};
@@ -238,7 +238,8 @@ MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companio
   importer.SetIOHandler(new MemoryFiles(inside, bytes, companion));  // the importer deletes it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   importer.SetPropertyInteger(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
-  aiScene const* scene = importer.ReadFile(inside, aiProcess_Triangulate | aiProcess_SortByPType);
+  aiScene const* scene =
+      importer.ReadFile(inside, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType);
   std::string const fix = "check that the file is complete and that its ending says its format";
   if (!scene || !scene->mRootNode)
     return {fmt::format("not a readable {} file: {}", kind.substr(1), printable(importer.GetErrorString())), fix};

@@ -37,8 +37,11 @@ struct MeshFault {
   std::string what, suggestion;  // empty: nothing
 };
 
-// Fills `out.parts` and what else the file says from `bytes`; the format follows from the ending of out.name.
+// Fills `out.parts` and what else the file says from `bytes`; the format follows from the ending of out.name. The
+// library that reads it works in a copy of this process, so that a file that makes it crash or take all memory is told.
 MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companion, MeshFile& out);
+// The same in this process.
+MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, MeshFile& out);
 
 // Colours (Kd, as sRGB) of a material library for the parts that name its materials.
 void set_library_colours(std::string const& library, MeshFile&);

@@ -78,9 +78,10 @@ class PartSurfaces {
       : tail_(part.empty() ? "" : "/" + part), instance_(instance), as_(as), world_(world), names_(names) {
     as_.group = world.add_group(instance.group + tail_);
   }
-  void turn_to(Surface const& materials) {  // of the faces that follow
+  void turn_to(Surface const& materials) {  // and volume, of the faces that follow
     as_.front = materials.front;
     as_.back = materials.back;
+    as_.volume = materials.volume;
   }
   template <class Shape>
   void add(Shape const& shape) {
@@ -119,9 +120,9 @@ void add_part(CadPart const& part, Pose const& pose, double scale, PartSurfaces&
 }  // namespace
 
 void add_cad(Scene::Instance const& instance, Node const& file, Pose const& pose, Surface as, std::string const& side,
-             bool first_time, World& world, Registry& names, CadLibrary& library) {
+             FillPart const& fill, bool first_time, World& world, Registry& names, CadLibrary& library) {
   auto const cad = load(file, library);
-  PartRules rules(instance, first_time);
+  PartRules rules(instance, "surfaces", first_time), media(instance, "medium", first_time);
   if (cad->file.parts.empty()) {
     instance.placement.has("units");
     instance.node.has("units");
@@ -132,6 +133,7 @@ void add_cad(Scene::Instance const& instance, Node const& file, Pose const& pose
     if (MeshAdvice const odd = scale_advice(cad->file.box, scale); !odd.what.empty())
       warn_of_file(file, odd.what, odd.suggestion);
   world.anchor(as.body, pose.origin);
+  std::uint32_t const whole = as.volume;
   std::map<std::string, PartSurfaces> by_name;
   std::vector<PartLabel> labels;
   for (CadPart const& part : parts_of(*cad, scale, world.storage)) {
@@ -139,11 +141,15 @@ void add_cad(Scene::Instance const& instance, Node const& file, Pose const& pose
     std::uint32_t const optic = rules.optic(part.label, names);
     as.front = side == "back" || side == "inner" ? names.black : optic;
     as.back = side == "front" || side == "outer" ? names.black : optic;
+    Node const medium = media.of(part.label);
+    as.volume = medium ? fill(medium, part.label.name) : whole;
     auto const [to, fresh] = by_name.try_emplace(part.label.name, instance, part.label.name, as, world, names);
     to->second.turn_to(as);
     add_part(part, pose, scale, to->second);
   }
-  if (first_time) rules.report(instance, file.as_word(), labels);
+  if (!first_time) return;
+  rules.report(instance, file.as_word(), labels);
+  media.report(instance, file.as_word(), labels);
 }
 
 }  // namespace straytrace

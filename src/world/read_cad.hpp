@@ -30,6 +30,6 @@ std::string cad_text(Node const& file);
 // Adds one surface per face, in groups by part. Arguments as of add_mesh (read_mesh.hpp); normals point out of the
 // part.
 void add_cad(Scene::Instance const&, Node const& file, Pose const&, Surface as, std::string const& side,
-             bool first_time, World&, Registry&, CadLibrary&);
+             FillPart const&, bool first_time, World&, Registry&, CadLibrary&);
 
 }  // namespace straytrace

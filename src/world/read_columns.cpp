@@ -48,6 +48,9 @@ class Reader {
 
   void row(TextLine const& line) {
     auto const cells = csv_cells(line.text);
+    if (std::size_t const at = line.text.find(';'); at != line.text.npos)
+      return problem({line.text.substr(at, 1), line.number, std::uint32_t(at + 1)}, "values are separated by ';'",
+                     "separate values by commas, not semicolons, and write decimal points: 1.5, not 1,5");
     if (cells.size() != file_.columns.size())
       return problem({line.text.substr(0, 1), line.number, 1},
                      fmt::format("{} values, but the header has {} columns", cells.size(), file_.columns.size()),

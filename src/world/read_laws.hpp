@@ -3,7 +3,9 @@
 // appends the laws it made; most make one.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "world/column_file.hpp"
@@ -41,6 +43,26 @@ void read_psd(Node const&, LawReading&);
 void read_harvey_shack(Node const&, LawReading&);
 void read_measured(Node const&, LawReading&);
 std::vector<MeasuredPoint> measured_points(Node const& law);  // of such a law, as its file has them
+
+// The laws by the name of their key `model`.
+struct LawReader {
+  std::string_view model;
+  void (*read)(Node const&, LawReading&);
+};
+inline constexpr std::array law_readers{LawReader{"lambertian", read_lambertian},
+                                        LawReader{"power-law", read_power_law},
+                                        LawReader{"abg", read_abg},
+                                        LawReader{"harvey", read_harvey},
+                                        LawReader{"gaussian", read_gaussian},
+                                        LawReader{"polynomial", read_polynomial},
+                                        LawReader{"microfacet", read_microfacet},
+                                        LawReader{"grooves", read_grooves},
+                                        LawReader{"k-correlation", read_k_correlation},
+                                        LawReader{"psd", read_psd},
+                                        LawReader{"harvey-shack", read_harvey_shack},
+                                        LawReader{"table", read_measured},
+                                        LawReader{"dust", read_dust},
+                                        LawReader{"defects", read_defects}};
 
 // Laws of a preset with its reflectance where the material gives no `specular` (docs/reference/scatter/presets.md).
 LawInfo read_preset(Node const& material, LawReading&, Optic&);

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/uncertainty.hpp"
@@ -15,25 +14,6 @@
 
 namespace straytrace {
 namespace {
-
-struct Model {
-  std::string_view name;
-  void (*read)(Node const&, LawReading&);
-};
-constexpr std::array models{Model{"lambertian", read_lambertian},
-                            Model{"power-law", read_power_law},
-                            Model{"abg", read_abg},
-                            Model{"harvey", read_harvey},
-                            Model{"gaussian", read_gaussian},
-                            Model{"polynomial", read_polynomial},
-                            Model{"microfacet", read_microfacet},
-                            Model{"grooves", read_grooves},
-                            Model{"k-correlation", read_k_correlation},
-                            Model{"psd", read_psd},
-                            Model{"harvey-shack", read_harvey_shack},
-                            Model{"table", read_measured},
-                            Model{"dust", read_dust},
-                            Model{"defects", read_defects}};
 
 // Pairs [angle, weight], linear in the angle between them and constant outside.
 View<AngleWeight const> read_weight(Node const& law, World& world, PoolRef ref) {
@@ -72,14 +52,14 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
     return law.problem("a scatter law is a table", "write {model: lambertian, tis: 1 %}");
   static std::vector<std::string_view> const names = [] {
     std::vector<std::string_view> all;
-    for (Model const& m : models) all.push_back(m.name);
+    for (LawReader const& reader : law_readers) all.push_back(reader.model);
     return all;
   }();
   std::string const model = law.choice("model", names);
   std::size_t const before = out.laws.size();
   out.wavelength.clear();
-  for (Model const& m : models)
-    if (model == m.name) m.read(law, out);
+  for (LawReader const& reader : law_readers)
+    if (model == reader.model) reader.read(law, out);
   bool const through = law.flag("through", false);
   LawInfo about{model, law.word("source", "not given"),
                 law.has("wavelength")    ? law["wavelength"].as_word()

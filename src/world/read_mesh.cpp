@@ -89,9 +89,9 @@ std::vector<PartLabel> labels_of(LoadedMesh const& mesh) {
 }  // namespace
 
 void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pose, Surface as, std::string const& side,
-              bool first_time, World& world, Registry& names, MeshLibrary& library) {
+              FillPart const& fill, bool first_time, World& world, Registry& names, MeshLibrary& library) {
   auto const mesh = load(file, world, library);
-  PartRules rules(instance, first_time);
+  PartRules rules(instance, "surfaces", first_time), media(instance, "medium", first_time);
   if (!mesh->sound) {
     instance.placement.has("units");
     instance.node.has("units");
@@ -108,6 +108,7 @@ void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pos
   for (std::size_t i = 0; i < mesh->file.parts.size(); ++i) {
     std::uint32_t const optic = rules.optic(labels[i], names);
     std::string const& part = labels[i].name;
+    Node const medium = media.of(labels[i]);
     std::string const tail = part.empty() ? "" : "/" + part;
     TriangleMesh shape;
     shape.unit = unit > 0 ? unit : 1;
@@ -115,13 +116,15 @@ void add_mesh(Scene::Instance const& instance, Node const& file, Pose const& pos
     shape.place(pose);
     std::uint32_t const front = side == "back" || side == "inner" ? names.black : optic;
     std::uint32_t const back = side == "front" || side == "outer" ? names.black : optic;
-    SurfaceId const id =
-        world.add_surface(shape, front, back, as.body, world.add_group(instance.group + tail), as.volume);
+    SurfaceId const id = world.add_surface(shape, front, back, as.body, world.add_group(instance.group + tail),
+                                           medium ? fill(medium, part) : as.volume);
     names.surfaces.try_emplace(instance.name + tail, id);
     names.surfaces.try_emplace(instance.group + tail, id);
     names.surfaces.try_emplace(instance.name, id);
   }
-  if (first_time) rules.report(instance, mesh->file.name, labels);
+  if (!first_time) return;
+  rules.report(instance, mesh->file.name, labels);
+  media.report(instance, mesh->file.name, labels);
 }
 
 }  // namespace straytrace

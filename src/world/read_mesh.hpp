@@ -20,8 +20,8 @@ struct LoadedMesh {
 using MeshLibrary = std::map<std::string, std::shared_ptr<LoadedMesh const>>;
 
 // Adds one surface per part. `file` is the name as written; `as` says body and volume; `side` which sides scatter, the
-// other absorbs. `first_time`: of several instances of one entry.
+// other absorbs. FillPart: for parts with a medium of their own. `first_time`: of several instances of one entry.
 void add_mesh(Scene::Instance const&, Node const& file, Pose const&, Surface as, std::string const& side,
-              bool first_time, World&, Registry&, MeshLibrary&);
+              FillPart const&, bool first_time, World&, Registry&, MeshLibrary&);
 
 }  // namespace straytrace

@@ -39,6 +39,7 @@ void read_beams(Scene const&, World&, Registry const&);
 void read_edges(Scene const&, World&);  // after the beams
 void read_trace_limits(Scene const&, World&);
 void check_lays(Scene const&, World const&);   // of a finished world: have all grooves a direction?
+void check_glass(Scene const&, World const&);  // of a finished world: are bare boundaries those of glass?
 void check_beams(Scene const&, World const&);  // of a finished world: do they light anything?
 
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.

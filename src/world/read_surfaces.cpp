@@ -142,23 +142,25 @@ Node material_of(Scene::Instance const& instance) {
 // What is read once for several instances, by name.
 struct Shared {
   std::set<std::string> complained;
-  std::map<std::string, std::uint32_t> volumes;  // by part that it fills and medium
-  std::map<std::uint32_t, Node> volume_places;
+  std::map<std::string, std::uint32_t> volumes;                         // by part that it fills and medium
+  std::map<std::uint32_t, std::pair<Node, std::string>> volume_places;  // and the part
   MeshLibrary meshes;
   CadLibrary cads;
 };
 
+std::string part_of(Scene::Instance const& instance) { return instance.name.substr(0, instance.name.rfind('/')); }
+
 // Faces of one placed part that name the same medium enclose one volume; `none`: the face encloses nothing.
-std::uint32_t volume_of(Scene::Instance const& instance, World& world, Registry const& names, Shared& shared) {
-  Node const node = given(instance, "medium");
+std::uint32_t volume_of(Node const& node, std::string const& part, World& world, Registry const& names,
+                        Shared& shared) {
   if (!node || node.as_word() == "none") return Surface::none;
-  std::string const part = instance.name.substr(0, instance.name.rfind('/')) + '/' + node.as_word();
-  if (auto const known = shared.volumes.find(part); known != shared.volumes.end()) return known->second;
+  std::string const key = part + '/' + node.as_word();
+  if (auto const known = shared.volumes.find(key); known != shared.volumes.end()) return known->second;
   auto const medium = find_medium(node, world, names);
   if (!medium) return Surface::none;
   std::uint32_t const id = world.add_volume(*medium);
-  shared.volume_places[id] = node;
-  return shared.volumes[part] = id;
+  shared.volume_places[id] = {node, part};
+  return shared.volumes[key] = id;
 }
 
 bool is_entry(Scene::Instance const& instance) { return instance.node.data() == instance.placement.data(); }
@@ -179,7 +181,7 @@ void check_named(Scene::Instance const& instance, World const& world, Registry& 
   find_named(material_of(instance), names.materials, "material");
   find_named(given(instance, "body"), names.bodies, "body");
   Node const medium = given(instance, "medium");
-  if (medium && medium.as_word() != "none") find_medium(medium, world, names);
+  if (medium && medium.kind() != Node::Kind::table && medium.as_word() != "none") find_medium(medium, world, names);
   for (char const* key : {"shape", "side", "file", "units"}) given(instance, key);
   for (Node const& frame : instance.frames) read_pose(frame);
 }
@@ -213,11 +215,16 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   as.front = side == "back" || side == "inner" ? names.black : optic;
   as.back = side == "front" || side == "outer" ? names.black : optic;
   as.body = body_id;
-  as.volume = volume_of(instance, world, names, shared);
+  Node const medium = given(instance, "medium");
+  bool const by_part = file && medium && medium.kind() == Node::Kind::table;
+  if (!by_part) as.volume = volume_of(medium, part_of(instance), world, names, shared);
+  FillPart const fill = [&](Node const& chosen, std::string const& part) {
+    return volume_of(chosen, instance.name + '/' + part, world, names, shared);
+  };
   std::string const file_name = file ? file.as_word() : "";
   if (is_step(file_name) || is_converted(file_name))
-    return add_cad(instance, file, pose, as, side, first_time, world, names, shared.cads);
-  if (file) return add_mesh(instance, file, pose, as, side, first_time, world, names, shared.meshes);
+    return add_cad(instance, file, pose, as, side, fill, first_time, world, names, shared.cads);
+  if (file) return add_mesh(instance, file, pose, as, side, fill, first_time, world, names, shared.meshes);
   as.group = world.add_group(instance.group);
   SurfaceId const id = add_by_name(shape, as, pose, world, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
   if (!id.valid()) return refuse(instance, names);
@@ -271,12 +278,13 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
   }
   auto const faces = faces_of_volumes(world);
   for (auto const& [id, place] : shared.volume_places) {
-    if (!place.healthy()) break;
+    auto const& [node, part] = place;
+    if (!node.healthy()) break;
     std::string const fault = id < faces.size() ? volume_fault(world, faces[id]) : "";
     if (!fault.empty())
-      place.problem(fault,
-                    "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "
-                    "along 'facing', cylinder away from its axis, sphere and box outwards");
+      node.problem(fmt::format("{}: {}", part, fault),
+                   "a medium needs faces that close, with normals out of it: cap, disk, rectangle, ellipse, conic "
+                   "along 'facing', cylinder away from its axis, sphere and box outwards");
   }
 }
 

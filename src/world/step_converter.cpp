@@ -7,11 +7,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <unistd.h>
 #include <vector>
 
 #include "base/child_process.hpp"
+#include "base/file_bytes.hpp"
 #include "base/sha256.hpp"
 
 extern char** environ;
@@ -57,11 +57,6 @@ fs::path cache_folder() {
   std::error_code failed;
   fs::create_directories(folder, failed);
   return ::access(folder.c_str(), W_OK) == 0 ? folder : fs::path();
-}
-
-std::string contents(fs::path const& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 // A folder for one conversion, gone with it.
@@ -110,7 +105,7 @@ StepConversion run(fs::path const& program, fs::path const& folder, std::string 
             {fmt::format("cannot start '{}': {}", program.string(), std::strerror(child.start_error)),
              "build straytrace-step again"}};
   if (child.status != 0) return {"", said(child.output)};
-  return {contents(to), {}};
+  return {bytes_of_file(to).bytes, {}};
 }
 
 }  // namespace
@@ -128,7 +123,7 @@ StepConversion convert_step(std::string const& name, std::string const& bytes) {
   std::string const identity = fmt::format("{} {} ", fs::file_size(program, failed),
                                            fs::last_write_time(program, failed).time_since_epoch().count());
   fs::path const kept = cache.empty() ? fs::path() : cache / (sha256(identity + bytes) + ".cad.json");
-  if (!kept.empty() && fs::is_regular_file(kept, failed)) return {contents(kept), {}};
+  if (!kept.empty() && fs::is_regular_file(kept, failed)) return {bytes_of_file(kept).bytes, {}};
   WorkFolder const work(cache.empty() ? fs::temp_directory_path(failed) : cache);
   if (work.path().empty())
     return {"", {"there is no folder to convert it in", "set XDG_CACHE_HOME to a folder of yours"}};

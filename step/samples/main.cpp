@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
       {"solids", step::add_solids}, {"nested", step::add_nested},
       {"mirror", step::add_mirror}, {"crossing", step::add_crossing},
       {"sheet", step::add_sheet},   {"wire", step::add_wire},
+      {"lens", step::add_lens},     {"thread", step::add_thread},
       {"bench", step::add_bench},   {"breadboard", [](StepBuilder& b) { step::add_breadboard(b, 40, 25); }}};
   if (argc < 3 || !known.contains(argv[1])) {
     std::cerr << "usage: straytrace-step-sample WHAT FILE [MM|INCH|M] [AP203|AP214IS|AP242DIS]; WHAT is one of";

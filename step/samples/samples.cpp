@@ -6,8 +6,11 @@
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
+#include <BRepLib.hxx>
+#include <BRepOffsetAPI_MakePipeShell.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
@@ -15,14 +18,18 @@
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
+#include <Geom2d_Line.hxx>
 #include <GeomAPI_PointsToBSplineSurface.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Geom_CylindricalSurface.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Wire.hxx>
 #include <cmath>
 #include <gp_Ax2.hxx>
+#include <gp_Lin2d.hxx>
+#include <numbers>
 
 namespace straytrace::step {
 namespace {
@@ -92,6 +99,38 @@ void add_sheet(StepBuilder& b) {
   TopoDS_Shape const tool =
       BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(wave, 1e-6).Face(), gp_Vec(0, 0, 100)).Shape();
   b.part("wavy", cut(block(60, 60, 80), tool), "#405060");
+}
+
+void add_lens(StepBuilder& b) {
+  double const radius = 250, half = 4.5;
+  TopoDS_Shape glass = rod({-20, 0, 0}, {1, 0, 0}, 25.4, 40);
+  for (double const side : {-1.0, 1.0})
+    glass =
+        BRepAlgoAPI_Common(glass, BRepPrimAPI_MakeSphere(gp_Pnt(side * (radius - half), 0, 0), radius).Shape()).Shape();
+  TDF_Label const stage = b.assembly("stage");
+  b.place(stage, b.part("L1", glass, "#a0d0ff"), at(0, 0, 0));
+  TopoDS_Shape const ring = cut(rod({-8, 0, 0}, {1, 0, 0}, 35, 16), rod({-20, 0, 0}, {1, 0, 0}, 25.5, 40));
+  b.place(stage, b.part("holder", ring, "#202020"), at(0, 0, 0));
+}
+
+void add_thread(StepBuilder& b) {
+  double const radius = 3, pitch = 1;
+  int const turns = 8;
+  Handle(Geom_CylindricalSurface) const wall = new Geom_CylindricalSurface(gp_Ax3(), radius);
+  gp_Lin2d const line(gp_Pnt2d(0, 0), gp_Dir2d(2 * std::numbers::pi, pitch));
+  double const length = turns * std::hypot(2 * std::numbers::pi, pitch);
+  TopoDS_Edge helix = BRepBuilderAPI_MakeEdge(new Geom2d_Line(line), wall, 0, length).Edge();
+  BRepLib::BuildCurves3d(helix);
+  BRepBuilderAPI_MakePolygon tooth(gp_Pnt(radius - 0.1, 0, -0.4), gp_Pnt(radius - 0.1, 0, 0.4),
+                                   gp_Pnt(radius + 0.55, 0, 0), true);
+  BRepOffsetAPI_MakePipeShell sweep(BRepBuilderAPI_MakeWire(helix).Wire());
+  sweep.SetMode(true);
+  sweep.Add(tooth.Wire());
+  sweep.Build();
+  sweep.MakeSolid();
+  TopoDS_Shape const bored =
+      cut(moved(block(14, 40, 40), at(0, 0, -20)), rod({0, 0, 0}, {0, 0, 1}, radius, turns * pitch));
+  b.part("nut", cut(bored, sweep.Shape()));
 }
 
 void add_wire(StepBuilder& b) {

@@ -33,6 +33,8 @@ void add_nested(StepBuilder&);    // an assembly in an assembly, a part used twi
 void add_mirror(StepBuilder&);    // hollow sphere of 400 mm cut into a disc, optical axis x
 void add_crossing(StepBuilder&);  // a closed block with oblique and crossing holes, painted on one face
 void add_sheet(StepBuilder&);     // a B-spline sheet that closes a box of planes
+void add_lens(StepBuilder&);      // R = 250 mm on both sides, 9 mm thick, about x at the origin, in a holder
+void add_thread(StepBuilder&);    // a block whose bore has a cut thread: helical free surfaces
 void add_wire(StepBuilder&);      // no face
 void add_bench(StepBuilder&);     // the bench of examples/cad_bench.yaml
 TDF_Label add_breadboard(StepBuilder&, int columns, int rows);  // holes 50 mm apart

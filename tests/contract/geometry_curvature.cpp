@@ -6,6 +6,7 @@
 
 #include "geometry/curvature.hpp"
 #include "geometry_instances.hpp"
+#include "recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

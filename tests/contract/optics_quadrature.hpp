@@ -45,18 +45,17 @@ double cell_integral(Vec3 wi, F f, double theta1, double theta2, double turn1, d
   return sum * 2 * pi * (turn2 - turn1) / m;
 }
 
-// The angle, or offset, inside which a lobe is flat.
-inline double finest(Lambertian const&) { return 0.1; }
-inline double finest(PowerLaw const& l) { return l.above; }
-inline double finest(Abg const& l) { return 1e-2 * std::pow(l.b, 1 / l.g); }
-inline double finest(Harvey const& l) { return 0.1 * std::fmin(l.width, l.across > 0 ? l.across : l.width); }
-inline double finest(Gaussian const& l) { return 0.1 * l.width; }
-inline double finest(Polynomial const& l) { return 0.1 * l.width; }
-inline double finest(Roughness const& l) { return 0.1 * (l.b > 0 ? 1 / l.b : l.first); }
-inline double finest(Dust const& l) { return 0.3 * l.smallest; }
-inline double finest(Measured const& l) { return l.first; }
-inline double finest(Microfacet const& l) { return 0.1 * l.alpha; }
-inline double finest(Grooves const& l) { return 0.1 * l.along; }
+// Whether the law samples by rings in the plane of direction cosines, and whether by rings in angle.
+template <class Law>
+constexpr bool has_rings = requires(Law law) {
+  law.lobe;
+};
+template <class Law>
+constexpr bool offset_rings = requires(Law law, LobeTable<OffsetRings>& rings) {
+  rings = law.lobe;
+};
+template <class Law>
+constexpr bool chord_rings = has_rings<Law> && !offset_rings<Law>;
 
 // Angles from the specular direction between which samples are counted; where the pdf has steps at normal incidence.
 template <class Law>
@@ -64,14 +63,14 @@ std::vector<double> cell_edges(Law const& law) {
   std::vector<double> edges{0};
   if constexpr (std::is_base_of_v<Lambertian, Law>) {
     for (int i = 1; i <= 30; ++i) edges.push_back(pi * i / 30);
-  } else if constexpr (std::is_base_of_v<Microfacet, Law> || std::is_base_of_v<Grooves, Law>) {
+  } else if constexpr (!has_rings<Law>) {
     double const first = 0.2 * finest(law);
     for (int i = 0; i <= 36; ++i) edges.push_back(first * std::pow(pi / 2 / first, i / 36.0));
     for (int i = 1; i <= 3; ++i) edges.push_back(pi / 2 + i * pi / 6);
   } else {
-    bool const chords = !std::is_same_v<decltype(law.lobe), LobeTable<OffsetRings>>;
     for (std::size_t i = law.lobe.edge[0] > 0 ? 0 : 1; i <= 96; ++i) {
-      double const angle = chords ? 2 * std::asin(std::fmin(1, law.lobe.edge[i] / 2)) : std::asin(law.lobe.edge[i]);
+      double const angle =
+          chord_rings<Law> ? 2 * std::asin(std::fmin(1, law.lobe.edge[i] / 2)) : std::asin(law.lobe.edge[i]);
       if (angle < 1.5) edges.push_back(angle);
     }
     for (int i = 1; i <= 4; ++i) edges.push_back(pi / 2 + (i - 1) * pi / 6);
@@ -128,9 +127,7 @@ double albedo_by_cones(Law const& law, Vec3 wi) {
 }
 template <class Law>
 double albedo_by_quadrature(Law const& law, Vec3 wi) {
-  constexpr bool round_in_angle =
-      std::is_same_v<Law, Lambertian> || std::is_same_v<Law, PowerLaw> || std::is_same_v<Law, Dust>;
-  if constexpr (round_in_angle)
+  if constexpr (std::is_same_v<Law, Lambertian> || chord_rings<Law>)
     return albedo_by_cones(law, wi);
   else
     return albedo_by_rays(law, wi, finest(law));

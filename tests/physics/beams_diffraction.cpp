@@ -7,6 +7,7 @@
 #include "base/constants.hpp"
 #include "base/message.hpp"
 #include "beams/diffraction.hpp"
+#include "recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

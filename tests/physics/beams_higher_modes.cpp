@@ -12,6 +12,7 @@
 #include "beams/laguerre.hpp"
 #include "beams/overlap.hpp"
 #include "beams_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

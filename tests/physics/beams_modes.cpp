@@ -7,6 +7,7 @@
 #include "beams/beam_path.hpp"
 #include "beams/mode.hpp"
 #include "beams_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,6 +6,7 @@
 #include "base/message.hpp"
 #include "beams/overlap.hpp"
 #include "beams_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,6 +6,7 @@
 #include "base/message.hpp"
 #include "beams/beam_path.hpp"
 #include "beams_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {
@@ -155,6 +156,24 @@ TEST(beam_path, says_where_the_chief_ray_misses) {
   EXPECT_NO_THROW(follow(start, 1, at({0, 0, 2})));
   EXPECT_THROW(follow(start, 1, at({1e-3, 0, 2})), NumericalError);
   EXPECT_THROW(follow(start, 1, at({0, 0, -2})), NumericalError);
+}
+
+// B13: rings about the beam of LHO, seen at about 20 degrees: light of the arm on the bevel of the input mirror (45
+// degrees assumed, n 1.45) leaves by its flat back. Snell twice: asin(n sin(45 deg - asin(sin 45 deg/n))) = 23.3 deg.
+double ring_angle(Vec3 bevel, Vec3 back) {
+  Mode const beam = circular_mode({0, 0, -1}, along_z, 0.05, 0, 1.064e-6);
+  OpticalElement const in = spherical_face({}, bevel, infinity, 1.45);
+  Mode const glass = follow(beam, 1, std::array{in}).mode;
+  OpticalElement const out = spherical_face(glass.origin + 0.2 * glass.travel, back, infinity, 1);
+  return std::acos(follow(beam, 1, std::array{in, out}).mode.travel.z) * 180 / pi;
+}
+
+TEST(beam_path, bevel_of_an_input_mirror_b13) {
+  Vec3 const bevel = unit({1, 0, -1}), flat{0, 0, -1};
+  double const within = pi / 4 - std::asin(std::sin(pi / 4) / 1.45);
+  EXPECT_NEAR(ring_angle(bevel, flat), std::asin(1.45 * std::sin(within)) * 180 / pi, 1e-9);
+  EXPECT_NEAR(ring_angle(bevel, flat), 20, 4);
+  EXPECT_NEAR(ring_angle(bevel, bevel), 0, 1e-6);  // twin: a back parallel to the bevel makes no ring
 }
 
 }  // namespace

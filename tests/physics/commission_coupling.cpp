@@ -8,6 +8,7 @@
 #include "commission/coupling.hpp"
 #include "commission/coupling_projection.hpp"
 #include "commission/excess.hpp"
+#include "recorded.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace {

@@ -6,6 +6,7 @@
 
 #include "base/message.hpp"
 #include "commission/coupling_projection.hpp"
+#include "recorded.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "commission/excess.hpp"
+#include "recorded.hpp"
 #include "signal/welch.hpp"
 #include "signal_support.hpp"
 

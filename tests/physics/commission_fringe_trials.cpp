@@ -8,6 +8,7 @@
 
 #include "commission/fringe_fit.hpp"
 #include "fringe_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,6 +7,7 @@
 #include "base/message.hpp"
 #include "commission/events.hpp"
 #include "commission/impulse.hpp"
+#include "recorded.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace {
@@ -172,8 +173,8 @@ TEST(Impulse, ErrorsGrowWhereAnotherModeIsBeside) {
   ASSERT_EQ(r.modes.size(), 1u);
   RingDown const& m = r.modes[0];
   EXPECT_GT(m.chi_square, 20 * m.degrees) << "the fit is not good";
-  EXPECT_LT(std::fabs(m.quality - pi * 91.3 * 0.3), 3 * m.quality_sigma);
-  EXPECT_LT(std::fabs(m.hz - 91.3), 3 * m.hz_sigma);
+  EXPECT_NEAR(m.quality, pi * 91.3 * 0.3, 3 * m.quality_sigma);
+  EXPECT_NEAR(m.hz, 91.3, 3 * m.hz_sigma);
 }
 
 // Knocks of one place that couple by 20 % more or less: the error is that of their mean. Twin: the fit of the mean

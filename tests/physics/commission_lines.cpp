@@ -8,6 +8,7 @@
 #include "base/message.hpp"
 #include "commission/fringe_lines.hpp"
 #include "commission/ridge.hpp"
+#include "recorded.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace {

@@ -6,6 +6,7 @@
 
 #include "commission/shelf_edge.hpp"
 #include "fringe_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {
@@ -64,8 +65,8 @@ TEST(ShelfEdge, FreeRatioOfTwoBodiesR2_40) {
   s.ratio = {0.5, 1.1};
   ShelfEdgeFit const fit = fit_shelf_edge(apart, s);
   EXPECT_FALSE(fit.ratio.at_end);
-  EXPECT_LT(std::fabs(fit.ratio.value - 0.8), 3 * fit.ratio.sigma);
-  EXPECT_LT(std::fabs(fit.factor.value - 1), 3 * fit.factor.sigma);
+  EXPECT_NEAR(fit.ratio.value, 0.8, 3 * fit.ratio.sigma);
+  EXPECT_NEAR(fit.factor.value, 1, 3 * fit.factor.sigma);
   EXPECT_LT(fit.ratio.sigma, 0.1);
   Fitted const untold = fit_shelf_edge(records(0.9, 10), s).ratio;
   EXPECT_TRUE(untold.at_end || untold.sigma > 0.25)

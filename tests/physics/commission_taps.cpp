@@ -7,6 +7,7 @@
 
 #include "base/message.hpp"
 #include "commission/taps.hpp"
+#include "recorded.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace {

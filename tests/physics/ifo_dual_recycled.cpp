@@ -7,6 +7,7 @@
 
 #include "ifo/cavity.hpp"
 #include "ifo/dual_recycled.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ifo/linear_response.hpp"
+#include "recorded.hpp"
 #include "signal/transfer_function.hpp"
 
 namespace straytrace {

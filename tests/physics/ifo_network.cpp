@@ -6,6 +6,7 @@
 
 #include "ifo/cavity.hpp"
 #include "ifo/network.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

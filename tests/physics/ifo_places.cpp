@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "physics/ifo_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "ifo/fabry_perot_michelson.hpp"
 #include "physics/ifo_support.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

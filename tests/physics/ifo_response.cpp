@@ -6,6 +6,7 @@
 
 #include "ifo/cavity.hpp"
 #include "ifo/linear_response.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

@@ -136,7 +136,7 @@ TEST(Family, OneRealisationInTimeKeepsRelativePhases) {
   double statistic = 0;
   for (std::size_t b = 0; b < powers.mean.size(); ++b)
     statistic += std::pow((powers.mean[b] - fields.exact[b]) / powers.error[b], 2);
-  EXPECT_LT(chi_square_tail(statistic, double(powers.mean.size())), 1e-6);
+  EXPECT_LT(chi_square_tail(statistic, double(powers.mean.size())), 1e-6);  // twin
 }
 
 // Without fields the paths of a computed route have phases of their own in every realisation.

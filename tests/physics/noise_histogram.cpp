@@ -41,7 +41,7 @@ Shared compare(PhaseSpectra const& spectra, Strengths const& paths, StrengthNode
   double worst = 0;
   for (std::size_t i = 0; i < direct.size(); ++i)
     if (direct[i] > floor * *std::max_element(direct.begin(), direct.end()))
-      worst = std::max(worst, deviation(shared[i], direct[i]));
+      worst = std::max<double>(worst, deviation(shared[i], direct[i]));
   double checked = 0;
   for (SpotCheck const& c : nodes.checks()) checked = std::max(checked, c.error);
   return {worst, nodes.nodes(), nodes.step(), checked};

@@ -8,14 +8,13 @@
 
 #include "noise/noise.hpp"
 #include "noise/phase_spectra.hpp"
+#include "recorded.hpp"
 #include "signal/shapes.hpp"
 
 namespace straytrace::testing {
 
 constexpr double wavelength = 1064e-9;
 constexpr double two_k = 4 * pi / wavelength;  // rad/m, one bounce at normal incidence
-
-inline double deviation(double value, double expected) { return std::fabs(value / expected - 1); }
 
 // h = Im s: the strain spectrum is that of the fringes themselves.
 class UnitDetector final : public Interferometer {

@@ -80,7 +80,7 @@ TEST(TimeDomainAgreement, TwoBodiesOnOneGround) {  // eq. 1.10, 7.12
   Comparison const wrong = compared(twin);
   for (std::size_t b = 0; b < c.exact.size(); ++b)
     statistic += std::pow((wrong.mean[b] - c.exact[b]) / wrong.error[b], 2);
-  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);
+  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);  // twin
 }
 
 TEST(TimeDomainAgreement, BothQuadraturesTwoCopiesAndReversePaths) {  // eq. 1.5, 1.13, R4.11
@@ -97,7 +97,7 @@ TEST(TimeDomainAgreement, BothQuadraturesTwoCopiesAndReversePaths) {  // eq. 1.5
   Comparison const wrong = compared(s);
   for (std::size_t b = 0; b < c.exact.size(); ++b)
     statistic += std::pow((wrong.mean[b] - c.exact[b]) / wrong.error[b], 2);
-  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);
+  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);  // twin
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // The grooves law (docs/reference/scatter/grooves.md) against numbers it must give, each with a variant that must not:
 // equal widths are the microfacet law, peak R/(4 pi a_x a_y), glints, and the dependence of the total on the azimuth.
 #include "contract/optics_quadrature.hpp"
+#include "recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -11,6 +11,7 @@
 #include "laws.hpp"
 #include "optics/height_spectrum.hpp"
 #include "optics/roughness.hpp"
+#include "recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "report/receivers.hpp"
+#include "test_backend.hpp"
 #include "trace/trace.hpp"
 #include "world/world.hpp"
 
@@ -49,7 +50,7 @@ inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned thr
   settings.histories = blocks * block_size;
   settings.threads = threads;
   settings.resume = std::move(resume);
-  t.result = trace(t.world, settings, *make_backend("cpu"));
+  t.result = trace(t.world, settings, *test_backend());
   return t;
 }
 

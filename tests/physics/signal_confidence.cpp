@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "recorded.hpp"
 #include "signal/welch.hpp"
 #include "signal_support.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/message.hpp"
+#include "recorded.hpp"
 #include "signal/integration.hpp"
 #include "signal_support.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/message.hpp"
+#include "recorded.hpp"
 #include "signal/band_rms.hpp"
 #include "signal/filters.hpp"
 #include "signal/spectrogram.hpp"

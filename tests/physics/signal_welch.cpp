@@ -7,6 +7,7 @@
 #include "base/constants.hpp"
 #include "base/message.hpp"
 #include "base/rng.hpp"
+#include "recorded.hpp"
 #include "signal/welch.hpp"
 
 namespace straytrace {

@@ -234,7 +234,7 @@ TEST(FreeBeams, FirstVertexSetsTheLevelOfTheWindow) {
   TraceResult const free = run_histories(world, 1 << 14);
   EXPECT_LT(kept.total.bounces, 4 * free.total.bounces);
   SampleMean const a = received(kept), b = received(free);
-  EXPECT_LT(std::fabs(a.mean - b.mean), 5 * std::hypot(a.std_error, b.std_error));
+  EXPECT_NEAR(a.mean, b.mean, 5 * std::hypot(a.std_error, b.std_error));
 }
 
 // A beam that only passes: it lights nothing that scatters, so no light is stray, and every history ends at its start.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/rng.hpp"
+#include "recorded.hpp"
 #include "world/world.hpp"
 
 namespace straytrace {

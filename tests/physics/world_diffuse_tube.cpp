@@ -7,6 +7,7 @@
 #include <string>
 
 #include "exact_tube.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

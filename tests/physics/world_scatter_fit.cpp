@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/constants.hpp"
+#include "recorded.hpp"
 #include "world/measured/scatter_audit.hpp"
 #include "world/measured/scatter_fit.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <complex>
 
+#include "recorded.hpp"
 #include "scenes/benches.hpp"
 #include "trace/sequential.hpp"
 #include "world/world.hpp"

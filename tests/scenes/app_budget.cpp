@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "program.hpp"
+#include "recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -125,7 +125,7 @@ TEST(CommandLine, MistakesAreExplained) {
       {{"run", virgo_arm, "-o", folder / "file"}, "cannot make the folder", "choose another one"},
       {{"trace", virgo_arm, "-o", folder / "none/a.h5"}, "there is no folder", "make it first"},
       {{"trace", virgo_arm, "-o", folder.path()}, "is a folder", "name a file with -o"},
-      {{"noise", folder / "none.h5"}, "No such file", ""},
+      {{"noise", folder / "none.h5"}, "there is no such file", ""},
       {{"paths", virgo_arm}, "is not a straytrace run file", ""},
   };
   for (Wrong const& w : all) {

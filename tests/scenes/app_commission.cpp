@@ -7,6 +7,7 @@
 #include <functional>
 #include <sstream>
 
+#include "recorded.hpp"
 #include "scenes/answers.hpp"
 
 namespace straytrace::testing {
@@ -191,7 +192,7 @@ TEST(FitEdge, FreeRatioR2_40) {
   Json const fit = answer({"fit", "edge", "--target", file + "::h", "--witness", file + "::x", "--witness2",
                            file + "::y", "--band", "12 Hz..110 Hz", "--ratio", "0.5..1.1", "--factor", "0.7..1.4"});
   double const ratio = fit["ratio"]["value"], sigma = fit["ratio"]["sigma"];
-  EXPECT_LT(std::fabs(ratio - 0.8), 3 * sigma);
+  EXPECT_NEAR(ratio, 0.8, 3 * sigma);
   EXPECT_LT(sigma, 0.1);
   EXPECT_NEAR(fit["effective_motion"]["value"].get<double>(), 1, 3 * fit["effective_motion"]["sigma"].get<double>());
 }

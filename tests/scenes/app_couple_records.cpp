@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "recorded.hpp"
 #include "scenes/answers.hpp"
 
 namespace straytrace::testing {

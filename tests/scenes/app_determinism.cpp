@@ -2,6 +2,7 @@
 // A result is a function of scene, seed and number of histories, and of nothing else (architecture.md 7).
 #include <map>
 
+#include "recorded.hpp"
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 

@@ -32,7 +32,7 @@ TEST(Fit, ExampleGivesItsFormulaR6_07) {
   Json const& path = fit["paths"][0];
   auto const expect = [&](Json const& f, double truth, double relative) {
     EXPECT_NEAR(f["value"].get<double>() / truth, 1, relative);
-    EXPECT_LT(std::fabs(f["value"].get<double>() - truth), 4 * f["sigma"].get<double>());
+    EXPECT_NEAR(f["value"].get<double>(), truth, 4 * f["sigma"].get<double>());
   };
   expect(path["multiplicity"], 1.3, 0.02);
   expect(path["recoupled_fraction"], std::pow(2e-21 / 1.1e-16, 2), 0.04);

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <map>
 
+#include "recorded.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {
 namespace {
 
 using nlohmann::json;
-using ::testing::HasSubstr;
-using ::testing::Not;
+using ::testing::HasSubstr, ::testing::Not;
 
 constexpr double lambda = 1.064e-6, k = 2 * M_PI / lambda;
 

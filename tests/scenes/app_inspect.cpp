@@ -122,7 +122,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
   EXPECT_THAT(straytrace({"inspect", "oxydised_steel"}).err, HasSubstr("did you mean 'oxidised_steel'?"));
   EXPECT_THAT(straytrace({"inspect", "test_mas", virgo_arm}).err, HasSubstr("did you mean 'test_mass'?"));
   EXPECT_THAT(straytrace({"inspect", "x", "--plot", folder / "none/a.png"}).err,
-              HasSubstr("neither a file nor a preset"));
+              HasSubstr("neither a file nor in the library"));
 }
 
 }  // namespace

@@ -72,7 +72,21 @@ TEST(Explain, AKeyHasTypeRangeDefaultExampleAndPage) {
   EXPECT_THAT(refusal({"explain", "cone.half_angel"}), HasSubstr("did you mean 'cone.half_angle'?"));
 }
 
+TEST(Explain, ThingsOfTheLibraryAndTheirNumbers) {
+  auto const rim = answer({"explain", "virgo_baffle.inner_radius"});
+  EXPECT_EQ(rim["default"], "49.5 cm");
+  EXPECT_THAT(rim["source"].get<std::string>(), HasSubstr("Virgo specification"));
+  EXPECT_EQ(answer({"explain", "adv.arm_power"})["default"], "650 kW");
+  EXPECT_EQ(answer({"explain", "dlc"})["status"], "assumed");
+  std::string const refused = refusal({"explain", "baffle.aperture"});  // no part has this name alone
+  EXPECT_THAT(refused, HasSubstr("conical_baffle"));
+  EXPECT_THAT(refused, HasSubstr("inner_radius"));
+  EXPECT_THAT(refusal({"explain", "lens.diametre"}), HasSubstr("did you mean 'lens.diameter'?"));
+}
+
 TEST(Explain, UnitsAndMessages) {
+  EXPECT_EQ(straytrace({"explain", "unit m/sqrt(Hz)"}).out, straytrace({"explain", "unit", "m/sqrt(Hz)"}).out);
+  EXPECT_EQ(straytrace({"explain", "m/sqrt(Hz)"}).out, straytrace({"explain", "unit", "m/sqrt(Hz)"}).out);
   EXPECT_NEAR(answer({"explain", "unit", "arcsec"})["si"].get<double>(), 4.84813681e-6, 1e-14);
   EXPECT_THAT(refusal({"explain", "unit", "metre"}), HasSubstr("did you mean 'm'?"));
   EXPECT_THAT(straytrace({"explain", "arm.yaml:8:29: error: \"10 um\" does not say which amplitude it is"}).out,
@@ -156,6 +170,26 @@ TEST(Diff, RunsDifferBySigmas) {
   auto const same = answer({"diff", folder / "a/run.h5", folder / "a/run.h5"});
   EXPECT_TRUE(same["models"].empty());
   for (auto const& band : same["results"]["bands"]) EXPECT_EQ(band["sigmas"], 0);
+}
+
+// Twice the motion of the same light is twice h (physics.md eq. 1.3): the change is h, and so is its relative error.
+// Twin: errors taken as independent, sqrt(5) times too large.
+TEST(Diff, SameHistoriesErrAlike) {
+  Folder const folder;
+  write_text(folder / "a.yaml", baffle);
+  ASSERT_EQ(straytrace({"run", folder / "a.yaml", "-o", folder / "a", "--quiet"}).code, 0);
+  std::string const bodies = baffle.substr(baffle.find("bodies:"), baffle.find("scene:") - baffle.find("bodies:"));
+  write_text(folder / "more.yaml", "straytrace: 1\n" + edited(bodies, "1e-12 m", "2e-12 m"));
+  Finished const more =
+      straytrace({"noise", folder / "a/run.h5", "--motion", folder / "more.yaml", "-o", folder / "b", "--quiet"});
+  ASSERT_EQ(more.code, 0) << more.err;
+  auto const results = answer({"diff", folder / "a/run.h5", folder / "b/run.h5"})["results"];
+  EXPECT_TRUE(results["same_histories"]);
+  for (auto const& band : results["bands"]) {
+    double const h = band["before"]["value"], error = band["before"]["sigma"];
+    EXPECT_NEAR(band["after"]["value"].get<double>() / h, 2, 1e-3);
+    EXPECT_NEAR(band["sigmas"].get<double>() / (h / error), 1, 0.2);
+  }
 }
 
 TEST(Messages, WarningsComeAsJsonWithTheirPlaces) {

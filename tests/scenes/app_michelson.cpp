@@ -3,6 +3,7 @@
 // magnified differently, so that fields sqrt(P/area) have contrast 0.9757; rays counted as amplitudes 0.9085.
 #include <complex>
 
+#include "recorded.hpp"
 #include "report/receivers.hpp"
 #include "scenes/benches.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "recorded.hpp"
 #include "scenes/answers.hpp"
 
 namespace straytrace::testing {

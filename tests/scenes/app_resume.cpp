@@ -2,6 +2,7 @@
 // Runs that are stopped, continued, rerun or in the way (interface.md 2: exit code 85, manners).
 #include <thread>
 
+#include "recorded.hpp"
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 

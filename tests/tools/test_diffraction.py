@@ -13,7 +13,10 @@ from scipy.fft import fft2, ifft2
 from scipy.integrate import quad
 from scipy.special import j0
 
+from records import Records
+
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+RECORDS = Records("tools.diffraction", PROGRAM)
 LAMBDA, W, RADIUS = 1064e-9, 10e-3, 12e-3
 K = 2 * np.pi / LAMBDA
 
@@ -50,20 +53,20 @@ def hankel(rho, z, open_share, reach):
     return (K / z) ** 2 * (parts[0] ** 2 + parts[1] ** 2)
 
 
-def check(wanted, found, tolerance):
-    return np.max(np.abs(np.array(wanted) - np.array(found))) < tolerance
+def check(wanted, found, tolerance, what=""):
+    return RECORDS.below(f"largest difference of intensity, {what}", np.max(np.abs(np.array(wanted) - np.array(found))), tolerance)
 
 
 hard = profile(HARD, 60, 11)
 assert abs(hard["w_m"] / W - 1) < 1e-9 and abs(hard["clipped"] / np.exp(-2 * (RADIUS / W) ** 2) - 1) < 1e-9
 assert abs(hard["axis_factor_far"] / (1 - np.exp(-(RADIUS / W) ** 2)) ** 2 - 1) < 1e-9      # eq. 5.7
 exact = [hankel(abs(x), 60, lambda r: 1.0, RADIUS) for x in hard["x_m"]]
-assert check(exact, hard["intensity"], 1e-6)
+assert check(exact, hard["intensity"], 1e-6, "round hole")
 assert not check(exact, hard["intensity_without_rim"], 1e-2)                                  # twin: no aperture
 
 serrated = profile(TEETH, 60, 11)
 mean = [hankel(abs(x), 60, lambda r: np.clip((14e-3 - r) / 4e-3, 0, 1), 14e-3) for x in serrated["x_m"]]
-assert check(mean, serrated["intensity"], 1e-6)
+assert check(mean, serrated["intensity"], 1e-6, "teeth")
 assert not check(mean, hard["intensity"], 1e-3)                                               # twin: a smooth rim
 
 # Off centre, by the angular spectrum on a grid.
@@ -76,6 +79,7 @@ phase = np.exp(-1j * np.pi * LAMBDA * 60 * (frequency[:, None] ** 2 + frequency[
 behind = np.abs(ifft2(fft2(field, workers=2) * phase, workers=2)) ** 2
 off = profile(HARD, 60, 9, shift=5)
 grid = [behind[np.argmin(np.abs(x - p)), cells // 2] for p in off["x_m"]]
-assert check(grid, off["intensity"], 1e-2)
+assert check(grid, off["intensity"], 1e-2, "off centre")
 assert not check(grid, profile(HARD, 60, 9)["intensity"], 5e-2)                               # twin: the offset forgotten
+RECORDS.write()
 print("diffraction: as expected")

@@ -12,6 +12,8 @@ import os
 import subprocess
 import sys
 
+from records import Records
+
 # Light of the laser reaches the dark port by differences of arms alone: these cancel to some digits.
 TOLERANCES = {"carrier powers": 1e-6, "DARM": 1e-6, "laser amplitude": 1e-5, "laser phase": 1e-5}
 
@@ -93,12 +95,12 @@ def worst_responses(case, model):
 
 def main():
     cases = json.loads(subprocess.run([sys.argv[1]], check=True, capture_output=True, text=True).stdout)
-    failures = 0
+    failures, records = 0, Records("tools.finesse", sys.argv[1])
     for name, case in cases.items():
         model = model_of(case["parameters"])
         found = {"carrier powers": worst_power(case, model), **worst_responses(case, model)}
         for what, worst in found.items():
-            good = worst < TOLERANCES[what]
+            good = records.below(f"{name}: {what}: relative difference", worst, TOLERANCES[what])
             failures += not good
             print(f"{'ok  ' if good else 'FAIL'} {name}: {what}: differs by {worst:.1e}, allowed {TOLERANCES[what]:.0e}")
     # Twins: the offset and the tuning with the other sign, and 1e-5 more transmission, must not pass.
@@ -108,6 +110,8 @@ def main():
         seen = worst_responses(case, model)["DARM"] > TOLERANCES["DARM"]
         failures += not seen
         print(f"{'ok  ' if seen else 'FAIL'} twin: wrong {what} are noticed")
+    if not failures:
+        records.write()
     sys.exit(failures > 0)
 
 

@@ -49,6 +49,29 @@ class Trees(unittest.TestCase):
             self.assertEqual(again.text(), model.text())
         self.assertEqual(again.scene["baffle"].shape.cone.inner_radius, "rim")
 
+    def test_what_is_included_can_be_changed_and_is_run(self):
+        whole = arm()
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            parts = {"straytrace": 1, "scene": [whole.scene["baffle"]]}
+            straytrace.Model(parts).save(place / "baffle.yaml")
+            rest = {key: value for key, value in whole.items() if key != "scene"}
+            rest["scene"] = [entry for entry in whole.scene if entry.name != "baffle"]
+            model = straytrace.Model({"include": ["baffle.yaml"], **rest}, folder=folder)
+            before = model.check().model_hash
+            cone = model.included["baffle.yaml"].scene["baffle"].shape.cone
+            cone.half_angle = "36 deg"
+            self.assertNotEqual(model.check().model_hash, before)
+            changed = straytrace.Model.from_text(model.resolved())      # one text, without files
+            self.assertIn("half_angle: 0.628", changed.text())
+            run, alike = (m.run(histories=BLOCK, progress=False) for m in (model, changed))
+            self.assertEqual(dict(zip(run.routes.name, run.routes.coupling)), dict(zip(alike.routes.name, alike.routes.coupling)))
+            scan = straytrace.scan(model, [{}], histories=BLOCK, progress=False)
+            self.assertEqual(scan.points[0].run.attributes["model_hash"], model.check().model_hash)
+            self.assertNotIn("36 deg", (place / "baffle.yaml").read_text())
+            model.included["baffle.yaml"].save(place / "baffle.yaml")
+            self.assertIn("36 deg", (place / "baffle.yaml").read_text())
+
     def test_examples_keep_text_and_comments(self):
         from straytrace.yaml_text import dump, load
         for path in sorted((SOURCE / "examples").glob("*.yaml")):

@@ -241,6 +241,20 @@ def check_view(browser, folder):
     quiet(browser, folder / "view.html")
 
 
+def check_cad_parts(browser, folder):
+    """Faces of one part of a STEP file are one line of the list, in a colour of the part."""
+    straytrace("view", SOURCE / "examples/suspended_bench.yaml", "-o", "cad.html", "--quiet", folder=folder)
+    browser.open(folder / "cad.html")
+    faces, names, colours = browser.run("return [stage.scene.parts.length, stage.parts.map(p => p.part.name), "
+                                        "stage.parts.map(p => p.colour)]")
+    check(faces > 20, f"{faces} kinds of faces: there was nothing to put together")
+    check(len(names) == len(set(names)) == 9, f"parts of the bench are {names}")
+    check(len(set(colours)) == 9, f"parts of the bench have the colours {colours}")
+    rows = browser.run("return document.querySelectorAll('.parts > div').length")
+    check(rows == 10, f"{rows} lines for nine parts and a title")
+    quiet(browser, folder / "cad.html")
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -260,6 +274,7 @@ def main():
             check_network(browser, folder)
             check_many_rows(browser, page, folder)
             check_view(browser, folder)
+            check_cad_parts(browser, folder)
         check_fixed(page)
     print("pages are in order")
 

@@ -47,8 +47,8 @@ def complaints(text):
 
 def scenes():
     """Everything that is a valid scene or file of motion in examples, tests, samples and documents."""
-    for folder in ("examples", "tests/scenes", "schema/samples"):
-        for file in sorted((ROOT / folder).glob("*.yaml")):
+    for folder in ("examples", "library", "tests/scenes", "schema/samples"):
+        for file in sorted((ROOT / folder).rglob("*.yaml")):
             yield str(file.relative_to(ROOT)), file.read_text(encoding="utf-8")
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         for block in BLOCK.finditer(page.read_text(encoding="utf-8")):

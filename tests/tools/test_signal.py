@@ -13,7 +13,10 @@ import h5py
 import numpy as np
 from scipy import signal
 
+from records import Records
+
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+RECORDS = Records("tools.signal", PROGRAM)
 RATE, START, COUNT = 256, 1234567890.25, 256 * 40
 CLOSE = 1e-10                                           # relative, of the largest line where lines are tiny
 
@@ -46,7 +49,7 @@ def columns(*words):
 def close(test, got, wanted, tolerance=CLOSE):
     test.assertEqual(got.shape, wanted.shape)
     worst = np.max(np.abs(got - wanted) / np.maximum(np.abs(wanted), 1e-6 * np.max(np.abs(wanted))))
-    test.assertLess(worst, tolerance)
+    test.assertTrue(RECORDS.below(f"relative difference, {test.id().split('.')[-1]}", worst, tolerance), (worst, tolerance))
 
 
 class AgainstScipy(unittest.TestCase):
@@ -258,4 +261,7 @@ class Files(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    done = unittest.main(exit=False).result
+    if done.wasSuccessful():
+        RECORDS.write()
+    sys.exit(not done.wasSuccessful())

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/strain.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {

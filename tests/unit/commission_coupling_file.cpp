@@ -8,6 +8,7 @@
 #include "base/message.hpp"
 #include "commission/coupling_file.hpp"
 #include "commission/coupling_projection.hpp"
+#include "recorded.hpp"
 
 namespace straytrace {
 namespace {
@@ -170,8 +171,18 @@ TEST(CouplingProjection, RefusesFringeWrappingAndOtherUnits) {
   EXPECT_THAT(said(), HasSubstr("project the motion in the time domain"));
   w.hz = {10, 15};
   EXPECT_EQ(said(), "projected") << "outside the band asked for it does not matter";
-  w.unit = "m/s^2";
-  EXPECT_THAT(said(), HasSubstr("the coupling is per m, and the witness is in m/s^2"));
+  w.unit = "V";
+  EXPECT_THAT(said(), HasSubstr("the coupling is per m, and the witness is in V"));
+}
+
+// An acceleration of 1 m/s^2 is 1/(2 pi f)^2 m.
+TEST(CouplingProjection, TakesAccelerationsToTheCouplingPerMetre) {
+  CouplingFunction const c = read(theirs);
+  auto const projected = [&](std::string const& unit) {
+    return project_coupling(c, {unit, {20}, {1}, {0}}).points[0].asd;
+  };
+  EXPECT_NEAR(projected("m/s^2") / projected("m") * std::pow(2 * M_PI * 20, 2), 1, 1e-12);
+  EXPECT_NEAR(projected("m/s") / projected("m") * 2 * M_PI * 20, 1, 1e-12);
 }
 
 }  // namespace

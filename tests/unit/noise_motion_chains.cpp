@@ -7,6 +7,7 @@
 #include "motion/joint_motion.hpp"
 #include "motion/motion.hpp"
 #include "noise_support_scene.hpp"
+#include "recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "motion/motion.hpp"
 #include "noise_support_scene.hpp"
+#include "recorded.hpp"
 #include "signal/series_file.hpp"
 
 namespace straytrace::testing {

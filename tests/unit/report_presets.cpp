@@ -9,6 +9,7 @@
 
 #include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/quantum.hpp"
+#include "recorded.hpp"
 #include "report/pygwinc_ifo.hpp"
 
 namespace straytrace {

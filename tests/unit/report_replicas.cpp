@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "recorded.hpp"
 #include "report/merit.hpp"
 #include "report/receivers.hpp"
 #include "report/replicas.hpp"

@@ -201,8 +201,8 @@ TEST_F(ReportRunFile, RefusesWhatIsNotARun) {
   EXPECT_THAT(message_of([&] { read_run(folder / "text.h5"); }), HasSubstr("is not a straytrace run file"));
   EXPECT_THAT(message_of([&] { read_run(folder / "none.h5"); }), HasSubstr("the file is empty"));
   EXPECT_THAT(message_of([&] { read_run(folder / "other.h5"); }), HasSubstr("HDF5 file of another program"));
-  EXPECT_THAT(message_of([&] { read_run(folder / "missing.h5"); }), HasSubstr("No such file"));
-  EXPECT_THAT(message_of([&] { read_run(folder / "."); }), HasSubstr("directory"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "missing.h5"); }), HasSubstr("there is no such file"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "."); }), HasSubstr("it is not a regular file"));
 }
 
 std::string made(std::string const& kind, std::uint64_t major) {

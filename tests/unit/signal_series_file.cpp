@@ -76,8 +76,10 @@ TEST(SeriesFile, MessagesSayWhatToWrite) {
   auto const refusal = [](std::string const& text, SeriesRequest const& wanted) {
     return message([&] { parse_series(text, "a.txt", wanted); });
   };
-  EXPECT_EQ(refusal("0 1\n1 2\n", {}),
-            "a.txt: error: column 2 has no unit\n  say it with --unit, for example --unit um/s^2");
+  EXPECT_EQ(
+      refusal("0 1\n1 2\n", {}),
+      "a.txt: error: column 2 has no unit\n  say it with --unit, or the option that names the unit of this record, for "
+      "example --unit um/s^2");
   EXPECT_EQ(
       refusal("0 1\n1 nan\n", {"", "m", {}}),
       "a.txt: error: line 2: column 2 is not a number at 1 s\n  choose a span without such samples with --gps A..B");

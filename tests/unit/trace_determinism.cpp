@@ -52,7 +52,7 @@ class Interrupting final : public Backend {
   std::uint64_t after_;
   std::atomic<bool>& stop_;
   mutable std::atomic<std::uint64_t> done_{0};
-  std::unique_ptr<Backend> cpu_ = make_backend("cpu");
+  std::unique_ptr<Backend> cpu_ = test_backend();
 };
 
 TEST(Determinism, InterruptedAndResumed) {
@@ -69,7 +69,7 @@ TEST(Determinism, InterruptedAndResumed) {
   EXPECT_LT(part.total.blocks, blocks);
   stop = false;
   settings.resume = part.tree;
-  TraceResult const whole = trace(world, settings, *make_backend("cpu"));
+  TraceResult const whole = trace(world, settings, *test_backend());
   EXPECT_EQ(whole.stopped, Stopped::by_histories);
   EXPECT_TRUE(same(whole.total, total(world, 1, 1)));
   EXPECT_FALSE(same(part.total, whole.total));
@@ -81,7 +81,7 @@ TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
   settings.histories = blocks * block_size;
   settings.threads = 1;
   settings.max_seconds = 0;
-  TraceResult const r = trace(small_tube(), settings, *make_backend("cpu"));
+  TraceResult const r = trace(small_tube(), settings, *test_backend());
   EXPECT_EQ(r.stopped, Stopped::by_time);
   EXPECT_TRUE(r.checkpointed());
 }
@@ -97,7 +97,7 @@ std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why
     seen.push_back(table.histories / block_size);
     return seen.size() <= errors.size() ? errors[seen.size() - 1] : 2;
   };
-  why = trace(one_plate(), settings, *make_backend("cpu")).stopped;
+  why = trace(one_plate(), settings, *test_backend()).stopped;
   return seen;
 }
 

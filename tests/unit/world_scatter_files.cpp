@@ -44,6 +44,15 @@ std::string const lab =
     "# noise_floor: 1e-7 /sr\ntheta_i [deg], theta_s [deg], brdf_cos [1/sr]\n"
     "10, 12, 2e-3\r\n10, 20, 1e-4\n10, 60, 4e-8\r\n";
 
+TEST(ScatterFiles, WrongColumnsAreToldByWhatTheyLookLike) {
+  std::string const rows = "10, 12, 2e-3\r\n";
+  EXPECT_THAT(refusal(edited(lab, rows, "10;12,5;2,0e-3\n")), HasSubstr("not semicolons"));
+  EXPECT_THAT(refusal(edited(lab, rows, "10, 12,5, 2e-3\n")), HasSubstr("not decimal commas"));
+  std::string const radian = refusal(edited(lab, "theta_i [deg]", "theta_i [rad]"));
+  EXPECT_THAT(radian, HasSubstr("write 'theta_i [deg]' into the header"));
+  EXPECT_THAT(refusal(edited(lab, rows, "95, 12, 2e-3\n")), ::testing::Not(HasSubstr("theta_i [deg]")));
+}
+
 TEST(ScatterFiles, LaboratoryCsv) {
   ScatterFile const f = sound(lab);
   EXPECT_EQ(f.format, "laboratory CSV");

@@ -7,6 +7,7 @@
 
 #include "base/message.hpp"
 #include "base/rng.hpp"
+#include "recorded.hpp"
 #include "shapes.hpp"
 #include "world/world.hpp"
 

@@ -10,14 +10,16 @@
 
 namespace straytrace {
 
+// It may keep what it has made of a world: a world that it has seen stays as it is while the backend lives.
 class Backend {
  public:
   virtual ~Backend() = default;
   virtual std::string_view name() const = 0;
   // Traces histories [block * block_size, (block + 1) * block_size). Called from several threads at once.
   virtual BlockSums run_block(World const&, std::uint64_t seed, std::uint64_t block) const = 0;
+  virtual unsigned callers() const { return 0; }  // threads that should call run_block; 0: as many as there are cores
 };
 
-std::unique_ptr<Backend> make_backend(std::string_view name);  // "cpu"; InputError for any other
+std::unique_ptr<Backend> make_backend(std::string_view name);  // "cpu", "cuda"; InputError for any other
 
 }  // namespace straytrace

@@ -19,7 +19,7 @@ BlockSink::BlockSink(WorldView const& world, std::size_t groups, int replica)
 }
 
 void BlockSink::add_records(HistoryTally const& tally) {
-  for (HistoryTally::Score const& score : tally.scores()) {
+  for (HistoryScore const& score : tally.scores()) {
     ClassSums& sums = classes_[score.route];
     if (score.off_list) sums.off_list += score.address.coupling;
     if (score.address.priority <= sums.threshold) continue;
@@ -28,7 +28,7 @@ void BlockSink::add_records(HistoryTally const& tally) {
   }
 }
 
-void BlockSink::add_to_maps(HistoryTally::Cells const& cells) {
+void BlockSink::add_to_maps(HistoryCells const& cells) {
   ReceiverSums& sums = sums_.receivers[cells.receiver];
   if (cells.angle_pixel != Receiver::outside) sums.angles.sum[cells.angle_pixel] += cells.power;
   if (cells.quadrant != Receiver::outside) sums.quadrants.sum[cells.quadrant] += cells.power;
@@ -50,8 +50,8 @@ void BlockSink::add(HistoryTally const& tally) {
   sums_.lost += tally.lost();
   sums_.window_variance += tally.window_variance();
   add_records(tally);
-  for (HistoryTally::Cells const& cells : tally.cells()) add_to_maps(cells);
-  for (HistoryTally::Total const& t : tally.totals()) {
+  for (HistoryCells const& cells : tally.cells()) add_to_maps(cells);
+  for (HistoryTotal const& t : tally.totals()) {
     ClassSums& sums = classes_[t.route];
     sums.port = t.port;
     sums.moments.add_score(t.sum, history);
@@ -63,7 +63,7 @@ void BlockSink::add(HistoryTally const& tally) {
   }
   sums_.emitted.add(tally.power_emitted(), history);
   for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(tally.booked(static_cast<Fate>(f)), history);
-  for (HistoryTally::Arrival const& a : tally.arrivals()) {
+  for (HistoryArrival const& a : tally.arrivals()) {
     sums_.arrived[a.group].add(a.power, history);
     sums_.absorbed[a.group].add(a.absorbed, history);
   }

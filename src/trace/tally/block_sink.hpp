@@ -23,7 +23,7 @@ class BlockSink {
 
  private:
   void add_records(HistoryTally const&);
-  void add_to_maps(HistoryTally::Cells const&);
+  void add_to_maps(HistoryCells const&);
 
   int replica_;
   std::vector<double> received_;  // by receiver, of one history

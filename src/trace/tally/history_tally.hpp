@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What one history scores, kept apart until its turn comes: paths of many histories are in flight at once, and a block
-// adds them up in the order of their numbers.
+// adds them up in the order of their numbers. On a device its lists have a fixed room (trace/backend/device).
 #pragma once
 
 #include <vector>
@@ -11,71 +11,188 @@
 
 namespace straytrace {
 
-class HistoryTally {
- public:
-  struct Total {  // of all scores of one route
-    std::uint64_t route;
-    std::uint32_t port;
-    double sum;
-  };
-  struct Score {
-    std::uint64_t route;
-    ScoreAddress address;
-    bool off_list;  // the last walked hop met nothing that was on a list of targets
-  };
-  struct Arrival {
-    std::uint32_t group;
-    double power, absorbed;
-  };
-  struct Cells {  // of the maps of a receiver; Receiver::outside: none
-    std::uint64_t route;
-    std::uint32_t receiver, pixel, angle_pixel, quadrant;
-    double power;
-    bool coherent;
-    double real, imaginary;  // power times cos and sin of its phase
-  };
+struct HistoryTotal {  // of all scores of one route
+  std::uint64_t route;
+  std::uint32_t port;
+  double sum;
+};
+struct HistoryScore {
+  std::uint64_t route;
+  ScoreAddress address;
+  bool off_list;  // the last walked hop met nothing that was on a list of targets
+};
+struct HistoryArrival {
+  std::uint32_t group;
+  double power, absorbed;
+};
+struct HistoryCells {  // of the maps of a receiver; Receiver::outside: none
+  std::uint64_t route;
+  std::uint32_t receiver, pixel, angle_pixel, quadrant;
+  double power;
+  bool coherent;
+  double real, imaginary;  // power times cos and sin of its phase
+};
 
-  HistoryTally(WorldView const& world, std::uint64_t seed) : world_(&world), seed_(seed) {}
-  void begin(std::uint64_t history);
+template <template <class> class List>
+struct TallyLists {
+  List<HistoryTotal> totals;
+  List<HistoryScore> scores;
+  List<HistoryArrival> arrivals;
+  List<HistoryCells> cells;
+};
+
+// `List` offers push_back, clear, begin and end.
+template <template <class> class List>
+class BasicTally {
+ public:
+  STRAY_HD BasicTally(WorldView const& world, std::uint64_t seed, TallyLists<List> lists = {})
+      : world_(&world), seed_(seed), lists_(static_cast<TallyLists<List>&&>(lists)) {}
+  STRAY_HD void begin(std::uint64_t history);
 
   // The sink of trace/history/step.hpp.
-  void emitted(PathState const& path, Vertex const&) { emitted_ = path.emitted; }
-  void visit(PathState const& path, Vertex const& vertex);
-  void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number, Vertex const& y,
-             double coupling);
-  void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
-                     std::uint32_t receiver, Vertex const& end, double power);
-  void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
-                 std::uint32_t receiver, Vertex const& end, double power);
-  void wagered(double variance) { window_variance_ += variance; }
-  void absorbed(GroupId group, double power);  // after the visit to the group; no group: in a medium
-  void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
+  STRAY_HD void emitted(PathState const& path, Vertex const&) { emitted_ = path.emitted; }
+  STRAY_HD void visit(PathState const& path, Vertex const& vertex);
+  STRAY_HD void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,
+                      Vertex const& y, double coupling);
+  STRAY_HD void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
+                              std::uint32_t receiver, Vertex const& end, double power);
+  STRAY_HD void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
+                          std::uint32_t receiver, Vertex const& end, double power);
+  STRAY_HD void wagered(double variance) { window_variance_ += variance; }
+  STRAY_HD void absorbed(GroupId group, double power);  // after the visit to the group; no group: in a medium
+  STRAY_HD void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
 
-  std::uint64_t history() const { return history_; }
-  std::uint64_t bounces() const { return bounces_; }
-  std::uint64_t lost() const { return lost_; }
-  double power_emitted() const { return emitted_; }
-  double booked(Fate fate) const { return ledger_[static_cast<int>(fate)]; }
-  double absorbed_in_media() const { return in_media_; }
-  double window_variance() const { return window_variance_; }
-  std::vector<Total> const& totals() const { return totals_; }
-  std::vector<Score> const& scores() const { return scores_; }
-  std::vector<Arrival> const& arrivals() const { return arrivals_; }
-  std::vector<Cells> const& cells() const { return cells_; }
+  STRAY_HD std::uint64_t history() const { return history_; }
+  STRAY_HD std::uint64_t bounces() const { return bounces_; }
+  STRAY_HD std::uint64_t lost() const { return lost_; }
+  STRAY_HD double power_emitted() const { return emitted_; }
+  STRAY_HD double booked(Fate fate) const { return ledger_[static_cast<int>(fate)]; }
+  STRAY_HD double absorbed_in_media() const { return in_media_; }
+  STRAY_HD double window_variance() const { return window_variance_; }
+  STRAY_HD List<HistoryTotal> const& totals() const { return lists_.totals; }
+  STRAY_HD List<HistoryScore> const& scores() const { return lists_.scores; }
+  STRAY_HD List<HistoryArrival> const& arrivals() const { return lists_.arrivals; }
+  STRAY_HD List<HistoryCells> const& cells() const { return lists_.cells; }
 
  private:
-  void add(PathState const& path, Route const& route, std::uint32_t number, double coupling);
-  void add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route, bool by_itself,
-                   double power);
+  STRAY_HD void add(PathState const& path, Route const& route, std::uint32_t number, double coupling);
+  STRAY_HD void add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y, std::uint64_t route,
+                            bool alone, double power);
 
   WorldView const* world_;
   std::uint64_t seed_, history_ = 0, bounces_ = 0, lost_ = 0;
   double emitted_ = 0, in_media_ = 0, window_variance_ = 0;
   double ledger_[fate_count] = {};
-  std::vector<Total> totals_;
-  std::vector<Score> scores_;
-  std::vector<Arrival> arrivals_;
-  std::vector<Cells> cells_;
+  TallyLists<List> lists_;
 };
+
+template <class T>
+using GrowingList = std::vector<T>;
+using HistoryTally = BasicTally<GrowingList>;
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::begin(std::uint64_t history) {
+  history_ = history;
+  bounces_ = lost_ = 0;
+  emitted_ = in_media_ = window_variance_ = 0;
+  for (double& column : ledger_) column = 0;
+  lists_.totals.clear();
+  lists_.scores.clear();
+  lists_.arrivals.clear();
+  lists_.cells.clear();
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::visit(PathState const& path, Vertex const& vertex) {
+  ++bounces_;
+  if (!(vertex.wi.z > 0) || !std::isfinite(path.power)) ++lost_;
+  std::uint32_t const group = world_->surfaces[vertex.surface.value].group.value;
+  for (HistoryArrival& a : lists_.arrivals)
+    if (a.group == group) {
+      a.power += path.power;
+      return;
+    }
+  lists_.arrivals.push_back({group, path.power, 0});
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::absorbed(GroupId group, double power) {
+  if (!group.valid()) {
+    in_media_ += power;
+    return;
+  }
+  for (HistoryArrival& a : lists_.arrivals)
+    if (a.group == group.value) a.absorbed += power;
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::score(PathState const& path, Vertex const& vertex, std::uint32_t goal,
+                                      std::uint32_t number, Vertex const& y, double coupling) {
+  Route const route = route_of(*world_, path, vertex, goal, number, y.surface);
+  if (goal >= world_->lit.size)
+    add_to_maps(path, goal - std::uint32_t(world_->lit.size), y, route.hash, by_itself(number), coupling);
+  add(path, route, number, coupling);
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::score_lit(PathState const& path, std::uint32_t source, Vertex const& z,
+                                          Chain const& chain, std::uint32_t receiver, Vertex const& end, double power) {
+  Route const route = route_lit(*world_, source, z, chain, receiver);
+  add_to_maps(path, receiver, end, route.hash, false, power);
+  add(path, route, number_lit(*world_, source, chain.hops, receiver), power);
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::score_through(PathState const& path, Vertex const& vertex, Vertex const& z,
+                                              Chain const& chain, std::uint32_t receiver, Vertex const& end,
+                                              double power) {
+  Route const route = route_through(*world_, path, vertex, z, chain, receiver);
+  add_to_maps(path, receiver, end, route.hash, false, power);
+  add(path, route, number_through(*world_, receiver), power);
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::add(PathState const& path, Route const& route, std::uint32_t number, double coupling) {
+  if (!std::isfinite(coupling)) {
+    ++lost_;
+    return;
+  }
+  bool known = false;
+  for (HistoryTotal& t : lists_.totals)
+    if (t.route == route.hash) {
+      t.sum += coupling;
+      known = true;
+      break;
+    }
+  if (!known) lists_.totals.push_back({route.hash, route.end, coupling});
+
+  // Numbers of sub-paths from lit surfaces may be in the thousands: they have streams of their own.
+  bool const many = number >= number_lit(*world_, 0, 0, 0);
+  std::uint32_t const own = many ? number << 8 : 0;
+  Rng rng(seed_, path.history, path.event, static_cast<Stream>(std::uint32_t(Stream::record) + own));
+  double u = rng.uniform();
+  for (std::uint32_t i = 0; !many && i < number; ++i) u = rng.uniform();
+  lists_.scores.push_back({route.hash, {path.history, path.event, number, coupling, coupling / u}, path.hop.off_list});
+}
+
+template <template <class> class List>
+STRAY_HD void BasicTally<List>::add_to_maps(PathState const& path, std::uint32_t receiver, Vertex const& y,
+                                            std::uint64_t route, bool alone, double power) {
+  Receiver const& r = world_->receivers[receiver];
+  std::uint32_t const out = Receiver::outside;
+  HistoryCells cells{route, receiver, r.pixel(y.point), r.angle_pixel(y.frame.to_world(-y.wi)), out, power, false,
+                     0,     0};
+  if (r.quadrants) cells.quadrant = r.quadrant(y.point);
+  if (path.coherent && alone && cells.pixel != out) {
+    double const length = path.path_length + (r.clear ? y.leg : 0);  // a plane is met before the leg is over
+    double const turns = length / world_->wavelength + path.turned;
+    SinCos const phase = sincos_turn(turns - std::floor(turns));
+    cells.coherent = true;
+    cells.real = power * phase.cos;
+    cells.imaginary = power * phase.sin;
+  }
+  bool const any = cells.pixel != out || cells.angle_pixel != out || r.quadrants;
+  if (any) lists_.cells.push_back(cells);
+}
 
 }  // namespace straytrace

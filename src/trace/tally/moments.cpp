@@ -8,22 +8,11 @@
 
 #include "base/constants.hpp"
 #include "trace/result.hpp"
+#include "trace/tally/add_total.hpp"
 
 namespace straytrace {
 
-void Moments::add(double total, std::uint64_t history) {
-  if (total == 0) return;
-  double const square = total * total;
-  sum += total;
-  sum2 += square;
-  sum3 += square * total;
-  sum4 += square * square;
-  ++scored;
-  if (std::fabs(total) > largest) {
-    largest = std::fabs(total);
-    largest_history = history;
-  }
-}
+void Moments::add(double total, std::uint64_t history) { add_total(*this, total, history); }
 
 namespace {
 

@@ -102,6 +102,7 @@ class Columns {
   double value(ColumnFile::Row const& row, char const* column) const {
     return there(column) ? row.values[std::size_t(table_.find(column))] : 0;
   }
+  double unit_of(char const* column) const { return table_.columns[std::size_t(table_.find(column))].unit.si; }  // SI
   std::uint32_t at(ColumnFile::Row const& row, char const* column) const {
     return there(column) ? row.at[std::size_t(table_.find(column))] : 1;
   }
@@ -146,7 +147,9 @@ class Columns {
     double const incidence = there("theta_i") ? value(row, "theta_i") : file_.declared.theta_i;
     if (!(incidence >= 0 && incidence < pi / 2))
       return problem(row.line, at(row, "theta_i"), fmt::format("incidence of {:g} deg", incidence / degree),
-                     "give 0 to below 90 deg");
+                     there("theta_i") && incidence < 90 && unit_of("theta_i") == 1
+                         ? "give 0 to below 90 deg; if the numbers are degrees, write 'theta_i [deg]' into the header"
+                         : "give 0 to below 90 deg");
     bool const from_specular = file_.declared.angles == "from_specular";
     double const scatter = value(row, "theta_s") + (from_specular ? incidence : 0), phi = value(row, "phi");
     if (!(std::fabs(scatter) < pi / 2))

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
+#include "trace/backend/cpu/cpu.hpp"
 
-#include "base/message.hpp"
-#include "trace/backend/backend.hpp"
 #include "trace/history/flight.hpp"
 #include "trace/tally/block_sink.hpp"
 
@@ -23,9 +21,6 @@ class Cpu final : public Backend {
 
 }  // namespace
 
-std::unique_ptr<Backend> make_backend(std::string_view name) {
-  if (name == "cpu") return std::make_unique<Cpu>();
-  throw InputError(fmt::format("error: backend '{}' is not built in; write 'cpu'", name));
-}
+std::unique_ptr<Backend> cpu_backend() { return std::make_unique<Cpu>(); }
 
 }  // namespace straytrace

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The language of filters, of columns to sort by and of stop rules.
+#include "app/model.hpp"
+#include "base/message.hpp"
+#include "fuzz.hpp"
+#include "report/route_filter.hpp"
+#include "unit/report_synthetic.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
+  using namespace straytrace;
+  static TraceResult const trace = test::trace_result();
+  static NoiseBudget const noise = test::noise_budget(trace.coupling);
+  static MotionSet const shake = test::motion();
+  static PathTable const table = path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12});
+  static RouteColumns columns{table, trace.coupling, &noise};
+  std::string const text(fuzz::text_of(data, size));
+  FilterAnswer const answer = filtered(text, columns);
+  (void)rendered("--where", text, answer.problems);
+  (void)sorted_by(text, answer.rows, columns);
+  try {
+    (void)parse_stop_rule(text);
+  } catch (InputError const&) {
+  }
+  return 0;
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Records of motion as text and HDF5, spectra, responses, coupling functions.
+#include "base/message.hpp"
+#include "commission/coupling_file.hpp"
+#include "fuzz.hpp"
+#include "signal/gps.hpp"
+#include "signal/series_file.hpp"
+#include "signal/text_table.hpp"
+#include "signal/unit_text.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
+  using namespace straytrace;
+  std::string const bytes(fuzz::text_of(data, size));
+  try {
+    (void)parse_series(bytes, "record", {"", "um", {}});
+  } catch (InputError const&) {
+  }
+  if (bytes.starts_with("\x89HDF")) return 0;
+  (void)parse_named_columns(bytes);
+  (void)parse_curve(bytes);
+  (void)parse_named_curve(bytes, strain_columns);
+  try {
+    (void)parse_coupling(bytes, "coupling.csv", "1/m", "m");
+  } catch (InputError const&) {
+  }
+  try {
+    (void)parse_gps(bytes);
+  } catch (InputError const&) {
+  }
+  return 0;
+}

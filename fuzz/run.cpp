@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Run files behind their checksum, which protects from accidents but not from a writer who seals what he wrote. Bytes
+// that begin as HDF5 are the file; others are changes of a good one, five bytes each: place (32 bits) and what is
+// added there to the byte modulo 256. Texts end at the file.
+#include <filesystem>
+
+#include "base/message.hpp"
+#include "fuzz.hpp"
+#include "report/run_parts.hpp"
+#include "report/seal.hpp"
+#include "unit/report_synthetic.hpp"
+
+namespace {
+
+std::string good_run() {
+  straytrace::test::Folder const folder;
+  straytrace::TraceResult const trace = straytrace::test::trace_result();
+  straytrace::NoiseBudget const noise = straytrace::test::noise_budget(trace.coupling);
+  straytrace::write_run(folder / "run.h5", straytrace::test::content(trace, &noise));
+  return straytrace::unsealed(straytrace::read_file(folder / "run.h5"), "run.h5");
+}
+
+std::string changed(std::string run, std::string_view changes) {
+  for (std::size_t i = 0; i + 5 <= changes.size(); i += 5) {
+    std::size_t place = 0;
+    for (std::size_t k = 0; k < 4; ++k) place = place << 8 | static_cast<unsigned char>(changes[i + k]);
+    char& byte = run[place % run.size()];
+    byte = char(byte + changes[i + 4]);
+  }
+  return run;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
+  using namespace straytrace;
+  static std::string const good = good_run();
+  std::string_view const text = fuzz::text_of(data, size);
+  try {
+    (void)run_of(text.starts_with("\x89HDF") ? std::string(text) : changed(good, text), "run.h5");
+  } catch (InputError const&) {
+  }
+  return 0;
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/apart.hpp"
+
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <new>
+#include <string_view>
+#include <unistd.h>
+
+namespace straytrace {
+namespace {
+
+constexpr int no_memory = 3, failed = 4;  // how the copy ends
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool bounded = false;  // sanitizers reserve terabytes of addresses
+#elif defined(__has_feature)
+constexpr bool bounded = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
+#else
+constexpr bool bounded = true;
+#endif
+
+void bound_memory(std::size_t more) {
+  rlimit const no_dump{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_dump);
+  rlimit limit = {};
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  if (!bounded || pages == 0 || ::getrlimit(RLIMIT_AS, &limit) != 0) return;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, pages * std::size_t(::sysconf(_SC_PAGESIZE)) + more);
+  ::setrlimit(RLIMIT_AS, &limit);
+}
+
+void write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    ssize_t const done = ::write(descriptor, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) ::_exit(failed);
+    bytes.remove_prefix(std::size_t(done));
+  }
+}
+
+std::string read_all(int descriptor) {
+  std::string bytes;
+  std::array<char, 65536> buffer = {};
+  for (;;) {
+    ssize_t const got = ::read(descriptor, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return bytes;
+    bytes.append(buffer.data(), std::size_t(got));
+  }
+}
+
+[[noreturn]] void be_the_copy(std::function<std::string()> const& work, std::size_t memory, int to) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (int deadly : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) std::signal(deadly, SIG_DFL);
+  bound_memory(memory);
+  try {
+    write_all(to, work());
+  } catch (std::bad_alloc const&) {
+    ::_exit(no_memory);
+  } catch (std::exception const&) {
+    ::_exit(failed);
+  }
+  ::_exit(0);
+}
+
+std::string why_it_ended(int status, std::size_t memory) {
+  if (WIFSIGNALED(status)) return ::strsignal(WTERMSIG(status));
+  if (WEXITSTATUS(status) == 0) return "";
+  return WEXITSTATUS(status) == no_memory ? fmt::format("it takes more than {} MB of memory", memory >> 20)
+                                          : "the library that reads it failed";
+}
+
+}  // namespace
+
+Apart done_apart(std::function<std::string()> const& work, std::size_t memory) {
+  std::array<int, 2> ends = {};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {"", std::strerror(errno)};
+  pid_t const copy = ::fork();
+  if (copy == 0) be_the_copy(work, memory, ends[1]);
+  int const error = errno;
+  ::close(ends[1]);
+  Apart result;
+  if (copy > 0) {
+    result.bytes = read_all(ends[0]);
+    int status = 0;
+    while (::waitpid(copy, &status, 0) < 0 && errno == EINTR) {
+    }
+    result.why = why_it_ended(status, memory);
+  } else {
+    result.why = std::strerror(error);
+  }
+  ::close(ends[0]);
+  if (!result.why.empty()) result.bytes.clear();
+  return result;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Text and bytes as HTML and XML take them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace straytrace {
+
+std::string escaped(std::string_view text);  // also within attributes
+std::string base64(void const* bytes, std::size_t size);
+
+}  // namespace straytrace

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trace/backend/backend.hpp"
+
+#include <fmt/format.h>
+
+#include "base/message.hpp"
+#include "trace/backend/cpu/cpu.hpp"
+#include "trace/backend/device/device_backend.hpp"
+
+namespace straytrace {
+
+std::unique_ptr<Backend> make_backend(std::string_view name) {
+  if (name == "cpu") return cpu_backend();
+  if (name == "cuda") return device_backend("cuda", cuda_engine());
+  throw InputError(fmt::format("error: there is no backend '{}'\n  write cpu or cuda", name));
+}
+
+}  // namespace straytrace

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An engine for any machine that the library of parallel algorithms serves. What is left to the machine:
+//   facts()                     see engine.hpp
+//   workers(), stride()         of the walk (walk.hpp)
+//   launch(workers, walk)       runs walk(0) to walk(workers - 1)
+#pragma once
+
+#include <array>
+
+#include "trace/backend/device/books.hpp"
+#include "trace/backend/device/engine.hpp"
+#include "trace/backend/device/phases.hpp"
+#include "trace/backend/device/walk.hpp"
+
+namespace straytrace::device {
+
+// Memory behind a common list, and behind the slabs of all workers.
+template <class T>
+struct Memory {
+  Array<Recorded<T>> common;
+  Array<T> slabs;
+  Slab<T> slab(std::uint32_t workers, std::uint32_t room) {
+    slabs.resize(std::size_t(workers) * room);
+    return {data_of(slabs), room, 0, false};
+  }
+  CommonList<T> list(std::size_t room, std::uint32_t* count) {
+    common.resize(room);
+    return {data_of(common), std::uint32_t(room), count};
+  }
+  std::size_t bytes() const { return common.capacity() * sizeof(Recorded<T>) + slabs.capacity() * sizeof(T); }
+};
+
+struct RunsAgain {
+  HistoryRecord const* histories;
+  STRAY_HD bool operator()(std::uint32_t i) const { return histories[i].again != 0; }
+};
+
+template <class Machine>
+class EngineBody final : public DeviceEngine {
+ public:
+  DeviceFacts facts() const override { return machine_.facts(); }
+
+  void* room_for_world(std::size_t bytes) override {
+    world_.clear();
+    world_.resize(bytes);
+    return data_of(world_);
+  }
+  void load_world(std::span<std::byte const> placed) override {
+    thrust::copy(placed.data(), placed.data() + placed.size(), world_.begin());
+  }
+
+  BatchSums run(BatchOrder const& order, std::function<HistoryRun(std::uint64_t)> const& again,
+                BatchCounts& counts) override {
+    walk(order);
+    counts.run_again = run_rest(order, again);
+    BatchSums sums = summed();
+    counts.bytes = bytes();
+    return sums;
+  }
+
+  std::vector<std::complex<double>> phase_sum(PhaseOrder const& order) override { return summed_phases(order); }
+
+ private:
+  // For what one history writes into each list: at most, and on average. Grows when it was not enough.
+  struct Room {
+    std::uint32_t most, mean;
+  };
+  enum { for_totals, for_scores, for_arrivals, for_cells, lists };
+
+  void walk(BatchOrder const& order) {
+    auto const histories = std::uint32_t(order.blocks.size() * block_size);
+    std::uint32_t const workers = machine_.workers();
+    std::array<Room, lists> rooms = rooms_;
+    if (order.room > 0) rooms.fill({order.room, (order.room + 1) / 2});
+    histories_.resize(histories);
+    blocks_.assign(order.blocks.begin(), order.blocks.end());
+    Array<std::uint32_t> counters(5, 0);
+    std::uint32_t* const counter = data_of(counters);
+    auto const most = [&](int list) { return rooms[list].most; };
+    auto const shared = [&](int list) { return std::size_t(rooms[list].mean) * histories; };
+    DeviceWalk walk;
+    walk.world = reinterpret_cast<WorldView const*>(data_of(world_));
+    walk.seed = order.seed;
+    walk.number = {data_of(blocks_)};
+    walk.histories = histories;
+    walk.stride = machine_.stride();
+    walk.begun = counter;
+    walk.slabs = {totals_.slab(workers, most(for_totals)), scores_.slab(workers, most(for_scores)),
+                  arrivals_.slab(workers, most(for_arrivals)), cells_.slab(workers, most(for_cells))};
+    walk.common = {data_of(histories_),
+                   {totals_.list(shared(for_totals), counter + 1), scores_.list(shared(for_scores), counter + 2),
+                    arrivals_.list(shared(for_arrivals), counter + 3), cells_.list(shared(for_cells), counter + 4)}};
+    machine_.launch(workers, walk);
+    std::vector<std::uint32_t> taken(counters.size());
+    thrust::copy(counters.begin(), counters.end(), taken.begin());
+    keep_written(totals_.common, taken[1]);
+    keep_written(scores_.common, taken[2]);
+    keep_written(arrivals_.common, taken[3]);
+    keep_written(cells_.common, taken[4]);
+  }
+  template <class Record>
+  static void keep_written(Array<Record>& list, std::uint32_t taken) {
+    list.resize(std::min<std::size_t>(list.size(), taken));
+  }
+
+  // Histories that did not fit are run on the host; their records are added to the lists, which the order of the sums
+  // then treats like all others.
+  std::uint64_t run_rest(BatchOrder const& order, std::function<HistoryRun(std::uint64_t)> const& again) {
+    auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
+    auto const n = std::uint32_t(histories_.size());
+    Array<std::uint32_t> found(n);
+    auto const end = thrust::copy_if(thrust::device, zero, zero + n, found.begin(), RunsAgain{data_of(histories_)});
+    std::vector<std::uint32_t> rest(std::size_t(end - found.begin()));
+    thrust::copy(found.begin(), end, rest.begin());
+    if (rest.empty()) return 0;
+    std::vector<TotalRecord> totals;
+    std::vector<ScoreRecord> scores;
+    std::vector<ArrivalRecord> arrivals;
+    std::vector<CellsRecord> cells;
+    std::uint32_t short_of = 0;
+    for (std::uint32_t const history : rest) {
+      HistoryRun const run = again(BatchHistories{order.blocks.data()}(history));
+      short_of |= HistoryRecord(histories_[history]).again;
+      histories_[history] = run.record;
+      write(totals, run.lists.totals, history);
+      write(scores, run.lists.scores, history);
+      write(arrivals, run.lists.arrivals, history);
+      write(cells, run.lists.cells, history);
+    }
+    append(totals_.common, totals);
+    append(scores_.common, scores);
+    append(arrivals_.common, arrivals);
+    append(cells_.common, cells);
+    if (rest.size() > n / 1000) make_room(short_of);
+    return rest.size();
+  }
+  template <class T>
+  static void write(std::vector<Recorded<T>>& to, std::vector<T> const& list, std::uint32_t history) {
+    for (std::uint32_t i = 0; i < list.size(); ++i) to.push_back({history, i, list[i]});
+  }
+  template <class Record>
+  static void append(Array<Record>& to, std::vector<Record> const& records) {
+    to.insert(to.end(), records.begin(), records.end());
+  }
+  std::size_t bytes() const {
+    return world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
+           arrivals_.bytes() + cells_.bytes();
+  }
+  // As long as it is a small part of the memory: sorting takes about as much again, and stacks take theirs.
+  void make_room(std::uint32_t short_of) {
+    if (bytes() > machine_.facts().memory / 8) return;
+    for (int i = 0; i < lists; ++i) {
+      if (short_of >> i & 1) rooms_[i].most *= 2;
+      if (short_of >> (shared_list + i) & 1) rooms_[i].mean *= 2;
+    }
+  }
+
+  BatchSums summed() {
+    BatchHistories const number{data_of(blocks_)};
+    BatchRows<Array> rows;
+    make_block_rows(histories_, number, rows.blocks);
+    make_total_rows(totals_.common, number, rows.routes, rows.route_tails);
+    make_kept_rows(scores_.common, rows.routes_kept, rows.kept);
+    make_total_rows(totals_by_receiver(totals_.common), number, rows.receivers, rows.receiver_tails);
+    make_group_rows(arrivals_.common, number, rows.groups);
+    make_cell_rows(cells_.common, rows.cells);
+    BatchSums sums;
+    fetch(rows.blocks, sums.blocks);
+    fetch(rows.routes, sums.routes);
+    fetch(rows.receivers, sums.receivers);
+    fetch(rows.routes_kept, sums.routes_kept);
+    fetch(rows.route_tails, sums.route_tails);
+    fetch(rows.receiver_tails, sums.receiver_tails);
+    fetch(rows.kept, sums.kept);
+    fetch(rows.groups, sums.groups);
+    fetch(rows.cells, sums.cells);
+    return sums;
+  }
+  template <class T>
+  static void fetch(Array<T> const& from, std::vector<T>& to) {
+    to.resize(from.size());
+    thrust::copy(from.begin(), from.end(), to.begin());
+  }
+
+  Machine machine_;
+  std::array<Room, lists> rooms_{Room{64, 16}, {512, 64}, {64, 32}, {256, 64}};
+  Array<std::byte> world_;
+  Array<std::uint64_t> blocks_;
+  Array<HistoryRecord> histories_;
+  Memory<HistoryTotal> totals_;
+  Memory<HistoryScore> scores_;
+  Memory<HistoryArrival> arrivals_;
+  Memory<HistoryCells> cells_;
+};
+
+}  // namespace straytrace::device

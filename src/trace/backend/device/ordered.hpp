@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Records put in order, and cut where what they have in common changes. The library sorts on the host when it is
+// compiled for it: the same source is tested there (tests/device). All orders are sorts of one kind of key, so that the
+// sort of a device is compiled once.
+#pragma once
+
+#if !defined(__NVCC__)
+#define THRUST_DEVICE_SYSTEM THRUST_DEVICE_SYSTEM_CPP  // the "device" of the library is the host
+#endif
+
+#include <thrust/copy.h>
+#include <thrust/device_vector.h>
+#include <thrust/execution_policy.h>
+#include <thrust/for_each.h>
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/scan.h>
+#include <thrust/sort.h>
+
+#include <cstdint>
+
+#include "base/functions.hpp"
+
+namespace straytrace::device {
+
+template <class T>
+using Array = thrust::device_vector<T>;
+template <class T>
+T const* data_of(Array<T> const& a) {
+  return thrust::raw_pointer_cast(a.data());
+}
+template <class T>
+T* data_of(Array<T>& a) {
+  return thrust::raw_pointer_cast(a.data());
+}
+
+template <class F>
+void for_each_number(std::size_t count, F const& f) {
+  auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
+  thrust::for_each(thrust::device, zero, zero + std::uint32_t(count), f);
+}
+
+// The words of a key make an order without ties, so it does not matter how the records came to stand where they do.
+struct SortKey {
+  static constexpr int words = 5;
+  std::uint64_t word[words] = {};
+  std::uint32_t record = 0;
+
+  STRAY_HD bool operator<(SortKey const& other) const {
+    for (int i = 0; i < words; ++i)
+      if (word[i] != other.word[i]) return word[i] < other.word[i];
+    return false;
+  }
+  STRAY_HD bool shares(int count, SortKey const& other) const {
+    for (int i = 0; i < count; ++i)
+      if (word[i] != other.word[i]) return false;
+    return true;
+  }
+};
+constexpr std::uint64_t nothing = ~std::uint64_t{0};  // first word of what does not count: it comes last
+STRAY_HD std::uint64_t pair_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t(high) << 32 | low; }
+// A word that falls while the number, not negative, rises.
+STRAY_HD std::uint64_t falling(double x) { return ~bits_of(x); }
+
+template <class KeyOf>
+struct WriteKey {
+  KeyOf key_of;
+  SortKey* keys;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    SortKey key = key_of(i);
+    key.record = i;
+    keys[i] = key;
+  }
+};
+// key_of(i) gives the words of record number i.
+template <class KeyOf>
+Array<SortKey> ordered(std::size_t count, KeyOf const& key_of) {
+  Array<SortKey> keys(count);
+  for_each_number(count, WriteKey<KeyOf>{key_of, data_of(keys)});
+  thrust::sort(thrust::device, keys.begin(), keys.end());
+  return keys;
+}
+
+struct Begins {
+  SortKey const* keys;
+  int words;
+  STRAY_HD bool operator()(std::uint32_t i) const { return i == 0 || !keys[i].shares(words, keys[i - 1]); }
+};
+// Where runs of keys with the same first words begin, and the end of the last; without what does not count.
+inline Array<std::uint32_t> runs(Array<SortKey> const& keys, int words) {
+  auto const zero = thrust::make_counting_iterator(std::uint32_t{0});
+  auto const n = std::uint32_t(keys.size());
+  Array<std::uint32_t> starts(std::size_t(n) + 1);
+  auto const end = thrust::copy_if(thrust::device, zero, zero + n, starts.begin(), Begins{data_of(keys), words});
+  bool const rest = n > 0 && SortKey(keys.back()).word[0] == nothing;
+  if (!rest) *end = n;
+  starts.resize(std::size_t(end - starts.begin()) + (rest ? 0 : 1));
+  return starts;
+}
+inline std::size_t run_count(Array<std::uint32_t> const& starts) { return starts.size() - 1; }
+
+struct Run {
+  SortKey const* keys;
+  std::uint32_t const* starts;
+  STRAY_HD std::uint32_t begin(std::uint32_t run) const { return starts[run]; }
+  STRAY_HD std::uint32_t end(std::uint32_t run) const { return starts[run + 1]; }
+  STRAY_HD std::uint32_t record(std::uint32_t i) const { return keys[i].record; }
+};
+inline Run run_of(Array<SortKey> const& keys, Array<std::uint32_t> const& starts) {
+  return {data_of(keys), data_of(starts)};
+}
+
+template <class Record>
+struct RecordRun : Run {
+  Record const* records;
+  STRAY_HD Record const& operator[](std::uint32_t i) const { return records[record(i)]; }
+};
+template <class Record>
+RecordRun<Record> run_of(Array<Record> const& records, Array<SortKey> const& keys, Array<std::uint32_t> const& starts) {
+  return {run_of(keys, starts), data_of(records)};
+}
+
+// Members `first` of rows from their counts; returns the sum of all counts.
+template <class Row>
+struct CopyCount {
+  Row const* rows;
+  std::uint32_t Row::*count;
+  std::uint32_t* counts;
+  STRAY_HD void operator()(std::uint32_t i) const { counts[i + 1] = rows[i].*count; }
+};
+template <class Row>
+struct SetFirst {
+  Row* rows;
+  std::uint32_t Row::*first;
+  std::uint32_t const* sums;
+  STRAY_HD void operator()(std::uint32_t i) const { rows[i].*first = sums[i]; }
+};
+template <class Row>
+std::uint32_t lay_out(Array<Row>& rows, std::uint32_t Row::*first, std::uint32_t Row::*count) {
+  Array<std::uint32_t> sums(rows.size() + 1, 0);
+  for_each_number(rows.size(), CopyCount<Row>{data_of(rows), count, data_of(sums)});
+  thrust::inclusive_scan(thrust::device, sums.begin(), sums.end(), sums.begin());
+  for_each_number(rows.size(), SetFirst<Row>{data_of(rows), first, data_of(sums)});
+  return sums.back();
+}
+
+}  // namespace straytrace::device

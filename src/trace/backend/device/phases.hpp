@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sum over many paths of fields whose phases move, on the device: one thread per sample, path after path, in the
+// operations and the order of noise/phase_sum.hpp, so that the bits are its bits.
+#pragma once
+
+#include <complex>
+
+#include "base/turned.hpp"
+#include "trace/backend/device/engine.hpp"
+#include "trace/backend/device/ordered.hpp"
+
+namespace straytrace::device {
+
+struct SumPhases {
+  double const *amplitude, *turns, *lever, *position;
+  std::size_t paths, coordinates, samples;
+  double *real, *imaginary;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    double re = 0, im = 0;
+    for (std::size_t j = 0; j < paths; ++j) {
+      double phase = turns[j];
+      for (std::size_t c = 0; c < coordinates; ++c) {
+        double const by = lever[j * coordinates + c];
+        if (by != 0) phase += by * position[c * samples + i];
+      }
+      add_turned(phase, amplitude[j], re, im);
+    }
+    real[i] = re;
+    imaginary[i] = im;
+  }
+};
+
+inline std::vector<std::complex<double>> summed_phases(PhaseOrder const& o) {
+  Array<double> const amplitude(o.amplitude.begin(), o.amplitude.end()), turns(o.turns.begin(), o.turns.end()),
+      lever(o.lever.begin(), o.lever.end()), position(o.position.begin(), o.position.end());
+  Array<double> real(o.samples), imaginary(o.samples);
+  for_each_number(std::uint32_t(o.samples),
+                  SumPhases{data_of(amplitude), data_of(turns), data_of(lever), data_of(position), o.amplitude.size(),
+                            o.coordinates, o.samples, data_of(real), data_of(imaginary)});
+  std::vector<double> re(o.samples), im(o.samples);
+  thrust::copy(real.begin(), real.end(), re.begin());
+  thrust::copy(imaginary.begin(), imaginary.end(), im.begin());
+  std::vector<std::complex<double>> sum(o.samples);
+  for (std::size_t i = 0; i < o.samples; ++i) sum[i] = {re[i], im[i]};
+  return sum;
+}
+
+}  // namespace straytrace::device

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sums over the histories of each block by route and by receiver, on the device, in the order in which BlockSink adds:
+// one thread per row, history after history, so that no bit depends on who was first. No atomics.
+#pragma once
+
+#include "trace/backend/device/ordered.hpp"
+#include "trace/backend/device/records.hpp"
+#include "trace/tally/add_total.hpp"
+#include "trace/tally/block_sink.hpp"
+
+namespace straytrace::device {
+
+using TotalRecord = Recorded<HistoryTotal>;
+using ScoreRecord = Recorded<HistoryScore>;
+
+template <class T>
+STRAY_HD std::uint64_t block_of(Recorded<T> const& r) {
+  return r.history == no_history ? nothing : r.history / block_size;
+}
+// By block and route, then as the histories wrote them.
+template <class T>
+struct AsWritten {
+  Recorded<T> const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    Recorded<T> const& r = records[i];
+    return {{block_of(r), r.what.route, pair_of(r.history, r.place)}};
+  }
+};
+struct LargestTotalFirst {
+  TotalRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    TotalRecord const& r = records[i];
+    return {{block_of(r), r.what.route, falling(r.what.sum), r.history}};
+  }
+};
+struct LargestPriorityFirst {  // as before() in result.hpp
+  ScoreRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    ScoreRecord const& r = records[i];
+    ScoreAddress const& a = r.what.address;
+    return {{block_of(r), r.what.route, falling(a.priority), a.history, pair_of(a.event, a.connection)}};
+  }
+};
+constexpr int block_and_route = 2;  // words
+
+struct MakeTotalRow {
+  RecordRun<TotalRecord> run;
+  TotalRow* rows;
+  BatchHistories number;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    TotalRecord const& any = run[run.begin(i)];
+    TotalRow row{any.what.route, std::uint32_t(block_of(any)), any.what.port, {}, 0, 0};
+    for (std::uint32_t k = run.begin(i); k < run.end(i); ++k) {
+      add_total(row.moments, run[k].what.sum, number(run[k].history));
+      row.tails += run[k].what.sum > 0 && row.tails < tail_size;
+    }
+    rows[i] = row;
+  }
+};
+struct CopyTail {
+  RecordRun<TotalRecord> largest;
+  TotalRow const* rows;
+  double* tails;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    for (std::uint32_t k = 0; k < rows[i].tails; ++k)
+      tails[rows[i].first_tail + k] = largest[largest.begin(i) + k].what.sum;
+  }
+};
+// One record per history and route at most.
+inline void make_total_rows(Array<TotalRecord> const& totals, BatchHistories number, Array<TotalRow>& rows,
+                            Array<double>& tails) {
+  auto keys = ordered(totals.size(), AsWritten<HistoryTotal>{data_of(totals)});
+  auto const starts = runs(keys, block_and_route);
+  rows.resize(run_count(starts));
+  for_each_number(rows.size(), MakeTotalRow{run_of(totals, keys, starts), data_of(rows), number});
+  tails.resize(lay_out(rows, &TotalRow::first_tail, &TotalRow::tails));
+  keys = ordered(totals.size(), LargestTotalFirst{data_of(totals)});
+  for_each_number(rows.size(), CopyTail{run_of(totals, keys, starts), data_of(rows), data_of(tails)});
+}
+
+struct MakeKeptRow {
+  RecordRun<ScoreRecord> written, largest;
+  KeptRow* rows;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    KeptRow row{};
+    for (std::uint32_t k = written.begin(i); k < written.end(i); ++k) {
+      if (written[k].what.off_list) row.off_list += written[k].what.address.coupling;
+      row.count += written[k].what.address.priority > 0;
+    }
+    if (row.count > records_per_class) {
+      row.threshold = largest[largest.begin(i) + std::uint32_t(records_per_class)].what.address.priority;
+      row.count = std::uint32_t(records_per_class);
+    }
+    rows[i] = row;
+  }
+};
+struct CopyKept {
+  RecordRun<ScoreRecord> largest;
+  KeptRow const* rows;
+  ScoreAddress* kept;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    for (std::uint32_t k = 0; k < rows[i].count; ++k)
+      kept[rows[i].first + k] = largest[largest.begin(i) + k].what.address;
+  }
+};
+// Every route that has a total has a score: the rows are those of the totals.
+inline void make_kept_rows(Array<ScoreRecord> const& scores, Array<KeptRow>& rows, Array<ScoreAddress>& kept) {
+  auto const written = ordered(scores.size(), AsWritten<HistoryScore>{data_of(scores)});
+  auto const by_priority = ordered(scores.size(), LargestPriorityFirst{data_of(scores)});
+  auto const starts = runs(written, block_and_route);
+  auto const largest = run_of(scores, by_priority, starts);
+  rows.resize(run_count(starts));
+  for_each_number(rows.size(), MakeKeptRow{run_of(scores, written, starts), largest, data_of(rows)});
+  kept.resize(lay_out(rows, &KeptRow::first, &KeptRow::count));
+  for_each_number(rows.size(), CopyKept{largest, data_of(rows), data_of(kept)});
+}
+
+// What each history brought to each receiver: its totals there, in the order in which they were first met. The route of
+// these totals is the number of the end.
+struct ByReceiver {
+  TotalRecord const* records;
+  STRAY_HD SortKey operator()(std::uint32_t i) const {
+    TotalRecord const& r = records[i];
+    if (r.what.port < first_receiver_end) return {{nothing}};
+    return {{block_of(r), r.what.port, r.history, r.place}};
+  }
+};
+struct SumOfHistory {
+  RecordRun<TotalRecord> run;
+  TotalRecord* sums;
+  STRAY_HD void operator()(std::uint32_t i) const {
+    TotalRecord sum = run[run.begin(i)];
+    sum.what.route = sum.what.port;
+    sum.what.sum = 0;
+    for (std::uint32_t k = run.begin(i); k < run.end(i); ++k) sum.what.sum += run[k].what.sum;
+    sums[i] = sum;
+  }
+};
+inline Array<TotalRecord> totals_by_receiver(Array<TotalRecord> const& totals) {
+  auto const keys = ordered(totals.size(), ByReceiver{data_of(totals)});
+  auto const starts = runs(keys, 3);  // block, end and history
+  Array<TotalRecord> sums(run_count(starts));
+  for_each_number(sums.size(), SumOfHistory{run_of(totals, keys, starts), data_of(sums)});
+  return sums;
+}
+
+}  // namespace straytrace::device

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A world as one run of bytes that can be put anywhere, into the memory of a device for example: the view first, then
+// every array that it or anything in it points to.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "world/world.hpp"
+
+namespace straytrace {
+
+class WorldImage {
+ public:
+  explicit WorldImage(WorldView const&);
+
+  static constexpr std::size_t alignment = 256;
+  std::size_t size() const { return bytes_.size(); }
+  // The bytes for a place that begins at this address: all pointers are addresses there.
+  std::vector<std::byte> placed_at(void const* address) const;
+
+ private:
+  struct Pointer {
+    std::size_t at, to;  // offsets: of the pointer, and of what it points to
+  };
+  class Writer;
+
+  std::vector<std::byte> bytes_;
+  std::vector<Pointer> pointers_;
+};
+
+}  // namespace straytrace

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A world that is moved to a device takes everything with it.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "device/blocks.hpp"
+#include "trace/backend/device/world_image.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+// Memory of this process.
+class Mapped {
+ public:
+  Mapped() {
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+      unsigned long long low = 0, high = 0;
+      if (std::sscanf(line.c_str(), "%llx-%llx", &low, &high) == 2) ranges_.push_back({low, high});
+    }
+  }
+  bool holds(std::uint64_t address) const {
+    for (auto const& [low, high] : ranges_)
+      if (address >= low && address < high) return true;
+    return false;
+  }
+
+ private:
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges_;
+};
+
+// Words of an image that are addresses of this process. No number of these scenes looks like one: as a double it would
+// be below 1e-300, as two integers one of them would be above twenty thousand.
+std::size_t left_behind(std::vector<std::byte> const& image, Mapped const& mapped) {
+  std::size_t found = 0;
+  for (std::size_t at = 0; at + sizeof(std::uint64_t) <= image.size(); at += sizeof(std::uint64_t)) {
+    std::uint64_t word;
+    std::memcpy(&word, image.data() + at, sizeof word);
+    found += mapped.holds(word);
+  }
+  return found;
+}
+
+class Image : public ::testing::TestWithParam<char const*> {};
+
+TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
+  World const world = example(GetParam());
+  WorldView const view = world.view();
+  WorldImage const image(view);
+  Mapped const mapped;
+  std::vector<std::byte> placed = image.placed_at(reinterpret_cast<void const*>(std::uintptr_t{1} << 60));
+  EXPECT_GT(placed.size(), sizeof view + view.surfaces.size * sizeof(Surface));
+  EXPECT_EQ(left_behind(placed, mapped), 0u);
+  std::memcpy(placed.data(), static_cast<void const*>(&view), sizeof view);  // twin: the view as it was
+  EXPECT_GT(left_behind(placed, mapped), 10u);
+}
+INSTANTIATE_TEST_SUITE_P(Device, Image,
+                         ::testing::Values("bench", "cad_bench", "virgo_arm", "benches/michelson",
+                                           "benches/output_isolator", "benches/rb1_telescope"));
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "world/world.hpp"
+
+namespace straytrace::testing {
+
+// One optic for every scatter law, which reflects a little besides.
+std::vector<std::uint32_t> optics_of_all_laws(World&);
+
+}  // namespace straytrace::testing

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Runs the tests of the trace on a device: the bits of the host for every example, shape and law, then contract and
+# physics tests with all traces on the device. Usage: run.sh BUILD_DIR
+set -euo pipefail
+
+build=$1
+engine=$build/libstraytrace_cuda.so
+if ! "$build/straytrace" --version | grep -q '^cuda: .* GB$'; then
+  echo 'skipped: no GPU'
+  exit 0
+fi
+export STRAYTRACE_TEST_ENGINE=$engine
+for program in device_twin unit_trace contract_geometry contract_optics physics_trace physics_world physics_report; do
+  "$build/$program" --gtest_brief=1
+done
