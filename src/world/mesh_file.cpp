@@ -241,8 +241,11 @@ MeshFault import_mesh(std::string const& bytes, CompanionFile const& companion, 
   aiScene const* scene =
       importer.ReadFile(inside, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType);
   std::string const fix = "check that the file is complete and that its ending says its format";
-  if (!scene || !scene->mRootNode)
-    return {fmt::format("not a readable {} file: {}", kind.substr(1), printable(importer.GetErrorString())), fix};
+  if (!scene || !scene->mRootNode) {
+    std::string why = printable(importer.GetErrorString());
+    if (why == "std::bad_alloc") why = "it states more points or faces than a file of its size can hold";
+    return {fmt::format("not a readable {} file: {}", kind.substr(1), why), fix};
+  }
   Parts parts(out, kind == ".gltf" || kind == ".glb");
   parts.walk(*scene, *scene->mRootNode, {}, 0);
   std::erase_if(out.parts, [](MeshPart const& p) { return p.triangles.empty(); });

@@ -122,6 +122,19 @@ TEST(mesh_file, says_what_is_wrong) {
   EXPECT_THAT(said, HasSubstr(".txt"));
 }
 
+// Files that would make the library crash or take all memory; more of them in fuzz/corpus/mesh.
+TEST(mesh_file, hostile_files_are_told) {
+  std::string const head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  std::string const corners = "end_header\n0 0 0\n1 0 0\n0 1 0\n", list = "\nproperty list uchar int vertex_indices\n";
+  std::string said;
+  mesh("a.ply", head + "element face 1" + list + corners + "3 0 1 2\n");
+  mesh("a.ply", head + "element face 1" + list + corners + "3 0 1 1000000\n", &said);
+  EXPECT_THAT(said, HasSubstr("mIndices[2] is out of range"));
+  mesh("a.ply", head + "element face 4000000000" + list + corners + "3 0 1 2\n", &said);
+  EXPECT_THAT(said, HasSubstr("it states more points or faces than a file of its size can hold"));
+}
+
 // R3.08: the size of the author's test, 105,917 vertices, is read, looked through and made ready.
 TEST(mesh_file, the_size_of_the_original_test) {
   testing::Soup const ball = testing::bumpy(231, 0.1);

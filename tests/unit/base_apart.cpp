@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Work in a copy of the process: what it returns comes back, what it breaks stays there.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <stdexcept>
+#include <vector>
+
+#include "base/apart.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t memory = std::size_t{1} << 28;
+
+TEST(Apart, BytesComeBack) {
+  std::string const large(3 << 20, 'x');
+  Apart const done = done_apart([&] { return large; }, memory);
+  EXPECT_EQ(done.why, "");
+  EXPECT_TRUE(done.bytes == large);
+}
+
+TEST(Apart, WhatBreaksStaysThere) {
+  int here = 1;
+  EXPECT_EQ(done_apart([&] { return std::string(std::size_t(++here), 'x'); }, memory).bytes, "xx");
+  EXPECT_EQ(here, 1);
+  auto const why = [](auto work) { return done_apart(work, memory).why; };
+  EXPECT_EQ(why([]() -> std::string {
+              ::raise(SIGSEGV);
+              return "x";
+            }),
+            "Segmentation fault");
+  EXPECT_EQ(why([]() -> std::string {
+              ::raise(SIGABRT);
+              return "x";
+            }),
+            "Aborted");
+  EXPECT_EQ(why([]() -> std::string { throw std::runtime_error("x"); }), "the library that reads it failed");
+  EXPECT_EQ(why([]() -> std::string { throw std::bad_alloc(); }), "it takes more than 256 MB of memory");
+}
+
+}  // namespace
+}  // namespace straytrace
