@@ -12,7 +12,7 @@ CPP = (
      "starts a program; use run_child of base/child_process.hpp", ("src/base/child_process.cpp",)),
     (r"\bfork\s*\(", "makes a process", ("src/app/scan_jobs.cpp", "src/base/apart.cpp")),
     (r"\b(?:socket|getaddrinfo|gethostbyname)\s*\(|\bcurl_", "reaches the network", ()),
-    (r"\bdlopen\s*\(", "loads code", ()),
+    (r"\bdlopen\s*\(", "loads code", ("src/app/mpi.cpp", "src/trace/backend/device/load_engine.cpp")),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",
      ("src/base/apart.cpp",)),
 )

@@ -27,8 +27,10 @@ void tell_other_texts(RunParts const& parts, Options const& options) {
 }
 
 void refuse_gaps(RunParts const& parts) {
-  throw InputError(fmt::format("error: {}merge again when they are there, or take what there is with --partial",
-                               missing_text(parts)));
+  std::string text = missing_text(parts);
+  text.pop_back();  // the end of its last line
+  throw InputError(
+      fmt::format("error: {}\n  merge again when they are there, or take what there is with --partial", text));
 }
 
 TraceResult merged(RunParts const& parts, Model& model, Options const& options) {

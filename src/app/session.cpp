@@ -109,9 +109,12 @@ void save(std::string const& run_file, RunContent const& content, Options const&
   try {
     write_run(run_file, content);
   } catch (InputError const& e) {
-    tell_warning(fmt::format("no checkpoint was written: {}; the trace goes on, make room or it ends without a result",
-                             e.what()),
-                 options);
+    std::string why = e.what();  // "error: what\n  remedy"
+    why.resize(std::min(why.find('\n'), why.size()));
+    if (why.starts_with("error: ")) why.erase(0, 7);
+    tell_warning(
+        fmt::format("no checkpoint was written: {}\n  the trace goes on; make room or it ends without a result", why),
+        options);
   }
 }
 

@@ -60,9 +60,10 @@ TEST(CommandLine, ExamplesOfTheHelpRun) {
       EXPECT_EQ(words[0], command);
       if (command == "run" || command == "trace") {
         fs::remove_all(folder / "out.h5");
-        words.insert(words.end(), {"--force", "--histories", "4096"});
-        if (auto const given = std::find(words.begin(), words.end(), "1e6"); given != words.end())
-          words.erase(given - 1, given + 1);
+        bool const part = std::find(words.begin(), words.end(), "part007.h5") != words.end();
+        if (auto const given = std::find(words.begin(), words.end(), "--histories"); given != words.end())
+          words.erase(given, given + 2);
+        words.insert(words.end(), {"--force", "--histories", part ? "819200" : "4096"});  // 200 blocks, or one
       }
       Launch one = how;
       one.picture = std::find(words.begin(), words.end(), "--plot") != words.end();

@@ -41,7 +41,9 @@ TEST(Hostile, DevicesAndPipesAreNotRead) {
       words.push_back(name);
       Finished const r = straytrace(words, {folder.path(), false, 10});
       EXPECT_EQ(r.code, 2) << words.front() << ' ' << name << ' ' << r.err;
-      EXPECT_THAT(r.err, HasSubstr(why)) << words.front() << ' ' << name;
+      bool const no_run = words.front() == "report" && name.ends_with(".yaml");
+      EXPECT_THAT(r.err, HasSubstr(no_run ? "is a scene, and a report is about a run" : why))
+          << words.front() << ' ' << name;
     }
 }
 

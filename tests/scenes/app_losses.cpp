@@ -137,7 +137,8 @@ TEST(Losses, FilesFromTheFuture) {
   Words const words{"scan", et_hf,           "rings=40,41", "--histories", "4096",
                     "-o",   folder / "scan", "--quiet",     "--jobs",      "2"};
   ASSERT_EQ(straytrace(words).code, 0);
-  std::string const table = text_of(folder / "scan/scan.csv");
+  std::string table = text_of(folder / "scan/scan.csv");
+  for (std::size_t at; (at = table.find(",traced,")) != table.npos;) table.replace(at, 8, ",stored,");
   for (auto const& entry : fs::recursive_directory_iterator(folder / "scan"))
     fs::last_write_time(entry.path(), fs::file_time_type::clock::now() + std::chrono::hours(24 * 3650));
   Finished const again = straytrace(words);
