@@ -16,6 +16,8 @@ TEST(BackendOption, UnknownNamesAreRefused) {
     EXPECT_THAT(r.err, HasSubstr("there is no backend '" + words.back() + "'"));
     EXPECT_THAT(r.err, HasSubstr("cuda"));
   }
+  EXPECT_THAT(straytrace({"run", virgo_arm, "-o", folder / "a", "--backend", "mpi"}).err,
+              HasSubstr("mpi is for trace"));
   EXPECT_FALSE(fs::exists(folder / "a.h5"));
   EXPECT_FALSE(fs::exists(folder / "a/run.h5"));
 }

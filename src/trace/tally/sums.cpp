@@ -134,9 +134,10 @@ std::uint64_t below(std::uint64_t n, std::uint64_t rest) {
 BlockSums SumTree::total() const {
   BlockSums all;
   for (auto const& [place, sums] : nodes_) all = merged(std::move(all), sums);
+  std::vector<BlockRange> const ranges = done();
   for (std::uint64_t r = 0; r < replica_count; ++r) {
     all.replica_blocks[r] = 0;
-    for (BlockRange const& range : done()) all.replica_blocks[r] += below(range.end, r) - below(range.first, r);
+    for (BlockRange const& range : ranges) all.replica_blocks[r] += below(range.end, r) - below(range.first, r);
   }
   return all;
 }
