@@ -140,3 +140,11 @@ def compared(ours, theirs=None, less_is_better=True):
     ratios = [b / a if less_is_better else a / b for a, b in zip(ours, theirs)]
     return {"ours": statistics.median(ours), "theirs": statistics.median(theirs), "ratio": statistics.median(ratios),
             "spread": spread(ratios), "repeats": len(ours)}
+
+
+def lines_of(program, *words):
+    """(line, peak memory of the program) of each JSON line that a program of build-bench prints, on the last core."""
+    done = child([BUILD / program, *words], core=max(os.sched_getaffinity(0)))
+    for line in done.output.splitlines():
+        if line.startswith("{"):
+            yield json.loads(line), done.peak_memory
