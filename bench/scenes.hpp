@@ -30,6 +30,7 @@ BenchScene optical_bench();
 // One mesh of 1.01 million triangles: 250 knobbly bodies in a closed box. `reversed`: the same triangles, numbered from
 // the last to the first, so that another tree comes of them.
 BenchScene million_triangles(bool reversed = false);
+BenchScene knobbly_bodies(std::uint64_t bodies, bool reversed = false);  // the first of them, 4000 triangles each
 
 struct BenchRay {
   Ray ray;
