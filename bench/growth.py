@@ -37,13 +37,14 @@ class Group:
     def run(self, *command, **more):
         return child([self.words.program, *command], core=CORE, cwd=self.folder, **more)
 
-    def traced(self, scene, histories, *more):
-        """Setup and time per history from the processor time of two lengths; memory of the longer."""
-        def once(count):
-            return self.run("trace", scene, *more, "-o", "run.h5", "--force", "--quiet", "--threads", 1, "--histories", count)
-        short, long = once(BLOCK), once(histories)
-        each = (long.cpu - short.cpu) / (histories - BLOCK)
-        return {"setup": short.cpu - BLOCK * each, "per_history": each, "memory": max(short.peak_memory, long.peak_memory)}
+    def traced(self, scene, *more, short=1, long=64):
+        """Setup and time per history from the processor time of two lengths, in blocks; memory of the longer."""
+        if self.words.quick:
+            short, long = 1, 2
+        taken = [self.run("trace", scene, *more, "-o", "run.h5", "--force", "--quiet", "--threads", 1, "--histories", blocks * BLOCK)
+                 for blocks in (short, long)]
+        each = (taken[1].cpu - taken[0].cpu) / ((long - short) * BLOCK)
+        return {"setup": taken[0].cpu - short * BLOCK * each, "per_history": each, "memory": taken[1].peak_memory}
 
     def make(self, n):
         return n
@@ -55,7 +56,7 @@ class Baffles(Group):
     limits = {"per_history": LOGARITHM}
 
     def turn(self, n):
-        return self.traced(SOURCE / "examples/pipe.yaml", BLOCK * (2 if self.words.quick else 64), "-p", f"baffles={n // 2}")
+        return self.traced(SOURCE / "examples/pipe.yaml", "-p", f"baffles={n // 2}")
 
 
 class Triangles(Group):
@@ -69,7 +70,7 @@ class Triangles(Group):
         return made
 
     def turn(self, n):
-        return self.traced(f"{n}.yaml", BLOCK * (2 if self.words.quick else 48))
+        return self.traced(f"{n}.yaml")
 
 
 class Routes(Group):
@@ -82,26 +83,26 @@ class Routes(Group):
         return n
 
     def turn(self, n):
-        return self.traced(f"{n}.yaml", BLOCK * (2 if self.words.quick else 64))
+        return self.traced(f"{n}.yaml", short=64, long=192)      # by then every route has been met
 
 
 class Bodies(Group):
     """The same, every name with a motion of its own: trace and noise."""
     sizes, quick = (1, 10, 100, 1000), (1, 10)
-    limits = {"per_history": LOGARITHM}
+    limits = {"per_history": LOGARITHM, "noise": 1.1}
 
     def make(self, n):
         (self.folder / f"{n}.yaml").write_text(annuli(self.rings, n, self.rings))
         return n
 
     def turn(self, n):
-        found = self.traced(f"{n}.yaml", BLOCK * (2 if self.words.quick else 64))
+        found = self.traced(f"{n}.yaml", short=64, long=192)
         return {**found, "noise": self.run("noise", "run.h5", "--quiet").cpu}
 
 
 class Bins(Group):
     """The noise of a traced arm of Virgo on finer and finer grids of frequency."""
-    sizes, quick = (100, 1000, 10000, 100000), (100, 200)
+    sizes, quick = (20, 100, 500, 2000), (20, 40)
     limits = {"noise": 1.1}
 
     def make(self, n):
