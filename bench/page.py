@@ -26,7 +26,7 @@ import pictures
 from record import KEPT, SOURCE
 
 PAGE = SOURCE / "docs" / "develop" / "benchmarks.md"
-PLACE = re.compile(r"^<!-- (bench|goals)\b ?(.*?) -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL)
+PLACE = re.compile(r"^<!-- (bench|goals)(?: ([^\n]*?))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL)
 TABLE = re.compile(r"(\w+)(?: where (\w+)=([^:]+))?: (.*)")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 

@@ -43,6 +43,17 @@ class Page(unittest.TestCase):
                     file.write_text(file.read_text() + file.read_text().splitlines()[0] + "\n")
                     self.assertIn(f"{pictures.picture_of(pages, bench).name} is not drawn", "".join(page.problems(copy, kept)))
 
+    def test_text_around_tables_stays(self):
+        lines = {"one": [{"bench": "one", "case": "a|b", "ours": 2.0, "unit": "s", "date": "2026-01-01T", "commit": "c", "processor": "p",
+                          "cores": 2, "load": 0.1, "compiler": "g", "flags": "-O3", "goal": {"of": "ours", "at_most": 1}, "met": False}]}
+        text = "A\n<!-- goals -->\n<!-- end -->\nB\n<!-- bench one: case | ours, time -->\nold\n<!-- end -->\nC\n"
+        new = page.written(text, lines)
+        self.assertEqual([line for line in new.splitlines() if line in ("A", "B", "C", "old")], ["A", "B", "C"])
+        self.assertIn("| case | time |", new)
+        self.assertIn("| ≤ 1.00 s | 2.00 s |", new)
+        self.assertIn("**no**", new)
+        self.assertEqual(page.written(new, lines), new)
+
     def test_numbers_as_they_are_read(self):
         for value, unit, text in ((5.123e7, "1/s", "51.2 M/s"), (0.44, "s", "440 ms"), (2.6e4, "s", "26000 s"), (40e6, "B", "40.0 MB"),
                                   (1.4e-6, "s", "1.40 µs"), (0.0253, "", "0.0253"), (4.76e-6, "", "4.76e-6"), (168.1, "instructions",
