@@ -62,7 +62,7 @@ class SpeckleLaw {
     for (Part const& p : parts_)
       if (!p.inputs.empty()) add(p, bin, metrics, moments[p.block], v);
     auto const copies = std::max(1, int(std::lround(copies_)));
-    std::vector<Mode> const modes = modes_of(moments);
+    std::vector<Mode> const modes = modes_of(moments, !v.phasors.empty());
     if (v.phasors.empty()) {
       std::vector<double> weights;
       for (Mode const& m : modes) weights.push_back(m.weight / copies);
@@ -135,7 +135,7 @@ class SpeckleLaw {
     };
     for (Part const& p : parts_)
       for (std::size_t const i : p.inputs) {
-        auto const [low, high] = std::minmax(first(i), first(p.inputs.front()));
+        auto const [low, high] = std::minmax({first(i), first(p.inputs.front())});
         with[high] = low;
       }
     std::vector<std::size_t> number(with.size()), row(with.size());

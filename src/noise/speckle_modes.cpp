@@ -22,12 +22,15 @@ MatrixXd real_covariance(Moments const& moments) {
 
 }  // namespace
 
-std::vector<Mode> modes_of(std::vector<Moments> const& blocks) {
+std::vector<Mode> modes_of(std::vector<Moments> const& blocks, bool directions) {
   std::vector<Mode> modes;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    Eigen::SelfAdjointEigenSolver<MatrixXd> const own(real_covariance(blocks[b]));
-    for (Eigen::Index m = own.eigenvalues().size(); m-- > 0;)
-      modes.push_back({std::max(0.0, own.eigenvalues()(m)), b, own.eigenvectors().col(m)});
+    Eigen::SelfAdjointEigenSolver<MatrixXd> const own(real_covariance(blocks[b]),
+                                                      directions ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+    for (Eigen::Index m = own.eigenvalues().size(); m-- > 0;) {
+      modes.push_back({std::max(0.0, own.eigenvalues()(m)), b, {}});
+      if (directions) modes.back().direction = own.eigenvectors().col(m);
+    }
   }
   std::stable_sort(modes.begin(), modes.end(), [](Mode const& a, Mode const& b) { return a.weight > b.weight; });
   return modes;

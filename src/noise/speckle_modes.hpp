@@ -22,6 +22,7 @@ struct Mode {
   Eigen::VectorXd direction;
 };
 
-std::vector<Mode> modes_of(std::vector<Moments> const& blocks);  // of all of them, the largest first
+// Of all blocks, the largest first. Without directions, which take most of the time, those of the modes are empty.
+std::vector<Mode> modes_of(std::vector<Moments> const& blocks, bool directions);
 
 }  // namespace straytrace
