@@ -85,6 +85,22 @@ TEST(SpeckleBand, IndependentBodiesAverage) {  // sum of N exponentials of equal
   }
 }
 
+TEST(SpeckleBand, BodiesTiedByAFaintRouteAreAsApart) {  // one block of inputs instead of four: eq. 10.2 does not ask
+  auto const with_tie = [](double weight) {
+    std::vector<CouplingClass> routes;
+    for (std::uint32_t i = 0; i < 4; ++i) routes.push_back(known_class(i, 1, equal_paths(50, i)));
+    std::vector<Lever> all;
+    for (std::uint32_t i = 0; i < 4; ++i) all.push_back(lever(i, 2, two_k));
+    if (weight > 0) routes.push_back(known_class(4, weight, {record(0, weight, all)}));
+    return band_of(routes, moving(std::vector<Spectrum>(4, power_law_asd(weak, 10, -2, 1, 100))), BothQuadratures());
+  };
+  Percentiles const apart = with_tie(0), tied = with_tie(1e-12), joined = with_tie(1);
+  EXPECT_LT(deviation(tied.p95, apart.p95), 1e-6);
+  EXPECT_LT(deviation(tied.p50, apart.p50), 1e-6);
+  EXPECT_LT(deviation(tied.p05, apart.p05), 1e-6);
+  EXPECT_GT(deviation(joined.p95, apart.p95), 0.1);  // twin: a route as strong as the others
+}
+
 TEST(SpeckleBand, LeversInOneDirectionAreOneMotion) {  // linear: amplitudes add, whatever the strength of the levers
   std::vector<PathRecord> paths;
   for (int i = 0; i < 100; ++i) paths.push_back(record(std::uint64_t(i), 0.01, {lever(0, 2, two_k * (1 + 0.02 * i))}));
