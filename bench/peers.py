@@ -20,13 +20,13 @@ import sys
 import tempfile
 
 from agreement import Turn, apart, seconds_to_percent, together, why_void
+from ours import Ours
 from record import QUIET, SOURCE, Results, arguments, child, in_turns, spread
 
 sys.path.insert(0, str(SOURCE / "bench/peers"))
 import problems  # noqa: E402
 import straytrace_scene  # noqa: E402
 
-BLOCK = 4096
 HOME = SOURCE / "build/peers"
 LLVM = sorted(pathlib.Path("/usr/lib").glob("*/libLLVM.so.19*"))
 ASKED = ("tube", "long_tube", "bench", "mesh")
@@ -48,35 +48,6 @@ def missing(what, way):
     if not list(HOME.glob(f"lib/python*/site-packages/{what}/__init__.py")):
         return f"{what} is not in build/peers: scripts/setup --peers"
     return "Debian's libllvm19 is not installed: scripts/setup --peers" if way.startswith("llvm") and not LLVM else ""
-
-
-class Ours:
-    """straytrace with its defaults. Sampling time is what more histories take; a run of one block takes the rest."""
-
-    def __init__(self, words, folder, core):
-        self.words, self.folder, self.core, self.seed, self.histories = words, folder, core, 0, 0
-
-    def trace(self, histories):
-        run = self.folder / "run.h5"
-        run.unlink(missing_ok=True)
-        self.seed += 1
-        done = child([self.words.program, "trace", self.folder / "scene.yaml", "-o", run, "--threads", 1, "--seed", self.seed,
-                      "--histories", histories], core=self.core, env=QUIET)
-        return done, run
-
-    def __call__(self):
-        import h5py
-        short, _ = self.trace(BLOCK)
-        if not self.histories:
-            pilot, _ = self.trace(17 * BLOCK)
-            each = max(1e-3, pilot.cpu - short.cpu) / 16
-            self.histories = BLOCK * (1 + max(32, round(self.words.seconds / each)))
-        done, run = self.trace(self.histories)
-        with h5py.File(run) as file:
-            value, error = (float(file["receivers"][key][0]) / straytrace_scene.DIM for key in ("mean", "std_error"))
-        rays = int(next(line for line in done.output.splitlines() if " rays, " in line).split(" surface events, ")[1].split()[0])
-        seconds = (done.cpu - short.cpu) * self.histories / (self.histories - BLOCK)
-        return Turn(value, error, seconds, done.cpu - seconds, self.histories, rays, done.peak_memory)
 
 
 class Theirs:
@@ -119,7 +90,7 @@ def compare(results, words, problem, core):
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
         (folder / "scene.yaml").write_text(straytrace_scene.scene(problems.PROBLEMS[problem](), folder), encoding="utf-8")
-        ways, absent = {"straytrace": Ours(words, folder, core)}, {}
+        ways, absent = {"straytrace": Ours(words, folder / "scene.yaml", core, straytrace_scene.DIM)}, {}
         for name in words.programs:
             _, way, what = PROGRAMS[name]
             if why := missing(what, way):
