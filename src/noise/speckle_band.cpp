@@ -52,7 +52,7 @@ class SpeckleLaw {
   }
 
   std::array<double, 3> at(std::size_t bin) const {  // percentiles of the PSD
-    std::vector<Moments> moments;
+    std::vector<SpeckleMoments> moments;
     for (auto const& block : blocks_) {
       MatrixXcd const none = MatrixXcd::Zero(Eigen::Index(block.size()), Eigen::Index(block.size()));
       moments.push_back({none, none});
@@ -62,18 +62,18 @@ class SpeckleLaw {
     for (Part const& p : parts_)
       if (!p.inputs.empty()) add(p, bin, metrics, moments[p.block], v);
     auto const copies = std::max(1, int(std::lround(copies_)));
-    std::vector<Mode> const modes = modes_of(moments, !v.phasors.empty());
+    std::vector<SpeckleMode> const modes = modes_of(moments, !v.phasors.empty());
     if (v.phasors.empty()) {
       std::vector<double> weights;
-      for (Mode const& m : modes) weights.push_back(m.weight / copies);
+      for (SpeckleMode const& m : modes) weights.push_back(m.weight / copies);
       return draws_.percentiles(weights, copies);
     }
     for (auto& [first, second] : v.phasors)
       for (auto* half : {&first, &second})
         for (double& x : *half) x /= std::sqrt(double(copies));
     double total = 0;
-    for (Mode const& m : modes) total += m.weight;
-    for (Mode const& m : modes)
+    for (SpeckleMode const& m : modes) total += m.weight;
+    for (SpeckleMode const& m : modes)
       if (m.weight > 1e-6 * total)
         v.gaussian.push_back(among_all(std::sqrt(m.weight / copies) * m.direction, blocks_[m.block]));
     return draws_.percentiles(v, copies);
@@ -163,7 +163,7 @@ class SpeckleLaw {
     return both > 0 ? p.surviving * (phase * phase + amplitude * amplitude) / both : 0;
   }
 
-  void add(Part const& p, std::size_t bin, Metrics const& metrics, Moments& moments, RandomVector& v) const {
+  void add(Part const& p, std::size_t bin, Metrics const& metrics, SpeckleMoments& moments, RandomVector& v) const {
     double const psd = std::pow(b_.routes[p.route].asd[bin], 2);
     if (!(psd > 0)) return;
     auto const power = [&](MatrixXcd const& m) { return MatrixXcd(m * p.directions * m.adjoint()); };
@@ -195,7 +195,7 @@ class SpeckleLaw {
   }
 
   // Fields with known relative phases: their sum is one phasor for each state of polarisation.
-  void add_family(Part const& p, double psd, Complex share, MatrixXcd const& to_inputs, Moments& moments,
+  void add_family(Part const& p, double psd, Complex share, MatrixXcd const& to_inputs, SpeckleMoments& moments,
                   RandomVector& v) const {
     auto const [phase, amplitude] = quadratures(share);
     std::vector<std::pair<VectorXcd, VectorXcd>> states;

@@ -9,7 +9,7 @@ namespace {
 using Eigen::MatrixXd;
 
 // Of Re and Im of the vector.
-MatrixXd real_covariance(Moments const& moments) {
+MatrixXd real_covariance(SpeckleMoments const& moments) {
   auto const& [gamma, relation] = moments;
   Eigen::Index const n = gamma.rows();
   MatrixXd out(2 * n, 2 * n);
@@ -22,8 +22,8 @@ MatrixXd real_covariance(Moments const& moments) {
 
 }  // namespace
 
-std::vector<Mode> modes_of(std::vector<Moments> const& blocks, bool directions) {
-  std::vector<Mode> modes;
+std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions) {
+  std::vector<SpeckleMode> modes;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     Eigen::SelfAdjointEigenSolver<MatrixXd> const own(real_covariance(blocks[b]),
                                                       directions ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
@@ -32,7 +32,8 @@ std::vector<Mode> modes_of(std::vector<Moments> const& blocks, bool directions) 
       if (directions) modes.back().direction = own.eigenvectors().col(m);
     }
   }
-  std::stable_sort(modes.begin(), modes.end(), [](Mode const& a, Mode const& b) { return a.weight > b.weight; });
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](SpeckleMode const& a, SpeckleMode const& b) { return a.weight > b.weight; });
   return modes;
 }
 

@@ -10,19 +10,19 @@ namespace straytrace {
 
 // Second moments of the complex amplitudes of some inputs: E H H^+ and E H H^T. Routes tie inputs together; inputs of
 // different blocks have no moments in common, so that the work grows with the cube of the largest block alone.
-struct Moments {
+struct SpeckleMoments {
   Eigen::MatrixXcd gamma, relation;
 };
 
 // An independent part of the vector of one block: its variance, and its unit direction, real parts before imaginary
 // parts.
-struct Mode {
+struct SpeckleMode {
   double weight;
   std::size_t block;
   Eigen::VectorXd direction;
 };
 
 // Of all blocks, the largest first. Without directions, which take most of the time, those of the modes are empty.
-std::vector<Mode> modes_of(std::vector<Moments> const& blocks, bool directions);
+std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions);
 
 }  // namespace straytrace

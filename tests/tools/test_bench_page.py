@@ -76,6 +76,21 @@ class Records(unittest.TestCase):
             self.assertEqual(lines, results.lines)
             self.assertTrue(all(line[key] for line in lines for key in ("commit", "compiler", "processor", "cores", "date")))
 
+    def test_a_part_replaces_its_own_lines(self):
+        with tempfile.TemporaryDirectory() as place:
+            kept, record.KEPT = record.KEPT, pathlib.Path(place)
+            try:
+                for groups, chosen, wanted in (("ab", None, "ab"), ("b", ["b"], "ab"), ("a", None, "a")):
+                    words = argparse.Namespace(quick=False, keep=True, program=pathlib.Path("none"), group=chosen,
+                                               results=pathlib.Path(place) / "r.jsonl")
+                    with record.Results("page", words, "group") as results:
+                        for group in groups:
+                            results.add("one", group=group, ours=len(groups))
+                    lines = [json.loads(line) for line in (record.KEPT / "page.jsonl").read_text().splitlines()]
+                    self.assertEqual("".join(line["group"] for line in lines), wanted)
+            finally:
+                record.KEPT = kept
+
     def test_tiny_runs_are_not_kept(self):
         with self.assertRaises(SystemExit):
             self.results(".", quick=True, keep=True)
