@@ -58,7 +58,8 @@ def cell(line, field):
         return " ".join(goal_of(line))
     if isinstance(value, bool):
         return "yes" if value else "**no**"
-    if isinstance(value, str) or isinstance(value, int) and not field.endswith("memory"):
+    counted = isinstance(value, int) and not field.endswith("memory") and f"{field}_unit" not in line
+    if isinstance(value, str) or counted:
         return str(value)
     if field == "spread" or field.endswith("_spread"):
         return f"{100 * value:.0f} %"
