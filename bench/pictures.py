@@ -30,7 +30,7 @@ def growth(lines, figure):
             one.set_ylim(low / 2, max(high * 2, 10 * low))
             one.set_ylabel(label, color=colour)
             one.tick_params(axis="y", colors=colour, which="both")
-        axes.set_title(group)
+        axes.set_title(f"against the number of {group}")
         axes.grid(True, alpha=0.3)
         axes.legend(loc="upper left", fontsize="small", frameon=False)
     for axes in figure.axes[len(groups):]:
