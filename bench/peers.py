@@ -29,7 +29,7 @@ import straytrace_scene  # noqa: E402
 
 HOME = SOURCE / "build/peers"
 LLVM = sorted(pathlib.Path("/usr/lib").glob("*/libLLVM.so.19*"))
-ASKED = ("tube", "long_tube", "bench", "mesh")
+ASKED = {"tube": {}, "long_tube": {}, "bench": {}, "mesh": {}, "two_bounces": {"POV-Ray"}}   # and who alone is asked
 # name: (file that runs it, its --way, what must be there)
 PROGRAMS = {
     "Mitsuba path, LLVM": ("run_mitsuba.py", "llvm_ad_mono:path", "mitsuba"),
@@ -39,6 +39,7 @@ PROGRAMS = {
     "Raysect": ("run_raysect.py", "", "raysect"),
     "POV-Ray": ("run_povray.py", "", "povray"),
 }
+ONE_PROBLEM = set().union(*ASKED.values())
 
 
 def missing(what, way):
@@ -87,11 +88,12 @@ def line_of(ours, theirs):
 
 
 def compare(results, words, problem, core):
+    programs = [name for name in words.programs if (name in ASKED[problem] if ASKED[problem] else name not in ONE_PROBLEM)]
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
         (folder / "scene.yaml").write_text(straytrace_scene.scene(problems.PROBLEMS[problem](), folder), encoding="utf-8")
         ways, absent = {"straytrace": Ours(words, folder / "scene.yaml", core, straytrace_scene.DIM)}, {}
-        for name in words.programs:
+        for name in programs:
             _, way, what = PROGRAMS[name]
             if why := missing(what, way):
                 absent[name] = why
@@ -99,7 +101,7 @@ def compare(results, words, problem, core):
                 (folder / what).mkdir(exist_ok=True)
                 ways[name] = Theirs(words, folder / what, core, name, problem)
         taken = in_turns(ways, 1 if words.quick else words.repeats) if len(ways) > 1 else {}
-    for name in words.programs:
+    for name in programs:
         about = {"problem": problem, "program": name}
         if name in absent:
             results.add(f"{problem}: {name}", **about, skipped=absent[name])
