@@ -16,7 +16,7 @@ def main():
     parser.add_argument("--scene", choices=SCENES, action="append", help="this scene alone; more than one may be named")
     words = parser.parse_args()
     rays, turns = (1 << 12, 1) if words.quick else (1 << 18, words.repeats)
-    with Results("engine", words) as results:
+    with Results("engine", words, "scene") as results:
         for scene in words.scene or SCENES:
             for line, memory in lines_of("bench_engine", scene, rays, turns):
                 results.add(line.pop("case"), scene=scene, peak_memory=memory, **line)

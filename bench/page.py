@@ -26,7 +26,7 @@ import pictures
 from record import KEPT, SOURCE
 
 PAGE = SOURCE / "docs" / "develop" / "benchmarks.md"
-PLACE = re.compile(r"^<!-- (bench|goals)\b ?(.*?) -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL)
+PLACE = re.compile(r"^<!-- (bench|goals)(?: ([^\n]*?))? -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL)
 TABLE = re.compile(r"(\w+)(?: where (\w+)=([^:]+))?: (.*)")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
@@ -58,7 +58,8 @@ def cell(line, field):
         return " ".join(goal_of(line))
     if isinstance(value, bool):
         return "yes" if value else "**no**"
-    if isinstance(value, str) or isinstance(value, int) and not field.endswith("memory"):
+    counted = isinstance(value, int) and not field.endswith("memory") and f"{field}_unit" not in line
+    if isinstance(value, str) or counted:
         return str(value)
     if field == "spread" or field.endswith("_spread"):
         return f"{100 * value:.0f} %"

@@ -60,12 +60,14 @@ def machine(folder=BUILD):
 
 class Results:
     """Lines of one bench: `with Results("noise", words) as results: results.add("case", ours=...)`. Appended as they come; with
-    --keep the kept lines of the bench are replaced at the end, if all went well."""
+    --keep the kept lines of the bench are replaced at the end, if all went well. `part`: the option, and field of the lines, by which
+    some of the bench can be run alone; then lines of other parts stay."""
 
-    def __init__(self, bench, words):
+    def __init__(self, bench, words, part=None):
         if words.quick and words.keep:
             sys.exit("--keep: the numbers of --quick say nothing; leave one of the two out")
         self.bench, self.words, self.lines = bench, words, []
+        self.part = part if part and getattr(words, part) else None
         self.about = machine(words.program.resolve().parent)
 
     def __enter__(self):
@@ -86,9 +88,17 @@ class Results:
     def __exit__(self, failure, *_):
         if failure is None and self.words.keep:
             KEPT.mkdir(exist_ok=True)
-            new = KEPT / f"{self.bench}.jsonl.new"
-            new.write_text("".join(json.dumps(line) + "\n" for line in self.lines), encoding="utf-8")
-            new.replace(KEPT / f"{self.bench}.jsonl")
+            file = KEPT / f"{self.bench}.jsonl"
+            new = file.with_suffix(".new")
+            new.write_text("".join(json.dumps(line) + "\n" for line in [*self.kept_of(file), *self.lines]), encoding="utf-8")
+            new.replace(file)
+
+    def kept_of(self, file):
+        """Lines that stay: of other parts, where a part was run alone."""
+        if self.part is None or not file.exists():
+            return []
+        lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+        return [line for line in lines if line[self.part] not in {new[self.part] for new in self.lines}]
 
 
 @dataclasses.dataclass

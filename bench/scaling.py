@@ -26,7 +26,7 @@ class Traces:
     def __init__(self, words, folder):
         self.words, self.run_file = words, pathlib.Path(folder) / "run.h5"
         self.scene = SMALL if words.quick else SCENE
-        self.short, self.long = (2, 8) if words.quick else (16, 272)    # blocks
+        self.short, self.long = (2, 8) if words.quick else (16, 144)    # blocks
         self.histories = (self.long - self.short) * BLOCK
 
     def trace(self, blocks, *more, before=(), cores=None, env=None):

@@ -155,8 +155,9 @@ struct FullWalk {
 // Where a walk leaves to, by the mixture.
 RayQuery departing(FullWalk& w, Mixture const& law, std::uint64_t seed) {
   Rng rng(seed, w.number, ++w.event, Stream::direction);
-  Vec3 const wo = law.sample(w.wi, rng);
+  Vec3 wo = law.sample(w.wi, rng);
   w.weight *= law.weight(w.wi, wo);
+  if (!(w.weight > 0)) wo = {0, 0, 1};  // no direction was found: the walk ends with this hop
   return {{w.at.point, unit(Frame::around(w.at.normal).to_world(wo))}, w.at.from};
 }
 void arrive(FullWalk& w, WorldView const& view, Ray const& ray, Hit const& hit) {

@@ -43,6 +43,17 @@ class Page(unittest.TestCase):
                     file.write_text(file.read_text() + file.read_text().splitlines()[0] + "\n")
                     self.assertIn(f"{pictures.picture_of(pages, bench).name} is not drawn", "".join(page.problems(copy, kept)))
 
+    def test_text_around_tables_stays(self):
+        lines = {"one": [{"bench": "one", "case": "a|b", "ours": 2.0, "unit": "s", "date": "2026-01-01T", "commit": "c", "processor": "p",
+                          "cores": 2, "load": 0.1, "compiler": "g", "flags": "-O3", "goal": {"of": "ours", "at_most": 1}, "met": False}]}
+        text = "A\n<!-- goals -->\n<!-- end -->\nB\n<!-- bench one: case | ours, time -->\nold\n<!-- end -->\nC\n"
+        new = page.written(text, lines)
+        self.assertEqual([line for line in new.splitlines() if line in ("A", "B", "C", "old")], ["A", "B", "C"])
+        self.assertIn("| case | time |", new)
+        self.assertIn("| ≤ 1.00 s | 2.00 s |", new)
+        self.assertIn("**no**", new)
+        self.assertEqual(page.written(new, lines), new)
+
     def test_numbers_as_they_are_read(self):
         for value, unit, text in ((5.123e7, "1/s", "51.2 M/s"), (0.44, "s", "440 ms"), (2.6e4, "s", "26000 s"), (40e6, "B", "40.0 MB"),
                                   (1.4e-6, "s", "1.40 µs"), (0.0253, "", "0.0253"), (4.76e-6, "", "4.76e-6"), (168.1, "instructions",
@@ -64,6 +75,21 @@ class Records(unittest.TestCase):
             lines = [json.loads(line) for line in results.words.results.read_text().splitlines()]
             self.assertEqual(lines, results.lines)
             self.assertTrue(all(line[key] for line in lines for key in ("commit", "compiler", "processor", "cores", "date")))
+
+    def test_a_part_replaces_its_own_lines(self):
+        with tempfile.TemporaryDirectory() as place:
+            kept, record.KEPT = record.KEPT, pathlib.Path(place)
+            try:
+                for groups, chosen, wanted in (("ab", None, "ab"), ("b", ["b"], "ab"), ("a", None, "a")):
+                    words = argparse.Namespace(quick=False, keep=True, program=pathlib.Path("none"), group=chosen,
+                                               results=pathlib.Path(place) / "r.jsonl")
+                    with record.Results("page", words, "group") as results:
+                        for group in groups:
+                            results.add("one", group=group, ours=len(groups))
+                    lines = [json.loads(line) for line in (record.KEPT / "page.jsonl").read_text().splitlines()]
+                    self.assertEqual("".join(line["group"] for line in lines), wanted)
+            finally:
+                record.KEPT = kept
 
     def test_tiny_runs_are_not_kept(self):
         with self.assertRaises(SystemExit):
