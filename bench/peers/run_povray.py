@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """POV-Ray: radiosity of single samples, nothing reused, seen by an orthographic camera that looks at the receiver. Double precision.
 
-Each of its samples sends five rays, so the work grows as 5^bounces: for problems with few bounces. POV-Ray has no surfaces that emit and are sampled: the lamp is a jittered grid of spotlights, each with the cosine law and 1/d^2.
+Each of its samples sends five rays, so the work grows as 5^bounces: for problems with few bounces. POV-Ray has no surfaces that emit and
+are sampled: the lamp is a jittered grid of spotlights, each with the cosine law and 1/d^2.
 """
 import json
 import math
@@ -65,7 +66,7 @@ def scene(problem):
     eye = [c + 1e-3 * n for c, n in zip(receiver.centre, receiver.normal)]
     size = receiver.side
     text = "#version 3.7;\nglobal_settings { assumed_gamma 1 max_trace_level 200 adc_bailout 1e-12\n"
-    text += f"radiosity {{ pretrace_start 1 pretrace_end 1 count 1 nearest_count 1 error_bound 1e-5 low_error_factor 1\n"
+    text += "radiosity { pretrace_start 1 pretrace_end 1 count 1 nearest_count 1 error_bound 1e-5 low_error_factor 1\n"
     text += f"recursion_limit {problem.bounces or 1} minimum_reuse 1e-9 maximum_reuse 2e-9 always_sample on gray_threshold 0 brightness 1 adc_bailout 1e-12 }} }}\n"
     text += (f"camera {{ orthographic location {vector(eye)} direction {vector([-n for n in receiver.normal])} "
              f"right {vector([size * x for x in a])} up {vector([size * x for x in b])} }}\n")
@@ -105,17 +106,16 @@ def main():
     def traced(rows):
         """(share of the lamp's light per pixel, processor seconds, rays)"""
         before, picture = used(), folder / "scene.hdr"
-        done = subprocess.run(["povray", "+I" + str(folder / "scene.pov"), "+O" + str(picture), "+FH", f"+W{WIDE}", f"+H{rows}", "+WT1", "-D", "-A",
-                               "-J", "-GA", "+GS"], capture_output=True, text=True, cwd=folder)
+        done = subprocess.run(["povray", f"+I{folder / 'scene.pov'}", f"+O{picture}", "+FH", f"+W{WIDE}", f"+H{rows}", "+WT1",
+                               "-D", "-A", "-J", "-GA", "+GS"], capture_output=True, text=True, cwd=folder)
         if done.returncode:
             raise SystemExit(done.stderr[-2000:])
         rays = re.findall(r"^(?:Rays|Shadow Ray Tests):\s+(\d+)", done.stderr + done.stdout, re.MULTILINE)
         return [math.pi * x * problem.receiver.side ** 2 for x in pixels(picture)], used() - before, sum(map(int, rays))
-    load = traced(4)[1]
-    rows = 64
+    load, rows = traced(4)[1], 32
     while (spent := traced(rows)[1] - load) < 0.1 * words.seconds:
-        rows *= 4
-    rows = max(64, int(rows * words.seconds / spent))
+        rows *= 2
+    rows = max(64, int(rows * math.sqrt(words.seconds / spent)))    # looking for samples to reuse costs the square of the pixels
     values, spent, rays = traced(rows)
     mean, error = batches.mean_and_error(values)
     print(json.dumps({"value": mean, "error": error, "seconds": spent - load, "setup": load, "paths": WIDE * rows, "rays": rays or None}))
