@@ -32,7 +32,7 @@ std::string totals(ReceiverTable const& table) {
   Columns c;
   c.titles = {"receiver"};
   add_power_titles(c, table.beam_power);
-  c.titles.insert(c.titles.end(), {"histories", "verdict_text"});
+  c.titles.insert(c.titles.end(), {"histories", "verdict"});
   c.left.assign(c.titles.size(), false);
   c.left.front() = c.left.back() = true;
   for (ReceiverEntry const& r : table.receivers) {
@@ -69,7 +69,7 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
   Columns c;
   c.titles = {"#", "route"};
   add_power_titles(c, beam_power);
-  c.titles.insert(c.titles.end(), {"share/%", "verdict_text"});
+  c.titles.insert(c.titles.end(), {"share/%", "verdict"});
   c.left.assign(c.titles.size(), false);
   c.left[1] = c.left.back() = true;
   for (std::size_t i = 0; i < std::min(show, r.routes.size()); ++i) {
