@@ -29,7 +29,7 @@ import straytrace_scene  # noqa: E402
 
 HOME = SOURCE / "build/peers"
 LLVM = sorted(pathlib.Path("/usr/lib").glob("*/libLLVM.so.19*"))
-ASKED = ("tube", "long_tube", "bench", "mesh")
+ASKED = {"tube": {}, "long_tube": {}, "bench": {}, "mesh": {}, "two_bounces": {"POV-Ray"}}   # and who alone is asked
 # name: (file that runs it, its --way, what must be there)
 PROGRAMS = {
     "Mitsuba path, LLVM": ("run_mitsuba.py", "llvm_ad_mono:path", "mitsuba"),
@@ -39,6 +39,7 @@ PROGRAMS = {
     "Raysect": ("run_raysect.py", "", "raysect"),
     "POV-Ray": ("run_povray.py", "", "povray"),
 }
+ONE_PROBLEM = set().union(*ASKED.values())
 
 
 def missing(what, way):
@@ -53,14 +54,19 @@ def missing(what, way):
 class Theirs:
     def __init__(self, words, folder, core, name, problem):
         file, way, _ = PROGRAMS[name]
-        self.python, self.seed, self.core = HOME / "bin/python", 0, core
-        self.command = [self.python, SOURCE / "bench/peers" / file, problem, "--folder", folder, "--seconds", words.seconds,
+        self.seed, self.core, self.failed = 0, core, ""
+        self.command = [HOME / "bin/python", SOURCE / "bench/peers" / file, problem, "--folder", folder, "--seconds", words.seconds,
                         *(["--way", way] if way else [])]
 
     def __call__(self):
+        """A turn; None, and why in `failed`, where the program fails."""
         self.seed += 1
         env = dict(QUIET, OMP_NUM_THREADS="1", **({"DRJIT_LIBLLVM_PATH": str(LLVM[-1])} if LLVM else {}))
-        done = child([*self.command, "--seed", self.seed], core=self.core, env=env)
+        try:
+            done = child([*self.command, "--seed", self.seed], core=self.core, env=env)
+        except SystemExit as failure:
+            self.failed = f"it failed: {str(failure).strip().splitlines()[-1][:200]}"
+            return None
         said = json.loads(done.output[done.output.rindex("\n{" if "\n{" in done.output else "{"):])
         return Turn(**said, peak_memory=done.peak_memory)
 
@@ -68,13 +74,14 @@ class Theirs:
 def side(prefix, turns):
     """Fields of one side of a line."""
     value, error = together(turns)
-    found = {"value": value, "error": error, "seconds": statistics.median(t.seconds for t in turns), "setup": statistics.median(t.setup for t in turns),
+    found = {"value": value, "error": error, "seconds": statistics.median(t.seconds for t in turns),
+             "setup": statistics.median(t.setup for t in turns),
              "paths": statistics.median(t.paths / t.seconds for t in turns), "paths_unit": "1/s",
              "peak_memory": max(t.peak_memory for t in turns), "to_percent": seconds_to_percent(turns)}
     if turns[0].rays:
         found |= {"rays": statistics.median(t.rays / t.seconds for t in turns), "rays_unit": "1/s"}
     found |= {f"{key}_unit": "s" for key in ("seconds", "setup", "to_percent")}
-    return {(key if not prefix else prefix + key): v for key, v in found.items() if v != float("inf")}
+    return {prefix + key: v for key, v in found.items() if v != float("inf")}
 
 
 def line_of(ours, theirs):
@@ -87,11 +94,12 @@ def line_of(ours, theirs):
 
 
 def compare(results, words, problem, core):
+    programs = [name for name in words.programs if (name in ASKED[problem] if ASKED[problem] else name not in ONE_PROBLEM)]
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
         (folder / "scene.yaml").write_text(straytrace_scene.scene(problems.PROBLEMS[problem](), folder), encoding="utf-8")
         ways, absent = {"straytrace": Ours(words, folder / "scene.yaml", core, straytrace_scene.DIM)}, {}
-        for name in words.programs:
+        for name in programs:
             _, way, what = PROGRAMS[name]
             if why := missing(what, way):
                 absent[name] = why
@@ -99,10 +107,10 @@ def compare(results, words, problem, core):
                 (folder / what).mkdir(exist_ok=True)
                 ways[name] = Theirs(words, folder / what, core, name, problem)
         taken = in_turns(ways, 1 if words.quick else words.repeats) if len(ways) > 1 else {}
-    for name in words.programs:
+    for name in programs:
         about = {"problem": problem, "program": name}
-        if name in absent:
-            results.add(f"{problem}: {name}", **about, skipped=absent[name])
+        if why := absent.get(name) or ways[name].failed:
+            results.add(f"{problem}: {name}", **about, skipped=why)
         else:
             results.add(f"{problem}: {name}", **about, **line_of(taken["straytrace"], taken[name]))
 

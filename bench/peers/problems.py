@@ -77,9 +77,7 @@ class Problem:
     lamp: Disk
     receiver: Square
     surfaces: tuple
-
-    def of_kind(self, kind):
-        return [s for s in self.surfaces if isinstance(s, kind)]
+    bounces: int = 0                                     # at most so many between lamp and receiver; 0: any number
 
 
 def lamp(centre, normal, radius):
@@ -112,6 +110,13 @@ def bench():
     return Problem(lamp((0.3, 0.45, 0.25), (-1, 0, 0), 0.02), Square((1.25, 0.85, 0.05), (0, 0, 1), 0.02), (room, *balls, *flats))
 
 
+def two_bounces():
+    """The bench for programs whose work grows with a power of the number of bounces; its mirrors are diffuse as well."""
+    open_ended = bench()
+    diffuse = tuple(dataclasses.replace(s, finish=Finish(0.3)) if s.finish.mirror else s for s in open_ended.surfaces)
+    return dataclasses.replace(open_ended, surfaces=diffuse, bounces=2)
+
+
 def mesh():
     """A knobbly body of triangles between lamp and receiver, in a box."""
     room = Room("room", (-0.5, -0.5, -0.5), (0.5, 0.5, 0.5), Finish(0.3))
@@ -124,7 +129,7 @@ def lit_square():
     return Problem(lamp((0, 0, 0), (0, 0, 1), 0.1), Square((0, 0, 0.5), (0, 0, -1), 0.1), ())
 
 
-PROBLEMS = {"tube": tube, "long_tube": long_tube, "bench": bench, "mesh": mesh, "lit_square": lit_square}
+PROBLEMS = {"tube": tube, "long_tube": long_tube, "bench": bench, "two_bounces": two_bounces, "mesh": mesh, "lit_square": lit_square}
 
 
 def knobbly(knobs):

@@ -25,7 +25,7 @@ def facing(mi, centre, normal, *size):
     return mi.ScalarTransform4f().look_at(origin=list(centre), target=target, up=list(up)).scale(list(size))
 
 
-def annulus(mi, d):
+def annulus(d):
     """Mitsuba has no disc with a hole: triangles between two polygons of 256 corners whose areas are those of the circles."""
     n, points, faces = 256, [], []
     area = math.sqrt(2 * math.pi / n / math.sin(2 * math.pi / n))
@@ -45,9 +45,11 @@ def mesh_file(folder, name, points, faces, **more):
 def shapes(mi, surface, folder):
     finish = {"bsdf": bsdf(surface.finish)}
     if isinstance(surface, Disk) and surface.inner:
-        yield surface.name, mesh_file(folder, surface.name, *annulus(mi, surface), to_world=facing(mi, surface.centre, surface.normal, 1, 1, 1), **finish)
+        at = facing(mi, surface.centre, surface.normal, 1, 1, 1)
+        yield surface.name, mesh_file(folder, surface.name, *annulus(surface), to_world=at, **finish)
     elif isinstance(surface, Disk):
-        yield surface.name, {"type": "disk", "to_world": facing(mi, surface.centre, surface.normal, surface.outer, surface.outer, 1), **finish}
+        at = facing(mi, surface.centre, surface.normal, surface.outer, surface.outer, 1)
+        yield surface.name, {"type": "disk", "to_world": at, **finish}
     elif isinstance(surface, Tube):
         yield surface.name, {"type": "cylinder", "p0": [0, 0, surface.start], "p1": [0, 0, surface.end], "radius": surface.radius, **finish}
     elif isinstance(surface, Ball):
@@ -78,7 +80,8 @@ def scene(mi, problem, folder, integrator):
     lamp, receiver = problem.lamp, problem.receiver
     half = receiver.side / 2
     made = {"type": "scene", "integrator": {"type": integrator, "max_depth": 64, "rr_depth": 5},
-            "lamp": {"type": "disk", "to_world": facing(mi, lamp.centre, lamp.normal, lamp.outer, lamp.outer, 1), "bsdf": bsdf(problems.BLACK),
+            "lamp": {"type": "disk", "bsdf": bsdf(problems.BLACK),
+                     "to_world": facing(mi, lamp.centre, lamp.normal, lamp.outer, lamp.outer, 1),
                      "light": {"type": "area", "radiance": {"type": "spectrum", "value": 1.0}}}}
     taken = meter(problem)
     if integrator == "ptracer":

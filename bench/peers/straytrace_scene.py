@@ -65,4 +65,5 @@ def scene(problem, folder):
     return json.dumps({"straytrace": 1, "title": "peer", "materials": materials(problem), "bodies": {"all": {"motion": "still"}},
                        "scene": parts, "beams": {"light": {"on": "lamp", "profile": "even", "radius": metres(problem.lamp.outer),
                                                            "travel": [-x for x in problem.lamp.normal], "power": "1 W"}},
-                       "receivers": {"receiver": {"on": "receiver", "side": "front"}}}, indent=1)
+                       "receivers": {"receiver": {"on": "receiver", "side": "front"}},
+                       **({"trace": {"order_limit": problem.bounces + 1}} if problem.bounces else {})}, indent=1)
