@@ -27,7 +27,10 @@ static void receive_bytes(int from, void* bytes, size_t count) {
   MPI_Recv(bytes, (int)count, MPI_BYTE, from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
 }
 
-static void close_job(void) { MPI_Finalize(); }
+static void close_job(int lost) {
+  if (lost) MPI_Abort(MPI_COMM_WORLD, 0);
+  MPI_Finalize();
+}
 
 int straytrace_transport_open(int version, struct straytrace_transport* transport) {
   if (version != straytrace_transport_version) return straytrace_transport_version;

@@ -2,15 +2,17 @@
 // straytrace-step: converts a STEP file to the geometry that straytrace reads.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <sys/prctl.h>
 
 #include <Standard_Version.hxx>
 #include <cmath>
-#include <cstdio>
+#include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "app/build_info.hpp"
+#include "base/growing_file.hpp"
+#include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "step/read_step.hpp"
 #include "step/write_cad.hpp"
@@ -32,20 +34,6 @@ double length_in(std::string const& option, std::string const& text) {
   return to_si(value, *unit);
 }
 
-// Complete or not at all.
-void write_file(std::string const& name, std::string const& text) {
-  std::string const beside = name + ".part";
-  std::ofstream out(beside, std::ios::binary);
-  out << text;
-  out.close();
-  std::error_code failed;
-  if (out) fs::rename(beside, name, failed);
-  if (!out || failed) {
-    fs::remove(beside, failed);
-    throw step::Refused{fmt::format("cannot write '{}'", name), "name a file in a folder that exists, with -o"};
-  }
-}
-
 int convert(std::string const& input, std::string output, std::string const& tolerance, std::string const& chord,
             bool quiet) {
   std::string const name = fs::path(input).filename().string();
@@ -55,15 +43,18 @@ int convert(std::string const& input, std::string output, std::string const& tol
     settings.chord = length_in("chord", chord);
     step::Model const model = step::read_step(input, settings);
     if (output.empty()) output = fs::path(input).replace_extension(".cad.json").string();
-    write_file(output, step::as_json(model, settings,
-                                     fmt::format("straytrace-step {}, OpenCASCADE {}", build_info::version,
-                                                 OCC_VERSION_COMPLETE)));
+    GrowingFile file(output);
+    file.write(step::as_json(
+        model, settings, fmt::format("straytrace-step {}, OpenCASCADE {}", build_info::version, OCC_VERSION_COMPLETE)));
+    file.publish();
     if (!quiet) std::cout << step::summary(model, name) << "wrote  " << output << '\n';
     return 0;
   } catch (step::Refused const& r) {
     std::cerr << fmt::format("{}: error: {}\n  {}\n", name, r.what, r.suggestion);
-    return 2;
+  } catch (InputError const& e) {  // no place to write to
+    std::cerr << name << ": " << e.what() << '\n';
   }
+  return 2;
 }
 
 }  // namespace
@@ -73,12 +64,13 @@ int main(int argc, char** argv) {
       "Converts a STEP file (AP203, AP214, AP242) to geometry for straytrace: exact planes, cylinders, cones,\n"
       "spheres and tori, with names, colours and metres.");
   std::string input, output, tolerance = "1um", chord = "10um";
-  bool quiet = false;
+  bool quiet = false, with_parent = false;
   app.add_option("file", input, "STEP file")->required();
   app.add_option("-o,--output", output, "file to write; FILE.cad.json otherwise");
   app.add_option("--tolerance", tolerance, "of edges that are no circles about an axis and no straight lines");
   app.add_option("--chord", chord, "between free surfaces and the triangles that stand for them");
   app.add_flag("--quiet", quiet, "do not print what the file holds");
+  app.add_flag("--end-with-parent", with_parent, "end when the program that started it ends");
   app.set_version_flag("--version", fmt::format("straytrace-step {}", build_info::version));
   app.footer(
       "Examples:\n"
@@ -89,5 +81,6 @@ int main(int argc, char** argv) {
   } catch (CLI::ParseError const& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
+  if (with_parent) ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   return convert(input, output, tolerance, chord, quiet);
 }

@@ -46,6 +46,12 @@ std::mutex guard;
 std::vector<Seen> seen;  // in the order of the test
 std::map<std::tuple<char const*, unsigned, std::string>, std::size_t> places;
 
+// "tests/unit/a.cpp" of any path to it: a compiler cache writes it relative to the build folder.
+std::string in_tree(std::string const& file) {
+  auto const tests = file.rfind("/tests/");
+  return tests == std::string::npos ? file : file.substr(tests + 1);
+}
+
 nlohmann::json numbers(Comparison const& c) { return {c.obtained, c.expected, c.allowed}; }
 
 nlohmann::json json_of(Seen const& s) {
@@ -106,8 +112,7 @@ void record(Comparison const& c) {
   std::lock_guard const lock(guard);
   auto const [place, fresh] = places.try_emplace({c.file, c.line, c.what}, seen.size());
   if (fresh) {
-    auto const file = std::filesystem::path(c.file).lexically_relative(STRAY_SOURCE_DIR).string();
-    seen.push_back({c.kind, file + ":" + std::to_string(c.line), c.what, c.against, {}, c, -1});
+    seen.push_back({c.kind, in_tree(c.file) + ":" + std::to_string(c.line), c.what, c.against, {}, c, -1});
   }
   Seen& s = seen[place->second];
   ++s.count;

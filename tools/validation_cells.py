@@ -137,8 +137,7 @@ class Records:
         """Whether the source calls it a twin, in its statement or in the comment right above."""
         file, _, line = comparison["at"].rpartition(":")
         if file not in self.lines:
-            path = self.source / file
-            self.lines[file] = path.read_text(encoding="utf-8").split("\n") if path.is_file() else []
+            self.lines[file] = (self.source / file).read_text(encoding="utf-8").split("\n")
         lines, at = self.lines[file], int(line) - 1
         end = next((i for i in range(at, min(at + 6, len(lines))) if ";" in lines[i]), at)
         above = lines[at - 1] if at and at <= len(lines) and lines[at - 1].lstrip().startswith("//") else ""

@@ -39,6 +39,7 @@ nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
                    {"drift_rad_per_s", number(p.drift)},
                    {"effective_motion_peak_m", peak.value},
                    {"effective_motion_peak_sigma_m", peak.sigma},
+                   {"unseen_phase_rad", unseen_phase(a, i)},
                    {"chi2_gained", p.gain},
                    {"ln_false_alarm", p.ln_false_alarm}};
   if (a.field) {

@@ -40,8 +40,9 @@ MotionKind kind_of(TimeSeries const& x, std::string const& option) {
                   option, x.name, x.unit, option));
 }
 
-// Displacement [m] or angle [rad].
-TimeSeries motion_of(TimeSeries x, FitOptions const& o, std::string const& option) {
+// Adds displacement [m] or angle [rad].
+void add_motion(FringeRecords& records, TimeSeries x, FitOptions const& o, std::string const& option) {
+  double unseen = 0;
   MotionKind const kind = kind_of(x, option);
   if (kind.integrations == 0) {
     if (!o.corner.empty())
@@ -56,10 +57,12 @@ TimeSeries motion_of(TimeSeries x, FitOptions const& o, std::string const& optio
                       "\"0.05 Hz\", below all motion that makes fringes",
                       option, x.name, x.unit));
     double const corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
+    unseen = rms_below(x, kind.integrations, corner);
     x = settled(integrated(x, kind.integrations, corner), corner);
   }
   x.unit = kind.rotation ? "rad" : "m";
-  return x;
+  records.witnesses.push_back(std::move(x));
+  records.unseen.push_back(unseen);
 }
 
 bool is_free(FitOptions const& o, char const* name) {
@@ -138,9 +141,8 @@ FringeRecords records_of(FitOptions const& o) {
   records.target = series_argument(o.target, o.target_unit, span);
   if (!o.run.empty() || !o.gain.empty()) records.target = as_strain(std::move(records.target));
   // Beyond the span of the target witnesses are welcome: delays reach there.
-  records.witnesses.push_back(motion_of(series_argument(o.witness, o.witness_unit, span), o, "--witness"));
-  if (!o.witness2.empty())
-    records.witnesses.push_back(motion_of(series_argument(o.witness2, o.witness2_unit, span), o, "--witness2"));
+  add_motion(records, series_argument(o.witness, o.witness_unit, span), o, "--witness");
+  if (!o.witness2.empty()) add_motion(records, series_argument(o.witness2, o.witness2_unit, span), o, "--witness2");
   if (records.witnesses.front().unit != records.witnesses.back().unit)
     throw InputError("error: --witness2: one witness is an angle and the other a displacement\n  give two of one kind");
   if (o.witness2.empty() && (!o.ratio.empty() || is_free(o, "ratio")))

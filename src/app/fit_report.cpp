@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "base/message.hpp"
 #include "noise/speckle.hpp"
 #include "report/report.hpp"
@@ -48,6 +49,18 @@ std::string prediction_text(FittedPath const& p, RoutePrediction const& r) {
   return out;
 }
 
+// Said where it is above 1 % of the amplitude.
+std::string unseen_text(double phase) {
+  if (std::isnan(phase)) return line("below --corner", "not told: the record has fewer than six periods of half of it");
+  double const low = -std::expm1(-phase * phase / 2);
+  if (low < 0.01) return "";
+  return line(
+      "below --corner",
+      fmt::format("{:.2g} rad rms between half of it and it; if that is motion and not noise of the sensor, the "
+                  "amplitude is {}: halve it",
+                  phase, low > 0.5 ? "far too low" : fmt::format("low by {:.2g} %", 100 * low)));
+}
+
 std::string path_text(FitAnswer const& a, std::size_t i) {
   FittedPath const& p = a.fit.paths[i];
   bool const significant = p.ln_false_alarm < std::log(a.settings.false_alarm);
@@ -71,6 +84,7 @@ std::string path_text(FitAnswer const& a, std::size_t i) {
                                               peak.sigma > 0 ? with_error(1e6 * peak.value, 1e6 * peak.sigma)
                                                              : fmt::format("{:.4g}", 1e6 * peak.value),
                                               2e6 * peak.value));
+  out += unseen_text(unseen_phase(a, i));
   if (p.delay.sigma > 0) out += line("delay", value_text(scaled(p.delay, 1e3), "ms"));
   if (p.drift.sigma > 0) out += line("drift of the phase", value_text(p.drift, "rad/s"));
   out += line("chi^2 gained",
@@ -184,6 +198,12 @@ std::string fit_text(FitAnswer const& a) {
   out += fmt::format("fringes up to {:.1f} Hz\n", fit.highest_fringe);
   out += fmt::format("fitted: chi^2 {:.1f} -> {:.1f} ({:.0f} expected)\n", fit.without, fit.with, fit.degrees);
   return out + test_text(fit, a.settings.false_alarm) + correlations_text(fit);
+}
+
+double unseen_phase(FitAnswer const& a, std::size_t path) {
+  double const first = a.records.unseen[0],
+               second = a.records.unseen.size() > 1 ? a.fit.ratio.value * a.records.unseen[1] : 0;
+  return 4 * pi / a.settings.wavelength * std::fabs(a.fit.paths[path].multiplicity.value) * std::hypot(first, second);
 }
 
 TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {

@@ -31,6 +31,9 @@ std::string verdict_text(FitVerdict);  // "fringe noise found: it predicts the r
 // Largest excursion of W (x_1 - ratio x_2) of a path from the middle of its range, m: a peak amplitude. Its error is
 // that of W and ratio together.
 Fitted effective_peak(FitAnswer const&, std::size_t path);
+// rad rms of the phase of a path right below --corner, which the integrated witnesses do not show and the light feels:
+// amplitudes come out low by exp(-phase^2/2). NaN where the record is too short to tell.
+double unseen_phase(FitAnswer const&, std::size_t path);
 std::string fit_text(FitAnswer const&);
 nlohmann::json fit_json(FitAnswer const&);
 // ASD of the target, of the fitted noise and, where the verdict allows, of what is left.

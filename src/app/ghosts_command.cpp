@@ -17,8 +17,8 @@
 #include "app/interrupt.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
+#include "base/growing_file.hpp"
 #include "base/message.hpp"
-#include "report/growing_file.hpp"
 #include "report/picture.hpp"
 
 namespace straytrace {

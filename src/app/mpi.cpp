@@ -15,7 +15,7 @@ namespace {
 class Mpi final : public Transport {
  public:
   explicit Mpi(straytrace_transport const& mpi) : mpi_(mpi) {}
-  ~Mpi() override { mpi_.close(); }
+  ~Mpi() override { mpi_.close(lost_); }
   Mpi(Mpi const&) = delete;
   Mpi& operator=(Mpi const&) = delete;
 
@@ -30,9 +30,14 @@ class Mpi final : public Transport {
     mpi_.receive(message.from, message.bytes.data(), message.bytes.size());
     return message;
   }
+  void lost(int rank) override {
+    lost_ = true;
+    fmt::print(stderr, "warning: rank {} does not answer; its blocks go to others\n", rank);
+  }
 
  private:
   straytrace_transport mpi_;
+  bool lost_ = false;
 };
 
 [[noreturn]] void refuse_transport(std::string const& why) {

@@ -108,8 +108,10 @@ void read_slice(std::string const& text, Options& options) {
     options.slices = std::stoull(m[2]);
     if (options.slice >= 1 && options.slice <= options.slices) return;
   }
-  throw InputError(fmt::format(
-      "error: --slice '{}' is no part of a run\n  write for example --slice 7/200: the seventh of 200", text));
+  throw InputError(
+      fmt::format("error: --slice '{}' is no part of a run\n  write for example --slice 7/200: the seventh of 200; "
+                  "there may be 9999999",
+                  text));
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ struct FringeShape {
 struct FringeRecords {
   TimeSeries target;                  // h, or whatever carries the fringes
   std::vector<TimeSeries> witnesses;  // x_1 and, where two bodies move, x_2; m
+  std::vector<double> unseen = {};    // m rms right below the high pass of an integrated one; NaN: not told
 };
 
 // What all stretches of one fit have in common.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -69,6 +70,21 @@ TimeSeries settled(TimeSeries const& s, double corner) {
                     "record or a higher corner",
                     s.name, s.duration(), corner));
   return cut(s, {s.start + 2 / corner, s.end() - 2 / corner});
+}
+
+double rms_below(TimeSeries const& s, int times, double corner) {
+  double const lower = corner / 2;
+  if (s.duration() * lower < 6) return not_a_number;
+  TimeSeries const all = settled(integrated(s, times, lower), lower),
+                   kept = cut(integrated(s, times, corner), {all.start, all.end()});
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < all.samples.size(); ++i) {
+    double const lost = all.samples[i] - kept.samples[i];
+    sum += lost;
+    squares += lost * lost;
+  }
+  double const n = double(all.samples.size());
+  return std::sqrt(std::max(squares / n - sum / n * sum / n, 0.0));
 }
 
 TimeSeries integrated_causal(TimeSeries const& s, int times, double corner) {

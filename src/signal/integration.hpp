@@ -22,6 +22,9 @@ TimeSeries integrated(TimeSeries const&, int times, double corner_hz);
 // pass makes of that falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are left out at both ends.
 // Throws InputError with fewer than six periods.
 TimeSeries settled(TimeSeries const&, double corner_hz);
+// rms of what the high pass at corner_hz takes from the integrated record and one at half of it leaves: motion, or
+// noise of the sensor, right below the corner. NaN with fewer than six periods of half the corner.
+double rms_below(TimeSeries const&, int times, double corner_hz);
 // From past samples only: trapezoidal rule behind a causal Butterworth high pass of order 2 times + 2 at corner_hz,
 // whose phase it has. Settles within a few 1/corner_hz. The trapezoidal rule multiplies by (x cot x)^times,
 // x = pi f/rate: for two integrations 1 % too small at 1/26 of the rate.

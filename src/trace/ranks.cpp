@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages are a line of words, and the sums behind it. To rank 0: "hello", "sums", "failed"; from it: "do FIRST END",
-// "halt" (end the blocks under way), "home".
+// Messages are a line of words, and the sums behind it. To rank 0: "hello", "here" (still at work), "sums", "failed";
+// from it: "do FIRST END", "halt" (end the blocks under way), "home".
 #include "trace/ranks.hpp"
 
 #include <fmt/format.h>
@@ -20,6 +20,7 @@ namespace {
 // a share of what is left, so that all end together.
 constexpr double seconds_of_work = 10, share_of_rest = 0.25;
 constexpr double seconds_of_patience = 20;     // for the blocks under way of a rank that was told to end
+constexpr double signs_of_life = 10;           // in the patience of rank 0
 constexpr std::size_t longest_failure = 2000;  // bytes; short messages do not wait for their receiver
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -45,6 +46,8 @@ bool Crew::idle() const {
 void Crew::take(Transport::Message const& message, Handout& handout, std::function<void(SumTree)> const& add) {
   Member& member = members_[std::size_t(message.from)];
   auto const [word, rest] = order_in(message.bytes);
+  member.heard = now();
+  if (word == "here") return;
   if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
   if (word == "hello") {
     if (rest != ranks_.identity)
@@ -55,7 +58,10 @@ void Crew::take(Transport::Message const& message, Handout& handout, std::functi
     member.ready = true;
     return;
   }
-  if (!member.busy) return;
+  if (!member.busy) {  // was given up: others have its blocks
+    member.ready = true;
+    return;
+  }
   SumTree done = ranks_.unpack(rest);
   std::vector<BlockRange> const left = done.missing(*member.busy);
   double blocks = double(member.busy->size());
@@ -67,6 +73,14 @@ void Crew::take(Transport::Message const& message, Handout& handout, std::functi
   member.blocks_per_s = blocks / std::max(now() - member.started, 1e-3);
   member.busy.reset();
   add(std::move(done));
+}
+
+void Crew::give_up(int rank, Handout& handout) {
+  Member& member = members_[std::size_t(rank)];
+  handout.give_back(*member.busy);
+  member.busy.reset();
+  member.ready = false;
+  ranks_.transport.lost(rank);
 }
 
 // Ranks that do not answer are lost, and their blocks stay missing.
@@ -86,11 +100,12 @@ void Crew::serve(Handout& handout, bool stop, std::function<void(SumTree)> const
   if (stop) return this->stop();
   for (int rank = 1; rank < int(members_.size()); ++rank) {
     Member& m = members_[std::size_t(rank)];
+    if (m.busy && now() - m.heard > ranks_.patience) give_up(rank, handout);
     if (!m.ready || m.busy) continue;
     double const rest = share_of_rest * double(handout.left()) / double(members_.size());
     m.busy = handout.take(std::uint64_t(std::max(std::min(rest, seconds_of_work * m.blocks_per_s), 1.0)));
     if (!m.busy) continue;
-    m.started = now();
+    m.started = m.heard = now();
     ranks_.transport.send(rank, fmt::format("do {} {}", m.busy->first, m.busy->end));
   }
 }
@@ -100,10 +115,14 @@ namespace {
 // Listens to rank 0 while its blocks are run.
 class Listener final : public Helpers {
  public:
-  Listener(Transport& transport, std::atomic<bool>& halt, std::atomic<bool> const* stop)
-      : transport_(transport), halt_(halt), stop_(stop) {}
+  Listener(Ranks const& ranks, std::atomic<bool>& halt, std::atomic<bool> const* stop)
+      : transport_(ranks.transport), between_signs_(ranks.patience / signs_of_life), halt_(halt), stop_(stop) {}
   void serve(Handout&, bool, std::function<void(SumTree)> const&) override {
     if (stop_ && *stop_) halt_ = true;
+    if (now() - last_sign_ > between_signs_) {
+      transport_.send(0, "here");
+      last_sign_ = now();
+    }
     while (auto const message = transport_.receive()) {
       halt_ = true;
       if (message->bytes == "home") sent_home = true;
@@ -114,6 +133,7 @@ class Listener final : public Helpers {
 
  private:
   Transport& transport_;
+  double between_signs_, last_sign_ = now();  // s
   std::atomic<bool>& halt_;
   std::atomic<bool> const* stop_;
 };
@@ -139,7 +159,7 @@ void work_for_rank_0(World const& world, TraceSettings const& settings, Backend 
     mine.seed = settings.seed;
     mine.threads = settings.threads;
     mine.stop = &halt;
-    Listener listener(ranks.transport, halt, settings.stop);
+    Listener listener(ranks, halt, settings.stop);
     Runner runner(world, mine, backend, {});
     runner.run(range, &listener);
     if (listener.sent_home) return;

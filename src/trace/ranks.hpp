@@ -26,6 +26,9 @@ class Transport {
   virtual int size() const = 0;
   virtual void send(int to, std::string const& bytes) = 0;  // to rank 0 it may wait until it is received
   virtual std::optional<Message> receive() = 0;             // what has come; does not wait
+  // Rank 0 has not heard of a rank that has work, and gives its blocks to others. The end of the job does not wait for
+  // it.
+  virtual void lost(int rank) = 0;
 };
 
 // Of all ranks of a job. Sums travel as `pack` makes them.
@@ -34,6 +37,7 @@ struct Ranks {
   std::string identity;  // what decides the bits: model, seed, program; must be the same on all
   std::function<std::string(SumTree const&)> pack;
   std::function<SumTree(std::string const&)> unpack;
+  double patience = 60;  // s; a rank with work that says nothing for so long is lost
 };
 
 void send_home(Transport&);  // from rank 0 to all others: there is no more to do
@@ -55,9 +59,10 @@ class Crew final : public Helpers {
   struct Member {
     bool ready = false, halted = false;  // halted: was told to end
     std::optional<BlockRange> busy;
-    double started = 0, blocks_per_s = 0;
+    double started = 0, heard = 0, blocks_per_s = 0;  // s, of a steady clock; heard: its last message
   };
   void take(Transport::Message const&, Handout&, std::function<void(SumTree)> const& add);
+  void give_up(int rank, Handout&);
   void stop();
 
   Ranks const& ranks_;

@@ -98,8 +98,8 @@ StepConversion run(fs::path const& program, fs::path const& folder, std::string 
             {fmt::format("there is no room in '{}' to convert it", folder.parent_path().string()), "free some space"}};
   std::vector<std::string> variables;
   for (char** entry = environ; *entry; ++entry) variables.emplace_back(*entry);
-  FinishedChild const child =
-      run_child({program.string(), from.string(), "-o", to.string(), "--quiet"}, std::move(variables));
+  FinishedChild const child = run_child(
+      {program.string(), from.string(), "-o", to.string(), "--quiet", "--end-with-parent"}, std::move(variables));
   if (child.start_error != 0)
     return {"",
             {fmt::format("cannot start '{}': {}", program.string(), std::strerror(child.start_error)),

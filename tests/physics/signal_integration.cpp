@@ -52,6 +52,18 @@ TEST(Integration, InTheFrequencyDomainHasNoPhase) {  // -w^2 x = a: amplitude an
   EXPECT_LT(difference(slow.samples, tone(low, -high_pass / std::pow(2 * pi * low, 2))), 2e-3);
 }
 
+// A tone between half the corner and the corner: A/sqrt(2) times the difference of the two high passes (eq. 11.3).
+TEST(Integration, WhatLiesBelowTheCornerIsKnown) {
+  double const f = 0.9, w = 2 * pi * f, corner = 1.0;
+  auto const kept = [&](double c) { return std::pow(f / c, 4) / (1 + std::pow(f / c, 4)); };
+  TimeSeries const a = testing::series_with(tone(f, 1e-6 * w * w, 0.4), rate, "m/s^2");
+  double const lost = 1e-6 / std::sqrt(2) * (kept(corner / 2) - kept(corner));
+  EXPECT_NEAR(rms_below(a, 2, corner), lost, 5e-3 * lost);
+  EXPECT_LT(rms_below(testing::series_with(tone(20, 1e-6 * w * w), rate, "m/s^2"), 2, corner), 1e-3 * lost)
+      << "twin: a tone far above";
+  EXPECT_TRUE(std::isnan(rms_below(a, 2, 0.25))) << "40 s are five periods of half of it";
+}
+
 // Butterworth high pass of the order, f over its corner: s^n/prod(s - p_k).
 std::complex<double> high_pass(int order, double ratio) {
   std::complex<double> const s(0, ratio);

@@ -81,6 +81,10 @@ TEST(FitWitness, VelocityAndAccelerationAreIntegratedR6_07) {
     Json const fit = answer(with("0.15 Hz"));
     EXPECT_EQ(fit["verdict"], "found") << derivative;
     EXPECT_NEAR(fit["paths"][0]["multiplicity"]["value"].get<double>(), 1.3, 0.002 * 1.3) << derivative;
+    EXPECT_THAT(straytrace(with("0.6 Hz")).out,
+                HasSubstr("that is motion and not noise of the sensor, the amplitude is"));
+    EXPECT_THAT(straytrace(with("0.25 Hz")).out, Not(HasSubstr("below --corner"))) << "twin: all motion is above";
+    EXPECT_THAT(straytrace(with("0.15 Hz")).out, HasSubstr("fewer than six periods of half of it"));
     EXPECT_THAT(refusal(words), HasSubstr("write --corner"));
     EXPECT_THAT(refusal(with("0.1 Hz")), HasSubstr("fewer than six periods"));
   }

@@ -37,6 +37,13 @@ class ByMail final : public Transport {
     box.pop_front();
     return message;
   }
+  void lost(int rank) override {
+    ++losses;
+    std::scoped_lock const lock(mail_.mutex);
+    if (!said_late.empty()) mail_.boxes[std::size_t(rank_)].push_back({rank, said_late});
+  }
+  int losses = 0;
+  std::string said_late;  // by a rank that was given up
 
  private:
   Mail& mail_;
@@ -156,6 +163,27 @@ TEST(Ranks, OneMayLeave) {
   TraceResult const r = job.run(settings_for(1));
   EXPECT_TRUE(same(r.total, one.total));
   EXPECT_LE(job.backends[2].done, 3u);
+}
+
+// One that hangs (its node is gone, and nobody ended the job) costs its share of the work, not the run. When it comes
+// back late, its sums are not counted twice.
+TEST(Ranks, OneMayFallSilent) {
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  for (bool const comes_back : {false, true}) {
+    Mail mail;
+    mail.boxes.resize(2);
+    ByMail here(mail, 0), there(mail, 1);
+    World const world = two_plates();
+    auto const cpu = make_backend("cpu");
+    Ranks const ranks{here, "same", packed, unpacked, 0.2};
+    if (comes_back) here.said_late = "sums\n" + packed(one.tree);
+    there.send(0, "hello\nsame");
+    TraceSettings settings = settings_for(1);
+    settings.ranks = &ranks;
+    TraceResult const r = trace(world, settings, *cpu);
+    EXPECT_TRUE(same(r.total, one.total)) << comes_back;
+    EXPECT_GE(here.losses, 1);
+  }
 }
 
 TEST(Ranks, InterruptedAndResumed) {
