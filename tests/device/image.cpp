@@ -10,7 +10,7 @@
 #include "device/blocks.hpp"
 #include "trace/backend/device/world_image.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::image {
 namespace {
 
 // Memory of this process.
@@ -64,4 +64,4 @@ INSTANTIATE_TEST_SUITE_P(Device, Image,
                                            "benches/output_isolator", "benches/rb1_telescope"));
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::image
