@@ -12,6 +12,7 @@
 #include "app/earlier.hpp"
 #include "app/invert_text.hpp"
 #include "app/tell.hpp"
+#include "base/form.hpp"
 #include "base/message.hpp"
 #include "noise/inversion.hpp"
 #include "world/scattered_share.hpp"
@@ -103,7 +104,7 @@ int invert(Options const& options, Requirement const& requirement, InvertOrder c
            std::vector<ScanAxis> const& axes) {
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
-  if (!std::regex_match(order.what, m, form))
+  if (!has_form(order.what, m, form))
     throw InputError(
         fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
                     "or \"param(NAME)\" with NAME=lo..hi",

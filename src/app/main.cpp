@@ -14,6 +14,7 @@
 #include "app/events.hpp"
 #include "app/options.hpp"
 #include "base/message.hpp"
+#include "base/printable.hpp"
 #include "report/report.hpp"
 #include "scene/unsaved.hpp"
 
@@ -25,7 +26,7 @@ void say(std::string const& what, bool json) {
   if (json)
     std::cerr << problems_as_json(InputError(what)) << '\n';
   else
-    std::cerr << "error: " << what << '\n';
+    std::cerr << "error: " << printable(what) << '\n';
   tell_problems(InputError(what));
 }
 
@@ -54,7 +55,7 @@ bool asks_for_json(int argc, char** argv) {
 // Messages without a place in a file come as bare sentences.
 std::string sentence(InputError const& e) {
   std::string const text = e.what();
-  return text.find("error: ") == text.npos ? "error: " + text : text;
+  return printable(text.find("error: ") == text.npos ? "error: " + text : text);
 }
 
 // "scene.yaml=/tmp/text": the text is read where the model names the scene.

@@ -33,6 +33,18 @@ void refuse_gaps(RunParts const& parts) {
       fmt::format("error: {}\n  merge again when they are there, or take what there is with --partial", text));
 }
 
+// A run that is there already may hold histories that no part does.
+void refuse_loss(RunParts const& parts, Options const& options) {
+  if (!earlier_run(options.out, parts.heads.front().model_hash, parts.heads.front().seed, options.force)) return;
+  std::uint64_t blocks = 0;
+  for (BlockRange const& range : lost_with(read_part_head(options.out), parts)) blocks += range.size();
+  if (blocks > 0)
+    throw InputError(fmt::format(
+        "error: '{}' holds {} blocks of histories that no part does: they would be lost\n  choose another place with "
+        "-o, or overwrite it with --force",
+        options.out, blocks));
+}
+
 TraceResult merged(RunParts const& parts, Model& model, Options const& options) {
   TraceResult result = result_of(model, merged_sums(parts), options);
   result.all_blocks = parts.all_blocks;
@@ -44,8 +56,7 @@ TraceResult merged(RunParts const& parts, Model& model, Options const& options) 
 int merge(std::vector<std::string> const& files, bool partial, Options const& options) {
   RunParts const parts = read_parts(files);
   if (!parts.missing.empty() && !partial) refuse_gaps(parts);
-  if (std::find(files.begin(), files.end(), options.out) == files.end())
-    earlier_run(options.out, parts.heads.front().model_hash, parts.heads.front().seed, options.force);
+  if (std::find(files.begin(), files.end(), options.out) == files.end()) refuse_loss(parts, options);
   tell_other_texts(parts, options);
   Earlier const first(parts.heads.front().file);
   Model model = first.read({});

@@ -174,6 +174,17 @@ RunParts read_parts(std::vector<std::string> const& files) {
   return parts;
 }
 
+std::vector<BlockRange> lost_with(PartHead const& there, RunParts const& parts) {
+  std::vector<BlockRange> lost;
+  std::uint64_t const end = there.done.empty() ? 0 : there.done.back().end;
+  for (BlockRange const& gap : gaps(parts.heads, std::max(parts.all_blocks, end)))
+    for (BlockRange const& range : there.done) {
+      BlockRange const both{std::max(gap.first, range.first), std::min(gap.end, range.end)};
+      if (both.first < both.end) lost.push_back(both);
+    }
+  return lost;
+}
+
 std::string missing_text(RunParts const& parts) {
   std::uint64_t blocks = 0;
   std::vector<std::string> ranges;

@@ -20,6 +20,9 @@ struct RunParts {
 // could have traced: another model, seed or program, or blocks that two of them hold.
 RunParts read_parts(std::vector<std::string> const& files);
 
+// Blocks of a run file that no part holds.
+std::vector<BlockRange> lost_with(PartHead const& there, RunParts const&);
+
 // What is missing, and the commands that trace it, a line each.
 std::string missing_text(RunParts const&);
 

@@ -7,6 +7,7 @@
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/interrupt.hpp"
 #include "app/report_page.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
@@ -28,7 +29,9 @@ std::string write_with_page(std::string const& folder, RunContent const& content
   return undrawn;
 }
 
+// Who asks it to stop while it still reads, or already writes, gets a run file as well.
 int run(Options const& options) {
+  InterruptGuard const guard;
   Earlier const earlier(options.input);  // a run file is made again from its own content
   if (!earlier.slice().whole())
     throw InputError(fmt::format(

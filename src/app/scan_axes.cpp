@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <regex>
 #include <set>
 
 #include "app/common_options.hpp"
 #include "base/constants.hpp"
+#include "base/form.hpp"
 
 namespace straytrace {
 namespace {
@@ -24,8 +26,8 @@ struct Number {
 Number number_in(std::string const& text) {
   static std::regex const form(R"(\s*([+-]?[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*)");
   std::smatch m;
-  if (!std::regex_match(text, m, form)) return {};
-  return {std::stod(m[1]), m[2]};
+  if (!has_form(text, m, form)) return {};
+  return {std::strtod(m[1].str().c_str(), nullptr), m[2]};  // inf: beyond double
 }
 
 std::string written(double value, std::string const& unit) {
@@ -48,8 +50,9 @@ void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bo
   std::string const count = m[3];
   bool const logarithmic = m[4].matched;
   if (count.empty() && !open) refuse_range(word, "the range does not say how many values it has", axis.name);
-  double const n = count.empty() ? 2 : std::stod(count);
-  if (n < 2 || n > double(most_points)) refuse_range(word, "a range has at least 2 values", axis.name);
+  double const n = count.empty() ? 2 : std::strtod(count.c_str(), nullptr);
+  if (n < 2 || n > double(most_points))
+    refuse_range(word, fmt::format("a range has 2 to {} values", most_points), axis.name);
   if (logarithmic && !(low.value > 0 && high.value > 0))
     refuse_range(word, "logarithmic steps need values above 0", axis.name);
   if (low.value == high.value) refuse_range(word, "the range has no width", axis.name);
@@ -85,7 +88,7 @@ ScanAxis parse_axis(std::string const& word, bool open) {
   ScanAxis axis{word.substr(0, equal), {}, {}, "", false};
   std::string const text = word.substr(equal + 1);
   std::smatch m;
-  if (std::regex_match(text, m, range))
+  if (has_form(text, m, range))
     add_range(axis, word, m, open);
   else
     add_list(axis, word, text);

@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <regex>
 
 #include "app/model.hpp"
+#include "base/form.hpp"
 #include "base/message.hpp"
 
 namespace straytrace {
@@ -27,13 +30,13 @@ void parse_one(std::string const& text, StopRule& rule) {
   static std::regex const by_time(R"(\s*([0-9.eE+-]+)\s*(s|min|h)\s*)");
   std::smatch m;
   try {
-    if (std::regex_match(text, m, by_error)) {
+    if (has_form(text, m, by_error)) {
       double const error = std::stod(m[2]) * (m[3].length() ? 0.01 : 1);
       rule.goals.push_back(goal_of(m[1], error));
       rule.error_rule +=
           fmt::format("{}{} < {:g}", rule.error_rule.empty() ? "" : ", ", m[1] == "h" ? "h_total" : m[1].str(), error);
       if (error > 0 && error < 1) return;
-    } else if (std::regex_match(text, m, by_time)) {
+    } else if (has_form(text, m, by_time)) {
       rule.max_seconds = std::stod(m[1]) * seconds_in(m[2]);
       if (rule.max_seconds > 0) return;
     }
@@ -169,8 +172,9 @@ std::optional<StopRule::Complaint> complaint_about(StopRule const& rule, Model c
 double parse_duration(std::string const& text) {
   static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h|)\s*)");
   std::smatch m;
-  double const seconds = std::regex_match(text, m, duration) ? std::stod(m[1]) * seconds_in(m[2]) : 0;
-  if (!(seconds > 0))
+  double seconds = 0;
+  if (has_form(text, m, duration)) seconds = std::strtod(m[1].str().c_str(), nullptr) * seconds_in(m[2]);
+  if (!(seconds > 0) || !std::isfinite(seconds))
     throw InputError(fmt::format("error: '{}' is not a time\n  write for example 90s, 50min or 1h", text));
   return seconds;
 }

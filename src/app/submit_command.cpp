@@ -14,6 +14,7 @@
 #include "app/session.hpp"
 #include "app/shell_words.hpp"
 #include "app/tell.hpp"
+#include "base/form.hpp"
 #include "report/run_part.hpp"
 #include "trace/trace.hpp"
 
@@ -21,6 +22,9 @@ namespace straytrace {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double most_jobs = 50000;          // names of all parts fit into one command line of 2 MB
+constexpr std::uint64_t usual_array = 1000;  // MaxArraySize of Slurm, unless it is configured
 
 struct SubmitOptions {
   std::uint64_t jobs = 0;
@@ -43,9 +47,18 @@ void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
 }
 
 void check_accounting(std::string const& group) {
-  if (group.empty() || std::regex_match(group, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
+  std::smatch m;
+  if (group.empty() || has_form(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
   throw InputError(fmt::format(
       "error: --accounting '{}' is no name of an account\n  letters, digits and . _ - + @ / are allowed", group));
+}
+
+// A job needs time to read the scene and to write its part, and no cluster lets one run for a year.
+double job_time(std::string const& text) {
+  double const seconds = parse_duration(text);
+  if (seconds >= 60 && seconds <= 366 * 86400.0) return seconds;
+  throw InputError(
+      fmt::format("error: --time '{}': a job takes between 1min and 8784h\n  write for example 50min", text));
 }
 
 // Parts in the folder must be those of the same division: their jobs go on with them.
@@ -55,6 +68,7 @@ void check_parts(std::string const& folder, Model const& model, std::uint64_t jo
     std::string const name = entry.path().filename().string();
     if (!name.starts_with("part") || !name.ends_with(".h5")) continue;
     PartHead const head = read_part_head(entry.path().string());
+    require_this_program(head.provenance, head.file, "choose another folder with -o, or remove the old parts");
     if (head.model_hash == model.hash() && head.seed == model.seed && head.slice.of == jobs &&
         head.slice.blocks(head.all_blocks) == head.slice.blocks((model.histories + block_size - 1) / block_size))
       continue;
@@ -100,6 +114,12 @@ int submit(Options const& options, SubmitOptions const& wanted) {
   for (auto& [name, text] : files) name = folder.path(name);
   write_files(files);
   std::cout << "bash " << shell_word(folder.path("submit.sh")) << '\n';
+  if (options.backend == "slurm" && jobs.slices > usual_array)
+    tell_warning(
+        fmt::format("{} jobs are more than Slurm takes in one array unless its administrator allows it\n  compare "
+                    "MaxArraySize of: scontrol show config; or take --jobs {}",
+                    jobs.slices, usual_array),
+        options);
   if (options.quiet) return done;
   names.erase(names.begin());
   std::cerr << fmt::format(
@@ -120,11 +140,11 @@ void add_submit(CLI::App& app, Options& options, int& exit_code) {
       ->check(CLI::IsMember({"slurm", "condor"}));
   command->add_option("--jobs", wanted.jobs, "how many slices, one job each")
       ->required()
-      ->check(whole_between(1, 1e6, "200"));
+      ->check(whole_between(1, most_jobs, "200"));
   command->add_option("-o,--out", options.out, "folder for the files and the results")->required();
   add_history_options(*command, options);
   command->add_option_function<std::string>(
-      "--time", [&](std::string const& text) { wanted.seconds = parse_duration(text); },
+      "--time", [&](std::string const& text) { wanted.seconds = job_time(text); },
       "that a job may take, for example 50min; it goes on in another one; default 1h");
   command->add_option("--threads", options.threads, "of a job; default 1")->check(whole_between(1, 1024, "4"));
   command->add_option("--accounting", wanted.accounting, "account or accounting group");

@@ -4,16 +4,17 @@
 #include <iostream>
 
 #include "base/message.hpp"
+#include "base/printable.hpp"
 #include "scene/warnings.hpp"
 
 namespace straytrace {
 
 void tell_warnings(Model const& model, Options const& options) {
-  if (!options.quiet) std::cerr << (options.json() ? model.warnings_json : model.warnings);
+  if (!options.quiet) std::cerr << (options.json() ? model.warnings_json : printable(model.warnings));
 }
 
 void tell_warnings(Scene const& scene, Options const& options) {
-  if (!options.quiet) std::cerr << (options.json() ? warnings_as_json(scene) : scene.warnings());
+  if (!options.quiet) std::cerr << (options.json() ? warnings_as_json(scene) : printable(scene.warnings()));
 }
 
 void tell_warning(std::string const& sentence, Options const& options) {
@@ -21,7 +22,7 @@ void tell_warning(std::string const& sentence, Options const& options) {
   if (options.json())
     std::cerr << problems_as_json(InputError({{{}, sentence, "", Severity::warning}}, ""));
   else
-    std::cerr << "warning: " << sentence << '\n';
+    std::cerr << "warning: " << printable(sentence) << '\n';
 }
 
 }  // namespace straytrace

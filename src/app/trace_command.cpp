@@ -9,9 +9,11 @@
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/interrupt.hpp"
 #include "app/mpi.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
+#include "base/form.hpp"
 #include "page/page_json.hpp"
 #include "page/ray_paths.hpp"
 #include "report/columns.hpp"
@@ -30,8 +32,10 @@ void refuse_stop_rule(Options const& options, Model const& model) {
                   options.slice, options.slices, model.until.error_rule));
 }
 
-// A run file is gone on with where it is, unless another place is named.
+// A run file is gone on with where it is, unless another place is named. Who asks it to stop while it still reads, or
+// already writes, gets a run file as well.
 int trace_only(Options options, Transport* transport) {
+  InterruptGuard const guard;
   Earlier const earlier(options.input);
   Model model = earlier.read_to_the_end(options.overrides);
   if (options.slices == 1) {
@@ -103,7 +107,7 @@ namespace {
 void read_slice(std::string const& text, Options& options) {
   static std::regex const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
   std::smatch m;
-  if (std::regex_match(text, m, form)) {
+  if (has_form(text, m, form)) {
     options.slice = std::stoull(m[1]);
     options.slices = std::stoull(m[2]);
     if (options.slice >= 1 && options.slice <= options.slices) return;

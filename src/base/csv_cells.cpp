@@ -15,11 +15,15 @@ std::string_view without_blanks(std::string_view s) {
 
 std::vector<CsvCell> csv_cells(std::string_view line) {
   std::vector<CsvCell> cells;
+  std::size_t counted = 0;  // bytes, of which the code points are known
+  std::uint32_t points = 0;
   for (std::size_t begin = 0;;) {
     std::size_t const comma = std::min(line.find(',', begin), line.size());
     std::string_view const raw = line.substr(begin, comma - begin), text = without_blanks(raw);
     std::size_t const start = text.empty() ? begin : begin + std::size_t(text.data() - raw.data());
-    cells.push_back({text, code_points(line.substr(0, start)) + 1});
+    points += code_points(line.substr(counted, start - counted));
+    counted = start;
+    cells.push_back({text, points + 1});
     if (comma == line.size()) return cells;
     begin = comma + 1;
   }

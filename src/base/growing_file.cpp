@@ -22,19 +22,38 @@ namespace {
 }
 [[noreturn]] void refuse_to_write(std::string const& file) { refuse_to_write(file, std::strerror(errno)); }
 
+namespace fs = std::filesystem;
+
+// Where a link leads, so that what it leads to is replaced and not the link.
+fs::path behind_links(fs::path name) {
+  std::error_code no_link;
+  while (fs::is_symlink(name, no_link)) name = name.parent_path() / fs::read_symlink(name, no_link);
+  return name;
+}
+
+// Beside the destination; short enough for a file system however long that is.
+std::string beside(fs::path const& destination) {
+  return (destination.parent_path() / destination.filename().string().substr(0, 200)).string() + ".part-";
+}
+
 }  // namespace
 
 // A file without a name where the system has them: a program that is killed leaves nothing behind. Devices, which root
 // could replace by a file, are refused.
 GrowingFile::GrowingFile(std::string const& destination) : destination_(destination) {
   struct stat there = {};
-  if (::stat(destination.c_str(), &there) == 0 && !S_ISREG(there.st_mode))
-    refuse_to_write(destination, S_ISDIR(there.st_mode) ? std::strerror(EISDIR) : "it is not a regular file");
-  std::string const folder = std::filesystem::path(destination).parent_path();
+  if (::stat(destination.c_str(), &there) == 0) {
+    if (!S_ISREG(there.st_mode))
+      refuse_to_write(destination, S_ISDIR(there.st_mode) ? std::strerror(EISDIR) : "it is not a regular file");
+  } else if (errno != ENOENT) {
+    refuse_to_write(destination);
+  }
+  destination_ = behind_links(destination);
+  std::string const folder = fs::path(destination_).parent_path();
   bool const can_be_named = ::access("/proc/self/fd", X_OK) == 0;
   if (can_be_named) descriptor_ = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
   if (descriptor_ >= 0) return;
-  name_ = destination + ".part-XXXXXX";
+  name_ = beside(destination_) + "XXXXXX";
   descriptor_ = ::mkostemp(name_.data(), O_CLOEXEC);
   if (descriptor_ < 0) name_.clear();
   mode_t const mask = ::umask(0);
@@ -77,7 +96,7 @@ void GrowingFile::publish() {
 void GrowingFile::give_name() {
   std::string const here = fmt::format("/proc/self/fd/{}", descriptor_);
   for (int i = 0;; ++i) {
-    std::string const name = fmt::format("{}.part-{}-{}", destination_, ::getpid(), i);
+    std::string const name = fmt::format("{}{}-{}", beside(destination_), ::getpid(), i);
     if (::linkat(AT_FDCWD, here.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
       name_ = name;
       return;

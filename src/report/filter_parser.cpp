@@ -176,7 +176,7 @@ class Filter {
     if (unit.empty()) refuse(number, "the frequency has no unit", "write h(" + number.text + " Hz)");
     if (!words_.takes(")")) unexpected("add ')'");
     try {
-      return &columns_.strain(std::stod(number.text) * factor_of(unit, units));
+      return &columns_.strain(std::strtod(number.text.c_str(), nullptr) * factor_of(unit, units));
     } catch (std::out_of_range const& known) {
       problem(number, "h is not known there", known.what());
       return nullptr;

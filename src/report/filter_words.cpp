@@ -5,6 +5,7 @@
 #include <cctype>
 #include <regex>
 
+#include "base/form.hpp"
 #include "base/quantity.hpp"
 
 namespace straytrace {
@@ -93,7 +94,8 @@ void FilterWords::read() {
     std::size_t const close = rest.find(c, 1);
     kind = close == std::string_view::npos ? Kind::stray : Kind::quoted;
     width = kind == Kind::quoted ? close + 1 : 1;
-  } else if (std::regex_search(rest.begin(), rest.end(), hit, number, std::regex_constants::match_continuous)) {
+  } else if (std::regex_search(rest.begin(), rest.begin() + std::ptrdiff_t(std::min(rest.size(), longest_form)), hit,
+                               number, std::regex_constants::match_continuous)) {
     kind = Kind::number;
     width = std::size_t(hit.length());
   } else if (is_name(c)) {

@@ -89,6 +89,48 @@ TEST(Hostile, ScenesThatExplode) {
   }
 }
 
+// Words and texts longer than a stack is deep: std::regex ends the program at them.
+TEST(Hostile, EndlessWords) {
+  Folder const folder;
+  std::string const digits(120000, '1'), out = folder / "out";
+  write_text(folder / "arm.yaml", edited(text_of(et_hf), "trace: {seed: 1, histories: 1000000,",
+                                         "trace: {seed: 1, until: '" + digits + "s',"));
+  for (Words const& words : {Words{"check", folder / "arm.yaml"},
+                             {"trace", et_hf, "-o", out, "--max-time", digits + "s"},
+                             {"trace", et_hf, "-o", out, "--max-time", "1e999s"},
+                             {"trace", et_hf, "-o", out, "--until", digits + "s"},
+                             {"trace", et_hf, "-o", out, "--slice", std::string(120000, ' ') + "1/2"},
+                             {"trace", et_hf, "-o", out, "--format", digits},
+                             {"trace", et_hf, "-o", out, "--histories", digits},
+                             {"scan", et_hf, "rings=" + digits, "-o", out},
+                             {"scan", et_hf, "rings=1e999,2", "-o", out},
+                             {"scan", et_hf, "--invert", digits},
+                             {"submit", et_hf, "--backend", "slurm", "--jobs", "2", "--histories", "1e5", "-o", out,
+                              "--accounting", digits}}) {
+    Finished const r = straytrace(words, {folder.path(), false, 20});
+    EXPECT_EQ(r.code, 2) << words.front() << ' ' << words.back().substr(0, 20) << r.err.substr(0, 200);
+    EXPECT_THAT(r.err, HasSubstr("error: ")) << words.front();
+    EXPECT_EQ(r.err.find("stod"), r.err.npos) << words.front();
+    EXPECT_FALSE(fs::exists(out + "/run.h5"));
+  }
+}
+
+// What a file says reaches the terminal as letters, not as orders to it; and a header of a million names is read once.
+TEST(Hostile, TextsForTheTerminal) {
+  Folder const folder;
+  write_text(folder / "points.csv",
+             "\x1b]0;owned\x07 \x1b[2J\xc2\x9b"
+             "31m\n1\n");
+  Words const scan{"scan", et_hf, "--points", folder / "points.csv", "--histories", "4096", "-o", folder / "out"};
+  Finished const orders = straytrace(scan);
+  EXPECT_EQ(orders.code, 2);
+  EXPECT_THAT(orders.err, HasSubstr("'?]0;owned? ?[2J?31m' does not name a parameter"));
+  write_text(folder / "points.csv", std::string(1000000, ',') + "\n1\n");
+  EXPECT_EQ(straytrace(scan, {".", false, 20}).code, 2);
+  write_text(folder / "points.csv", std::string(1000000, '[') + "\n1\n");
+  EXPECT_LT(straytrace(scan).err.size(), 20000u);
+}
+
 // A run cut short or changed in one bit: whoever reads it says so, and writes nothing.
 TEST(Hostile, DamagedRunsAreReadByNobody) {
   Folder const folder;

@@ -106,6 +106,28 @@ TEST(Losses, MissingRights) {
   EXPECT_TRUE(fs::is_empty(folder / "closed"));
 }
 
+// The name while it is written is longer than its own: that must not come up when all is traced.
+TEST(Losses, LongNames) {
+  Folder const folder;
+  EXPECT_EQ(straytrace(traced_into(folder / (std::string(253, 'a') + ".h5"), 4096)).code, 2);
+  EXPECT_EQ(straytrace(traced_into(folder / (std::string(253, 'a') + ".h5"), 1 << 30), {".", false, 10}).code, 2);
+  Finished const r = straytrace(traced_into(folder / (std::string(252, 'a') + ".h5"), 4096));
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(names_in(folder.path()).size(), 1u);
+}
+
+// Results on another disk: the link stays, and what it leads to is the result.
+TEST(Losses, LinksAreFollowed) {
+  Folder const folder;
+  fs::create_directory(folder / "disk");
+  fs::create_symlink("disk/a.h5", folder / "link.h5");
+  EXPECT_EQ(straytrace(traced_into(folder / "link.h5", 4096)).code, 0);
+  EXPECT_TRUE(fs::is_symlink(folder / "link.h5"));
+  EXPECT_NO_THROW(read_run(folder / "disk/a.h5"));
+  fs::create_symlink("nowhere/a.h5", folder / "dangling.h5");
+  EXPECT_EQ(straytrace(traced_into(folder / "dangling.h5", 1 << 30), {".", false, 10}).code, 2);
+}
+
 // Whenever it is killed, run files are whole and nothing half-written lies about; then the same command succeeds.
 TEST(Losses, KilledAtAnyMoment) {
   Folder const folder;

@@ -41,6 +41,20 @@ class Checkpoints(unittest.TestCase):
         self.assertEqual(bits(self.out), bits(whole))
         self.assertEqual(int(attributes(self.out)["complete"]), 1)
 
+    def test_asked_to_stop_while_it_reads(self):
+        scene = self.out.with_name("long.yaml")
+        scene.write_text(pathlib.Path(SCENE[0]).read_text() + "# a line\n" * 1200000)
+        words = [str(scene), *SCENE[1:]]
+        begun = time.monotonic()
+        subprocess.run([str(PROGRAM), "check", *words], env=QUIET, check=True, capture_output=True)
+        reading = time.monotonic() - begun
+        child = start("trace", *words, "-o", self.out, "--histories", LONG)
+        time.sleep(reading / 2)
+        child.send_signal(signal.SIGUSR1)
+        child.communicate()
+        self.assertEqual(child.returncode, 85)
+        self.assertEqual(int(attributes(self.out)["complete"]), 0)
+
     def test_killed_at_any_moment(self):
         stamp = None
         for more in (0, 0.13, 0.31):                             # seconds after a checkpoint: the next may be half written

@@ -94,6 +94,16 @@ class Slices(unittest.TestCase):
         self.assertIn("damaged", self.merge([*self.parts[:6], twice], code=2, name="no.h5"))
         self.assertFalse((self.folder / "no.h5").exists())
 
+    def test_a_longer_run_is_not_replaced(self):
+        longer = self.folder / "longer.h5"
+        trace(longer, "--histories", 14 * BLOCK)
+        before = longer.read_bytes()
+        self.assertIn("holds 4 blocks of histories that no part does", self.merge(self.parts, code=2, name="longer.h5"))
+        self.assertEqual(longer.read_bytes(), before)
+        self.merge(self.parts, "--force", name="longer.h5")
+        self.assertEqual(bits(longer), bits(self.one))
+        self.merge(self.parts, name="longer.h5")                                        # as much as is there
+
     def test_what_cannot_be_sliced(self):
         out = self.folder / "cannot.h5"
         said = trace(out, "--slice", "1/3", "--until", "h_total < 5 %", code=2)

@@ -139,8 +139,15 @@ class Words(unittest.TestCase):
             virgo = (str(SOURCE / "examples/virgo_arm.yaml"),)          # it stops by error
             self.assertIn("--histories", refused("--jobs", "4", scene=virgo))
             self.assertIn("write --jobs 3", refused("--jobs", "4", "--histories", 3 * BLOCK))
+            for time in ("1s", "1e300h"):                               # too short to write a part; no number of a clock
+                self.assertIn("between 1min and 8784h", refused("--jobs", "2", "--histories", MANY, "--time", time))
+            self.assertIn("from 1 to 50000", refused("--jobs", "60000", "--histories", "1e10"))
             self.assertIn("no name of an account", refused("--jobs", "2", "--accounting", "a;b"))
             self.assertIn("--backend", ask("submit", *SCENE, "--jobs", "2", "-o", f"{place}/jobs", code=2))
+            for count, said in (("1000", False), ("1001", True)):
+                words = ["submit", *SCENE, "--backend", "slurm", "-o", f"{place}/many", "--jobs", count, "--histories", "1e10"]
+                done = subprocess.run([str(PROGRAM), *words], text=True, capture_output=True, env=QUIET, check=True)
+                self.assertEqual("MaxArraySize" in done.stderr, said)
             jobs = f"{place}/jobs"
             ask("submit", *SCENE, "--backend", "slurm", "-o", jobs, "--jobs", "2", "--histories", MANY)
             ask("trace", f"{jobs}/input.h5", "--slice", "1/2", "-o", f"{jobs}/part1.h5", "--quiet")
