@@ -116,6 +116,17 @@ TEST(Losses, LongNames) {
   EXPECT_EQ(names_in(folder.path()).size(), 1u);
 }
 
+TEST(Losses, NoPlaceForPictures) {
+  Folder const folder;
+  ASSERT_EQ(straytrace(traced_into(folder / "a.h5", 4096)).code, 0);
+  ::setenv("TMPDIR", "/nowhere", 1);
+  Finished const r = straytrace({"report", folder / "a.h5"});
+  ::unsetenv("TMPDIR");
+  EXPECT_EQ(r.code, 2);
+  EXPECT_THAT(r.err, HasSubstr("cannot make a folder in '/nowhere' for the picture\n  set TMPDIR to another one"));
+  EXPECT_EQ(names_in(folder.path()), Words{"a.h5"});
+}
+
 // Results on another disk: the link stays, and what it leads to is the result.
 TEST(Losses, LinksAreFollowed) {
   Folder const folder;
