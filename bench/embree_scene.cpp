@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "embree_scene.hpp"
 
+#include <atomic>
 #include <cmath>
 
 namespace straytrace::bench {
 namespace {
+
+std::atomic<std::ptrdiff_t> bytes_taken = 0;
+bool count(void*, ssize_t bytes, bool) {
+  bytes_taken += bytes;
+  return true;
+}
 
 constexpr float near_distance = 1e-4f;  // m: floats hit the surface they start on without it
 
@@ -108,7 +115,14 @@ RTCIntersectContext plain_context() {
 
 }  // namespace
 
+RTCDevice counting_device() {
+  RTCDevice const device = rtcNewDevice("threads=1");
+  rtcSetDeviceMemoryMonitorFunction(device, count, nullptr);
+  return device;
+}
+
 EmbreeScene::EmbreeScene(RTCDevice device, std::vector<Triangle> const& triangles, Mode mode) {
+  std::ptrdiff_t const before = bytes_taken;
   RTCGeometry const g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* const corners = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                     3 * sizeof(float), 3 * triangles.size()));
@@ -119,15 +133,18 @@ EmbreeScene::EmbreeScene(RTCDevice device, std::vector<Triangle> const& triangle
   for (std::size_t i = 0; i < 3 * triangles.size(); ++i) numbers[i] = unsigned(i);
   scene_ = new_scene(device, g, mode == Mode::fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST,
                      mode == Mode::robust_default ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH);
+  bytes_ = std::size_t(bytes_taken - before);
 }
 
 EmbreeScene::EmbreeScene(RTCDevice device, World const& world) : world_(world.view()) {
+  std::ptrdiff_t const before = bytes_taken;
   RTCGeometry const g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(g, unsigned(world_.surfaces.size));
   rtcSetGeometryUserData(g, &world_);
   rtcSetGeometryBoundsFunction(g, bounds_of, nullptr);
   rtcSetGeometryIntersectFunction(g, intersect);
   scene_ = new_scene(device, g, RTC_SCENE_FLAG_ROBUST);
+  bytes_ = std::size_t(bytes_taken - before);
 }
 
 std::size_t EmbreeScene::single(std::span<BenchRay const> rays) const {

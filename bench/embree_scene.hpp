@@ -11,6 +11,8 @@
 
 namespace straytrace::bench {
 
+RTCDevice counting_device();  // of one thread; it counts the bytes that scenes take
+
 class EmbreeScene {
  public:
   // robust, fast: trees with spatial splits (build quality high); robust_default: as Embree builds when it is not
@@ -23,6 +25,8 @@ class EmbreeScene {
   EmbreeScene(EmbreeScene const&) = delete;
   EmbreeScene& operator=(EmbreeScene const&) = delete;
 
+  std::size_t bytes() const { return bytes_; }  // of triangles and tree
+
   // Traces all rays; returns how many hit something.
   std::size_t single(std::span<BenchRay const> rays) const;
   std::size_t packets_of_8(std::span<BenchRay const> rays) const;
@@ -32,6 +36,7 @@ class EmbreeScene {
  private:
   RTCScene scene_;
   WorldView world_;
+  std::size_t bytes_;
 };
 
 }  // namespace straytrace::bench

@@ -66,10 +66,12 @@ void add_walls(MeshBuilder& mesh, Vec3 half) {
 
 }  // namespace
 
-BenchScene million_triangles(bool reversed) {
+BenchScene million_triangles(bool reversed) { return knobbly_bodies(250, reversed); }
+
+BenchScene knobbly_bodies(std::uint64_t bodies, bool reversed) {
   MeshBuilder mesh;
   add_walls(mesh, {0.6, 0.35, 0.35});
-  for (std::uint64_t number = 0; number < 250; ++number) {
+  for (std::uint64_t number = 0; number < bodies; ++number) {
     Rng rng(4, number, 1, Stream::source);
     auto const place = [&](std::uint64_t cell, std::uint64_t cells) {
       return 0.12 * (double(cell) - 0.5 * double(cells - 1)) + 0.02 * (rng.uniform() - 0.5);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise stage against brute force in the time domain, and its accuracy. One JSON line per comparison.
+// The noise stage against brute force in the time domain, and its accuracy. One JSON line per comparison
+// (bench/record.py).
 #include "noise/noise.hpp"
 
 #include <nlohmann/json.hpp>
@@ -7,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <time.h>
 
@@ -20,7 +23,6 @@ namespace {
 constexpr double wavelength = 1064e-9, two_k = 4 * pi / wavelength;
 constexpr std::size_t samples = std::size_t{1} << 20;
 constexpr double rate = 1024;  // Hz, of the time series
-constexpr std::size_t records = 1000000;
 
 // Processor time of this thread, s.
 double now() {
@@ -30,13 +32,40 @@ double now() {
 }
 
 double seconds_of(std::function<void()> const& f) {
-  double best = infinity;
-  for (int i = 0; i < 3; ++i) {
-    double const start = now();
-    f();
-    best = std::min(best, now() - start);
-  }
-  return best;
+  double const start = now();
+  f();
+  return now() - start;
+}
+
+double median(std::vector<double> x) {
+  std::sort(x.begin(), x.end());
+  return x[x.size() / 2];
+}
+double spread(std::vector<double> const& x) {
+  auto const [least, most] = std::minmax_element(x.begin(), x.end());
+  return (*most - *least) / median(x);
+}
+
+// A line of /proc/self/status, bytes.
+std::size_t status(std::string const& key) {
+  std::ifstream file("/proc/self/status");
+  std::string word;
+  std::size_t kib = 0;
+  while (file >> word)
+    if (word == key + ":") file >> kib;
+  return 1024 * kib;
+}
+// Bytes that f needs at most beside what is there before it.
+std::size_t memory_of(std::function<void()> const& f) {
+  std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+  std::size_t const before = status("VmRSS");
+  f();
+  return status("VmHWM") - before;
+}
+
+void tell(nlohmann::ordered_json const& line) {
+  std::puts(line.dump().c_str());
+  std::fflush(stdout);
 }
 
 class Fringes final : public Interferometer {
@@ -99,27 +128,37 @@ NoiseSettings settings() {
   return s;
 }
 
-// Fields of paths as time series, s per path: one coordinate each, measured on a few of them.
-double series_seconds_per_path(int coordinates) {
-  std::vector<std::vector<float>> x(coordinates, std::vector<float>(samples));
-  Rng rng(2, 0, 0, Stream::source);
-  for (auto& one : x)
-    for (float& v : one) v = float(1e-6 * (rng.uniform() - 0.5));
-  std::vector<double> re(samples), im(samples);
-  constexpr int paths = 8;
-  double const seconds = seconds_of([&] {
-    for (int p = 0; p < paths; ++p) {
-      double const phase = 2 * pi * rng.uniform();
-      for (std::size_t i = 0; i < samples; ++i) {
-        double phi = phase;
-        for (auto const& one : x) phi += two_k * double(one[i]);
-        re[i] += std::cos(phi);
-        im[i] += std::sin(phi);
-      }
+// Fields of paths as time series, one coordinate of motion each.
+class TimeSeries {
+ public:
+  explicit TimeSeries(int coordinates) : x_(coordinates, std::vector<float>(samples)), re_(samples), im_(samples) {
+    for (auto& one : x_)
+      for (float& v : one) v = float(1e-6 * (rng_.uniform() - 0.5));
+  }
+  // s per path, measured on a few of them.
+  double seconds_per_path() {
+    constexpr int paths = 4;
+    return seconds_of([&] {
+             for (int p = 0; p < paths; ++p) add_path(2 * pi * rng_.uniform());
+           }) /
+           paths;
+  }
+  std::size_t bytes() const { return samples * (x_.size() * sizeof(float) + 2 * sizeof(double)); }
+  double sum() const { return re_[0] + im_[0]; }
+
+ private:
+  void add_path(double phase) {
+    for (std::size_t i = 0; i < samples; ++i) {
+      double phi = phase;
+      for (auto const& one : x_) phi += two_k * double(one[i]);
+      re_[i] += std::cos(phi);
+      im_[i] += std::sin(phi);
     }
-  });
-  return seconds / paths + 0 * (re[0] + im[0]);
-}
+  }
+  Rng rng_{2, 0, 0, Stream::source};
+  std::vector<std::vector<float>> x_;
+  std::vector<double> re_, im_;
+};
 
 Strengths strengths_of(CouplingTable const& t, MotionSet const& m, PhaseSpectra const& spectra) {
   Strengths out{spectra.classes().size(), {}, {}};
@@ -150,48 +189,66 @@ double error_of(int classes, std::size_t count) {
   return worst;
 }
 
-void projection(std::string const& name, int classes, double error, double goal_seconds) {
-  CouplingTable const t = table(records);
+constexpr char const* rule =
+    "one time series of 2^20 samples at 1024 Hz per path, measured on 4 paths and scaled to all; a bin of it scatters "
+    "by "
+    "theirs_error, so that equal errors take (theirs_error/error)^2 times as long";
+
+void projection(int classes, double error, double goal_seconds, std::size_t count, int repeats) {
+  std::string const name = std::to_string(count) + " records, motion of " + std::to_string(classes) + " shapes";
   MotionSet const m = motion(classes);
-  double const ours = seconds_of([&] { project_noise(t, m, Fringes(), settings()); });
+  CouplingTable const t = table(count);
   FrequencyGrid const grid = settings().grid;
   // A periodogram scatters by its mean: a bin of width w and a span T average w T of its lines.
   double const one_series = 1 / std::sqrt(grid.width(0) * double(samples) / rate);
-  double const repeats = std::max(1.0, std::pow(one_series / error, 2));
-  double const theirs = series_seconds_per_path(classes) * double(records) * repeats;
+  TimeSeries yardstick(classes);
+  auto const project = [&] { project_noise(t, m, Fringes(), settings()); };
+  std::size_t const bytes = memory_of(project);
+  std::vector<double> ours, theirs, ratios;
+  for (int k = 0; k < repeats; ++k) {
+    theirs.push_back(yardstick.seconds_per_path() * double(count));
+    ours.push_back(seconds_of(project));
+    ratios.push_back(theirs.back() / ours.back());
+  }
   PhaseSpectra const spectra(group_by_shape(m), grid);
   Strengths const strengths = strengths_of(t, m, spectra);
-  StrengthNodes const nodes(spectra, strengths);
-  nlohmann::ordered_json line = {
-      {"name", name},
-      {"ours", ours},
-      {"theirs", theirs},
-      {"ratio", theirs / ours},
-      {"error", error},
-      {"unit", "s of one core"},
-      {"goal_seconds", goal_seconds},
-      {"nodes", nodes.nodes()},
-      {"theirs_one_series", theirs / repeats},
-      {"rule",
-       "time series of 2^20 samples at 1024 Hz, measured on 8 paths and scaled to 1e6; repeated until the scatter "
-       "1/sqrt(bin width x span x repeats) of the narrowest bin is our error"}};
-  std::printf("%s\n", line.dump().c_str());
-  std::fflush(stdout);
+  nlohmann::ordered_json const line = {{"ours", median(ours)},
+                                       {"theirs", median(theirs)},
+                                       {"unit", "s"},
+                                       {"ratio", median(ratios)},
+                                       {"repeats", repeats},
+                                       {"error", error},
+                                       {"nodes", StrengthNodes(spectra, strengths).nodes()},
+                                       {"theirs_error", one_series},
+                                       {"memory", bytes},
+                                       {"theirs_memory", yardstick.bytes()},
+                                       {"rule", rule}};
+  nlohmann::ordered_json seconds = line, against = line;
+  seconds.update({{"case", name}, {"spread", spread(ours)}, {"goal", {{"of", "ours"}, {"at_most", goal_seconds}}}});
+  against.update({{"case", name + ", over one time series"},
+                  {"spread", spread(ratios)},
+                  {"goal", {{"of", "ratio"}, {"at_least", 1000}}}});
+  tell(seconds);
+  tell(against);
 }
 
 }  // namespace
 }  // namespace straytrace::bench
 
-int main() {
+// bench_noise SHAPES [RECORDS] [TURNS]
+int main(int argc, char** argv) {
   using namespace straytrace::bench;
-  double const one = error_of(1, 10000), two = error_of(2, 1000), three = error_of(3, 1000);
-  for (auto const& [name, error, count] : {std::tuple{"histogram of 1 class against the sum over records", one, 10000},
-                                           std::tuple{"nodes of 2 classes against the sum over records", two, 1000},
-                                           std::tuple{"nodes of 3 classes against the sum over records", three, 1000}})
-    std::printf(
-        "%s\n",
-        nlohmann::ordered_json{{"name", name}, {"records", count}, {"error", error}, {"goal", 1e-4}}.dump().c_str());
-  projection("1e6 records, 1 class", 1, one, 0.5);
-  projection("1e6 records, 2 classes", 2, two, 5);
-  projection("1e6 records, 3 classes", 3, three, 5);
+  int const classes = argc > 1 ? std::atoi(argv[1]) : 0;
+  if (classes < 1 || classes > 3) {
+    std::fputs("usage: bench_noise 1|2|3 [RECORDS] [TURNS]\n", stderr);
+    return 2;
+  }
+  std::size_t const count = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1000000;
+  std::size_t const compared = std::min<std::size_t>(count, classes == 1 ? 10000 : 1000);
+  double const error = error_of(classes, compared);
+  tell({{"case", "error of " + std::to_string(classes) + " shapes"},
+        {"ours", error},
+        {"records", compared},
+        {"goal", {{"of", "ours"}, {"at_most", 1e-4}}}});
+  projection(classes, error, classes == 1 ? 0.5 : 5, count, argc > 3 ? std::atoi(argv[3]) : 5);
 }

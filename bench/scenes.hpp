@@ -30,6 +30,7 @@ BenchScene optical_bench();
 // One mesh of 1.01 million triangles: 250 knobbly bodies in a closed box. `reversed`: the same triangles, numbered from
 // the last to the first, so that another tree comes of them.
 BenchScene million_triangles(bool reversed = false);
+BenchScene knobbly_bodies(std::uint64_t bodies, bool reversed = false);  // the first of them, 4000 triangles each
 
 struct BenchRay {
   Ray ray;
@@ -45,6 +46,9 @@ std::vector<BenchRay> walk_rays(BenchScene const&, std::size_t count, std::uint6
 std::size_t bounce(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
 // Such walks eight at a time, one stage of all of them after the other: what hiding the latency of one path gains.
 std::size_t bounce_together(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
+// Sixteen such walks together with all that a bounce of a trace does: beside the above half of the light by ABg, its
+// weight, and the weight added to the sums of one of 256 classes that is found by hash. Returns the sum of all weights.
+double full_bounces(BenchScene const& scene, std::size_t count, std::uint64_t seed = 5);
 // From a mirror of radius 0.17 m near z = 0, polar angle log-uniform from 1e-6 to 0.3 rad: the small-angle scatter of
 // an arm.
 std::vector<BenchRay> mirror_rays(std::size_t count);

@@ -8,12 +8,11 @@
 #include <gp_Pln.hxx>
 #include <gp_Sphere.hxx>
 #include <gp_Torus.hxx>
-#include <numbers>
+
+#include "base/constants.hpp"
 
 namespace straytrace::step {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 double nearest_turn(double x, double near) { return x + std::round(near - x); }
 Triple triple(gp_Vec const& v) { return {v.X(), v.Y(), v.Z()}; }

@@ -10,13 +10,13 @@
 #include <algorithm>
 #include <cmath>
 #include <gp_Circ.hxx>
-#include <numbers>
 #include <optional>
+
+#include "base/constants.hpp"
 
 namespace straytrace::step {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double same = 1e-7;  // mm and rad: circles as near as this are one
 
 struct Circle {

@@ -15,28 +15,28 @@
 namespace straytrace {
 namespace {
 
-struct Amplitude {
+struct LineAmplitude {
   double value = 0, sigma = not_a_number;  // an upper limit has no error
   bool limit = false;
 };
 
-std::string text(Amplitude const& a) {
+std::string text(LineAmplitude const& a) {
   return a.limit ? fmt::format("<= {:.3g}", a.value) : plus_minus(a.value, a.sigma);
 }
 
-Amplitude amplitude_of(Harmonic const& h) {
+LineAmplitude amplitude_of(Harmonic const& h) {
   if (!h.seen) return {h.limit, not_a_number, true};
   double const a = std::sqrt(h.power);
   return {a, h.sigma / (2 * a)};
 }
 
-Amplitude over(Amplitude const& a, Amplitude const& b) {
+LineAmplitude over(LineAmplitude const& a, LineAmplitude const& b) {
   double const ratio = a.value / b.value;
   return {ratio, a.limit ? not_a_number : ratio * std::hypot(a.sigma / a.value, b.sigma / b.value), a.limit};
 }
 
 // Mean over the windows; its error is the spread.
-Amplitude mean_drive(std::vector<LinePoint> const& points) {
+LineAmplitude mean_drive(std::vector<LinePoint> const& points) {
   double const n = double(points.size());
   double mean = 0, square = 0;
   for (LinePoint const& p : points) mean += std::abs(p.amplitude) / n;
@@ -75,11 +75,11 @@ std::string verdict(Driven const& d, LineOptions const& o, HarmonicFit const& f)
                    d.wavelength * 1e9, o.multiplicity);
 }
 
-nlohmann::json json_of(Driven const& d, LineOptions const& o, HarmonicFit const& f, Amplitude const& coupling) {
+nlohmann::json json_of(Driven const& d, LineOptions const& o, HarmonicFit const& f, LineAmplitude const& coupling) {
   nlohmann::json list = nlohmann::json::array();
-  Amplitude const first = amplitude_of(f.harmonics[0]);
+  LineAmplitude const first = amplitude_of(f.harmonics[0]);
   for (Harmonic const& h : f.harmonics) {
-    Amplitude const a = amplitude_of(h), ratio = over(a, first);
+    LineAmplitude const a = amplitude_of(h), ratio = over(a, first);
     list.push_back({{"order", h.order},
                     {"amplitude", a.value},
                     {"sigma", number_or_null(a.sigma)},
@@ -109,7 +109,7 @@ int run_lines(LineOptions const& o) {
   check_outputs(o.data);
   Driven const d = follow_drive(o);
   HarmonicFit const f = fit_of(d, o);
-  Amplitude const first = amplitude_of(f.harmonics[0]), drive = mean_drive(d.drive), coupling = over(first, drive);
+  LineAmplitude const first = amplitude_of(f.harmonics[0]), drive = mean_drive(d.drive), coupling = over(first, drive);
   Columns table{{"harmonic", "frequency", "amplitude [" + d.pair.target.unit + "]", "over the first"}, {}, {}};
   for (Harmonic const& h : f.harmonics)
     table.rows.push_back({std::to_string(h.order), fmt::format("{:.4g} Hz", h.order * d.frequency()),

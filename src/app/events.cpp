@@ -8,11 +8,11 @@
 namespace straytrace {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 bool told = false;
 
-void tell(Json const& event) {
-  std::cerr << event.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
+void tell(SortedJson const& event) {
+  std::cerr << event.dump(-1, ' ', false, SortedJson::error_handler_t::replace) << '\n' << std::flush;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ void tell_progress(TraceProgress const& p, std::string const& line) {
 }
 
 void tell_problems(InputError const& e) {
-  if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", Json::parse(problems_as_json(e))}});
+  if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
 }
 
 }  // namespace straytrace

@@ -27,7 +27,7 @@ std::string contents(fs::path const& file) {
   return std::move(read.bytes);
 }
 
-void refuse(std::string const& name, MeshFault const& fault) {
+void refuse_mesh(std::string const& name, MeshFault const& fault) {
   if (!fault.what.empty())
     throw InputError(
         fmt::format("{}: error: {}\n  {}\n1 error. Nothing was run.\n", name, fault.what, fault.suggestion));
@@ -77,11 +77,11 @@ void read_cad(std::string const& name, std::string const& bytes, std::string con
   std::string text = bytes;
   if (is_step(name)) {
     StepConversion made = convert_step(name, bytes);
-    refuse(name, made.fault);
+    refuse_mesh(name, made.fault);
     text = std::move(made.text);
   }
   CadFile file;
-  refuse(name, read_cad_file(text, file));
+  refuse_mesh(name, read_cad_file(text, file));
   out.format = fmt::format("{}, converted by {}", file.schema, file.made_by);
   out.unit = !file.unit_stated ? "not in the file, shown as mm"
              : file.unit > 0   ? fmt::format("the file says {:g} m", file.unit)
@@ -130,7 +130,7 @@ void read_mesh(fs::path const& path, std::string const& bytes, std::string const
     std::error_code missing;
     return fs::is_regular_file(path.parent_path() / other, missing) ? contents(path.parent_path() / other) : "";
   };
-  refuse(file.name, read_mesh_file(bytes, beside, file));
+  refuse_mesh(file.name, read_mesh_file(bytes, beside, file));
   fs::path library = path;
   if (std::string const text = beside(library.replace_extension(".mtl").filename().string()); !text.empty())
     set_library_colours(text, file);

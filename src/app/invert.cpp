@@ -54,7 +54,7 @@ Traced traced(Options const& options, Requirement const& requirement) {
   return t;
 }
 
-[[noreturn]] void refuse(std::string const& word, char const* kind, std::vector<std::string> const& known) {
+[[noreturn]] void refuse_name(std::string const& word, char const* kind, std::vector<std::string> const& known) {
   std::string const near = nearest_word(word, known);
   throw InputError(fmt::format(
       "error: --invert: there is no {} '{}' here\n  {}", kind, word,
@@ -74,13 +74,13 @@ Answer scatter_answer(Traced const& t, std::string const& name, Options const& o
     a.subject = Answer::Subject::scatter;
     return a;
   }
-  refuse(name, "material that scatters", names);
+  refuse_name(name, "material that scatters", names);
 }
 
 Answer motion_answer(Traced const& t, std::string const& name, Options const& options) {
   std::vector<std::string> const& bodies = t.model.motion.bodies;
   auto const hit = std::find(bodies.begin(), bodies.end(), name);
-  if (hit == bodies.end()) refuse(name, "body", bodies);
+  if (hit == bodies.end()) refuse_name(name, "body", bodies);
   BodyId const body{std::uint32_t(hit - bodies.begin())};
   NoiseBudget const budget = t.model.project(t.coupling);
   tell_warnings(budget, options);

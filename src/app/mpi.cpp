@@ -40,7 +40,7 @@ class Mpi final : public Transport {
   bool lost_ = false;
 };
 
-[[noreturn]] void refuse(std::string const& why) {
+[[noreturn]] void refuse_transport(std::string const& why) {
   throw InputError(
       fmt::format("error: --backend mpi: {}\n  build straytrace where MPI is found (scripts/setup installs "
                   "libopenmpi-dev), or divide the run: --slice 1/16, and straytrace merge",
@@ -54,13 +54,13 @@ std::unique_ptr<Transport> open_mpi() {
   std::error_code none;
   std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", none);
   std::string const file = (program.parent_path() / "straytrace-mpi.so").string();
-  if (!std::filesystem::exists(file, none)) refuse(fmt::format("there is no '{}'", file));
+  if (!std::filesystem::exists(file, none)) refuse_transport(fmt::format("there is no '{}'", file));
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
-  if (!library) refuse(dlerror());
+  if (!library) refuse_transport(dlerror());
   auto const open = reinterpret_cast<decltype(&straytrace_transport_open)>(dlsym(library, "straytrace_transport_open"));
   straytrace_transport mpi = {};
   if (!open || open(straytrace_transport_version, &mpi) != straytrace_transport_version)
-    refuse(fmt::format("'{}' is of another version of straytrace", file));
+    refuse_transport(fmt::format("'{}' is of another version of straytrace", file));
   return std::make_unique<Mpi>(mpi);
 }
 

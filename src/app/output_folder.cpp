@@ -20,7 +20,7 @@ void remove_empty(std::vector<fs::path> const& folders) {
   for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) fs::remove(*folder, not_empty);
 }
 
-[[noreturn]] void refuse(std::string const& verb, fs::path const& folder, std::string const& why) {
+[[noreturn]] void refuse_folder(std::string const& verb, fs::path const& folder, std::string const& why) {
   throw InputError(
       fmt::format("error: cannot {} the folder '{}': {}\n  choose another one with -o", verb, folder.string(), why));
 }
@@ -37,15 +37,16 @@ OutputFolder::OutputFolder(std::string const& name, std::vector<std::string> con
   std::error_code ignored;
   if (code || !fs::is_directory(folder_, ignored)) {
     remove_empty(made_);
-    refuse("make", folder_, code ? code.message() : "a file has this name");
+    refuse_folder("make", folder_, code ? code.message() : "a file has this name");
   }
   if (::faccessat(AT_FDCWD, folder_.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
     std::string const why = std::strerror(errno);
     remove_empty(made_);
-    refuse("write to", folder_, why);
+    refuse_folder("write to", folder_, why);
   }
   for (std::string const& file : files)
-    if (fs::is_directory(folder_ / file, ignored)) refuse("write to", folder_, fmt::format("'{}' is a folder", file));
+    if (fs::is_directory(folder_ / file, ignored))
+      refuse_folder("write to", folder_, fmt::format("'{}' is a folder", file));
 }
 
 OutputFolder::~OutputFolder() { remove_empty(made_); }

@@ -16,6 +16,7 @@
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "report/image_file.hpp"
+#include "world/degree.hpp"
 
 namespace straytrace {
 namespace {
@@ -27,7 +28,7 @@ struct Wanted {
   bool section = false, whole = false, flash = false;
 };
 
-[[noreturn]] void refuse(std::string const& option, std::string const& text, std::string const& instead) {
+[[noreturn]] void refuse_option(std::string const& option, std::string const& text, std::string const& instead) {
   throw InputError(fmt::format("error: '{}' is not what --{} takes\n  {}", text, option, instead));
 }
 
@@ -39,13 +40,13 @@ double number_in(std::string const& option, std::string const& text, Dimension d
   if (bare && (value == 0 || dimension == dim::plain)) return value;
   auto const unit = bare ? std::nullopt : parse_unit(rest);
   if (rest == text.c_str() || !unit || unit->dimension != dimension || !std::isfinite(value))
-    refuse(option, text, instead);
+    refuse_option(option, text, instead);
   return to_si(value, *unit);
 }
 
 Vec3 vector_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {
   std::vector<std::string> const parts = CLI::detail::split(text, ',');
-  if (parts.size() != 3) refuse(option, text, instead);
+  if (parts.size() != 3) refuse_option(option, text, instead);
   return {number_in(option, parts[0], dimension, instead), number_in(option, parts[1], dimension, instead),
           number_in(option, parts[2], dimension, instead)};
 }
@@ -55,7 +56,7 @@ void read_pixels(std::string const& text, std::uint32_t& columns, std::uint32_t&
   auto const side = [&](std::string const& part) {
     bool const digits = !part.empty() && part.size() < 6 && part.find_first_not_of("0123456789") == part.npos;
     int const n = digits ? std::stoi(part) : 0;
-    if (n < 8 || n > 8192) refuse("pixels", text, "write for example --pixels 800x600, each from 8 to 8192");
+    if (n < 8 || n > 8192) refuse_option("pixels", text, "write for example --pixels 800x600, each from 8 to 8192");
     return std::uint32_t(n);
   };
   if (parts.size() != 2) side("");
@@ -67,7 +68,7 @@ void read_pixels(std::string const& text, std::uint32_t& columns, std::uint32_t&
 Cut read_cut(std::string const& text, Vec3 eye) {
   std::string const instead = "write for example --cut x=0, --cut \"y>5cm\"";
   if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || std::string("=<>").find(text[1]) == std::string::npos)
-    refuse("cut", text, instead);
+    refuse_option("cut", text, instead);
   double const value = number_in("cut", text.substr(2), dim::length, instead);
   Vec3 normal;
   (&normal.x)[text[0] - 'x'] = 1;
@@ -137,13 +138,12 @@ Stand stand_on(World const& world, std::string const& name) {
 Framing choose_view(World const& world, Wanted const& w) {
   std::uint32_t columns = 0, rows = 0;
   read_pixels(w.pixels, columns, rows);
-  constexpr double degree = pi / 180;
   std::string const angle = "write for example --fov 30deg, between 0 and 180 degrees (360 with --from)";
   double field = w.field.empty() ? (w.from.empty() ? 30 : 170) * degree : number_in("fov", w.field, dim::angle, angle);
-  if (!(field > 1e-9 && field <= (w.from.empty() ? 179 : 360) * degree)) refuse("fov", w.field, angle);
+  if (!(field > 1e-9 && field <= (w.from.empty() ? 179 : 360) * degree)) refuse_option("fov", w.field, angle);
   std::string const direction = "write three numbers, for example --up 0,1,0";
   Vec3 const up = w.up.empty() ? Vec3{0, 1, 0} : vector_in("up", w.up, dim::plain, direction);
-  if (!(length(up) > 0)) refuse("up", w.up, direction);
+  if (!(length(up) > 0)) refuse_option("up", w.up, direction);
   if (!w.from.empty()) {
     Stand const s = stand_on(world, w.from);
     Framing f;
@@ -163,7 +163,7 @@ Framing choose_view(World const& world, Wanted const& w) {
   std::string const place = "write three lengths, for example --eye 0,20cm,-1.5m";
   Vec3 const eye = vector_in("eye", w.eye, dim::length, place);
   Vec3 const look = w.look.empty() ? 0.5 * (box.lower + box.upper) : vector_in("look", w.look, dim::length, place);
-  if (!(length(look - eye) > 0)) refuse("look", w.look, "eye and look are one point");
+  if (!(length(look - eye) > 0)) refuse_option("look", w.look, "eye and look are one point");
   return {looking_at(eye, look, up, field, columns, rows), {}};
 }
 
@@ -218,7 +218,7 @@ void check_picture_name(std::string const& file) {
 Flash flash_of(Wanted const& w, Camera const& camera) {
   std::string const instead = "write for example --lamp 5mm";
   Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
-  if (!(flash.radius > 0)) refuse("lamp", w.lamp, instead);
+  if (!(flash.radius > 0)) refuse_option("lamp", w.lamp, instead);
   if (camera.lens == Camera::Lens::flat || w.mode != "shaded" || !w.cuts.empty())
     throw InputError(
         "error: --flash needs a camera that stands somewhere, in a scene that is whole\n"

@@ -38,23 +38,24 @@ std::string example(std::string const& name) {
   return fmt::format("write {0}=50cm..80cm:7, {0}=50cm..80cm:7:log or {0}=50cm,60cm,80cm", name);
 }
 
-[[noreturn]] void refuse(std::string const& word, std::string const& why, std::string const& name) {
+[[noreturn]] void refuse_range(std::string const& word, std::string const& why, std::string const& name) {
   throw InputError(fmt::format("error: '{}': {}\n  {}", word, why, example(name)));
 }
 
 void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bool open) {
   Number const low = number_in(m[1]), high = number_in(m[2]);
   if (!std::isfinite(low.value) || !std::isfinite(high.value))
-    refuse(word, "a range runs from a number to a number", axis.name);
-  if (low.unit != high.unit) refuse(word, "both ends of a range have the same unit", axis.name);
+    refuse_range(word, "a range runs from a number to a number", axis.name);
+  if (low.unit != high.unit) refuse_range(word, "both ends of a range have the same unit", axis.name);
   std::string const count = m[3];
   bool const logarithmic = m[4].matched;
-  if (count.empty() && !open) refuse(word, "the range does not say how many values it has", axis.name);
+  if (count.empty() && !open) refuse_range(word, "the range does not say how many values it has", axis.name);
   double const n = count.empty() ? 2 : std::strtod(count.c_str(), nullptr);
-  if (n < 2 || n > double(most_points)) refuse(word, fmt::format("a range has 2 to {} values", most_points), axis.name);
+  if (n < 2 || n > double(most_points))
+    refuse_range(word, fmt::format("a range has 2 to {} values", most_points), axis.name);
   if (logarithmic && !(low.value > 0 && high.value > 0))
-    refuse(word, "logarithmic steps need values above 0", axis.name);
-  if (low.value == high.value) refuse(word, "the range has no width", axis.name);
+    refuse_range(word, "logarithmic steps need values above 0", axis.name);
+  if (low.value == high.value) refuse_range(word, "the range has no width", axis.name);
   axis.unit = low.unit;
   axis.range = true;
   for (int i = 0; i < int(n); ++i) {
@@ -70,7 +71,7 @@ void add_list(ScanAxis& axis, std::string const& word, std::string const& text) 
   for (std::size_t at = 0; at <= text.size();) {
     std::size_t const comma = std::min(text.find(',', at), text.size());
     std::string const value = text.substr(at, comma - at);
-    if (value.find_first_not_of(' ') == value.npos) refuse(word, "a value is missing", axis.name);
+    if (value.find_first_not_of(' ') == value.npos) refuse_range(word, "a value is missing", axis.name);
     Number const number = number_in(value);
     if (axis.values.empty()) axis.unit = number.unit;
     axis.numbers.push_back(number.unit == axis.unit ? number.value : not_a_number);

@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/constants.hpp"
+#include "world/degree.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr double degree = pi / 180;
 
 std::string or_undeclared(std::string const& text) { return text.empty() ? "not declared" : text; }
 
@@ -100,7 +98,7 @@ std::string findings(ScatterFile const& file, ScatterAudit const& audit) {
 }
 
 // Two digits of the error, as many of the value.
-std::string with_error(FitParameter const& p) {
+std::string parameter_text(FitParameter const& p) {
   std::string const unit = p.unit.empty() ? "" : " " + p.unit;
   if (!std::isfinite(p.error)) return fmt::format("{} = {:.2g}{} (not resolved)", p.name, p.value, unit);
   int const digits = std::clamp(int(std::floor(std::log10(std::fabs(p.value) / p.error))) + 2, 1, 6);
@@ -144,7 +142,7 @@ std::string fits_text(ScatterFile const& file, std::vector<ScatterFit> const& fi
     }
     if (!best || fit.chi2 < best->chi2) best = &fit;
     std::string parameters;
-    for (FitParameter const& p : fit.parameters) parameters += (parameters.empty() ? "" : ", ") + with_error(p);
+    for (FitParameter const& p : fit.parameters) parameters += (parameters.empty() ? "" : ", ") + parameter_text(p);
     out += fmt::format(
         "  {:<14}{}\n  {:<14}chi2 {:.4g} for {} degrees of freedom, residuals {:.2g} dex rms, {} outliers; TIS(0) = "
         "{:.3g}\n",

@@ -17,7 +17,7 @@
 namespace straytrace {
 namespace {
 
-struct Asked : DataOptions {
+struct MapOptions : DataOptions {
   std::vector<std::string> files;
   std::string stride, normalise = "none";
   double q = 12;
@@ -48,7 +48,7 @@ std::string loudest(MapSheet const& map, std::string const& what) {
       map.frequency[at % width]);
 }
 
-int show_spectrogram(Asked const& o) {
+int show_spectrogram(MapOptions const& o) {
   check_outputs(o);
   TimeSeries const s = series_of(o, o.files[0]);
   DataOptions settings = o;
@@ -69,7 +69,7 @@ int show_spectrogram(Asked const& o) {
   return done;
 }
 
-int show_q(Asked const& o) {
+int show_q(MapOptions const& o) {
   check_outputs(o);
   TimeSeries const s = series_of(o, o.files[0]);
   double const top = s.rate / 2 / (1 + std::sqrt(11) / o.q), bottom = 4 * o.q / s.duration();
@@ -86,7 +86,7 @@ int show_q(Asked const& o) {
   return done;
 }
 
-CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+CLI::App& map_of_record(CLI::App& signal, char const* name, char const* what, std::shared_ptr<MapOptions> const& o) {
   CLI::App& command = *signal.add_subcommand(name, what);
   command.add_option("data", o->files, "record: FILE or FILE::CHANNEL")->required()->expected(1);
   add_span_options(command, *o);
@@ -98,8 +98,8 @@ CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::
 }  // namespace
 
 void add_signal_maps(CLI::App& signal, int& exit_code) {
-  auto const o = std::make_shared<Asked>();
-  CLI::App& s = one_record(signal, "spectrogram", "amplitude spectral density against time", o);
+  auto const o = std::make_shared<MapOptions>();
+  CLI::App& s = map_of_record(signal, "spectrogram", "amplitude spectral density against time", o);
   add_band_option(s, *o, "frequencies to show and write; default: all");
   s.add_option("--stride", o->stride, "time of each spectrum; default: two segments");
   s.add_option("--normalise", o->normalise, "median: each frequency over its median in time")
@@ -111,9 +111,9 @@ void add_signal_maps(CLI::App& signal, int& exit_code) {
       "  straytrace signal spectrogram examples/data/bench.csv::acc --normalise median -o map.hdf5");
   s.callback([o, &exit_code] { exit_code = show_spectrogram(*o); });
 
-  auto const t = std::make_shared<Asked>();
+  auto const t = std::make_shared<MapOptions>();
   t->average = "median";
-  CLI::App& q = one_record(signal, "q", "short bursts: energy in tiles of constant Q", t);
+  CLI::App& q = map_of_record(signal, "q", "short bursts: energy in tiles of constant Q", t);
   add_band_option(q, *t, "of the tiles");
   q.add_option("--q", t->q, "centre frequency of a tile over its bandwidth")
       ->check(CLI::Range(3.4, 1000.0))

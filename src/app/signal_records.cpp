@@ -23,7 +23,7 @@
 namespace straytrace {
 namespace {
 
-struct Asked : DataOptions {
+struct RecordOptions : DataOptions {
   std::vector<std::string> files;
   std::string to = "displacement", domain = "frequency", corner = "1 Hz", stride, rate;
   std::vector<std::string> notches;
@@ -62,7 +62,7 @@ void answer_records(DataOptions const& o, std::vector<TimeSeries> const& all, st
   answer(others, sheet, text);
 }
 
-int integrations(Asked const& o, TimeSeries const& s) {
+int integrations(RecordOptions const& o, TimeSeries const& s) {
   int const times = integrations_to_displacement(s.unit) - (o.to == "velocity" ? 1 : 0);
   if (times < 0)
     throw InputError(
@@ -71,7 +71,7 @@ int integrations(Asked const& o, TimeSeries const& s) {
 }
 
 // eq. 11.3 line by line, with the confidence of the spectrum.
-CurveSheet displacement_asd(Asked const& o, TimeSeries const& s, int times) {
+CurveSheet displacement_asd(RecordOptions const& o, TimeSeries const& s, int times) {
   WelchSettings const settings = welch_of(o, s);
   WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
   Interval const interval = confidence(spectrum);
@@ -95,7 +95,7 @@ CurveSheet displacement_asd(Asked const& o, TimeSeries const& s, int times) {
   return sheet;
 }
 
-int displacement(Asked const& o) {
+int displacement(RecordOptions const& o) {
   check_outputs(o);
   TimeSeries const s = series_of(o, o.files[0]);
   int const times = integrations(o, s);
@@ -115,7 +115,7 @@ int displacement(Asked const& o) {
   return done;
 }
 
-int whiten(Asked const& o) {
+int whiten(RecordOptions const& o) {
   check_outputs(o);
   TimeSeries const s = series_of(o, o.files[0]);
   WelchSettings const settings = welch_of(o, s);
@@ -128,7 +128,7 @@ int whiten(Asked const& o) {
   return done;
 }
 
-int show_trend(Asked const& o, TimeSeries const& s, FrequencyBand band) {
+int show_trend(RecordOptions const& o, TimeSeries const& s, FrequencyBand band) {
   RmsTrend const trend = rms_trend(s, band.low, band.high, option_quantity(o.stride, dim::time, "--stride", "10 s"));
   CurveSheet sheet{fmt::format("rms of {} from {:g} Hz to {:g} Hz", o.files[0], band.low, band.high),
                    {source_note(s),
@@ -141,7 +141,7 @@ int show_trend(Asked const& o, TimeSeries const& s, FrequencyBand band) {
   return done;
 }
 
-int show_rms(Asked const& o) {
+int show_rms(RecordOptions const& o) {
   check_outputs(o);
   TimeSeries const s = series_of(o, o.files[0]);
   FrequencyBand const band = band_of(o, {0, s.rate / 2}, s.rate / 2);
@@ -167,7 +167,7 @@ int show_rms(Asked const& o) {
   return done;
 }
 
-TimeSeries filtered_as_asked(Asked const& o, TimeSeries s) {
+TimeSeries filtered_as_asked(RecordOptions const& o, TimeSeries s) {
   if (!o.band.empty()) {
     FrequencyBand const band = band_of(o, {}, s.rate / 2);
     s = band_passed(s, band.low, band.high);
@@ -182,7 +182,7 @@ TimeSeries filtered_as_asked(Asked const& o, TimeSeries s) {
   return decimated(s, std::size_t(factor));
 }
 
-int convert(Asked const& o) {
+int convert(RecordOptions const& o) {
   check_outputs(o);
   std::vector<TimeSeries> all;
   std::vector<std::string> notes;
@@ -195,7 +195,7 @@ int convert(Asked const& o) {
   return done;
 }
 
-CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::shared_ptr<RecordOptions> const& o) {
   CLI::App& command = *signal.add_subcommand(name, what);
   command.add_option("data", o->files, "record: FILE or FILE::CHANNEL")->required()->expected(1);
   add_span_options(command, *o);
@@ -203,7 +203,7 @@ CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::
 }
 
 void add_displacement(CLI::App& signal, int& exit_code) {
-  auto const o = std::make_shared<Asked>();
+  auto const o = std::make_shared<RecordOptions>();
   CLI::App& c =
       one_record(signal, "displacement", "accelerometer or velocity meter to displacement: x = a/(2 pi f)^2", o);
   c.add_option("--to", o->to, "displacement or velocity")
@@ -225,7 +225,7 @@ void add_displacement(CLI::App& signal, int& exit_code) {
 }
 
 void add_rms(CLI::App& signal, int& exit_code) {
-  auto const o = std::make_shared<Asked>();
+  auto const o = std::make_shared<RecordOptions>();
   CLI::App& c = one_record(signal, "rms", "rms within a band, of the whole record or stride by stride", o);
   add_band_option(c, *o, "default: 0 to half the sample rate");
   c.add_option("--stride", o->stride, "a trend: one value for each stride, for example \"10 s\"");
@@ -242,7 +242,7 @@ void add_rms(CLI::App& signal, int& exit_code) {
 
 void add_signal_records(CLI::App& signal, int& exit_code) {
   add_displacement(signal, exit_code);
-  auto const w = std::make_shared<Asked>();
+  auto const w = std::make_shared<RecordOptions>();
   CLI::App& white = one_record(signal, "whiten", "a record with the same power at all frequencies", w);
   add_welch_options(white, *w);
   add_output_options(white, *w);
@@ -253,7 +253,7 @@ void add_signal_records(CLI::App& signal, int& exit_code) {
   white.callback([w, &exit_code] { exit_code = whiten(*w); });
   add_rms(signal, exit_code);
 
-  auto const o = std::make_shared<Asked>();
+  auto const o = std::make_shared<RecordOptions>();
   CLI::App& c = *signal.add_subcommand("convert", "from one format to another, with filters, on a common clock");
   c.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
   add_span_options(c, *o);

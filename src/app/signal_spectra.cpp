@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t shown = 12;
 
-struct Asked : DataOptions {
+struct SpectrumOptions : DataOptions {
   std::vector<std::string> files;
   bool power = false;
   double confidence = 0.95;
@@ -28,13 +28,13 @@ CurveSheet frequency_sheet(std::string title, std::vector<double> hz) {
   return {std::move(title), {}, {"frequency", "Hz", std::move(hz)}, true, true, {}};
 }
 
-void finish(Asked const& o, CurveSheet sheet, double nyquist) {
+void finish(SpectrumOptions const& o, CurveSheet sheet, double nyquist) {
   if (!o.band.empty()) keep_band(sheet, band_of(o, {}, nyquist));
   answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, shown));
 }
 
 // Columns of one record: the density and both ends of its confidence interval.
-void add_density(Asked const& o, TimeSeries const& s, WelchSpectrum const& spectrum, CurveSheet& sheet) {
+void add_density(SpectrumOptions const& o, TimeSeries const& s, WelchSpectrum const& spectrum, CurveSheet& sheet) {
   Interval const interval = confidence(spectrum, o.confidence);
   std::string const kind = o.power ? "psd" : "asd",
                     name = o.files.size() > 1 ? fmt::format("{} {}", s.name, kind) : kind;
@@ -48,7 +48,7 @@ void add_density(Asked const& o, TimeSeries const& s, WelchSpectrum const& spect
   column(" high", interval.high, "band-high");
 }
 
-int psd(Asked const& o) {
+int psd(SpectrumOptions const& o) {
   check_outputs(o);
   CurveSheet sheet;
   double nyquist = 0;
@@ -80,7 +80,7 @@ struct Pair {
   std::vector<std::string> notes;
 };
 
-Pair read_pair(Asked const& o) {
+Pair read_pair(SpectrumOptions const& o) {
   check_outputs(o);
   std::string const unit_of_output = o.output_unit.empty() ? o.unit : o.output_unit;
   std::vector<TimeSeries> both = aligned(
@@ -96,7 +96,7 @@ Pair read_pair(Asked const& o) {
   return p;
 }
 
-int show_coherence(Asked const& o) {
+int show_coherence(SpectrumOptions const& o) {
   Pair const p = read_pair(o);
   double const n = p.spectra.effective_averages, level = coherence_level(n, 1 - o.confidence);
   CurveSheet sheet = frequency_sheet(fmt::format("coherence of {} and {}", o.files[0], o.files[1]), p.spectra.hz);
@@ -115,7 +115,7 @@ int show_coherence(Asked const& o) {
   return done;
 }
 
-int show_transfer(Asked const& o) {
+int show_transfer(SpectrumOptions const& o) {
   Pair const p = read_pair(o);
   bool const first = o.estimator == "h1";
   TransferEstimate const t = first ? h1(p.spectra) : h2(p.spectra);
@@ -140,7 +140,7 @@ int show_transfer(Asked const& o) {
   return done;
 }
 
-CLI::App& common(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+CLI::App& common(CLI::App& signal, char const* name, char const* what, std::shared_ptr<SpectrumOptions> const& o) {
   CLI::App& command = *signal.add_subcommand(name, what);
   add_span_options(command, *o);
   add_band_option(command, *o, "frequencies to show and write: \"10 Hz..1 kHz\"; default: all");
@@ -152,7 +152,7 @@ CLI::App& common(CLI::App& signal, char const* name, char const* what, std::shar
   return command;
 }
 
-CLI::App& with_pair(CLI::App& signal, char const* name, char const* what, std::shared_ptr<Asked> const& o) {
+CLI::App& with_pair(CLI::App& signal, char const* name, char const* what, std::shared_ptr<SpectrumOptions> const& o) {
   CLI::App& command = common(signal, name, what, o);
   command.add_option("data", o->files, "input and output: FILE or FILE::CHANNEL")->required()->expected(2);
   command.add_option("--output-unit", o->output_unit, "of the output, where it differs from --unit");
@@ -162,7 +162,7 @@ CLI::App& with_pair(CLI::App& signal, char const* name, char const* what, std::s
 }  // namespace
 
 void add_signal_spectra(CLI::App& signal, int& exit_code) {
-  auto const o = std::make_shared<Asked>();
+  auto const o = std::make_shared<SpectrumOptions>();
   CLI::App& density = common(signal, "psd", "one-sided amplitude or power spectral density", o);
   density.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
   density.add_flag("--power", o->power, "power densities; otherwise amplitude densities, their roots");
@@ -172,7 +172,7 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
       "  straytrace signal psd examples/data/bench.csv::acc --average median --band \"5 Hz..50 Hz\" -o acc.hdf5");
   density.callback([o, &exit_code] { exit_code = psd(*o); });
 
-  auto const c = std::make_shared<Asked>();
+  auto const c = std::make_shared<SpectrumOptions>();
   CLI::App& coherent =
       with_pair(signal, "coherence", "coherence of two records, with the level that chance reaches", c);
   coherent.footer(
@@ -181,7 +181,7 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
       "  straytrace signal coherence examples/data/bench.csv::1 examples/data/bench.csv::2 -o coherence.csv");
   coherent.callback([c, &exit_code] { exit_code = show_coherence(*c); });
 
-  auto const t = std::make_shared<Asked>();
+  auto const t = std::make_shared<SpectrumOptions>();
   CLI::App& ratio = with_pair(signal, "transfer", "transfer function from one record to another, with errors", t);
   ratio.add_option("--estimator", t->estimator, "h1: noise in the output; h2: noise in the input")
       ->check(CLI::IsMember({"h1", "h2"}))

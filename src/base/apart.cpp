@@ -17,6 +17,8 @@
 #include <string_view>
 #include <unistd.h>
 
+#include "base/child_process.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -47,17 +49,6 @@ void write_all(int descriptor, std::string_view bytes) {
     if (done < 0 && errno == EINTR) continue;
     if (done < 0) ::_exit(failed);
     bytes.remove_prefix(std::size_t(done));
-  }
-}
-
-std::string read_all(int descriptor) {
-  std::string bytes;
-  std::array<char, 65536> buffer = {};
-  for (;;) {
-    ssize_t const got = ::read(descriptor, buffer.data(), buffer.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return bytes;
-    bytes.append(buffer.data(), std::size_t(got));
   }
 }
 

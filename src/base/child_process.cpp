@@ -19,18 +19,18 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return all;
 }
 
+}  // namespace
+
 std::string read_all(int descriptor) {
-  std::string text;
-  std::array<char, 4096> buffer = {};
+  std::string bytes;
+  std::array<char, 65536> buffer = {};
   for (;;) {
     ssize_t const got = ::read(descriptor, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return text;
-    text.append(buffer.data(), std::size_t(got));
+    if (got <= 0) return bytes;
+    bytes.append(buffer.data(), std::size_t(got));
   }
 }
-
-}  // namespace
 
 FinishedChild run_child(std::vector<std::string> arguments, std::vector<std::string> variables) {
   std::array<int, 2> ends = {};

@@ -15,6 +15,8 @@ struct FinishedChild {
 
 // arguments[0] is the program, looked up in PATH when it names no folder; `variables`: "NAME=value". Its standard input
 // is empty.
+// What comes out of a pipe until nobody can write into it any more.
+std::string read_all(int descriptor);
 FinishedChild run_child(std::vector<std::string> arguments, std::vector<std::string> variables);
 
 }  // namespace straytrace

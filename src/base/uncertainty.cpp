@@ -12,19 +12,19 @@ namespace straytrace {
 namespace {
 
 constexpr double largest_factor = 1e6;
-constexpr char const* example = "write 'factor 1.5': from 1/1.5 to 1.5 times";
+constexpr char const* factor_example = "write 'factor 1.5': from 1/1.5 to 1.5 times";
 
 double read_factor(Node const& value, std::string_view text, double fallback) {
   text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
   if (!is_number(text)) {
-    value.problem(fmt::format("'factor' needs a plain number, got \"{}\"", shortened(text)), example);
+    value.problem(fmt::format("'factor' needs a plain number, got \"{}\"", shortened(text)), factor_example);
     return fallback;
   }
   double const factor = std::stod(std::string(text));
   if (factor >= 1 && factor <= largest_factor) return factor;
   value.problem(factor < 1 ? "a factor of uncertainty is at least 1"
                            : fmt::format("a factor of uncertainty is at most {:g}", largest_factor),
-                example);
+                factor_example);
   return fallback;
 }
 

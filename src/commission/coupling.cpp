@@ -8,6 +8,7 @@
 
 #include "base/message.hpp"
 #include "commission/excess.hpp"
+#include "commission/squared.hpp"
 #include "signal/unit_text.hpp"
 
 namespace straytrace {
@@ -17,8 +18,6 @@ namespace {
 struct Levels {
   double x, y, coherence, averages;
 };
-
-double squared(double v) { return v * v; }
 
 // Relative variance of H^2. Witness and target of one stretch fluctuate together as far as they are coherent:
 // cov(Sxx, Syy) = |Sxy|^2/n.

@@ -10,11 +10,11 @@
 
 #include "base/message.hpp"
 #include "commission/scan.hpp"
+#include "commission/squared.hpp"
 
 namespace straytrace {
 namespace {
 
-double squared(double v) { return v * v; }
 double bessel(int n, double z) { return boost::math::cyl_bessel_j(n, z); }
 
 constexpr int steps_per_radian = 16;

@@ -10,6 +10,7 @@
 
 #include "base/message.hpp"
 #include "commission/excess.hpp"
+#include "commission/squared.hpp"
 #include "signal/segments.hpp"
 
 namespace straytrace {
@@ -52,8 +53,6 @@ Level level_beside(Complexes const& lines, Ridge const& r) {
   }
   return count > 0 ? Level{sum / count, count / shared} : Level{not_a_number, 0};
 }
-
-double squared(double v) { return v * v; }
 
 // Mean of the ratios and of the coherence.
 void add_means(CouplingPoint& out, std::vector<RidgePoint> const& windows) {

@@ -9,13 +9,12 @@
 
 #include "base/message.hpp"
 #include "commission/excess.hpp"
+#include "commission/squared.hpp"
 #include "commission/weighted_line.hpp"
 #include "signal/segments.hpp"
 
 namespace straytrace {
 namespace {
-
-double squared(double v) { return v * v; }
 
 // Periodograms of one stretch.
 struct Stretch {

@@ -8,10 +8,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "geometry/triangle.hpp"
+
 namespace straytrace {
 namespace {
-
-double component(Vec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
 
 double half_area(Box const& b) {
   Vec3 const d = b.upper - b.lower;

@@ -10,7 +10,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double around = 48;  // per turn
+constexpr double points_per_turn = 48;
 constexpr int levels_of_arc = 12, levels_of_bend = 12;
 
 bool before(OutlineEdge const& a, OutlineEdge const& b) {
@@ -42,7 +42,7 @@ std::vector<double> levels_of(CadFace const& s, std::vector<OutlineEdge> const& 
 void add_trapezoid(CadFace const& s, OutlineEdge const& left, OutlineEdge const& right, double y0, double y1,
                    Drawing& d) {
   double const widest = std::max(right.x_at(y0) - left.x_at(y0), right.x_at(y1) - left.x_at(y1));
-  int const columns = s.carrier == Carrier::plane ? 1 : std::max(1, int(std::ceil(widest * around)));
+  int const columns = s.carrier == Carrier::plane ? 1 : std::max(1, int(std::ceil(widest * points_per_turn)));
   auto const first = std::uint32_t(d.points.size());
   for (int i = 0; i <= columns; ++i)
     for (double const y : {y0, y1}) {

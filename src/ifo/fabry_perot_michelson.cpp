@@ -6,19 +6,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ifo/transmission_range.hpp"
+
 namespace straytrace {
 namespace {
 
 using K = FabryPerotMichelsonKeys;
-constexpr double least = 1e-12, most = 1 - 1e-9;  // of a transmission
-constexpr Key<K> keys[] = {
+constexpr Key<K> michelson_keys[] = {
     {"arm_length", &K::arm_length, dim::length, required, 1e-3, 1e8, "length L of one arm"},
     {"mirror_mass", &K::mirror_mass, dim::mass, required, 1e-9, 1e9, "mass M of each arm mirror"},
-    {"input_transmission", &K::input_transmission, dim::plain, required, least, most,
+    {"input_transmission", &K::input_transmission, dim::plain, required, least_transmission, most_transmission,
      "power transmission of the input mirror"},
-    {"end_transmission", &K::end_transmission, dim::plain, 0, 0, most, "power transmission of the end mirror"},
-    {"round_trip_loss", &K::round_trip_loss, dim::plain, 75e-6, 0, most, "loss of power per round trip of an arm"},
-    {"signal_recycling_transmission", &K::signal_recycling_transmission, dim::plain, 1, least, 1,
+    {"end_transmission", &K::end_transmission, dim::plain, 0, 0, most_transmission,
+     "power transmission of the end mirror"},
+    {"round_trip_loss", &K::round_trip_loss, dim::plain, 75e-6, 0, most_transmission,
+     "loss of power per round trip of an arm"},
+    {"signal_recycling_transmission", &K::signal_recycling_transmission, dim::plain, 1, least_transmission, 1,
      "power transmission of the signal-recycling mirror; 1: none (eq. 6.8)"},
     {"arms", &K::arms, dim::plain, 2, 1, 1000, "equal arms, of which one is traced; powers add"},
     {"dark_fringe_offset", &K::dark_fringe_offset, dim::length, 0, -1e-9, 1e-9, "of DARM, for eq. 9.6"},
@@ -41,14 +44,14 @@ double read_arm_power(Node const& t, ArmCavity const& arm, std::vector<TracedPor
     return not_a_number;
   }
   return arm_power(arm, t.number("input_power", dim::power, required, 0),
-                   t.number("power_recycling_transmission", dim::plain, 1, least, 1),
-                   t.number("beam_splitter_loss", dim::plain, 0, 0, most));
+                   t.number("power_recycling_transmission", dim::plain, 1, least_transmission, 1),
+                   t.number("beam_splitter_loss", dim::plain, 0, 0, most_transmission));
 }
 
 // All but the power.
 FabryPerotMichelson::Parameters read_parameters(Node const& table, double wavelength) {
   K k{};
-  read_keys<K>(table, keys, k);
+  read_keys<K>(table, michelson_keys, k);
   FabryPerotMichelson::Parameters p;
   p.arm = {k.arm_length, k.input_transmission, k.end_transmission, k.round_trip_loss};
   p.wavelength = wavelength;
@@ -57,14 +60,14 @@ FabryPerotMichelson::Parameters read_parameters(Node const& table, double wavele
   p.dark_fringe_offset = k.dark_fringe_offset;
   if (k.arms != std::floor(k.arms)) table["arms"].problem("'arms' counts arms", "write a whole number, for example 2");
   p.mode = differential_mode(p.arm, k.signal_recycling_transmission);
-  if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least);
-  if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least);
+  if (table.has("gain")) p.mode.gain = table.number("gain", dim::plain, required, least_transmission);
+  if (table.has("cavity_pole")) p.mode.pole = table.number("cavity_pole", dim::frequency, required, least_transmission);
   return p;
 }
 
 }  // namespace
 
-std::span<Key<K> const> fabry_perot_michelson_keys() { return keys; }
+std::span<Key<K> const> fabry_perot_michelson_keys() { return michelson_keys; }
 
 std::complex<double> FabryPerotMichelson::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = entry(port);

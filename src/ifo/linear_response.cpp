@@ -7,11 +7,9 @@
 
 namespace straytrace {
 
-using network_detail::Entries, network_detail::Sparse;
+using network_detail::Entries, network_detail::i_unit, network_detail::Sparse;
 
 namespace {
-
-Phasor const i_unit{0, 1};
 
 // Places of unknowns, and of the equations that define them: for both sidebands (0: upper; 1: the complex conjugate of
 // the lower) of every carrier what enters and what leaves each port; then the displacement of each component.

@@ -6,12 +6,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ifo/network_system.hpp"
+
 namespace straytrace {
-namespace {
 
-Phasor const i_unit{0, 1};
-
-}  // namespace
+using network_detail::i_unit;
 
 Phasor Suspension::compliance(double hz) const {
   double const w = 2 * pi * hz, w0 = 2 * pi * resonance;

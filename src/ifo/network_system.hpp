@@ -14,6 +14,8 @@
 
 namespace straytrace::network_detail {
 
+inline Phasor const i_unit{0, 1};
+
 // Number of the carrier at this frequency, when it is one that is kept.
 inline std::optional<std::size_t> carrier_at(std::span<double const> carriers, double hz) {
   for (std::size_t n = 0; n < carriers.size(); ++n)

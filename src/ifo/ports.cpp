@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double least = 1e-30;     // of light that a port lets back: nothing at all is no port
+constexpr double faintest = 1e-30;  // of light that a port lets back: nothing at all is no port
 constexpr double same_power = 0.1;  // relative: powers nearer than this may be rounded, or with and without a loss
 constexpr double same_length = 0.01;
 
@@ -62,8 +62,8 @@ PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
   std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.entrance)]);
   auto const found = std::find(entrance_names.begin(), entrance_names.end(), at);
   if (found != entrance_names.end()) entry.entrance = Entrance(found - entrance_names.begin());
-  entry.field_share =
-      node.number("pick_off", dim::plain, 1, least, 1) * std::sqrt(node.number("isolation", dim::plain, 1, least, 1));
+  entry.field_share = node.number("pick_off", dim::plain, 1, faintest, 1) *
+                      std::sqrt(node.number("isolation", dim::plain, 1, faintest, 1));
   entry.copies = node.number("copies", dim::plain, is_of_an_arm(entry.entrance) ? arms : 1, 1, 1e6);
   node.refuse_unknown(fmt::format("port '{}'", entry.name));
   return entry;

@@ -8,20 +8,22 @@
 #include <cmath>
 
 #include "ifo/cavity.hpp"
+#include "ifo/transmission_range.hpp"
 
 namespace straytrace {
 namespace {
 
 using P = DualRecycledParameters;
-constexpr double least = 1e-12, most = 1 - 1e-9;  // of a transmission
-constexpr Key<P> keys[] = {
+constexpr Key<P> recycled_keys[] = {
     {"arm_length", &P::arm_length, dim::length, required, 1e-3, 1e8, "length L of one arm"},
-    {"input_transmission", &P::input_transmission, dim::plain, required, least, 0.999, "of the input mirrors"},
+    {"input_transmission", &P::input_transmission, dim::plain, required, least_transmission, 0.999,
+     "of the input mirrors"},
     {"end_transmission", &P::end_transmission, dim::plain, required, 0, 0.999, "of the end mirrors"},
     {"round_trip_loss", &P::round_trip_loss, dim::plain, required, 0, 0.5, "of power, per round trip of an arm"},
     {"mirror_mass", &P::mirror_mass, dim::mass, required, 1e-9, 1e12, "of each arm mirror"},
-    {"power_recycling_transmission", &P::power_recycling_transmission, dim::plain, required, least, 1, "1: no mirror"},
-    {"signal_recycling_transmission", &P::signal_recycling_transmission, dim::plain, required, least, 1,
+    {"power_recycling_transmission", &P::power_recycling_transmission, dim::plain, required, least_transmission, 1,
+     "1: no mirror"},
+    {"signal_recycling_transmission", &P::signal_recycling_transmission, dim::plain, required, least_transmission, 1,
      "1: no mirror"},
     {"signal_recycling_tuning", &P::signal_recycling_tuning, dim::angle, required, -10, 10,
      "one way; 0: resonant sideband extraction"},
@@ -38,10 +40,10 @@ constexpr Key<P> keys[] = {
     {"dark_fringe_offset", &P::dark_fringe_offset, dim::length, required, -1e-9, 1e-9,
      "of DARM; its light is the local oscillator"},
     {"homodyne_angle", &P::homodyne_angle, dim::angle, required, -10, 10, "without an offset"},
-    {"readout_loss", &P::readout_loss, dim::plain, required, 0, most, "recycling mirror to photocurrent"},
+    {"readout_loss", &P::readout_loss, dim::plain, required, 0, most_transmission, "recycling mirror to photocurrent"},
     {"squeezing", &P::squeezing, dim::plain, required, 1e-4, 1, "noise power over that of the vacuum"},
     {"squeezing_angle", &P::squeezing_angle, dim::angle, required, -10, 10, "from the best one of each frequency"},
-    {"injection_loss", &P::injection_loss, dim::plain, required, 0, most, "of the squeezed light"},
+    {"injection_loss", &P::injection_loss, dim::plain, required, 0, most_transmission, "of the squeezed light"},
     {"pendulum_frequency", &P::pendulum_frequency, dim::frequency, required, 0, 1e3, "0: free mirrors"},
 };
 
@@ -140,7 +142,7 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
 
 }  // namespace
 
-std::span<Key<P> const> dual_recycled_keys() { return keys; }
+std::span<Key<P> const> dual_recycled_keys() { return recycled_keys; }
 
 RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
   HeldResponse const r(*model_, hz);
@@ -202,7 +204,7 @@ std::unique_ptr<Interferometer> read_recycled_interferometer(Node const& table, 
                                                              std::vector<TracedPort> const& ports, double wavelength,
                                                              Band const& band) {
   P p = preset.parameters;
-  for (Key<P> const& k : keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
+  for (Key<P> const& k : recycled_keys) p.*(k.member) = table.number(k.name, k.dimension, p.*(k.member), k.low, k.high);
   read_power(table, p);
   if (!std::isnan(preset.parameters.arm_length) && !(std::fabs(wavelength / p.wavelength - 1) <= 1e-3))
     table.warning(fmt::format("'{}' runs at {:g} nm, the beams of the scene at {:g} nm", preset.name,

@@ -3,30 +3,46 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace straytrace {
 
 MotionDirections::MotionDirections(MotionSet const& motion) : motion_(motion) {
-  for (std::size_t i = 0; i < motion.inputs.size(); ++i)
-    for (Gain const& g : motion.inputs[i].gains)
-      for (bool const imaginary : {false, true})
-        if (!imaginary || g.value.imag() != 0) add_column(i, g.transfer.get(), imaginary);
+  for (std::size_t i = 0; i < motion.inputs.size(); ++i) add_columns(i);
 }
 
-void MotionDirections::add_column(std::size_t input, TransferFunction const* transfer, bool imaginary) {
-  auto const same = std::find_if(columns_.begin(), columns_.end(), [&](Column const& c) {
-    return c.input == input && c.transfer == transfer && c.imaginary == imaginary;
+void MotionDirections::add_columns(std::size_t input) {
+  std::vector<Gain> const& gains = motion_.inputs[input].gains;
+  std::size_t const first = columns_.size();
+  for (Gain const& g : gains)
+    for (bool const imaginary : {false, true}) {
+      bool const there = std::any_of(columns_.begin() + std::ptrdiff_t(first), columns_.end(), [&](Column const& c) {
+        return c.transfer == g.transfer.get() && c.imaginary == imaginary;
+      });
+      if (!there && (!imaginary || g.value.imag() != 0)) columns_.push_back({input, g.transfer.get(), imaginary});
+    }
+  for (std::size_t c = first; c < columns_.size(); ++c)
+    for (std::size_t k = 0; k < gains.size(); ++k) {
+      Gain const& g = gains[k];
+      if (g.transfer.get() != columns_[c].transfer) continue;
+      if (of_body_.size() <= g.body.value) of_body_.resize(g.body.value + 1);
+      of_body_[g.body.value].push_back({c, k, g.axis, columns_[c].imaginary ? g.value.imag() : g.value.real()});
+    }
+}
+
+MotionDirections::Gains MotionDirections::of(std::span<Lever const> levers) const {
+  std::vector<std::tuple<std::size_t, std::size_t, double>> terms;  // column, gain: the order of the sum
+  for (Lever const& lever : levers)
+    if (lever.body.value < of_body_.size())
+      for (Entry const& e : of_body_[lever.body.value]) terms.emplace_back(e.column, e.gain, lever.d[e.axis] * e.value);
+  std::stable_sort(terms.begin(), terms.end(), [](auto const& a, auto const& b) {
+    return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
   });
-  if (same == columns_.end()) columns_.push_back({input, transfer, imaginary});
-}
-
-Eigen::VectorXd MotionDirections::of(std::span<Lever const> levers) const {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(columns());
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    for (Gain const& g : motion_.inputs[columns_[c].input].gains)
-      for (Lever const& lever : levers)
-        if (lever.body == g.body && g.transfer.get() == columns_[c].transfer)
-          out[Eigen::Index(c)] += lever.d[g.axis] * (columns_[c].imaginary ? g.value.imag() : g.value.real());
+  Gains out;
+  for (auto const& [column, gain, value] : terms) {
+    if (out.empty() || out.back().first != column) out.emplace_back(column, 0);
+    out.back().second += value;
+  }
   return out;
 }
 
@@ -38,30 +54,17 @@ double MotionDirections::root_power(std::size_t input, double low, double high, 
   return std::sqrt((tone ? (inside ? 0.5 : 0) : in.spectrum.power(low, high)) / (high - low));
 }
 
-Eigen::MatrixXcd MotionDirections::to_inputs(FrequencyGrid const& grid, std::size_t bin, bool everywhere) const {
-  Eigen::MatrixXcd out = Eigen::MatrixXcd::Zero(inputs(), columns());
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    Column const& column = columns_[c];
+std::vector<std::complex<double>> MotionDirections::to_inputs(FrequencyGrid const& grid, std::size_t bin,
+                                                              bool everywhere) const {
+  std::vector<std::complex<double>> out;
+  for (Column const& column : columns_) {
     double const hz = motion_.inputs[column.input].tone_frequency;
     std::complex<double> factor = root_power(column.input, grid.edges[bin], grid.edges[bin + 1], everywhere);
     if (column.transfer && hz == 0 && !everywhere) factor *= (*column.transfer)(grid.centre(bin));
     if (column.imaginary) factor *= std::complex<double>(0, 1);
-    out(Eigen::Index(column.input), Eigen::Index(c)) = factor;
+    out.push_back(factor);
   }
   return out;
-}
-
-double MotionDirections::tone_power(Eigen::MatrixXd const& moments) const {
-  double sum = 0;
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (motion_.inputs[columns_[c].input].tone_frequency > 0) sum += 0.5 * moments(Eigen::Index(c), Eigen::Index(c));
-  return sum;
-}
-
-bool MotionDirections::drifts(Eigen::MatrixXd const& moments) const {
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (motion_.inputs[columns_[c].input].drift && moments(Eigen::Index(c), Eigen::Index(c)) > 0) return true;
-  return false;
 }
 
 }  // namespace straytrace

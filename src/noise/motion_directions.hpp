@@ -2,9 +2,9 @@
 // Paths as directions in the space of the independent inputs of the motion.
 #pragma once
 
-#include <Eigen/Dense>
-
+#include <complex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "motion/motion.hpp"
@@ -17,13 +17,15 @@ class MotionDirections {
  public:
   explicit MotionDirections(MotionSet const& motion);
 
-  Eigen::Index inputs() const { return Eigen::Index(motion_.inputs.size()); }
-  Eigen::Index columns() const { return Eigen::Index(columns_.size()); }
-  Eigen::VectorXd of(std::span<Lever const>) const;  // d(phase)/d(column), rad/m
-  // Columns to inputs, each in the root of its power in the bin (`everywhere`: at all frequencies).
-  Eigen::MatrixXcd to_inputs(FrequencyGrid const&, std::size_t bin, bool everywhere) const;
-  double tone_power(Eigen::MatrixXd const& second_moments) const;  // of the phase by tones, rad^2
-  bool drifts(Eigen::MatrixXd const& second_moments) const;
+  std::size_t inputs() const { return motion_.inputs.size(); }
+  std::size_t input(std::size_t column) const { return columns_[column].input; }
+  // d(phase)/d(column), rad/m; columns that do not move these levers are left out, the others ascend.
+  using Gains = std::vector<std::pair<std::size_t, double>>;
+  Gains of(std::span<Lever const>) const;
+  // What each column does to its input, in the root of its power in the bin (`everywhere`: at all frequencies).
+  std::vector<std::complex<double>> to_inputs(FrequencyGrid const&, std::size_t bin, bool everywhere) const;
+  bool tone(std::size_t column) const { return motion_.inputs[input(column)].tone_frequency > 0; }
+  bool drifts(std::size_t column) const { return motion_.inputs[input(column)].drift; }
 
  private:
   struct Column {
@@ -31,11 +33,17 @@ class MotionDirections {
     TransferFunction const* transfer;
     bool imaginary;
   };
-  void add_column(std::size_t input, TransferFunction const* transfer, bool imaginary);
+  struct Entry {  // what one gain of a column's input does to a body
+    std::size_t column, gain;
+    int axis;
+    double value;
+  };
+  void add_columns(std::size_t input);
   double root_power(std::size_t input, double low, double high, bool everywhere) const;
 
   MotionSet const& motion_;
   std::vector<Column> columns_;
+  std::vector<std::vector<Entry>> of_body_;
 };
 
 }  // namespace straytrace

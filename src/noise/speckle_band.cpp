@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 
 #include "noise/motion_directions.hpp"
 #include "noise/percentiles.hpp"
+#include "noise/speckle_modes.hpp"
 
 namespace straytrace {
 namespace {
@@ -17,18 +20,22 @@ using Complex = std::complex<double>;
 
 constexpr std::size_t few = 8;  // paths of a computed route that are taken one by one
 
-// One resolved route, seen as a complex amplitude per input of the motion.
+// One resolved route, seen as a complex amplitude per input of the motion. It knows those alone that move it.
 struct Part {
   std::size_t route;
-  MatrixXd directions;               // second moments of its gains, weighted by power
-  std::vector<std::size_t> records;  // of a computed route: those that are phasors; empty: Gaussian
+  std::vector<std::size_t> columns, inputs;  // ascending
+  std::size_t block = 0;                     // of inputs
+  std::vector<Eigen::Index> rows;            // where its inputs are in the block
+  MatrixXd directions;                       // second moments of its gains to columns, weighted by power
+  std::vector<std::size_t> records;          // of a computed route: those that are phasors; empty: Gaussian
   double surviving, mean_square;
   bool family;  // coherent: one unknown phase for all of them
 };
 
-// Gains to inputs in the root of their power: by linear coupling that in the bin counts, where fringes wrap all of it.
+// Gains of columns to inputs in the root of their power: by linear coupling that in the bin counts, where fringes wrap
+// all of it.
 struct Metrics {
-  MatrixXcd in_bin, everywhere;
+  std::vector<Complex> in_bin, everywhere;
 };
 
 class SpeckleLaw {
@@ -41,60 +48,110 @@ class SpeckleLaw {
       parts_.push_back(part(r));
       copies_ = std::min(copies_, ifo.copies(table.classes[r].port));
     }
+    divide_inputs();
   }
 
   std::array<double, 3> at(std::size_t bin) const {  // percentiles of the PSD
-    MatrixXcd gamma = MatrixXcd::Zero(gains_.inputs(), gains_.inputs()), relation = gamma;
+    std::vector<SpeckleMoments> moments;
+    for (auto const& block : blocks_) {
+      MatrixXcd const none = MatrixXcd::Zero(Eigen::Index(block.size()), Eigen::Index(block.size()));
+      moments.push_back({none, none});
+    }
     RandomVector v;
     Metrics const metrics{gains_.to_inputs(b_.grid, bin, false), gains_.to_inputs(b_.grid, bin, true)};
-    for (Part const& p : parts_) add(p, bin, metrics, gamma, relation, v);
+    for (Part const& p : parts_)
+      if (!p.inputs.empty()) add(p, bin, metrics, moments[p.block], v);
     auto const copies = std::max(1, int(std::lround(copies_)));
-    MatrixXd const covariance = real_covariance(gamma, relation) / copies;
-    Eigen::SelfAdjointEigenSolver<MatrixXd> const modes(covariance);
+    std::vector<SpeckleMode> const modes = modes_of(moments, !v.phasors.empty());
     if (v.phasors.empty()) {
       std::vector<double> weights;
-      for (double const w : modes.eigenvalues()) weights.push_back(std::max(0.0, w));
+      for (SpeckleMode const& m : modes) weights.push_back(m.weight / copies);
       return draws_.percentiles(weights, copies);
     }
     for (auto& [first, second] : v.phasors)
       for (auto* half : {&first, &second})
         for (double& x : *half) x /= std::sqrt(double(copies));
-    for (Eigen::Index m = modes.eigenvalues().size(); m-- > 0;) {
-      double const w = modes.eigenvalues()(m);
-      if (!(w > 1e-6 * covariance.trace()) || !(w > 0)) break;
-      Eigen::VectorXd const column = std::sqrt(w) * modes.eigenvectors().col(m);
-      v.gaussian.emplace_back(column.begin(), column.end());
-    }
+    double total = 0;
+    for (SpeckleMode const& m : modes) total += m.weight;
+    for (SpeckleMode const& m : modes)
+      if (m.weight > 1e-6 * total)
+        v.gaussian.push_back(among_all(std::sqrt(m.weight / copies) * m.direction, blocks_[m.block]));
     return draws_.percentiles(v, copies);
   }
 
  private:
   Part part(std::size_t r) const {
     CouplingClass const& c = table_.classes[r];
-    Part p{
-        r, MatrixXd::Zero(gains_.columns(), gains_.columns()), {}, 0, b_.routes[r].mean_square_phase, c.adds_fields()};
-    double weight = 0;
+    Part p{r, {}, {}, 0, {}, {}, {}, 0, b_.routes[r].mean_square_phase, c.adds_fields()};
+    std::set<std::size_t> columns, inputs;
+    for (PathRecord const& record : c.records)
+      for (auto const& [column, gain] : gains_.of(record.levers)) columns.insert(column);
+    for (std::size_t const column : columns) inputs.insert(gains_.input(column));
+    p.columns.assign(columns.begin(), columns.end());
+    p.inputs.assign(inputs.begin(), inputs.end());
+    p.directions = MatrixXd::Zero(Eigen::Index(columns.size()), Eigen::Index(columns.size()));
+    double weight = 0, tones = 0;
     for (PathRecord const& record : c.records) {
-      Eigen::VectorXd const g = gains_.of(record.levers);
+      Eigen::VectorXd const g = to_columns(p, record);
       p.directions += record.weight * g * g.transpose();
       weight += record.weight;
     }
-    double const tones = weight > 0 ? gains_.tone_power(p.directions) / weight : 0;
-    p.surviving = surviving_phase(std::max(0.0, p.mean_square - tones), tones, gains_.drifts(p.directions));
+    bool drifts = false;
+    for (std::size_t k = 0; k < p.columns.size(); ++k) {
+      double const square = p.directions(Eigen::Index(k), Eigen::Index(k));
+      if (gains_.tone(p.columns[k])) tones += 0.5 * square;
+      drifts |= gains_.drifts(p.columns[k]) && square > 0;
+    }
+    if (weight > 0) tones /= weight;
+    p.surviving = surviving_phase(std::max(0.0, p.mean_square - tones), tones, drifts);
     if (c.deterministic() && c.records.size() <= few && !p.family)
       for (std::size_t i = 0; i < c.records.size(); ++i) p.records.push_back(i);
     return p;
   }
 
-  // Re and Im of a complex Gaussian vector with E H H^+ and E H H^T.
-  static MatrixXd real_covariance(MatrixXcd const& gamma, MatrixXcd const& relation) {
-    Eigen::Index const n = gamma.rows();
-    MatrixXd out(2 * n, 2 * n);
-    out.topLeftCorner(n, n) = 0.5 * (gamma + relation).real();
-    out.bottomRightCorner(n, n) = 0.5 * (gamma - relation).real();
-    out.topRightCorner(n, n) = 0.5 * (relation - gamma).imag();
-    out.bottomLeftCorner(n, n) = out.topRightCorner(n, n).transpose();
+  Eigen::VectorXd to_columns(Part const& p, PathRecord const& record) const {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(Eigen::Index(p.columns.size()));
+    for (auto const& [column, gain] : gains_.of(record.levers)) out[place(p.columns, column)] = gain;
     return out;
+  }
+  // Columns of a part to its inputs.
+  MatrixXcd matrix(Part const& p, std::vector<Complex> const& factors) const {
+    MatrixXcd out = MatrixXcd::Zero(Eigen::Index(p.inputs.size()), Eigen::Index(p.columns.size()));
+    for (std::size_t k = 0; k < p.columns.size(); ++k)
+      out(place(p.inputs, gains_.input(p.columns[k])), Eigen::Index(k)) = factors[p.columns[k]];
+    return out;
+  }
+  static Eigen::Index place(std::vector<std::size_t> const& ascending, std::size_t value) {
+    return std::lower_bound(ascending.begin(), ascending.end(), value) - ascending.begin();
+  }
+
+  // Inputs that one route sees are of one block.
+  void divide_inputs() {
+    std::vector<std::size_t> with(gains_.inputs());  // another input of the same block; the first of all: itself
+    std::iota(with.begin(), with.end(), std::size_t{0});
+    auto const first = [&](std::size_t i) {
+      while (with[i] != i) i = with[i] = with[with[i]];
+      return i;
+    };
+    for (Part const& p : parts_)
+      for (std::size_t const i : p.inputs) {
+        auto const [low, high] = std::minmax({first(i), first(p.inputs.front())});
+        with[high] = low;
+      }
+    std::vector<std::size_t> number(with.size()), row(with.size());
+    for (std::size_t i = 0; i < with.size(); ++i) {
+      if (first(i) == i) {
+        number[i] = blocks_.size();
+        blocks_.emplace_back();
+      }
+      number[i] = number[first(i)];
+      row[i] = blocks_[number[i]].size();
+      blocks_[number[i]].push_back(i);
+    }
+    for (Part& p : parts_) {
+      if (!p.inputs.empty()) p.block = number[p.inputs.front()];
+      for (std::size_t const i : p.inputs) p.rows.push_back(Eigen::Index(row[i]));
+    }
   }
 
   // Share of one static phase in the two quadratures: E H^2 / E |H|^2.
@@ -106,27 +163,27 @@ class SpeckleLaw {
     return both > 0 ? p.surviving * (phase * phase + amplitude * amplitude) / both : 0;
   }
 
-  void add(Part const& p, std::size_t bin, Metrics const& metrics, MatrixXcd& gamma, MatrixXcd& relation,
-           RandomVector& v) const {
+  void add(Part const& p, std::size_t bin, Metrics const& metrics, SpeckleMoments& moments, RandomVector& v) const {
     double const psd = std::pow(b_.routes[p.route].asd[bin], 2);
     if (!(psd > 0)) return;
-    auto const moments = [&](MatrixXcd const& m) { return MatrixXcd(m * p.directions * m.adjoint()); };
-    bool const elsewhere = p.mean_square > 1 || !(moments(metrics.in_bin).trace().real() > 0);
-    MatrixXcd const& to_inputs = elsewhere ? metrics.everywhere : metrics.in_bin;
-    MatrixXcd const all = moments(to_inputs);
+    auto const power = [&](MatrixXcd const& m) { return MatrixXcd(m * p.directions * m.adjoint()); };
+    MatrixXcd to_inputs = matrix(p, metrics.in_bin);
+    if (p.mean_square > 1 || !(power(to_inputs).trace().real() > 0)) to_inputs = matrix(p, metrics.everywhere);
+    MatrixXcd const all = power(to_inputs);
     double const trace = all.trace().real();
     if (!(trace > 0)) return;
     Complex const share = relation_of(p, bin);
-    if (p.family) return add_family(p, psd, share, to_inputs, gamma, relation, v);
+    if (p.family) return add_family(p, psd, share, to_inputs, moments, v);
     if (p.records.empty() || v.phasors.size() + p.records.size() > few) {
-      gamma += psd / trace * all;
-      relation += psd / trace * share * (to_inputs * p.directions * to_inputs.transpose());
+      moments.gamma(p.rows, p.rows) += psd / trace * all;
+      moments.relation(p.rows, p.rows) += psd / trace * share * (to_inputs * p.directions * to_inputs.transpose());
       return;
     }
+    auto const [phase, amplitude] = quadratures(share);
     for (std::size_t const i : p.records) {
       PathRecord const& record = table_.classes[p.route].records[i];
-      VectorXcd const direction = std::sqrt(psd / trace * record.weight) * (to_inputs * gains_.of(record.levers));
-      add_phasor(direction, share, v);
+      VectorXcd const direction = std::sqrt(psd / trace * record.weight) * (to_inputs * to_columns(p, record));
+      v.phasors.emplace_back(reals(direction * phase, p.inputs), reals(direction * amplitude, p.inputs));
     }
   }
 
@@ -138,15 +195,15 @@ class SpeckleLaw {
   }
 
   // Fields with known relative phases: their sum is one phasor for each state of polarisation.
-  void add_family(Part const& p, double psd, Complex share, MatrixXcd const& to_inputs, MatrixXcd& gamma,
-                  MatrixXcd& relation, RandomVector& v) const {
+  void add_family(Part const& p, double psd, Complex share, MatrixXcd const& to_inputs, SpeckleMoments& moments,
+                  RandomVector& v) const {
     auto const [phase, amplitude] = quadratures(share);
     std::vector<std::pair<VectorXcd, VectorXcd>> states;
     double mean = 0;
     for (std::size_t const state : {0, 1}) {
-      VectorXcd first = VectorXcd::Zero(gains_.inputs()), second = VectorXcd::Zero(gains_.inputs());
+      VectorXcd first = VectorXcd::Zero(to_inputs.rows()), second = first;
       for (PathRecord const& r : table_.classes[p.route].records) {
-        VectorXcd const gain = to_inputs * gains_.of(r.levers);
+        VectorXcd const gain = to_inputs * to_columns(p, r);
         first += gain * (phase * r.field[state].real() - amplitude * r.field[state].imag());
         second += gain * (phase * r.field[state].imag() + amplitude * r.field[state].real());
       }
@@ -157,24 +214,27 @@ class SpeckleLaw {
       first *= std::sqrt(psd / mean);
       second *= std::sqrt(psd / mean);
       if (v.phasors.size() < few) {
-        v.phasors.emplace_back(reals(first), reals(second));
+        v.phasors.emplace_back(reals(first, p.inputs), reals(second, p.inputs));
         continue;
       }
-      gamma += (first * first.adjoint() + second * second.adjoint()) / 2;
-      relation += (first * first.transpose() + second * second.transpose()) / 2;
+      moments.gamma(p.rows, p.rows) += (first * first.adjoint() + second * second.adjoint()) / 2;
+      moments.relation(p.rows, p.rows) += (first * first.transpose() + second * second.transpose()) / 2;
     }
   }
 
-  static std::vector<double> reals(VectorXcd const& x) {
-    std::vector<double> out;
-    for (Eigen::Index i = 0; i < x.size(); ++i) out.push_back(x(i).real());
-    for (Eigen::Index i = 0; i < x.size(); ++i) out.push_back(x(i).imag());
-    return out;
+  // Among all inputs: real parts, then imaginary parts.
+  std::vector<double> reals(VectorXcd const& x, std::vector<std::size_t> const& inputs) const {
+    Eigen::VectorXd both(2 * x.size());
+    both << x.real(), x.imag();
+    return among_all(both, inputs);
   }
-
-  static void add_phasor(VectorXcd const& direction, Complex share, RandomVector& v) {
-    auto const [phase, amplitude] = quadratures(share);
-    v.phasors.emplace_back(reals(direction * phase), reals(direction * amplitude));
+  std::vector<double> among_all(Eigen::VectorXd const& both, std::vector<std::size_t> const& inputs) const {
+    std::vector<double> out(2 * gains_.inputs());
+    for (std::size_t k = 0; k < inputs.size(); ++k) {
+      out[inputs[k]] = both(Eigen::Index(k));
+      out[gains_.inputs() + inputs[k]] = both(Eigen::Index(inputs.size() + k));
+    }
+    return out;
   }
 
   NoiseBudget const& b_;
@@ -183,6 +243,7 @@ class SpeckleLaw {
   MotionDirections gains_;
   Draws draws_;
   std::vector<Part> parts_;
+  std::vector<std::vector<std::size_t>> blocks_;  // inputs that routes tie together, ascending
   double copies_ = 1;
 };
 

@@ -8,7 +8,7 @@
 namespace straytrace {
 namespace {
 
-constexpr double below_highest = 1e-12;  // fringes there are near the rounding of a transform
+constexpr double near_rounding = 1e-12;  // fringes there are near the rounding of a transform
 
 struct Chosen {
   std::vector<std::size_t> route;         // of each path
@@ -91,7 +91,7 @@ std::vector<SpotCheck> SpotChecks::compared(std::function<std::vector<double>(st
     found.path = o.path;
     std::vector<double> const psd = shared(o.path), mean_psd = mean(o.route);
     std::vector<double> const &own = o.spectrum.psd, &linear = o.spectrum.linear;
-    double const floor = below_highest * *std::max_element(own.begin(), own.end());
+    double const floor = near_rounding * *std::max_element(own.begin(), own.end());
     for (std::size_t i = 0; i < own.size(); ++i) {
       double const size = std::max(own[i], mean_psd[i]);
       if (!(size > 0) || (size < floor && !(linear[i] > 0.5 * own[i]))) continue;

@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-std::string number(double h) { return std::isnan(h) ? "-" : fmt::format("{:.2e}", h); }
+std::string strain_number(double h) { return std::isnan(h) ? "-" : fmt::format("{:.2e}", h); }
 
 std::string sources(NoiseBands const& bands) {
   Columns c;
@@ -31,8 +31,8 @@ std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies,
                    std::vector<double> const& high) {
   std::string text;
   for (double const hz : frequencies)
-    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", number(band_at(low, b.grid, hz)),
-                        number(band_at(high, b.grid, hz)));
+    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", strain_number(band_at(low, b.grid, hz)),
+                        strain_number(band_at(high, b.grid, hz)));
   return text;
 }
 
@@ -55,7 +55,7 @@ std::string band_text(NoiseBudget const& b, std::vector<double> const& frequenci
     std::vector<std::string> row{fmt::format("{:g}", hz)};
     for (auto const* curve : {&b.bands.input_low, &b.bands.input_high, &b.bands.speckle_05, &b.bands.speckle_50,
                               &b.bands.speckle_95, &b.total.asd, &b.bands.coherent})
-      row.push_back(number(band_at(*curve, b.grid, hz)));
+      row.push_back(strain_number(band_at(*curve, b.grid, hz)));
     c.rows.push_back(std::move(row));
   }
   std::string text = aligned(c);

@@ -11,32 +11,32 @@
 namespace straytrace {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+SortedJson number(double x) { return std::isfinite(x) ? SortedJson(x) : SortedJson(nullptr); }
 
-Json vector_json(Vec3 v) { return {v.x, v.y, v.z}; }
+SortedJson vector_json(Vec3 v) { return {v.x, v.y, v.z}; }
 
-Json row_json(GhostReport const& report, GhostRow const& r) {
+SortedJson row_json(GhostReport const& report, GhostRow const& r) {
   Ghost const& g = r.ghost;
   Standing const& s = g.standing;
-  Json row = {{"number", g.number},
-              {"order", g.order},
-              {"route", r.route},
-              {"end", name_of(g.end)},
-              {"where", g.where.valid() ? Json(report.groups.at(g.where.value)) : Json(nullptr)},
-              {"side", g.front ? "front" : "back"},
-              {"power", g.power},
-              {"beside", g.clipped},
-              {"spot_major_m", g.spot.major},
-              {"spot_minor_m", g.spot.minor},
-              {"spot_axis", vector_json(g.spot.axis)},
-              {"point_m", vector_json(g.point)},
-              {"travel", vector_json(g.travel)},
-              {"path_length_m", g.path_length},
-              {"angle_rad", number(s.known ? s.angle : not_a_number)},
-              {"difference_m", number(s.known ? s.difference : not_a_number)},
-              {"against", s.against}};
+  SortedJson row = {{"number", g.number},
+                    {"order", g.order},
+                    {"route", r.route},
+                    {"end", name_of(g.end)},
+                    {"where", g.where.valid() ? SortedJson(report.groups.at(g.where.value)) : SortedJson(nullptr)},
+                    {"side", g.front ? "front" : "back"},
+                    {"power", g.power},
+                    {"beside", g.clipped},
+                    {"spot_major_m", g.spot.major},
+                    {"spot_minor_m", g.spot.minor},
+                    {"spot_axis", vector_json(g.spot.axis)},
+                    {"point_m", vector_json(g.point)},
+                    {"travel", vector_json(g.travel)},
+                    {"path_length_m", g.path_length},
+                    {"angle_rad", number(s.known ? s.angle : not_a_number)},
+                    {"difference_m", number(s.known ? s.difference : not_a_number)},
+                    {"against", s.against}};
   if (report.power > 0) row["power_W"] = g.power * report.power;
   if (s.recoupled.any && g.order > 0) {
     row["recoupled"] = s.recoupled.share();
@@ -44,7 +44,7 @@ Json row_json(GhostReport const& report, GhostRow const& r) {
   } else {
     row["recoupled"] = nullptr;
   }
-  Json steps = Json::array(), points = Json::array(), strain = Json::object();
+  SortedJson steps = SortedJson::array(), points = SortedJson::array(), strain = SortedJson::object();
   for (PathStep const& step : r.steps)
     steps.push_back(fmt::format("{}·{}", report.groups.at(step.group.value), letter(step.event)));
   for (Vec3 const& p : r.points) points.push_back(vector_json(p));
@@ -56,9 +56,9 @@ Json row_json(GhostReport const& report, GhostRow const& r) {
   return row;
 }
 
-Json ledger_json(GhostReport const& report) {
+SortedJson ledger_json(GhostReport const& report) {
   BeamLedger const& l = report.ledger;
-  Json objects = Json::array();
+  SortedJson objects = SortedJson::array();
   for (std::size_t i = 0; i < l.objects.size(); ++i) {
     BeamLedger::Object const& o = l.objects[i];
     if (o.landed == 0 && o.beside == 0) continue;
@@ -79,12 +79,12 @@ Json ledger_json(GhostReport const& report) {
           {"total", l.total()}};
 }
 
-Json objects_json(GhostReport const& report) {
-  Json all = Json::array();
+SortedJson objects_json(GhostReport const& report) {
+  SortedJson all = SortedJson::array();
   for (std::size_t i = 0; i < report.objects.size(); ++i) {
     GhostObject const& o = report.objects[i];
     if (!(o.ends > 0 || o.recoupled > 0)) continue;
-    Json entry = {{"object", report.groups[i]}, {"ghosts_end", o.ends}, {"recoupled_saved", o.recoupled}};
+    SortedJson entry = {{"object", report.groups[i]}, {"ghosts_end", o.ends}, {"recoupled_saved", o.recoupled}};
     if (report.has_noise)
       for (std::size_t k = 0; k < ghost_frequencies.size(); ++k)
         entry["strain_saved"][fmt::format("{:g}", ghost_frequencies[k])] = number(std::sqrt(o.strain2[k]));
@@ -96,20 +96,20 @@ Json objects_json(GhostReport const& report) {
 }  // namespace
 
 std::string ghost_json(GhostReport const& report) {
-  Json rows = Json::array();
+  SortedJson rows = SortedJson::array();
   for (GhostRow const& r : report.rows) rows.push_back(row_json(report, r));
-  Json out = {{"beam", report.beam},
-              {"floor", report.floor},
-              {"passes", report.passes},
-              {"complete", !(report.ledger.stopped > 0)},
-              {"count", report.ghosts},
-              {"ghosts", rows},
-              {"objects", objects_json(report)},
-              {"ledger", ledger_json(report)},
-              {"recoupled_with", report.recoupled_with},
-              {"recoupled_against", report.recoupled_against},
-              {"warnings", report.warnings},
-              {"notes", report.notes}};
+  SortedJson out = {{"beam", report.beam},
+                    {"floor", report.floor},
+                    {"passes", report.passes},
+                    {"complete", !(report.ledger.stopped > 0)},
+                    {"count", report.ghosts},
+                    {"ghosts", rows},
+                    {"objects", objects_json(report)},
+                    {"ledger", ledger_json(report)},
+                    {"recoupled_with", report.recoupled_with},
+                    {"recoupled_against", report.recoupled_against},
+                    {"warnings", report.warnings},
+                    {"notes", report.notes}};
   if (report.power > 0) out["power_W"] = report.power;
   if (report.has_port)
     out["port"] = {{"name", report.port},

@@ -12,7 +12,7 @@
 namespace straytrace {
 namespace {
 
-std::string number(double x, char const* format = "{:.3g}") {
+std::string short_number(double x, char const* format = "{:.3g}") {
   return std::isfinite(x) ? fmt::format(fmt::runtime(format), x) : "-";
 }
 
@@ -48,9 +48,9 @@ void add_row(Columns& table, GhostReport const& report, GhostRow const& r) {
   double const angle = s.angle > 1e-12 ? s.angle : 0;  // below: rounding
   row.push_back(s.known ? fmt::format("{:.4g}{}", 1e3 * angle, s.against ? " back" : "") : "-");
   row.push_back(s.known ? fmt::format("{:.5g}", 1e3 * s.difference) : "-");
-  row.push_back(s.recoupled.any && g.order > 0 ? number(s.recoupled.share()) : "-");
+  row.push_back(s.recoupled.any && g.order > 0 ? short_number(s.recoupled.share()) : "-");
   if (report.has_noise)
-    for (double h : r.strain) row.push_back(number(h, "{:.2g}"));
+    for (double h : r.strain) row.push_back(short_number(h, "{:.2g}"));
   row.push_back(short_route(r.route));
   table.rows.push_back(row);
 }
@@ -124,10 +124,10 @@ std::string objects_text(GhostReport const& report, std::size_t show) {
     bool const ends = o.ends > rounding;
     if (table.rows.size() >= show || !(ends || o.recoupled > 0)) continue;
     std::vector<std::string> row = {report.groups[i],
-                                    ends ? number(o.ends * (report.power > 0 ? report.power : 1)) : "-",
-                                    o.recoupled > 0 ? number(o.recoupled) : "-"};
+                                    ends ? short_number(o.ends * (report.power > 0 ? report.power : 1)) : "-",
+                                    o.recoupled > 0 ? short_number(o.recoupled) : "-"};
     if (report.has_noise)
-      for (double h2 : o.strain2) row.push_back(h2 > 0 ? number(std::sqrt(h2), "{:.2g}") : "-");
+      for (double h2 : o.strain2) row.push_back(h2 > 0 ? short_number(std::sqrt(h2), "{:.2g}") : "-");
     table.rows.push_back(row);
   }
   return table.rows.empty() ? "No ghost meets an object.\n" : aligned(table);

@@ -15,7 +15,9 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-std::string number(double x, char const* form) { return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-"; }
+std::string number_or_dash(double x, char const* form) {
+  return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-";
+}
 
 // The column `kind` is there when the table holds more than scattered light.
 bool has_kinds(PathTable const& table) {
@@ -54,10 +56,10 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   for (WithError const& h : row.strain)
     c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h.value, h.sigma) : still);
   c.push_back(row.moves.empty() ? "-" : row.moves);
-  c.push_back(row.body.empty() ? "-" : number(row.lever, "{:.3g}"));
-  c.push_back(number(row.rms_phase, "{:.2g}"));
+  c.push_back(row.body.empty() ? "-" : number_or_dash(row.lever, "{:.3g}"));
+  c.push_back(number_or_dash(row.rms_phase, "{:.2g}"));
   c.push_back(row.regime.empty() ? "-" : row.regime);
-  c.push_back(number(row.length_mean, "{:.6g}"));
+  c.push_back(number_or_dash(row.length_mean, "{:.6g}"));
   return c;
 }
 

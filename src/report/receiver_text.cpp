@@ -13,7 +13,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-std::string verdict(Estimate const& e) {
+std::string verdict_text(Estimate const& e) {
   return e.trusted ? "resolved" : fmt::format("unresolved: {} (hint: about {:.1g})", e.why_not, e.mean);
 }
 
@@ -39,7 +39,7 @@ std::string totals(ReceiverTable const& table) {
     Cells row = {r.name};
     add_power(row, {r.power.mean, r.power.std_error}, r.power.trusted, table.beam_power);
     row.push_back(fmt::format("{}", r.power.scored));
-    row.push_back(verdict(r.power));
+    row.push_back(verdict_text(r.power));
     c.rows.push_back(std::move(row));
   }
   return aligned(c);
@@ -78,7 +78,7 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
     Cells row = {fmt::format("{}", route.rank), route.sequence};
     add_power(row, {route.power.mean, route.power.std_error}, resolved, beam_power);
     row.push_back(resolved ? percent_text(route.share.value, route.share.sigma) : "-");
-    row.push_back(verdict(route.power));
+    row.push_back(verdict_text(route.power));
     c.rows.push_back(std::move(row));
   }
   std::string text = aligned(c);
@@ -88,7 +88,7 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
   return folded.empty() ? text : text + "\n" + folded;
 }
 
-std::string units(ReceiverTable const& table) {
+std::string units_text(ReceiverTable const& table) {
   return table.beam_power > 0 ? fmt::format("Power over that of the main mode, {:g} W", table.beam_power)
                               : "Power over that of the main mode; no beam states its 'power', so there are no watts";
 }
@@ -126,7 +126,7 @@ std::string headline(ReceiverEntry const& r) {
 
 std::string receiver_text(ReceiverTable const& table, std::size_t show) {
   if (table.receivers.empty()) return "The scene has no receivers.\n";
-  std::string text = "Light on receivers. " + units(table) + ".\n(n): one standard error, last digits.\n\n";
+  std::string text = "Light on receivers. " + units_text(table) + ".\n(n): one standard error, last digits.\n\n";
   text += totals(table);
   for (ReceiverEntry const& r : table.receivers)
     text += headline(r) + routes(r, table.beam_power, show) + quadrants(r, table.beam_power);
@@ -135,7 +135,7 @@ std::string receiver_text(ReceiverTable const& table, std::size_t show) {
 
 std::string census_text(ReceiverTable const& table, std::size_t show) {
   if (table.receivers.empty()) return "The scene has no receivers.\n";
-  std::string text = "What the light that arrives has met. " + units(table) +
+  std::string text = "What the light that arrives has met. " + units_text(table) +
                      ".\nA path counts once for every object it touches, so shares add up to more than 100 %.\n";
   for (ReceiverEntry const& r : table.receivers)
     text += headline(r) + census(r, table.beam_power, show) + "\n" + routes(r, table.beam_power, show);

@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 
+#include "scene/axes.hpp"
+
 namespace straytrace {
 namespace {
-
-constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
 
 int read_axis(Node const& repeat) {
   std::string const axis = repeat.choice("along", axes);

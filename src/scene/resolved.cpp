@@ -7,13 +7,12 @@
 #include <array>
 
 #include "base/document.hpp"
+#include "scene/axes.hpp"
 #include "scene/merge.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
 
 // One line in flow style.
 std::string flow(NodeData const& n) {

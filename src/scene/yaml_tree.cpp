@@ -16,7 +16,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t deepest = 64;
+constexpr std::size_t deepest = 64, most_values = 1'000'000;  // half a kilobyte each
 
 struct StopReading {};  // the rest of the file cannot be used; the problem is recorded
 
@@ -44,6 +44,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void OnNull(YAML::Mark const& mark, YAML::anchor_t) override {
+    count(mark);
     if (awaits_key()) {
       guess(place(mark), "a key is missing before ':'", "write 'key: value'");
       set_discarded_key();
@@ -75,6 +76,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnScalar(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
                 std::string const& value) override {
+    count(mark);
     refuse_properties(mark, tag, anchor);
     auto node = std::make_shared<NodeData>();
     node->kind = Node::Kind::scalar;
@@ -224,7 +226,15 @@ class TreeBuilder : public YAML::EventHandler {
     top.has_key = top.discard = false;
   }
 
+  void count(YAML::Mark const& mark) {
+    if (++values_ <= most_values) return;
+    problem(place(mark), fmt::format("the file has more than {} keys and values", most_values),
+            "use 'repeat', or put measured data into files of their own");
+    throw StopReading{};
+  }
+
   void begin(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor, Node::Kind kind) {
+    count(mark);
     if (stack_.size() >= deepest) {
       problem(place(mark), fmt::format("tables and lists are nested more than {} deep", deepest), "check the brackets");
       throw StopReading{};
@@ -253,7 +263,7 @@ class TreeBuilder : public YAML::EventHandler {
   std::shared_ptr<NodeData> root_;
   std::vector<Frame> stack_;
   int documents_ = 0, counted_line_ = -1;
-  std::size_t counted_bytes_ = 0;
+  std::size_t counted_bytes_ = 0, values_ = 0;
   std::uint32_t counted_points_ = 0;
   bool quote_is_open_ = false;
   std::vector<Problem> guesses_, broken_lines_;

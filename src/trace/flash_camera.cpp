@@ -16,18 +16,19 @@ bool comes_back(Ray const& ray, Vec3 eye, double radius, double free) {
   return along > 0 && along < free + radius && length(ray.origin + along * ray.dir - eye) < radius;
 }
 
-struct Way {
+struct FlashWay {
   PathState path;       // power: share that passes one way
   double distance = 0;  // m from the eye to the start of the ray
   int mirrors = 0;
 };
 
 // Where the way goes on; straight on through what is not drawn.
-void follow(WorldView const& world, Way const& way, Vertex const& at, Flash const& flash, std::vector<Way>& waiting) {
+void follow(WorldView const& world, FlashWay const& way, Vertex const& at, Flash const& flash,
+            std::vector<FlashWay>& waiting) {
   for (bool const through : {false, true}) {
     double const power = way.path.power * (through ? at.transmit : at.reflect);
     if (!(power > flash.faintest)) continue;
-    Way next = way;
+    FlashWay next = way;
     ++next.mirrors;
     next.path.power = power;
     next.path.from = {at.surface, at.piece, at.contact};
@@ -43,13 +44,13 @@ void follow(WorldView const& world, Way const& way, Vertex const& at, Flash cons
 FlashLight flash_along(WorldView const& world, Ray ray, Departure from, Vec3 eye, Flash const& flash,
                        std::vector<Look> const& looks) {
   FlashLight seen;
-  Way start;
+  FlashWay start;
   start.path.ray = ray;
   start.path.from = from;
   start.path.power = 1;
-  std::vector<Way> waiting{start};
+  std::vector<FlashWay> waiting{start};
   while (!waiting.empty()) {
-    Way way = waiting.back();
+    FlashWay way = waiting.back();
     waiting.pop_back();
     Hit const hit = world.closest(way.path.ray, way.path.from);
     double const free = hit.surface.valid() ? hit.distance : infinity;

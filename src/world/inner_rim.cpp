@@ -10,7 +10,7 @@ namespace straytrace {
 namespace {
 
 template <class Shape>
-std::optional<InnerRim> rim_of_shape(Shape const& s) {
+std::optional<InnerRim> inner_rim_of(Shape const& s) {
   constexpr bool cone = std::is_base_of_v<Cone, Shape>, cap = std::is_same_v<Shape, Cap>;
   if constexpr (std::is_same_v<Shape, Disk> || cap || cone) {
     if (!(s.inner_radius > 0)) return {};
@@ -35,7 +35,7 @@ std::optional<InnerRim> rim_of_shape(Shape const& s) {
 
 std::optional<InnerRim> rim_of(World const& world, SurfaceId id) {
   std::optional<InnerRim> rim =
-      world.view().shapes.visit(world.surfaces()[id.value].shape, [](auto const& s) { return rim_of_shape(s); });
+      world.view().shapes.visit(world.surfaces()[id.value].shape, [](auto const& s) { return inner_rim_of(s); });
   if (rim) rim->surface = id;
   return rim;
 }

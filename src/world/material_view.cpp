@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "optics/specular.hpp"
+#include "world/degree.hpp"
 
 namespace straytrace {
-namespace {
-
-constexpr double degree = pi / 180;
-
-}  // namespace
+namespace {}  // namespace
 
 MaterialShares shares_at(WorldView const& world, Optic const& optic, double degrees) {
   MaterialShares row{degrees, {}, 0, 0, 0, 0};

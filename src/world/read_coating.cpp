@@ -8,6 +8,7 @@
 #include <map>
 
 #include "optics/coating_table.hpp"
+#include "world/degree.hpp"
 #include "world/share_table.hpp"
 
 namespace straytrace {
@@ -101,7 +102,6 @@ ShareTable rows_at(ShareTable const& t, double wavelength) {
 // Rows of one wavelength, checked; nothing when they are wrong, and reported.
 std::vector<CoatingRow> checked_rows(Node const& node, ShareTable const& table) {
   auto rows = rows_of(node, table);
-  constexpr double degree = pi / 180;
   if (rows.empty()) return rows;
   if (rows.size() >= 2 && rows.front().angle >= 0 && rows.front().angle <= 15 * degree &&
       std::fabs(rows.back().angle - pi / 2) <= 1e-9)

@@ -9,9 +9,9 @@
 namespace straytrace {
 namespace {
 
-class Reader {
+class ColumnsReader {
  public:
-  Reader(std::string const& example, std::vector<Problem>& problems) : example_(example), problems_(problems) {}
+  ColumnsReader(std::string const& example, std::vector<Problem>& problems) : example_(example), problems_(problems) {}
 
   ColumnFile read(std::string_view text) {
     std::size_t const before = problems_.size();
@@ -84,7 +84,7 @@ int ColumnFile::find(std::string_view column) const {
 }
 
 ColumnFile parse_columns(std::string_view text, std::string const& example, std::vector<Problem>& problems) {
-  return Reader(example, problems).read(text);
+  return ColumnsReader(example, problems).read(text);
 }
 
 ColumnFile read_columns(Node const& owner, std::string const& file, std::string const& example) {

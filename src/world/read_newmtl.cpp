@@ -15,9 +15,9 @@ namespace {
 // Written as 1064, 1.064 or 1064e-9: the unit follows from the size of the number.
 double wavelength_in_m(double x) { return x >= 50 ? x * 1e-9 : x >= 1e-2 ? x * 1e-6 : x; }
 
-class Reader {
+class NewmtlReader {
  public:
-  explicit Reader(std::vector<Problem>& problems) : problems_(problems) {}
+  explicit NewmtlReader(std::vector<Problem>& problems) : problems_(problems) {}
 
   void line(TextLine const& line) {
     std::vector<Token> const words = words_of(line);
@@ -82,7 +82,7 @@ class Reader {
 }  // namespace
 
 std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems) {
-  Reader reader(problems);
+  NewmtlReader reader(problems);
   for (TextLine const& line : lines_of(text)) reader.line(line);
   reader.finish();
   return std::move(reader.out);

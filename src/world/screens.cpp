@@ -7,13 +7,12 @@
 #include "beams/symmetric.hpp"
 
 namespace straytrace {
-namespace {
 
 // Upper bound of the square of the larger 1/e^2 radius at z >= 0: a + b z + c z^2, convex. With Q^-1 = A - iY at z = 0,
 // (Im Q)^-1 = Y + (A + z) Y^-1 (A + z) there. Exact for round beams.
-struct Width {
+struct BeamWidth {
   double a = 0, b = 0, c = 0;
-  explicit Width(Mode const& m) {
+  explicit BeamWidth(Mode const& m) {
     std::complex<double> const det = m.q11 * m.q22 - m.q12 * m.q12;
     std::complex<double> const i11 = m.q22 / det, i12 = -m.q12 / det, i22 = m.q11 / det;
     double const a11 = i11.real(), a12 = i12.real(), a22 = i22.real();
@@ -34,6 +33,8 @@ struct Width {
   double between(double low, double high) const { return std::max(at(low), at(high)); }
 };
 
+namespace {
+
 // Change of the distance along the beam to a plane, per offset from the chief ray.
 double steepness(Vec3 normal, Vec3 travel) {
   double const cosine = std::fabs(dot(normal, travel));
@@ -45,7 +46,7 @@ double steepness(Vec3 normal, Vec3 travel) {
 // The beam out to `reach` radii, from its start to where all of it has met the next surface.
 struct Screens::Tube {
   Vec3 start, travel;
-  Width width;
+  BeamWidth width;
   double reach, end;
   SurfaceId from, contact, to;
   std::uint32_t volume;

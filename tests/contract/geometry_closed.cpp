@@ -7,7 +7,7 @@
 
 #include "geometry_instances.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::geometry_closed {
 namespace {
 
 // Closed bodies of surfaces whose normals all point outwards.
@@ -130,4 +130,4 @@ TEST(closed_shapes, twins_with_a_gap_are_rejected) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::geometry_closed

@@ -5,7 +5,7 @@
 #include "geometry/drawing.hpp"
 #include "geometry_instances.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::geometry_drawing {
 namespace {
 
 // Corners on a circle of n points leave out 1 - sin(2 pi/n)/(2 pi/n) of it: 0.3 % of 48, and 2 % on balls and bowls. A
@@ -43,4 +43,4 @@ TYPED_TEST(Drawn, CoversTheShape) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::geometry_drawing

@@ -5,7 +5,7 @@
 #include "chi_square.hpp"
 #include "geometry_instances.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::geometry_sampling {
 namespace {
 
 // Point of the profile (height and radius) at s from 0 to 1; each shape is its profile turned about the axis.
@@ -132,4 +132,4 @@ TYPED_TEST(ShapeArea, samples_are_uniform) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::geometry_sampling

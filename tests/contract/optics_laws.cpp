@@ -7,7 +7,7 @@
 #include "optics_quadrature.hpp"
 #include "statistics.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::optics_laws {
 namespace {
 
 constexpr int draws = 100000,
@@ -238,4 +238,4 @@ TYPED_TEST(ScatterLaw, is_dark_below_the_surface) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::optics_laws

@@ -7,7 +7,7 @@
 #include "optics_quadrature.hpp"
 #include "statistics.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::optics_mixture {
 namespace {
 
 constexpr int draws = 100000, chi_checks = 4;
@@ -149,4 +149,4 @@ TEST(mixture, nothing_to_scatter) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::optics_mixture

@@ -8,7 +8,7 @@
 #include "optics_quadrature.hpp"
 #include "statistics.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::optics_through {
 namespace {
 
 struct Indices {
@@ -184,4 +184,4 @@ TEST(weights, multiply_and_stay_reciprocal) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::optics_through

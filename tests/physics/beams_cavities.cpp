@@ -9,7 +9,7 @@
 #include "beams/eigenmode.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_cavities {
 namespace {
 
 using testing::deviation;
@@ -205,4 +205,4 @@ TEST(beams, tem00_numbers_of_r2_10) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_cavities

@@ -7,7 +7,7 @@
 #include "beams_support.hpp"
 #include "statistics.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_clipping {
 namespace {
 
 using testing::deviation, testing::Dice;
@@ -143,4 +143,4 @@ TEST(clipping, of_a_mode_at_a_hole_in_a_screen) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_clipping

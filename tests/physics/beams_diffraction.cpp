@@ -9,7 +9,7 @@
 #include "beams/diffraction.hpp"
 #include "recorded.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::beams_diffraction {
 namespace {
 
 using Field = std::complex<double>;
@@ -254,4 +254,4 @@ TEST(Diffraction, RefusesWhatItCannotIntegrate) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::beams_diffraction

@@ -10,7 +10,7 @@
 #include "beams_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_eigenmodes {
 namespace {
 
 using testing::deviation;
@@ -181,4 +181,4 @@ TEST(eigenmode, folded_telescope_by_axes) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_eigenmodes

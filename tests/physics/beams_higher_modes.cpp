@@ -14,7 +14,7 @@
 #include "beams_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_higher_modes {
 namespace {
 
 using testing::Dice;
@@ -229,4 +229,4 @@ TEST(laguerre, mismatch_makes_a_geometric_series) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_higher_modes

@@ -9,7 +9,7 @@
 #include "beams_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_modes {
 namespace {
 
 using testing::Dice;
@@ -221,4 +221,4 @@ TEST(mode, a_reversed_beam_retraces_its_way) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_modes

@@ -8,7 +8,7 @@
 #include "beams_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_overlap {
 namespace {
 
 using testing::Dice, testing::ExactRay;
@@ -190,4 +190,4 @@ TEST(overlap, is_kept_for_shifted_and_tilted_beams) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_overlap

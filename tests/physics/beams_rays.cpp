@@ -8,7 +8,7 @@
 #include "beams_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_rays {
 namespace {
 
 using testing::ExactRay, testing::through_sphere;
@@ -177,4 +177,4 @@ TEST(beam_path, bevel_of_an_input_mirror_b13) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_rays

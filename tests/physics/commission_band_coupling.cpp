@@ -8,7 +8,7 @@
 #include "commission/coupling.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_band_coupling {
 namespace {
 
 using namespace straytrace::testing;
@@ -77,4 +77,4 @@ TEST(BandCoupling, NothingRoseIsNoCoupling) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_band_coupling

@@ -11,7 +11,7 @@
 #include "recorded.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_coupling {
 namespace {
 
 using namespace straytrace::testing;
@@ -206,4 +206,4 @@ TEST(Coupling, UnitsOfFactors) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_coupling

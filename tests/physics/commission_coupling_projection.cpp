@@ -9,7 +9,7 @@
 #include "recorded.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_coupling_projection {
 namespace {
 
 using namespace straytrace::testing;
@@ -63,4 +63,4 @@ TEST(CouplingProjection, LinearSyntheticIsTheTruthWithinFivePercentR6_08) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_coupling_projection

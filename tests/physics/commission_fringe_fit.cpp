@@ -10,7 +10,7 @@
 #include "recorded.hpp"
 #include "signal/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_fringe_fit {
 namespace {
 
 using namespace straytrace::testing;
@@ -262,4 +262,4 @@ TEST(FringeFit, ChanceOfAMaximum) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_fringe_fit

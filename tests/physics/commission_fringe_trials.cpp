@@ -10,7 +10,7 @@
 #include "fringe_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_fringe_trials {
 namespace {
 
 using namespace straytrace::testing;
@@ -92,4 +92,4 @@ TEST(FringeTrials, VerdictFollowsTheStrengthR6_07) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_fringe_trials

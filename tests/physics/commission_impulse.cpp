@@ -10,7 +10,7 @@
 #include "recorded.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_impulse {
 namespace {
 
 using namespace straytrace::testing;
@@ -236,4 +236,4 @@ TEST(Events, InjectionIsFoundInTimeAndFrequencyR6_01) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_impulse

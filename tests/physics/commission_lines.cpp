@@ -11,7 +11,7 @@
 #include "recorded.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_lines {
 namespace {
 
 using namespace straytrace::testing;
@@ -292,4 +292,4 @@ TEST(Ridge, LimitsAndErrorsOfABinHoldR6_04) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_lines

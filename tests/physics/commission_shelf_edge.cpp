@@ -8,7 +8,7 @@
 #include "fringe_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_shelf_edge {
 namespace {
 
 using namespace straytrace::testing;
@@ -91,4 +91,4 @@ TEST(ShelfEdge, ErrorsAndFalseAlarms) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_shelf_edge

@@ -10,7 +10,7 @@
 #include "recorded.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::commission_taps {
 namespace {
 
 using namespace straytrace::testing;
@@ -170,4 +170,4 @@ TEST(Taps, ListsAreReadAndRefused) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::commission_taps

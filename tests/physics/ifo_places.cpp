@@ -9,7 +9,7 @@
 #include "physics/ifo_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo_places {
 namespace {
 
 constexpr double wavelength = 1064e-9, k = 2 * pi / wavelength;
@@ -141,4 +141,4 @@ TEST(Places, RecyclingCavityAndSymmetricPort) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::ifo_places

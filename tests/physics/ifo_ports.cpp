@@ -9,7 +9,7 @@
 #include "physics/ifo_support.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo_ports {
 namespace {
 
 constexpr double wavelength = 1064e-9;
@@ -263,4 +263,4 @@ TEST(Ports, VirgoBenchesB4) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::ifo_ports

@@ -8,7 +8,7 @@
 #include "ifo/linear_response.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo_response {
 namespace {
 
 constexpr double wavelength = 1.064e-6, k = 2 * pi / wavelength;
@@ -165,4 +165,4 @@ TEST(Response, PoundDreverHallR2_12) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::ifo_response

@@ -4,7 +4,7 @@
 #include "ifo/fabry_perot_michelson.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_et_backscatter {
 namespace {
 
 // Mirror -> baffle -> same mirror, far half of the tube, mirror BRDF kappa theta^-n; eq. 8.3 and 8.4.
@@ -70,4 +70,4 @@ TEST(EinsteinTelescope, QuadraturesAddInPower) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_et_backscatter

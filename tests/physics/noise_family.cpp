@@ -4,7 +4,7 @@
 #include "noise/speckle_band.hpp"
 #include "noise_time_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_family {
 namespace {
 
 struct Member {
@@ -170,4 +170,4 @@ TEST(Family, SpreadOfRealisationsIsThatOfOnePhasor) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_family

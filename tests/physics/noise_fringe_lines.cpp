@@ -2,7 +2,7 @@
 // Sine motion: lines and shelf (physics.md eq. 7.2 to 7.6, 7.10, 7.11; cases A3, A3b, A4).
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_fringe_lines {
 namespace {
 
 double bessel(int n, double x) { return std::cyl_bessel_j(n, x); }
@@ -120,4 +120,4 @@ TEST(FringeLines, PlateauAndRmsMeanOfMicroseism) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_fringe_lines

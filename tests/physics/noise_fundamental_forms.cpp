@@ -6,7 +6,7 @@
 #include "noise/fundamental/surroundings.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_fundamental_forms {
 namespace {
 
 using namespace closed_forms;
@@ -124,4 +124,4 @@ TEST(Budget, WhatIsNotKnownIsNotZero) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_fundamental_forms

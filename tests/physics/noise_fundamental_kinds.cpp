@@ -10,7 +10,7 @@
 #include "noise/fundamental/suspension.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_fundamental_kinds {
 namespace {
 
 Detector detector() {
@@ -122,4 +122,4 @@ TEST(KindsOfThermalNoise, SuspensionsHavePendulumViolinAndVerticalModesR2_22) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_fundamental_kinds

@@ -4,7 +4,7 @@
 #include "noise/strength_nodes.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_histogram {
 namespace {
 
 // kappa of `count` paths: log-normal, independent in each class, times the strength of the class.
@@ -149,4 +149,4 @@ TEST(StrengthHistogram, NegativeKappa) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_histogram

@@ -3,7 +3,7 @@
 #include "noise/input_band.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_input_band {
 namespace {
 
 constexpr GroupId mirror{0}, steel{1};
@@ -106,4 +106,4 @@ TEST(InputBand, LinearMotionScalesTheNoiseWrappedDoesNot) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_input_band

@@ -3,7 +3,7 @@
 #include "noise/inversion.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_inversion {
 namespace {
 
 using Verdict = Allowed::Verdict;
@@ -118,4 +118,4 @@ TEST(Inversion, WrappedNoiseHasALargestValue) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_inversion

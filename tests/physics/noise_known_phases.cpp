@@ -5,7 +5,7 @@
 #include "noise_support.hpp"
 #include "time_series.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_known_phases {
 namespace {
 
 double bessel(int n, double x) { return std::cyl_bessel_j(n, std::fabs(x)) * (x < 0 && n % 2 ? -1 : 1); }
@@ -171,4 +171,4 @@ TEST(UpConversion, MonteCarloInTheTimeDomain) {  // A5: 5 % up to 10 Hz
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_known_phases

@@ -3,7 +3,7 @@
 #include "noise/predicted_coupling.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_predicted_coupling {
 namespace {
 
 std::vector<std::string> const bodies{"tube", "bench"};
@@ -76,4 +76,4 @@ TEST(PredictedCoupling, MotionOfOneCoordinateIsTakenAlone) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_predicted_coupling

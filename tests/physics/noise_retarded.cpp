@@ -3,7 +3,7 @@
 // body.
 #include "noise_time_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_retarded {
 namespace {
 
 // One body moves at a tone; light takes 6 km. A hit: its lever over 2k, and metres from there to the end of the path.
@@ -71,4 +71,4 @@ TEST(Retarded, HalfOfThePathIsExactWithTheReverse) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_retarded

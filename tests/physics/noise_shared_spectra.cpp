@@ -5,7 +5,7 @@
 #include "noise/strength_nodes.hpp"
 #include "noise_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_shared_spectra {
 namespace {
 
 FrequencyGrid const grid = logarithmic_grid(3, 100, 20);
@@ -159,4 +159,4 @@ TEST(SharedSpectra, NodesBeyondReachRefuseNoPath) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_shared_spectra

@@ -85,6 +85,25 @@ TEST(SpeckleBand, IndependentBodiesAverage) {  // sum of N exponentials of equal
   }
 }
 
+TEST(SpeckleBand, ABodyInEveryRouteTiesThem) {  // eq. 10.2; nearly at rest it leaves them apart
+  auto const with_mirror = [](bool in_routes, double asd) {
+    std::vector<CouplingClass> routes;
+    std::vector<Spectrum> spectra{power_law_asd(asd, 10, -2, 1, 100)};
+    for (std::uint32_t i = 1; i <= 12; ++i) {
+      std::vector<Lever> levers{lever(i, 2, two_k)};
+      if (in_routes) levers.push_back(lever(0, 2, -two_k));
+      routes.push_back(known_class(i, 1, {record(0, 1, levers)}));
+      spectra.push_back(power_law_asd(weak, 10, -2, 1, 100));
+    }
+    return band_of(routes, moving(spectra), BothQuadratures());
+  };
+  Percentiles const apart = with_mirror(false, weak), at_rest = with_mirror(true, 1e-6 * weak);
+  EXPECT_LT(deviation(at_rest.p95, apart.p95), 1e-4);
+  EXPECT_LT(deviation(at_rest.p50, apart.p50), 1e-4);
+  EXPECT_LT(deviation(at_rest.p05, apart.p05), 1e-4);
+  EXPECT_LT(deviation(with_mirror(true, 1e3 * weak).p95, 2.996), 0.03);  // it alone moves: one speckle
+}
+
 TEST(SpeckleBand, LeversInOneDirectionAreOneMotion) {  // linear: amplitudes add, whatever the strength of the levers
   std::vector<PathRecord> paths;
   for (int i = 0; i < 100; ++i) paths.push_back(record(std::uint64_t(i), 0.01, {lever(0, 2, two_k * (1 + 0.02 * i))}));

@@ -6,7 +6,7 @@
 #include "noise_support.hpp"
 #include "signal/welch.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_transfers {
 namespace {
 
 using Response = TransferFunction::Response;
@@ -184,4 +184,4 @@ TEST(MotionThroughTransfers, FringesOfASuspendedBench) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_transfers

@@ -13,7 +13,7 @@
 #include "optics/roughness.hpp"
 #include "recorded.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::optics_hand_over {
 namespace {
 
 using Field = Eigen::MatrixXcd;
@@ -110,4 +110,4 @@ TEST(hand_over, total_does_not_depend_on_the_border_r2_31) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::optics_hand_over

@@ -9,7 +9,7 @@
 #include "optics/refraction.hpp"
 #include "optics/specular.hpp"
 
-namespace straytrace {
+namespace straytrace::optics_interface {
 namespace {
 
 constexpr double silica = 1.45003, degree = pi / 180;
@@ -234,4 +234,4 @@ TEST(optics_interface, scatter_is_taken_from_lossless_boundaries) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::optics_interface

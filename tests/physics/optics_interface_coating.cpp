@@ -10,7 +10,7 @@
 #include "optics/scatter_share.hpp"
 #include "optics/specular.hpp"
 
-namespace straytrace {
+namespace straytrace::optics_interface_coating {
 namespace {
 
 constexpr double degree = pi / 180;
@@ -144,4 +144,4 @@ TEST(optics_interface_coating, laws_follow_the_table) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::optics_interface_coating

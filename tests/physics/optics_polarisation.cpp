@@ -10,7 +10,7 @@
 #include "optics/polarisation.hpp"
 #include "optics/refraction.hpp"
 
-namespace straytrace {
+namespace straytrace::optics_polarisation {
 namespace {
 
 struct Field {  // complex vector in space
@@ -202,4 +202,4 @@ TEST(optics_polarisation, overlap_with_a_mode) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::optics_polarisation

@@ -8,7 +8,7 @@
 #include "signal/welch.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::signal_confidence {
 namespace {
 
 constexpr double rate = 1000;
@@ -66,4 +66,4 @@ TEST(Confidence, MedianOverstatesALine) {  // of constant power nothing scatters
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::signal_confidence

@@ -9,7 +9,7 @@
 #include "signal/cross_spectra.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::signal_cross_spectra {
 namespace {
 
 using testing::white_noise;
@@ -106,4 +106,4 @@ TEST(CrossSpectra, RefusesAMedianAndUnequalLengths) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::signal_cross_spectra

@@ -9,7 +9,7 @@
 #include "signal/integration.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::signal_integration {
 namespace {
 
 constexpr double rate = 512;
@@ -105,4 +105,4 @@ TEST(Integration, UnitsSayHowOften) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::signal_integration

@@ -12,7 +12,7 @@
 #include "signal/whitening.hpp"
 #include "signal_support.hpp"
 
-namespace straytrace {
+namespace straytrace::signal_maps {
 namespace {
 
 using testing::series_with;
@@ -165,4 +165,4 @@ TEST(Series, AlignedStandsOnTheSlowClock) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::signal_maps

@@ -7,7 +7,7 @@
 #include "recorded.hpp"
 #include "signal/shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::signal_peterson {
 namespace {
 
 struct Row {
@@ -40,4 +40,4 @@ TEST(Peterson, SpectrumFollowsTheModelAndItsContinuation) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::signal_peterson

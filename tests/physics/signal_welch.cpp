@@ -10,7 +10,7 @@
 #include "recorded.hpp"
 #include "signal/welch.hpp"
 
-namespace straytrace {
+namespace straytrace::signal_welch {
 namespace {
 
 constexpr double rate = 10e3;
@@ -125,4 +125,4 @@ TEST(Welch, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::signal_welch

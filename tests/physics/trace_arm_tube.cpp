@@ -5,7 +5,7 @@
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_arm_tube {
 namespace {
 
 constexpr double tube_radius = 0.6, mirror_radius = 0.175, arm = 3000, loss = 1e-6, above = 55e-6;
@@ -169,4 +169,4 @@ TEST(ArmTube, PrefactorOf1997A13) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_arm_tube

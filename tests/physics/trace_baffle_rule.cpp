@@ -8,7 +8,7 @@
 
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_baffle_rule {
 namespace {
 
 constexpr double tube = 0.30, rim = 0.28, mirror = 0.09, length_of_tube = 600, first = 10;
@@ -101,4 +101,4 @@ TEST(BaffleRule, EveryBaffleIsNeededScene15) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_baffle_rule

@@ -6,7 +6,7 @@
 #include "ghost_support.hpp"
 #include "trace/sequential.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_beam_tree {
 namespace {
 
 struct Bench {
@@ -64,4 +64,4 @@ TEST(BeamTree, chief_rays_are_those_of_the_sequential_trace) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_beam_tree

@@ -9,7 +9,7 @@
 #include "trace/edges.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_edges {
 namespace {
 
 using Field = std::complex<double>;
@@ -250,4 +250,4 @@ TEST(Edges, ClassesAddRims) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_edges

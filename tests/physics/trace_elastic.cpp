@@ -10,7 +10,7 @@
 #include "world/levers.hpp"
 #include "world/mode_points.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_elastic {
 namespace {
 
 constexpr double k = 2 * pi / 1.064e-6;
@@ -152,4 +152,4 @@ TEST(ElasticModes, WhatIsRefused) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_elastic

@@ -5,7 +5,7 @@
 
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_estimators {
 namespace {
 
 struct Receiver {
@@ -204,4 +204,4 @@ TEST(Estimators, SpecularHopKeepsItsWeight) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_estimators

@@ -3,7 +3,7 @@
 #include "trace/first_order.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_first_order {
 namespace {
 
 constexpr double sensor = 5e-3, hole = 0.03;  // m, radii
@@ -156,4 +156,4 @@ TEST(FirstOrder, SingleScatterInASphere) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_first_order

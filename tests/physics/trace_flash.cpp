@@ -3,7 +3,7 @@
 #include "trace/flash_camera.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_flash {
 namespace {
 
 constexpr double degree = pi / 180;
@@ -116,4 +116,4 @@ TEST(Flash, ScatterByWayOfAMirror) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_flash

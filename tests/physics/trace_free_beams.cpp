@@ -4,7 +4,7 @@
 // radiance rho/(pi A), irradiance pi L sin^2; view factors between coaxial discs; the walk alone.
 #include "trace_received.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_free_beams {
 namespace {
 
 constexpr double rho = 0.5, height = 0.2;  // m, of the receiver above the card
@@ -256,4 +256,4 @@ TEST(FreeBeams, NothingThatScattersEmitsNothing) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_free_beams

@@ -3,7 +3,7 @@
 // order n rho^(n-1), uniform radiance without absorption, the integrating sphere.
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_furnace {
 namespace {
 
 constexpr double cut = 0.8;  // rim radius at which each hemisphere of the unit sphere is cut in two
@@ -220,4 +220,4 @@ TEST(Furnace, IntegratingSphereA18) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_furnace

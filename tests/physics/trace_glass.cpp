@@ -6,7 +6,7 @@
 #include "trace/estimate/importance.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_glass {
 namespace {
 
 // A thin beam along z from the origin, and a photodiode at z = 1 m.
@@ -213,4 +213,4 @@ TEST(Glass, SubPathsShareWithTheWalk) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_glass

@@ -8,7 +8,7 @@
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_levers {
 namespace {
 
 constexpr double k = 2 * pi / 1.064e-6;
@@ -238,4 +238,4 @@ TEST(Levers, TracedCavityPathsAreRelativeToTheMode) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_levers

@@ -8,7 +8,7 @@
 #include "trace_support.hpp"
 #include "world/lit_surfaces.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_lit {
 namespace {
 
 constexpr double lambda = 1.064e-6, k = 2 * pi / lambda;
@@ -235,4 +235,4 @@ TEST(Lit, TracedPathsKnowTheWayOfTheBeam) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_lit

@@ -9,7 +9,7 @@
 #include "trace_support.hpp"
 #include "world/lit_surfaces.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_lit_scenes {
 namespace {
 
 constexpr double lambda = 1.064e-6;
@@ -229,4 +229,4 @@ TEST(LitScenes, GhostsReceiveByReciprocity) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_lit_scenes

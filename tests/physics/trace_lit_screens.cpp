@@ -4,7 +4,7 @@
 #include "scene/scene.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_lit_screens {
 namespace {
 
 constexpr double lambda = 1.064e-6, w = 5e-3, brdf = 1e-3;
@@ -57,4 +57,4 @@ TEST(LitScreens, of_a_hole_off_the_beam) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_lit_screens

@@ -6,7 +6,7 @@
 #include "shapes.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_long_rays {
 namespace {
 
 // 1e5 m away and turned somehow.
@@ -160,4 +160,4 @@ TEST(LongRays, CornerCubeScene14) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_long_rays

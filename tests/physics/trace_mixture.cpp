@@ -7,7 +7,7 @@
 #include "trace/estimate/importance.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_mixture {
 namespace {
 
 constexpr double rho = 0.9;
@@ -203,4 +203,4 @@ TEST(Mixture, ExclusiveListsAreRefused) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_mixture

@@ -5,7 +5,7 @@
 #include "contract/optics_instances.hpp"
 #include "trace_received.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_reciprocity_laws {
 namespace {
 
 // Discs of equal radius under 50 and 40 degrees on either side of the normal, at different distances: the specular
@@ -66,4 +66,4 @@ TYPED_TEST(ReciprocityOfLaw, SwapScene13) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_reciprocity_laws

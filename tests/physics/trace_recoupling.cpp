@@ -2,7 +2,7 @@
 // Closed forms of recoupling: one vertex (A6) and the baffle sum (A11, B5).
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_recoupling {
 namespace {
 
 constexpr double lambda = 1.064e-6;
@@ -104,4 +104,4 @@ TEST(Recoupling, TracedBaffleSumInverseSquareA11) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_recoupling

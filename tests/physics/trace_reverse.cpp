@@ -8,7 +8,7 @@
 #include "trace/tally/reverse.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_reverse {
 namespace {
 
 using Complex = std::complex<double>;
@@ -256,4 +256,4 @@ TEST(ReversePaths, WhoSpeaksForWhom) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_reverse

@@ -3,7 +3,7 @@
 // Lambertian scatters on one cap give f = lambda^2 beta^2/(4 R^2) wherever the cap stands (physics.md eq. 1.2).
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_self_connection {
 namespace {
 
 constexpr double lambda = 1.064e-6, roc = 1683, beta = 1e-3;
@@ -39,4 +39,4 @@ TEST(SelfConnection, HalfOfItWouldBeSeen) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_self_connection

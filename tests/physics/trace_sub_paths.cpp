@@ -3,7 +3,7 @@
 // in which they end, and that they know no polarisation.
 #include "trace_received.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_sub_paths {
 namespace {
 
 constexpr double height = 0.2, lamp = 0.1;  // m
@@ -130,4 +130,4 @@ TEST(SubPaths, PolarisedPlane) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_sub_paths

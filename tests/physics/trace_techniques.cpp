@@ -5,7 +5,7 @@
 // receiver.
 #include "trace_received.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_techniques {
 namespace {
 
 constexpr double rho = 0.8, lit_x = 0.5, low = 0.2, high = 1.2, middle = 0.7;  // m; square B: |y| < 0.5, low < z < high
@@ -145,4 +145,4 @@ TEST(Techniques, DistancesScene12) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_techniques

@@ -5,7 +5,7 @@
 #include "shapes.hpp"
 #include "trace_received.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_telescope {
 namespace {
 
 constexpr double focal = 2, detector = 1e-3, reflectance = 0.01;  // m, m radius, of the scatter
@@ -55,4 +55,4 @@ TEST(Telescope, ParaboloidScene10) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_telescope

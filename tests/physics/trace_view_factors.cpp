@@ -6,7 +6,7 @@
 
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_view_factors {
 namespace {
 
 struct Pair {
@@ -132,4 +132,4 @@ TEST(ViewFactors, CylinderWallToItself) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_view_factors

@@ -4,7 +4,7 @@
 #include "shapes.hpp"
 #include "trace_received.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_view_factors_received {
 namespace {
 
 // Coaxial discs, r1 -> r2 at distance h, without cancellation.
@@ -143,4 +143,4 @@ TEST(ViewFactorsReceived, CylinderWallToItselfScene3) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_view_factors_received

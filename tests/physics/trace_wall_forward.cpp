@@ -3,7 +3,7 @@
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_wall_forward {
 namespace {
 
 constexpr double kappa = 1e-6, radius = 0.6, arm = 3000, first = 10, beta_wall = 1e-2;
@@ -109,4 +109,4 @@ TEST(WallForward, LeverEq8_8) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_wall_forward

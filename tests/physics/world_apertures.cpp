@@ -6,7 +6,7 @@
 #include "ghost_support.hpp"
 #include "world/apertures.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::world_apertures {
 namespace {
 
 constexpr double w = 5e-3;
@@ -100,4 +100,4 @@ TEST(Apertures, losses_of_the_main_beam_are_named) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::world_apertures

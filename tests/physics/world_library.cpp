@@ -12,7 +12,7 @@
 #include "world/material_presets.hpp"
 #include "world/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world_library {
 namespace {
 
 FileTexts with_library(std::string const& scene) {
@@ -166,4 +166,4 @@ TEST(LibraryWorld, NumberOfBaffles) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_library

@@ -12,7 +12,7 @@
 #include "world/measured/scatter_audit.hpp"
 #include "world/measured/scatter_fit.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::world_scatter_fit {
 namespace {
 
 using Bsdf = std::function<double(double offset, double cos_i, double cos_s)>;
@@ -182,4 +182,4 @@ TEST(ScatterAudit, OrderAndDuplicates) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::world_scatter_fit

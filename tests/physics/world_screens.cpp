@@ -8,7 +8,7 @@
 #include "shapes.hpp"
 #include "world/lit_surfaces.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::world_screens {
 namespace {
 
 constexpr double w = 5e-3;
@@ -275,4 +275,4 @@ TEST(Screens, light_on_them_is_the_mode_outside_of_the_hole) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::world_screens

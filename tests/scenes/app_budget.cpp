@@ -8,7 +8,7 @@
 #include "program.hpp"
 #include "recorded.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_budget {
 namespace {
 
 using ::testing::HasSubstr;
@@ -288,4 +288,4 @@ TEST(Budget, WhatIsOutsideARunIsNotZero) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_budget

@@ -7,7 +7,7 @@
 
 #include "program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_budget_input {
 namespace {
 
 using ::testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST(BudgetInput, JsonHoldsForProblemsAndWarnings) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_budget_input

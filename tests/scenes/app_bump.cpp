@@ -6,7 +6,7 @@
 
 #include "scenes/answers.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_bump {
 namespace {
 
 using nlohmann::json;
@@ -90,4 +90,4 @@ TEST(Bump, RecordsAreNoRunFile) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_bump

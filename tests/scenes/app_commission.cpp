@@ -10,7 +10,7 @@
 #include "recorded.hpp"
 #include "scenes/answers.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_commission {
 namespace {
 
 using ::testing::HasSubstr;
@@ -239,4 +239,4 @@ TEST(Fit, RecordsThatStandStillAreRefusedR6_06) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_commission

@@ -5,7 +5,7 @@
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_drawn_paths {
 namespace {
 
 using ::testing::HasSubstr;
@@ -66,4 +66,4 @@ TEST(DrawnPaths, AreSaidWhereverTheirNoiseIsShown) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_drawn_paths

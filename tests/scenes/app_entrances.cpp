@@ -2,7 +2,7 @@
 // Where the ports of a scene join the interferometer (physics.md section 9), told by the scene and by its table.
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_entrances {
 namespace {
 
 using ::testing::HasSubstr;
@@ -120,4 +120,4 @@ TEST(Entrances, OneMistakeIsOneMessage) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_entrances

@@ -8,7 +8,7 @@
 #include "scenes/program.hpp"
 #include "statistics.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_et_hf {
 namespace {
 
 constexpr double motion = 1e-15;                                                                     // m/sqrt(Hz), flat
@@ -52,4 +52,4 @@ TEST(EinsteinTelescopeScene, ArmPowerB6) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_et_hf

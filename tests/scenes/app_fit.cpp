@@ -7,7 +7,7 @@
 
 #include "program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_fit {
 namespace {
 
 using ::testing::HasSubstr;
@@ -137,4 +137,4 @@ TEST(Fit, RouteOfARunAgainstItsPrediction) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_fit

@@ -8,7 +8,7 @@
 #include "recorded.hpp"
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_ghost_ports {
 namespace {
 
 using nlohmann::json;
@@ -297,4 +297,4 @@ TEST(GhostPorts, warnings_of_the_floor_and_of_rims) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_ghost_ports

@@ -7,7 +7,7 @@
 
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_ghosts {
 namespace {
 
 using nlohmann::json;
@@ -173,4 +173,4 @@ TEST(GhostCommand, refuses_with_a_remedy) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_ghosts

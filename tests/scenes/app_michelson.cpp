@@ -7,7 +7,7 @@
 #include "report/receivers.hpp"
 #include "scenes/benches.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_michelson {
 namespace {
 
 constexpr double wavelength = 600e-9, pixel = 150e-6;
@@ -105,4 +105,4 @@ TEST(MichelsonRings, ContrastRadiiAndPowersE2a) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_michelson

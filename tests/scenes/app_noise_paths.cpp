@@ -9,7 +9,7 @@
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_noise_paths {
 namespace {
 
 using ::testing::HasSubstr;
@@ -156,4 +156,4 @@ TEST(NoiseAndPaths, TraceThenNoiseIsRun) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_noise_paths

@@ -6,7 +6,7 @@
 #include "program.hpp"
 #include "report/report.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_noise_response {
 namespace {
 
 using ::testing::HasSubstr;
@@ -126,4 +126,4 @@ TEST_F(NoiseResponse, IntoTheFolderOfTheRunItself) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_noise_response

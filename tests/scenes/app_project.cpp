@@ -6,7 +6,7 @@
 
 #include "program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_project {
 namespace {
 
 // A bench behind the end mirror, traced once: one route per surface, 1e5 histories.
@@ -150,4 +150,4 @@ TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_project

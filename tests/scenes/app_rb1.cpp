@@ -7,7 +7,7 @@
 #include "report/receivers.hpp"
 #include "scenes/benches.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_rb1 {
 namespace {
 
 constexpr double wavelength = 1064e-9, length_of_arm = 3000, transmission = 4e-6, splitter_tis = 1e-4;
@@ -210,4 +210,4 @@ TEST(EndBenchRb1, TelescopeDropsOut) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_rb1

@@ -4,7 +4,7 @@
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_receivers {
 namespace {
 
 using ::testing::HasSubstr;
@@ -121,4 +121,4 @@ TEST(ReceiversCommand, InterruptedRunsGoOnWithTheSameBits) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_receivers

@@ -8,7 +8,7 @@
 
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_render {
 namespace {
 
 using ::testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST(Importance, OfARunIsThatOfItsScene) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_render

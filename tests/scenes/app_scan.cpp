@@ -8,7 +8,7 @@
 
 #include "scenes/program.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::app_scan {
 namespace {
 
 using ::testing::HasSubstr;
@@ -189,4 +189,4 @@ TEST_F(Scan, AnInterruptedSearchSaysWhatItKnows) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::app_scan

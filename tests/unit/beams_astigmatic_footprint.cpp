@@ -12,7 +12,7 @@
 #include "geometry/disk.hpp"
 #include "shapes.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_astigmatic_footprint {
 namespace {
 
 constexpr double w1 = 0.04, w2 = 0.015;
@@ -222,4 +222,4 @@ TEST(AstigmaticFootprint, ObliqueSpotIsStretched) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_astigmatic_footprint

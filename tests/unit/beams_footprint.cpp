@@ -9,7 +9,7 @@
 #include "chi_square.hpp"
 #include "geometry/cap.hpp"
 
-namespace straytrace {
+namespace straytrace::beams_footprint {
 namespace {
 
 Footprint footprint(Profile profile, Vec3 travel) {
@@ -136,4 +136,4 @@ TEST(footprint, wavefront_of_a_cavity_mode_fits_the_mirror) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::beams_footprint

@@ -10,7 +10,7 @@
 #include "base/rng.hpp"
 #include "geometry/bvh8.hpp"
 
-namespace straytrace {
+namespace straytrace::geometry_bvh8 {
 namespace {
 
 // A hall of 100 m with small boxes, or a tube of 3 km cut into rings; both away from the origin of the world.
@@ -179,4 +179,4 @@ TEST(bvh8, depth_is_bounded) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::geometry_bvh8

@@ -4,7 +4,7 @@
 #include "noise/noise.hpp"
 #include "noise_support_scene.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_detector {
 namespace {
 
 using ::testing::HasSubstr;
@@ -106,4 +106,4 @@ TEST(ReadNoise, Problems) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_detector

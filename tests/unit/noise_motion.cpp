@@ -6,7 +6,7 @@
 #include "motion/motion.hpp"
 #include "noise_support_scene.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_motion {
 namespace {
 
 using ::testing::HasSubstr;
@@ -232,4 +232,4 @@ TEST(ReadMotion, UncertaintyIsAFactorOnTheAsd) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_motion

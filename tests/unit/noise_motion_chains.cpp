@@ -9,7 +9,7 @@
 #include "noise_support_scene.hpp"
 #include "recorded.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_motion_chains {
 namespace {
 
 using ::testing::HasSubstr;
@@ -272,4 +272,4 @@ TEST(ModeMotion, AModeIsACoordinateOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_motion_chains

@@ -9,7 +9,7 @@
 #include "recorded.hpp"
 #include "signal/series_file.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_motion_files {
 namespace {
 
 using ::testing::HasSubstr;
@@ -182,4 +182,4 @@ TEST(ReadMotionFiles, WhatARecordNeeds) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_motion_files

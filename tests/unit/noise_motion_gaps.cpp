@@ -7,7 +7,7 @@
 #include "recorded.hpp"
 #include "signal/series_file.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_motion_gaps {
 namespace {
 
 using ::testing::AllOf;
@@ -134,4 +134,4 @@ TEST(MotionOfARun, UncertaintyOfAMatrixCounts) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_motion_gaps

@@ -4,7 +4,7 @@
 #include "physics/noise_support.hpp"
 #include "trace/beside.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::noise_project {
 namespace {
 
 std::vector<double> const band = {10, 10.4, 20, 21};
@@ -203,4 +203,4 @@ TEST(Project, PathsThatAreDrawnAreSaidAndInTheError) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::noise_project

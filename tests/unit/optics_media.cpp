@@ -11,7 +11,7 @@
 #include "optics/media_presets.hpp"
 #include "optics/media_stack.hpp"
 
-namespace straytrace {
+namespace straytrace::optics_media {
 namespace {
 
 constexpr std::uint32_t outside = Passage::none;
@@ -171,4 +171,4 @@ TEST(OpticsMedia, PresetIndices) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::optics_media

@@ -11,7 +11,7 @@
 #include "report/route_sums.hpp"
 #include "unit/report_synthetic.hpp"
 
-namespace straytrace {
+namespace straytrace::report_filter {
 namespace {
 
 using namespace straytrace::test;
@@ -200,4 +200,4 @@ TEST_F(ReportFilter, a_part_keeps_its_shares_of_the_whole) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::report_filter

@@ -12,7 +12,7 @@
 #include "report/pygwinc_ifo.hpp"
 #include "scene/library.hpp"
 
-namespace straytrace {
+namespace straytrace::report_library {
 namespace {
 
 struct Difference {
@@ -64,4 +64,4 @@ TEST(LibraryDetectors, SayWhatPresetsSay) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::report_library

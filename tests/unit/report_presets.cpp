@@ -12,7 +12,7 @@
 #include "recorded.hpp"
 #include "report/pygwinc_ifo.hpp"
 
-namespace straytrace {
+namespace straytrace::report_presets {
 namespace {
 
 struct Difference {
@@ -84,4 +84,4 @@ TEST(Presets, SayWhatBudgetsSay) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::report_presets

@@ -5,7 +5,7 @@
 
 #include "unit/scene_support.hpp"
 
-namespace straytrace::test {
+namespace straytrace::test::scene_include {
 namespace {
 
 using ::testing::HasSubstr;
@@ -190,4 +190,4 @@ TEST_F(OnDisk, NoNameOfThisMachineIsKept) {
 }
 
 }  // namespace
-}  // namespace straytrace::test
+}  // namespace straytrace::test::scene_include

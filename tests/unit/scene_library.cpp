@@ -7,7 +7,7 @@
 #include "scene/library.hpp"
 #include "unit/scene_support.hpp"
 
-namespace straytrace::test {
+namespace straytrace::test::scene_library {
 namespace {
 
 using ::testing::ElementsAre;
@@ -135,4 +135,4 @@ TEST(Repeat, RatioUpToAPlace) {
 }
 
 }  // namespace
-}  // namespace straytrace::test
+}  // namespace straytrace::test::scene_library

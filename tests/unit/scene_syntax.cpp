@@ -116,6 +116,7 @@ TEST(Syntax, HostileTexts) {
   EXPECT_THAT(errors_of(unknown), HasSubstr("are shown. Nothing was run."));
   EXPECT_THAT(errors_of(FileTexts{{"arm.yaml", "straytrace: 1\n#" + std::string(17 << 20, 'x')}}),
               HasSubstr("it is larger than 16 MB"));
+  EXPECT_THAT(errors_of("trace: [" + repeat("1,", 1000001) + "1]\n"), HasSubstr("more than 1000000 keys and values"));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include "trace/camera.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_camera {
 namespace {
 
 constexpr double degree = pi / 180;
@@ -177,4 +177,4 @@ TEST(Camera, FramesTheBox) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_camera

@@ -4,7 +4,7 @@
 
 #include "small_tube.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_determinism {
 namespace {
 
 constexpr std::uint64_t blocks = 5;
@@ -120,4 +120,4 @@ TEST(StopRule, NeedsTwoGoodLooksInARow) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_determinism

@@ -5,7 +5,7 @@
 
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_diagnostics {
 namespace {
 
 constexpr std::size_t per_block = 1000, scored = 100 * tail_size;
@@ -178,4 +178,4 @@ TEST(Halves, OfEqualSources) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_diagnostics

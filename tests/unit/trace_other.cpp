@@ -5,7 +5,7 @@
 #include "trace/tally/coupling_table.hpp"
 #include "trace_support.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_other {
 namespace {
 
 using ::testing::StartsWith;
@@ -72,4 +72,4 @@ TEST(Other, OfFewScoresIsResolved) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_other

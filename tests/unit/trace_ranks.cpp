@@ -10,7 +10,7 @@
 #include "small_tube.hpp"
 #include "trace/ranks.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_ranks {
 namespace {
 
 constexpr std::uint64_t blocks = 40;
@@ -216,4 +216,4 @@ TEST(Ranks, FailuresAndStrangersEndTheJob) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_ranks

@@ -9,7 +9,7 @@
 #include "small_tube.hpp"
 #include "trace/handout.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::trace_slices {
 namespace {
 
 TEST(Slices, CoverEachBlockOnce) {
@@ -188,4 +188,4 @@ TEST(Slices, CheckpointsGoOnToTheSameBits) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::trace_slices

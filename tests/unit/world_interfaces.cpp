@@ -8,7 +8,7 @@
 #include "optics/specular.hpp"
 #include "world/read_parts.hpp"
 
-namespace straytrace {
+namespace straytrace::world_interfaces {
 namespace {
 
 struct Built {
@@ -254,4 +254,4 @@ TEST(WorldInterfaces, Refusals) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_interfaces

@@ -8,7 +8,7 @@
 #include "base/message.hpp"
 #include "world/lit_surfaces.hpp"
 
-namespace straytrace {
+namespace straytrace::world_lit {
 namespace {
 
 using ::testing::HasSubstr;
@@ -138,4 +138,4 @@ TEST(ReadLit, RecombiningBeamsAreAWarning) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_lit

@@ -5,7 +5,7 @@
 #include "world/read_mesh.hpp"
 #include "world/read_newmtl.hpp"
 
-namespace straytrace::test {
+namespace straytrace::test::world_mesh_entry {
 namespace {
 
 using ::testing::HasSubstr;
@@ -224,4 +224,4 @@ TEST(newmtl, sums_above_one_are_refused_and_tables_can_be_read) {
 }
 
 }  // namespace
-}  // namespace straytrace::test
+}  // namespace straytrace::test::world_mesh_entry

@@ -8,7 +8,7 @@
 #include "statistics.hpp"
 #include "world/world.hpp"
 
-namespace straytrace::testing {
+namespace straytrace::testing::world_receivers {
 namespace {
 
 using ::testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(ReadFreeBeams, MomentsOfTheProfile) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing
+}  // namespace straytrace::testing::world_receivers

@@ -11,7 +11,7 @@
 #include "shapes.hpp"
 #include "world/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world_search {
 namespace {
 
 using testing::cap, testing::cone, testing::cylinder, testing::disk, testing::sphere;
@@ -295,4 +295,4 @@ TEST(world_search, empty_and_single_surface_worlds) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_search

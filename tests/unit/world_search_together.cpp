@@ -6,7 +6,7 @@
 #include "shapes.hpp"
 #include "world/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world_search_together {
 namespace {
 
 // A sphere around meshes that overlap, and a sphere and a plate among them. `meshes`: in a row, from one file.
@@ -96,4 +96,4 @@ TEST(search_together, more_meshes_than_can_be_noted) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_search_together

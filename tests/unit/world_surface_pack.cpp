@@ -11,7 +11,7 @@
 #include "world/search_item.hpp"
 #include "world/surface_pack.hpp"
 
-namespace straytrace {
+namespace straytrace::world_surface_pack {
 namespace {
 
 using testing::cap, testing::cone, testing::cylinder, testing::disk, testing::sphere;
@@ -89,4 +89,4 @@ TEST(surface_pack, passes_little_that_is_not_hit) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_surface_pack

@@ -19,7 +19,8 @@ Pair pair_of_points(std::uint64_t row, std::uint64_t column, unsigned i) {
   std::uint64_t const mix = mixed(row * 0x9e3779b97f4a7c15ull + column + 1);
   auto const coordinate = [&](double step, int part) {
     double const shift = double((mix >> (16 * part)) & 0xffff) / 65536.0;
-    return std::fmod(shift + step * (i + 1), 1.0);
+    double const sum = shift + step * (i + 1);
+    return sum - std::floor(sum);
   };
   return {coordinate(0.8566748838545029, 0), coordinate(0.733891856627126, 1), coordinate(0.6287067210378087, 2),
           coordinate(0.5385972572236101, 3)};
@@ -81,6 +82,8 @@ class Quadrature {
     explicit Sums(std::size_t sides) : first(sides), second(sides) {}
     Arriving arriving(unsigned samples) const {
       Arriving a;
+      a.share.reserve(first.size());
+      a.peak.reserve(first.size());
       for (std::size_t i = 0; i < first.size(); ++i) {
         a.share.push_back(float(first[i]));
         a.peak.push_back(first[i] > 0 ? float(second[i] / first[i] * samples) : 0);

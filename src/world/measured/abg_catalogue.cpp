@@ -10,13 +10,12 @@
 #include "base/csv_cells.hpp"
 #include "base/document.hpp"
 #include "base/table.hpp"
+#include "world/degree.hpp"
 #include "world/measured/scatter_file.hpp"
 #include "world/measured/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr double degree = pi / 180;
 
 struct Row {
   double theta_i, a, b, g;  // rad, 1/sr, 1, 1
@@ -29,9 +28,9 @@ struct Entry {
   Token where;
 };
 
-class Reader {
+class CatalogueReader {
  public:
-  explicit Reader(std::vector<Problem>& problems) : problems_(problems) {}
+  explicit CatalogueReader(std::vector<Problem>& problems) : problems_(problems) {}
   std::vector<Entry> entries;
 
   void line(TextLine const& line) {
@@ -108,7 +107,7 @@ Entry const* chosen(std::vector<Entry> const& all, std::string const& wanted, st
 
 void read_abg_catalogue(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) {
   std::size_t const before = problems.size();
-  Reader reader(problems);
+  CatalogueReader reader(problems);
   for (TextLine const& line : lines_of(text)) reader.line(line);
   if (problems.size() > before) return;
   Entry const* const e = chosen(reader.entries, file.declared.entry, problems);

@@ -15,9 +15,9 @@
 namespace straytrace {
 namespace {
 
-class Reader {
+class AstmReader {
  public:
-  Reader(ScatterFile& file, std::vector<Problem>& problems) : file_(file), problems_(problems) {}
+  AstmReader(ScatterFile& file, std::vector<Problem>& problems) : file_(file), problems_(problems) {}
 
   void read(std::string_view text) {
     std::size_t const before = problems_.size();
@@ -130,7 +130,7 @@ class Reader {
 }  // namespace
 
 void read_astm(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) {
-  Reader(file, problems).read(text);
+  AstmReader(file, problems).read(text);
 }
 
 }  // namespace straytrace

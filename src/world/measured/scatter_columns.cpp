@@ -11,13 +11,12 @@
 #include "base/csv_cells.hpp"
 #include "base/document.hpp"
 #include "world/column_file.hpp"
+#include "world/degree.hpp"
 #include "world/measured/scatter_file.hpp"
 #include "world/measured/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr double degree = pi / 180;
 
 // "1064 nm" of this dimension.
 std::optional<double> quantity(std::string_view text, Dimension dimension) {

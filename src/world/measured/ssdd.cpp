@@ -8,13 +8,12 @@
 
 #include "base/constants.hpp"
 #include "base/vec3.hpp"
+#include "world/degree.hpp"
 #include "world/measured/scatter_file.hpp"
 #include "world/measured/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr double degree = pi / 180;
 
 struct Block {
   std::string type, colour, directions;
@@ -26,9 +25,10 @@ struct Block {
   std::size_t size(std::size_t i) const { return std::max<std::size_t>(1, list[i].size()); }
 };
 
-class Reader {
+class SsddReader {
  public:
-  Reader(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) : in_(text, problems), file_(file) {}
+  SsddReader(std::string_view text, ScatterFile& file, std::vector<Problem>& problems)
+      : in_(text, problems), file_(file) {}
 
   void read() {
     while (in_.sound && !in_.done()) {
@@ -180,7 +180,7 @@ class Reader {
 }  // namespace
 
 void read_ssdd(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) {
-  Reader(text, file, problems).read();
+  SsddReader(text, file, problems).read();
 }
 
 }  // namespace straytrace

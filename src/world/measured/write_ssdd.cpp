@@ -9,12 +9,11 @@
 #include <set>
 
 #include "base/constants.hpp"
+#include "world/degree.hpp"
 #include "world/measured/scatter_file.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr double degree = pi / 180;
 
 // Degrees to a millionth: the same angle of two incidences is the same number.
 double rounded(double radian) { return std::round(radian / degree * 1e6) / 1e6 + 0.0; }

@@ -7,13 +7,12 @@
 
 #include "base/constants.hpp"
 #include "base/vec3.hpp"
+#include "world/degree.hpp"
 #include "world/measured/scatter_file.hpp"
 #include "world/measured/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
-
-constexpr double degree = pi / 180;
 
 // Azimuth 0 points from the specular direction towards the normal.
 Vec3 outgoing(double incidence, double azimuth, double radial) {
@@ -21,9 +20,10 @@ Vec3 outgoing(double incidence, double azimuth, double radial) {
   return std::cos(radial) * specular + std::sin(radial) * (std::cos(azimuth) * up + std::sin(azimuth) * Vec3{0, 1, 0});
 }
 
-class Reader {
+class ZemaxReader {
  public:
-  Reader(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) : in_(text, problems), file_(file) {}
+  ZemaxReader(std::string_view text, ScatterFile& file, std::vector<Problem>& problems)
+      : in_(text, problems), file_(file) {}
 
   void read() {
     header();
@@ -182,7 +182,7 @@ class Reader {
 }  // namespace
 
 void read_zemax_table(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) {
-  Reader(text, file, problems).read();
+  ZemaxReader(text, file, problems).read();
 }
 
 }  // namespace straytrace

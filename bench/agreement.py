@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When a figure of merit may be compared: only where both ways give the same value, within their errors."""
+import dataclasses
+import math
+import statistics
+
+MOST_APART = 4                                           # standard errors of the difference
+WORST = 0.5                                              # relative error from which on a value says nothing
+
+
+@dataclasses.dataclass(frozen=True)
+class Turn:
+    """One run: mean and standard error of what was asked for, processor seconds of sampling and before it, paths and rays per run."""
+    value: float
+    error: float
+    seconds: float
+    setup: float
+    paths: int
+    rays: int = None
+    peak_memory: int = 0
+
+    @property
+    def merit(self):
+        """1/(relative error^2 x seconds), 1/s; 0 where nothing was found."""
+        return (self.value / self.error) ** 2 / self.seconds if self.error > 0 else 0.0
+
+
+def together(turns):
+    """(mean, standard error) of turns of equal effort."""
+    return statistics.fmean(t.value for t in turns), math.sqrt(math.fsum(t.error ** 2 for t in turns)) / len(turns)
+
+
+def apart(ours, theirs):
+    """Distance of two lists of turns in standard errors of the difference."""
+    (a, da), (b, db) = together(ours), together(theirs)
+    return abs(a - b) / math.hypot(da, db) if da or db else math.inf * (a != b) if a != b else 0.0
+
+
+def why_void(ours, theirs):
+    """Why the two cannot be compared; "" if they can."""
+    for who, turns in (("ours", ours), ("theirs", theirs)):
+        value, error = together(turns)
+        if not value > 0:
+            return f"{who} found nothing"
+        if not 0 < error < WORST * value:
+            return f"{who} is not resolved: error {100 * error / value:.0f} %"
+    far = apart(ours, theirs)
+    return f"void: values are {far:.1f} standard errors apart" if far > MOST_APART else ""
+
+
+def seconds_to_percent(turns):
+    """Set-up and sampling until the error is 1 %."""
+    merit = statistics.median(t.merit for t in turns)
+    return statistics.median(t.setup for t in turns) + 1e4 / merit if merit > 0 else math.inf

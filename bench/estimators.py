@@ -1,0 +1,65 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The ways to sample, on the same scenes: waiting for hits, connections, sub-paths from the receiver, targets, windows.
+
+Every way gives the same value or the comparison is void. The figure of merit is 1/(relative error^2 x processor seconds); the ratio
+is that of the default over the way. Errors are those of each turn, from the spread of its blocks.
+
+Examples:
+  scripts/bench estimators --keep      three scenes, five seeds each; for the page
+  scripts/bench estimators --quick     does it run?
+"""
+import statistics
+
+from agreement import Turn, apart, together, why_void
+from record import Results, arguments, lines_of, spread
+
+GOAL = {"of": "ratio", "at_least": 100, "name": "figure of merit of a hard class, over law + connections"}
+HARD = ("photodiode behind a ring", "law + connections")
+
+
+def read(lines):
+    """{(scene, quantity): {way: [Turn]}} in the order of the lines."""
+    found = {}
+    for line, memory in lines:
+        turn = Turn(line["value"], line["error"], line["seconds"], line["setup"], line["paths"], line["rays"] or None, memory)
+        found.setdefault((line["scene"], line["quantity"]), {}).setdefault(line["way"], []).append(turn)
+    return found
+
+
+def fields_of(default, turns):
+    """Of one way: its value, its merit, and how much better the default is."""
+    value, error = together(turns)
+    merits = [t.merit for t in turns]
+    fields = {"value": value, "error": error, "theirs": statistics.median(merits), "unit": "1/s", "repeats": len(turns),
+              "setup": turns[0].setup, "setup_unit": "s", "peak_memory": turns[0].peak_memory}
+    if turns[0].rays:
+        fields |= {"rays": statistics.median(t.rays / t.seconds for t in turns), "rays_unit": "1/s"}
+    if why := why_void(default, turns):
+        return {**fields, "skipped": why}
+    ratios = [a.merit / b.merit for a, b in zip(default, turns)]
+    return {**fields, "ours": statistics.median(t.merit for t in default), "ratio": statistics.median(ratios), "spread": spread(ratios),
+            "apart": apart(default, turns)}
+
+
+def write(results, found):
+    for (scene, quantity), ways in found.items():
+        default = next(turns for way, turns in ways.items() if way.startswith("default"))
+        for way, turns in ways.items():
+            fields = fields_of(default, turns)
+            if (quantity, way) == HARD and "ratio" in fields:
+                fields["goal"] = GOAL
+            results.add(f"{scene}, {quantity}: {way}", scene=scene, quantity=quantity, way=way, **fields)
+
+
+def main():
+    parser = arguments(__doc__)
+    parser.add_argument("--seconds", type=float, default=1, help="processor time of each turn (%(default)s)")
+    words = parser.parse_args()
+    seconds, turns = (0.05, 1) if words.quick else (words.seconds, words.repeats)
+    with Results("estimators", words) as results:
+        write(results, read(lines_of("bench_estimators", seconds, turns)))
+
+
+if __name__ == "__main__":
+    main()

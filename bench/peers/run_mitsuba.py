@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Mitsuba 3: --way VARIANT:INTEGRATOR, such as scalar_rgb:path or llvm_ad_mono:ptracer. Single precision."""
+import math
+
+import batches
+import problems
+from problems import Ball, Disk, Mesh, Room, Tube
+
+DIM = 0.1                                                # albedo of a receiver that a camera looks at
+SEEN = 0.98                                              # of its width: brighter things beyond its edge must not be in the picture
+FILM = {"sampler": {"type": "independent"},
+        "film": {"type": "hdrfilm", "width": 1, "height": 1, "rfilter": {"type": "box"}, "pixel_format": "luminance",
+                 "component_format": "float32"}}
+
+
+def bsdf(finish):
+    if finish.mirror:
+        return {"type": "twosided", "bsdf": {"type": "conductor", "material": "none"}}
+    return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": finish.albedo}}}
+
+
+def facing(mi, centre, normal, *size):
+    up = (0, 0, 1) if abs(normal[2]) < 0.9 else (0, 1, 0)
+    target = [c + n for c, n in zip(centre, normal)]
+    return mi.ScalarTransform4f().look_at(origin=list(centre), target=target, up=list(up)).scale(list(size))
+
+
+def annulus(d):
+    """Mitsuba has no disc with a hole: triangles between two polygons of 256 corners whose areas are those of the circles."""
+    n, points, faces = 256, [], []
+    area = math.sqrt(2 * math.pi / n / math.sin(2 * math.pi / n))
+    for radius in (d.inner, d.outer):
+        points += [(radius * area * math.cos(2 * math.pi * i / n), radius * area * math.sin(2 * math.pi * i / n), 0) for i in range(n)]
+    for i in range(n):
+        j = (i + 1) % n
+        faces += [(i, n + i, n + j), (i, n + j, j)]
+    return points, faces
+
+
+def mesh_file(folder, name, points, faces, **more):
+    problems.write_ply(f"{folder}/{name}.ply", points, faces)
+    return {"type": "ply", "filename": f"{folder}/{name}.ply", "face_normals": True, **more}
+
+
+def shapes(mi, surface, folder):
+    finish = {"bsdf": bsdf(surface.finish)}
+    if isinstance(surface, Disk) and surface.inner:
+        at = facing(mi, surface.centre, surface.normal, 1, 1, 1)
+        yield surface.name, mesh_file(folder, surface.name, *annulus(surface), to_world=at, **finish)
+    elif isinstance(surface, Disk):
+        at = facing(mi, surface.centre, surface.normal, surface.outer, surface.outer, 1)
+        yield surface.name, {"type": "disk", "to_world": at, **finish}
+    elif isinstance(surface, Tube):
+        yield surface.name, {"type": "cylinder", "p0": [0, 0, surface.start], "p1": [0, 0, surface.end], "radius": surface.radius, **finish}
+    elif isinstance(surface, Ball):
+        yield surface.name, {"type": "sphere", "center": list(surface.centre), "radius": surface.radius, **finish}
+    elif isinstance(surface, Mesh):
+        yield surface.name, mesh_file(folder, surface.name, *problems.knobbly(surface.knobs), **finish)
+    elif isinstance(surface, Room):
+        middle = [(a + b) / 2 for a, b in zip(surface.low, surface.high)]
+        half = [(b - a) / 2 for a, b in zip(surface.low, surface.high)]
+        yield surface.name, {"type": "cube", "to_world": mi.ScalarTransform4f().translate(middle).scale(half), **finish}
+
+
+def meter(problem):
+    """The receiver as a sensor of irradiance."""
+    return {"bsdf": bsdf(problems.BLACK), "sensor": {"type": "irradiancemeter", **FILM}}
+
+
+def camera(mi, problem, albedo):
+    """A camera that sees the receiver alone, which is then diffuse: the particle tracer knows no sensor of irradiance."""
+    half, (centre, normal) = problem.receiver.side / 2, (problem.receiver.centre, problem.receiver.normal)
+    away = 2 * half                                      # nearer, the wide angle costs the particle tracer 3 %
+    return ({"bsdf": bsdf(problems.Finish(albedo))},
+            {"type": "perspective", "fov": 2 * math.degrees(math.atan(SEEN * half / away)), "near_clip": away / 10, "far_clip": 10 * half,
+             "to_world": facing(mi, [c + away * n for c, n in zip(centre, normal)], [-n for n in normal], 1, 1, 1), **FILM})
+
+
+def scene(mi, problem, folder, integrator):
+    lamp, receiver = problem.lamp, problem.receiver
+    half = receiver.side / 2
+    made = {"type": "scene", "integrator": {"type": integrator, "max_depth": 64, "rr_depth": 5},
+            "lamp": {"type": "disk", "bsdf": bsdf(problems.BLACK),
+                     "to_world": facing(mi, lamp.centre, lamp.normal, lamp.outer, lamp.outer, 1),
+                     "light": {"type": "area", "radiance": {"type": "spectrum", "value": 1.0}}}}
+    taken = meter(problem)
+    if integrator == "ptracer":
+        taken, made["camera"] = camera(mi, problem, DIM)
+    made["receiver"] = {"type": "rectangle", "to_world": facing(mi, receiver.centre, receiver.normal, half, half, 1), **taken}
+    for surface in problem.surfaces:
+        made.update(shapes(mi, surface, folder))
+    return mi.load_dict(made)
+
+
+def main():
+    words = batches.words(__doc__)
+    variant, integrator = words.way.split(":")
+    import drjit
+    import mitsuba as mi
+    mi.set_variant(variant)
+    drjit.set_thread_count(1)
+    mi.logger().clear_appenders()
+    problem = problems.PROBLEMS[words.problem]()
+    world = scene(mi, problem, words.folder, integrator)
+    share = problem.receiver.side ** 2 / (math.pi * math.pi * problem.lamp.outer ** 2)   # power on the receiver over that of the lamp
+    if integrator == "ptracer":
+        share *= math.pi / DIM                           # the camera sees the radiance albedo/pi times irradiance
+
+    def batch(seed, size):
+        image = mi.render(world, seed=seed % 2 ** 31, spp=size)
+        return float(image.numpy().mean()) * share, None
+    batches.run(batch, words.seconds, words.seed, 1 << 26 if variant.startswith("scalar") else 1 << 20)
+
+
+if __name__ == "__main__":
+    main()
