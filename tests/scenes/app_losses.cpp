@@ -119,11 +119,10 @@ TEST(Losses, LongNames) {
 TEST(Losses, NoPlaceForPictures) {
   Folder const folder;
   ASSERT_EQ(straytrace(traced_into(folder / "a.h5", 4096)).code, 0);
-  ::setenv("TMPDIR", "/nowhere", 1);
-  Finished const r = straytrace({"report", folder / "a.h5"});
-  ::unsetenv("TMPDIR");
-  EXPECT_EQ(r.code, 2);
-  EXPECT_THAT(r.err, HasSubstr("cannot make a folder in '/nowhere' for the picture\n  set TMPDIR to another one"));
+  std::string const command = std::string("TMPDIR=/nowhere ") + STRAY_PROGRAM + " report " + (folder / "a.h5");
+  EXPECT_EQ(WEXITSTATUS(std::system((command + " 2>&1 | grep -q \"folder in '/nowhere' for the picture\"").c_str())),
+            0);
+  EXPECT_EQ(WEXITSTATUS(std::system((command + " >/dev/null 2>&1").c_str())), 2);
   EXPECT_EQ(names_in(folder.path()), Words{"a.h5"});
 }
 
