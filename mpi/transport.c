@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "mpi/transport.h"
 
+#define _POSIX_C_SOURCE 199309L
+
 #include <limits.h>
 #include <mpi.h>
 #include <stdio.h>
+#include <time.h>
 
 static void send_bytes(int to, void const* bytes, size_t count) {
   if (count > INT_MAX) {
@@ -27,8 +30,24 @@ static void receive_bytes(int from, void* bytes, size_t count) {
   MPI_Recv(bytes, (int)count, MPI_BYTE, from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
 }
 
+/* Whether all ranks come to the end: MPI_Finalize would wait for ever for one that hangs. Rank 0 waits a minute, others
+   for rank 0. */
+static int all_are_here(void) {
+  MPI_Request meeting;
+  int rank = 0, there = 0;
+  double const until = MPI_Wtime() + 60;
+  struct timespec const pause = {0, 1000000};
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Ibarrier(MPI_COMM_WORLD, &meeting);
+  for (;;) {
+    MPI_Test(&meeting, &there, MPI_STATUS_IGNORE);
+    if (there || (rank == 0 && MPI_Wtime() > until)) return there;
+    nanosleep(&pause, NULL);
+  }
+}
+
 static void close_job(int lost) {
-  if (lost) MPI_Abort(MPI_COMM_WORLD, 0);
+  if (lost || !all_are_here()) MPI_Abort(MPI_COMM_WORLD, 0);
   MPI_Finalize();
 }
 

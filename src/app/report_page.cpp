@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 #include "app/build_info.hpp"
@@ -170,13 +169,7 @@ std::vector<GhostReport> ghosts_for_page(Model const& model, std::size_t rows) {
 }
 
 Picture budget_svg(std::string const& run_file, std::string& message) {
-  std::string const name = "straytrace-" + sha256(run_file + utc_now()) + ".svg";
-  std::string const svg = (std::filesystem::temp_directory_path() / name).string();
-  Picture picture{"svg+xml", ""};
-  if (draw_picture(run_file, svg, message)) picture.bytes = read_file(svg);
-  std::error_code none;
-  std::filesystem::remove(svg, none);
-  return picture;
+  return {"svg+xml", svg_of_run(run_file, message)};
 }
 
 std::string report_page(RunContent const& run, PathTable const& table, Model const& model, ReportWanted const& wanted,

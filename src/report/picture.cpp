@@ -98,10 +98,11 @@ bool draw(std::vector<std::string> words, std::string const& png_file, std::stri
 class Workplace {
  public:
   Workplace() {
-    std::string name = (fs::temp_directory_path() / "straytrace-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
+    std::error_code none;
+    std::string name = (fs::temp_directory_path(none) / "straytrace-XXXXXX").string();
+    if (none || ::mkdtemp(name.data()) == nullptr)
       throw InputError(fmt::format("error: cannot make a folder in '{}' for the picture\n  set TMPDIR to another one",
-                                   fs::temp_directory_path().string()));
+                                   none ? environment("TMPDIR") : fs::path(name).parent_path().string()));
     folder_ = name;
   }
   ~Workplace() {
@@ -130,6 +131,12 @@ bool draw_picture(std::string const& run_file, std::string const& png_file, std:
   std::vector<std::string> words = {"straytrace.plot", run_file, "-o", png_file};
   if (high_hz > low_hz) words.insert(words.end(), {"--band", fmt::format("{}", low_hz), fmt::format("{}", high_hz)});
   return draw(std::move(words), png_file, message);
+}
+
+std::string svg_of_run(std::string const& run_file, std::string& message) {
+  Workplace const place;
+  std::string const to = place.path("picture.svg");
+  return draw_picture(run_file, to, message) ? read_file(to) : "";
 }
 
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,

@@ -12,6 +12,8 @@ namespace straytrace {
 // program.
 bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz = 0,
                   double high_hz = 0);
+// Its bytes as SVG; empty, and `message`, when it cannot.
+std::string svg_of_run(std::string const& run_file, std::string& message);
 
 // Maps of all receivers of a run, one picture each, into a folder; `one_of_them` must be there afterwards.
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,

@@ -2,6 +2,7 @@
 #include "world/step_converter.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <cstring>
@@ -123,7 +124,9 @@ StepConversion convert_step(std::string const& name, std::string const& bytes) {
   std::string const identity = fmt::format("{} {} ", fs::file_size(program, failed),
                                            fs::last_write_time(program, failed).time_since_epoch().count());
   fs::path const kept = cache.empty() ? fs::path() : cache / (sha256(identity + bytes) + ".cad.json");
-  if (!kept.empty() && fs::is_regular_file(kept, failed)) return {bytes_of_file(kept).bytes, {}};
+  // A machine that lost its power may have kept a part of it.
+  if (std::string text = kept.empty() ? "" : bytes_of_file(kept).bytes; nlohmann::json::accept(text))
+    return {std::move(text), {}};
   WorkFolder const work(cache.empty() ? fs::temp_directory_path(failed) : cache);
   if (work.path().empty())
     return {"", {"there is no folder to convert it in", "set XDG_CACHE_HOME to a folder of yours"}};

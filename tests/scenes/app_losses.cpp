@@ -116,6 +116,16 @@ TEST(Losses, LongNames) {
   EXPECT_EQ(names_in(folder.path()).size(), 1u);
 }
 
+TEST(Losses, NoPlaceForPictures) {
+  Folder const folder;
+  ASSERT_EQ(straytrace(traced_into(folder / "a.h5", 4096)).code, 0);
+  std::string const command = std::string("TMPDIR=/nowhere ") + STRAY_PROGRAM + " report " + (folder / "a.h5");
+  EXPECT_EQ(WEXITSTATUS(std::system((command + " 2>&1 | grep -q \"folder in '/nowhere' for the picture\"").c_str())),
+            0);
+  EXPECT_EQ(WEXITSTATUS(std::system((command + " >/dev/null 2>&1").c_str())), 2);
+  EXPECT_EQ(names_in(folder.path()), Words{"a.h5"});
+}
+
 // Results on another disk: the link stays, and what it leads to is the result.
 TEST(Losses, LinksAreFollowed) {
   Folder const folder;

@@ -63,6 +63,14 @@ TEST(step_scenes, run_again_from_what_is_kept_without_the_converter) {
   EXPECT_THAT(twin.errors, HasSubstr("scripts/setup"));
 }
 
+// A machine that lost its power may leave a part of what was kept: it is converted again.
+TEST(step_scenes, what_is_kept_and_damaged_is_made_again) {
+  std::string const step = sample(step::add_solids), text = convert_step("s.step", step).text;
+  for (auto const& entry : fs::recursive_directory_iterator(folder() / "cache"))
+    if (entry.is_regular_file()) fs::resize_file(entry.path(), 100);
+  EXPECT_EQ(convert_step("s.step", step).text, text);
+}
+
 // Rays from within the solid towards its edges: light that meets nothing has passed a seam.
 int leaks(CadFile const& file, double shrink) {
   World world;
