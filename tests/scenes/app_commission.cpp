@@ -55,6 +55,16 @@ double motion(double t, int derivative) {
          0.8e-6 * std::pow(u, derivative) * std::sin(u * t + 1 + turn);
 }
 
+// rad rms for W = 1: 4 pi/lambda times what high passes (f/c)^4/(1 + (f/c)^4) at half a corner and at it leave of
+// the motion, their difference (eq. 11.3); sines have rms A/sqrt(2).
+double unseen_phase(double corner) {
+  auto const rms = [&](double amplitude, double hz) {
+    auto const kept = [&](double c) { return 1 / (1 + std::pow(c / hz, 4)); };
+    return amplitude / std::sqrt(2.0) * (kept(corner / 2) - kept(corner));
+  };
+  return 4 * M_PI / 1064e-9 * std::hypot(rms(3.5e-6, 1.14), rms(0.8e-6, 0.9));
+}
+
 Words fit_words(std::string const& witness, Words more = {}) {
   Words all{"fit", "--target", example + "::h", "--witness", witness, "--band", "20 Hz..85 Hz"};
   all.insert(all.end(), more.begin(), more.end());
@@ -84,6 +94,10 @@ TEST(FitWitness, VelocityAndAccelerationAreIntegratedR6_07) {
     EXPECT_THAT(straytrace(with("0.6 Hz")).out,
                 HasSubstr("that is motion and not noise of the sensor, the amplitude is"));
     EXPECT_THAT(straytrace(with("0.25 Hz")).out, Not(HasSubstr("below --corner"))) << "twin: all motion is above";
+    Json const high = answer(with("0.6 Hz"))["paths"][0];
+    EXPECT_NEAR(
+        high["unseen_phase_rad"].get<double>() / high["multiplicity"]["value"].get<double>() / unseen_phase(0.6), 1,
+        0.02);
     EXPECT_THAT(straytrace(with("0.15 Hz")).out, HasSubstr("fewer than six periods of half of it"));
     EXPECT_THAT(refusal(words), HasSubstr("write --corner"));
     EXPECT_THAT(refusal(with("0.1 Hz")), HasSubstr("fewer than six periods"));
