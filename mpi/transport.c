@@ -46,8 +46,8 @@ static int all_are_here(void) {
   }
 }
 
-static void close_job(int lost) {
-  if (lost || !all_are_here()) MPI_Abort(MPI_COMM_WORLD, 0);
+static void close_job(int lost, int exit_code) {
+  if (lost || !all_are_here()) MPI_Abort(MPI_COMM_WORLD, exit_code);
   MPI_Finalize();
 }
 

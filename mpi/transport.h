@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-enum { straytrace_transport_version = 2 };
+enum { straytrace_transport_version = 3 };
 
 /* All of them are called by one thread. Errors end the job, with a message of the MPI library. */
 struct straytrace_transport {
@@ -18,8 +18,9 @@ struct straytrace_transport {
   /* Size of the next message that has come and its sender; -1: none. */
   long (*next)(int* from);
   void (*receive)(int from, void* bytes, size_t count);
-  /* Leaves the job. `lost`: a rank does not answer; then the job ends without waiting for the others. */
-  void (*close)(int lost);
+  /* Leaves the job. `lost`: a rank does not answer; then all of the job ends here, with `exit_code`. Also where this is
+     rank 0 and others do not come here within a minute. */
+  void (*close)(int lost, int exit_code);
 };
 
 /* Joins the job. `version`: straytrace_transport_version of the caller; returns the version of the library, and does

@@ -12,6 +12,7 @@
 #include "app/command_words.hpp"
 #include "app/device.hpp"
 #include "app/events.hpp"
+#include "app/mpi.hpp"
 #include "app/options.hpp"
 #include "base/message.hpp"
 #include "base/printable.hpp"
@@ -82,12 +83,7 @@ void add_program_options(CLI::App& app) {
       ->allow_extra_args(false);
 }
 
-}  // namespace
-}  // namespace straytrace
-
-int main(int argc, char** argv) {
-  using namespace straytrace;
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
+int answer(int argc, char** argv) {
   CLI::App app{"straytrace: stray-light noise of interferometric gravitational-wave detectors", "straytrace"};
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text);
@@ -123,5 +119,15 @@ int main(int argc, char** argv) {
     std::cerr << "error: the results could not be written to the standard output\n";
     return input_error;
   }
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace straytrace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
+  int const exit_code = straytrace::answer(argc, argv);
+  straytrace::close_mpi(exit_code);
   return exit_code;
 }

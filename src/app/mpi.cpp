@@ -5,6 +5,7 @@
 
 #include <dlfcn.h>
 #include <filesystem>
+#include <optional>
 
 #include "base/message.hpp"
 #include "mpi/transport.h"
@@ -15,9 +16,6 @@ namespace {
 class Mpi final : public Transport {
  public:
   explicit Mpi(straytrace_transport const& mpi) : mpi_(mpi) {}
-  ~Mpi() override { mpi_.close(lost_); }
-  Mpi(Mpi const&) = delete;
-  Mpi& operator=(Mpi const&) = delete;
 
   int rank() const override { return mpi_.rank; }
   int size() const override { return mpi_.size; }
@@ -34,11 +32,14 @@ class Mpi final : public Transport {
     lost_ = true;
     fmt::print(stderr, "warning: rank {} does not answer; its blocks go to others\n", rank);
   }
+  void close(int exit_code) { mpi_.close(lost_, exit_code); }
 
  private:
   straytrace_transport mpi_;
   bool lost_ = false;
 };
+
+std::optional<Mpi> job;
 
 [[noreturn]] void refuse_transport(std::string const& why) {
   throw InputError(
@@ -50,7 +51,7 @@ class Mpi final : public Transport {
 }  // namespace
 
 // The library stays loaded: MPI cannot be started twice. Its own plug-ins look for its symbols (RTLD_GLOBAL).
-std::unique_ptr<Transport> open_mpi() {
+Transport& open_mpi() {
   std::error_code none;
   std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", none);
   std::string const file = (program.parent_path() / "straytrace-mpi.so").string();
@@ -61,7 +62,11 @@ std::unique_ptr<Transport> open_mpi() {
   straytrace_transport mpi = {};
   if (!open || open(straytrace_transport_version, &mpi) != straytrace_transport_version)
     refuse_transport(fmt::format("'{}' is of another version of straytrace", file));
-  return std::make_unique<Mpi>(mpi);
+  return job.emplace(mpi);
+}
+
+void close_mpi(int exit_code) {
+  if (job) job->close(exit_code);
 }
 
 }  // namespace straytrace

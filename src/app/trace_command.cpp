@@ -59,16 +59,16 @@ int trace_only(Options options, Transport* transport) {
 
 // All processes of the job run this; rank 0 speaks and writes.
 int trace_by_mpi(Options const& options) {
-  std::unique_ptr<Transport> const transport = open_mpi();
-  bool const leads = transport->rank() == 0;
+  Transport& transport = open_mpi();
+  bool const leads = transport.rank() == 0;
   try {
-    return trace_only(options, transport.get());
+    return trace_only(options, &transport);
   } catch (std::exception const& e) {
     if (leads) {
-      send_home(*transport);
+      send_home(transport);
       throw;
     }
-    report_failure(*transport, e.what());
+    report_failure(transport, e.what());
   }
   return done;
 }
