@@ -9,7 +9,7 @@
 #include "ifo/dual_recycled.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo_dual_recycled {
 namespace {
 
 DualRecycledParameters preset(std::string_view name) {
@@ -287,4 +287,4 @@ TEST(DualRecycled, DemodulatedResponsesAreSlopes) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::ifo_dual_recycled

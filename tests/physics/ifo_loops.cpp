@@ -9,7 +9,7 @@
 #include "recorded.hpp"
 #include "signal/transfer_function.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo_loops {
 namespace {
 
 // A = 1, B = 0.1, phase 0.3 between carrier and sideband: I, Q and the phase, in time and in frequency.
@@ -92,4 +92,4 @@ TEST(Loops, ZerosPolesAndTables) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::ifo_loops

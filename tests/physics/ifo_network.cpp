@@ -8,7 +8,7 @@
 #include "ifo/network.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::ifo_network {
 namespace {
 
 // A laser in front of two mirrors; `phase`: one way, beyond resonance.
@@ -199,4 +199,4 @@ TEST(Network, SignalRecyclingEq6_8) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::ifo_network

@@ -10,7 +10,7 @@
 #include "recorded.hpp"
 #include "world/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world_baffle_layout {
 namespace {
 
 constexpr double tube = 0.4, height = 0.04, mirror = 0.11, first = 10;  // m, KAGRA
@@ -77,4 +77,4 @@ TEST(baffle_layout, no_line_from_mirror_to_wall_a24) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_baffle_layout

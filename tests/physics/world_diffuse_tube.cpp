@@ -9,7 +9,7 @@
 #include "exact_tube.hpp"
 #include "recorded.hpp"
 
-namespace straytrace {
+namespace straytrace::world_diffuse_tube {
 namespace {
 
 using namespace testing;
@@ -64,4 +64,4 @@ TEST(diffuse_tube, twin_with_wider_apertures_is_rejected) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_diffuse_tube

@@ -9,7 +9,7 @@
 #include "base/rng.hpp"
 #include "world/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world_parts {
 namespace {
 
 using ::testing::HasSubstr;
@@ -231,4 +231,4 @@ TEST(WorldParts, MotorMountsHaveHands) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_parts

@@ -7,7 +7,7 @@
 #include "recorded.hpp"
 #include "world/world.hpp"
 
-namespace straytrace {
+namespace straytrace::world_read {
 namespace {
 
 World world_of(std::string const& text) {
@@ -120,4 +120,4 @@ TEST(ReadWorld, PlacesAndSides) {
 }
 
 }  // namespace
-}  // namespace straytrace
+}  // namespace straytrace::world_read
