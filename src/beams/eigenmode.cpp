@@ -81,9 +81,8 @@ std::string instability(RayMatrix const& m) {
         return fmt::format("{} axis: {}", axis == 0 ? "first" : "second", why);
     return {};
   }
-  double largest = 0;
-  for (auto factor : Eigen::EigenSolver<RayMatrix>(round_trip, false).eigenvalues())
-    largest = std::max(largest, std::abs(factor));
+  Eigen::EigenSolver<RayMatrix> const solver(round_trip, false);
+  double const largest = solver.eigenvalues().cwiseAbs().maxCoeff();
   if (largest < 1 + growth) return {};
   return fmt::format("the axes are coupled and a ray grows by a factor of {:.6g} per round trip", largest);
 }

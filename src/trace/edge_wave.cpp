@@ -124,8 +124,8 @@ EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal,
     double const size = world.wavelength * std::sqrt(one.bsdf * two.bsdf * p.at(source).share * p.at(goal).share) /
                         (one.length + two.length);
     double const left = left_by_teeth(p, point);
-    Field const field =
-        std::polar(size * sinc(0.5 * swing) * left / double(points), p.k * (one.length + two.length - p.span));
+    Field const field =  // the sinc may be negative
+        size * sinc(0.5 * swing) * left / double(points) * std::polar(1.0, p.k * (one.length + two.length - p.span));
     std::vector<Lever> const levers = p.levers(point, one.out, two.out);
     wave.amplitude += field;
     add_gradient(wave, levers, field);

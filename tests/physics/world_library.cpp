@@ -101,7 +101,8 @@ Arm arm_of(std::string const& detector, std::vector<std::string> const& override
   scene.throw_if_problems();
   FileTexts asked = texts;
   asked["scene.yaml"] += "report: {a: L, b: tube_radius, c: mirror_radius, d: first_baffle}\n";
-  Node const numbers = read_scene("scene.yaml", overrides, &asked).table("report");
+  Scene const report = read_scene("scene.yaml", overrides, &asked);
+  Node const numbers = report.table("report");
   arm.length = numbers.number("a", dim::length);
   arm.tube = numbers.number("b", dim::length);
   arm.mirror = numbers.number("c", dim::length);
