@@ -4,6 +4,8 @@
 
 #if defined(__CUDACC__)
 #define STRAY_HD __host__ __device__ inline
+#define STRAY_NO_CHECK(check)
 #else
 #define STRAY_HD inline
+#define STRAY_NO_CHECK(check) __attribute__((no_sanitize(check)))  // `check`: one of those of -fsanitize
 #endif

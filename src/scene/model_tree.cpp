@@ -74,8 +74,14 @@ class TreeReader {
   // What is written in a part is evaluated where the part is placed: here names stay as they are.
   ModelValue parts(NodeData const& data) const {
     NodeData own = data;
+    own.entries.clear();
+    own.index.clear();
     std::uint32_t const builtin = builtin_source(root_.place().file);
-    std::erase_if(own.entries, [&](NodeData::Entry const& e) { return e.place.file == builtin; });
+    for (NodeData::Entry const& e : data.entries)
+      if (e.place.file == builtin)
+        own.asked.erase(e.key);
+      else
+        own.add(e);
     ModelValue out = read(own, nullptr, {});
     out.key = "parts";
     if (out.children.empty()) out.kind = Node::Kind::none;

@@ -7,6 +7,9 @@
 
 namespace straytrace {
 
+// Steps of records, s. What is shorter or longer is a mistake of units, and its rate may be no number.
+inline constexpr double shortest_step = 1e-12, longest_step = 1e12;
+
 struct TimeSeries {
   std::string name;             // of the channel, for messages and files
   std::string unit;             // of the samples, as parse_unit reads it: "m", "m/s^2", "count"; "1" for strain

@@ -182,8 +182,9 @@ void check_clock(Found const& f, std::string const& file) {
   if (!f.start)
     refuse(file, fmt::format("'{}' does not say when it begins", f.path),
            "give it the attribute x0, GPS seconds as a number");
-  if (!(*f.step > 0) || !std::isfinite(*f.step) || !std::isfinite(*f.start))
-    refuse(file, fmt::format("'{}' has a step of {:g} s from {:g} s", f.path, *f.step, *f.start), "dx is positive");
+  if (!(*f.step >= shortest_step && *f.step <= longest_step) || !std::isfinite(*f.start))
+    refuse(file, fmt::format("'{}' has a step of {:g} s from {:g} s", f.path, *f.step, *f.start),
+           "dx is in seconds, between 1e-12 and 1e12");
   if (f.samples < 2) refuse(file, fmt::format("'{}' has fewer than two samples", f.path), "choose another channel");
 }
 

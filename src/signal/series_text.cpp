@@ -87,6 +87,8 @@ double regular_step(NamedColumns const& table, std::vector<double> const& t, std
     if (std::abs(t[i] - t[0] - double(i) * mean) > 0.5 * mean)
       refuse(file, at_line(table, i) + "the clock drifts by more than half a sample",
              "resample the record at a constant rate");
+  if (!(mean >= shortest_step && mean <= longest_step))
+    refuse(file, fmt::format("its step is {:g} s", mean), "times are in seconds, or say their unit: time [ms]");
   return mean;
 }
 

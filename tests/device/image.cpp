@@ -20,7 +20,8 @@ class Mapped {
     std::ifstream maps("/proc/self/maps");
     for (std::string line; std::getline(maps, line);) {
       unsigned long long low = 0, high = 0;
-      if (std::sscanf(line.c_str(), "%llx-%llx", &low, &high) == 2) ranges_.push_back({low, high});
+      bool const is_range = std::sscanf(line.c_str(), "%llx-%llx", &low, &high) == 2;
+      if (is_range && high - low < 1ull << 40) ranges_.push_back({low, high});  // longer ones are shadows of sanitizers
     }
   }
   bool holds(std::uint64_t address) const {

@@ -65,7 +65,7 @@ TEST(TimeDomainAgreement, TwoBodiesOnOneGround) {  // eq. 1.10, 7.12
   s.motion.inputs.push_back({"ground z", ground, 0, {{BodyId{0}, 2, 1}, {BodyId{1}, 2, 0.6}}});
   for (double share : {-1.0, -0.9, -0.7, 0.8})
     s.table.classes[0].records.push_back(
-        record(std::uint64_t(10 + 100 * share), 0.25, {lever(0, 2, two_k), lever(1, 2, share * two_k)}));
+        record(std::uint64_t(110 + 100 * share), 0.25, {lever(0, 2, two_k), lever(1, 2, share * two_k)}));
   s.table.classes[0].records.erase(s.table.classes[0].records.begin());
   s.duration = 20;
   s.rate = 256;

@@ -15,14 +15,6 @@
 
 namespace straytrace::testing {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool sanitized = true;
-#elif defined(__has_feature)
-inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-inline constexpr bool sanitized = false;
-#endif
-
 // A limit that programs inherit, of this object's life. Sanitizers reserve terabytes of addresses: no limit there.
 class Limit {
  public:

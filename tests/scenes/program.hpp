@@ -61,15 +61,23 @@ class Folder {
   fs::path path_;
 };
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool sanitized = true;
+#elif defined(__has_feature)
+inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+inline constexpr bool sanitized = false;
+#endif
+
 struct Finished {
   int code = -1;
   std::string out, err;
 };
 
 struct Launch {
-  std::string in = ".";  // working folder
-  bool picture = false;  // report.png takes longer than most runs of these tests
-  int seconds = 60;      // then it is killed, and the code is 124 or 137
+  std::string in = ".";                // working folder
+  bool picture = false;                // report.png takes longer than most runs of these tests
+  int seconds = sanitized ? 600 : 60;  // then it is killed, and the code is 124 or 137
 };
 
 class Program {

@@ -88,6 +88,8 @@ TEST(SeriesFile, MessagesSayWhatToWrite) {
   EXPECT_EQ(refusal("5\n6\n", {"", "m", {}}),
             "a.txt: error: it has one column, and a series needs the times too\n  write two columns: time in s, value");
   EXPECT_EQ(refusal("t x [um] \n", {}).substr(0, 14), "a.txt: error: ");
+  EXPECT_EQ(refusal("0 1\n1e-310 2\n2e-310 3\n", {"", "m", {}}),
+            "a.txt: error: its step is 1e-310 s\n  times are in seconds, or say their unit: time [ms]");
 }
 
 }  // namespace
