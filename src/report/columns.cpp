@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/printable.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -36,7 +38,7 @@ std::string aligned(Columns const& columns, std::string const& indent) {
   std::string text = line_of(columns.titles, widths, columns.left, indent) + rule;
   for (std::vector<std::string> const& row : columns.rows)
     text += row.empty() ? rule : line_of(row, widths, columns.left, indent);
-  return text;
+  return printable(text);  // names come from files of others
 }
 
 }  // namespace straytrace

@@ -61,6 +61,10 @@ TEST(ReportColumns, AlignByCharactersNotBytes) {
   EXPECT_EQ(aligned({{"a", "b"}, {true}, {{"·", "10"}, {"xx", "5"}}}), "a    b\n------\n·   10\nxx   5\n");
 }
 
+TEST(ReportColumns, NamesSteerNoTerminal) {
+  EXPECT_EQ(aligned({{"channel"}, {true}, {{"a\x1b[2Jb"}}}), "channel\n-------\na?[2Jb\n");
+}
+
 class ReportTables : public ::testing::Test {
  protected:
   PathTable table(TableSettings const& settings = {{10, 30, 100, 5000}, 10, 500, 12}) {
