@@ -12,10 +12,10 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <thread>
 #include <unistd.h>
 
 #include "base/message.hpp"
+#include "base/threads.hpp"
 
 namespace straytrace {
 namespace {
@@ -47,7 +47,7 @@ std::vector<Job> different_models(std::vector<Settings> const& points, Options c
 [[noreturn]] void work(Job const& job, Options options, Requirement const& requirement, unsigned jobs) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   options.quiet = true;
-  if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency() / jobs);
+  if (options.threads == 0) options.threads = std::max(1u, thread_count(0) / jobs);
   int code = input_error;
   try {
     code = Scanner(options, requirement, options.out).at(*job.point).complete ? done : checkpointed;

@@ -209,7 +209,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   }
   Beside const beside(model);
   settings.beside = beside.classes;
-  steer(model.world);
+  steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
     if (events_told()) return tell_progress(p, progress_line(p, model.until));
@@ -234,7 +234,7 @@ TraceResult result_of(Model& model, SumTree tree, Options const& options) {
   TraceSettings settings;
   settings.seed = model.seed;
   settings.beside = beside.classes;
-  steer(model.world);
+  steer(model.world, options.threads);
   TraceResult result = beside.completed(result_of(model.world, settings, std::move(tree)));
   for (std::string const& warning : result.warnings) tell_warning(warning, options);
   return result;
@@ -242,7 +242,7 @@ TraceResult result_of(Model& model, SumTree tree, Options const& options) {
 
 void work_for_rank_0(Model& model, Options const& options, Transport& transport) {
   InterruptGuard const guard;
-  steer(model.world);
+  steer(model.world, options.threads);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.threads = options.threads;

@@ -78,7 +78,7 @@ int tell_history(Options const& options, std::uint64_t number) {
   Earlier const earlier(options.input);
   Model model = earlier.read(options.overrides);
   if (options.seed) model.seed = *options.seed;
-  steer(model.world);
+  steer(model.world, options.threads);
   std::vector<ToldEvent> const events = told_history(model.world, model.seed, number);
   if (options.json()) {
     std::cout << told_json(events).dump() << '\n';

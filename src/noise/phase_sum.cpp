@@ -9,6 +9,7 @@
 #include <string_view>
 #include <thread>
 
+#include "base/threads.hpp"
 #include "base/turned.hpp"
 
 namespace straytrace {
@@ -169,8 +170,7 @@ std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned
     }
   };
   std::vector<std::jthread> workers;
-  unsigned const count = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < count; ++i) workers.emplace_back(work);
+  for (unsigned i = 1; i < thread_count(threads); ++i) workers.emplace_back(work);
   work();
   workers.clear();  // joins
   return out;

@@ -2,9 +2,8 @@
 #include "trace/camera.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
 
+#include "base/threads.hpp"
 #include "optics/specular.hpp"
 
 namespace straytrace {
@@ -168,23 +167,12 @@ Sight sight(WorldView const& world, Ray ray, Departure from, LookSettings const&
   return seen;
 }
 
-void for_rows(std::uint32_t rows, unsigned threads, std::function<void(std::uint32_t)> const& work) {
-  std::atomic<std::uint32_t> next{0};
-  auto const loop = [&] {
-    for (std::uint32_t row = next++; row < rows; row = next++) work(row);
-  };
-  std::vector<std::jthread> workers;
-  unsigned const count = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < count; ++i) workers.emplace_back(loop);
-  loop();
-}
-
 std::vector<Seen> seen_by(WorldView const& world, Camera const& camera, LookSettings const& settings) {
   std::vector<Seen> picture(std::size_t{camera.rows} * camera.columns);
-  for_rows(camera.rows, settings.threads, [&](std::uint32_t row) {
+  in_parallel(camera.rows, settings.threads, [&](std::size_t row) {
     for (std::uint32_t column = 0; column < camera.columns; ++column)
-      picture[std::size_t{row} * camera.columns + column] =
-          sight(world, camera.ray(column + 0.5, row + 0.5), camera.from, settings).solid;
+      picture[row * camera.columns + column] =
+          sight(world, camera.ray(column + 0.5, double(row) + 0.5), camera.from, settings).solid;
   });
   return picture;
 }

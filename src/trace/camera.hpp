@@ -88,7 +88,4 @@ using Paint = std::function<Rgb(Seen const&)>;
 std::vector<std::uint8_t> shaded(WorldView const&, Camera const&, LookSettings const&, Paint const&,
                                  std::vector<bool>& visible);
 
-// Runs work(row) for all rows on several threads.
-void for_rows(std::uint32_t rows, unsigned threads, std::function<void(std::uint32_t)> const& work);
-
 }  // namespace straytrace

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/threads.hpp"
 #include "trace/camera.hpp"
 
 namespace straytrace {
@@ -70,9 +71,9 @@ std::vector<std::uint8_t> shaded(WorldView const& world, Camera const& camera, L
   std::uint32_t const high = camera.rows * finer;
   std::vector<Dot> dots(wide * high);
   std::vector<std::atomic<bool>> seen(world.surfaces.size);
-  for_rows(high, settings.threads, [&](std::uint32_t row) {
+  in_parallel(high, settings.threads, [&](std::size_t row) {
     for (std::size_t column = 0; column < wide; ++column) {
-      Ray const ray = camera.ray((double(column) + 0.5) / finer, (row + 0.5) / finer);
+      Ray const ray = camera.ray((double(column) + 0.5) / finer, (double(row) + 0.5) / finer);
       Sight const s = sight(world, ray, camera.from, settings);
       if (s.solid.surface.valid()) seen[s.solid.surface.value] = true;
       for (int i = 0; i < s.panes; ++i) seen[s.glass[i].surface.value] = true;
@@ -81,11 +82,11 @@ std::vector<std::uint8_t> shaded(WorldView const& world, Camera const& camera, L
   });
   visible.assign(seen.begin(), seen.end());
   std::vector<std::uint8_t> rgb(std::size_t{3} * camera.columns * camera.rows);
-  for_rows(camera.rows, settings.threads, [&](std::uint32_t row) {
+  in_parallel(camera.rows, settings.threads, [&](std::size_t row) {
     for (std::size_t column = 0; column < camera.columns; ++column) {
       Rgb sum;
       for (std::uint32_t k = 0; k < finer * finer; ++k) {
-        std::size_t const x = column * finer + k % finer, y = std::size_t{row} * finer + k / finer;
+        std::size_t const x = column * finer + k % finer, y = row * finer + k / finer;
         Dot const& d = dots[y * wide + x];
         double ink = 0;
         if (x + 1 < wide) ink = edge(d, dots[y * wide + x + 1]);
@@ -93,7 +94,7 @@ std::vector<std::uint8_t> shaded(WorldView const& world, Camera const& camera, L
         Rgb const c = mix(d.colour, {0.1, 0.1, 0.12}, ink);
         sum = {sum.r + c.r, sum.g + c.g, sum.b + c.b};
       }
-      std::uint8_t* const out = &rgb[3 * (std::size_t{row} * camera.columns + column)];
+      std::uint8_t* const out = &rgb[3 * (row * camera.columns + column)];
       double const scale = 1.0 / (finer * finer);
       out[0] = byte(scale * sum.r);
       out[1] = byte(scale * sum.g);

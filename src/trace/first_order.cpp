@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "trace/camera.hpp"
+#include "base/threads.hpp"
 #include "trace/estimate/emit.hpp"
 #include "trace/estimate/importance.hpp"
 
@@ -80,7 +80,7 @@ using Batches = std::vector<Batch>;
 template <class Start>
 Batches walk_all(WorldView const& world, FirstOrderSettings const& settings, Start const& start) {
   Batches all(batches);
-  for_rows(batches, settings.threads, [&](std::uint32_t b) {
+  in_parallel(batches, settings.threads, [&](std::size_t b) {
     Batch& batch = all[b];
     for (std::uint64_t n = b; n < settings.histories; n += batches) {
       ++batch.walks;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/threads.hpp"
 #include "trace/estimate/scatter.hpp"
 
 namespace straytrace {
@@ -82,11 +83,11 @@ FlashLight flash_along(WorldView const& world, Ray ray, Departure from, Vec3 eye
 std::vector<FlashLight> flash_picture(WorldView const& world, Camera const& camera, Flash const& flash,
                                       LookSettings const& settings) {
   std::vector<FlashLight> picture(std::size_t{camera.rows} * camera.columns);
-  for_rows(camera.rows, settings.threads, [&](std::uint32_t row) {
+  in_parallel(camera.rows, settings.threads, [&](std::size_t row) {
     for (std::uint32_t column = 0; column < camera.columns; ++column) {
-      FlashLight& pixel = picture[std::size_t{row} * camera.columns + column];
+      FlashLight& pixel = picture[row * camera.columns + column];
       for (std::uint32_t k = 0; k < finer * finer; ++k) {
-        Ray const ray = camera.ray(column + (k % finer + 0.5) / finer, row + (k / finer + 0.5) / finer);
+        Ray const ray = camera.ray(column + (k % finer + 0.5) / finer, double(row) + (k / finer + 0.5) / finer);
         if (!(ray.t_max > 0)) continue;
         FlashLight const one = flash_along(world, ray, camera.from, camera.eye, flash, settings.looks);
         pixel.scattered += one.scattered / (finer * finer);

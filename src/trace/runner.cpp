@@ -4,6 +4,8 @@
 #include <exception>
 #include <thread>
 
+#include "base/threads.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -28,8 +30,7 @@ Runner::Runner(World const& world, TraceSettings const& settings, Backend const&
 
 bool Runner::run(BlockRange range, Helpers* helpers) {
   Handout handout(tree_.missing(range));
-  unsigned const threads =
-      settings_.threads > 0 ? settings_.threads : std::max(1u, std::thread::hardware_concurrency());
+  unsigned const threads = thread_count(settings_.threads);
   unsigned working = threads;
   std::exception_ptr failure;
   {

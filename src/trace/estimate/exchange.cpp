@@ -2,10 +2,9 @@
 #include "trace/estimate/exchange.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 
+#include "base/threads.hpp"
 #include "trace/estimate/receive.hpp"
 
 namespace straytrace {
@@ -29,24 +28,18 @@ Pair pair_of_points(std::uint64_t row, std::uint64_t column, unsigned i) {
 class Quadrature {
  public:
   Quadrature(World const& world, SteeringTables const& tables, std::vector<std::uint32_t> const& goals,
-             unsigned samples)
+             unsigned samples, unsigned threads)
       : world_(world),
         tables_(tables),
         goals_(goals),
         samples_(samples),
+        threads_(threads),
         view_(world.view()),
         steering_(tables.view()),
         all_(tables.sides.size()) {}
 
   std::vector<Exchange> run() {
-    std::atomic<std::size_t> next{0};
-    auto const work = [&] {
-      for (std::size_t i = next++; i < all_.size(); i = next++) fill_side(i);
-    };
-    {
-      std::vector<std::jthread> workers;
-      for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
-    }
+    in_parallel(all_.size(), threads_, [&](std::size_t side) { fill_side(side); });
     return std::move(all_);
   }
 
@@ -211,7 +204,7 @@ class Quadrature {
   World const& world_;
   SteeringTables const& tables_;
   std::vector<std::uint32_t> const& goals_;
-  unsigned const samples_;
+  unsigned const samples_, threads_;
   WorldView const view_;
   Steering const steering_;
   std::vector<Exchange> all_;  // two per patch
@@ -228,8 +221,8 @@ std::vector<std::uint32_t> goals_of(WorldView const& view) {
 }
 
 std::vector<Exchange> exchanges(World const& world, SteeringTables const& tables,
-                                std::vector<std::uint32_t> const& goals, unsigned samples) {
-  return Quadrature(world, tables, goals, samples).run();
+                                std::vector<std::uint32_t> const& goals, unsigned samples, unsigned threads) {
+  return Quadrature(world, tables, goals, samples, threads).run();
 }
 
 }  // namespace straytrace

@@ -25,6 +25,6 @@ std::vector<std::uint32_t> goals_of(WorldView const&);
 
 // Of every side of every patch. Sides that scatter nothing have no lists, sides that no beam lights no `by_law`.
 std::vector<Exchange> exchanges(World const&, SteeringTables const&, std::vector<std::uint32_t> const& goals,
-                                unsigned samples);
+                                unsigned samples, unsigned threads);
 
 }  // namespace straytrace

@@ -2,10 +2,9 @@
 #include "trace/estimate/importance.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 
+#include "base/threads.hpp"
 #include "trace/estimate/exchange.hpp"
 #include "trace/estimate/law_share.hpp"
 #include "trace/estimate/patches.hpp"
@@ -24,7 +23,7 @@ class Builder {
 
   SteeringTables build() {
     if (tables_.strips.empty()) return {};
-    sides_ = exchanges(world_, tables_, goals_, settings_.samples);
+    sides_ = exchanges(world_, tables_, goals_, settings_.samples, settings_.threads);
     solve_all();
     choose_targets();
     if (settings_.pilot_histories > 0) {
@@ -92,12 +91,7 @@ class Builder {
   }
   void solve_all() {
     worths_.resize(goals_.size());
-    std::atomic<std::size_t> next{0};
-    auto const work = [&] {
-      for (std::size_t g = next++; g < goals_.size(); g = next++) worths_[g] = solved(g);
-    };
-    std::vector<std::jthread> workers;
-    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
+    in_parallel(goals_.size(), settings_.threads, [&](std::size_t g) { worths_[g] = solved(g); });
   }
   double forward_score(std::size_t side, std::vector<double> const& adjoint) const {
     double sum = 0;
@@ -145,12 +139,13 @@ SteeringTables make_importance(World const& world, ImportanceSettings const& set
   return Builder(world, settings).build();
 }
 
-void steer(World& world) {
+void steer(World& world, unsigned threads) {
   find_covered_receivers(world);
   if (!world.limits.targets) return;
   ImportanceSettings settings;
   settings.alpha = world.limits.law_share;
   settings.window = world.limits.window;
+  settings.threads = threads;
   if (world.receivers().empty()) settings.pilot_histories = 0;
   world.steer(make_importance(world, settings));
 }

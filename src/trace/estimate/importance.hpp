@@ -17,6 +17,7 @@ struct ImportanceSettings {
   std::size_t most_patches = 1000;          // then; the work grows with the square
   std::uint64_t pilot_histories = 1 << 14;  // 0: no pilot
   std::size_t most_targets = 128;           // per side of a patch that no beam lights
+  unsigned threads = 0;                     // 0: all cores; no matter to the tables
 };
 
 // How much of the light that leaves patch i arrives on each side of patch j, and what it will score: the linear system
@@ -28,7 +29,7 @@ SteeringTables make_importance(World const&, ImportanceSettings const& = {});
 
 // Everything that steers a trace of this scene, as its limits ask: receivers behind glass, adjoint tables, targets. The
 // pilot is for receivers, which mirrors and glass may feed.
-void steer(World&);
+void steer(World&, unsigned threads = 0);
 
 // Marks the receivers that see part of the scene through lenses or mirrors (trace/estimate/through_glass.hpp).
 void find_covered_receivers(World&);
