@@ -56,15 +56,6 @@ TEST(ReportValues, PrintedValuesStayWithinTheError) {
   EXPECT_GT(worst(10), 0.26);
 }
 
-TEST(ReportColumns, AlignByCharactersNotBytes) {
-  EXPECT_EQ(width_of("ITM·S"), 5u);
-  EXPECT_EQ(aligned({{"a", "b"}, {true}, {{"·", "10"}, {"xx", "5"}}}), "a    b\n------\n·   10\nxx   5\n");
-}
-
-TEST(ReportColumns, NamesSteerNoTerminal) {
-  EXPECT_EQ(aligned({{"channel"}, {true}, {{"a\x1b[2Jb"}}}), "channel\n-------\na?[2Jb\n");
-}
-
 class ReportTables : public ::testing::Test {
  protected:
   PathTable table(TableSettings const& settings = {{10, 30, 100, 5000}, 10, 500, 12}) {
