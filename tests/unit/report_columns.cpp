@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tables of text for people.
-#include "report/columns.hpp"
-
 #include <gtest/gtest.h>
+
+#include "report/columns.hpp"
 
 namespace straytrace::testing::report_columns {
 namespace {

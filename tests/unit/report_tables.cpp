@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "report/band.hpp"
-#include "report/columns.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {
