@@ -52,6 +52,8 @@ def with_unit(value, unit):
 
 def cell(line, field):
     value = line.get(field)
+    if field == "theirs" and value == 0 and "skipped" in line:  # nothing was found, which is no merit of zero
+        return ""
     if value is None:
         return line["skipped"] if field == "ours" and "skipped" in line else ""
     if field == "goal":
