@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
   MeshFile mesh;
   mesh.name = name_for(bytes);
   auto const companion = [&](std::string const&) { return bytes; };
-  if (!import_mesh(bytes, companion, mesh).what.empty()) return 0;
+  if (!read_mesh_file(bytes, companion, mesh).what.empty()) return 0;
   set_library_colours(bytes, mesh);
   MeshHealth const health = examine(mesh);
   (void)advice(mesh, health);

@@ -21,7 +21,8 @@ class Mapped {
     for (std::string line; std::getline(maps, line);) {
       unsigned long long low = 0, high = 0;
       bool const is_range = std::sscanf(line.c_str(), "%llx-%llx", &low, &high) == 2;
-      if (is_range && high - low < 1ull << 40) ranges_.push_back({low, high});  // longer ones are shadows of sanitizers
+      bool const shadow = high - low >= 1ull << 40 || low < 1ull << 32;  // of sanitizers
+      if (is_range && !shadow) ranges_.push_back({low, high});
     }
   }
   bool holds(std::uint64_t address) const {
