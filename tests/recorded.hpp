@@ -43,8 +43,8 @@ struct Site {
   template <class A, class B>
   void compared(Kind kind, char const* a, char const* b, A const& x, B const& y) const {
     constexpr bool numbers = std::is_convertible_v<A, double> && std::is_convertible_v<B, double> &&
-                             !std::is_same_v<A, bool> && !std::is_same_v<A, char> &&
-                             std::is_trivially_copyable_v<A> && std::is_trivially_copyable_v<B>;  // JSON converts too
+                             !std::is_same_v<A, bool> && !std::is_same_v<A, char> && std::is_trivially_copyable_v<A> &&
+                             std::is_trivially_copyable_v<B>;  // JSON converts too
     if constexpr (std::is_same_v<A, Deviation>) {
       if (kind == Kind::below)
         return record({Kind::near, file, line, a, b, x.value, x.expected, double(y) * std::fabs(x.expected)});
