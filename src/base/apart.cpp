@@ -36,7 +36,7 @@ void bound_memory(std::size_t more) {
   rlimit const no_dump{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_dump);
   if (sanitized) {  // which reserves terabytes of addresses: there the time is bounded, as little is taken in little
-    rlimit const seconds{20, 20};
+    rlimit const seconds{5, 5};
     ::setrlimit(RLIMIT_CPU, &seconds);
     return;
   }

@@ -35,7 +35,9 @@ void add_attributes(Sha256& sum, H5::H5Object const& object, std::string const& 
     H5::Attribute const attribute = object.openAttribute(unsigned(i));
     sorted.emplace(attribute.getName(), attribute);
   }
-  for (auto const& [name, attribute] : sorted) {
+  for (auto const& entry : sorted) {
+    std::string const& name = entry.first;
+    H5::Attribute const& attribute = entry.second;  // Clang 14 cannot hand a structured binding to a lambda
     if (path == "/" && name == "created") continue;
     H5::DataType const type = attribute.getDataType();
     H5::DataSpace const space = attribute.getSpace();

@@ -126,7 +126,8 @@ TimeSeries from_text(std::string const& text, std::string const& file, SeriesReq
                                                         : fmt::format("column '{}'", table.name[channel]);
   std::string const& written = table.unit[channel];
   std::string const unit = unit_or_refuse(file, place, written.empty() ? nullptr : &written, wanted);
-  table = near_span(std::move(table), wanted.span, table.unit[0].empty() ? 1 : parse_unit(table.unit[0])->si);
+  double const to_seconds = table.unit[0].empty() ? 1 : parse_unit(table.unit[0])->si;
+  table = near_span(std::move(table), wanted.span, to_seconds);
   double const step = regular_step(table, table.column[0], file);
   TimeSeries series{table.name[channel].empty() ? file : table.name[channel], unit, table.column[0].front(),
                     meant_rate(step, table.line.size()), std::move(table.column[channel])};

@@ -29,7 +29,7 @@ class AstmReader {
     if (!started_)
       return complain(problems_, {}, "keyword 'VARS' is missing",
                       "name the columns: VARS theta_i,phi_i,theta_s,phi_s,1064nm");
-    if (expected_ >= 0 && rows_ != std::size_t(expected_))
+    if (expected_ >= 0 && double(rows_) != expected_)
       complain(problems_, {}, fmt::format("NUM_POINTS says {:g}, the file has {} rows", expected_, rows_),
                "the file is cut off, or NUM_POINTS is wrong");
     file_.notes.push_back(fmt::format("column '{}' of {}; angles in {}, spherical about the normal", name_, channels_,
