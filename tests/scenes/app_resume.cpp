@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr char never[] = "h_total < 0.01 %";
+constexpr char never[] = "h_total < 1e-6 %";
 
 // A scene that is traced quickly: few rings.
 Words run_into(std::string const& folder, Words const& more) {
