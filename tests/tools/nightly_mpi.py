@@ -5,11 +5,10 @@ import os
 import pathlib
 import signal
 import tempfile
-import time
 import unittest
 
-from cluster_support import BLOCK, PROGRAM, attributes, bits, blocks, trace
-from test_mpi import children, mpi
+from cluster_support import BLOCK, attributes, bits, trace
+from test_mpi import begun
 
 
 class Silent(unittest.TestCase):
@@ -18,22 +17,14 @@ class Silent(unittest.TestCase):
         self.addCleanup(self.place.cleanup)
         self.folder = pathlib.Path(self.place.name)
 
-    def begun(self, out, histories):
-        """A job of three ranks after its first checkpoint, the last rank stopped."""
-        child = mpi(3, out, "--histories", histories, "--checkpoint", "0.3s")
-        until = time.monotonic() + 60
-        while not out.exists() or blocks(out) == 0:
-            self.assertIsNone(child.poll())
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.05)
-        ranks = children(child.pid, PROGRAM.name)
-        self.assertEqual(len(ranks), 3, ranks)
+    def silenced(self, out, histories):
+        child, ranks = begun(self, out, histories)
         os.kill(ranks[-1], signal.SIGSTOP)
         return child, ranks
 
     def test_others_do_its_blocks(self):
         out, one = self.folder / "job.h5", self.folder / "one.h5"
-        child, _ = self.begun(out, 1000 * BLOCK)
+        child, _ = self.silenced(out, 1000 * BLOCK)
         said, complained = child.communicate(timeout=200)
         self.assertEqual(child.returncode, 0, complained)
         self.assertIn("does not answer", complained)
@@ -43,7 +34,7 @@ class Silent(unittest.TestCase):
 
     def test_a_job_asked_to_stop_ends_with_85(self):
         out = self.folder / "job.h5"
-        child, ranks = self.begun(out, 10**10)
+        child, ranks = self.silenced(out, 10**10)
         os.kill(ranks[0], signal.SIGTERM)
         said, complained = child.communicate(timeout=200)
         self.assertEqual(child.returncode, 85, complained)

@@ -32,6 +32,19 @@ def children(pid, name):
     return sorted(int(p) for p, _, comm in rows if int(p) in below and comm.strip() == name)
 
 
+def begun(test, out, histories):
+    """A job of three ranks after its first checkpoint, and the processes of the ranks."""
+    child = mpi(3, out, "--histories", histories, "--checkpoint", "0.3s")
+    until = time.monotonic() + 60
+    while not out.exists() or blocks(out) == 0:
+        test.assertIsNone(child.poll())
+        test.assertLess(time.monotonic(), until)
+        time.sleep(0.05)
+    ranks = children(child.pid, PROGRAM.name)
+    test.assertEqual(len(ranks), 3, ranks)
+    return child, ranks
+
+
 class Mpi(unittest.TestCase):
     def setUp(self):
         self.place = tempfile.TemporaryDirectory()
@@ -61,14 +74,7 @@ class Mpi(unittest.TestCase):
 
     def test_a_killed_rank(self):
         out, whole = self.folder / "killed.h5", self.folder / "whole.h5"
-        child = mpi(3, out, "--histories", 10**9, "--checkpoint", "0.3s")
-        until = time.monotonic() + 60
-        while not out.exists() or blocks(out) == 0:
-            self.assertIsNone(child.poll())
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.05)
-        ranks = children(child.pid, PROGRAM.name)
-        self.assertEqual(len(ranks), 3, ranks)
+        child, ranks = begun(self, out, 10**9)
         os.kill(ranks[-1], signal.SIGKILL)
         _, said = child.communicate(timeout=60)
         self.assertNotEqual(child.returncode, 0)
