@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Run files behind their checksum, which protects from accidents but not from a writer who seals what he wrote. Bytes
-// that begin as HDF5 are the file; others are changes of a good one, five bytes each: place (32 bits) and what is
-// added there to the byte modulo 256. Texts end at the file.
+// that begin as HDF5 are the file; others are changes of what HDF5 reads from a good one, five bytes each: place
+// (32 bits) and what is added there to the byte modulo 256. Texts end at the file.
 #include <filesystem>
 
 #include "base/message.hpp"
@@ -12,12 +12,15 @@
 
 namespace {
 
+using namespace straytrace;
+
+// What HDF5 reads from a run file, as bytes.
 std::string good_run() {
-  straytrace::test::Folder const folder;
-  straytrace::TraceResult const trace = straytrace::test::trace_result();
-  straytrace::NoiseBudget const noise = straytrace::test::noise_budget(trace.coupling);
-  straytrace::write_run(folder / "run.h5", straytrace::test::content(trace, &noise));
-  return straytrace::unsealed(straytrace::read_file(folder / "run.h5"), "run.h5");
+  test::Folder const folder;
+  TraceResult const trace = test::trace_result();
+  NoiseBudget const noise = test::noise_budget(trace.coupling);
+  write_run(folder / "run.h5", test::content(trace, &noise));
+  return hdf5::packed(hdf5::own_contents(unsealed(read_file(folder / "run.h5"), "run.h5")));
 }
 
 std::string changed(std::string run, std::string_view changes) {
@@ -33,11 +36,11 @@ std::string changed(std::string run, std::string_view changes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
-  using namespace straytrace;
   static std::string const good = good_run();
   std::string_view const text = fuzz::text_of(data, size);
   try {
-    (void)run_of(text.starts_with("\x89HDF") ? std::string(text) : changed(good, text), "run.h5");
+    bool const file = text.starts_with("\x89HDF");
+    (void)run_of(file ? hdf5::contents_of(std::string(text)) : hdf5::unpacked(changed(good, text)), "run.h5");
   } catch (InputError const&) {
   }
   return 0;

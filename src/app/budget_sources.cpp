@@ -9,7 +9,6 @@
 #include <set>
 
 #include "base/message.hpp"
-#include "hdf5/hdf5.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/message.hpp"
-#include "hdf5/hdf5.hpp"
+#include "hdf5/writer.hpp"
 #include "report/curve_text.hpp"
 #include "signal/unit_text.hpp"
 

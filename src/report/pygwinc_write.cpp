@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <set>
 
-#include "hdf5/hdf5.hpp"
+#include "hdf5/writer.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 

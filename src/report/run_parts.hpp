@@ -2,7 +2,8 @@
 // The groups of a run file, each written and read in one place. Paths and columns: schema/run-1.txt.
 #pragma once
 
-#include "hdf5/hdf5.hpp"
+#include "hdf5/reader.hpp"
+#include "hdf5/writer.hpp"
 #include "report/report.hpp"
 
 namespace straytrace {
@@ -32,8 +33,8 @@ NoiseBudget read_noise(hdf5::Reader const&);
 // Offsets of lists laid end to end: n + 1 numbers that begin with 0, never fall and end with `total`.
 std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& path, std::size_t lists,
                                         std::size_t total);
-// What the bytes behind the checksum hold; `file` names them in messages.
-RunFile run_of(std::string const& hdf5_image, std::string const& file);
+// What the HDF5 file behind the checksum holds; `file` names it in messages.
+RunFile run_of(hdf5::Contents, std::string const& file);
 [[noreturn]] void damaged_run(std::string const& what);
 
 }  // namespace straytrace

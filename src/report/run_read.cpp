@@ -37,7 +37,7 @@ Stopped read_stop(hdf5::Reader const& in) {
 
 // Files before schema 1.7 hold whole runs from the first block on.
 void read_slice(hdf5::Reader const& in, TraceResult& trace) {
-  if (!in.file().attrExists("slice")) {
+  if (!in.has_attribute("/", "slice")) {
     trace.all_blocks = trace.total.blocks;
     return;
   }
@@ -121,20 +121,25 @@ RunContent RunFile::content() const {
 
 namespace {
 
-std::string sound_bytes_of(std::string const& file) { return unsealed(read_file(file), file); }
+hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wanted = hdf5::everything) {
+  std::string const image = unsealed(read_file(file), file);
+  try {
+    return hdf5::contents_of(image, wanted);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("'{}': {}", file, e.what()));
+  }
+}
 
 // What `read` takes from a sound file; all that can be wrong with it is an InputError that names the file.
 template <class Result, class Read>
-Result read_from(std::string const& hdf5_image, std::string const& file, Read const& read) {
-  hdf5::Reader const in(hdf5_image);
+Result read_from(hdf5::Contents contents, std::string const& file, Read const& read) {
+  hdf5::Reader const in(std::move(contents));
   check_kind(in, file);
   Result result;
   try {
     read(in, result);
   } catch (InputError const& e) {
     throw InputError(fmt::format("'{}': {}", file, e.what()));
-  } catch (H5::Exception const&) {
-    throw InputError(fmt::format("'{}' is damaged and cannot be read", file));
   } catch (std::logic_error const& e) {
     throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()));
   }
@@ -198,20 +203,25 @@ void read_head(hdf5::Reader const& in, PartHead& head) {
 
 }  // namespace
 
-RunFile read_run(std::string const& file) { return run_of(sound_bytes_of(file), file); }
+RunFile read_run(std::string const& file) { return run_of(sound_contents_of(file), file); }
 
-RunFile run_of(std::string const& hdf5_image, std::string const& file) {
-  return read_from<RunFile>(hdf5_image, file, read_all);
+RunFile run_of(hdf5::Contents contents, std::string const& file) {
+  return read_from<RunFile>(std::move(contents), file, read_all);
 }
 
 PartHead read_part_head(std::string const& file) {
-  PartHead head = read_from<PartHead>(sound_bytes_of(file), file, read_head);
+  auto const wanted = [](std::string const& path, std::uint64_t) {
+    return path.starts_with("/input/") || path.starts_with("/timing/") || path == "/nodes/first_block" ||
+           path == "/nodes/level";
+  };
+  PartHead head = read_from<PartHead>(sound_contents_of(file, wanted), file, read_head);
   head.file = file;
   return head;
 }
 
 SumTree read_part_sums(std::string const& file) {
-  return read_from<SumTree>(sound_bytes_of(file), file,
+  auto const wanted = [](std::string const& path, std::uint64_t) { return path.starts_with("/nodes/"); };
+  return read_from<SumTree>(sound_contents_of(file, wanted), file,
                             [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
 }
 
@@ -221,6 +231,6 @@ std::string nodes_image(SumTree const& tree) {
   return out.bytes();
 }
 
-SumTree nodes_of_image(std::string const& image) { return read_nodes(hdf5::Reader(image)); }
+SumTree nodes_of_image(std::string const& image) { return read_nodes(hdf5::Reader(hdf5::own_contents(image))); }
 
 }  // namespace straytrace

@@ -8,7 +8,8 @@
 
 #include "base/message.hpp"
 #include "base/table.hpp"
-#include "hdf5/hdf5.hpp"
+#include "hdf5/reader.hpp"
+#include "hdf5/writer.hpp"
 #include "signal/gps.hpp"
 #include "signal/series_sources.hpp"
 #include "signal/unit_text.hpp"
@@ -19,28 +20,18 @@ namespace {
 using namespace series_source;
 
 // A number or a string of one element; anything else, such as a pickled object, counts as absent and is never unpacked.
-std::optional<double> number(H5::DataSet const& set, char const* name) {
-  if (!set.attrExists(name)) return {};
-  H5::Attribute const a = set.openAttribute(name);
-  H5T_class_t const kind = a.getTypeClass();
-  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || a.getSpace().getSimpleExtentNpoints() != 1) return {};
-  double value = 0;
-  a.read(H5::PredType::NATIVE_DOUBLE, &value);
-  return value;
+std::optional<double> number(hdf5::Object const& set, char const* name) {
+  auto const found = set.attributes.find(name);
+  return found == set.attributes.end() ? std::nullopt : hdf5::number_in(found->second);
 }
 
-std::optional<std::string> words(H5::DataSet const& set, char const* name) {
-  if (!set.attrExists(name)) return {};
-  H5::Attribute const a = set.openAttribute(name);
-  if (a.getTypeClass() != H5T_STRING || a.getSpace().getSimpleExtentNpoints() != 1) return {};
-  std::string value;
-  a.read(a.getDataType(), value);
-  value.erase(std::find(value.begin(), value.end(), '\0'), value.end());
-  return value;
+std::optional<std::string> words(hdf5::Object const& set, char const* name) {
+  auto const found = set.attributes.find(name);
+  return found == set.attributes.end() ? std::nullopt : hdf5::text_in(found->second);
 }
 
 template <class... Names>
-std::optional<double> first_number(H5::DataSet const& set, Names... names) {
+std::optional<double> first_number(hdf5::Object const& set, Names... names) {
   std::optional<double> found;
   ((found = found ? found : number(set, names)), ...);
   return found;
@@ -52,10 +43,11 @@ struct Found {
   std::string time_unit = "s";        // "Hz" for a spectrum
   std::optional<std::string> unit;    // of the samples
   std::optional<double> start, step;  // s
-  hsize_t samples = 0;
+  std::uint64_t samples = 0;
+  bool impossible = false;  // more samples than the file can hold
 };
 
-Found described(H5::DataSet const& set, std::string const& path) {
+Found described(hdf5::Object const& set, std::string const& path) {
   Found f;
   f.path = f.name = path;
   for (char const* key : {"name", "channel"})
@@ -67,7 +59,8 @@ Found described(H5::DataSet const& set, std::string const& path) {
     if (auto const text = words(set, key)) f.time_unit = *text;
   for (char const* key : {"unit", "Yunits"})
     if (auto const text = words(set, key); text && !f.unit) f.unit = *text;
-  f.samples = hsize_t(set.getSpace().getSimpleExtentNpoints());
+  f.samples = set.values.count();
+  f.impossible = set.values.state == hdf5::State::impossible_size;
   return f;
 }
 
@@ -76,42 +69,38 @@ bool is_series(Found const& f) {
 }
 
 // All one-dimensional arrays of numbers, in nested groups too.
-void collect(H5::Group const& group, std::string const& path, int depth, std::vector<Found>& into) {
-  for (hsize_t i = 0; depth < 16 && i < group.getNumObjs(); ++i) {
-    std::string const name = group.getObjnameByIdx(i), full = path.empty() ? name : path + "/" + name;
-    if (group.getObjTypeByIdx(i) == H5G_GROUP) collect(group.openGroup(name), full, depth + 1, into);
-    if (group.getObjTypeByIdx(i) != H5G_DATASET) continue;
-    H5::DataSet const set = group.openDataSet(name);
-    H5T_class_t const kind = set.getTypeClass();
-    if ((kind == H5T_FLOAT || kind == H5T_INTEGER) && set.getSpace().getSimpleExtentNdims() == 1)
-      into.push_back(described(set, full));
+void collect(hdf5::Reader const& reader, std::string const& path, std::vector<Found>& into) {
+  for (std::string const& name : reader.members("/" + path)) {
+    std::string const full = path.empty() ? name : path + "/" + name;
+    hdf5::Object const& object = reader.object(full);
+    if (object.is_group) collect(reader, full, into);
+    hdf5::Kind const kind = object.values.kind;
+    if (!object.is_group && (kind == hdf5::Kind::real || kind == hdf5::Kind::integer) &&
+        object.values.shape.size() == 1)
+      into.push_back(described(object, full));
   }
 }
 
 // GWOSC names the detector beside the data, not at them.
 void name_by_detector(hdf5::Reader const& reader, std::vector<Found>& all) {
-  if (!reader.has("meta") || !reader.has("meta/Detector")) return;
-  H5::DataSet const set = reader.file().openDataSet("meta/Detector");
-  std::string detector;
-  if (set.getTypeClass() != H5T_STRING) return;
-  set.read(detector, set.getDataType());
-  detector.erase(std::find(detector.begin(), detector.end(), '\0'), detector.end());
+  if (!reader.has("meta/Detector")) return;
+  auto const detector = hdf5::text_in(reader.object("meta/Detector").values);
   for (Found& f : all)
-    if (f.path == "strain/Strain") f.name = detector + ":strain";
+    if (detector && f.path == "strain/Strain") f.name = *detector + ":strain";
 }
 
 template <class Action>
 auto readable(std::string const& file, Action const& action) {
   try {
     return action();
-  } catch (H5::Exception const&) {
+  } catch (InputError const&) {
     refuse(file, "the HDF5 file is damaged", "make it again or copy it again");
   }
 }
 
 std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file) {
   std::vector<Found> all, series;
-  collect(reader.file().openGroup("/"), "", 0, all);
+  readable(file, [&] { return collect(reader, "", all); });
   name_by_detector(reader, all);
   bool const gwosc =
       std::any_of(all.begin(), all.end(), [](Found const& f) { return f.path == "strain/Strain" && is_series(f); });
@@ -124,13 +113,8 @@ std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file
          "series carry the attributes x0 and dx (gwpy) or Xstart and Xspacing (GWOSC); spectra are no series");
 }
 
-hdf5::Reader opened(std::string const& bytes, std::string const& file) {
-  try {
-    return hdf5::Reader(bytes);
-  } catch (InputError const&) {
-    refuse(file, "the HDF5 file is damaged", "make it again or copy it again");
-  }
-}
+// Small values are read at once, such as names; samples when they are asked for.
+bool is_small(std::string const&, std::uint64_t bytes) { return bytes <= 4096; }
 
 std::vector<std::string> names_of(std::vector<Found> const& all) {
   std::vector<std::string> names;
@@ -162,18 +146,14 @@ Found const& chosen(std::vector<Found> const& all, std::string const& file, std:
 }
 
 // Reads the samples of the span, and one more on each side where there is one; cut() judges the rest.
-TimeSeries samples_of(hdf5::Reader const& reader, Found const& f, GpsSpan span) {
+TimeSeries samples_of(std::string const& image, Found const& f, GpsSpan span) {
   TimeSeries s{f.name, "", *f.start, 1 / *f.step, {}};
   double const whole = std::round(s.rate), count = double(f.samples);
   if (whole >= 1 && std::abs(s.rate / whole - 1) < 1e-12) s.rate = whole;
   double const from = std::clamp(std::floor((span.from - s.start) * s.rate) - 1, 0.0, count);
   double const to = std::clamp(std::ceil((span.to - s.start) * s.rate) + 1, 0.0, count);
-  hsize_t const offset = to > from ? hsize_t(from) : 0, wanted = to > from ? hsize_t(to) - offset : f.samples;
-  s.samples.resize(wanted);
-  H5::DataSet const set = reader.file().openDataSet(f.path);
-  H5::DataSpace in_file = set.getSpace(), in_memory(1, &wanted);
-  in_file.selectHyperslab(H5S_SELECT_SET, &wanted, &offset);
-  set.read(s.samples.data(), H5::PredType::NATIVE_DOUBLE, in_memory, in_file);
+  std::uint64_t const offset = to > from ? std::uint64_t(from) : 0;
+  s.samples = hdf5::slab(image, f.path, offset, to > from ? std::uint64_t(to) - offset : f.samples);
   s.start += double(offset) / s.rate;
   return s;
 }
@@ -191,28 +171,27 @@ void check_clock(Found const& f, std::string const& file) {
 }  // namespace
 
 TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const& file, SeriesRequest const& wanted) {
-  hdf5::Reader const reader = opened(bytes, file);
-  return readable(file, [&] {
-    std::vector<Found> const all = series_in(reader, file);
-    Found const& f = chosen(all, file, wanted.channel, reader);
-    check_clock(f, file);
-    if (!reader.can_hold(f.samples))  // a byte each at least
-      refuse(file, fmt::format("'{}' states {} samples, more than the file can hold", f.path, f.samples),
-             "copy or make the file again");
-    std::string const place = fmt::format("'{}'", f.path);
-    std::string const unit = unit_or_refuse(file, place, f.unit ? &*f.unit : nullptr, wanted);
-    double const end = *f.start + double(f.samples) * *f.step;
-    bool const inside = (wanted.span.from <= -1e300 || wanted.span.from >= *f.start) &&
-                        (wanted.span.to >= 1e300 || wanted.span.to <= end) && wanted.span.from < end;
-    TimeSeries s = samples_of(reader, f, inside ? wanted.span : GpsSpan{});  // all, for what cut() says about it
-    s.unit = unit;
-    s = cut(s, wanted.span);
-    for (std::size_t i = 0; i < s.samples.size(); ++i)
-      if (!std::isfinite(s.samples[i]))
-        refuse(file, fmt::format("'{}' is not a number at GPS {}", f.path, gps_text(s.time(i))),
-               "choose a span without such samples with --gps A..B");
-    return s;
-  });
+  hdf5::Reader const reader = readable(file, [&] { return hdf5::Reader(bytes, is_small); });
+  std::vector<Found> const all = series_in(reader, file);
+  Found const& f = chosen(all, file, wanted.channel, reader);
+  check_clock(f, file);
+  if (f.impossible)
+    refuse(file, fmt::format("'{}' states {} samples, more than the file can hold", f.path, f.samples),
+           "copy or make the file again");
+  std::string const place = fmt::format("'{}'", f.path);
+  std::string const unit = unit_or_refuse(file, place, f.unit ? &*f.unit : nullptr, wanted);
+  double const end = *f.start + double(f.samples) * *f.step;
+  bool const inside = (wanted.span.from <= -1e300 || wanted.span.from >= *f.start) &&
+                      (wanted.span.to >= 1e300 || wanted.span.to <= end) && wanted.span.from < end;
+  GpsSpan const span = inside ? wanted.span : GpsSpan{};  // all, for what cut() says about it
+  TimeSeries s = readable(file, [&] { return samples_of(bytes, f, span); });
+  s.unit = unit;
+  s = cut(s, wanted.span);
+  for (std::size_t i = 0; i < s.samples.size(); ++i)
+    if (!std::isfinite(s.samples[i]))
+      refuse(file, fmt::format("'{}' is not a number at GPS {}", f.path, gps_text(s.time(i))),
+             "choose a span without such samples with --gps A..B");
+  return s;
 }
 
 std::string series_hdf5(std::span<TimeSeries const> series) {

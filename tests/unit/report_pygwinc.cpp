@@ -9,7 +9,8 @@
 #include <fstream>
 
 #include "base/message.hpp"
-#include "hdf5/hdf5.hpp"
+#include "hdf5/reader.hpp"
+#include "hdf5/writer.hpp"
 #include "noise/design.hpp"
 #include "report/pygwinc_ifo.hpp"
 #include "report/pygwinc_trace.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "hdf5/writer.hpp"
+
 #include <algorithm>
 #include <numeric>
-
-#include "hdf5/hdf5.hpp"
 
 namespace straytrace::hdf5 {
 namespace {
@@ -35,7 +35,7 @@ H5::DSetCreatPropList layout(Sizes const& shape, std::size_t element) {
   H5Pset_obj_track_times(list.getId(), false);
   hsize_t const count = std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>());
   if (shape.empty() || count * element < compress_from) return list;
-  Sizes chunk = shape;
+  std::vector<hsize_t> chunk(shape.begin(), shape.end());
   chunk[0] = std::clamp<hsize_t>(chunk_bytes / (count / shape[0] * element), 1, shape[0]);
   list.setChunk(int(chunk.size()), chunk.data());
   list.setShuffle();
@@ -82,8 +82,9 @@ void Writer::group(std::string const& path, std::string const& meaning) {
 
 void Writer::raw(std::string const& path, void const* data, H5::DataType const& in_file, H5::DataType const& in_memory,
                  Sizes const& shape, std::string const& unit) {
+  std::vector<hsize_t> const sizes(shape.begin(), shape.end());
   H5::DataSpace const space =
-      shape.empty() ? H5::DataSpace(H5S_SCALAR) : H5::DataSpace(int(shape.size()), shape.data());
+      shape.empty() ? H5::DataSpace(H5S_SCALAR) : H5::DataSpace(int(sizes.size()), sizes.data());
   H5::DataSet const set = file_.createDataSet(path, in_file, space, layout(shape, in_file.getSize()));
   if (space.getSimpleExtentNpoints() > 0) set.write(data, in_memory);
   add_text(set, "unit", unit);

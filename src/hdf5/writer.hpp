@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small layer over the HDF5 C++ interface: typed arrays with units, without time stamps, from and to memory.
+// Typed arrays with units as an HDF5 file in memory, without time stamps: the same content is the same bytes.
 #pragma once
 
 #include <H5Cpp.h>
-#include <array>
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <vector>
 
-namespace straytrace::hdf5 {
+#include "hdf5/contents.hpp"
 
-using Sizes = std::vector<hsize_t>;
+namespace straytrace::hdf5 {
 
 // Type in the file (little endian) and type in memory.
 template <class T>
@@ -76,48 +74,6 @@ class Writer {
   void raw(std::string const& path, void const* data, H5::DataType const& in_file, H5::DataType const& in_memory,
            Sizes const& shape, std::string const& unit);
   H5::H5File file_;
-};
-
-// Reads from the bytes of a file. Everything throws InputError with the path of what is missing or damaged.
-class Reader {
- public:
-  explicit Reader(std::string const& bytes);
-
-  bool has(std::string const& path) const;
-  Sizes shape(std::string const& path) const;
-  // `columns`: required product of all dimensions but the first; the result has rows times columns elements.
-  template <class T>
-  std::vector<T> array(std::string const& path, std::size_t columns = 1) const {
-    std::vector<T> values(elements(path, columns));
-    raw(path, values.data(), memory_type<T>());
-    return values;
-  }
-  // Also requires the number of rows.
-  template <class T>
-  std::vector<T> rows(std::string const& path, std::size_t count, std::size_t columns = 1) const {
-    std::vector<T> values = array<T>(path, columns);
-    expect(path, values.size(), count * columns);
-    return values;
-  }
-  std::vector<std::string> strings(std::string const& path) const;
-  std::vector<std::string> strings(std::string const& path, std::size_t count) const;
-  std::string text(std::string const& path) const;
-
-  std::string attribute_text(std::string const& path, std::string const& name) const;
-  double attribute_number(std::string const& path, std::string const& name) const;
-  std::vector<std::uint64_t> attribute_counts(std::string const& path, std::string const& name) const;
-  std::uint64_t attribute_count(std::string const& path, std::string const& name) const;
-
-  H5::H5File const& file() const { return file_; }
-  // Whether the file can hold so many bytes of numbers, as compressed as they may be.
-  bool can_hold(hsize_t bytes) const;
-
- private:
-  std::size_t elements(std::string const& path, std::size_t columns) const;
-  void raw(std::string const& path, void* into, H5::DataType const& in_memory) const;
-  static void expect(std::string const& path, std::size_t found, std::size_t wanted);
-  H5::H5File file_;
-  std::size_t size_;
 };
 
 }  // namespace straytrace::hdf5

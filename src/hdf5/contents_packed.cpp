@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/message.hpp"
+#include "base/pack.hpp"
+#include "hdf5/contents.hpp"
+
+namespace straytrace::hdf5 {
+namespace {
+
+void add(Packer& out, Values const& v) {
+  out.value(v.kind), out.value(v.state), out.value(std::uint8_t{v.is_signed});
+  out.value(v.size), out.add(v.shape), out.add(v.bytes);
+}
+
+std::uint8_t below(Unpacker& in, unsigned limit) {
+  auto const code = in.value<std::uint8_t>();
+  if (code >= limit) throw InputError("what HDF5 has read has no meaning");
+  return code;
+}
+
+bool is_sound(Values const& v) {
+  if (v.state != State::whole) return v.bytes.empty();
+  bool const number = v.kind == Kind::integer || v.kind == Kind::real;
+  bool const size = v.kind == Kind::real ? v.size == 8 : v.size == 1 || v.size == 2 || v.size == 4 || v.size == 8;
+  std::uint64_t bytes = 0;
+  return (!number || size) && !__builtin_mul_overflow(v.count(), v.size, &bytes) && v.bytes.size() == bytes;
+}
+
+Values values_of(Unpacker& in) {
+  Values v;
+  v.kind = Kind(below(in, 4)), v.state = State(below(in, 4)), v.is_signed = below(in, 2) != 0;
+  v.size = in.count(), v.shape = in.values<std::uint64_t>(), v.bytes = in.text();
+  if (!is_sound(v)) throw InputError("what HDF5 has read has no meaning");
+  return v;
+}
+
+}  // namespace
+
+std::string packed(Contents const& contents) {
+  Packer out;
+  out.count(contents.size());
+  for (auto const& [path, object] : contents) {
+    out.add(path), out.value(std::uint8_t{object.is_group});
+    add(out, object.values);
+    out.count(object.attributes.size());
+    for (auto const& [name, values] : object.attributes) out.add(name), add(out, values);
+  }
+  return out.take();
+}
+
+Contents unpacked(std::string_view bytes) {
+  Unpacker in(bytes);
+  Contents contents;
+  for (std::uint64_t n = in.count(); n > 0; --n) {
+    Object& object = contents[in.text()];
+    object.is_group = below(in, 2) != 0;
+    object.values = values_of(in);
+    for (std::uint64_t k = in.count(); k > 0; --k) {
+      std::string const name = in.text();
+      object.attributes[name] = values_of(in);
+    }
+  }
+  return contents;
+}
+
+}  // namespace straytrace::hdf5
