@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "base/message.hpp"
+#include "hdf5/writer.hpp"
 #include "report/seal.hpp"
 #include "unit/report_same.hpp"
 #include "unit/report_synthetic.hpp"
