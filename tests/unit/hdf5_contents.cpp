@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// HDF5 files as plain values: whatever a file holds, this process goes on.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <H5Cpp.h>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "base/message.hpp"
+#include "hdf5/reader.hpp"
+#include "hdf5/writer.hpp"
+
+namespace straytrace::hdf5 {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Key;
+
+std::string image(std::function<void(H5::H5File&)> const& fill) {
+  H5::FileAccPropList list;
+  list.setCore(1 << 16, false);
+  H5::H5File file("straytrace-test", H5F_ACC_TRUNC, H5::FileCreatPropList::DEFAULT, list);
+  fill(file);
+  file.flush(H5F_SCOPE_GLOBAL);
+  std::string bytes(std::size_t(H5Fget_file_image(file.getId(), nullptr, 0)), '\0');
+  H5Fget_file_image(file.getId(), bytes.data(), bytes.size());
+  return bytes;
+}
+
+H5::DataSet list(H5::H5File& file, char const* path, H5::DataType const& type, hsize_t count) {
+  return file.createDataSet(path, type, H5::DataSpace(1, &count));
+}
+
+template <class T>
+void write(H5::H5File& file, char const* path, H5::PredType const& type, std::vector<T> const& values) {
+  list(file, path, type, values.size()).write(values.data(), type);
+}
+
+std::string message_of(std::function<void()> const& action) {
+  try {
+    action();
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Hdf5Contents, NumbersOfEveryTypeBecomeTheNearest) {
+  double const nan = std::numeric_limits<double>::quiet_NaN();
+  Reader const in(image([&](H5::H5File& file) {
+    write<std::int8_t>(file, "bytes", H5::PredType::NATIVE_INT8, {-5, 7});
+    write<std::uint64_t>(file, "large", H5::PredType::NATIVE_UINT64, {1, ~std::uint64_t{0}});
+    write<float>(file, "reals", H5::PredType::NATIVE_FLOAT, {0.5F, 300});
+    write<double>(file, "odd", H5::PredType::NATIVE_DOUBLE, {nan, 1e300, -1});
+    list(file, "big_endian", H5::PredType::STD_I16BE, 1).write(std::vector<int>{-2}.data(), H5::PredType::NATIVE_INT);
+  }));
+  EXPECT_THAT(in.array<double>("bytes"), ElementsAre(-5, 7));
+  EXPECT_THAT(in.array<std::uint32_t>("/bytes"), ElementsAre(0, 7));
+  EXPECT_THAT(in.array<std::uint8_t>("/large"), ElementsAre(1, 255));
+  EXPECT_THAT(in.array<std::uint64_t>("/large"), ElementsAre(1, ~std::uint64_t{0}));
+  EXPECT_THAT(in.array<double>("/reals"), ElementsAre(0.5, 300));
+  EXPECT_THAT(in.array<std::uint8_t>("/reals"), ElementsAre(0, 255));
+  EXPECT_THAT(in.array<std::uint32_t>("/odd"), ElementsAre(0, std::numeric_limits<std::uint32_t>::max(), 0));
+  EXPECT_THAT(in.array<double>("/big_endian"), ElementsAre(-2));
+}
+
+TEST(Hdf5Contents, TextsOfOneAndOfAnyLength) {
+  Reader const in(image([](H5::H5File& file) {
+    std::vector<char const*> const words{"rho", "", "kappa"};
+    list(file, "any", H5::StrType(H5::PredType::C_S1, H5T_VARIABLE), 3)
+        .write(words.data(), H5::StrType(H5::PredType::C_S1, H5T_VARIABLE));
+    list(file, "one", H5::StrType(H5::PredType::C_S1, 4), 2).write("abcdef\0\0", H5::StrType(H5::PredType::C_S1, 4));
+  }));
+  EXPECT_THAT(in.strings("/any"), ElementsAre("rho", "", "kappa"));
+  EXPECT_THAT(in.strings("/one"), ElementsAre("abcd", "ef"));
+  EXPECT_THAT(message_of([&] { (void)in.array<double>("/one"); }), HasSubstr("'/one' is missing or cannot be read"));
+}
+
+TEST(Hdf5Contents, LinksToOtherPlacesAndCirclesAreNotFollowed) {
+  Contents const all = contents_of(image([](H5::H5File& file) {
+    file.createGroup("/a").createGroup("b");
+    file.link(H5L_TYPE_HARD, "/a", "/a/b/again");
+    file.link(H5L_TYPE_SOFT, "/a/b", "/soft");
+    H5Lcreate_external("/etc/passwd", "/", file.getId(), "elsewhere", H5P_DEFAULT, H5P_DEFAULT);
+  }));
+  EXPECT_THAT(all, ElementsAre(Key("/"), Key("/a"), Key("/a/b")));
+}
+
+TEST(Hdf5Contents, SizesThatTheFileCannotHoldAreSaidAndNotRead) {
+  std::string const claims = image([](H5::H5File& file) {
+    H5::DSetCreatPropList chunks;
+    hsize_t const chunk = 1024, count = 1000000000000;
+    chunks.setChunk(1, &chunk);
+    file.createDataSet("claim", H5::PredType::NATIVE_DOUBLE, H5::DataSpace(1, &count), chunks);
+  });
+  Reader const in(claims);
+  EXPECT_EQ(in.object("/claim").values.state, State::impossible_size);
+  EXPECT_EQ(in.object("/claim").values.count(), 1000000000000u);
+  EXPECT_THAT(message_of([&] { (void)in.array<double>("/claim"); }), HasSubstr("'/claim' has an impossible size"));
+}
+
+TEST(Hdf5Contents, OnlyWhatIsWantedIsRead) {
+  std::string const both = image([](H5::H5File& file) {
+    write<double>(file, "few", H5::PredType::NATIVE_DOUBLE, {1, 2});
+    write<double>(file, "many", H5::PredType::NATIVE_DOUBLE, std::vector<double>(100, 3));
+  });
+  Reader const in(both, [](std::string const&, std::uint64_t bytes) { return bytes <= 16; });
+  EXPECT_THAT(in.array<double>("/few"), ElementsAre(1, 2));
+  EXPECT_EQ(in.shape("/many"), Sizes{100});
+  EXPECT_THAT(message_of([&] { (void)in.array<double>("/many"); }), HasSubstr("'/many' was not read"));
+  EXPECT_EQ(slab(both, "/many", 98, 2), (std::vector<double>{3, 3}));
+  EXPECT_THAT(message_of([&] { (void)slab(both, "/many", 99, 2); }), HasSubstr("'/many' cannot be read"));
+}
+
+// The library frees what it never had: the input on which a fuzzer ended.
+TEST(Hdf5Contents, AFileThatBreaksTheLibraryIsRefused) {
+  std::ifstream file(STRAY_SOURCE_DIR "/fuzz/corpus/motion/bad_free.hdf5", std::ios::binary);
+  std::string const bytes(std::istreambuf_iterator<char>(file), {});
+  ASSERT_EQ(bytes.size(), 6888u);
+  EXPECT_THAT(message_of([&] { (void)contents_of(bytes); }), HasSubstr("the HDF5 file is damaged: "));
+}
+
+TEST(Hdf5Contents, AsBytesAndBack) {
+  Writer out;
+  out.group("/g", "of numbers");
+  out.array("/g/x", std::vector<double>{1, 2, 3}, "m");
+  out.strings("/names", {"a", "bc"});
+  Contents const contents = own_contents(out.bytes());
+  std::string const bytes = packed(contents);
+  EXPECT_EQ(packed(unpacked(bytes)), bytes);
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    EXPECT_THROW((void)unpacked(std::string_view(bytes).substr(0, length)), InputError) << length;
+}
+
+}  // namespace
+}  // namespace straytrace::hdf5
