@@ -15,6 +15,7 @@
 #include "app/ghost_noise.hpp"
 #include "app/ghost_search.hpp"
 #include "app/interrupt.hpp"
+#include "app/output_folder.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
 #include "base/growing_file.hpp"
@@ -105,7 +106,7 @@ class Answers {
     bool const watts = world.beam_power > 0;
     if (options.csv) std::cout << ghost_csv_header(watts);
     if (options.out.empty()) return;
-    make_folder(options.out);
+    folder_.emplace(options.out);
     csv_ = std::make_unique<GrowingFile>(in_folder("ghosts.csv"));
     csv_->write(ghost_csv_header(watts));
   }
@@ -150,6 +151,7 @@ class Answers {
   std::string in_folder(char const* name) const { return (std::filesystem::path(options_.out) / name).string(); }
   Options const& options_;
   World const& world_;
+  std::optional<OutputFolder> folder_;
   std::unique_ptr<GrowingFile> csv_;
   std::string text_;
   nlohmann::json all_ = nlohmann::json::array();

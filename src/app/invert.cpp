@@ -11,6 +11,7 @@
 
 #include "app/earlier.hpp"
 #include "app/invert_text.hpp"
+#include "app/output_folder.hpp"
 #include "app/tell.hpp"
 #include "base/form.hpp"
 #include "base/message.hpp"
@@ -37,8 +38,9 @@ Traced traced(Options const& options, Requirement const& requirement) {
   } else {
     t.model = read_model(options.input, options.overrides);
     apply(options, t.model);
-    std::string const folder = options.out, run = folder.empty() ? "" : folder + "/run.h5";
-    if (!folder.empty()) make_folder(folder);
+    std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
+    std::optional<OutputFolder> folder;
+    if (!options.out.empty()) folder.emplace(options.out);
     TraceResult result = trace_model(t.model, options, run);
     t.complete = !result.checkpointed();
     if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));

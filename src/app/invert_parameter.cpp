@@ -8,6 +8,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/invert.hpp"
+#include "app/output_folder.hpp"
 #include "base/message.hpp"
 
 namespace straytrace {
@@ -130,7 +131,8 @@ int invert_parameter(Options const& options, Requirement const& requirement, Inv
     throw InputError(
         fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
   ScanAxis const& axis = axes.front();
-  if (!options.out.empty()) make_folder(options.out + "/runs");
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) folder.emplace(options.out + "/runs");
   InterruptGuard const guard;
   Scanner scanner(options, requirement, options.out);
   Search search(scanner, axis, options.quiet, guard.stop());

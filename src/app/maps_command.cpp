@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
+#include "app/output_folder.hpp"
 #include "app/session.hpp"
 #include "base/message.hpp"
 #include "report/picture.hpp"
@@ -23,7 +24,7 @@ int maps(Options const& options) {
         fmt::format("error: '{}' has no receivers\n  add 'receivers: {{PD: {{on: SURFACE, map: {{...}}}}}}' "
                     "to the scene and trace it again",
                     options.input));
-  make_folder(options.out);
+  OutputFolder const folder(options.out);
   std::vector<std::string> files = write_maps(options.out, content);
   if (files.empty())
     throw InputError(

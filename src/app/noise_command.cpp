@@ -9,6 +9,7 @@
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/output_folder.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
 #include "report/band.hpp"
@@ -73,7 +74,7 @@ int noise(Options const& options) {
     return done;
   }
   warn_of_own_folder(options);
-  make_folder(options.out);
+  OutputFolder const folder(options.out);
   std::string const undrawn = write_results(options.out, content, paths, model);
   if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
   return done;

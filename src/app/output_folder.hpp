@@ -12,7 +12,7 @@ class OutputFolder {
  public:
   // Made with its parents. Throws InputError when it cannot be made or written to, or when one of the `files` it is for
   // is a folder.
-  OutputFolder(std::string const& name, std::vector<std::string> const& files);
+  explicit OutputFolder(std::string const& name, std::vector<std::string> const& files = {});
   ~OutputFolder();  // removes what was made and is still empty
   OutputFolder(OutputFolder const&) = delete;
   OutputFolder& operator=(OutputFolder const&) = delete;

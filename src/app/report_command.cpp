@@ -8,6 +8,7 @@
 
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
+#include "app/output_folder.hpp"
 #include "app/report_page.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
@@ -41,11 +42,11 @@ std::string beside(std::string const& input, std::string const& name) {
 }
 
 // Curves and tables as CSV into a folder.
-void write_curves(std::string const& folder, RunContent const& content, PathTable const& table) {
+void write_curves(std::string const& name, RunContent const& content, PathTable const& table) {
   NamedTexts const names = curve_files(content, table);
-  make_folder(folder);
+  OutputFolder const folder(name);
   NamedTexts files;
-  for (auto const& [name, text] : names) files.emplace_back((std::filesystem::path(folder) / name).string(), text);
+  for (auto const& [file, text] : names) files.emplace_back(folder.path(file), text);
   write_files(files);
 }
 
@@ -95,7 +96,7 @@ void write_view(Options const& options, Model const& model, RunContent const* ru
       paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts_for_page(model, ghosts_shown),
                             wanted.rows, wanted.paths);
     if (!exports.vtk.empty()) {
-      make_folder((std::filesystem::path(exports.vtk) / "parts").string());
+      OutputFolder const parts((std::filesystem::path(exports.vtk) / "parts").string());
       NamedTexts files;
       for (auto& [name, text] : vtk_files(model.world, scene, paths, table))
         files.emplace_back((std::filesystem::path(exports.vtk) / name).string(), std::move(text));

@@ -8,6 +8,7 @@
 #include "app/common_options.hpp"
 #include "app/earlier.hpp"
 #include "app/interrupt.hpp"
+#include "app/output_folder.hpp"
 #include "app/report_page.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
@@ -43,7 +44,8 @@ int run(Options const& options) {
   tell_warnings(model, options);
 
   bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
-  if (!alone) make_folder(options.out);
+  std::optional<OutputFolder> folder;
+  if (!alone) folder.emplace(options.out);
   std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
   std::string const run_file = alone ? options.out : options.out + "/run.h5";
   TraceResult const traced = trace_model(model, options, run_file);  // world -> coupling table

@@ -10,6 +10,7 @@
 #include "app/common_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/invert.hpp"
+#include "app/output_folder.hpp"
 #include "app/scan_jobs.hpp"
 #include "app/scan_view.hpp"
 #include "base/message.hpp"
@@ -68,9 +69,10 @@ int scan(Options const& options, ScanOrder const& order) {
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
   if (order.jobs > 1 && options.out.empty())
     throw InputError("error: --jobs hands the traces over in a folder\n  name one with -o");
+  std::optional<OutputFolder> folder;
   std::optional<FolderLock> lock;
   if (!options.out.empty()) {
-    make_folder(options.out + "/runs");
+    folder.emplace(options.out + "/runs");
     lock.emplace(options.out);
   }
   InterruptGuard const guard;

@@ -125,14 +125,6 @@ std::string identity_of(Model const& model) {
 
 }  // namespace
 
-void make_folder(std::string const& name) {
-  std::error_code code;
-  std::filesystem::create_directories(name, code);
-  if (code || !std::filesystem::is_directory(name, code))
-    throw InputError(fmt::format("error: cannot make the folder '{}': {}\n  choose another one with -o", name,
-                                 code ? code.message() : "a file has this name"));
-}
-
 FolderLock::FolderLock(std::string const& folder) : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY)) {
   if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(descriptor_);

@@ -37,7 +37,6 @@ void require_this_program(Provenance const& about, std::string const& file, std:
 std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
                                    bool force);
 
-void make_folder(std::string const&);  // with its parents; throws InputError
 // Holds a folder as long as it lives, so that two runs cannot write into one. Throws InputError when another holds it.
 class FolderLock {
  public:
