@@ -106,6 +106,16 @@ TEST(Losses, MissingRights) {
   EXPECT_TRUE(fs::is_empty(folder / "closed"));
 }
 
+TEST(Losses, ARefusalLeavesNoFolder) {
+  Folder const folder;
+  for (Words const& words :
+       {Words{"scan", et_hf, "nothing=1,2", "-o", folder / "new/scan"},
+        Words{"scan", et_hf, "--invert", "param(nothing)", "nothing=1..2", "-o", folder / "new"}}) {
+    EXPECT_EQ(straytrace(words).code, 2) << words[2];
+    EXPECT_TRUE(names_in(folder.path()).empty()) << words[2];
+  }
+}
+
 // The name while it is written is longer than its own: that must not come up when all is traced.
 TEST(Losses, LongNames) {
   Folder const folder;
