@@ -46,10 +46,13 @@ RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget
 std::string write_results(std::string const& folder, RunContent const& content, PathTable const& paths,
                           Model const& model) {
   write_run(folder + "/run.h5", content);
-  if (content.noise) write_file(folder + "/h_asd.txt", asd_text(content));
-  write_file(folder + "/paths.csv", path_csv(paths, content));
-  if (!content.receivers.empty()) write_file(folder + "/receivers.csv", receiver_csv(receiver_table(content), content));
-  write_file(folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions()));
+  std::vector<std::pair<std::string, std::string>> texts{
+      {folder + "/paths.csv", path_csv(paths, content)},
+      {folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions())}};
+  if (content.noise) texts.emplace_back(folder + "/h_asd.txt", asd_text(content));
+  if (!content.receivers.empty())
+    texts.emplace_back(folder + "/receivers.csv", receiver_csv(receiver_table(content), content));
+  write_files(texts);
   std::string message;
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
 }
