@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <string>
 
 #include "device/blocks.hpp"
@@ -17,11 +18,14 @@ namespace {
 class Mapped {
  public:
   Mapped() {
+    auto const on_heap = std::make_unique<char>();
+    auto const heap = reinterpret_cast<std::uintptr_t>(on_heap.get());
     std::ifstream maps("/proc/self/maps");
     for (std::string line; std::getline(maps, line);) {
       unsigned long long low = 0, high = 0;
       bool const is_range = std::sscanf(line.c_str(), "%llx-%llx", &low, &high) == 2;
-      bool const shadow = high - low >= 1ull << 40 || low < 1ull << 32;  // of sanitizers
+      bool const has_heap = low <= heap && heap < high;
+      bool const shadow = (high - low >= 1ull << 40 && !has_heap) || low < 1ull << 32;  // of sanitizers
       if (is_range && !shadow) ranges_.push_back({low, high});
     }
   }

@@ -110,9 +110,9 @@ class EngineBody final : public DeviceEngine {
     auto const n = std::uint32_t(histories_.size());
     Array<std::uint32_t> found(n);
     auto const end = thrust::copy_if(thrust::device, zero, zero + n, found.begin(), RunsAgain{data_of(histories_)});
+    if (end == found.begin()) return 0;
     std::vector<std::uint32_t> rest(std::size_t(end - found.begin()));
     thrust::copy(found.begin(), end, rest.begin());
-    if (rest.empty()) return 0;
     std::vector<TotalRecord> totals;
     std::vector<ScoreRecord> scores;
     std::vector<ArrivalRecord> arrivals;
@@ -140,7 +140,7 @@ class EngineBody final : public DeviceEngine {
   }
   template <class Record>
   static void append(Array<Record>& to, std::vector<Record> const& records) {
-    to.insert(to.end(), records.begin(), records.end());
+    if (!records.empty()) to.insert(to.end(), records.begin(), records.end());
   }
   std::size_t bytes() const {
     return world_.size() + histories_.capacity() * sizeof(HistoryRecord) + totals_.bytes() + scores_.bytes() +
@@ -179,7 +179,7 @@ class EngineBody final : public DeviceEngine {
   template <class T>
   static void fetch(Array<T> const& from, std::vector<T>& to) {
     to.resize(from.size());
-    thrust::copy(from.begin(), from.end(), to.begin());
+    if (!from.empty()) thrust::copy(from.begin(), from.end(), to.begin());
   }
 
   Machine machine_;
