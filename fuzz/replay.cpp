@@ -12,17 +12,12 @@
 #include <iterator>
 #include <vector>
 
+#include "base/sanitized.hpp"
 #include "fuzz.hpp"
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#elif defined(__has_feature)
-constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool sanitized = false;
-#endif
+using straytrace::sanitized;
 
 constexpr double most_seconds = sanitized ? 20 : 1;
 constexpr rlim_t most_memory = rlim_t{4} << 30;  // of addresses; sanitizers reserve terabytes

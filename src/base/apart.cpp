@@ -18,19 +18,12 @@
 #include <unistd.h>
 
 #include "base/child_process.hpp"
+#include "base/sanitized.hpp"
 
 namespace straytrace {
 namespace {
 
 constexpr int no_memory = 3, failed = 4;  // how the copy ends
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#elif defined(__has_feature)
-constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool sanitized = false;
-#endif
 
 // Of sanitized builds: what a library does wrong here is no finding of the fuzzer that this is a copy of.
 extern "C" __attribute__((weak)) void __sanitizer_set_death_callback(void (*)());

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "base/sanitized.hpp"
 #include "device/blocks.hpp"
 #include "trace/backend/device/world_image.hpp"
 
@@ -41,13 +42,14 @@ class Mapped {
 
 // Words of an image that are addresses of this process. No number of these scenes looks like one: as a double it would
 // be below 1e-300, as two integers one of them would be above twenty thousand. Beside a small integer, bytes that a
-// structure leaves unused may hold half of an address, so words that end like one are none.
+// structure leaves unused may hold half of an address, so words that end like one are none, but on the
+// heap of sanitizers, which ends like one itself.
 std::size_t left_behind(std::vector<std::byte> const& image, Mapped const& mapped) {
   std::size_t found = 0;
   for (std::size_t at = 0; at + sizeof(std::uint64_t) <= image.size(); at += sizeof(std::uint64_t)) {
     std::uint64_t word;
     std::memcpy(&word, image.data() + at, sizeof word);
-    found += mapped.holds(word) && std::uint32_t(word) > 1'000'000;
+    found += mapped.holds(word) && (sanitized || std::uint32_t(word) > 1'000'000);
   }
   return found;
 }

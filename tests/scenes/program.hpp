@@ -14,7 +14,9 @@
 #include <iterator>
 #include <string>
 #include <unistd.h>
-#include <vector>
+include <vector>
+
+#include "base/sanitized.hpp"
 
 namespace straytrace::testing {
 
@@ -60,14 +62,6 @@ class Folder {
  private:
   fs::path path_;
 };
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool sanitized = true;
-#elif defined(__has_feature)
-inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-inline constexpr bool sanitized = false;
-#endif
 
 struct Finished {
   int code = -1;
