@@ -14,7 +14,7 @@
 #include <iterator>
 #include <string>
 #include <unistd.h>
-include <vector>
+#include <vector>
 
 #include "base/sanitized.hpp"
 
