@@ -13,7 +13,7 @@ CPP = (
     (r"\bfork\s*\(", "makes a process", ("src/app/scan_jobs.cpp", "src/base/apart.cpp")),
     (r"\b(?:socket|getaddrinfo|gethostbyname)\s*\(|\bcurl_", "reaches the network", ()),
     (r"\bH5::H5File\b|\bH5Fopen", "opens HDF5, whose library breaks at some files; use hdf5::Reader",
-     ("src/hdf5/contents.cpp", "src/hdf5/writer.cpp", "src/hdf5/writer.hpp")),
+     ("src/hdf5/walk.cpp", "src/hdf5/writer.cpp", "src/hdf5/writer.hpp")),
     (r"\bdlopen\s*\(", "loads code", ("src/app/mpi.cpp", "src/trace/backend/device/load_engine.cpp")),
     (r"\bregex_match\s*\(", "ends the program at a long text; use has_form of base/form.hpp", ("src/base/form.hpp",)),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",

@@ -28,16 +28,29 @@ struct Traced {
   bool complete = true;
 };
 
+// Refuses before anything is traced.
+void ask(Requirement const& requirement, Model& model, Options const& options) {
+  tell_warnings(model, options);
+  apply(requirement, model);
+  if (!model.detector)
+    throw InputError(
+        "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
+  if (model.design.empty())
+    throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
+}
+
 Traced traced(Options const& options, Requirement const& requirement) {
   Traced t;
   if (options.input.ends_with(".h5")) {
     RunFile file = read_run(options.input);
     t.model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
     replace_as_before(t.model, file.about);
+    ask(requirement, t.model, options);
     t.coupling = std::move(file.trace.coupling);
   } else {
     t.model = read_model(options.input, options.overrides);
     apply(options, t.model);
+    ask(requirement, t.model, options);
     std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
     std::optional<OutputFolder> folder;
     if (!options.out.empty()) folder.emplace(options.out);
@@ -46,13 +59,6 @@ Traced traced(Options const& options, Requirement const& requirement) {
     if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
     t.coupling = std::move(result.coupling);
   }
-  tell_warnings(t.model, options);
-  apply(requirement, t.model);
-  if (!t.model.detector)
-    throw InputError(
-        "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
-  if (t.model.design.empty())
-    throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
   return t;
 }
 

@@ -2,6 +2,7 @@
 #include "app/output_folder.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <cstring>
@@ -15,9 +16,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Folders alone, and empty ones.
 void remove_empty(std::vector<fs::path> const& folders) {
-  std::error_code not_empty;
-  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) fs::remove(*folder, not_empty);
+  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) ::rmdir(folder->c_str());
+}
+
+// With its parents; returns why it was not made.
+std::string make(fs::path const& folder, std::vector<fs::path>& made) {
+  fs::path above;
+  int error = 0;  // of the last part
+  for (fs::path const& part : fs::absolute(folder)) {
+    above /= part;
+    error = ::mkdir(above.c_str(), 0777) == 0 ? 0 : errno;
+    if (error == 0) made.push_back(above);
+  }
+  std::error_code code;
+  if (fs::is_directory(folder, code)) return "";
+  if (fs::is_symlink(folder, code)) return "a link has this name, and what it leads to is not there";
+  return fs::exists(folder, code) ? "a file has this name" : std::strerror(error);
 }
 
 [[noreturn]] void refuse_folder(std::string const& verb, fs::path const& folder, std::string const& why) {
@@ -28,22 +44,16 @@ void remove_empty(std::vector<fs::path> const& folders) {
 }  // namespace
 
 OutputFolder::OutputFolder(std::string const& name, std::vector<std::string> const& files) : folder_(name) {
-  std::error_code code;
-  for (fs::path p = fs::absolute(folder_).lexically_normal(); !p.empty() && !fs::exists(p, code); p = p.parent_path()) {
-    if (p.has_filename()) made_.insert(made_.begin(), p);
-    if (p == p.parent_path()) break;
-  }
-  fs::create_directories(folder_, code);
-  std::error_code ignored;
-  if (code || !fs::is_directory(folder_, ignored)) {
+  if (std::string const why = make(folder_, made_); !why.empty()) {
     remove_empty(made_);
-    refuse_folder("make", folder_, code ? code.message() : "a file has this name");
+    refuse_folder("make", folder_, why);
   }
   if (::faccessat(AT_FDCWD, folder_.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
     std::string const why = std::strerror(errno);
     remove_empty(made_);
     refuse_folder("write to", folder_, why);
   }
+  std::error_code ignored;
   for (std::string const& file : files)
     if (fs::is_directory(folder_ / file, ignored))
       refuse_folder("write to", folder_, fmt::format("'{}' is a folder", file));

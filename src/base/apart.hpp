@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -13,7 +14,12 @@ struct Apart {
   std::string why;  // there are none: "it takes more than 1024 MB", "Segmentation fault"; empty: done
 };
 
-// What `work` returns, while it may take `memory` more bytes. Nothing else of what it does is seen here.
-Apart done_apart(std::function<std::string()> const& work, std::size_t memory);
+struct Bounds {
+  std::size_t memory;     // bytes more than this process has
+  std::uint64_t seconds;  // of processor time
+};
+
+// What `work` returns. Nothing else of what it does is seen here. Throws NumericalError where no copy can be made.
+Apart done_apart(std::function<std::string()> const& work, Bounds);
 
 }  // namespace straytrace

@@ -15,7 +15,8 @@ namespace straytrace::hdf5 {
 using Sizes = std::vector<std::uint64_t>;
 
 enum class Kind : std::uint8_t { integer, real, text, other };
-enum class State : std::uint8_t { whole, left_out, impossible_size, unreadable };
+// `elsewhere`: the values stand in other files, which are never read.
+enum class State : std::uint8_t { whole, left_out, impossible_size, elsewhere, unreadable };
 
 // Of a dataset or an attribute.
 struct Values {
@@ -35,17 +36,18 @@ struct Object {
   std::map<std::string, Values> attributes;  // by name
 };
 
-// By path from the root: "/", "/records", "/records/kappa". Links to other places, also in other files, are not
-// followed; a group with two names stands under one of them.
+// By path from the root: "/", "/records", "/records/kappa". Links by name, also to other files, are not followed; what
+// has two names stands under both. A group in itself, or in 16 others, counts as unreadable.
 using Contents = std::map<std::string, Object>;
 
-// Whether the values of a dataset of so many bytes are asked for.
-using Wanted = std::function<bool(std::string const& path, std::uint64_t bytes)>;
-inline bool everything(std::string const&, std::uint64_t) { return true; }
-inline bool nothing(std::string const&, std::uint64_t) { return false; }
+struct Wanted {
+  // Other datasets are there by their path alone, left out.
+  std::function<bool(std::string const& path)> set = [](std::string const&) { return true; };
+  std::uint64_t largest = ~std::uint64_t{0};  // bytes; of larger datasets only shape and attributes are read
+};
 
 // Of the bytes of a file. Throws InputError where it is no HDF5, or the library ends otherwise than by reading it.
-Contents contents_of(std::string const& image, Wanted const& wanted = everything);
+Contents contents_of(std::string const& image, Wanted const& wanted = {});
 // The same in this process, for what this program has written itself.
 Contents own_contents(std::string const& image);
 

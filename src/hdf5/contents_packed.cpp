@@ -27,7 +27,7 @@ bool is_sound(Values const& v) {
 
 Values values_of(Unpacker& in) {
   Values v;
-  v.kind = Kind(below(in, 4)), v.state = State(below(in, 4)), v.is_signed = below(in, 2) != 0;
+  v.kind = Kind(below(in, 4)), v.state = State(below(in, 5)), v.is_signed = below(in, 2) != 0;
   v.size = in.count(), v.shape = in.values<std::uint64_t>(), v.bytes = in.text();
   if (!is_sound(v)) throw InputError("what HDF5 has read has no meaning");
   return v;

@@ -14,13 +14,14 @@ namespace straytrace::hdf5 {
 namespace {
 
 [[noreturn]] void damaged(std::string const& path, std::string const& how) {
-  throw InputError(fmt::format("the run file is damaged: '{}' {}", path, how));
+  throw InputError(fmt::format("the HDF5 file is damaged: '{}' {}", path, how));
 }
 
 std::string from_root(std::string const& path) { return path.starts_with('/') ? path : "/" + path; }
 
 void require(std::string const& path, Values const& v) {
   if (v.state == State::impossible_size) damaged(path, "has an impossible size");
+  if (v.state == State::elsewhere) damaged(path, "keeps its values in other files, which are not read");
   if (v.state == State::left_out) damaged(path, "was not read");
   if (v.state != State::whole) damaged(path, "is missing or cannot be read");
 }

@@ -10,7 +10,7 @@ namespace straytrace::hdf5 {
 
 class Reader {
  public:
-  explicit Reader(std::string const& image, Wanted const& wanted = everything) : Reader(contents_of(image, wanted)) {}
+  explicit Reader(std::string const& image, Wanted const& wanted = {}) : Reader(contents_of(image, wanted)) {}
   explicit Reader(Contents contents) : contents_(std::move(contents)) {}
 
   bool has(std::string const& path) const;

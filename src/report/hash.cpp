@@ -16,7 +16,7 @@ namespace {
 int class_of(hdf5::Kind kind) { return kind == hdf5::Kind::text ? 3 : kind == hdf5::Kind::real ? 1 : 0; }
 
 void add_values(Sha256& sum, std::string const& name, hdf5::Values const& v) {
-  if (v.state != hdf5::State::whole) throw InputError(name);
+  if (v.state != hdf5::State::whole) throw InputError(fmt::format("'{}' cannot be read", name));
   sum.add_counted(fmt::format("{} type {} of {} [{}]", name, class_of(v.kind), v.size, fmt::join(v.shape, ",")));
   sum.add_counted(v.bytes);
 }
@@ -54,8 +54,8 @@ std::string data_hash(std::string const& run_file) {
     Sha256 sum;
     add_group(sum, hdf5::Reader(image), "/");
     return sum.hex();
-  } catch (InputError const&) {
-    throw InputError(fmt::format("'{}' is damaged: its data cannot be read", run_file));
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("'{}' cannot be compared: {}", run_file, e.what()));
   }
 }
 

@@ -23,9 +23,8 @@ using hdf5::Reader;
 Reader opened(std::string const& bytes, std::string const& file) {
   try {
     return Reader(bytes);
-  } catch (InputError const&) {
-    throw InputError(
-        fmt::format("error: '{}' is a damaged HDF5 file: it was cut short or changed\n  copy or make it again", file));
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("error: '{}': {}\n  copy or make it again", file, e.what()));
   }
 }
 

@@ -121,7 +121,7 @@ RunContent RunFile::content() const {
 
 namespace {
 
-hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wanted = hdf5::everything) {
+hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wanted = {}) {
   std::string const image = unsealed(read_file(file), file);
   try {
     return hdf5::contents_of(image, wanted);
@@ -210,18 +210,18 @@ RunFile run_of(hdf5::Contents contents, std::string const& file) {
 }
 
 PartHead read_part_head(std::string const& file) {
-  auto const wanted = [](std::string const& path, std::uint64_t) {
+  auto const wanted = [](std::string const& path) {
     return path.starts_with("/input/") || path.starts_with("/timing/") || path == "/nodes/first_block" ||
            path == "/nodes/level";
   };
-  PartHead head = read_from<PartHead>(sound_contents_of(file, wanted), file, read_head);
+  PartHead head = read_from<PartHead>(sound_contents_of(file, {wanted}), file, read_head);
   head.file = file;
   return head;
 }
 
 SumTree read_part_sums(std::string const& file) {
-  auto const wanted = [](std::string const& path, std::uint64_t) { return path.starts_with("/nodes/"); };
-  return read_from<SumTree>(sound_contents_of(file, wanted), file,
+  auto const wanted = [](std::string const& path) { return path.starts_with("/nodes/"); };
+  return read_from<SumTree>(sound_contents_of(file, {wanted}), file,
                             [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
 }
 

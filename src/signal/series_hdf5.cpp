@@ -73,7 +73,7 @@ void collect(hdf5::Reader const& reader, std::string const& path, std::vector<Fo
   for (std::string const& name : reader.members("/" + path)) {
     std::string const full = path.empty() ? name : path + "/" + name;
     hdf5::Object const& object = reader.object(full);
-    if (object.is_group) collect(reader, full, into);
+    if (object.is_group && object.values.state == hdf5::State::whole) collect(reader, full, into);
     hdf5::Kind const kind = object.values.kind;
     if (!object.is_group && (kind == hdf5::Kind::real || kind == hdf5::Kind::integer) &&
         object.values.shape.size() == 1)
@@ -93,8 +93,8 @@ template <class Action>
 auto readable(std::string const& file, Action const& action) {
   try {
     return action();
-  } catch (InputError const&) {
-    refuse(file, "the HDF5 file is damaged", "make it again or copy it again");
+  } catch (InputError const& e) {
+    refuse(file, e.what(), "make it again or copy it again");
   }
 }
 
@@ -113,8 +113,8 @@ std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file
          "series carry the attributes x0 and dx (gwpy) or Xstart and Xspacing (GWOSC); spectra are no series");
 }
 
-// Small values are read at once, such as names; samples when they are asked for.
-bool is_small(std::string const&, std::uint64_t bytes) { return bytes <= 4096; }
+// Values such as names are read at once; samples when they are asked for.
+constexpr std::uint64_t small = 4096;  // bytes
 
 std::vector<std::string> names_of(std::vector<Found> const& all) {
   std::vector<std::string> names;
@@ -171,7 +171,7 @@ void check_clock(Found const& f, std::string const& file) {
 }  // namespace
 
 TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const& file, SeriesRequest const& wanted) {
-  hdf5::Reader const reader = readable(file, [&] { return hdf5::Reader(bytes, is_small); });
+  hdf5::Reader const reader = readable(file, [&] { return hdf5::Reader(bytes, {.largest = small}); });
   std::vector<Found> const all = series_in(reader, file);
   Found const& f = chosen(all, file, wanted.channel, reader);
   check_clock(f, file);

@@ -10,7 +10,7 @@ namespace straytrace {
 namespace {
 
 // The library takes about 20 bytes for each of a file, our parts as much again.
-std::size_t memory_for(std::size_t bytes) { return (std::size_t{1} << 30) + 100 * bytes; }
+Bounds bounds_for(std::size_t bytes) { return {(std::size_t{1} << 30) + 100 * bytes, 60 + bytes / 100000}; }
 
 std::string packed(MeshFault const& fault, MeshFile const& file, std::vector<std::string> const& asked) {
   Packer out;
@@ -40,7 +40,7 @@ MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companio
     MeshFault const fault = import_mesh(bytes, companion ? noted : companion, file);
     return packed(fault, file, asked);
   };
-  Apart const done = done_apart(work, memory_for(bytes.size()));
+  Apart const done = done_apart(work, bounds_for(bytes.size()));
   if (!done.why.empty())
     return {fmt::format("not a readable mesh file: {}", done.why), "check that the file is complete; export it again"};
   Unpacker in(done.bytes);

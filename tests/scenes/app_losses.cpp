@@ -110,9 +110,21 @@ TEST(Losses, ARefusalLeavesNoFolder) {
   Folder const folder;
   for (Words const& words :
        {Words{"scan", et_hf, "nothing=1,2", "-o", folder / "new/scan"},
-        Words{"scan", et_hf, "--invert", "param(nothing)", "nothing=1..2", "-o", folder / "new"}}) {
+        Words{"scan", et_hf, "--invert", "param(nothing)", "nothing=1..2", "-o", folder / "new"},
+        Words{"scan", et_hf, "--invert", "brdf(wall)", "--against", "nothing", "-o", folder / "new"},
+        Words{"budget", "nothing", "-o", folder / "new/../other"}}) {
     EXPECT_EQ(straytrace(words).code, 2) << words[2];
     EXPECT_TRUE(names_in(folder.path()).empty()) << words[2];
+  }
+}
+
+// A link is not a folder of ours, wherever it leads.
+TEST(Losses, LinksThatLeadNowhereStay) {
+  Folder const folder;
+  fs::create_symlink("nowhere", folder / "link");
+  for (std::string const out : {folder / "link", folder / "link/x", (folder / "link") + "/"}) {
+    EXPECT_EQ(straytrace({"budget", "aligo", "-o", out}).code, 2) << out;
+    EXPECT_TRUE(fs::is_symlink(folder / "link")) << out;
   }
 }
 

@@ -11,20 +11,20 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t memory = std::size_t{1} << 28;
+constexpr Bounds bounds{std::size_t{1} << 28, 1};
 
 TEST(Apart, BytesComeBack) {
   std::string const large(3 << 20, 'x');
-  Apart const done = done_apart([&] { return large; }, memory);
+  Apart const done = done_apart([&] { return large; }, bounds);
   EXPECT_EQ(done.why, "");
   EXPECT_TRUE(done.bytes == large);
 }
 
 TEST(Apart, WhatBreaksStaysThere) {
   int here = 1;
-  EXPECT_EQ(done_apart([&] { return std::string(std::size_t(++here), 'x'); }, memory).bytes, "xx");
+  EXPECT_EQ(done_apart([&] { return std::string(std::size_t(++here), 'x'); }, bounds).bytes, "xx");
   EXPECT_EQ(here, 1);
-  auto const why = [](auto work) { return done_apart(work, memory).why; };
+  auto const why = [](auto work) { return done_apart(work, bounds).why; };
   EXPECT_EQ(why([]() -> std::string {
               ::raise(SIGSEGV);
               return "x";
@@ -37,6 +37,11 @@ TEST(Apart, WhatBreaksStaysThere) {
             "Aborted");
   EXPECT_EQ(why([]() -> std::string { throw std::runtime_error("x"); }), "the library that reads it failed");
   EXPECT_EQ(why([]() -> std::string { throw std::bad_alloc(); }), "it takes more than 256 MB of memory");
+  EXPECT_EQ(why([]() -> std::string {
+              for (int volatile i = 0;; i = i + 1) {
+              }
+            }),
+            "it takes more than 1 s");
 }
 
 }  // namespace

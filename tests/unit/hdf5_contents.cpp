@@ -80,6 +80,44 @@ TEST(Hdf5Contents, TextsOfOneAndOfAnyLength) {
   EXPECT_THAT(message_of([&] { (void)in.array<double>("/one"); }), HasSubstr("'/one' is missing or cannot be read"));
 }
 
+TEST(Hdf5Contents, WhatHasTwoNamesStandsUnderBoth) {
+  Reader const in(image([](H5::H5File& file) {
+    file.createGroup("/a");
+    write<double>(file, "/a/x", H5::PredType::NATIVE_DOUBLE, {1, 2});
+    file.link(H5L_TYPE_HARD, "/a", "/z");
+  }));
+  EXPECT_EQ(in.array<double>("/z/x"), in.array<double>("/a/x"));
+}
+
+// Storage in other files, whole or in pieces: they would be read with the rights of the user.
+TEST(Hdf5Contents, OtherFilesAreNotRead) {
+  std::string const bytes = image([](H5::H5File& file) {
+    hsize_t const count = 8;
+    H5::DSetCreatPropList outside, pieces;
+    outside.setExternal("/etc/passwd", 0, 8);
+    H5::DataSpace const space(1, &count);
+    file.createDataSet("outside", H5::PredType::NATIVE_UINT8, space, outside);
+    H5Pset_virtual(pieces.getId(), space.getId(), "/etc/passwd", "x", space.getId());
+    file.createDataSet("pieces", H5::PredType::NATIVE_UINT8, space, pieces);
+  });
+  Reader const in(bytes);
+  for (char const* path : {"/outside", "/pieces"}) {
+    EXPECT_EQ(in.object(path).values.state, State::elsewhere);
+    EXPECT_THAT(message_of([&] { (void)in.array<double>(path); }), HasSubstr("keeps its values in other files"));
+    EXPECT_THAT(message_of([&] { (void)slab(bytes, path, 0, 8); }), HasSubstr("keeps its values in other files"));
+  }
+}
+
+// In the square of their number, tens of thousands of attributes took minutes.
+TEST(Hdf5Contents, ManyAttributesAndMembersAreListedOnce) {
+  Contents const all = contents_of(image([](H5::H5File& file) {
+    H5Pset_libver_bounds(file.getAccessPlist().getId(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+    H5::Group const many = file.createGroup("many");
+    for (int i = 0; i < 20000; ++i) H5::Group(many.createGroup(std::to_string(i)));
+  }));
+  EXPECT_EQ(all.size(), 20002u);
+}
+
 TEST(Hdf5Contents, LinksToOtherPlacesAndCirclesAreNotFollowed) {
   Contents const all = contents_of(image([](H5::H5File& file) {
     file.createGroup("/a").createGroup("b");
@@ -87,7 +125,9 @@ TEST(Hdf5Contents, LinksToOtherPlacesAndCirclesAreNotFollowed) {
     file.link(H5L_TYPE_SOFT, "/a/b", "/soft");
     H5Lcreate_external("/etc/passwd", "/", file.getId(), "elsewhere", H5P_DEFAULT, H5P_DEFAULT);
   }));
-  EXPECT_THAT(all, ElementsAre(Key("/"), Key("/a"), Key("/a/b")));
+  EXPECT_THAT(all, ElementsAre(Key("/"), Key("/a"), Key("/a/b"), Key("/a/b/again")));
+  EXPECT_EQ(all.at("/a/b").values.state, State::whole);
+  EXPECT_EQ(all.at("/a/b/again").values.state, State::unreadable);
 }
 
 TEST(Hdf5Contents, SizesThatTheFileCannotHoldAreSaidAndNotRead) {
@@ -108,7 +148,7 @@ TEST(Hdf5Contents, OnlyWhatIsWantedIsRead) {
     write<double>(file, "few", H5::PredType::NATIVE_DOUBLE, {1, 2});
     write<double>(file, "many", H5::PredType::NATIVE_DOUBLE, std::vector<double>(100, 3));
   });
-  Reader const in(both, [](std::string const&, std::uint64_t bytes) { return bytes <= 16; });
+  Reader const in(both, {.largest = 16});
   EXPECT_THAT(in.array<double>("/few"), ElementsAre(1, 2));
   EXPECT_EQ(in.shape("/many"), Sizes{100});
   EXPECT_THAT(message_of([&] { (void)in.array<double>("/many"); }), HasSubstr("'/many' was not read"));
