@@ -23,7 +23,7 @@ std::string apart(Work const& work, std::size_t memory, std::size_t image_size) 
       return std::string(e.what()) + '\1';
     }
   };
-  Apart done = done_apart(told, {memory, 20 + image_size / 500000});
+  Apart done = done_apart(told, {memory, 10 + image_size / 500000});
   if (!done.why.empty()) throw InputError("the HDF5 library cannot read the file: " + done.why);
   if (done.bytes.empty()) damaged("nothing could be read");
   char const how = done.bytes.back();

@@ -160,9 +160,10 @@ class Walk {
     if (!wanted_.set(path)) return;
     cannot_be_read(here.values);
     H5::DataSet const set = group.openDataSet(name);
-    here.values.state = State::elsewhere;
-    if (is_elsewhere(set)) return;
-    take(set, here.values, wanted_.largest, [&](void* to, H5::DataType const& type) { set.read(to, type); });
+    bool const elsewhere = is_elsewhere(set);
+    take(set, here.values, elsewhere ? 0 : wanted_.largest,
+         [&](void* to, H5::DataType const& type) { set.read(to, type); });
+    if (elsewhere) here.values.state = State::elsewhere, here.values.bytes.clear();
     add_attributes(set, here);
   }
 
