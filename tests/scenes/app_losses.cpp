@@ -122,7 +122,7 @@ TEST(Losses, ARefusalLeavesNoFolder) {
 TEST(Losses, LinksThatLeadNowhereStay) {
   Folder const folder;
   fs::create_symlink("nowhere", folder / "link");
-  for (std::string const out : {folder / "link", folder / "link/x", (folder / "link") + "/"}) {
+  for (std::string const& out : {folder / "link", folder / "link/x", (folder / "link") + "/"}) {
     EXPECT_EQ(straytrace({"budget", "aligo", "-o", out}).code, 2) << out;
     EXPECT_TRUE(fs::is_symlink(folder / "link")) << out;
   }
