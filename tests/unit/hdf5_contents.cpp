@@ -161,7 +161,7 @@ TEST(Hdf5Contents, AFileThatBreaksTheLibraryIsRefused) {
   std::ifstream file(STRAY_SOURCE_DIR "/fuzz/corpus/motion/bad_free.hdf5", std::ios::binary);
   std::string const bytes(std::istreambuf_iterator<char>(file), {});
   ASSERT_EQ(bytes.size(), 6888u);
-  EXPECT_THAT(message_of([&] { (void)contents_of(bytes); }), HasSubstr("the HDF5 file is damaged: "));
+  EXPECT_THAT(message_of([&] { (void)contents_of(bytes); }), HasSubstr("the HDF5 library cannot read the file: "));
 }
 
 TEST(Hdf5Contents, AsBytesAndBack) {
