@@ -25,7 +25,7 @@ std::string apart(Work const& work, std::size_t memory, std::size_t image_size) 
   };
   Apart done = done_apart(told, {memory, 10 + image_size / 500000});
   if (!done.why.empty()) throw InputError("the HDF5 library cannot read the file: " + done.why);
-  if (done.bytes.empty()) damaged("nothing could be read");
+  if (done.bytes.empty()) broken_file("nothing could be read");
   char const how = done.bytes.back();
   done.bytes.pop_back();
   if (how != '\0') throw InputError(done.bytes);

@@ -141,7 +141,7 @@ class Walk {
 
   // What cannot be read is there, with the state that says so.
   void add_member(H5::Group const& group, std::string const& name, std::string const& path) {
-    if (contents_.size() == most_objects) damaged("it has more than a million groups and datasets");
+    if (contents_.size() == most_objects) broken_file("it has more than a million groups and datasets");
     std::size_t const depth = above_.size();
     Object& here = contents_[path];
     try {
@@ -207,13 +207,13 @@ class Walk {
 
 }  // namespace
 
-void damaged(std::string const& how) { throw InputError("the HDF5 file is damaged: " + how); }
+void broken_file(std::string const& how) { throw InputError("the HDF5 file is damaged: " + how); }
 
 Contents walked(std::string const& image, Wanted const& wanted) {
   try {
     return Walk(image.size(), wanted).all(opened(image));
   } catch (H5::Exception const&) {
-    damaged("it cannot be opened");
+    broken_file("it cannot be opened");
   }
 }
 
@@ -223,13 +223,13 @@ std::vector<double> slab_here(std::string const& image, std::string const& path,
   try {
     H5::H5File const file = opened(image);
     H5::DataSet const set = file.openDataSet(path);
-    if (is_elsewhere(set)) damaged(fmt::format("'{}' keeps its values in other files", path));
+    if (is_elsewhere(set)) broken_file(fmt::format("'{}' keeps its values in other files", path));
     hsize_t const first = offset, many = count;
     H5::DataSpace in_file = set.getSpace(), in_memory(1, &many);
     in_file.selectHyperslab(H5S_SELECT_SET, &many, &first);
     set.read(values.data(), H5::PredType::NATIVE_DOUBLE, in_memory, in_file);
   } catch (H5::Exception const&) {
-    damaged(fmt::format("'{}' cannot be read", path));
+    broken_file(fmt::format("'{}' cannot be read", path));
   }
   return values;
 }

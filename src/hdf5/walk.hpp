@@ -10,6 +10,6 @@ Contents walked(std::string const& image, Wanted const& wanted);
 std::vector<double> slab_here(std::string const& image, std::string const& path, std::uint64_t offset,
                               std::uint64_t count);
 
-[[noreturn]] void damaged(std::string const& how);
+[[noreturn]] void broken_file(std::string const& how);
 
 }  // namespace straytrace::hdf5
