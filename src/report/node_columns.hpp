@@ -2,6 +2,9 @@
 // Moments as columns of a run file.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -35,8 +38,11 @@ struct MomentColumns {
     out.array(path + "_counts", numbers, "1", shape);
   }
   static MomentColumns read(hdf5::Reader const& in, std::string const& path, std::size_t rows, std::size_t each = 1) {
-    return {in.rows<double>(path, rows, moment_sums * each),
-            in.rows<std::uint64_t>(path + "_counts", rows, moment_counts * each)};
+    MomentColumns const c{in.rows<double>(path, rows, moment_sums * each),
+                          in.rows<std::uint64_t>(path + "_counts", rows, moment_counts * each)};
+    for (double const sum : c.values)
+      if (!std::isfinite(sum)) damaged_run(fmt::format("'{}' holds a sum that is no number", path));
+    return c;
   }
 };
 
