@@ -5,7 +5,6 @@
 #include <sys/resource.h>
 
 #include <H5Cpp.h>
-#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <functional>
@@ -183,24 +182,6 @@ TEST_F(ReportRunFile, HashSeesOneChangedBitOrName) {
   noise.margin = 0.2;
   hashes.insert(data_hash(written()));
   EXPECT_EQ(hashes.size(), 4u);
-}
-
-TEST_F(ReportRunFile, SumsThatAreNoNumbersAreDamage) {
-  std::string const file = folder / "bad.h5";
-  for (double const bad : {std::nan(""), HUGE_VAL}) {
-    write_file(file, unsealed(read_file(written()), "run.h5"));
-    {
-      H5::H5File changed(file, H5F_ACC_RDWR);
-      H5::DataSet const set = changed.openDataSet("/nodes/emitted");
-      std::vector<double> values(std::size_t(set.getSpace().getSimpleExtentNpoints()));
-      set.read(values.data(), H5::PredType::NATIVE_DOUBLE);
-      values.back() = bad;
-      set.write(values.data(), H5::PredType::NATIVE_DOUBLE);
-    }
-    write_file(folder / "sealed.h5", sealed(read_file(file)));
-    EXPECT_THAT(message_of([&] { (void)read_run(folder / "sealed.h5"); }),
-                HasSubstr("'/nodes/emitted' holds a sum that is no number"));
-  }
 }
 
 TEST_F(ReportRunFile, NoObjectHasATimeStamp) {
