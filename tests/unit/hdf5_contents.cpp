@@ -9,13 +9,14 @@
 #include <iterator>
 #include <limits>
 
-#include "base/message.hpp"
 #include "hdf5/reader.hpp"
 #include "hdf5/writer.hpp"
+#include "message_of.hpp"
 
 namespace straytrace::hdf5 {
 namespace {
 
+using test::message_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Key;
@@ -38,15 +39,6 @@ H5::DataSet list(H5::H5File& file, char const* path, H5::DataType const& type, h
 template <class T>
 void write(H5::H5File& file, char const* path, H5::PredType const& type, std::vector<T> const& values) {
   list(file, path, type, values.size()).write(values.data(), type);
-}
-
-std::string message_of(std::function<void()> const& action) {
-  try {
-    action();
-  } catch (InputError const& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 TEST(Hdf5Contents, NumbersOfEveryTypeBecomeTheNearest) {
@@ -177,6 +169,16 @@ TEST(Hdf5Contents, AsBytesAndBack) {
   EXPECT_EQ(packed(unpacked(bytes)), bytes);
   for (std::size_t length = 0; length < bytes.size(); ++length)
     EXPECT_THROW((void)unpacked(std::string_view(bytes).substr(0, length)), InputError) << length;
+}
+
+// Nothing, said to be as many texts as nobody can hold.
+TEST(Hdf5Contents, TextsOfNoLengthAreRefused) {
+  Contents contents;
+  Values& names = contents["/names"].values;
+  names.kind = Kind::text, names.state = State::whole, names.shape = {std::uint64_t{1} << 60};
+  EXPECT_THROW((void)unpacked(packed(contents)), InputError);
+  names.size = 1, names.shape = {0};
+  EXPECT_EQ(unpacked(packed(contents)).size(), 1u);
 }
 
 }  // namespace

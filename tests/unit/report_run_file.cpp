@@ -13,6 +13,7 @@
 
 #include "base/message.hpp"
 #include "hdf5/writer.hpp"
+#include "message_of.hpp"
 #include "report/seal.hpp"
 #include "unit/report_same.hpp"
 #include "unit/report_synthetic.hpp"
@@ -21,15 +22,6 @@ namespace straytrace::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string message_of(std::function<void()> const& action) {
-  try {
-    action();
-  } catch (InputError const& e) {
-    return e.what();
-  }
-  return "no error";
-}
 
 class ReportRunFile : public ::testing::Test {
  protected:

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "base/message.hpp"
+
+namespace straytrace::test {
+
+// What an action refuses its input with; "no error" where it does not.
+inline std::string message_of(std::function<void()> const& action) {
+  try {
+    action();
+  } catch (InputError const& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+}  // namespace straytrace::test
