@@ -20,7 +20,7 @@
 namespace straytrace {
 namespace {
 
-struct Wanted {
+struct AperturesRequest {
   std::string profile, distance;
   std::size_t show = 12, points = 41;
 };
@@ -116,7 +116,7 @@ double distance_of(std::string const& text) {
 }
 
 // The Fresnel integral is done for round beams and rims across them.
-double checked_distance(Named const& n, Wanted const& wanted) {
+double checked_distance(Named const& n, AperturesRequest const& wanted) {
   double const z = distance_of(wanted.distance);
   BeamAperture const& a = n.aperture;
   if (!a.across)
@@ -139,7 +139,7 @@ double paraxial_beyond(BeamAperture const& a) {
 }
 
 // Intensity across the beam behind the rim, and the same without it, over that on the axis in the plane of the rim.
-void print_profile(Named const& n, Wanted const& wanted, bool json) {
+void print_profile(Named const& n, AperturesRequest const& wanted, bool json) {
   double const z = checked_distance(n, wanted);
   BeamInPlane const& beam = n.aperture.at;
   double const size = 1 / std::abs(free_field(beam, z, 0, 0));  // w there over w at the rim
@@ -176,7 +176,7 @@ void print_profile(Named const& n, Wanted const& wanted, bool json) {
     std::cout << fmt::format("{:.6e} {:.9e} {:.9e}\n", x[i], with[i], without[i]);
 }
 
-int apertures(Options const& options, Wanted const& wanted) {
+int apertures(Options const& options, AperturesRequest const& wanted) {
   Model const model = read_model(options.input, options.overrides);
   tell_warnings(model.scene, options);
   std::vector<Named> const all = named_apertures(model);
@@ -199,7 +199,7 @@ int apertures(Options const& options, Wanted const& wanted) {
 void add_apertures(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("apertures", "what the rims that beams pass cut off, and the light behind them");
-  static Wanted wanted;
+  static AperturesRequest wanted;
   add_scene_options(*command, options);
   command->add_option("--show", wanted.show, "rows")->check(whole_between(1, 1e6, "20"));
   auto* const profile =

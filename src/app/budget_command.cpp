@@ -17,7 +17,7 @@
 namespace straytrace {
 namespace {
 
-struct Asked {
+struct BudgetOptions {
   BudgetRequest request;
   std::string export_as;
 };
@@ -44,7 +44,7 @@ std::string write_budget(BudgetView const& view, OutputFolder const& folder, boo
   return draw_budget_picture(json, folder.path("budget.png"), message) ? "" : message;
 }
 
-int budget(Asked const& asked, Options const& options) {
+int budget(BudgetOptions const& asked, Options const& options) {
   bool const pygwinc = !asked.export_as.empty();
   if (pygwinc && options.out.empty())
     throw InputError("error: --export writes a file, and there is no folder for it\n  add -o DIR");
@@ -68,7 +68,7 @@ int budget(Asked const& asked, Options const& options) {
 void add_budget(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("budget", "noise budget of a detector: fundamental noises, stray light, curves");
-  static Asked asked;
+  static BudgetOptions asked;
   BudgetRequest& r = asked.request;
   command
       ->add_option("input", r.inputs,

@@ -134,14 +134,14 @@ double share(Coupled const& c, CouplingPoint const& p) {
   return p.factor * std::sqrt(c.quiet.input[k] / c.quiet.output[k]);
 }
 
-struct Row {
+struct CouplingRow {
   Coupled const* from;
   CouplingPoint const* point;
 };
 
 // Strongest answers: peaks of the share of the target that the quiet witness makes.
-std::vector<Row> peaks(std::vector<Coupled> const& all) {
-  std::vector<Row> rows;
+std::vector<CouplingRow> peaks(std::vector<Coupled> const& all) {
+  std::vector<CouplingRow> rows;
   for (Coupled const& c : all)
     for (std::size_t i = 0; i < c.coupling.points.size(); ++i) {
       auto const height = [&](std::size_t k) {
@@ -152,8 +152,9 @@ std::vector<Row> peaks(std::vector<Coupled> const& all) {
       if (here > 0 && (i == 0 || here >= height(i - 1)) && (i + 1 == c.coupling.points.size() || here > height(i + 1)))
         rows.push_back({&c, &c.coupling.points[i]});
     }
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](Row const& a, Row const& b) { return share(*a.from, *a.point) > share(*b.from, *b.point); });
+  std::stable_sort(rows.begin(), rows.end(), [](CouplingRow const& a, CouplingRow const& b) {
+    return share(*a.from, *a.point) > share(*b.from, *b.point);
+  });
   return rows;
 }
 
@@ -176,7 +177,7 @@ std::string band_line(Coupled const& c) {
 std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
   std::string text;
   for (Coupled const& c : all) text += count_line(c.coupling);
-  std::vector<Row> const rows = peaks(all);
+  std::vector<CouplingRow> const rows = peaks(all);
   if (rows.empty()) return text + "nothing rose in the target\n";
   Columns table{{"frequency", "witness", "coupling [" + all.front().coupling.unit + "]", "witness x", "target x",
                  "significance", "coherence", "of the quiet target", ""},

@@ -15,14 +15,14 @@
 namespace straytrace {
 namespace {
 
-struct Asked {
+struct ExplainOptions {
   std::vector<std::string> words;
   std::size_t path = 1;
   double hz = 30;
 };
 
 // 'unit m/sqrt(Hz)' may stand in quotes as one word.
-std::vector<std::string> words_of(Asked const& asked) {
+std::vector<std::string> words_of(ExplainOptions const& asked) {
   for (std::string const first : {"unit ", "h "})
     if (asked.words.size() == 1 && asked.words.front().starts_with(first))
       return {first.substr(0, first.size() - 1), asked.words.front().substr(first.size())};
@@ -36,7 +36,7 @@ std::string suggestion_for(std::string const& what) {
          "'unit m/sqrt(Hz)', or the text of a message";
 }
 
-Explanation answer_to(Asked const& asked) {
+Explanation answer_to(ExplainOptions const& asked) {
   std::vector<std::string> const words = words_of(asked);
   if (words.front() == "unit" && words.size() == 2) return explain_unit(words[1]);
   if (words.front() == "h" && words.size() == 2) return explain_strain(words[1], asked.path, asked.hz);
@@ -56,7 +56,7 @@ Explanation answer_to(Asked const& asked) {
 }  // namespace
 
 void add_explain(CLI::App& app, Options& options, int& exit_code) {
-  static Asked asked;
+  static ExplainOptions asked;
   auto* const command =
       app.add_subcommand("explain", "a key of the language, a part, a unit, a message, or a path's factors");
   command

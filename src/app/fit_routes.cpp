@@ -15,7 +15,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::array<char const*, 6> axes{"x", "y", "z", "rx", "ry", "rz"};
+constexpr std::array<char const*, 6> axis_names{"x", "y", "z", "rx", "ry", "rz"};
 
 // Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
 // radian about it.
@@ -50,7 +50,7 @@ std::size_t axis_of(std::string const& asked, Levers const& levers, bool rotatio
   std::size_t const first = rotation ? 3 : 0;
   auto const from = levers.square.begin() + std::ptrdiff_t(first);
   if (asked.empty()) return first + std::size_t(std::max_element(from, from + 3) - from);
-  auto const a = std::size_t(std::find(axes.begin(), axes.end(), asked) - axes.begin());
+  auto const a = std::size_t(std::find(axis_names.begin(), axis_names.end(), asked) - axis_names.begin());
   if ((a > 2) == rotation) return a;
   throw InputError(fmt::format("error: --axis: {} is {}, and the witness measures {}\n  write --axis {}", asked,
                                rotation ? "a direction" : "a rotation", rotation ? "an angle" : "a displacement",
@@ -62,7 +62,7 @@ void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingC
                        bool rotation) {
   Levers const levers = levers_of(c, body_named(table, p.body));
   std::size_t const a = axis_of(axis, levers, rotation);
-  p.axis = axes[a];
+  p.axis = axis_names[a];
   double const two_k = 4 * pi / table.wavelength, mean = levers.sum[a] / levers.weight;
   double const rms = std::sqrt(levers.square[a] / levers.weight);
   if (!(rms > 0))

@@ -30,7 +30,7 @@ struct Line {
   std::vector<double> hz;
 };
 
-struct Prediction {
+struct FringePrediction {
   SampleTimes times;
   double wavelength = 0;
   std::vector<Line> lines;      // largest first
@@ -51,10 +51,10 @@ MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
   return draw_motion(in.model.motion, {in.start, rate, std::size_t(samples)}, o.seed);
 }
 
-Prediction from_run(FringesOptions const& o) {
+FringePrediction from_run(FringesOptions const& o) {
   TimeInputs in = read_time_inputs(o.time);
   MotionSeries const motion = motion_of(o.time, in);
-  Prediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples)};
+  FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples)};
   std::vector<std::pair<double, std::uint32_t>> order;  // by coupling
   for (std::uint32_t r : in.routes) {
     CouplingClass const& c = in.coupling().classes[r];
@@ -79,7 +79,7 @@ Prediction from_run(FringesOptions const& o) {
 }
 
 // Without a run: a velocity along the beam, the wavelength and the number of bounces.
-Prediction from_channel(FringesOptions const& o) {
+FringePrediction from_channel(FringesOptions const& o) {
   if (o.wavelength.empty() || o.time.channel.size() != 1)
     throw InputError(
         "error: without a run the wavelength and one channel are needed\n  write --wavelength 1064nm --channel "
@@ -103,7 +103,7 @@ std::string quantile_text(std::vector<double> hz, double below) {
   return fmt::format("{:.4g}", hz[std::size_t(std::lround(below * double(hz.size() - 1)))]);
 }
 
-std::string lines_text(Prediction const& p) {
+std::string lines_text(FringePrediction const& p) {
   Columns columns{{"median/Hz", "95 %/Hz", "largest/Hz", "at GPS", "sees, in bounces of 2k", "route"},
                   {false, false, false, false, true, true},
                   {}};
@@ -128,7 +128,7 @@ std::string strides_text(std::vector<FringeStride> const& strides, double above)
   return aligned(columns);
 }
 
-CurveSheet sheet_of(Prediction const& p) {
+CurveSheet sheet_of(FringePrediction const& p) {
   CurveSheet sheet;
   sheet.title = "predicted fringe frequency";
   sheet.notes = {fmt::format("|dphi/dt|/2pi (eq. 7.1), wavelength {:g} nm", p.wavelength * 1e9)};
@@ -140,7 +140,7 @@ CurveSheet sheet_of(Prediction const& p) {
 }
 
 // The spectrogram of a channel, up to twice the largest prediction, with the curves over it.
-MapSheet overlay_of(FringesOptions const& o, Prediction const& p) {
+MapSheet overlay_of(FringesOptions const& o, FringePrediction const& p) {
   TimeSeries const all = series_argument(o.overlay, "", {});
   double const from = std::max(all.start, p.times.start), to = std::min(all.end(), p.times.start + p.times.duration());
   if (!(from < to))
@@ -162,7 +162,7 @@ MapSheet overlay_of(FringesOptions const& o, Prediction const& p) {
 int fringes(FringesOptions const& o) {
   check_outputs(o.data);
   double const above = o.above.empty() ? 0 : option_quantity(o.above, dim::frequency, "--above", "10 Hz");
-  Prediction const p = o.time.run.empty() ? from_channel(o) : from_run(o);
+  FringePrediction const p = o.time.run.empty() ? from_channel(o) : from_run(o);
   std::string text = fmt::format("{:g} s from GPS {}, wavelength {:g} nm: fringe frequency |dphi/dt|/2pi (eq. 7.1)\n{}",
                                  p.times.duration(), gps_text(p.times.start), p.wavelength * 1e9, lines_text(p));
   if (!o.stride.empty() || above > 0) {

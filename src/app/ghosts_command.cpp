@@ -25,7 +25,7 @@
 namespace straytrace {
 namespace {
 
-struct Wanted {
+struct GhostsRequest {
   std::optional<double> floor;
   std::optional<std::uint32_t> order;
   std::string by = "power", beam;
@@ -91,7 +91,7 @@ nlohmann::json outlines(World const& world, GhostReport const& report) {
 }
 
 // The scene's own table, unless the command line says otherwise.
-GhostSettings settings_of(Model const& model, Wanted const& wanted) {
+GhostSettings settings_of(Model const& model, GhostsRequest const& wanted) {
   GhostSettings settings = read_ghosts(model.scene).value_or(GhostSettings{});
   model.scene.throw_if_problems();
   settings.floor = wanted.floor.value_or(settings.floor);
@@ -157,7 +157,7 @@ class Answers {
   nlohmann::json all_ = nlohmann::json::array();
 };
 
-int ghosts(Options const& options, Wanted const& wanted) {
+int ghosts(Options const& options, GhostsRequest const& wanted) {
   refuse_two_formats(options);
   Model const model = read_for_ghosts(options);
   tell_warnings(model.scene, options);
@@ -202,7 +202,7 @@ CLI::Validator number_above_zero() {
 void add_ghosts(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("ghosts", "every ghost beam: order, power, where it ends, how much of it comes back");
-  static Wanted wanted;
+  static GhostsRequest wanted;
   add_scene_options(*command, options);
   command
       ->add_option("--floor", wanted.floor,

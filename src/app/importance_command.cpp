@@ -18,7 +18,7 @@
 namespace straytrace {
 namespace {
 
-struct Row {
+struct ImportanceRow {
   std::string group;
   double from = 0, to = 0;  // m, along z
   double area = 0;          // m^2
@@ -26,8 +26,8 @@ struct Row {
   double most() const { return std::max(front, back); }
 };
 
-std::vector<Row> rows_of(ImportanceMap const& map, std::vector<std::string> const& groups) {
-  std::vector<Row> rows;
+std::vector<ImportanceRow> rows_of(ImportanceMap const& map, std::vector<std::string> const& groups) {
+  std::vector<ImportanceRow> rows;
   for (ImportanceMap::Strip const& s : map.strips)
     rows.push_back(
         {groups.at(s.group), s.low, s.high, s.area, map.adjoint.at(2 * s.patch), map.adjoint.at(2 * s.patch + 1)});
@@ -35,7 +35,7 @@ std::vector<Row> rows_of(ImportanceMap const& map, std::vector<std::string> cons
 }
 
 // Kept in a run file, or made from a scene.
-std::vector<Row> find_rows(Options const& options) {
+std::vector<ImportanceRow> find_rows(Options const& options) {
   std::optional<RunFile> file;
   std::vector<std::string> overrides = options.overrides;
   if (options.input.ends_with(".h5")) {
@@ -55,11 +55,12 @@ std::vector<Row> find_rows(Options const& options) {
   return rows_of(importance_map(world), world.groups());
 }
 
-void print(std::vector<Row> rows, std::size_t show) {
-  std::stable_sort(rows.begin(), rows.end(), [](Row const& a, Row const& b) { return a.most() > b.most(); });
+void print(std::vector<ImportanceRow> rows, std::size_t show) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](ImportanceRow const& a, ImportanceRow const& b) { return a.most() > b.most(); });
   Columns table{{"surface", "z from/m", "z to/m", "area/m^2", "front", "back"}, {true}, {}};
   std::size_t left = 0;
-  for (Row const& r : rows) {
+  for (ImportanceRow const& r : rows) {
     if (!(r.most() > 0)) continue;
     if (table.rows.size() >= show) {
       ++left;
@@ -82,15 +83,15 @@ void print(std::vector<Row> rows, std::size_t show) {
 
 int importance(Options const& options) {
   refuse_two_formats(options);
-  std::vector<Row> const rows = find_rows(options);
+  std::vector<ImportanceRow> const rows = find_rows(options);
   if (options.csv) {
     std::cout << "surface,z_from_m,z_to_m,area_m2,adjoint_front,adjoint_back\n";
-    for (Row const& r : rows)
+    for (ImportanceRow const& r : rows)
       std::cout << fmt::format("\"{}\",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", r.group, r.from, r.to, r.area,
                                r.front, r.back);
   } else if (options.json()) {
     nlohmann::json out = nlohmann::json::array();
-    for (Row const& r : rows)
+    for (ImportanceRow const& r : rows)
       out.push_back({{"surface", r.group},
                      {"z_from_m", r.from},
                      {"z_to_m", r.to},

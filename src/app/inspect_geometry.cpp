@@ -13,6 +13,7 @@
 
 #include "app/geometry_parts.hpp"
 #include "app/render_paint.hpp"
+#include "base/lower_case.hpp"
 #include "report/image_file.hpp"
 #include "world/mesh_doctor.hpp"
 
@@ -122,8 +123,7 @@ void draw(GeometryFile const& g, std::string const& plot, Options const& options
 
 bool is_geometry(std::string const& file) {
   static constexpr std::array<std::string_view, 5> meshes = {".stl", ".obj", ".ply", ".gltf", ".glb"};
-  std::string ending = std::filesystem::path(file).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::string const ending = lower_case(std::filesystem::path(file).extension().string());
   return is_step(file) || is_converted(file) || std::find(meshes.begin(), meshes.end(), ending) != meshes.end();
 }
 

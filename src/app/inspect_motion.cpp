@@ -20,7 +20,7 @@ constexpr std::array<double, 3> bands_from = {0.1, 1, 10};  // Hz
 constexpr std::array<char const*, 6> coordinates = {"x", "y", "z", "rx", "ry", "rz"};
 
 // One coordinate of one body: as the phase of a lever of 1 on it alone.
-struct Row {
+struct MotionRow {
   std::string body, axis, unit;
   double rms = 0, rate = 0, drift = 0;            // m, m/s, m/s (rad); random motion and tones
   std::array<double, bands_from.size()> above{};  // rms above a frequency
@@ -29,11 +29,11 @@ struct Row {
   bool moves() const { return rms > 0 || drift != 0; }
 };
 
-Row row_of(MotionSet const& motion, std::vector<MotionClass> const& classes, std::uint32_t body, int axis) {
+MotionRow row_of(MotionSet const& motion, std::vector<MotionClass> const& classes, std::uint32_t body, int axis) {
   Lever lever{BodyId{body}, {}};
   lever.d[axis] = 1;
   bool const mode = motion.bodies[body].find('/') != std::string::npos;
-  Row row{motion.bodies[body], mode ? "q" : coordinates[std::size_t(axis)], axis < 3 ? "m" : "rad"};
+  MotionRow row{motion.bodies[body], mode ? "q" : coordinates[std::size_t(axis)], axis < 3 ? "m" : "rad"};
   row.kappa = kappa_of(motion, classes, {&lever, 1});
   double total = 0, rate = 0;
   std::array<double, bands_from.size()> above{};
@@ -52,17 +52,17 @@ Row row_of(MotionSet const& motion, std::vector<MotionClass> const& classes, std
   return row;
 }
 
-std::vector<Row> rows_of(MotionSet const& motion, std::vector<MotionClass> const& classes) {
-  std::vector<Row> rows;
+std::vector<MotionRow> rows_of(MotionSet const& motion, std::vector<MotionClass> const& classes) {
+  std::vector<MotionRow> rows;
   for (std::uint32_t body = 0; body < motion.bodies.size(); ++body)
     for (int axis = 0; axis < 6; ++axis)
-      if (Row row = row_of(motion, classes, body, axis); row.moves()) rows.push_back(std::move(row));
+      if (MotionRow row = row_of(motion, classes, body, axis); row.moves()) rows.push_back(std::move(row));
   return rows;
 }
 
-void print_json(std::vector<Row> const& rows) {
+void print_json(std::vector<MotionRow> const& rows) {
   nlohmann::json out = nlohmann::json::array();
-  for (Row const& r : rows) {
+  for (MotionRow const& r : rows) {
     nlohmann::json above = nlohmann::json::object();
     for (std::size_t b = 0; b < bands_from.size(); ++b) above[fmt::format("{:g}", bands_from[b])] = r.above[b];
     out.push_back({{"body", r.body},
@@ -76,11 +76,11 @@ void print_json(std::vector<Row> const& rows) {
   std::cout << nlohmann::json{{"motion", out}}.dump() << '\n';
 }
 
-void print_table(std::vector<Row> const& rows) {
+void print_table(std::vector<MotionRow> const& rows) {
   std::cout << fmt::format("{:<20}{:<6}{:>12}", "body", "", "rms");
   for (double const f : bands_from) std::cout << fmt::format("{:>13}", fmt::format("> {:g} Hz", f));
   std::cout << fmt::format("{:>14}{:>14}\n", "rms per s", "drift per s");
-  for (Row const& r : rows) {
+  for (MotionRow const& r : rows) {
     std::cout << fmt::format("{:<20}{:<6}{:>12}", r.body, r.axis, fmt::format("{:.3e}", r.rms));
     for (double const a : r.above) std::cout << fmt::format("{:>13}", fmt::format("{:.3e}", a));
     std::cout << fmt::format("{:>14}{:>14}  {}\n", fmt::format("{:.3e}", r.rate),
@@ -89,7 +89,7 @@ void print_table(std::vector<Row> const& rows) {
 }
 
 // ASDs on 200 frequencies a decade; tones and drifts have none.
-CurveSheet sheet_of(std::vector<Row> const& rows, std::vector<MotionClass> const& classes) {
+CurveSheet sheet_of(std::vector<MotionRow> const& rows, std::vector<MotionClass> const& classes) {
   double low = infinity, high = 0;
   for (MotionClass const& c : classes) {
     if (c.tone_frequency > 0 || c.drift) continue;
@@ -103,7 +103,7 @@ CurveSheet sheet_of(std::vector<Row> const& rows, std::vector<MotionClass> const
   sheet.x = {"frequency", "Hz", {}};
   auto const n = static_cast<std::size_t>(200 * std::log10(high / low)) + 2;
   for (std::size_t i = 0; i < n; ++i) sheet.x.values.push_back(low * std::pow(high / low, double(i) / double(n - 1)));
-  for (Row const& r : rows) {
+  for (MotionRow const& r : rows) {
     CurveColumn curve{r.body + " " + r.axis, r.unit + "/sqrt(Hz)", {}};
     for (double const f : sheet.x.values) {
       double psd = 0;
@@ -123,7 +123,7 @@ int inspect_motion(Scene const& scene, std::string const& plot, Options const& o
   MotionSet const motion = read_motion_file(scene);
   tell_warnings(scene, options);
   std::vector<MotionClass> const classes = group_by_shape(motion);
-  std::vector<Row> const rows = rows_of(motion, classes);
+  std::vector<MotionRow> const rows = rows_of(motion, classes);
   if (options.json())
     print_json(rows);
   else

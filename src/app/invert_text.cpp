@@ -78,13 +78,13 @@ std::string table(Answer const& a) {
          "\nEach frequency alone. never: the rest is above the line; always: every factor meets it.\n";
 }
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json json_of(Allowed const& a) {
   return {{"verdict", word_of(a.verdict)},
-          {"scale", number(a.scale)},
-          {"sigma", number(a.sigma)},
-          {"rest_over_line", number(a.rest)}};
+          {"scale", finite_or_null(a.scale)},
+          {"sigma", finite_or_null(a.sigma)},
+          {"rest_over_line", finite_or_null(a.rest)}};
 }
 
 }  // namespace
@@ -142,14 +142,14 @@ std::string answer_json(Answer const& a) {
   j["decides_Hz"] = a.grid.centre(a.inversion.decides);
   j["touched_share"] = a.inversion.touched;
   j["first_order"] = a.inversion.first_order;
-  j["scattered_share"] = number(a.tis);
+  j["scattered_share"] = finite_or_null(a.tis);
   j["unresolved"] = a.unresolved;
   j["complete"] = a.complete;
   j["frequencies"] = Json::array();
   for (std::size_t i = 0; i < a.grid.size(); ++i) {
     Json one = json_of(a.inversion.bins[i]);
     one["frequency_Hz"] = a.grid.centre(i);
-    one["line"] = number(a.line_asd[i]);
+    one["line"] = finite_or_null(a.line_asd[i]);
     if (!a.motion.empty()) one["motion_m_per_sqrtHz"] = a.motion[i];
     j["frequencies"].push_back(one);
   }

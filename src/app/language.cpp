@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view part_of = "scene entry with part ";
+constexpr std::string_view part_entry = "scene entry with part ";
 
 void add_keys(Json const& whole, Json const& table, std::string const& name, std::vector<LanguageKey>& into) {
   std::string const about = table.value("description", name);
@@ -25,8 +25,8 @@ std::vector<LanguageKey> read_keys_of_schema() {
   add_keys(whole, whole, "model", all);
   for (auto const& [context, table] : whole.at("$defs").items()) {
     if (!table.contains("properties")) continue;
-    if (context.starts_with(part_of))
-      add_keys(whole, table, context.substr(part_of.size()), all);
+    if (context.starts_with(part_entry))
+      add_keys(whole, table, context.substr(part_entry.size()), all);
     else if (table.contains("title"))
       add_keys(whole, table, table["title"], all);
   }

@@ -17,7 +17,7 @@
 namespace straytrace {
 namespace {
 
-struct Wanted {
+struct LibraryRequest {
   std::string name, kind, copy;
 };
 
@@ -76,7 +76,7 @@ LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const
 }
 
 // All files or none: a file that is there is not touched without --force.
-void copy(Wanted const& wanted, std::vector<LibraryEntry> const& all, bool force) {
+void copy(LibraryRequest const& wanted, std::vector<LibraryEntry> const& all, bool force) {
   namespace fs = std::filesystem;
   std::string const only = wanted.name.empty() ? "" : find(all, wanted.name).file;
   if (!wanted.name.empty() && only.empty())
@@ -97,7 +97,7 @@ void copy(Wanted const& wanted, std::vector<LibraryEntry> const& all, bool force
   }
 }
 
-int library(Options const& options, Wanted const& wanted) {
+int library(Options const& options, LibraryRequest const& wanted) {
   std::vector<LibraryEntry> all = library_entries();
   if (!wanted.kind.empty()) std::erase_if(all, [&](LibraryEntry const& e) { return e.kind != wanted.kind; });
   if (!wanted.copy.empty()) {
@@ -122,7 +122,7 @@ int library(Options const& options, Wanted const& wanted) {
 
 void add_library(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand("library", "materials, parts and detectors that come with the program");
-  static Wanted wanted;
+  static LibraryRequest wanted;
   command->add_option("NAME", wanted.name, "print this one as it is written");
   command->add_option("--kind", wanted.kind, "list these alone: detector, arm, material, medium, part")
       ->check(CLI::IsMember({"detector", "arm", "material", "medium", "part"}));

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +12,7 @@
 
 #include "app/common_options.hpp"
 #include "app/render_paint.hpp"
+#include "base/lower_case.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "report/image_file.hpp"
@@ -21,7 +21,7 @@
 namespace straytrace {
 namespace {
 
-struct Wanted {
+struct RenderRequest {
   std::string mode = "shaded", eye, look, up, field, pixels = "800x600", from, at;
   std::vector<std::string> cuts;
   std::string lamp = "5 mm";
@@ -135,7 +135,7 @@ Stand stand_on(World const& world, std::string const& name) {
   return {middle.point, open_front ? -normal : normal, {on, middle.piece}};
 }
 
-Framing choose_view(World const& world, Wanted const& w) {
+Framing choose_view(World const& world, RenderRequest const& w) {
   std::uint32_t columns = 0, rows = 0;
   read_pixels(w.pixels, columns, rows);
   std::string const angle = "write for example --fov 30deg, between 0 and 180 degrees (360 with --from)";
@@ -206,16 +206,14 @@ void print(Options const& options, Camera const& c, Drawn const& drawn) {
 
 void check_picture_name(std::string const& file) {
   std::filesystem::path path(file);
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  if (ending == ".png") return;
+  if (lower_case(path.extension().string()) == ".png") return;
   throw InputError(
       fmt::format("error: '{}' is not the name of a PNG file, and pictures are written as PNG\n"
                   "  write -o {}",
                   file, path.replace_extension(".png").string()));
 }
 
-Flash flash_of(Wanted const& w, Camera const& camera) {
+Flash flash_of(RenderRequest const& w, Camera const& camera) {
   std::string const instead = "write for example --lamp 5mm";
   Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
   if (!(flash.radius > 0)) refuse_option("lamp", w.lamp, instead);
@@ -234,7 +232,7 @@ Scene read_either(Options const& options, std::optional<RunFile> const& run) {
   return read_scene(run->about.main_file, all, &run->about.files);
 }
 
-int render(Options const& options, Wanted const& w) {
+int render(Options const& options, RenderRequest const& w) {
   check_picture_name(options.out);
   std::optional<RunFile> file;
   if (options.input.ends_with(".h5")) file = read_run(options.input);
@@ -263,7 +261,7 @@ int render(Options const& options, Wanted const& w) {
 void add_render(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
       app.add_subcommand("render", "picture of a scene by rays from a camera, to see whether it is right");
-  static Wanted wanted;
+  static RenderRequest wanted;
   add_scene_options(*command, options, "scene (YAML), or run file (HDF5)");
   command->add_option("-o,--out", options.out, "picture to write (PNG)")->required();
   command->add_option("--mode", wanted.mode, "shaded, id, normal, depth or importance")

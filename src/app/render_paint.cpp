@@ -16,11 +16,11 @@
 namespace straytrace {
 namespace {
 
-struct Named {
+struct NamedColour {
   std::uint32_t rgb;
   char const* name;
 };
-constexpr std::array<Named, 24> palette = {
+constexpr std::array<NamedColour, 24> palette = {
     {{0x1f77b4, "blue"},  {0xd62728, "red"},    {0x2ca02c, "green"}, {0xff7f0e, "orange"}, {0x9467bd, "purple"},
      {0x8c564b, "brown"}, {0xe377c2, "pink"},   {0xbcbd22, "olive"}, {0x17becf, "cyan"},   {0x8a8a8a, "grey"},
      {0xe6b800, "gold"},  {0x2b3a8f, "navy"},   {0x008080, "teal"},  {0x800000, "maroon"}, {0x7fd13b, "lime"},
@@ -37,10 +37,10 @@ std::uint32_t hash_of(std::string const& text) {  // FNV-1a
   return h;
 }
 
-std::map<std::string, Named> colours_of(World const& world) {
+std::map<std::string, NamedColour> colours_of(World const& world) {
   std::set<std::string> names;
   for (Surface const& s : world.surfaces()) names.insert(object_of(world.groups()[s.group.value]));
-  std::map<std::string, Named> colours;
+  std::map<std::string, NamedColour> colours;
   std::array<bool, palette.size()> taken = {};
   std::size_t free = palette.size();
   for (std::string const& name : names) {

@@ -20,7 +20,7 @@
 namespace straytrace {
 namespace {
 
-bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
+bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
 // A run with its model, steered as it was traced, so that its histories can be followed again.
 struct Opened {
@@ -56,7 +56,7 @@ bool is_picture(std::string const& file) {
 }
 
 int report(Options const& options, ReportWanted wanted, std::string const& csv) {
-  if (is_scene(options.input))
+  if (names_scene(options.input))
     throw InputError(
         fmt::format("error: '{}' is a scene, and a report is about a run\n  trace it first: straytrace run {} -o out/",
                     options.input, options.input));
@@ -115,7 +115,7 @@ void write_view(Options const& options, Model const& model, RunContent const* ru
 }
 
 int view(Options const& options, ViewWanted const& wanted, Exports const& exports) {
-  if (is_scene(options.input)) {
+  if (names_scene(options.input)) {
     Model model = read_model(options.input, options.overrides);
     tell_warnings(model, options);
     steer(model.world);

@@ -55,22 +55,23 @@ std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable cons
   return all;
 }
 
-Json first_order_json(Model const& model, std::vector<FirstOrderList> const& lists) {
+PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const& lists) {
   World const& world = model.world;
-  Json all = Json::array();
+  PageJson all = PageJson::array();
   auto const with_error = [](Estimate const& e) {
-    return resolved(e) ? Json{{"value", number(e.mean)}, {"sigma", number(e.std_error)}} : Json(nullptr);
+    return resolved(e) ? PageJson{{"value", number(e.mean)}, {"sigma", number(e.std_error)}} : PageJson(nullptr);
   };
   for (FirstOrderList const& list : lists) {
     Ending const& e = list.ending;
-    Json rows = Json::array();
+    PageJson rows = PageJson::array();
     for (FirstOrderRow const& r : list.rows)
-      rows.push_back({{"name", world.groups()[r.group.value]},
-                      {"power", with_error(r.power)},
-                      {"seen", with_error(r.throughput)},
-                      {"product", resolved(r.power) && resolved(r.throughput)
-                                      ? Json{{"value", number(r.product.mean)}, {"sigma", number(r.product.std_error)}}
-                                      : Json(nullptr)}});
+      rows.push_back(
+          {{"name", world.groups()[r.group.value]},
+           {"power", with_error(r.power)},
+           {"seen", with_error(r.throughput)},
+           {"product", resolved(r.power) && resolved(r.throughput)
+                           ? PageJson{{"value", number(r.product.mean)}, {"sigma", number(r.product.std_error)}}
+                           : PageJson(nullptr)}});
     Footprint const* const port = e.port ? &world.footprints()[e.index] : nullptr;
     all.push_back({{"ending", port ? (port->port.valid() ? world.ports()[port->port.value] : "")
                                    : world.receiver_names()[e.index]},
@@ -79,36 +80,36 @@ Json first_order_json(Model const& model, std::vector<FirstOrderList> const& lis
   return all;
 }
 
-Json ghosts_json(std::vector<GhostReport> const& reports) {
-  Json all = Json::array();
-  for (GhostReport const& r : reports) all.push_back(Json::parse(ghost_json(r)));
+PageJson ghosts_json(std::vector<GhostReport> const& reports) {
+  PageJson all = PageJson::array();
+  for (GhostReport const& r : reports) all.push_back(PageJson::parse(ghost_json(r)));
   return all;
 }
 
-Json scripts_json() {
+PageJson scripts_json() {
   return {{"plots", "D3 5 (Mike Bostock), BSD-3-Clause, https://d3js.org"},
           {"scene", "three.js r111 (three.js authors), MIT, https://threejs.org"}};
 }
 
-void add_warnings(Json& j, RunContent const& run) {
+void add_warnings(PageJson& j, RunContent const& run) {
   j["warnings"] = run.warnings;
   for (std::string const& w : run.trace->warnings) j["warnings"].push_back(w);
   if (run.noise)
     for (std::string const& w : run.noise->warnings) j["warnings"].push_back(w);
 }
 
-Json scene_part(Model const& model, std::vector<DrawnPath> const& paths, std::vector<GhostReport> const& ghosts) {
-  Json j = scene_json(scene_drawing(model.world));
+PageJson scene_part(Model const& model, std::vector<DrawnPath> const& paths, std::vector<GhostReport> const& ghosts) {
+  PageJson j = scene_json(scene_drawing(model.world));
   j["paths"] = paths_json(model.world, paths);
   j["lit"] = lit_json(model.world);
   j["ghosts"] = ghosts_json(ghosts);
-  Json beams = Json::array();
+  PageJson beams = PageJson::array();
   for (auto const& [name, node] : model.scene.table("beams").items()) beams.push_back(name);
   j["beams"] = beams;
   return j;
 }
 
-Json maps_part(Model const& model, RunContent const& run, PathTable const& table) {
+PageJson maps_part(Model const& model, RunContent const& run, PathTable const& table) {
   std::vector<SurfaceMap> maps =
       noise_maps(model.world, noisy_paths(run.trace->coupling, table, model.world), maps_shown);
   if (!maps.empty()) add_light(model.world, run.trace->coupling.seed, light_histories, maps);
@@ -186,7 +187,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   page.body = static_head(fixed) + static_body(fixed, table);
   std::vector<GhostReport> const ghosts =
       wanted.has("ghosts") || wanted.has("scene") ? ghosts_for_page(model, ghosts_shown) : std::vector<GhostReport>{};
-  Json& j = page.data;
+  PageJson& j = page.data;
   j["kind"] = "report";
   j["provenance"] = provenance_json(run);
   if (run.noise && wanted.has("budget")) j["budget"] = budget_json(*run.noise, table, routes_in_budget);
@@ -224,7 +225,7 @@ std::string view_page(Model const& model, RunContent const* run, PathTable const
   std::vector<GhostReport> const ghosts = ghosts_for_page(model, ghosts_shown);
   std::vector<DrawnPath> paths;
   if (run && table) paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts, wanted.rows, wanted.paths);
-  Json& j = page.data;
+  PageJson& j = page.data;
   j["kind"] = "view";
   j["scene"] = scene_part(model, paths, ghosts);
   Box const box = scene_drawing(model.world, 1).box;

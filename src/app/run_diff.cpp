@@ -19,7 +19,7 @@ constexpr double significant = 3;
 
 // Power in the band. The errors of neighbouring bins come from the same paths: they are added as if wholly correlated,
 // sigma(h^2) = sum of 2 h sigma df, so that of the rms is never too small.
-WithError rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, double high) {
+WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, double high) {
   double power = 0, error = 0;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
@@ -53,8 +53,8 @@ Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid cons
                     RunDifference const& d) {
   NoiseTrace const& any = b ? *b : *a;
   bool const open = (b && !b->resolved) || (a && !a->resolved);
-  WithError const x = b ? rms(*b, before, d.low, d.high) : WithError{},
-                  y = a ? rms(*a, after, d.low, d.high) : WithError{};
+  WithError const x = b ? band_rms(*b, before, d.low, d.high) : WithError{},
+                  y = a ? band_rms(*a, after, d.low, d.high) : WithError{};
   return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open};
 }
 
@@ -68,8 +68,8 @@ double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const&
   double variance = 0;
   for (NoiseTrace const& t : b.routes) {
     auto const found = after.find(t.hash);
-    WithError const p = rms(t, b.grid, low, high),
-                    q = found == after.end() ? WithError{} : rms(*found->second, a.grid, low, high);
+    WithError const p = band_rms(t, b.grid, low, high),
+                    q = found == after.end() ? WithError{} : band_rms(*found->second, a.grid, low, high);
     WithError const& known = p.value > 0 ? p : q;
     if (!(known.value > 0)) continue;
     double const error = (share(q, y) - share(p, x)) * 2 * known.sigma / known.value;
@@ -79,7 +79,7 @@ double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const&
 }
 
 Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, double high, bool common) {
-  WithError const x = rms(b.total, b.grid, low, high), y = rms(a.total, a.grid, low, high);
+  WithError const x = band_rms(b.total, b.grid, low, high), y = band_rms(a.total, a.grid, low, high);
   double const error = common ? common_error(b, a, x, y, low, high) : error_of_change(x, y, false);
   return {fmt::format("{:g} to {:g} Hz", low, high), "", x, y, error, !b.total.resolved || !a.total.resolved};
 }

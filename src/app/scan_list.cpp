@@ -12,7 +12,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t most_points = 10000;
+constexpr std::size_t most_listed_points = 10000;
 
 class ListReader {
  public:
@@ -62,8 +62,8 @@ class ListReader {
       point.push_back(axis.name + "=" + axis.values.back());
     }
     list_.points.push_back(std::move(point));
-    if (list_.points.size() == most_points + 1)
-      problem(line_, 1, fmt::format("more than {} points", most_points), "take fewer");
+    if (list_.points.size() == most_listed_points + 1)
+      problem(line_, 1, fmt::format("more than {} points", most_listed_points), "take fewer");
   }
 
   void problem(std::uint32_t line, std::uint32_t column, std::string what, std::string suggestion) {

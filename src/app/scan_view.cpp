@@ -21,7 +21,7 @@ char const* word_of(ScanPoint::From from) {
 
 std::string value_of(std::string const& setting) { return setting.substr(setting.find('=') + 1); }
 
-std::string hertz(double hz) { return fmt::format("{:.3g}", hz); }
+std::string short_hertz(double hz) { return fmt::format("{:.3g}", hz); }
 
 bool bound(ScanPoint const& p) { return !p.unresolved.empty(); }
 
@@ -33,7 +33,7 @@ std::vector<std::string> row_of(ScanPoint const& p, bool compared) {
   if (compared) {
     bool const known = !std::isnan(p.ratio.value);
     row.push_back(known ? (bound(p) ? "> " : "") + with_brackets(p.ratio.value, p.ratio.sigma) : "-");
-    row.push_back(known ? hertz(p.worst_hz) : "-");
+    row.push_back(known ? short_hertz(p.worst_hz) : "-");
   }
   row.push_back(bound(p) ? fmt::format("{}", p.unresolved.size()) : "none");
   row.push_back(fmt::format("{:.3g}", double(p.histories)));

@@ -15,7 +15,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t shown = 12;
+constexpr std::size_t rows_shown = 12;
 
 struct SpectrumOptions : DataOptions {
   std::vector<std::string> files;
@@ -30,7 +30,7 @@ CurveSheet frequency_sheet(std::string title, std::vector<double> hz) {
 
 void finish(SpectrumOptions const& o, CurveSheet sheet, double nyquist) {
   if (!o.band.empty()) keep_band(sheet, band_of(o, {}, nyquist));
-  answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, shown));
+  answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, rows_shown));
 }
 
 // Columns of one record: the density and both ends of its confidence interval.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double usual_duration = 64;  // s, of motion that is drawn
 
-std::string listed(std::vector<std::string> const& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string comma_list(std::vector<std::string> const& words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
 // Position of a word in a list; the error names the option and what is near.
 template <class Words>
@@ -28,7 +28,7 @@ std::size_t place_of(std::string const& word, Words const& words, std::string co
   std::vector<std::string> const known(std::begin(words), std::end(words));
   std::string const near = nearest_word(word, known);
   throw InputError(fmt::format("error: {}: '{}' is not {}\n  {}", option, word, what,
-                               near.empty() ? "choose one of: " + listed(known) : "did you mean '" + near + "'?"));
+                               near.empty() ? "choose one of: " + comma_list(known) : "did you mean '" + near + "'?"));
 }
 
 MotionFile file_of(MotionInput const& input, bool rotation) {
@@ -101,9 +101,9 @@ bool touches(CouplingClass const& c, BodyId body) {
 }
 
 // Whether a route is one of those asked for by rank in the path table or by part of its name.
-class Asked {
+class RouteChoice {
  public:
-  Asked(TimeOptions const& o, TimeInputs const& in) : asked_(o.routes) {
+  RouteChoice(TimeOptions const& o, TimeInputs const& in) : asked_(o.routes) {
     if (asked_.empty()) return;
     for (PathRow const& row : table_for(in.coupling(), &in.exact, in.model).rows)
       ranks_.emplace_back(row.rank, row.hash);
@@ -131,7 +131,7 @@ void choose_routes(TimeOptions const& o, TimeInputs& in) {
   for (std::string const& p : o.ports) ports.push_back(place_of(p, table.ports, "--port", "a port of this run"));
   for (std::string const& b : o.moved_by)
     bodies.push_back(place_of(b, table.bodies, "--moved-by", "a body of this run"));
-  Asked const asked(o, in);
+  RouteChoice const asked(o, in);
   for (std::uint32_t r = 0; r < table.classes.size(); ++r) {
     CouplingClass const& c = table.classes[r];
     bool const at_port = ports.empty() || std::count(ports.begin(), ports.end(), c.port.value) > 0;

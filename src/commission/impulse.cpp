@@ -34,7 +34,7 @@ std::vector<double> stretch(TimeSeries const& s, std::size_t begin, std::size_t 
   return part;
 }
 
-struct Sums {
+struct ImpulseSums {
   std::vector<double> force, target;
   Complexes cross;
   std::size_t count = 0;
@@ -43,9 +43,9 @@ struct Sums {
   std::vector<double> since;      // s since the start before it; infinity for the first
 };
 
-Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts, std::size_t n,
-             std::size_t silent) {
-  Sums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0, {}, {}, {}};
+ImpulseSums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts, std::size_t n,
+                    std::size_t silent) {
+  ImpulseSums s{std::vector<double>(n / 2 + 1), std::vector<double>(n / 2 + 1), Complexes(n / 2 + 1), 0, {}, {}, {}};
   Fourier fourier;
   double before = -infinity;
   for (double const start : starts) {
@@ -76,7 +76,7 @@ Sums sums_of(TimeSeries const& force, TimeSeries const& target, std::span<double
 // With s = -1/tau + 2 pi i f and F_i the force of stretch i, R_i = exp(s T_i) (F_(i-1) + R_(i-1)) rings at its start
 // beside F_i; the amplitude is that of sum conj(F_i) (F_i + R_i) instead of sum |F_i|^2.
 // Returns F_i + R_i.
-Complexes take_off_left_over(RingDown& mode, Sums const& s, std::size_t k) {
+Complexes take_off_left_over(RingDown& mode, ImpulseSums const& s, std::size_t k) {
   Complexes with{s.single[0][k]};
   std::complex<double> left = 0, sum = 0;
   double error = 0;
@@ -97,7 +97,7 @@ Complexes take_off_left_over(RingDown& mode, Sums const& s, std::size_t k) {
 
 // Relative error of the amplitude from how much the knocks differ: no two hit quite alike, and the fit of their mean
 // does not see it.
-double scatter_of_knocks(Sums const& s, Complexes const& force, std::size_t k) {
+double scatter_of_knocks(ImpulseSums const& s, Complexes const& force, std::size_t k) {
   std::complex<double> mean = 0;
   double weight = 0, scatter = 0;
   for (std::size_t i = 0; i < s.count; ++i) mean += std::conj(force[i]) * s.answer[i][k], weight += std::norm(force[i]);
@@ -174,7 +174,7 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
                     s.length, 32 / force.rate, force.duration()));
   std::vector<double> in_order(starts.begin(), starts.end());
   std::sort(in_order.begin(), in_order.end());
-  Sums const sums = sums_of(force, target, in_order, n, silent);
+  ImpulseSums const sums = sums_of(force, target, in_order, n, silent);
   ImpulseResponse r;
   std::vector<double> left;  // |Y - H F|^2 of one stretch
   r.stretches = sums.count;

@@ -37,8 +37,8 @@ std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, Fr
 }
 
 // PSDs of one curve, before roots are taken.
-struct Sum {
-  explicit Sum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins), drawn(bins) {}
+struct PowerSum {
+  explicit PowerSum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins), drawn(bins) {}
   Bins phase, amplitude;                    // 1/Hz
   Bins linear;                              // of both, first order in the motion of the bin
   Bins drawn;                               // of both, variance [1/Hz^2] from spectra of drawn paths
@@ -62,7 +62,7 @@ struct Sum {
     power += coupling;
     (route.exact ? exact : sampled) = true;
   }
-  void add(Sum const& other) {  // as hints only: without the replicas
+  void add(PowerSum const& other) {  // as hints only: without the replicas
     for (std::size_t i = 0; i < phase.size(); ++i) {
       phase[i] += other.phase[i];
       amplitude[i] += other.amplitude[i];
@@ -85,7 +85,7 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
 
 // Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found and which of them were drawn
 // are independent: their variances add.
-NoiseTrace finished(std::string name, Sum const& sum) {
+NoiseTrace finished(std::string name, PowerSum const& sum) {
   NoiseTrace t;
   t.name = std::move(name);
   t.mean_square_phase = sum.power > 0 ? sum.mean_square_phase / sum.power : 0;
@@ -125,7 +125,7 @@ bool never_scored(CouplingClass const& c) {
   return c.coupling.scored == 0 && c.coupling.mean == 0 && c.records.empty();
 }
 
-double largest_ratio(Sum const& unresolved, Sum const& total) {
+double largest_ratio(PowerSum const& unresolved, PowerSum const& total) {
   double ratio = 0;
   for (std::size_t i = 0; i < total.phase.size(); ++i) {
     double const above = unresolved.phase[i] + unresolved.amplitude[i], below = total.phase[i] + total.amplitude[i];
@@ -135,7 +135,7 @@ double largest_ratio(Sum const& unresolved, Sum const& total) {
 }
 
 // Largest standard error of the ASD by drawn paths, over the ASD.
-DrawnError drawn_error(Sum const& total) {
+DrawnError drawn_error(PowerSum const& total) {
   DrawnError worst;
   for (std::size_t i = 0; i < total.phase.size(); ++i) {
     double const psd = total.phase[i] + total.amplitude[i], share = std::sqrt(total.drawn[i]) / (2 * psd);
@@ -160,8 +160,8 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   NoiseBudget budget;
   budget.grid = settings.grid;
   budget.margin = settings.margin;
-  Sum total(bins), unresolved(bins), faint(bins);
-  std::vector<std::pair<std::size_t, Sum>> doubtful;
+  PowerSum total(bins), unresolved(bins), faint(bins);
+  std::vector<std::pair<std::size_t, PowerSum>> doubtful;
   for (std::size_t r = 0, first = 0; r < table.classes.size(); first += table.classes[r++].records.size()) {
     CouplingClass const& c = table.classes[r];
     RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
@@ -169,7 +169,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     route.psd.resize(bins);
     route.linear.resize(bins);
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
-    Sum own(bins);
+    PowerSum own(bins);
     double const factor = c.reverse * ifo.copies(c.port);
     own.add(route, response.at(c.port.value), factor, c.coupling.mean);
     if (why_not.empty())

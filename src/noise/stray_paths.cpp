@@ -22,9 +22,9 @@ std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {
 }
 
 // Draws of one realisation, by route and address.
-class Draws {
+class PathDraws {
  public:
-  Draws(std::uint64_t seed, std::uint32_t realisation) : seed_(mixed(seed, realisation)) {}
+  PathDraws(std::uint64_t seed, std::uint32_t realisation) : seed_(mixed(seed, realisation)) {}
   double turns(std::uint64_t route, PathRecord const& r, std::uint32_t copy) const {
     std::uint64_t const place = mixed(r.history, std::uint64_t{copy} << 32 | r.connection);
     return Rng(seed_, mixed(route, place), r.event, Stream::static_phase).uniform();
@@ -43,7 +43,7 @@ class Draws {
 // Paths that no history found have no address but their place in the class. Those of a coherent family share a draw
 // for each state of polarisation.
 void add_computed(std::vector<StrayPath>& paths, CouplingClass const& c, StrayPath path, std::uint32_t copy,
-                  Draws const& draws) {
+                  PathDraws const& draws) {
   PathRecord const& r = c.records[path.record];
   if (!c.adds_fields()) {
     path.turns = draws.of_member(c.hash, path.record, copy);
@@ -96,7 +96,7 @@ std::vector<double> lever_of(StrayPath const& path, MotionSeries const& motion) 
 }  // namespace
 
 std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer const& ifo, PathChoice const& choice) {
-  Draws const draws(choice.seed, choice.realisation);
+  PathDraws const draws(choice.seed, choice.realisation);
   std::vector<StrayPath> paths;
   for (std::uint32_t const route : choice.routes) {
     CouplingClass const& c = table.classes.at(route);

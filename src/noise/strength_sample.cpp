@@ -28,7 +28,7 @@ std::vector<double> square_rates(PhaseSpectra const& spectra, Strengths const& p
 }
 
 // kappa below which a class does not count.
-double least(PhaseSpectra const& spectra, std::size_t c) {
+double least_strength(PhaseSpectra const& spectra, std::size_t c) {
   return spectra.classes()[c].drift ? std::pow(pi * spectra.resolution(), 2) : PhaseSpectra::weak / spectra.variance(c);
 }
 
@@ -46,7 +46,7 @@ void StrengthSample::place(PhaseSpectra const& spectra, Strengths const& paths) 
   for (std::size_t i = 0; i < paths.size(); ++i) {
     double square = 0, lowest = 0;
     for (std::size_t c = 0; c < paths.classes; ++c) {
-      double const kappa = paths.of(i)[c], floor = least(spectra, c);
+      double const kappa = paths.of(i)[c], floor = least_strength(spectra, c);
       at_.push_back(std::log(std::max(std::fabs(kappa), floor)));
       square += rate[c] * kappa;
       lowest += rate[c] * floor;

@@ -16,26 +16,26 @@
 
 namespace straytrace {
 
-using Json = nlohmann::json;
+using PageJson = nlohmann::json;
 
-Json number(double);  // null unless finite; six digits, which is more than a picture shows
-Json numbers(std::vector<double> const&);
+PageJson number(double);  // null unless finite; six digits, which is more than a picture shows
+PageJson numbers(std::vector<double> const&);
 
-Json budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
+PageJson budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
 // By columns, since there may be 1e5 rows; titles and units are in `columns`.
-Json table_json(PathTable const&, CouplingTable const&);
-Json provenance_json(RunContent const&);
-Json ledger_json(RunContent const&);  // fates and objects, each with its error
-Json convergence_json(RunContent const&,
-                      PathTable const&);  // error against histories, from the replicas; figures of merit
-Json inputs_json(RunContent const&);      // what is not exactly known, and its share of the noise
-Json receivers_json(RunContent const&);   // routes and maps of receivers
-Json maps_json(std::vector<SurfaceMap> const&, double beam_power);
+PageJson table_json(PathTable const&, CouplingTable const&);
+PageJson provenance_json(RunContent const&);
+PageJson ledger_json(RunContent const&);  // fates and objects, each with its error
+PageJson convergence_json(RunContent const&,
+                          PathTable const&);  // error against histories, from the replicas; figures of merit
+PageJson inputs_json(RunContent const&);      // what is not exactly known, and its share of the noise
+PageJson receivers_json(RunContent const&);   // routes and maps of receivers
+PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
 
-Json scene_json(SceneDrawing const&);
-Json paths_json(World const&, std::vector<DrawnPath> const&);
-Json rays_json(World const&, std::vector<RaySegment> const&);
-Json told_json(std::vector<ToldEvent> const&);
-Json lit_json(World const&);  // spots of beams on surfaces, and ports
+PageJson scene_json(SceneDrawing const&);
+PageJson paths_json(World const&, std::vector<DrawnPath> const&);
+PageJson rays_json(World const&, std::vector<RaySegment> const&);
+PageJson told_json(std::vector<ToldEvent> const&);
+PageJson lit_json(World const&);  // spots of beams on surfaces, and ports
 
 }  // namespace straytrace

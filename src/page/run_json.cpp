@@ -12,7 +12,7 @@
 namespace straytrace {
 namespace {
 
-Json with_error(Estimate const& e) { return {{"value", number(e.mean)}, {"sigma", number(e.std_error)}}; }
+PageJson with_error(Estimate const& e) { return {{"value", number(e.mean)}, {"sigma", number(e.std_error)}}; }
 
 constexpr int least_replicas = 4;  // for a spread
 
@@ -39,14 +39,14 @@ Convergence converging(std::array<double, replica_count> const& sums, CouplingTa
   return c;
 }
 
-Json curve(std::string const& name, Convergence const& c) {
+PageJson curve(std::string const& name, Convergence const& c) {
   return {{"name", name}, {"histories", numbers(c.histories)}, {"error", numbers(c.error)}};
 }
 
-Json objects_json(BlockSums const& total, std::vector<std::string> const& groups) {
-  Json all = Json::array();
+PageJson objects_json(BlockSums const& total, std::vector<std::string> const& groups) {
+  PageJson all = PageJson::array();
   for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i) {
-    Json row = {{"name", i < groups.size() ? groups[i] : "(in media)"}};
+    PageJson row = {{"name", i < groups.size() ? groups[i] : "(in media)"}};
     if (i < total.arrived.size())
       row["arriving"] = with_error(estimate(total.arrived[i], total.histories, total.blocks));
     if (i < total.absorbed.size())
@@ -56,8 +56,8 @@ Json objects_json(BlockSums const& total, std::vector<std::string> const& groups
   return all;
 }
 
-Json map_json(std::string const& name, std::string const& what, Receiver const& r, CellEstimates const& cells,
-              double scale, std::string const& unit) {
+PageJson map_json(std::string const& name, std::string const& what, Receiver const& r, CellEstimates const& cells,
+                  double scale, std::string const& unit) {
   std::vector<double> mean = cells.mean, error = cells.error;
   for (double& x : mean) x *= scale;
   for (double& x : error) x *= scale;
@@ -74,9 +74,9 @@ Json map_json(std::string const& name, std::string const& what, Receiver const& 
 
 }  // namespace
 
-Json provenance_json(RunContent const& run) {
+PageJson provenance_json(RunContent const& run) {
   Provenance const& p = run.provenance;
-  Json files = Json::array();
+  PageJson files = PageJson::array();
   for (auto const& [name, text] : run.files)
     files.push_back({{"name", name}, {"bytes", text.size()}, {"sha256", sha256(text)}});
   return {{"program", p.program},
@@ -98,9 +98,9 @@ Json provenance_json(RunContent const& run) {
           {"files", files}};
 }
 
-Json ledger_json(RunContent const& run) {
+PageJson ledger_json(RunContent const& run) {
   BlockSums const& total = run.trace->total;
-  Json fates = Json::array();
+  PageJson fates = PageJson::array();
   for (int i = 0; i < fate_count; ++i)
     fates.push_back({{"name", name_of(Fate(i))},
                      {"power", with_error(estimate(total.ledger[std::size_t(i)], total.histories, total.blocks))}});
@@ -110,12 +110,12 @@ Json ledger_json(RunContent const& run) {
           {"objects", objects_json(total, run.trace->coupling.groups)}};
 }
 
-Json convergence_json(RunContent const& run, PathTable const& table) {
+PageJson convergence_json(RunContent const& run, PathTable const& table) {
   CouplingTable const& coupling = run.trace->coupling;
   std::map<std::uint64_t, CouplingClass const*> by_hash;
   for (CouplingClass const& c : coupling.classes) by_hash[c.hash] = &c;
   std::array<double, replica_count> noise = {};
-  Json curves = Json::array(), merit = Json::array();
+  PageJson curves = PageJson::array(), merit = PageJson::array();
   constexpr std::size_t shown = 6;
   for (PathRow const& row : table.rows) {
     CouplingClass const& c = *by_hash.at(row.hash);
@@ -133,20 +133,20 @@ Json convergence_json(RunContent const& run, PathTable const& table) {
   return {{"total", curve("h in the band, total", total)}, {"routes", curves}, {"merit", merit}};
 }
 
-Json inputs_json(RunContent const& run) {
-  Json sources = Json::array();
-  if (!run.noise) return {{"sources", sources}, {"exact", Json::array()}};
+PageJson inputs_json(RunContent const& run) {
+  PageJson sources = PageJson::array();
+  if (!run.noise) return {{"sources", sources}, {"exact", PageJson::array()}};
   for (InputSource const& s : run.noise->bands.sources)
     sources.push_back({{"name", s.name},
                        {"statement", s.statement},
                        {"low", number(s.low)},
                        {"high", number(s.high)},
-                       {"share", s.share > 0 ? number(100 * s.share) : Json()}});
+                       {"share", s.share > 0 ? number(100 * s.share) : PageJson()}});
   return {{"sources", sources}, {"exact", run.noise->bands.taken_as_exact}};
 }
 
-Json receivers_json(RunContent const& run) {
-  Json all = Json::array(), maps = Json::array();
+PageJson receivers_json(RunContent const& run) {
+  PageJson all = PageJson::array(), maps = PageJson::array();
   if (run.receivers.empty()) return {{"list", all}, {"maps", maps}};
   ReceiverTable const table = receiver_table(run);
   BlockSums const& total = run.trace->total;
@@ -154,20 +154,20 @@ Json receivers_json(RunContent const& run) {
   std::string const unit = run.beam_power > 0 ? "W" : "W per W of the main mode";
   for (std::size_t i = 0; i < table.receivers.size(); ++i) {
     ReceiverEntry const& e = table.receivers[i];
-    Json routes = Json::array();
+    PageJson routes = PageJson::array();
     for (ReceivedRoute const& r : e.routes) {
       if (routes.size() >= 50) break;
       routes.push_back({{"rank", r.rank},
                         {"route", r.sequence},
-                        {"power", r.power.trusted ? number(watts * r.power.mean) : Json()},
-                        {"sigma", r.power.trusted ? number(watts * r.power.std_error) : Json()},
+                        {"power", r.power.trusted ? number(watts * r.power.mean) : PageJson()},
+                        {"sigma", r.power.trusted ? number(watts * r.power.std_error) : PageJson()},
                         {"share", number(100 * r.share.value)},
                         {"why", r.power.why_not},
                         {"id", hash_text(r.hash)}});
     }
     all.push_back({{"name", e.name},
-                   {"power", e.power.trusted ? number(watts * e.power.mean) : Json()},
-                   {"sigma", e.power.trusted ? number(watts * e.power.std_error) : Json()},
+                   {"power", e.power.trusted ? number(watts * e.power.mean) : PageJson()},
+                   {"sigma", e.power.trusted ? number(watts * e.power.std_error) : PageJson()},
                    {"why", e.power.why_not},
                    {"unit", unit},
                    {"routes", routes}});

@@ -15,14 +15,14 @@ namespace {
 
 // All digits that a picture of 40 km needs: 1e-5 m.
 double metres(double x) { return std::round(x * 1e6) * 1e-6; }
-Json vector_json(Vec3 p) { return {metres(p.x), metres(p.y), metres(p.z)}; }
+PageJson vector_json(Vec3 p) { return {metres(p.x), metres(p.y), metres(p.z)}; }
 
 std::string group_name(World const& world, GroupId id) { return id.valid() ? world.groups()[id.value] : ""; }
 
 }  // namespace
 
-Json scene_json(SceneDrawing const& scene) {
-  Json meshes = Json::array(), parts = Json::array();
+PageJson scene_json(SceneDrawing const& scene) {
+  PageJson meshes = PageJson::array(), parts = PageJson::array();
   double moved = 0;
   for (DrawnMesh const& m : scene.meshes) {
     meshes.push_back({{"points", base64(m.points.data(), m.points.size() * sizeof(float))},
@@ -32,7 +32,7 @@ Json scene_json(SceneDrawing const& scene) {
     moved = std::max(moved, m.moved);
   }
   for (DrawnPart const& p : scene.parts) {
-    Json places = Json::array();
+    PageJson places = PageJson::array();
     for (Vec3 const& at : p.places) places.push_back(vector_json(at));
     parts.push_back({{"name", p.name},
                      {"body", p.body},
@@ -51,10 +51,10 @@ Json scene_json(SceneDrawing const& scene) {
           {"moved", number(moved)}};
 }
 
-Json paths_json(World const& world, std::vector<DrawnPath> const& paths) {
-  Json all = Json::array();
+PageJson paths_json(World const& world, std::vector<DrawnPath> const& paths) {
+  PageJson all = PageJson::array();
   for (DrawnPath const& p : paths) {
-    Json points = Json::array(), steps = Json::array();
+    PageJson points = PageJson::array(), steps = PageJson::array();
     for (PathPoint const& v : p.points) {
       points.push_back(vector_json(v.point));
       steps.push_back(fmt::format("{}·{}", group_name(world, v.group), letter(v.event)));
@@ -70,8 +70,8 @@ Json paths_json(World const& world, std::vector<DrawnPath> const& paths) {
   return all;
 }
 
-Json rays_json(World const& world, std::vector<RaySegment> const& rays) {
-  Json all = Json::array();
+PageJson rays_json(World const& world, std::vector<RaySegment> const& rays) {
+  PageJson all = PageJson::array();
   for (RaySegment const& r : rays)
     all.push_back({{"from", vector_json(r.from)},
                    {"to", vector_json(r.to)},
@@ -82,23 +82,23 @@ Json rays_json(World const& world, std::vector<RaySegment> const& rays) {
   return all;
 }
 
-Json told_json(std::vector<ToldEvent> const& events) {
-  Json all = Json::array();
+PageJson told_json(std::vector<ToldEvent> const& events) {
+  PageJson all = PageJson::array();
   for (ToldEvent const& e : events) {
     bool const placed = std::isfinite(e.point.x);
     all.push_back({{"what", e.what},
-                   {"event", placed ? Json(e.event) : Json()},
-                   {"order", placed ? Json(e.order) : Json()},
+                   {"event", placed ? PageJson(e.event) : PageJson()},
+                   {"order", placed ? PageJson(e.order) : PageJson()},
                    {"where", e.where},
                    {"body", e.body},
-                   {"point_m", placed ? Json{e.point.x, e.point.y, e.point.z} : Json()},
+                   {"point_m", placed ? PageJson{e.point.x, e.point.y, e.point.z} : PageJson()},
                    {"power", e.power}});
   }
   return all;
 }
 
-Json lit_json(World const& world) {
-  Json all = Json::array();
+PageJson lit_json(World const& world) {
+  PageJson all = PageJson::array();
   for (Footprint const& f : world.footprints()) {
     bool const on = f.surface.valid();
     all.push_back({{"at", vector_json(f.centre)},
@@ -114,8 +114,8 @@ Json lit_json(World const& world) {
   return all;
 }
 
-Json maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
-  Json all = Json::array();
+PageJson maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
+  PageJson all = PageJson::array();
   double const watts = beam_power > 0 ? beam_power : 1;
   for (SurfaceMap const& m : maps) {
     std::vector<double> noise = m.noise, error = m.noise_error, light = m.light, light_error = m.light_error;
@@ -126,7 +126,7 @@ Json maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
       light[i] *= watts;
       light_error[i] *= watts;
     }
-    Json places = Json::array();
+    PageJson places = PageJson::array();
     for (Vec3 const& p : m.places) places.push_back(vector_json(p));
     std::vector<double> by_place = m.noise_by_place;
     for (double& x : by_place) x *= 100;

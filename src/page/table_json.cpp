@@ -11,29 +11,29 @@
 
 namespace straytrace {
 
-Json number(double x) {
+PageJson number(double x) {
   if (!std::isfinite(x)) return nullptr;
   return x == 0 ? 0 : six_digits(x);
 }
 
-Json numbers(std::vector<double> const& all) {
-  Json list = Json::array();
+PageJson numbers(std::vector<double> const& all) {
+  PageJson list = PageJson::array();
   for (double const x : all) list.push_back(number(x));
   return list;
 }
 
 namespace {
 
-Json values_of(RouteColumn const& c) {
+PageJson values_of(RouteColumn const& c) {
   if (c.is_text) return c.texts;
-  Json list = Json::array();
-  for (double const x : c.numbers) list.push_back(c.whole && !std::isnan(x) ? Json(std::int64_t(x)) : number(x));
+  PageJson list = PageJson::array();
+  for (double const x : c.numbers) list.push_back(c.whole && !std::isnan(x) ? PageJson(std::int64_t(x)) : number(x));
   return list;
 }
 
 // `units`: what a filter may write behind a number, of columns of numbers.
-Json column_json(RouteColumn const& c) {
-  Json j{{"key", c.key}, {"title", c.title}, {"unit", c.unit}, {"help", c.help}, {"values", values_of(c)}};
+PageJson column_json(RouteColumn const& c) {
+  PageJson j{{"key", c.key}, {"title", c.title}, {"unit", c.unit}, {"help", c.help}, {"values", values_of(c)}};
   if (c.is_text) return j;
   j["units"] = c.units;
   j["whole"] = c.whole;
@@ -41,21 +41,21 @@ Json column_json(RouteColumn const& c) {
   return j;
 }
 
-Json curve_json(NoiseTrace const& t) {
+PageJson curve_json(NoiseTrace const& t) {
   return {{"name", t.name}, {"asd", numbers(t.asd)}, {"sigma", numbers(t.sigma)}};
 }
 
 }  // namespace
 
-Json table_json(PathTable const& table, CouplingTable const& coupling) {
+PageJson table_json(PathTable const& table, CouplingTable const& coupling) {
   RouteColumns const columns(table, coupling, nullptr);
-  Json all = Json::array();
+  PageJson all = PageJson::array();
   for (RouteColumn const& c : columns.all()) all.push_back(column_json(c));
   return {{"columns", all}, {"rows", columns.rows()}, {"band", {table.low, table.high}}, {"hertz", hertz()}};
 }
 
-Json budget_json(NoiseBudget const& b, PathTable const& table, std::size_t routes) {
-  Json j;
+PageJson budget_json(NoiseBudget const& b, PathTable const& table, std::size_t routes) {
+  PageJson j;
   std::vector<double> f;
   for (std::size_t i = 0; i < b.grid.size(); ++i) f.push_back(b.grid.centre(i));
   j["frequency"] = numbers(f);
@@ -70,11 +70,11 @@ Json budget_json(NoiseBudget const& b, PathTable const& table, std::size_t route
                                     {"speckle_95", &d.speckle_95},
                                     {"coherent", &d.coherent}})
     j[name] = numbers(*curve);
-  j["design"] = Json::array();
+  j["design"] = PageJson::array();
   for (DesignCurve const& c : b.design) j["design"].push_back({{"name", c.name}, {"asd", numbers(c.asd)}});
   j["margin"] = b.margin;
   j["unresolved"] = b.unresolved;
-  j["routes"] = Json::array();
+  j["routes"] = PageJson::array();
   std::map<std::uint64_t, NoiseTrace const*> by_hash;
   for (NoiseTrace const& t : b.routes) by_hash[t.hash] = &t;
   for (PathRow const& row : table.rows) {

@@ -21,13 +21,6 @@ std::size_t bytes_of_letter(std::string_view text, std::size_t at) {
 
 }  // namespace
 
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return out;
-}
-
 std::string joined(std::vector<std::string> const& words) {
   std::string text;
   for (std::string const& w : words) text += (text.empty() ? "" : ", ") + w;

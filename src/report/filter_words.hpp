@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/lower_case.hpp"
 #include "report/route_filter.hpp"
 
 namespace straytrace {
@@ -36,7 +37,6 @@ class FilterWords {
   FilterWord here_;
 };
 
-std::string lower_case(std::string_view);
 std::string joined(std::vector<std::string> const& words);  // "a, b"
 std::string names_of(FilterUnits const&);
 double factor_of(std::string const& name, FilterUnits const&);  // 1 where it is none of them

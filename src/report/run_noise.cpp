@@ -9,17 +9,17 @@ namespace {
 using Doubles = std::vector<double>;
 constexpr char const* strain = "1/sqrt(Hz)";
 
-struct CurveColumn {
+struct TraceColumn {
   char const* name;
   Doubles NoiseTrace::*member;
 };
-constexpr CurveColumn curves[] = {{"mean", &NoiseTrace::asd},
+constexpr TraceColumn curves[] = {{"mean", &NoiseTrace::asd},
                                   {"sigma", &NoiseTrace::sigma},
                                   {"phase", &NoiseTrace::phase_asd},
                                   {"amplitude", &NoiseTrace::amplitude_asd}};
 constexpr char const* linear_share = "linear_share";  // since schema 1.5
 // Of routes, since schema 1.6; NaN where they were not made.
-constexpr CurveColumn route_bands[] = {{"input_low", &NoiseTrace::input_low}, {"input_high", &NoiseTrace::input_high}};
+constexpr TraceColumn route_bands[] = {{"input_low", &NoiseTrace::input_low}, {"input_high", &NoiseTrace::input_high}};
 
 struct BandColumn {
   char const* name;
@@ -39,7 +39,7 @@ Doubles or_unknown(Doubles const& curve, std::size_t bins) {
 }
 
 void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std::size_t bins) {
-  for (CurveColumn const& curve : curves) {
+  for (TraceColumn const& curve : curves) {
     Doubles all;
     for (NoiseTrace const& t : routes) append_bins(all, t.*(curve.member), bins, t.name);
     out.array(std::string("/noise/routes/") + curve.name, all, strain, {routes.size(), bins});
@@ -47,7 +47,7 @@ void write_routes(hdf5::Writer& out, std::vector<NoiseTrace> const& routes, std:
   Doubles shares;
   for (NoiseTrace const& t : routes) append_bins(shares, or_unknown(t.linear_share, bins), bins, t.name);
   out.array(std::string("/noise/routes/") + linear_share, shares, "1", {routes.size(), bins});
-  for (CurveColumn const& band : route_bands) {
+  for (TraceColumn const& band : route_bands) {
     Doubles all;
     for (NoiseTrace const& t : routes) append_bins(all, or_unknown(t.*(band.member), bins), bins, t.name);
     out.array(std::string("/noise/routes/") + band.name, all, strain, {routes.size(), bins});
@@ -144,12 +144,12 @@ void read_routes(hdf5::Reader const& in, NoiseBudget& b) {
     t.faint = faint[i] != 0;
     t.why_not = why[i];
   }
-  for (CurveColumn const& curve : curves) {
+  for (TraceColumn const& curve : curves) {
     Doubles const all = in.rows<double>(std::string("/noise/routes/") + curve.name, n, bins);
     for (std::size_t i = 0; i < n; ++i) b.routes[i].*(curve.member) = slice(all, i, bins);
   }
-  CurveColumn const later[] = {{linear_share, &NoiseTrace::linear_share}, route_bands[0], route_bands[1]};
-  for (CurveColumn const& curve : later) {
+  TraceColumn const later[] = {{linear_share, &NoiseTrace::linear_share}, route_bands[0], route_bands[1]};
+  for (TraceColumn const& curve : later) {
     std::string const place = std::string("/noise/routes/") + curve.name;
     if (!in.has(place)) continue;
     Doubles const all = in.rows<double>(place, n, bins);
@@ -162,7 +162,7 @@ void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
   total.mean_square_phase = in.attribute_number("/noise/total", "mean_square_phase");
   total.resolved = in.attribute_count("/noise/total", "resolved") != 0;
   total.why_not = in.attribute_text("/noise/total", "why_not");
-  for (CurveColumn const& curve : curves)
+  for (TraceColumn const& curve : curves)
     total.*(curve.member) = in.rows<double>(std::string("/noise/total/") + curve.name, bins);
   if (in.has(std::string("/noise/total/") + linear_share))
     total.linear_share = in.rows<double>(std::string("/noise/total/") + linear_share, bins);
@@ -188,7 +188,7 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.attribute("/noise/total", "mean_square_phase", b.total.mean_square_phase);
   out.attribute("/noise/total", "resolved", std::vector<std::uint64_t>{b.total.resolved});
   out.attribute("/noise/total", "why_not", b.total.why_not);
-  for (CurveColumn const& curve : curves) {
+  for (TraceColumn const& curve : curves) {
     Doubles checked;
     append_bins(checked, b.total.*(curve.member), bins, "total");
     out.array(std::string("/noise/total/") + curve.name, checked, strain);

@@ -120,7 +120,7 @@ std::vector<std::string> power_cells(RunContent const& run, std::string const& n
   return row;
 }
 
-std::string objects(RunContent const& run) {
+std::string object_table(RunContent const& run) {
   std::string const text = objects_text(run);
   return text.empty() ? text : section("Light on objects") + text;
 }
@@ -257,7 +257,7 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
     text += section("Routes") + path_text(table, show);
   }
   if (received) text += section("Receivers") + receiver_text(receiver_table(run), show);
-  text += section("Where the light went") + books_text(run) + objects(run) + assumed(run, assumptions) +
+  text += section("Where the light went") + books_text(run) + object_table(run) + assumed(run, assumptions) +
           provenance(run) + warnings(run);
   return text;
 }

@@ -15,7 +15,7 @@
 namespace straytrace {
 namespace {
 
-constexpr int deepest = 64;
+constexpr int deepest_expression = 64;
 constexpr std::array<std::string_view, 3> amplitude_words{"peak", "pp", "rms"};
 
 struct BrokenParameter {};
@@ -118,7 +118,7 @@ class Parser {
   }
 
   Operand sum() {
-    if (++depth_ > deepest)
+    if (++depth_ > deepest_expression)
       refuse("the expression is nested too deeply", "split it into parameters", at_, std::min(at_ + 1, text_.size()));
     Operand left = product();
     for (char c = peek(); c == '+' || c == '-'; c = peek()) {
@@ -146,7 +146,7 @@ class Parser {
     bool const minus = peek() == '-';
     if (!minus && peek() != '+') return power();
     ++at_;
-    if (++depth_ > deepest) refuse("the expression is nested too deeply", "remove signs", begin, at_);
+    if (++depth_ > deepest_expression) refuse("the expression is nested too deeply", "remove signs", begin, at_);
     Operand inner = signed_power();
     --depth_;
     if (minus) inner.value.quantity.si = -inner.value.quantity.si;
@@ -158,7 +158,7 @@ class Parser {
     Operand base = primary();
     if (peek() != '^') return base;
     ++at_;
-    if (++depth_ > deepest) refuse("the expression is nested too deeply", "use brackets", at_ - 1, at_);
+    if (++depth_ > deepest_expression) refuse("the expression is nested too deeply", "use brackets", at_ - 1, at_);
     Operand const exponent = signed_power();
     --depth_;
     return raise(base, exponent, text_);

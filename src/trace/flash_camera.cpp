@@ -9,7 +9,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::uint32_t finer = 3;  // rays per pixel along each side
+constexpr std::uint32_t flash_rays = 3;  // rays per pixel along each side
 
 // Whether the sphere around the eye is what a ray meets, when the next surface is `free` metres away.
 bool comes_back(Ray const& ray, Vec3 eye, double radius, double free) {
@@ -86,13 +86,14 @@ std::vector<FlashLight> flash_picture(WorldView const& world, Camera const& came
   in_parallel(camera.rows, settings.threads, [&](std::size_t row) {
     for (std::uint32_t column = 0; column < camera.columns; ++column) {
       FlashLight& pixel = picture[row * camera.columns + column];
-      for (std::uint32_t k = 0; k < finer * finer; ++k) {
-        Ray const ray = camera.ray(column + (k % finer + 0.5) / finer, double(row) + (k / finer + 0.5) / finer);
+      for (std::uint32_t k = 0; k < flash_rays * flash_rays; ++k) {
+        Ray const ray =
+            camera.ray(column + (k % flash_rays + 0.5) / flash_rays, double(row) + (k / flash_rays + 0.5) / flash_rays);
         if (!(ray.t_max > 0)) continue;
         FlashLight const one = flash_along(world, ray, camera.from, camera.eye, flash, settings.looks);
-        pixel.scattered += one.scattered / (finer * finer);
-        pixel.glint += one.glint / (finer * finer);
-        if (k == finer * finer / 2) pixel.first = one.first;
+        pixel.scattered += one.scattered / (flash_rays * flash_rays);
+        pixel.glint += one.glint / (flash_rays * flash_rays);
+        if (k == flash_rays * flash_rays / 2) pixel.first = one.first;
       }
     }
   });

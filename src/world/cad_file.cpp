@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <stdexcept>
+
+#include "base/lower_case.hpp"
 
 namespace straytrace {
 namespace {
@@ -113,11 +114,6 @@ void read(json const& all, CadFile& out) {
     if (p.contains("triangles")) read_triangles(p.at("triangles"), part);
   }
   if (out.parts.empty()) throw std::runtime_error("it holds no parts");
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
 }
 
 }  // namespace

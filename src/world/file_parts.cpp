@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/document.hpp"
+#include "base/lower_case.hpp"
 #include "world/mesh_doctor.hpp"
 
 namespace straytrace {
@@ -35,12 +35,6 @@ bool matches(std::string_view pattern, std::string_view text) {
 namespace {
 
 constexpr std::string_view by_colour = "color ";
-
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return out;
-}
 
 bool is_colour(std::string_view text) {
   return text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdef", 1) == text.npos;

@@ -18,6 +18,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "base/lower_case.hpp"
 #include "world/mesh_colours.hpp"
 
 namespace straytrace {
@@ -209,9 +210,7 @@ class Parts {
 std::string ending(std::string const& name) {
   std::size_t const dot = name.find_last_of("./");
   if (dot == std::string::npos || name[dot] == '/') return "";
-  std::string out = name.substr(dot);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return out;
+  return lower_case(std::string_view(name).substr(dot));
 }
 
 }  // namespace

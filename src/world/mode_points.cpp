@@ -12,9 +12,9 @@
 namespace straytrace {
 namespace {
 
-class Points final : public ModeShape {
+class PointsShape final : public ModeShape {
  public:
-  Points(std::vector<ModePoint> points, std::size_t neighbours)
+  PointsShape(std::vector<ModePoint> points, std::size_t neighbours)
       : points_(std::move(points)), neighbours_(std::min(neighbours, points_.size())) {}
 
   Vec3 at(Vec3 r) const override {
@@ -47,7 +47,7 @@ class Points final : public ModeShape {
 }  // namespace
 
 std::shared_ptr<ModeShape const> mode_of_points(std::vector<ModePoint> points, std::size_t neighbours) {
-  return std::make_shared<Points>(std::move(points), neighbours);
+  return std::make_shared<PointsShape>(std::move(points), neighbours);
 }
 
 std::shared_ptr<ModeShape const> read_mode_points(Node const& shape, std::string& description) {

@@ -20,7 +20,7 @@ double whole_power(double x, int n) {
 }
 
 // Each component a sum of c x^i y^j z^k, lengths in units of `scale`.
-class Polynomial final : public ModeShape {
+class PolynomialShape final : public ModeShape {
  public:
   struct Term {
     double factor;
@@ -116,14 +116,14 @@ std::optional<Vec3> read_unit(Node const& table, std::string_view key) {
 using Shape = std::shared_ptr<ModeShape const>;
 
 Shape read_polynomial(Node const& t) {
-  auto shape = std::make_shared<Polynomial>();
+  auto shape = std::make_shared<PolynomialShape>();
   if (t.has("scale")) shape->scale = t.number("scale", dim::length, required, 1e-9);
   constexpr std::array<std::string_view, 3> names = {"x", "y", "z"};
   for (int c = 0; c < 3; ++c)
     for (Node const& term : t.list(names[std::size_t(c)])) {
       std::vector<double> const v = term.as_numbers(dim::plain, 4);
       if (v.size() != 4) return {};
-      Polynomial::Term to{v[0], {int(v[1]), int(v[2]), int(v[3])}};
+      PolynomialShape::Term to{v[0], {int(v[1]), int(v[2]), int(v[3])}};
       for (int i = 0; i < 3; ++i)
         if (!(v[std::size_t(i) + 1] == to.power[i] && to.power[i] >= 0 && to.power[i] <= 20)) {
           term.problem("powers are whole numbers from 0 to 20", "write [factor, power of x, power of y, power of z]");

@@ -10,8 +10,8 @@
 namespace straytrace {
 namespace {
 
-constexpr double reach = 4.5;     // radii: beyond lies exp(-2 reach^2) = 3e-18 of the power
-constexpr double grazing = 0.02;  // cosine of incidence below which a rim is not taken as flat
+constexpr double reach = 4.5;             // radii: beyond lies exp(-2 reach^2) = 3e-18 of the power
+constexpr double flat_rim_cosine = 0.02;  // cosine of incidence below which a rim is not taken as flat
 constexpr int azimuths = 64, rings = 32, halvings = 40;
 
 // Largest 1/e^2 radius, m.
@@ -122,7 +122,7 @@ double beside_rim(WorldView const& world, SurfaceId surface, Mode const& mode) {
   Rim rim;
   bool const flat =
       world.shapes.visit(world.surfaces[surface.value].shape, [&](auto const& s) { return round_rim(s, rim); });
-  if (flat && std::fabs(dot(mode.travel, rim.axis)) > grazing) return beside_round(rim, mode);
+  if (flat && std::fabs(dot(mode.travel, rim.axis)) > flat_rim_cosine) return beside_round(rim, mode);
   return Scan(world, surface, mode).beside();
 }
 

@@ -5,19 +5,19 @@
 namespace straytrace::testing {
 namespace {
 
-int python(std::string const& words) {
+int run_python(std::string const& words) {
   return std::system(("timeout 60 /usr/bin/python3 " + words + " >/dev/null").c_str());
 }
 
-TEST(Tools, IncludeGuard) { EXPECT_EQ(python("'" + source_folder + "/tests/tools/test_check_includes.py'"), 0); }
+TEST(Tools, IncludeGuard) { EXPECT_EQ(run_python("'" + source_folder + "/tests/tools/test_check_includes.py'"), 0); }
 
 TEST(Tools, PythonReadsARun) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", et_hf, "-p", "rings=40", "-o", folder / "a", "--histories", "200000"}).code, 0);
   std::string const test = "'" + source_folder + "/tests/tools/test_run_file.py' ", run = folder / "a/run.h5",
                     curve = folder / "a/h_asd.txt";
-  EXPECT_EQ(python(test + run + " " + curve), 0);
-  EXPECT_NE(python(test + curve + " " + curve + " 2>/dev/null"), 0);
+  EXPECT_EQ(run_python(test + run + " " + curve), 0);
+  EXPECT_NE(run_python(test + curve + " " + curve + " 2>/dev/null"), 0);
 }
 
 }  // namespace

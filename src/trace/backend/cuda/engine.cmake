@@ -34,3 +34,7 @@ add_custom_command(
   COMMENT "Building the engine for NVIDIA devices: a few minutes"
   VERBATIM)
 add_custom_target(straytrace_cuda ALL DEPENDS ${STRAYTRACE_CUDA_LIBRARY})
+add_dependencies(wheel straytrace_cuda)
+if(SKBUILD)
+  install(PROGRAMS ${STRAYTRACE_CUDA_LIBRARY} DESTINATION straytrace/bin)
+endif()
