@@ -6,11 +6,11 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 tool=$(command -v clang-format-14 || command -v clang-format || true)
 if [[ -z $tool ]]; then
-  echo "clang-format 14 is not installed (scripts/setup installs it)" >&2
+  echo "clang-format 14 is not installed (scripts/setup --test installs it)" >&2
   exit 1
 fi
 if [[ "$("$tool" --version)" != *" 14."* ]]; then
-  echo "$tool is not version 14 (scripts/setup installs clang-format-14)" >&2
+  echo "$tool is not version 14 (scripts/setup --test installs clang-format-14)" >&2
   exit 1
 fi
 

@@ -19,12 +19,14 @@ DPKG = pathlib.Path("/var/lib/dpkg")
 FOLDERS = ("scripts", "tools", "tests", "python", "fuzz", "mpi", "step", "src", ".ci")
 SUFFIXES = {"", ".sh", ".py", ".js", ".bash", ".cpp", ".hpp", ".txt", ".cmake"}
 SYSTEM_PYTHON = pathlib.Path("/usr/lib/python3/dist-packages")
-LISTS = (ROOT / "scripts/setup", pathlib.Path(__file__).resolve())  # these name packages and files without using them
+# These name packages and files without using them.
+LISTS = (ROOT / "scripts/setup", ROOT / "tools/check_packages.py", ROOT / "tests/tools/test_packages.py")
 STARTERS = {"", ".sh", ".bash", ".py", ".cpp", ".hpp"}  # sources that start programs
 OPTIONAL = {"/usr/bin/ccache"}  # used where it is found
 PATH = re.compile(r"""(?<![\w.$}/-])/usr/(?!local/)[^\s"'`:;,|)(\\$<>*?{}\[\]]+""")
-# Command position of a shell script: after a separator or a word that takes a command.
-IN_SHELL = r"(?:^|[|;&`]|[$<>]\(|\b(?:if|then|else|do|while|until|exec|time|sudo|as_root|xargs|env|with_clock +\"[^\"]*\")(?= )) *(?:\w+=(?:[^(\s]\S*)? +)*{}(?=[ ;)|&]|$)"
+# Command position of a shell script: after a separator, or after a word that takes a command, and after assignments.
+BEFORE = r"(?:\b(?:if|then|else|do|while|until|exec|time|sudo|as_root|xargs|env)(?= )|^|[|;&`]|[$<>]\()"
+IN_SHELL = BEFORE + r" *(?:\w+=(?:[^(\s$]\S*|\$\w+)? +)*{}(?=[ ;)|&]|$)"
 IN_PYTHON = r"(?:\b(?:run|Popen|check_output|check_call|call|which)\(\s*[\[(]?|(?<![\w\])])\[)\s*f?[\"']{}[\"' ]"
 IN_CPP = r"\b(?:system|popen|run_child)\(.*\"{} "
 
@@ -48,7 +50,7 @@ class Packages:
     @staticmethod
     def names(relation):
         """[[a, b], [c]] of 'a (>= 1) | b, c:any'."""
-        return [[re.split(r"[ (:\[]", one.strip())[0] for one in group.split("|")] for group in relation.split(",") if group.strip()]
+        return [[re.split(r"[ (:\[]", one.strip())[0] for one in group.split("|")] for group in relation.split(",") if group]
 
     def chosen(self, alternatives, have):
         for name in alternatives:
@@ -96,8 +98,9 @@ def built_with(build, *targets):
         elif wanted and PATH.fullmatch(path := line.strip()):
             named.setdefault(path, "headers of the build")
     cache = (build / "CMakeCache.txt").read_text()
-    for path in re.findall(r"^(?:CMAKE_MAKE_PROGRAM|\w+_DIR):\w+=(/usr/(?!local/)\S+)", cache, re.MULTILINE) if not targets else ():
-        named.setdefault(path, "CMakeCache.txt")
+    if not targets:
+        for path in re.findall(r"^(?:CMAKE_MAKE_PROGRAM|\w+_DIR):\w+=(/usr/(?!local/)\S+)", cache, re.MULTILINE):
+            named.setdefault(path, "CMakeCache.txt")
     programs = targets or ("straytrace", "straytrace-step", "straytrace-step-sample", "straytrace-mpi.so", "unit_base")
     for program in programs:
         if (build / program).exists():
@@ -109,7 +112,8 @@ def built_with(build, *targets):
 def sources():
     for folder in FOLDERS:
         for path in sorted((ROOT / folder).rglob("*")):
-            if path.is_file() and path.suffix in SUFFIXES and path not in LISTS and not {"corpus", "__pycache__"} & set(path.parts):
+            skipped = path in LISTS or {"corpus", "__pycache__"} & set(path.parts)
+            if path.is_file() and path.suffix in SUFFIXES and not skipped:
                 yield path
 
 
@@ -129,7 +133,8 @@ def started_programs(text, suffix, programs):
     if pattern is IN_SHELL:
         code = re.sub(r"<<-?'?(\w+)'?.*?\n(.*?\n)\1\n", "\n", code, flags=re.DOTALL)  # texts
         code = re.sub(r"(?m)^ *[\w| -]+\) ?", "", code)  # labels of a case
-    for name in re.findall(pattern.format(r"(?:/usr/s?bin/)?([\w.+-]+)"), code, re.MULTILINE):
+    calls = "(?=" + pattern.format(r"(?:/usr/s?bin/)?([\w.+-]+)") + ")"  # looked ahead: `if` may be followed by `time`
+    for name in re.findall(calls, code, re.MULTILINE):
         if name in programs and not re.search(rf"command -v {re.escape(name)}\b", text):
             yield programs[name]
 
@@ -147,7 +152,7 @@ def used_by_program():
 
 
 def used_by_sources(build):
-    """{path: file that uses it} of what tests, tools and scripts name, start and import; `build/compare` has modules too."""
+    """{path: file that uses it} of what tests, tools and scripts name, start and import beside what build/compare holds."""
     named = {}
     programs = {p.name: str(p) for folder in ("/usr/sbin", "/usr/bin") for p in pathlib.Path(folder).iterdir()}
     shipped = {p.stem for p in (build / "compare/lib").glob("python*/site-packages/*")}
@@ -173,7 +178,8 @@ def problems(packages, listed, named, how):
     for path, where in sorted(named.items()):
         owners = packages.owners_of(path)
         if owners and not owners & have and path not in OPTIONAL:
-            yield f"{path} ({where}) belongs to {' or '.join(sorted(owners))}, which {how} does not install: list it in scripts/setup"
+            owner = " or ".join(sorted(owners))
+            yield f"{path} ({where}) belongs to {owner}, which {how} does not install: list it in scripts/setup"
 
 
 def main():

@@ -3,7 +3,7 @@
 
 Usage: build/compare-venv/bin/python tools/make_design_curves.py FOLDER [--et-d ET_D_asd.txt]
 
-Needs pygwinc (scripts/setup --compare). The table of ET-D is the file ET_D_asd.txt of the package bilby from PyPI
+Needs pygwinc (scripts/setup --test). The table of ET-D is the file ET_D_asd.txt of the package bilby from PyPI
 (bilby/gw/detector/noise_curves; LIGO-P1600143); without --et-d it is left as it is.
 """
 import argparse

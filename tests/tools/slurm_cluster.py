@@ -51,7 +51,7 @@ class Slurm:
         self.children = []
         for tool in ("munged", "slurmctld", "slurmd", "sbatch"):
             if not shutil.which(tool, path=os.environ["PATH"] + ":/usr/sbin"):
-                raise FileNotFoundError(f"{tool}: scripts/setup --compare installs slurmctld, slurmd, slurm-client and munge")
+                raise FileNotFoundError(f"{tool}: scripts/setup --test installs slurmctld, slurmd, slurm-client and munge")
         (self.folder / "state").mkdir()
         (self.folder / "spool").mkdir()
         self.folder.chmod(0o755)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""VTK and GLB files of a run, read back with VTK and trimesh (scripts/setup --compare). Usage: test_exports.py PROGRAM"""
+"""VTK and GLB files of a run, read back with VTK and trimesh (scripts/setup --test). Usage: test_exports.py PROGRAM"""
 import csv
 import os
 import pathlib
@@ -81,7 +81,7 @@ def main():
 
 if __name__ == "__main__":
     if not PYTHON.exists():
-        sys.exit("test_exports: VTK and trimesh are not there: scripts/setup --compare")
+        sys.exit("test_exports: VTK and trimesh are not there: scripts/setup --test")
     if "STRAYTRACE_EXPORTS" not in os.environ:
         os.environ["STRAYTRACE_EXPORTS"] = "inside"
         os.execv(PYTHON, [str(PYTHON), *sys.argv])

@@ -4,7 +4,7 @@
 
 Usage: test_finesse.py PROGRAM, the program dual_recycled_numbers. Power at every port and the answers of the power at
 the dark port to DARM (with radiation pressure) must agree to 1e-6, those to amplitude and phase of the laser to 1e-5. FINESSE lives
-in a virtual environment that `scripts/setup --compare` makes; without it this test fails.
+in a virtual environment that `scripts/setup --test` makes; without it this test fails.
 """
 import json
 import math
@@ -123,5 +123,5 @@ try:
 except ImportError:
     if os.path.exists(environment) and os.path.abspath(sys.executable) != environment:
         os.execv(environment, [environment] + sys.argv)
-    sys.exit("FINESSE is not there: run scripts/setup --compare")
+    sys.exit("FINESSE is not there: run scripts/setup --test")
 main()

@@ -4,7 +4,7 @@
 
 What straytrace exports is read by pygwinc itself, with the same numbers; each noise of our presets agrees with that of
 the budgets they are taken from, within the tolerances below; pygwinc's own files are read; StrayLight is a noise there. --table prints the
-agreement as it stands in docs/theory/sensitivity.md. Runs in the environment that scripts/setup --compare makes, and
+agreement as it stands in docs/theory/sensitivity.md. Runs in the environment that scripts/setup --test makes, and
 fails where there is none.
 """
 import json
@@ -21,7 +21,7 @@ try:
     import gwinc
 except ImportError:
     if not COMPARED.exists() or pathlib.Path(sys.prefix) == COMPARED.parent.parent:
-        sys.exit("pygwinc is not there: run scripts/setup --compare")
+        sys.exit("pygwinc is not there: run scripts/setup --test")
     os.execv(COMPARED, [COMPARED, __file__, *sys.argv[1:]])
 
 import numpy as np  # noqa: E402

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The Python package: models, runs and what goes wrong. Needs what scripts/setup --compare installs."""
+"""The Python package: models, runs and what goes wrong. Needs what scripts/setup --test installs."""
 import concurrent.futures
 import os
 import pathlib
