@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The wheel: built, installed into a new environment, used far from the source tree. It takes the program that is built
-already (STRAYTRACE_PREBUILT), so this costs seconds; what compiles is the same CMake project."""
+"""The wheel: built, installed into a new environment, used far from the source tree. It takes the programs that are built
+already (STRAYTRACE_PREBUILT), so this costs seconds; scripts/fresh compiles one."""
 import os
 import pathlib
 import shutil
@@ -49,16 +49,25 @@ def main():
         (place / "away").mkdir()
         sources(place / "source")
         pip("wheel", "--no-build-isolation", "--no-deps", "-w", place, place / "source", f"--config-settings=build-dir={place}/build",
-            f"--config-settings=cmake.define.STRAYTRACE_PREBUILT={PROGRAM}")
+            f"--config-settings=cmake.define.STRAYTRACE_PREBUILT={pathlib.Path(PROGRAM).parent}")
         wheel, = place.glob("*.whl")
         held = zipfile.ZipFile(wheel).namelist()
-        for wanted in ("straytrace/bin/straytrace", "straytrace/py.typed", "straytrace/plot.py", "straytrace/plot_budget.py"):
+        for wanted in ("straytrace/bin/straytrace", "straytrace/bin/straytrace-step", "straytrace/bin/straytrace-mpi.so", "straytrace/py.typed", "straytrace/plot.py", "straytrace/plot_budget.py"):
             assert wanted in held, wanted
         assert not [h for h in held if "__pycache__" in h or h.startswith("build")], held
         packages = environment(place / "env", wheel)
         arm().save(place / "away" / "model.yaml")
         away = {"cwd": place / "away", "env": clean, "check": True}
         subprocess.run([place / "env/bin/python", "-c", USE], **away)
+        # The converter of STEP files in the wheel is found; without it the same scene is refused.
+        shutil.copytree(SOURCE / "examples", place / "away" / "examples")
+        check = [place / "env/bin/straytrace", "check", "examples/cad_bench.yaml"]
+        fresh = {**away, "env": {**clean, "XDG_CACHE_HOME": str(place / "cache"), "PATH": "/usr/bin:/bin"}}
+        subprocess.run(check, stdout=subprocess.DEVNULL, **fresh)
+        (packages / "straytrace/bin/straytrace-step").unlink()
+        shutil.rmtree(place / "cache")
+        without = subprocess.run(check, capture_output=True, text=True, **{**fresh, "check": False})
+        assert without.returncode == 2 and "straytrace-step" in without.stderr, without.stderr
         # The command, and the program itself, find the package that draws their pictures.
         for program in (place / "env/bin/straytrace", packages / "straytrace/bin/straytrace"):
             subprocess.run([program, "run", "model.yaml", "-o", "out", "--histories", str(BLOCK), "--quiet", "--force"],
