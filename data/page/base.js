@@ -38,12 +38,11 @@ function withError(value, sigma) {
   return (value / Math.pow(10, power)).toFixed(power - last) + "(" + error + ")e" + power;
 }
 
-const superscripts = {"-": "⁻", "0": "⁰", "1": "¹", "2": "²", "3": "³", "4": "⁴", "5": "⁵", "6": "⁶", "7": "⁷",
-                      "8": "⁸", "9": "⁹"};
+// 0.01, 10000, 10^-24.
 function powerOfTen(x) {
   const power = Math.round(Math.log10(x));
   if (power >= -2 && power <= 4) return String(Number(Math.pow(10, power).toPrecision(1)));
-  return "10" + String(power).replace(/[-0-9]/g, c => superscripts[c]);
+  return "10^" + power;
 }
 
 // A part of the page with its entry in the list at the top.
@@ -60,11 +59,23 @@ function section(title, id) {
   return part;
 }
 
-// rows: lists of cells; text columns stand to the left.
+// Parts of a text that was split at what is to stay on one line.
+function kept(parts) { return parts.map((part, i) => i % 2 ? el("span", {class: "keep"}, part) : part); }
+
+// rows: lists of cells; text columns stand to the left. In titles h(10 Hz) and [1/√Hz] stay whole.
 function simpleTable(titles, rows, text = []) {
-  const side = i => ({class: text.includes(i) ? "text" : null});
-  return el("table", {}, el("thead", {}, el("tr", {}, titles.map((t, i) => el("th", side(i), t)))),
+  const side = i => ({class: text.includes(i) ? "text" : null}), whole = /(\S*\([^)]*\)|\[[^\]]*\])/;
+  return el("table", {}, el("thead", {}, el("tr", {}, titles.map((t, i) => el("th", side(i), kept(t.split(whole)))))),
             el("tbody", {}, rows.map(row => el("tr", {}, row.map((c, i) => el("td", side(i), String(c)))))));
+}
+
+// Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line.
+function keepNumbers(root) {
+  for (const node of root.querySelectorAll("p, li, h3, figcaption"))
+    for (const text of [...node.childNodes].filter(n => n.nodeType === Node.TEXT_NODE)) {
+      const parts = text.data.split(/([\d.]+(?:\(\d+\))?e-\d+)/);
+      if (parts.length > 1) text.replaceWith(...kept(parts));
+    }
 }
 
 // A file for the reader, made here and sent nowhere.

@@ -29,13 +29,13 @@ function drawMap(parent, map) {
   const figure = (values, errors, unit, title, pale, more) => {
     const caption = el("figcaption", {}, title), reading = el("span");
     const box = el("figure");
+    pair.append(el("div", {}, box));
     heatMap(box, {...shape, values, unit, pale, tell: i => {
       reading.textContent = i === null || !(values[i] > 0) ? "" :
           " " + digits(values[i]) + " ± " + digits(errors[i], 2) + " " + unit + more(i);
     }});
     caption.append(reading);
     box.append(caption);
-    pair.append(el("div", {}, box));
   };
   figure(map.noise, map.noise_error, "%/cm²", "Noise: share of the strain noise power per " + area + ".", i => map.paths[i] < fewPaths,
          i => ", " + map.paths[i] + " paths");
@@ -64,11 +64,11 @@ function addReceivers(receivers) {
     const map = receivers.maps.find(m => m.name === r.name);
     if (!map) continue;
     const reading = el("span"), box = el("figure", {style: "max-width: 32rem"});
+    part.append(box);
     heatMap(box, {...map, xLabel: "x on the receiver [m]", yLabel: "y on the receiver [m]",
                   pale: i => !(map.errors[i] < 0.5 * map.values[i]), tell: i => {
       reading.textContent = i === null || map.values[i] === null ? "" : " " + digits(map.values[i]) + " ± " + digits(map.errors[i], 2) + " " + map.unit;
     }});
     box.append(el("figcaption", {}, "Irradiance, seen from the front. Pale: error above half of the value.", reading));
-    part.append(box);
   }
 }

@@ -2,35 +2,93 @@
 // Curves and bands as SVG with D3: drag to zoom, double click to see all, click a name to switch it off.
 "use strict";
 
-const plotSize = {width: 1100, height: 520, left: 84, right: 18, top: 14, bottom: 52};
+const plotSize = {width: 1100, height: 520, top: 14, bottom: 52};  // the width where the page has none
+const lineHeight = 20;  // of labels with exponents
+
+// Writes 10^-24 with a raised exponent. Not every font has all superscripts.
+function setLabel(node, label) {
+  const [base, power] = label.split("^"), text = d3.select(node).text(base);
+  if (power) text.append("tspan").attr("dy", "-0.45em").style("font-size", "0.75em").text(power.replace("-", "−"));
+  return node;
+}
+
+// Widths of labels in the font in use, and the widest of them.
+function textWidths(svg, labels) {
+  const probe = svg.append("text").attr("visibility", "hidden");
+  const widths = labels.map(label => setLabel(probe.node(), label).getComputedTextLength());
+  probe.remove();
+  return widths;
+}
+const widest = (svg, texts) => Math.max(0, ...textWidths(svg, texts));
+
+// Labels of an axis, without those that would touch another; what is `first` is placed first. rooms: px for each along it.
+function spacedLabels(scale, {values, label}, rooms, first = () => true) {
+  const kept = new Map();
+  const fits = (v, room) => [...kept].every(([other, taken]) => Math.abs(scale(v) - scale(other)) >= (room + taken) / 2);
+  for (const wanted of [true, false])
+    values.forEach((v, i) => { if (first(v) === wanted && fits(v, rooms[i])) kept.set(v, rooms[i]); });
+  return v => kept.has(v) ? label(v) : "";
+}
+
+// Draws anew when the place has got another width, for as long as the drawing is part of the page.
+function whenResized(parent, svg, draw) {
+  let width = parent.clientWidth;
+  const hear = () => {
+    if (!svg.node().isConnected) return window.removeEventListener("resize", hear);
+    if (parent.clientWidth === width) return;
+    width = parent.clientWidth;
+    draw();
+  };
+  window.addEventListener("resize", hear);
+}
+
+const isDecade = v => Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9;
 
 // series: {name, x, y, kind: "line" | "points", colour, width, dash} or {name, x, low, high, kind: "band", colour}
 // shades: {from, to, name} along x. x, y: {label, log}.
 class Plot {
   constructor(parent, {x, y, series, shades = [], height}) {
     this.series = series;
-    this.size = Object.assign({}, plotSize, height ? {height} : {});
+    this.parent = parent;
+    this.tall = height || plotSize.height;
     this.axes = {x, y};
     this.off = new Set(series.filter(s => s.off).map(s => s.name));
     this.shades = shades;
-    const {width, height: tall, left, right, top, bottom} = this.size;
     this.full = {x: this.extent("x"), y: this.extent("y")};
-    this.scale = {x: this.scaleOf("x").range([left, width - right]), y: this.scaleOf("y").range([tall - bottom, top])};
-    this.svg = d3.select(parent).append("svg").attr("class", "plot").attr("viewBox", [0, 0, width, tall].join(" "));
+    this.scale = {x: this.scaleOf("x"), y: this.scaleOf("y")};
+    this.svg = d3.select(parent).append("svg").attr("class", "plot");
     this.clip = "clip" + Plot.count++;
-    this.svg.append("clipPath").attr("id", this.clip).append("rect").attr("x", left).attr("y", top)
-        .attr("width", width - left - right).attr("height", tall - top - bottom);
+    this.inside = this.svg.append("clipPath").attr("id", this.clip).append("rect");
     for (const name of ["grid", "marks", "axis"]) this[name + "Group"] = this.svg.append("g").attr("class", name);
     this.marksGroup.attr("clip-path", "url(#" + this.clip + ")");
-    this.cursor = this.svg.append("line").attr("stroke", "#999").attr("y1", top).attr("y2", tall - bottom).style("display", "none");
-    this.brush = d3.brush().extent([[left, top], [width - right, tall - bottom]]).on("end", () => this.zoom());
-    this.brushGroup = this.svg.append("g").call(this.brush);
+    this.cursor = this.svg.append("line").attr("stroke", "#999").style("display", "none");
+    this.brush = d3.brush().on("end", () => this.zoom());
+    this.brushGroup = this.svg.append("g");
     this.brushGroup.on("mousemove", () => this.read(d3.mouse(this.svg.node())[0])).on("mouseleave", () => this.read(null))
         .on("dblclick", () => this.show(this.full.x, this.full.y));
     this.legend = el("div", {class: "legend"});
     parent.append(this.legend);
     this.drawLegend();
     this.draw();
+    whenResized(parent, this.svg, () => this.draw());
+  }
+  // As wide as its place, with margins for the labels in the font in use. One unit is one px, so text stays readable.
+  fit() {
+    const width = this.parent.clientWidth || plotSize.width, {top, bottom} = plotSize;
+    const height = Math.round(Math.min(this.tall, Math.max(300, 0.75 * width)));
+    this.svg.attr("viewBox", [0, 0, width, height].join(" "));  // before text is measured: letters scale with it
+    this.scale.y.range([height - bottom, top]);
+    const y = this.ticks("y"), x = this.ticks("x");
+    const left = 36 + widest(this.svg, y.values.map(y.label)), widths = textWidths(this.svg, x.values.map(x.label));
+    const right = Math.max(18, 2 + Math.max(0, ...widths) / 2);
+    this.scale.x.range([left, width - right]);
+    x.label = spacedLabels(this.scale.x, x, widths.map(w => w + 6), v => !this.axes.x.log || isDecade(v));
+    y.label = spacedLabels(this.scale.y, y, y.values.map(() => lineHeight), v => !this.axes.y.log || isDecade(v));
+    this.size = {width, height, left, right, top, bottom};
+    this.inside.attr("x", left).attr("y", top).attr("width", width - left - right).attr("height", height - top - bottom);
+    this.cursor.attr("y1", top).attr("y2", height - bottom);
+    this.brushGroup.call(this.brush.extent([[left, top], [width - right, height - bottom]]));
+    return {x, y};
   }
   extent(axis) {
     if (this.axes[axis].range) return this.axes[axis].range;
@@ -73,20 +131,20 @@ class Plot {
         const v = m * Math.pow(10, p);
         if (v >= low * 0.999999 && v <= high * 1.000001 && p % every === 0) all.push(v);
       }
-    const plain = v => Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? powerOfTen(v) : digits(v, 2);
+    const plain = v => isDecade(v) ? powerOfTen(v) : digits(v, 2);
     return {values: all, label: plain};
   }
   drawAxes() {
-    const {width, height, left, right, top, bottom} = this.size;
+    const {x: tx, y: ty} = this.fit(), {width, height, left, right, top, bottom} = this.size;
     this.axisGroup.selectAll("*").remove();
     this.gridGroup.selectAll("*").remove();
-    const tx = this.ticks("x"), ty = this.ticks("y");
     const add = (axis, place, length, t) => {
       this.gridGroup.append("g").attr("transform", place)
           .call(axis.tickValues(t.values).tickSize(length).tickFormat("")).select(".domain").remove();
-      this.axisGroup.append("g").attr("transform", place).call(axis.tickSize(5).tickFormat(t.label));
+      this.axisGroup.append("g").attr("transform", place).call(axis.tickSize(5).tickFormat(t.label))
+          .selectAll("text").each(function () { setLabel(this, this.textContent); });
     };
-    add(d3.axisBottom(this.scale.x), "translate(0," + (height - bottom) + ")", top + bottom - height, tx);
+    add(d3.axisBottom(this.scale.x).tickPadding(6), "translate(0," + (height - bottom) + ")", top + bottom - height, tx);
     add(d3.axisLeft(this.scale.y), "translate(" + left + ",0)", left + right - width, ty);
     const label = this.axisGroup.append("text").attr("text-anchor", "middle").attr("font-size", 14);
     label.attr("x", (left + width - right) / 2).attr("y", height - 10).text(this.axes.x.label);
@@ -162,7 +220,16 @@ class Plot {
 Plot.count = 0;
 
 // values by rows from the lowest; null: nothing known. `pale(i)`: too few to be trusted.
-function heatMap(parent, {columns, rows, x, y, values, unit, xLabel, yLabel, pale = () => false, tell}) {
+function heatMap(parent, map) {
+  const svg = d3.select(parent).append("svg").attr("class", "plot"), draw = () => drawHeat(svg, parent.clientWidth, map);
+  draw();
+  whenResized(parent, svg, draw);
+}
+
+function drawHeat(svg, room, {columns, rows, x, y, values, unit, xLabel, yLabel, pale = () => false, tell}) {
+  const width = Math.max(300, Math.min(620, room || 460)), size = tall => svg.attr("viewBox", "0 0 " + width + " " + tall);
+  svg.selectAll("*").remove();
+  size(width);  // before text is measured: letters scale with it
   const known = values.filter(v => v > 0), [least, most] = d3.extent(known);
   const floor = Math.max(least || 1, (most || 1) * 1e-4);
   const colour = v => d3.interpolateViridis(most > floor ? Math.max(0, Math.log(v / floor) / Math.log(most / floor)) : 1);
@@ -173,9 +240,15 @@ function heatMap(parent, {columns, rows, x, y, values, unit, xLabel, yLabel, pal
     context.fillStyle = colour(v);
     context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
   });
-  const width = 460, left = 66, top = 12, side = 300, tall = side;
-  const svg = d3.select(parent).append("svg").attr("class", "plot").attr("viewBox", "0 0 " + width + " " + (tall + 66));
-  const sx = d3.scaleLinear().domain(x).range([left, left + side]), sy = d3.scaleLinear().domain(y).range([top + tall, top]);
+  const sx = d3.scaleLinear().domain(x), sy = d3.scaleLinear().domain(y);
+  const sv = d3.scaleLog().domain([floor, Math.max(most || 0, floor * 1.01)]), valueLabel = sv.tickFormat(4, v => digits(v, 1));
+  const left = 30 + widest(svg, sy.ticks(6).map(sy.tickFormat(6)));
+  const right = Math.max(72, 36 + (most > 0 ? widest(svg, sv.ticks(4).map(valueLabel)) : 0), 8 + widest(svg, ["[" + unit + "]"]));
+  const top = 12, side = width - left - right, tall = side;
+  size(tall + 66);
+  sx.range([left, left + side]);
+  sy.range([top + tall, top]);
+  sv.range([top + tall, top]);
   svg.append("rect").attr("x", left).attr("y", top).attr("width", side).attr("height", tall).attr("fill", "#f0f0f0");
   svg.append("image").attr("x", left).attr("y", top).attr("width", side).attr("height", tall)
       .attr("preserveAspectRatio", "none").attr("style", "image-rendering: pixelated").attr("href", canvas.toDataURL())
@@ -184,8 +257,10 @@ function heatMap(parent, {columns, rows, x, y, values, unit, xLabel, yLabel, pal
         const i = Math.floor((py - top) / tall * rows), k = Math.floor((px - left) / side * columns);
         tell((rows - 1 - i) * columns + k);
       }).on("mouseleave", () => tell(null));
-  const axis = svg.append("g").attr("class", "axis");
-  axis.append("g").attr("transform", "translate(0," + (top + tall) + ")").call(d3.axisBottom(sx).ticks(5));
+  const axis = svg.append("g").attr("class", "axis"), tx = {values: sx.ticks(5), label: sx.tickFormat(5)};
+  const rooms = textWidths(svg, tx.values.map(tx.label)).map(w => w + 6);
+  axis.append("g").attr("transform", "translate(0," + (top + tall) + ")")
+      .call(d3.axisBottom(sx).tickValues(tx.values).tickFormat(spacedLabels(sx, tx, rooms)));
   axis.append("g").attr("transform", "translate(" + left + ",0)").call(d3.axisLeft(sy).ticks(6));
   axis.append("text").attr("x", left + side / 2).attr("y", top + tall + 40).attr("text-anchor", "middle").text(xLabel);
   axis.append("text").attr("transform", "translate(14," + (top + tall / 2) + ") rotate(-90)")
@@ -196,7 +271,6 @@ function heatMap(parent, {columns, rows, x, y, values, unit, xLabel, yLabel, pal
         .attr("y", top + tall - (i + 1) * tall / steps).attr("fill", d3.interpolateViridis((i + 0.5) / steps));
   if (most > 0)
     axis.append("g").attr("transform", "translate(" + (left + side + 26) + ",0)")
-        .call(d3.axisRight(d3.scaleLog().domain([floor, Math.max(most, floor * 1.01)]).range([top + tall, top]))
-            .ticks(4, v => digits(v, 1)));
-  axis.append("text").attr("x", left + side + 14).attr("y", tall + 58).attr("text-anchor", "middle").text("[" + unit + "]");
+        .call(d3.axisRight(sv).tickValues(sv.ticks(4)).tickFormat(valueLabel));
+  axis.append("text").attr("x", left + side + 6).attr("y", tall + 60).text("[" + unit + "]");
 }

@@ -90,6 +90,7 @@ function build() {
   const warnings = section("Warnings", "warnings");
   warnings.append(data.warnings.length === 0 ? el("p", {}, "none") : el("ul", {}, data.warnings.map(w => el("li", {}, w))));
   addProvenance(data.provenance, data.libraries);
+  keepNumbers(document.body);
   document.body.dataset.ready = "yes";
 }
 

@@ -109,7 +109,7 @@ Object.assign(Stage.prototype, {
   label(text, place, kind = "") {
     const node = el("div", {class: "label " + kind}, text);
     this.view.append(node);
-    this.labels.push({node, place: this.at(place), kind});
+    this.labels.push({node, place: this.at(place), kind, wide: node.offsetWidth});
   },
   // Names of parts, where the first of each stands.
   nameLabels() {
@@ -126,13 +126,14 @@ Object.assign(Stage.prototype, {
     this.world.updateMatrixWorld();
     for (const l of this.labels) {
       const p = l.place.clone().applyMatrix4(this.world.matrixWorld).project(this.camera);
-      const x = (p.x + 1) / 2 * width, y = (1 - p.y) / 2 * height;
-      const free = taken.every(t => Math.abs(t[0] - x) > 48 || Math.abs(t[1] - y) > 14);
+      const at = (p.x + 1) / 2 * width, y = (1 - p.y) / 2 * height, half = l.wide / 2 + 2;
+      const x = Math.max(half, Math.min(at, width - half));  // whole, where its place is at the edge
+      const free = taken.every(t => Math.abs(t.x - x) > t.half + half || Math.abs(t.y - y) > 14);
       const wanted = !l.kind.includes("part") || this.named;
-      const shown = wanted && p.z < 1 && x > 0 && y > 0 && x < width && y < height && free;
+      const shown = wanted && p.z < 1 && at > 0 && y > 0 && at < width && y < height && free;
       l.node.style.display = shown ? "" : "none";
       if (!shown) continue;
-      taken.push([x, y]);
+      taken.push({x, y, half});
       l.node.style.left = x + "px";
       l.node.style.top = y + "px";
     }

@@ -4,7 +4,7 @@
 
 const rowHeight = 24, spareRows = 6;
 const shownAtFirst = ["rank", "sequence", "port", "share", "h10", "h30", "h100", "coupling", "body", "regime", "opl"];
-const wideColumns = {sequence: 340, verdict: 320, id: 150, body: 110, port: 80, first: 160, last: 160};
+const measuredRows = 4000;  // as many rows, evenly spread, say how wide a column is
 
 class PathTable {
   // `chosen(ids)`: hears of the rows that were clicked.
@@ -12,10 +12,12 @@ class PathTable {
     this.table = table;
     this.columns = new Map(table.columns.map(c => [c.key, c.values]));
     this.about = new Map(table.columns.map(c => [c.key, c]));
+    this.texts = new Set(table.columns.filter(c => typeof c.values.find(v => v !== null) === "string").map(c => c.key));
     this.shown = shownAtFirst.filter(key => this.about.has(key));
     if (!this.about.has("h10") && !this.columns.has("h30")) this.shown.push("lever");
     this.sortKey = "rank";
     this.falling = false;
+    this.widest = new Map();
     this.chosen = new Set();
     this.off = new Set();  // ids of rows that are switched off
     this.tell = chosen;
@@ -37,12 +39,15 @@ class PathTable {
     this.sums = el("div", {class: "note sums"});
     this.box = el("div", {class: "routes", tabindex: "0", on: {scroll: () => this.draw()}});
     this.head = el("div", {class: "head"});
-    this.space = el("div");
-    this.body = el("div", {style: "position:absolute"});
-    this.box.append(this.head, this.space, this.body);
+    this.ruler = el("div", {class: "ruler", "aria-hidden": "true"});
+    this.above = el("div", {class: "space"});
+    this.below = el("div", {class: "space"});
+    this.body = el("div", {class: "body"});
+    this.box.append(el("div", {class: "grid"}, this.head, this.ruler, this.above, this.body, this.below));
     parent.append(el("div", {class: "bar"}, this.input, save, buttons, on), this.said, this.sums, this.box, this.choices());
     window.addEventListener("resize", () => this.draw());
     window.addEventListener("beforeprint", () => { this.box.scrollTop = 0; this.draw(40); });
+    window.addEventListener("afterprint", () => this.draw());
   }
   choices() {
     const list = el("div", {class: "choices"});
@@ -117,19 +122,32 @@ class PathTable {
         (share.some(x => x !== null) ? ", " + digits(sum, 4) + " % of the resolved noise power between " +
          digits(this.table.band[0]) + " and " + digits(this.table.band[1]) + " Hz" : "");
     this.drawHead();
-    this.space.style.height = order.length * rowHeight + "px";
     this.draw();
   }
-  width(key) { return wideColumns[key] || 108; }
-  isText(key) { return typeof this.columns.get(key).find(v => v !== null) === "string"; }
+  isText(key) { return this.texts.has(key); }
   drawHead() {
     this.head.replaceChildren(...this.shown.map(key => {
       const c = this.about.get(key), mark = key === this.sortKey ? (this.falling ? " ▼" : " ▲") : "";
-      return el("span", {style: "width:" + this.width(key) + "px", class: this.isText(key) ? "text" : null, title: c.help,
-                         "data-key": key, on: {click: () => this.sortBy(key)}}, c.title + mark,
+      return el("span", {class: this.side(key), title: c.help, "data-key": key, on: {click: () => this.sortBy(key)}}, c.title + mark,
                 el("small", {}, c.unit ? "[" + c.unit + "]" : "\u00a0"));
     }));
+    this.ruler.replaceChildren(...this.shown.map(key =>
+        el("span", {class: this.side(key)}, el("b", {}, this.about.get(key).title + " ▼"), el("i", {}, this.widestText(key)))));
   }
+  // The layout makes columns as wide as what they hold, in any font. This text is held always, so that columns do not
+  // change their widths while rows come and go.
+  widestText(key) {
+    if (!this.widest.has(key)) {
+      const texts = new Set(), context = document.createElement("canvas").getContext("2d");
+      const style = getComputedStyle(this.box);
+      context.font = style.fontSize + " " + style.fontFamily;
+      for (let i = 0; i < this.table.rows; i += Math.ceil(this.table.rows / measuredRows)) texts.add(this.cell(key, i));
+      const widths = [...texts].map(text => [context.measureText(text).width, text]);
+      this.widest.set(key, widths.reduce((a, b) => b[0] > a[0] ? b : a)[1]);
+    }
+    return this.widest.get(key);
+  }
+  side(key) { return this.isText(key) ? "text" : null; }
   cell(key, i) {
     const values = this.columns.get(key), errors = this.columns.get(key + "_sigma");
     if (errors) return withError(values[i], errors[i]);
@@ -139,17 +157,20 @@ class PathTable {
   draw(rows) {
     const first = Math.max(0, Math.floor(this.box.scrollTop / rowHeight) - spareRows);
     const count = rows || Math.ceil(this.box.clientHeight / rowHeight) + 2 * spareRows;
-    this.body.style.top = this.head.offsetHeight + first * rowHeight + "px";
-    this.body.replaceChildren(...this.order.slice(first, first + count).map(i => this.row(i)));
-    if (rows) this.space.style.height = Math.min(rows, this.order.length) * rowHeight + "px";
+    const shown = this.order.slice(first, first + count).map(i => this.row(i));
+    this.above.style.height = first * rowHeight + "px";
+    this.below.style.height = (rows ? 0 : Math.max(0, this.order.length - first - shown.length) * rowHeight) + "px";
+    this.body.replaceChildren(...shown);
   }
   row(i) {
     const id = this.columns.get("id")[i], bad = this.columns.get("verdict")[i] !== "resolved";
     return el("div", {class: "row" + (this.chosen.has(id) ? " chosen" : "") + (bad ? " faint" : "") + (this.off.has(id) ? " off" : ""), "data-id": id,
                       title: bad ? this.columns.get("verdict")[i] : null,
                       on: {click: event => this.choose(id, event.ctrlKey || event.shiftKey || event.metaKey)}},
-              this.shown.map(key => el("span", {style: "width:" + this.width(key) + "px",
-                                                class: this.isText(key) ? "text" : null}, this.cell(key, i))));
+              this.shown.map(key => {
+                const text = this.cell(key, i);
+                return el("span", {class: this.side(key), title: this.isText(key) && !bad ? text : null}, text);
+              }));
   }
   choose(id, more) {
     const had = this.chosen.has(id);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "base/embedded.hpp"
 #include "base/message.hpp"
@@ -41,6 +42,13 @@ std::string cell(double value, double sigma) {
   return std::isfinite(value) ? escaped(with_brackets(value, sigma)) : "unresolved";
 }
 
+// Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line. The lengths have limits
+// because std::regex recurses.
+std::string with_whole_numbers(std::string const& markup) {
+  static std::regex const form(R"([0-9.]{1,20}(\([0-9]{1,9}\))?e-[0-9]{1,9})");
+  return std::regex_replace(markup, form, "<span class=\"keep\">$&</span>");
+}
+
 std::string row_html(PathRow const& row) {
   std::string text = fmt::format("<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td>",
                                  row.rank, escaped(row.sequence), escaped(row.port),
@@ -55,8 +63,10 @@ std::string row_html(PathRow const& row) {
 }  // namespace
 
 std::string static_head(StaticReport const& r) {
-  std::string text = r.verdict.empty() ? "" : fmt::format("<p class=\"verdict\">{}</p>\n", escaped(r.verdict));
-  if (!r.headline.empty()) text += fmt::format("<p class=\"headline\">{}</p>\n", escaped(r.headline));
+  std::string text =
+      r.verdict.empty() ? "" : fmt::format("<p class=\"verdict\">{}</p>\n", with_whole_numbers(escaped(r.verdict)));
+  if (!r.headline.empty())
+    text += fmt::format("<p class=\"headline\">{}</p>\n", with_whole_numbers(escaped(r.headline)));
   return text;
 }
 

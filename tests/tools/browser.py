@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A headless Chromium for tests of pages, with software WebGL and without a network."""
+"""A headless Chromium for tests of pages, with software WebGL, without a network, and with one family of fonts."""
 import json
+import os
 import pathlib
+import tempfile
 
 from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
@@ -10,10 +12,36 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 FLAGS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1300,900", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--host-resolver-rules=MAP * ~NOTFOUND")
+# Files of fonts-liberation2 and fonts-dejavu-core, which scripts/setup --test installs.
+FONTS = {"Liberation Sans": ("/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf",
+                             "/usr/share/fonts/truetype/liberation2/LiberationSans-Bold.ttf"),
+         "DejaVu Sans": ("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                         "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf")}
+USUAL, WIDE = FONTS
+FONTS_CONF = """<?xml version="1.0"?>
+<!DOCTYPE fontconfig SYSTEM "urn:fontconfig:fonts.dtd">
+<fontconfig>
+  <dir>{folder}/fonts</dir>
+  <cachedir>{folder}/cache</cachedir>
+  <match target="pattern"><edit name="family" mode="assign" binding="same"><string>{family}</string></edit></match>
+</fontconfig>
+"""
+
+
+def font_settings(family, folder):
+    """A fontconfig file that knows one family, and answers with it to every name."""
+    (folder / "fonts").mkdir()
+    for file in map(pathlib.Path, FONTS[family]):
+        if not file.exists():
+            raise SystemExit(f"browser: {file} is missing; scripts/setup --test installs it")
+        (folder / "fonts" / file.name).symlink_to(file)
+    settings = folder / "fonts.conf"
+    settings.write_text(FONTS_CONF.format(folder=folder, family=family))
+    return settings
 
 
 class Browser:
-    def __init__(self, scripts=True):
+    def __init__(self, scripts=True, font=USUAL):
         options = Options()
         options.binary_location = "/usr/bin/chromium"
         for flag in FLAGS:
@@ -21,13 +49,18 @@ class Browser:
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         if not scripts:
             options.add_experimental_option("prefs", {"profile.managed_default_content_settings.javascript": 2})
-        self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
+        self.scripts = scripts
+        self.folder = tempfile.TemporaryDirectory()
+        settings = font_settings(font, pathlib.Path(self.folder.name))
+        service = Service("/usr/bin/chromedriver", env={**os.environ, "FONTCONFIG_FILE": str(settings)})
+        self.driver = webdriver.Chrome(options=options, service=service)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
         self.driver.quit()
+        self.folder.cleanup()
 
     def open(self, file, ready=True):
         self.driver.get(pathlib.Path(file).resolve().as_uri())
@@ -36,6 +69,24 @@ class Browser:
 
     def run(self, script, *arguments):
         return self.driver.execute_script(script, *arguments)
+
+    def resize(self, width, height=900):
+        """Sets the inside of the window, and waits until the page has drawn itself anew. Windows themselves do not get
+        narrower than 500 px."""
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+        if self.scripts:
+            self.driver.execute_async_script("const done = arguments[0];"
+                                             "requestAnimationFrame(() => requestAnimationFrame(() => done()))")
+
+    def fonts_of(self, selector):
+        """The families that draw the text of an element."""
+        self.driver.execute_cdp_cmd("DOM.enable", {})
+        self.driver.execute_cdp_cmd("CSS.enable", {})
+        root = self.driver.execute_cdp_cmd("DOM.getDocument", {})["root"]["nodeId"]
+        node = self.driver.execute_cdp_cmd("DOM.querySelector", {"nodeId": root, "selector": selector})["nodeId"]
+        fonts = self.driver.execute_cdp_cmd("CSS.getPlatformFontsForNode", {"nodeId": node})["fonts"]
+        return {font["familyName"] for font in fonts}
 
     def said(self):
         """What the console has seen since the last call."""

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the layout of a page can do wrong: wider than its window, numbers cut or broken, plots that cannot be read."""
+WIDTHS = (390, 600, 1300)  # a phone, half a screen, a desktop
+LEAST_LETTERS, LEAST_STAGE = 9, 250  # px
+
+FAULTS = """
+const [leastLetters, leastStage] = arguments, root = document.documentElement, said = [];
+const words = node => "'" + node.textContent.trim().slice(0, 40) + "'";
+const number = /[\\d.]+(?:\\(\\d+\\))?e-?\\d+/g;
+document.querySelectorAll("details").forEach(d => { d.open = true; });
+
+const wide = root.scrollWidth - root.clientWidth;
+if (wide > 0) said.push(`the page is ${wide} px wider than its window`);
+
+for (const cell of document.querySelectorAll(".routes .head span, .routes .row span, th, td")) {
+  const title = cell.matches(".head span, th");
+  if (!title && (cell.classList.contains("text") || !/\\d/.test(cell.textContent))) continue;
+  if (cell.scrollWidth > cell.clientWidth)
+    said.push(`cut: ${words(cell)} needs ${cell.scrollWidth} px and has ${cell.clientWidth}`);
+}
+
+// Lines on which a range of text stands.
+const lines = range => new Set([...range.getClientRects()].map(r => Math.round(r.top))).size;
+const range = document.createRange();
+for (const node of document.querySelectorAll("p, li, h3, figcaption, td:not(.text)")) {
+  const walk = document.createTreeWalker(node, NodeFilter.SHOW_TEXT);
+  for (let text = walk.nextNode(); text; text = walk.nextNode())
+    for (const found of text.data.matchAll(number)) {
+      range.setStart(text, found.index);
+      range.setEnd(text, found.index + found[0].length);
+      if (lines(range) > 1) said.push(`broken: ${found[0]} of ${words(node)}`);
+    }
+}
+
+for (const svg of document.querySelectorAll("svg.plot")) {
+  const box = svg.getBoundingClientRect(), texts = [...svg.querySelectorAll("text")].filter(t => t.textContent);
+  const rects = texts.map(t => t.getBoundingClientRect());
+  texts.forEach((t, i) => {
+    const r = rects[i], letters = parseFloat(getComputedStyle(t).fontSize) * t.getScreenCTM().a;
+    const upright = Math.abs(t.getScreenCTM().b) < 1e-9;
+    if (r.left < box.left - 1 || r.right > box.right + 1 || r.top < box.top - 1 || r.bottom > box.bottom + 1)
+      said.push(`label ${words(t)} leaves its plot`);
+    if (upright && letters < leastLetters) said.push(`label ${words(t)} has letters of ${letters.toFixed(1)} px`);
+    for (let k = 0; k < i; ++k)
+      if (Math.min(r.right, rects[k].right) - Math.max(r.left, rects[k].left) > 1 &&
+          Math.min(r.bottom, rects[k].bottom) - Math.max(r.top, rects[k].top) > 3)
+        said.push(`labels ${words(texts[k])} and ${words(t)} overlap`);
+  });
+}
+
+for (const view of document.querySelectorAll(".stage .view")) {
+  const box = view.getBoundingClientRect();
+  if (box.width < leastStage) said.push(`the scene is ${Math.round(box.width)} px wide`);
+  for (const label of [...view.querySelectorAll(".label")].filter(l => l.offsetWidth > 0)) {
+    const r = label.getBoundingClientRect();
+    if (r.left < box.left - 1 || r.right > box.right + 1) said.push(`label ${words(label)} leaves the scene`);
+  }
+}
+return said;
+"""
+
+
+def faults(browser, width):
+    """What is wrong with the open page in a window of this width, as texts."""
+    browser.resize(width)
+    return browser.run(FAULTS, LEAST_LETTERS, LEAST_STAGE)
+
+
+def text_width(browser, text="rank route share 1.2345(67)e-89"):
+    """The width that a text has in the font of the page, in px."""
+    return browser.run("const s = document.createElement('span'); s.textContent = arguments[0];"
+                       "s.style.whiteSpace = 'nowrap'; document.body.append(s);"
+                       "const w = s.getBoundingClientRect().width; s.remove(); return w", text)
