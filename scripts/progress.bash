@@ -29,6 +29,23 @@ progress_end() {
   [[ -z ${1:-} ]] || echo "$1 in $(minutes $((SECONDS - progress_since)))" >&2
 }
 
+# ninja_progress: shows the steps of ninja on stdin as progress and passes on what else it prints
+ninja_progress() {
+  local line steps=0
+  progress_begin "build:"
+  while IFS= read -r line; do
+    if [[ $line =~ ^\[([0-9]+)/([0-9]+)\]\ (Re-checking|Re-running|Building|Linking|Running|Generating|Automatic) ]]; then
+      [[ ${BASH_REMATCH[3]} == Re-* ]] && continue
+      steps=${BASH_REMATCH[2]}
+      progress $((100 * BASH_REMATCH[1] / steps)) "step ${BASH_REMATCH[1]} of $steps"
+    elif [[ $line != "ninja: no work to do." ]]; then
+      progress_end
+      printf '%s\n' "$line" >&2
+    fi
+  done
+  if ((steps > 0)); then progress_end "build: $steps steps"; fi
+}
+
 # with_clock LABEL COMMAND...: for work that does not say how far it is; its output appears if it fails
 with_clock() {
   local label=$1 output status=0 worker

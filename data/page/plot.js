@@ -21,10 +21,11 @@ function textWidths(svg, labels) {
 }
 const widest = (svg, texts) => Math.max(0, ...textWidths(svg, texts));
 
-// Labels of an axis, without those that would touch another; what is `first` is placed first. rooms: px for each along it.
+// Labels of an axis, without those that would touch another; what is `first` is placed first. rooms: px that each
+// takes along the axis.
 function spacedLabels(scale, {values, label}, rooms, first = () => true) {
-  const kept = new Map();
-  const fits = (v, room) => [...kept].every(([other, taken]) => Math.abs(scale(v) - scale(other)) >= (room + taken) / 2);
+  const kept = new Map(), apart = (a, b) => Math.abs(scale(a) - scale(b));
+  const fits = (v, room) => [...kept].every(([other, taken]) => apart(v, other) >= (room + taken) / 2);
   for (const wanted of [true, false])
     values.forEach((v, i) => { if (first(v) === wanted && fits(v, rooms[i])) kept.set(v, rooms[i]); });
   return v => kept.has(v) ? label(v) : "";
@@ -85,7 +86,8 @@ class Plot {
     x.label = spacedLabels(this.scale.x, x, widths.map(w => w + 6), v => !this.axes.x.log || isDecade(v));
     y.label = spacedLabels(this.scale.y, y, y.values.map(() => lineHeight), v => !this.axes.y.log || isDecade(v));
     this.size = {width, height, left, right, top, bottom};
-    this.inside.attr("x", left).attr("y", top).attr("width", width - left - right).attr("height", height - top - bottom);
+    this.inside.attr("x", left).attr("y", top).attr("width", width - left - right)
+        .attr("height", height - top - bottom);
     this.cursor.attr("y1", top).attr("y2", height - bottom);
     this.brushGroup.call(this.brush.extent([[left, top], [width - right, height - bottom]]));
     return {x, y};
@@ -144,7 +146,8 @@ class Plot {
       this.axisGroup.append("g").attr("transform", place).call(axis.tickSize(5).tickFormat(t.label))
           .selectAll("text").each(function () { setLabel(this, this.textContent); });
     };
-    add(d3.axisBottom(this.scale.x).tickPadding(6), "translate(0," + (height - bottom) + ")", top + bottom - height, tx);
+    const below = d3.axisBottom(this.scale.x).tickPadding(6);
+    add(below, "translate(0," + (height - bottom) + ")", top + bottom - height, tx);
     add(d3.axisLeft(this.scale.y), "translate(" + left + ",0)", left + right - width, ty);
     const label = this.axisGroup.append("text").attr("text-anchor", "middle").attr("font-size", 14);
     label.attr("x", (left + width - right) / 2).attr("y", height - 10).text(this.axes.x.label);
@@ -221,13 +224,15 @@ Plot.count = 0;
 
 // values by rows from the lowest; null: nothing known. `pale(i)`: too few to be trusted.
 function heatMap(parent, map) {
-  const svg = d3.select(parent).append("svg").attr("class", "plot"), draw = () => drawHeat(svg, parent.clientWidth, map);
+  const svg = d3.select(parent).append("svg").attr("class", "plot");
+  const draw = () => drawHeat(svg, parent.clientWidth, map);
   draw();
   whenResized(parent, svg, draw);
 }
 
 function drawHeat(svg, room, {columns, rows, x, y, values, unit, xLabel, yLabel, pale = () => false, tell}) {
-  const width = Math.max(300, Math.min(620, room || 460)), size = tall => svg.attr("viewBox", "0 0 " + width + " " + tall);
+  const width = Math.max(300, Math.min(620, room || 460));
+  const size = tall => svg.attr("viewBox", "0 0 " + width + " " + tall);
   svg.selectAll("*").remove();
   size(width);  // before text is measured: letters scale with it
   const known = values.filter(v => v > 0), [least, most] = d3.extent(known);
@@ -241,9 +246,11 @@ function drawHeat(svg, room, {columns, rows, x, y, values, unit, xLabel, yLabel,
     context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
   });
   const sx = d3.scaleLinear().domain(x), sy = d3.scaleLinear().domain(y);
-  const sv = d3.scaleLog().domain([floor, Math.max(most || 0, floor * 1.01)]), valueLabel = sv.tickFormat(4, v => digits(v, 1));
+  const sv = d3.scaleLog().domain([floor, Math.max(most || 0, floor * 1.01)]);
+  const tv = {values: sv.ticks(4), label: sv.tickFormat(4, v => digits(v, 1))};
   const left = 30 + widest(svg, sy.ticks(6).map(sy.tickFormat(6)));
-  const right = Math.max(72, 36 + (most > 0 ? widest(svg, sv.ticks(4).map(valueLabel)) : 0), 8 + widest(svg, ["[" + unit + "]"]));
+  const beside = most > 0 ? widest(svg, tv.values.map(tv.label)) : 0;
+  const right = Math.max(72, 36 + beside, 8 + widest(svg, ["[" + unit + "]"]));
   const top = 12, side = width - left - right, tall = side;
   size(tall + 66);
   sx.range([left, left + side]);
@@ -271,6 +278,6 @@ function drawHeat(svg, room, {columns, rows, x, y, values, unit, xLabel, yLabel,
         .attr("y", top + tall - (i + 1) * tall / steps).attr("fill", d3.interpolateViridis((i + 0.5) / steps));
   if (most > 0)
     axis.append("g").attr("transform", "translate(" + (left + side + 26) + ",0)")
-        .call(d3.axisRight(sv).tickValues(sv.ticks(4)).tickFormat(valueLabel));
+        .call(d3.axisRight(sv).tickValues(tv.values).tickFormat(tv.label));
   axis.append("text").attr("x", left + side + 6).attr("y", tall + 60).text("[" + unit + "]");
 }

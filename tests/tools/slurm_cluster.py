@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A Slurm of one node on this machine: munged, slurmctld and slurmd of the Debian packages, on the loopback, in a folder of
-their own. Needs root."""
+their own, all under the user who runs this."""
 import os
 import pathlib
+import pwd
 import shutil
 import socket
 import subprocess
@@ -10,7 +11,8 @@ import time
 
 CONF = """ClusterName=straytrace
 SlurmctldHost={host}(127.0.0.1)
-SlurmUser=root
+SlurmUser={user}
+SlurmdUser={user}
 SlurmctldPort={control}
 SlurmdPort={node}
 AuthType=auth/munge
@@ -60,7 +62,8 @@ class Slurm:
         key.chmod(0o600)
         self.host = socket.gethostname().split(".")[0]
         (self.folder / "slurm.conf").write_text(
-            CONF.format(host=self.host, folder=self.folder, control=free_port(), node=free_port()))
+            CONF.format(host=self.host, user=pwd.getpwuid(os.getuid()).pw_name, folder=self.folder, control=free_port(),
+                        node=free_port()))
         self.environment = dict(os.environ, SLURM_CONF=str(self.folder / "slurm.conf"),
                                 PATH=os.environ["PATH"] + ":/usr/sbin")
 

@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The scripts of the project say what they do, refuse wrong words, and show progress as one line, not as hundreds."""
+import os
+import pathlib
+import pty
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+SCRIPTS = SOURCE / "scripts"
+HANDED_ON = {"demo", "test", "bench", "validation"}  # these hand unknown words to another program, or to one of their own
+
+
+def check(condition, words):
+    if not condition:
+        sys.exit(f"test_scripts: {words}")
+
+
+def run(*words, **more):
+    return subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=60, **more)
+
+
+def check_words():
+    names = sorted(p.name for p in SCRIPTS.iterdir() if os.access(p, os.X_OK))
+    check(len(names) > 8, f"only {names} are scripts")
+    for name in names:
+        helped = run(SCRIPTS / name, "--help")
+        check(helped.returncode == 0 and helped.stdout.startswith(f"Usage: scripts/{name}"), f"{name} --help: {helped}")
+        if name not in HANDED_ON:
+            refused = run(SCRIPTS / name, "--xyzzy")
+            check(refused.returncode == 2 and refused.stderr, f"{name} --xyzzy ends with {refused.returncode}: {refused}")
+
+
+def check_lists():
+    """The program needs fewer packages than the documents and the tests; nothing is listed twice."""
+    lists = {word: run(SCRIPTS / "setup", *word.split(), "--list").stdout.split() for word in ("", "--docs", "--test")}
+    check(set(lists[""]) < set(lists["--docs"]) < set(lists["--test"]), f"the lists are not nested: {lists}")
+    for packages in lists.values():
+        check(len(packages) == len(set(packages)), f"a package is listed twice: {sorted(packages)}")
+    check({"chromium", "valgrind", "python3-sphinx", "libgtest-dev"}.isdisjoint(lists[""]), "the program needs none of these")
+    with tempfile.TemporaryDirectory() as place:
+        shutil.copytree(SCRIPTS, pathlib.Path(place) / "scripts")
+        said = run(pathlib.Path(place) / "scripts/setup", "--remove")
+        check(said.returncode == 0 and "nothing to remove" in said.stdout, f"--remove removes what it did not install: {said}")
+
+
+def shown(text, how, terminal):
+    """What `how`, a function of scripts/progress.bash, shows of the text, on a terminal or in a file."""
+    words = ["bash", "-euo", "pipefail", "-c", f". {SCRIPTS / 'progress.bash'}; {how}"]
+    if not terminal:
+        return run(*words, input=text).stderr
+    master, slave = pty.openpty()
+    process = subprocess.Popen(words, stdin=subprocess.PIPE, stderr=slave, text=True)
+    os.close(slave)
+    process.stdin.write(text)
+    process.stdin.close()
+    pieces = []
+    try:
+        while piece := os.read(master, 65536):
+            pieces.append(piece)
+    except OSError:  # the other end is closed
+        pass
+    process.wait()
+    return b"".join(pieces).decode()
+
+
+def check_progress():
+    steps = [f"[{k}/487] Building CXX object a{k}.o" for k in range(1, 488)]
+    text = "\n".join(["[0/2] Re-checking globbed directories...", *steps]) + "\n"
+    in_file = shown(text, "ninja_progress", False).splitlines()
+    check(9 <= len(in_file) <= 13 and in_file[-1].startswith("build: 487 steps in "), f"in a file: {in_file}")
+    moving = shown(text, "ninja_progress", True)
+    check(moving.count("\n") == 1 and moving.count("\r") > 480, f"on a terminal {moving.count(chr(10))} lines stay")
+    check(shown(text, "cat >&2", False).count("\n") == 488, "a filter that passes everything on would not be noticed")
+    check(shown("ninja: no work to do.\n", "ninja_progress", False) == "", "a build that has nothing to do says so at length")
+    broken = shown(text.replace("[400/487] Building", "FAILED: a400.o\nerror: a400\n[400/487] Building"), "ninja_progress", False)
+    check("FAILED: a400.o\nerror: a400\n" in broken, "what the compiler says is lost")
+    failing = run("bash", "-c", f". {SCRIPTS / 'progress.bash'}; with_clock work bash -c 'echo why; exit 7'")
+    check(failing.returncode == 7 and "why" in failing.stderr, f"a failure is hidden: {failing}")
+
+
+check_words()
+check_lists()
+check_progress()
+print("scripts: as expected")
