@@ -31,19 +31,19 @@ progress_end() {
 
 # ninja_progress: shows the steps of ninja on stdin as progress and passes on what else it prints
 ninja_progress() {
-  local line steps=0
+  local line step=0 steps=0
   progress_begin "build:"
   while IFS= read -r line; do
     if [[ $line =~ ^\[([0-9]+)/([0-9]+)\]\ (Re-checking|Re-running|Building|Linking|Running|Generating|Automatic) ]]; then
       [[ ${BASH_REMATCH[3]} == Re-* ]] && continue
-      steps=${BASH_REMATCH[2]}
-      progress $((100 * BASH_REMATCH[1] / steps)) "step ${BASH_REMATCH[1]} of $steps"
+      step=${BASH_REMATCH[1]} steps=${BASH_REMATCH[2]}
+      progress $((100 * step / steps)) "step $step of $steps"
     elif [[ $line != "ninja: no work to do." ]]; then
       progress_end
       printf '%s\n' "$line" >&2
     fi
   done
-  if ((steps > 0)); then progress_end "build: $steps steps"; fi
+  if ((steps == 0 || step < steps)); then progress_end; else progress_end "build: $steps steps"; fi
 }
 
 # with_clock LABEL COMMAND...: for work that does not say how far it is; its output appears if it fails
@@ -52,14 +52,18 @@ with_clock() {
   shift
   output=$(mktemp)
   progress_begin "$label"
-  "$@" >"$output" 2>&1 &
+  set -m  # a process group of its own
+  "$@" >"$output" 2>&1 </dev/null &
+  set +m
   worker=$!
+  trap 'kill -- -"$worker" 2>/dev/null; rm -f "$output"; exit 130' INT TERM  # a job in the background ignores Ctrl-C
   [[ -t 2 ]] || echo "$label" >&2
   while [[ -t 2 ]] && kill -0 "$worker" 2>/dev/null; do
     printf '\r\e[K%s %s' "$label" "$(minutes $((SECONDS - progress_since)))" >&2
     sleep 1
   done
   wait "$worker" || status=$?
+  trap - INT TERM
   progress_end
   ((status == 0)) || cat "$output" >&2
   rm -f "$output"

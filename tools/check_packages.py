@@ -16,7 +16,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DPKG = pathlib.Path("/var/lib/dpkg")
-FOLDERS = ("scripts", "tools", "tests", "python", "fuzz", "mpi", "step", "src", ".ci")
+FOLDERS = ("scripts", "tools", "tests", "python", "bench", "fuzz", "mpi", "step", "src", ".ci")
 SUFFIXES = {"", ".sh", ".py", ".js", ".bash", ".cpp", ".hpp", ".txt", ".cmake"}
 SYSTEM_PYTHON = pathlib.Path("/usr/lib/python3/dist-packages")
 # These name packages and files without using them.
@@ -135,7 +135,8 @@ def started_programs(text, suffix, programs):
         code = re.sub(r"(?m)^ *[\w| -]+\) ?", "", code)  # labels of a case
     calls = "(?=" + pattern.format(r"(?:/usr/s?bin/)?([\w.+-]+)") + ")"  # looked ahead: `if` may be followed by `time`
     for name in re.findall(calls, code, re.MULTILINE):
-        if name in programs and not re.search(rf"command -v {re.escape(name)}\b", text):
+        asked_for = rf"command -v {re.escape(name)}\b|which\(\"{re.escape(name)}\"\)"
+        if name in programs and not re.search(asked_for, text):
             yield programs[name]
 
 
