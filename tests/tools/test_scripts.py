@@ -5,9 +5,11 @@ import os
 import pathlib
 import pty
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SCRIPTS = SOURCE / "scripts"
@@ -82,7 +84,31 @@ def check_progress():
     check(failing.returncode == 7 and "why" in failing.stderr, f"a failure is hidden: {failing}")
 
 
+def check_interrupt():
+    """Ctrl-C ends the work under the clock too; without the trap it would live on, for background jobs ignore it."""
+    with tempfile.TemporaryDirectory() as place:
+        own = pathlib.Path(place) / "pid"
+        work = f"echo $BASHPID > {own}; exec sleep 60"
+        for how, ends in (("with_clock work bash -c", True), ("set -e; run() { \"$@\" & wait; }; run bash -c", False)):
+            process = subprocess.Popen(["bash", "-c", f". {SCRIPTS / 'progress.bash'}; {how} '{work}'"], start_new_session=True,
+                                       stderr=subprocess.DEVNULL)
+            until = time.monotonic() + 20
+            while not (own.exists() and own.read_text().strip()) and time.monotonic() < until:
+                time.sleep(0.05)
+            time.sleep(0.3)
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(20)
+            time.sleep(0.3)
+            worker = int(own.read_text())
+            alive = pathlib.Path(f"/proc/{worker}/stat").exists() and " Z " not in pathlib.Path(f"/proc/{worker}/stat").read_text()
+            if alive:
+                os.kill(worker, signal.SIGKILL)
+            check(alive != ends, f"after Ctrl-C the work of '{how}' {'goes on' if alive else 'has ended'}")
+            own.unlink()
+
+
 check_words()
 check_lists()
+check_interrupt()
 check_progress()
 print("scripts: as expected")
