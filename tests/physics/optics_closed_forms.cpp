@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter laws against their closed forms: validation case A16 for ABg (physics.md eq. 3.17), power between two angles
+// Scatter laws against their closed forms: validation case A16 (physics.md eq. 3.15, 3.17), power between two angles
 // of eq. 3.18, the statistical 1/theta^2 law of eq. 3.19 and 3.20 (requirements R5.06), mean cosine of eq. 3.3.
 #include <gtest/gtest.h>
 
@@ -29,6 +29,41 @@ TEST(optics_closed_forms, abg_total_scatter_a16) {
   EXPECT_LT(deviation(abg(0.0025, 0.001, 2).albedo(1), 0.0542612), 2e-6);
   EXPECT_LT(deviation(abg(0.0025, 0.001, 2).albedo(1), pi * 0.0025 * std::log(1 + 1 / 0.001)), 1e-6);
   EXPECT_GT(deviation(abg(0.0025, 0.001 * 0.001, 2).albedo(1), 0.0542612), 2e-6);
+}
+
+// A16: b_0 = 0.1, l = 0.01: TIS(0) = 1.131005e-3 for s = -1.5 and 2.893545e-4 for s = -2 (eq. 3.15), by the closed form
+// and by quadrature of eval(), to 1e-6; and the mean weight of sampled light (its distribution: ScatterLaw.samples_*).
+// Twins: s + 0.01 %, and the law without its cosine.
+double hemisphere(Harvey const& law, bool cosine) {
+  return simpson(
+      [&](double x) {  // substitution x = ln(alpha^2 + l^2): the knee is smooth in it
+        double const alpha2 = std::exp(x) - 1e-4, rho = std::sqrt(std::fmax(alpha2, 0));
+        double const z = std::sqrt(std::fmax(1 - alpha2, 1e-18));
+        return pi * (alpha2 + 1e-4) * law.eval({0, 0, 1}, {rho, 0, z}) / (cosine ? 1 : std::fmax(z, 1e-2));
+      },
+      std::log(1e-4), std::log(1 + 1e-4));
+}
+
+TEST(optics_closed_forms, harvey_total_scatter_a16) {
+  struct Row {
+    double s, tis;
+  };
+  for (Row const row : {Row{-1.5, 1.131005e-3}, {-2, 2.893545e-4}}) {
+    Harvey const law = testing::harvey(0.1, 0.01, row.s);
+    EXPECT_LT(deviation(law.tis(), row.tis), 1e-6);
+    EXPECT_LT(deviation(hemisphere(law, true), row.tis), 1e-6);
+    EXPECT_GT(deviation(hemisphere(testing::harvey(0.1, 0.01, 0.9999 * row.s), true), row.tis), 1e-6) << "twin";
+    EXPECT_GT(deviation(hemisphere(law, false), row.tis), 1e-3) << "twin";
+    testing::Sampler weight;
+    for (std::uint64_t i = 0; i < 400000; ++i) {
+      Rng rng(3, i, 0, Stream::direction);
+      double const u = rng.uniform(), v = rng.uniform();
+      BsdfSample const sample = law.sample({0, 0, 1}, u, v);
+      weight.add(sample.pdf > 0 ? law.eval({0, 0, 1}, sample.wo) * sample.wo.z / sample.pdf : 0);
+    }
+    testing::expect_mean("sampled", weight.mean(), row.tis, 5e-3 * row.tis);
+    testing::expect_rejected("sampled, 1 % more", weight.mean(), 1.01 * row.tis);
+  }
 }
 
 // Last row of eq. 3.17: B = 0, g < 2: 2 pi A/(2 - g).
