@@ -11,6 +11,7 @@ TOOLS = pathlib.Path(__file__).parent
 sys.path.insert(0, str(TOOLS))
 sys.dont_write_bytecode = True
 
+import draw_validation  # noqa: E402
 import validation  # noqa: E402
 from validation_cells import Records  # noqa: E402
 
@@ -234,27 +235,48 @@ class CheckValidation(unittest.TestCase):
 
     def test_page_that_holds_what_was_obtained_passes(self):
         near = (1, "near", "x", 1, 0.3, [-0.25003, -0.25, 1e-4])
-        mean = (2, "mean", "m", 1, 0.8, [3.604e-10, 3.6e-10, 5e-13])
+        mean = (2, "mean", "m = 1", 1, 0.8, [3.604e-10, 3.6e-10, 5e-13])
         self.assertEqual(self.compared("", "", near, mean, write=True)[1],
-                         "| A1 | −0.25003, 3.604e-10 ± 5.0e-13 | 0.8 σ, 30 % | `A.b` |")
-        self.assertEqual(self.compared("−0.25003, 3.6040e-10 ± 5.0e-13", "0.8 σ, 30 %", near, mean)[0], [])
-        self.assertEqual(self.compared("−0.25001, 3.6042e-10 ± 5.1e-13", "1.2 σ, 10 %", near, mean)[0], [])
-        for moved in ("0.25003, 3.6040e-10 ± 5.0e-13", "−0.25013, 3.6040e-10 ± 5.0e-13", "−0.25003, 3.612e-10 ± 5.0e-13",
-                      "−0.25003", ""):
-            self.assertIn("obtained is", self.compared(moved, "0.8 σ, 30 %", near, mean)[0][0])
+                         "| A1 | x: −0.25003 · m = 1: 3.604e-10 ± 5.0e-13 | 30 % | `A.b` |")
+        self.assertEqual(self.compared("x: −0.25003 · m = 1: 3.6040e-10 ± 5.0e-13", "30 %", near, mean)[0], [])
+        self.assertEqual(self.compared("x: −0.25001 · m = 1: 3.6042e-10 ± 5.1e-13", "10 %", near, mean)[0], [])
+        for moved in ("x: 0.25003 · m = 1: 3.6040e-10 ± 5.0e-13", "x: −0.25013 · m = 1: 3.6040e-10 ± 5.0e-13",
+                      "x: −0.25003 · m = 1: 3.612e-10 ± 5.0e-13", "x: −0.25003 · m = 2: 3.6040e-10 ± 5.0e-13",
+                      "y: −0.25003 · m = 1: 3.6040e-10 ± 5.0e-13", "x: −0.25003", ""):
+            self.assertIn("obtained is", self.compared(moved, "30 %", near, mean)[0][0])
+
+    def test_errors_are_shares_of_what_is_allowed(self):
+        mean = (2, "mean", "m", 1, 4.0, [3.604e-10, 3.6e-10, 1e-12])
+        self.assertIn("| 80 % |", self.compared("", "", mean, write=True)[1])       # of five standard errors
+        self.assertIn("error is '80 %'", self.compared("m: 3.604e-10 ± 1.0e-12", "4.0 σ", mean)[0][0])
+
+    def test_labels_are_what_is_compared(self):
+        for said, label in (("deviation(std::sqrt(f(1, {2, 3})), 4)", "sqrt(f(1, {2, 3}))"), ("a[1] * b", "a\\[1\\] \\* b"),
+                            ("a_very_long_name_of_a_function(with, arguments)", "a\\_very\\_long\\_name\\_of\\_a\\_function(with…")):
+            row = self.compared("", "", (1, "near", said, 1, 0.3, [1.5, 1.5, 1e-3]), write=True)[1]
+            self.assertEqual(row, f"| A1 | {label}: 1.5000 | 30 % | `A.b` |")
 
     def test_twins_and_failures_are_no_results(self):
         twin = (2, "below", "t", 1, 0.5, [0.5, 1, 0])
         self.assertEqual(self.compared("", "", twin, write=True, source="a();\nEXPECT(t);  // twin: a diameter\n")[1],
                          "| A1 | as stated | – | `A.b` |")
-        self.assertEqual(self.compared("", "", twin, write=True)[1], "| A1 | 0.50 < 1.0 | 50 % | `A.b` |")
+        self.assertEqual(self.compared("", "", twin, write=True)[1], "| A1 | t: 0.50 < 1.0 | 50 % | `A.b` |")
         self.assertIn("no numbers of A.c: run", self.compared("", "", twin, tests="`A.c`")[0][0])
 
     def test_bounds_and_series(self):
         share = [(1, "above", "share", 1, 0.9, [0.66, 0.6, 0]), (2, "below", "share", 1, 0.9, [0.66, 0.75, 0])]
-        self.assertEqual(self.compared("", "", *share, write=True)[1], "| A1 | 0.66 in 0.6 to 0.75 | – | `A.b` |")
+        self.assertEqual(self.compared("", "", *share, write=True)[1], "| A1 | share: 0.66 in 0.6 to 0.75 | – | `A.b` |")
         series = (1, "near", "x", 400, 0.002, [2, 2 + 2.5e-12, 1e-9])
-        self.assertEqual(self.compared("", "", series, write=True)[1], "| A1 | 400 numbers off by at most 2.5e-12 | <1 % | `A.b` |")
+        self.assertEqual(self.compared("", "", series, write=True)[1],
+                         "| A1 | x: 400 numbers off by at most 2.5e-12 | <1 % | `A.b` |")
+
+    def test_pictures_of_other_numbers_are_noticed(self):
+        now = {"traced": [["A6", 3.6e-10, 3.61e-10, 4e-12]]}
+        for was, same in ((now, True), ({"traced": [["A6", 3.6e-10, 3.605e-10, 4e-12]]}, True),
+                          ({"traced": [["A6", 3.6e-10, 3.64e-10, 4e-12]]}, False), ({"traced": [["A6", 3.6e-10, 3.61e-10, 7e-12]]}, False),
+                          ({"traced": [["A6", 3.7e-10, 3.61e-10, 4e-12]]}, False), ({"traced": [["A7", 3.6e-10, 3.61e-10, 4e-12]]}, False),
+                          ({"other": now["traced"]}, False), (None, False)):
+            self.assertEqual(draw_validation.same(was, now), same, was)
 
     def test_row_that_is_none_is_said(self):
         self.assertIn("write | as", self.compared("a | b", "", tests="`A.b`")[0][0])

@@ -21,7 +21,6 @@ PAGE = SOURCE / "docs/theory/validation.md"
 BAR = re.compile(r"(?<!\\)\|")
 TEST = re.compile(r"`([A-Za-z_]\w*\.(?:[A-Za-z]\w*|\*))`")
 DEFINED = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
-NUMBER = re.compile(r"−?\d+(?:\.\d+)?(?:e[-−]?\d+)?")
 
 
 class Row:
@@ -68,14 +67,6 @@ def expanded(tests, known):
         yield from (name for name in known if name.startswith(test[:-1]))
 
 
-def differs(stored, cell):
-    """Whether a cell of the page is not what was obtained."""
-    if NUMBER.sub("#", stored.replace("<1", "0")) != NUMBER.sub("#", cell.text.replace("<1", "0")):
-        return True
-    was, now = ([float(n.replace("−", "-")) for n in NUMBER.findall(text.replace("<1", "0"))] for text in (stored, cell.text))
-    return any(abs(a - b) > slack + 1e-9 * abs(b) for a, b, slack in zip(was, now, cell.slack))
-
-
 def compare(text, records, write):
     """Problems of the page, and the page with the numbers of this build."""
     lines, problems, known = text.split("\n"), [], list(defined_tests())
@@ -92,7 +83,7 @@ def compare(text, records, write):
             problems.append(where + f"no numbers of {', '.join(missing)}: run ctest --test-dir build -R tools.validation")
             continue
         for column, cell in zip(("obtained", "error"), found):
-            if differs(row[column], cell):
+            if cell.differs(row[column]):
                 if not write:
                     problems.append(where + f"{row['case']}: {column} is '{cell.text}', the page says '{row[column]}'")
                 row[column] = cell.text

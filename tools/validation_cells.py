@@ -9,25 +9,38 @@ import math
 import pathlib
 import re
 
-PIECES = 12                                             # numbers of a row that are shown
+PIECES = 10                                             # numbers of a row that are shown
 LISTED = 10                                             # longer series are told by their worst number
+LABEL = 36                                              # letters of a label
+STANDARD_ERRORS = 5                                     # what a Monte-Carlo mean may be off (tests/statistics.hpp)
+NUMBER = r"(<1|−?\d+(?:\.\d+)?(?:e[-−]?\d+)?)"
 
 
 class Cell:
     """Text, and for each number in it how far another machine may be off."""
 
     def __init__(self):
-        self.text, self.slack = "", []
+        self.parts = []                                 # text, or (text of a number, slack)
+
+    @property
+    def text(self):
+        return "".join(part if isinstance(part, str) else part[0] for part in self.parts)
 
     def add(self, *parts):
-        for part in parts:
-            if isinstance(part, str):
-                self.text += part
-            else:
-                text, slack = part
-                self.text += text
-                self.slack.append(slack)
+        self.parts += parts
         return self
+
+    def differs(self, stored):
+        """Whether a cell of the page is not what was obtained."""
+        pattern = "".join(re.escape(part) if isinstance(part, str) else NUMBER if re.fullmatch(NUMBER, part[0]) else re.escape(part[0])
+                          for part in self.parts)
+        found = re.fullmatch(pattern, stored)
+        if not found:
+            return True
+        numbers = [part for part in self.parts if not isinstance(part, str) and re.fullmatch(NUMBER, part[0])]
+        value = lambda text: float(text.replace("−", "-").replace("<1", "0"))
+        return any(abs(value(was) - value(now)) > slack + 1e-9 * abs(value(now))
+                   for was, (now, slack) in zip(found.groups(), numbers))
 
 
 def number(value, quantum, slack):
@@ -64,6 +77,28 @@ def unscaled(c):
     scale = float(found.group(2))
     return dict(c, what=found.group(1), against=found.group(2), worst=[scale * v for v in c["worst"]],
                 samples=[[scale * v for v in s] for s in c["samples"]])
+
+
+def first_argument(text):
+    """x of "deviation(x, y)", the whole of anything else."""
+    found = re.fullmatch(r"deviation\((.*)\)", text)
+    if not found:
+        return text
+    depth = 0
+    for i, letter in enumerate(found.group(1)):
+        depth += (letter in "([{") - (letter in ")]}")
+        if letter == "," and depth == 0:
+            return found.group(1)[:i]
+    return found.group(1)
+
+
+def label_of(comparison):
+    """What a number is: the words of the test or the expression that it compares, shortened, as Markdown."""
+    text = re.sub(r"\b(?:std|testing|ifo)::|\.get<[\w:]+>\(\)|\bstatic_cast<double>", "", first_argument(comparison["what"]))
+    text = re.sub(r"\bfabs\b", "abs", " ".join(text.split()))
+    if len(text) > LABEL:
+        text = text[:LABEL - 1].rstrip(" ,(") + "…"
+    return re.sub(r"([\\`*_$\[\]<>|~])", r"\\\1", text)
 
 
 class Shown:
@@ -113,12 +148,12 @@ class Shown:
         return [(rough(obtained), abs(limit) / 2 if self.kind == "below" else math.inf), sign, (rough(limit), abs(limit))]
 
     def error(self):
-        """Largest error in tolerances or standard errors; None where there is only a bound."""
-        if self.kind == "mean":
-            return "σ", self.c["used"]
+        """Largest error as a share of what is allowed; None where there is only a lower bound."""
         if self.kind == "above":
             return None
-        return "%", 0 if self.kind == "equal" else 100 * max(self.c["used"] or 0, 0)
+        if self.kind == "equal":
+            return 0
+        return max(self.c["used"] or 0, 0) / (STANDARD_ERRORS if self.kind == "mean" else 1)
 
 
 class Records:
@@ -189,11 +224,13 @@ def cells(records, tests):
 
 def add_obtained(cell, shown, budget):
     pieces = []
-    for piece in (piece for s in shown for piece in s.pieces()):
-        if piece not in pieces:
-            pieces.append(piece)
-    for i, piece in enumerate(pieces[:budget]):
-        cell.add(", " if i else "", *piece)
+    for label, piece in ((label_of(s.c), piece) for s in shown for piece in s.pieces()):
+        if (label, piece) not in pieces:
+            pieces.append((label, piece))
+    before = None
+    for i, (label, piece) in enumerate(pieces[:budget]):
+        cell.add("" if i == 0 else ", " if label == before else " · ", *([] if label == before else [f"{label}: "]), *piece)
+        before = label
     if len(pieces) > budget:
         cell.add(" …")
     if not pieces:
@@ -201,16 +238,10 @@ def add_obtained(cell, shown, budget):
 
 
 def add_error(cell, shown):
-    """The largest error in tolerances, and in standard errors."""
-    largest = {}
-    for unit, value in filter(None, (s.error() for s in shown)):
-        largest[unit] = max(largest.get(unit, 0), value)
-    parts = []
-    if "σ" in largest:
-        parts.append([(f"{largest['σ']:.1f}", 0.6), " σ"])
-    if "%" in largest and not ("σ" in largest and largest["%"] < 1):
-        parts.append([(f"{largest['%']:.0f}" if largest["%"] >= 1 or not largest["%"] else "<1", 60), " %"])
-    for i, part in enumerate(parts):
-        cell.add(", " if i else "", *part)
-    if not parts:
+    """The largest error, in per cent of what is allowed."""
+    errors = [100 * e for e in (s.error() for s in shown) if e is not None]
+    if not errors:
         cell.add("–")
+        return
+    largest = max(errors)
+    cell.add((f"{largest:.0f}" if largest >= 1 or not largest else "<1", 60), " %")

@@ -15,7 +15,7 @@ class Records:
     def __init__(self, name, program):
         self.path = pathlib.Path(program).resolve().parent / "validation" / f"{name}.json"
         self.path.unlink(missing_ok=True)                   # a test that fails leaves no result
-        self.name, self.places = name, {}
+        self.name, self.places, self.curves = name, {}, []
 
     def near(self, what, obtained, expected, tolerance):
         """Whether the two agree; kept if they do."""
@@ -24,6 +24,11 @@ class Records:
 
     def below(self, what, obtained, limit):
         return obtained < limit and self._keep("below", what, obtained, limit, 0, obtained / limit)
+
+    def curve(self, what, x, obtained, expected):
+        """Two curves over one axis, for pictures; what they must agree to is a matter of near() and below()."""
+        self.curves.append({"what": what, "x": list(map(float, x)), "obtained": list(map(float, obtained)),
+                            "expected": list(map(float, expected))})
 
     def _keep(self, kind, what, obtained, expected, allowed, used):
         caller = sys._getframe(2)
@@ -41,5 +46,5 @@ class Records:
     def write(self):
         self.path.parent.mkdir(exist_ok=True)
         half = self.path.with_suffix(".part")
-        half.write_text(json.dumps({"test": self.name, "comparisons": list(self.places.values())}, indent=1) + "\n")
+        half.write_text(json.dumps({"test": self.name, "comparisons": list(self.places.values()), "curves": self.curves}, indent=1) + "\n")
         os.replace(half, self.path)

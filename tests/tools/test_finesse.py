@@ -87,10 +87,14 @@ def worst_power(case, model):
                for (c, port, way), value in powers_of(model).items())
 
 
-def worst_responses(case, model):
+def both_responses(case, model):
+    """{what: (ours, theirs)}, complex, by frequency."""
     theirs = responses_of(model, [r["hz"] for r in case["responses"]])
-    ours = {key: numpy.array([complex(*r[key]) for r in case["responses"]]) for key in theirs}
-    return {key: float(numpy.max(abs(ours[key] - theirs[key]) / abs(theirs[key]))) for key in theirs}
+    return {key: (numpy.array([complex(*r[key]) for r in case["responses"]]), theirs[key]) for key in theirs}
+
+
+def worst_of(responses):
+    return {key: float(numpy.max(abs(ours - theirs) / abs(theirs))) for key, (ours, theirs) in responses.items()}
 
 
 def main():
@@ -98,7 +102,9 @@ def main():
     failures, records = 0, Records("tools.finesse", sys.argv[1])
     for name, case in cases.items():
         model = model_of(case["parameters"])
-        found = {"carrier powers": worst_power(case, model), **worst_responses(case, model)}
+        responses = both_responses(case, model)
+        records.curve(f"{name}: DARM [W/m]", [r["hz"] for r in case["responses"]], *map(abs, responses["DARM"]))
+        found = {"carrier powers": worst_power(case, model), **worst_of(responses)}
         for what, worst in found.items():
             good = records.below(f"{name}: {what}: relative difference", worst, TOLERANCES[what])
             failures += not good
@@ -107,7 +113,7 @@ def main():
     case = cases["detuned, arms not equal"]
     changed = dict(case["parameters"], input_transmission=case["parameters"]["input_transmission"] * (1 + 1e-5))
     for what, model in (("signs", model_of(case["parameters"], +1)), ("transmissions", model_of(changed))):
-        seen = worst_responses(case, model)["DARM"] > TOLERANCES["DARM"]
+        seen = worst_of(both_responses(case, model))["DARM"] > TOLERANCES["DARM"]
         failures += not seen
         print(f"{'ok  ' if seen else 'FAIL'} twin: wrong {what} are noticed")
     if not failures:
