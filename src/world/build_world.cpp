@@ -39,6 +39,7 @@ World build_world(Scene const& scene) {
     check_lays(scene, world);
     check_glass(scene, world);
     check_beams(scene, world);
+    check_faces(scene, world);
   }
   return world;
 }

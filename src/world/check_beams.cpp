@@ -14,8 +14,6 @@ namespace {
 
 constexpr int across = 64;  // lines tried in radius, and in azimuth
 
-bool only_absorbs(Optic const& o) { return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface; }
-
 // Whether `found` holds for the chief line or any other of the beam.
 template <class Found>
 bool any_line(Footprint const& f, Found const& found) {

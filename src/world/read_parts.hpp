@@ -41,6 +41,11 @@ void read_trace_limits(Scene const&, World&);
 void check_lays(Scene const&, World const&);   // of a finished world: have all grooves a direction?
 void check_glass(Scene const&, World const&);  // of a finished world: are bare boundaries those of glass?
 void check_beams(Scene const&, World const&);  // of a finished world: do they light anything?
+void check_faces(Scene const&, World const&);  // of a finished world: do surfaces share space?
+
+inline bool only_absorbs(Optic const& o) {
+  return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
+}
 
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
 std::string volume_fault(World const&, std::vector<std::uint32_t> const& faces);
