@@ -11,7 +11,7 @@
 #include "app/common_options.hpp"
 #include "app/couple_data.hpp"
 #include "app/couple_overlay.hpp"
-#include "app/earlier.hpp"
+#include "app/open_run.hpp"
 #include "base/message.hpp"
 #include "noise/predicted_coupling.hpp"
 #include "report/columns.hpp"
@@ -180,9 +180,9 @@ void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, M
 
 int run_predict(PredictOptions const& o) {
   check_outputs(o.data);
-  RunFile const file = read_run(o.run);
-  Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
-  replace_as_before(model, file.about);
+  OpenRun const run(o.run);
+  RunFile const& file = run.file;
+  Model const& model = run.model;
   if (!model.detector)
     throw InputError(
         "error: the run has no interferometer, so nothing couples to h\n  trace a scene with 'interferometer'");

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/earlier.hpp"
 
-#include <sstream>
+#include "app/open_run.hpp"
 
 namespace straytrace {
-
-void replace_as_before(Model& model, RunContent const& about) {
-  std::istringstream names(about.motion_file);
-  for (std::string name; std::getline(names, name);) replace_motion(model, name, &about.files, nullptr);
-}
 
 Earlier::Earlier(std::string input) : input_(std::move(input)) {
   if (input_.ends_with(".h5")) file_ = read_run(input_);
@@ -16,10 +11,7 @@ Earlier::Earlier(std::string input) : input_(std::move(input)) {
 
 Model Earlier::read(std::vector<std::string> const& overrides) const {
   if (!file_) return read_model(input_, overrides);
-  std::vector<std::string> all = file_->about.overrides;
-  all.insert(all.end(), overrides.begin(), overrides.end());
-  Model model = read_model(file_->about.main_file, all, &file_->about.files);
-  replace_as_before(model, file_->about);
+  Model model = model_of(*file_, overrides);
   model.seed = file_->trace.coupling.seed;
   if (file_->trace.stop_rule.empty()) {
     bool const in_pieces = file_->trace.stopped == Stopped::by_gaps || !file_->trace.slice.whole();

@@ -9,9 +9,6 @@
 
 namespace straytrace {
 
-// Motion and responses that a run was projected with take the place of those of the scene.
-void replace_as_before(Model&, RunContent const& about);
-
 class Earlier {
  public:
   explicit Earlier(std::string input);

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/earlier.hpp"
 #include "app/explain.hpp"
+#include "app/open_run.hpp"
 #include "app/session.hpp"
 
 namespace straytrace {
@@ -59,11 +59,10 @@ std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathR
 }  // namespace
 
 Explanation explain_strain(std::string const& run_file, std::size_t path, double hz) {
-  RunFile const file = read_run(run_file);
-  Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
-  replace_as_before(model, file.about);
-  NoiseBudget const budget = model.project(file.trace.coupling);
-  CouplingTable const& table = file.trace.coupling;
+  OpenRun const run(run_file);
+  Model const& model = run.model;
+  NoiseBudget const budget = model.project(run.file.trace.coupling);
+  CouplingTable const& table = run.file.trace.coupling;
   PathTable const paths = table_for(table, &budget, model);
   if (path < 1 || path > paths.rows.size())
     throw InputError(fmt::format("error: the run has no path {}; it has {}\n  see straytrace paths {}", path,

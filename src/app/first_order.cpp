@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <iostream>
 
-#include "app/model.hpp"
+#include "app/earlier.hpp"
 #include "base/message.hpp"
 #include "report/columns.hpp"
 #include "report/report.hpp"
@@ -116,17 +116,11 @@ void print_json(Model const& model, std::vector<FirstOrderList> const& lists) {
   std::cout << out.dump() << '\n';
 }
 
-Model model_of(Options const& options) {
-  if (options.input.ends_with(".yaml") || options.input.ends_with(".yml"))
-    return read_model(options.input, options.overrides);
-  RunFile const file = read_run(options.input);
-  return read_model(file.about.main_file, file.about.overrides, &file.about.files);
-}
-
 }  // namespace
 
 int print_first_order(Options const& options) {
-  Model const model = model_of(options);
+  Earlier const input(options.input);
+  Model const model = input.read(options.overrides);
   FirstOrderSettings settings;
   settings.seed = options.seed.value_or(model.seed);
   settings.histories = options.histories.value_or(settings.histories);

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "app/earlier.hpp"
 #include "app/fit_options.hpp"
+#include "app/open_run.hpp"
 #include "app/session.hpp"
 #include "base/message.hpp"
 
@@ -86,13 +86,12 @@ double wavelength_of_run(FitOptions const& o) { return read_run(o.run).trace.cou
 
 std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
   if (o.run.empty()) return {};
-  RunFile const file = read_run(o.run);
-  auto const model = std::make_shared<Model>(read_model(file.about.main_file, file.about.overrides, &file.about.files));
-  replace_as_before(*model, file.about);
-  if (!model->detector)
+  auto const run = std::make_shared<OpenRun const>(o.run);
+  RunFile const& file = run->file;
+  if (!run->model.detector)
     throw InputError(fmt::format("error: {} has no interferometer\n  fit without a run, or project one", o.run));
   CouplingTable const& table = file.trace.coupling;
-  PathTable const rows = table_for(table, file.noise ? &*file.noise : nullptr, *model);
+  PathTable const rows = table_for(table, file.noise ? &*file.noise : nullptr, run->model);
   std::vector<RoutePrediction> out;
   for (std::size_t const rank : o.rows.empty() ? std::vector<std::size_t>{1} : o.rows) {
     if (rank < 1 || rank > rows.rows.size())
@@ -109,8 +108,8 @@ std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
     p.sigma = row.coupling.std_error * row.reverse;
     p.speckle = !c.deterministic();
     find_multiplicity(p, table, c, o.axis, rotation);
-    p.phase = [model, port = c.port](double hz) { return model->detector->strain_per_phase(port, hz); };
-    p.amplitude = [model, port = c.port](double hz) { return model->detector->strain_per_amplitude(port, hz); };
+    p.phase = [run, port = c.port](double hz) { return run->model.detector->strain_per_phase(port, hz); };
+    p.amplitude = [run, port = c.port](double hz) { return run->model.detector->strain_per_amplitude(port, hz); };
     out.push_back(std::move(p));
   }
   return out;

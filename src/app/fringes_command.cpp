@@ -52,7 +52,7 @@ MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
 }
 
 FringePrediction from_run(FringesOptions const& o) {
-  TimeInputs in = read_time_inputs(o.time);
+  TimeInputs in(o.time);
   MotionSeries const motion = motion_of(o.time, in);
   FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples)};
   std::vector<std::pair<double, std::uint32_t>> order;  // by coupling

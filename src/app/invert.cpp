@@ -9,8 +9,8 @@
 #include <iostream>
 #include <regex>
 
-#include "app/earlier.hpp"
 #include "app/invert_text.hpp"
+#include "app/open_run.hpp"
 #include "app/output_folder.hpp"
 #include "app/tell.hpp"
 #include "base/form.hpp"
@@ -23,6 +23,7 @@ namespace {
 
 // What a one-run inversion needs.
 struct Traced {
+  std::unique_ptr<RunFile> file;  // of a run: the model refers to its texts
   Model model;
   CouplingTable coupling;
   bool complete = true;
@@ -42,11 +43,10 @@ void ask(Requirement const& requirement, Model& model, Options const& options) {
 Traced traced(Options const& options, Requirement const& requirement) {
   Traced t;
   if (options.input.ends_with(".h5")) {
-    RunFile file = read_run(options.input);
-    t.model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
-    replace_as_before(t.model, file.about);
+    t.file = std::make_unique<RunFile>(read_run(options.input));
+    t.model = model_of(*t.file);
     ask(requirement, t.model, options);
-    t.coupling = std::move(file.trace.coupling);
+    t.coupling = std::move(t.file->trace.coupling);
   } else {
     t.model = read_model(options.input, options.overrides);
     apply(options, t.model);

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
+#include "app/open_run.hpp"
 #include "app/output_folder.hpp"
 #include "app/session.hpp"
 #include "base/message.hpp"
@@ -17,7 +18,7 @@ namespace straytrace {
 namespace {
 
 int maps(Options const& options) {
-  RunFile const file = read_run(options.input);
+  RunFile const file = read_run_file(options.input);
   RunContent const content = file.content();
   if (content.receivers.empty())
     throw InputError(

@@ -8,7 +8,7 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
-#include "app/earlier.hpp"
+#include "app/open_run.hpp"
 #include "app/output_folder.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
@@ -32,19 +32,16 @@ void warn_of_own_folder(Options const& options) {
 
 int noise(Options const& options) {
   auto const start = std::chrono::steady_clock::now();
-  RunFile const file = read_run(options.input);
-  Model model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
+  FileTexts files;
+  OpenRun run(options.input, options.motion, &files);
+  RunFile const& file = run.file;
+  Model& model = run.model;
   bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
   if (alone)
     earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
   else if (!options.out.empty() && std::filesystem::is_directory(options.out))
     earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
-  FileTexts files = file.about.files;
   std::string replaced = options.motion.empty() ? file.about.motion_file : name_of(options.motion);
-  if (!options.motion.empty())
-    replace_motion(model, options.motion, nullptr, &files);
-  else
-    replace_as_before(model, file.about);
   if (!options.response.empty()) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);

@@ -9,6 +9,7 @@
 #include "app/common_options.hpp"
 #include "app/data_options.hpp"
 #include "app/first_order.hpp"
+#include "app/open_run.hpp"
 #include "app/paths_choice.hpp"
 #include "app/session.hpp"
 #include "report/receivers.hpp"
@@ -53,8 +54,9 @@ int paths(Options const& options, PathsChoice const& choice) {
         "error: --where, --without, --sort and --band are about routes to ports\n  leave out --by, --census and "
         "--first-order, or leave these out");
   if (options.first_order) return print_first_order(options);
-  RunFile const file = read_run(options.input);
-  Model const model = read_model(file.about.main_file, file.about.overrides, &file.about.files);
+  OpenRun const run(options.input);
+  RunFile const& file = run.file;
+  Model const& model = run.model;
   RunContent const content = file.content();
   std::size_t const show = options.show ? options.show : model.paths_shown;
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();

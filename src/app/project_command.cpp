@@ -85,7 +85,7 @@ int project(ProjectOptions const& o) {
         "error: --target, --coupling-unit: for a coupling function\n  leave them out, or give its CSV and "
         "--witness");
   check_time_files(o.files);
-  TimeInputs const in = read_time_inputs(o.time);
+  TimeInputs const in(o.time);
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);
   TimeDomainSettings settings = settings_of(o.time, in);
   Realisations all;

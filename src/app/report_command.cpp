@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "app/common_options.hpp"
-#include "app/earlier.hpp"
+#include "app/open_run.hpp"
 #include "app/output_folder.hpp"
 #include "app/report_page.hpp"
 #include "app/session.hpp"
@@ -22,15 +22,11 @@ namespace {
 
 bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
-// A run with its model, steered as it was traced, so that its histories can be followed again.
-struct Opened {
-  RunFile file;
-  Model model;
+// Steered as it was traced, so that its histories can be followed again.
+struct Opened : OpenRun {
   RunContent content;
   PathTable table;
-  explicit Opened(std::string const& name)
-      : file(read_run(name)), model(read_model(file.about.main_file, file.about.overrides, &file.about.files)) {
-    replace_as_before(model, file.about);
+  explicit Opened(std::string const& name) : OpenRun(name) {
     steer(model.world);
     content = file.content();
     table = table_for(file.trace.coupling, content.noise, model);

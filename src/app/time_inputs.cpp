@@ -8,7 +8,6 @@
 
 #include "app/common_options.hpp"
 #include "app/data_options.hpp"
-#include "app/earlier.hpp"
 #include "app/session.hpp"
 #include "motion/axis_motion.hpp"
 #include "signal/integration.hpp"
@@ -216,22 +215,14 @@ void replace_coordinate(MotionSet& motion, BodyId body, int axis, RecordedMotion
   motion.inputs.push_back(std::move(input));
 }
 
-TimeInputs read_time_inputs(TimeOptions const& o) {
-  TimeInputs in;
-  in.file = read_run(o.run);
-  in.model = read_model(in.file.about.main_file, in.file.about.overrides, &in.file.about.files);
-  if (o.motion.empty())
-    replace_as_before(in.model, in.file.about);
-  else
-    replace_motion(in.model, o.motion, nullptr, nullptr);
-  if (!in.model.detector)
+TimeInputs::TimeInputs(TimeOptions const& o) : OpenRun(o.run, o.motion) {
+  if (!model.detector)
     throw InputError("error: this run has no interferometer, so nothing becomes strain\n  add 'ports' to the scene");
-  replace_motions(o, in);
-  in.model.warnings += warnings_of_channels(o, in);
-  choose_times(o, in);
-  in.exact = in.model.project(in.coupling());
-  choose_routes(o, in);
-  return in;
+  replace_motions(o, *this);
+  model.warnings += warnings_of_channels(o, *this);
+  choose_times(o, *this);
+  exact = model.project(coupling());
+  choose_routes(o, *this);
 }
 
 }  // namespace straytrace

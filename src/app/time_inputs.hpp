@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/model.hpp"
+#include "app/open_run.hpp"
 #include "motion/series_motion.hpp"
 #include "noise/time_domain.hpp"
 #include "report/report.hpp"
@@ -31,17 +31,15 @@ void add_motion_options(CLI::App&, TimeOptions&);   // --motion, --body, --axis,
 void add_stretch_options(CLI::App&, TimeOptions&);  // --gps, --duration, --rate
 void add_route_options(CLI::App&, TimeOptions&);    // --route, --port, --moved-by
 
-struct TimeInputs {
-  RunFile file;
-  Model model;
+struct TimeInputs : OpenRun {
+  // Reads and chooses; all problems of the command line in one InputError where they do not depend on one another.
+  explicit TimeInputs(TimeOptions const&);
+
   NoiseBudget exact;                  // with spectra of the motion
   std::vector<std::uint32_t> routes;  // chosen
   double start = 0, duration = 0;     // GPS s, s
   CouplingTable const& coupling() const { return file.trace.coupling; }
 };
-
-// Reads and chooses; all problems of the command line in one InputError where they do not depend on one another.
-TimeInputs read_time_inputs(TimeOptions const&);
 
 // The recording takes the place of all that moved this coordinate; other bodies keep what they had.
 void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <sstream>
 
@@ -13,6 +14,7 @@ namespace straytrace::testing::app_noise_paths {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 using Curve = std::vector<std::vector<double>>;  // rows of h_asd.txt
 Curve curve_in(std::string const& file) {
@@ -153,6 +155,55 @@ TEST(NoiseAndPaths, TraceThenNoiseIsRun) {
   ASSERT_EQ(straytrace({"noise", folder / "table.h5", "-o", folder / "noise"}).code, 0);
   EXPECT_EQ(data_hash(folder / "noise/run.h5"), data_hash(folder / "run/run.h5"));
   EXPECT_NE(data_hash(folder / "table.h5"), data_hash(folder / "run/run.h5"));
+}
+
+// By route: the body that moves it most, and its lever in rad/m.
+std::map<std::string, std::pair<std::string, double>> moved_by(Words const& words) {
+  std::map<std::string, std::pair<std::string, double>> all;
+  auto const json = nlohmann::json::parse(straytrace(words).out, nullptr, false);
+  EXPECT_TRUE(json.is_object());
+  for (auto const& route : json["routes"]) {
+    if (route["resolved"] && route["lever_rad_per_m"].is_number())
+      all[route["id"]] = {route["moving_body"], route["lever_rad_per_m"]};
+  }
+  return all;
+}
+
+// A run that was projected with another motion is read with that motion by every command: here only mirrors move.
+TEST(NoiseAndPaths, NameTheBodyOfTheMotionThatWasProjected) {
+  Folder const folder;
+  std::string const run = folder / "run.h5", other = folder / "other.h5";
+  ASSERT_EQ(straytrace({"run", virgo_arm, "-o", run, "--histories", "140000"}).code, 0);
+  write_text(folder / "mirrors.yaml",
+             "straytrace: 1\nbodies:\n"
+             "  ITM:\n    motion:\n"
+             "      z: {power-law: {asd: 1e-13 m/sqrt(Hz), at: 1 Hz, exponent: -2, from: 1 Hz, to: 2 kHz}}\n"
+             "      others: still\n"
+             "  ETM: {motion: still}\n  tube: {motion: still}\n  towers: {motion: still}\n");
+  ASSERT_EQ(straytrace({"noise", run, "--motion", folder / "mirrors.yaml", "-o", other}).code, 0);
+  auto const projected = moved_by({"noise", other, "--format", "json"});
+  ASSERT_GE(projected.size(), 4u);
+  EXPECT_EQ(moved_by({"paths", other, "--format", "json"}), projected);
+  EXPECT_EQ(moved_by({"run", other, "-o", folder / "again.h5", "--format", "json"}), projected);
+  auto const names_mirror = [](auto const& all) {
+    return std::all_of(all.begin(), all.end(), [](auto const& route) { return route.second.first == "ITM"; });
+  };
+  EXPECT_TRUE(names_mirror(projected));
+  EXPECT_THAT(straytrace({"explain", "h", other, "--path", "1"}).out, HasSubstr("moved by ITM"));
+  // Twin: with the motion of the scene it is the tube, with levers that are no mirror's.
+  EXPECT_FALSE(names_mirror(moved_by({"paths", run, "--format", "json"})));
+  EXPECT_NE(moved_by({"paths", run, "--format", "json"}), projected);
+}
+
+TEST(NoiseAndPaths, OfASceneTellTheWayToARun) {
+  for (Words const& words :
+       {Words{"paths", virgo_arm}, Words{"noise", virgo_arm}, Words{"explain", "h", virgo_arm},
+        Words{"couple", "predict", virgo_arm, "--body", "tube"}, Words{"maps", virgo_arm, "-o", "m"}}) {
+    Finished const r = straytrace(words);
+    EXPECT_EQ(r.code, 2) << words[0];
+    EXPECT_THAT(r.err, HasSubstr("trace it first: straytrace run " + virgo_arm)) << words[0];
+  }
+  EXPECT_THAT(straytrace({"paths", source_folder + "/README.md"}).err, Not(HasSubstr("trace it first")));  // twin
 }
 
 }  // namespace
