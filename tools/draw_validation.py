@@ -125,7 +125,7 @@ def draw_finesse(axes, data):
             of = [p for p in points if p[0] == who]
             axes.loglog([p[1] for p in of], [p[2] for p in of], color=colour, label=f"{name}: {'FINESSE 3' if who else 'straytrace'}", **style)
     axes.set(xlabel="frequency [Hz]", ylabel="dark port per DARM [W/m]")
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(frameon=False, fontsize=8.5)
 
 
 def draw_tracers(axes, data):
@@ -137,7 +137,7 @@ def draw_tracers(axes, data):
     axes.axhline(0, color=GREY, lw=0.8)
     axes.set_xticks(range(len(problems)), [p.replace("_", "\n") for p in problems])
     axes.set(ylabel="theirs is off ours by [%], ± 1 σ")
-    axes.legend(frameon=False, ncol=2, fontsize=8)
+    axes.legend(frameon=False, ncol=2, fontsize=8.5)
 
 
 def draw_published(axes, data):
@@ -145,11 +145,11 @@ def draw_published(axes, data):
         said = [p[1] for p in points]
         axes.plot(said, [y] * len(said), "-" if len(said) > 1 else "D", lw=9, ms=7, color="#bbbbbb", solid_capstyle="butt", label="published" if y == 1 else None)
         axes.plot(points[0][2], y, "o", color=BLUE, ms=5, label="computed" if y == 1 else None)
-    axes.set_yticks(range(len(data)), list(data), fontsize=8)
+    axes.set_yticks(range(len(data)), list(data), fontsize=8.5)
     axes.set(xscale="log", xlim=(5, 200), ylim=(-0.6, len(data) + 0.1), xlabel="fringe frequency [Hz]")
     axes.set_xticks((5, 10, 20, 50, 100, 200), ("5", "10", "20", "50", "100", "200"))
     axes.minorticks_off()
-    axes.legend(frameon=False, loc="upper left", ncol=2, fontsize=8)
+    axes.legend(frameon=False, loc="upper left", ncol=2, fontsize=8.5)
 
 
 PICTURES = {"view_factors": ("View factors", view_factors, draw_view_factors),
@@ -194,13 +194,13 @@ def draw(name, build):
     import matplotlib                                    # only here: the check needs no libraries
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
-    matplotlib.rcParams.update({"font.size": 9.5, "axes.titlesize": 10.5, "axes.grid": True, "grid.alpha": 0.25})
+    matplotlib.rcParams.update({"font.size": 9.5, "axes.grid": True, "grid.alpha": 0.25})
     title, gather, paint = PICTURES[name]
     data = gather(build)
-    figure = Figure(figsize=(4.8, 3.5), layout="constrained")
+    figure = Figure(figsize=(4.3, 3.2), layout="constrained")
     axes = figure.subplots()
     paint(axes, data)
-    axes.set_title(title)
+    figure.suptitle(title, fontsize="medium")
     figure.savefig(picture(name), dpi=100, metadata={KEY.decode(): json.dumps(data)})
     print(f"{picture(name).name}: {picture(name).stat().st_size} bytes")
 
