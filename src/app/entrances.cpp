@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "app/ghost_noise.hpp"
 #include "world/beam_tree.hpp"
 
 namespace straytrace {
@@ -103,11 +104,11 @@ void refuse_input_mirrors(Scene const& scene, World const& world) {
 }
 
 void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
-  Node const table = scene.table("ghosts");
+  if (!read_ghosts(scene)) return;
   BeamSink nobody;
   for (BeamLaunch const& launch : launches(world)) {
-    if (!table || !launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
-    table.warning(
+    if (!launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
+    scene.root()["ghosts"].warning(
         fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
         fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}', with 'at: short-arm' for "
                     "its port",

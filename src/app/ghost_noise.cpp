@@ -84,9 +84,10 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
 }  // namespace
 
 std::optional<GhostSettings> read_ghosts(Scene const& scene) {
-  Node const table = scene.table("ghosts");
-  if (!table) return {};
+  Node const table = scene.root()["ghosts"];
   GhostSettings settings;
+  if (table.kind() != Node::Kind::table)
+    return scene.root().flag("ghosts", false) ? std::optional(settings) : std::nullopt;
   settings.floor = table.number("floor", dim::plain, settings.floor, 1e-40, 1);
   if (table.has("order")) settings.order = std::uint32_t(table.whole("order", 1, 0, 1e6));
   static constexpr std::array<std::string_view, 2> sums = {"independent", "coherent"};

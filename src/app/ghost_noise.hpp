@@ -10,7 +10,8 @@
 
 namespace straytrace {
 
-// The table `ghosts` of a scene: how far ghosts are followed for the noise of a run; nothing without it.
+// The key `ghosts` of a scene, a table or on: how far ghosts are followed for the noise of a run; nothing without it or
+// when it is off.
 std::optional<GhostSettings> read_ghosts(Scene const&);
 
 struct GhostClasses {

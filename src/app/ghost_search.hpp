@@ -20,6 +20,9 @@ struct GhostSearch {
   std::function<void(BeamLaunch const&, std::uint64_t ended, char const* doing)> progress;  // now and then
 };
 
+// Strong ghosts, found in milliseconds where a scene says nothing of them.
+inline GhostSettings quick_search() { return {.floor = 1e-12, .order = 2}; }
+
 // Everything about one launched beam; `each`, if any, gets every ghost. NumericalError when the ledger does not close.
 GhostReport ghost_report(GhostSearch const&, BeamLaunch const&,
                          std::function<void(GhostTable const&, Ghost const&)> const& each);

@@ -31,8 +31,8 @@ struct Traced {
 
 // Refuses before anything is traced.
 void ask(Requirement const& requirement, Model& model, Options const& options) {
-  tell_warnings(model, options);
   apply(requirement, model);
+  tell_warnings(model, options);
   if (!model.detector)
     throw InputError(
         "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");

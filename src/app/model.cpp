@@ -8,6 +8,8 @@
 
 #include "app/entrances.hpp"
 #include "app/ghost_noise.hpp"
+#include "app/ghosts_uncounted.hpp"
+#include "app/other_detector.hpp"
 #include "app/report_page.hpp"
 #include "base/document.hpp"
 #include "base/message.hpp"
@@ -119,6 +121,8 @@ Model read_model(std::string const& file, std::vector<std::string> const& overri
                   "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
   model.scene.throw_if_problems();
   warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
+  warn_of_other_detector(model, model.scene.table("noise")["compare"]);
+  warn_of_uncounted_ghosts(model);
   model.warnings = model.scene.warnings();
   model.warnings_json = warnings_as_json(model.scene);
   return model;
@@ -163,6 +167,7 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
   model.scene.throw_if_problems();
   if (!bodies)  // the files stand in another scene
     for (MotionFile& measured : model.motion.files) measured.place = {};
+  if (noise || interferometer) warn_of_other_detector(model, noise ? noise["compare"] : interferometer);
   if (bodies || noise) warn_of_gaps(model.motion, model.noise, bodies ? bodies : noise, model.world.wavelength);
   model.warnings = (bodies ? "" : model.warnings) + other.warnings();
   model.warnings_json = (bodies ? "" : model.warnings_json) + warnings_as_json(other);
@@ -213,9 +218,11 @@ std::vector<std::string> Model::assumptions() const {
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
   lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
                                              : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
-  lines.push_back(scene.root().has("ghosts") ? "ghost beams: routes of kind ghost, by the beam tree"
-                                             : "ghost beams are not counted: the scene has no table 'ghosts'");
-  if (scene.root().has("ghosts"))
+  bool const ghosts = read_ghosts(scene).has_value();
+  lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"
+                  : scene.root().has("ghosts") ? "ghost beams are not counted: the scene says 'ghosts: off'"
+                                               : "ghost beams are not counted: the scene has no table 'ghosts'");
+  if (ghosts)
     for (BeamLaunch const& launch : launches(world))
       if (launch.through_input_mirror())
         lines.push_back(

@@ -160,10 +160,7 @@ std::vector<DrawnPath> paths_of_rows(CouplingTable const& coupling, PathTable co
 }
 
 std::vector<GhostReport> ghosts_for_page(Model const& model, std::size_t rows) {
-  GhostSettings usual;
-  usual.floor = 1e-12;
-  usual.order = 2;
-  GhostSearch search{model, read_ghosts(model.scene).value_or(usual), GhostRank::power, rows, nullptr, {}};
+  GhostSearch search{model, read_ghosts(model.scene).value_or(quick_search()), GhostRank::power, rows, nullptr, {}};
   std::vector<GhostReport> all;
   for (BeamLaunch const& launch : launches(model.world)) all.push_back(ghost_report(search, launch, {}));
   return all;

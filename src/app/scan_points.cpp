@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "app/other_detector.hpp"
 #include "app/tell.hpp"
 #include "base/message.hpp"
 #include "noise/design.hpp"
@@ -49,7 +50,14 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
 
 void apply(Requirement const& requirement, Model& model) {
   if (requirement.margin) model.noise.margin = *requirement.margin;
-  if (!requirement.against.empty()) model.design = {curve_named(requirement.against, model.noise.grid)};
+  if (requirement.against.empty()) return;
+  model.design = {curve_named(requirement.against, model.noise.grid)};
+  if (!model.detector) return;
+  if (auto const other = other_detector(requirement.against, *model.detector)) {
+    model.warnings += fmt::format("warning: --against: {}\n  {}\n", other->what, other->suggestion);
+    Problem const warning{{}, other->what, other->suggestion, Severity::warning};
+    model.warnings_json += problems_as_json(InputError({warning}, ""));
+  }
 }
 
 std::string name_of_line(Model const& model) {

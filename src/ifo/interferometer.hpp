@@ -22,6 +22,14 @@ struct TracedPort {
   double cavity_length = 0;           // m, between the mirrors of its beam; 0: no cavity
 };
 
+// What a detector is known by, of its arms and its recycling. NaN: not known.
+struct DetectorNumbers {
+  double arm_length = not_a_number, arm_power = not_a_number;  // m; W that circulate in one arm
+  double mirror_mass = not_a_number;                           // kg, each mirror of the arm
+  double finesse = not_a_number;                               // of an arm, eq. 6.5
+  double gain = not_a_number;  // Gamma of the differential field in an arm with signal recycling, tuned: eq. 6.8
+};
+
 class Interferometer {
  public:
   virtual ~Interferometer() = default;
@@ -31,8 +39,8 @@ class Interferometer {
   virtual std::complex<double> strain_per_amplitude(PortId, double hz) const = 0;
   // How many equal, independent copies of what was traced at this port the detector has (two arms: 2). Powers add.
   virtual double copies(PortId) const = 0;
-  virtual double arm_length() const { return not_a_number; }  // m; NaN: not known
-  virtual std::string description() const = 0;                // one line for reports: formulas and numbers used
+  virtual DetectorNumbers numbers() const { return {}; }
+  virtual std::string description() const = 0;  // one line for reports: formulas and numbers used
 };
 
 // Reads the table `interferometer`; `ports` in the order of PortId; wavelength in m. Where the table gives no power,

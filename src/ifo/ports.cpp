@@ -129,7 +129,7 @@ class MeasuredResponses final : public Interferometer {
                                     : found->second(found->second.amplitude, hz);
   }
   double copies(PortId port) const override { return rest_->copies(port); }
-  double arm_length() const override { return rest_->arm_length(); }
+  DetectorNumbers numbers() const override { return rest_->numbers(); }
   std::string description() const override { return rest_->description() + note_; }
 
  private:
@@ -226,7 +226,7 @@ std::unique_ptr<Interferometer> with_responses(std::unique_ptr<Interferometer> i
   Node const table = holder.table("responses");
   if (!table) return ifo;
   std::map<std::uint32_t, Measured> measured;
-  double const arm_length = ifo ? ifo->arm_length() : not_a_number;
+  double const arm_length = ifo ? ifo->numbers().arm_length : not_a_number;
   for (auto const& [name, node] : table.items()) {
     auto const at = find(ports, name);
     Measured read = read_measured(node, name, arm_length, band);

@@ -179,6 +179,13 @@ double RecycledInterferometer::largest_response(Entrance e, double hz) const {
   return std::fmax(std::abs(a.phase[std::size_t(e)]), std::abs(a.amplitude[std::size_t(e)]));
 }
 
+DetectorNumbers RecycledInterferometer::numbers() const {
+  P const& p = model_->parameters();
+  ArmCavity const arm{p.arm_length, p.input_transmission, p.end_transmission, p.round_trip_loss};
+  return {p.arm_length, model_->arm_power(), p.mirror_mass, finesse(arm),
+          differential_mode(arm, p.signal_recycling_transmission).gain};
+}
+
 std::string RecycledInterferometer::description() const {
   P const& p = model_->parameters();
   constexpr double hz = 10;

@@ -26,7 +26,7 @@ class RecycledInterferometer final : public Interferometer {
   std::complex<double> strain_per_phase(PortId, double hz) const override;
   std::complex<double> strain_per_amplitude(PortId, double hz) const override;
   double copies(PortId port) const override { return ports_.at(port.value).copies; }
-  double arm_length() const override { return model_->parameters().arm_length; }
+  DetectorNumbers numbers() const override;
   std::string description() const override;
   DualRecycled const& model() const { return *model_; }
   // Strain per relative field in the larger of both quadratures, without what the port and servos take of it.

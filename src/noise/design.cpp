@@ -78,6 +78,16 @@ std::span<std::string const> built_in_designs() {
   return names;
 }
 
+std::vector<std::string> detectors_of_design(std::string_view name) {
+  static std::map<std::string, std::vector<std::string>, std::less<>> const detectors = {
+      {"adv-lal", {"adv"}},         {"kagra-lal", {"kagra"}},     {"et-d-points", {"et-hf", "et-lf"}},
+      {"et-d", {"et-hf", "et-lf"}}, {"aligo-gwinc", {"aligo"}},   {"aplus-gwinc", {"aplus"}},
+      {"ce1-gwinc", {"ce"}},        {"ce2-silica-gwinc", {"ce"}},
+  };
+  auto const found = detectors.find(name);
+  return found == detectors.end() ? std::vector<std::string>{} : found->second;
+}
+
 double design_asd(std::string_view name, double hz) {
   if (name == "adv-lal") return fit(adv, 1.259e-24, 300, hz);
   if (name == "kagra-lal") return fit(kagra, 6.499e-25, 100, hz);

@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::array<std::string_view, 3> prunable{"materials", "media", "parts"};
+constexpr std::array<std::string_view, 4> prunable{"materials", "media", "parts", "bodies"};
 
 using Words = std::set<std::string, std::less<>>;
 
@@ -37,7 +37,7 @@ bool is_named(NodeData const& model, std::string_view section, std::string const
 }
 
 // A mesh names materials in its own file; a name that is not there is to be reported with all names at hand.
-bool keeps_all(NodeData const& model) {
+bool keeps_materials_and_parts(NodeData const& model) {
   bool keep = false;
   for (char const* place : {"scene", "parts"})
     if (NodeData::Entry const* e = model.find(place))
@@ -61,12 +61,16 @@ void add_identifiers(std::string const& text, Words& words) {
 }  // namespace
 
 void drop_unused(SceneDocument const& document, NodeData& model) {
-  if (keeps_all(model)) return;
+  bool const keeps_them = keeps_materials_and_parts(model);
+  auto const may_go = [&](std::string const& section) {
+    if (section == "bodies") return model.find("scene") != nullptr;  // in a file of motion nothing else names them
+    return !keeps_them && std::find(prunable.begin(), prunable.end(), section) != prunable.end();
+  };
   auto const shipped = [&](NodeData::Entry const& e) { return is_library(document.source(e.place.file).name); };
   Words words;
   std::vector<NodeData::Entry const*> waiting;
   for (NodeData::Entry const& section : model.entries) {
-    bool const part_of_it = std::find(prunable.begin(), prunable.end(), section.key) != prunable.end();
+    bool const part_of_it = may_go(section.key);
     if (!part_of_it) add_words(*section.value, words);
     for (NodeData::Entry const& e : section.value->entries) {
       if (!part_of_it) break;

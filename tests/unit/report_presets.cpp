@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "ifo/dual_recycled.hpp"
+#include "noise/design.hpp"
 #include "noise/fundamental/quantum.hpp"
 #include "recorded.hpp"
 #include "report/pygwinc_ifo.hpp"
@@ -81,6 +82,20 @@ TEST(Presets, SayWhatBudgetsSay) {
     EXPECT_EQ(unlike(preset.parameters, twin), std::vector<std::string_view>{"mirror_mass"})
         << "twin: a heavier mirror";
   }
+}
+
+// A built-in curve without a detector would be compared with any interferometer in silence.
+TEST(Presets, EachDesignCurveHasItsDetectors) {
+  for (std::string const& curve : built_in_designs()) {
+    EXPECT_FALSE(detectors_of_design(curve).empty()) << curve;
+    for (std::string const& name : detectors_of_design(curve)) EXPECT_NO_THROW(read_ifo(name)) << curve;
+  }
+  for (std::string const& name : ifo_presets()) {
+    std::string const curve = read_ifo(name).compare;
+    std::vector<std::string> const of_curve = detectors_of_design(curve);
+    EXPECT_NE(std::find(of_curve.begin(), of_curve.end(), name), of_curve.end()) << name << ": compare " << curve;
+  }
+  EXPECT_TRUE(detectors_of_design("my-own").empty()) << "twin: a curve that nobody knows";
 }
 
 }  // namespace

@@ -58,6 +58,15 @@ TEST(Library, ComesWithTheProgramAndLeavesOutWhatIsNotNamed) {
   EXPECT_THAT(errors_of(texts), HasSubstr("cannot read file"));
 }
 
+// A scene that takes only mirrors and interferometer of a detector has no tube, and is not told so. Twins: a body of
+// its own stays, and so do those of a file of motion, which has no scene to name them.
+TEST(Library, BodiesThatNothingNamesAreLeftOut) {
+  std::string const detector = "include: [library/detectors/adv.yaml]\n", bench = "bodies: {bench: {motion: still}}\n",
+                    mirror = "scene:\n  - {name: ITM, shape: {disk: {}}, body: ITM, material: test_mass}\n";
+  EXPECT_THAT(names(OnDisk(detector + bench + mirror).read(), "bodies"), ElementsAre("ITM", "bench"));
+  EXPECT_THAT(names(OnDisk(detector).read(), "bodies"), ElementsAre("ITM", "ETM", "tube", "towers"));
+}
+
 TEST(Library, TheFolderOfTheUserComesFirst) {
   Scene const scene = OnDisk(one_plate, "materials: {oxidised_steel: {x: 3}}\n").read();
   EXPECT_EQ(scene.table("materials").table("oxidised_steel").number("x", dim::plain), 3);

@@ -11,10 +11,22 @@ namespace straytrace {
 
 double CoatingMaterial::loss_at(double hz) const { return loss * std::pow(hz / 100, loss_slope); }
 
+namespace {
+
+ArmCavity arm_of(Detector const& d) {
+  return {d.arm_length, d.input.transmission, d.end.transmission, 2 * d.mirror_loss};
+}
+
+}  // namespace
+
 double Detector::circulating_power() const {
   if (std::isfinite(arm_power)) return arm_power;
-  ArmCavity const arm{arm_length, input.transmission, end.transmission, 2 * mirror_loss};
-  return ::straytrace::arm_power(arm, input_power, power_recycling, splitter_loss);
+  return ::straytrace::arm_power(arm_of(*this), input_power, power_recycling, splitter_loss);
+}
+
+DetectorNumbers Detector::numbers() const {
+  ArmCavity const arm = arm_of(*this);
+  return {arm_length, circulating_power(), mirror_mass, finesse(arm), differential_mode(arm, signal_recycling).gain};
 }
 
 Detector::Spots Detector::spots() const {

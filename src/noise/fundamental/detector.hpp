@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
+#include "ifo/interferometer.hpp"
 #include "ifo/squeezed_light.hpp"
 
 namespace straytrace {
@@ -105,6 +106,7 @@ struct Detector {
   std::optional<Squeezer> squeezer;
 
   double circulating_power() const;  // W in one arm, eq. 6.11 unless given
+  DetectorNumbers numbers() const;   // what an interferometer is compared by
   struct Spots {
     double input, end;  // 1/e^2 intensity radii on the mirrors, m
     double waist, rayleigh, waist_position;

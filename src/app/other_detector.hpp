@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A design curve holds for one detector: what makes its stray light is compared with the interferometer of a scene.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "app/model.hpp"
+
+namespace straytrace {
+
+struct OtherDetector {
+  std::string what, suggestion;  // for a warning
+};
+// Of a built-in curve, where arm length (1 %), arm power, mirror mass, finesse or gain (10 %) of the interferometer are
+// not those of the detector that the curve is of (data/detectors); of several detectors the one most alike counts.
+std::optional<OtherDetector> other_detector(std::string const& curve, Interferometer const&);
+
+// Warns at `place` for each of the curves that the model is compared with.
+void warn_of_other_detector(Model const&, Node const& place);
+
+}  // namespace straytrace
