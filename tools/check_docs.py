@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Fail for a dead link in the documents, a named file or test that does not exist, a shape, scatter law or
-interface without its page, or a cited equation that docs/theory does not set. Usage: check_docs.py [ROOT]"""
+interface without its page, a cited equation that docs/theory does not set, a test that skips and is not told of, or a
+picture of a tree with uncommitted changes. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
+import struct
 import sys
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
@@ -16,6 +18,10 @@ PAGES = {"geometry": ("shapes",), "optics": ("scatter", "interfaces")}  # room o
 CITED = re.compile(r"\beqs?\. \(?(\d+\.\d+|C\.\d+)")
 TAG = re.compile(r"\\tag\{([^}]*)\}")                   # "5.4", "5.5, 5.6" or "5.1–5.3"
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+
+
+SKIPS = re.compile(r"GTEST_SKIP\(|skipTest\(|unittest\.skip|echo 'skipped|SKIP_RETURN_CODE")
+TESTING = "docs/develop/testing.md"
 
 
 def text_of(page):
@@ -94,12 +100,38 @@ def unknown_equations(root):
             yield f"{file.relative_to(root)}: no page of docs/theory sets equation {equation}"
 
 
+def silent_skips(root):
+    page = root / TESTING
+    told = page.read_text(encoding="utf-8") if page.exists() else ""
+    for file in sorted((root / "tests").rglob("*")):
+        if file.suffix in (".cpp", ".py", ".sh", ".txt") and SKIPS.search(file.read_text(encoding="utf-8")) \
+                and f"`{file.relative_to(root)}`" not in told:
+            yield f"{file.relative_to(root)}: skips, and {TESTING} does not say when"
+
+
+def words_in_png(file):
+    """All that the text chunks of a PNG file say."""
+    data, at, words = file.read_bytes(), 8, b""
+    while at + 8 <= len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        words += data[at + 8:at + 8 + size] + b"\n" if kind in (b"tEXt", b"iTXt") else b""
+        at += size + 12
+    return words.decode("latin-1")
+
+
+def dirty_pictures(root):
+    for file in sorted((root / "docs").rglob("*.png")):
+        if "-dirty" in words_in_png(file):
+            yield f"{file.relative_to(root)}: drawn by a program with uncommitted changes; commit, build, scripts/pictures"
+
+
 def main(root):
     pages = sorted(root.glob("*.md")) + sorted((root / "docs").rglob("*.md"))
     if not pages:
         print(f"{root}: no pages found; is the path right?")
         return 1
-    found = [*dead_links(root, pages), *missing_files(root, pages), *missing_tests(root), *missing_pages(root), *unknown_equations(root)]
+    found = [*dead_links(root, pages), *missing_files(root, pages), *missing_tests(root), *missing_pages(root), *unknown_equations(root),
+             *silent_skips(root), *dirty_pictures(root)]
     print("\n".join(found) or f"{len(pages)} pages are in order")
     return 1 if found else 0
 

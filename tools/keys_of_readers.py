@@ -56,19 +56,20 @@ class Facts:
         self.contexts = {}       # context -> key -> Slot
         self.occurrences = {}    # context -> how many tables were seen
         self.given = {}          # (context, key) -> in how many of them it was written
+        self.first = {}          # (context, key) -> scene and keys from its top, where it was written first
 
     def of_scene(self, program, scene):
         done = subprocess.run([program, "print", "--quiet", "--format", "json", scene], capture_output=True, text=True)
         if done.returncode:
             raise ValueError(f"{scene}: {done.stderr}")
         told = json.loads(done.stdout)
-        self.table(told["model"], "a model")
+        self.table(told["model"], "a model", (scene,))
         for placed in told["placed"]:
             if placed["face"].get("role", "").startswith("'"):
-                self.table(placed["face"], "a face")
+                self.table(placed["face"], "a face", ())
         return self
 
-    def table(self, node, context):
+    def table(self, node, context, place):
         keys = self.contexts.setdefault(context, {})
         self.occurrences[context] = self.occurrences.get(context, 0) + 1
         for child in node["keys"]:
@@ -77,31 +78,34 @@ class Facts:
             if child["from"] == "default":
                 continue
             self.given[context, child["key"]] = self.given.get((context, child["key"]), 0) + 1
+            here = (*place, child["key"]) if place else ()
+            self.first.setdefault((context, child["key"]), here)
             slot.examples.append(flow(child))
-            self.value(child, slot, context, child["key"])
+            self.value(child, slot, context, child["key"], here)
 
-    def value(self, node, slot, context, key):
+    def value(self, node, slot, context, key, place):
         if "keys" in node:
             if node.get("role"):
                 inner = context_of(node["role"], context, key)
                 slot.tables.add(inner)
-                self.table(node, inner)
+                self.table(node, inner, place)
             else:
                 for child in node["keys"]:
                     if child["from"] == "default":
                         continue
+                    here = (*place, child["key"]) if place else ()
                     one_of_ours = child.get("role", "").endswith(f"shape '{child['key']}'")
                     if one_of_ours:
                         slot.shapes[child["key"]] = child["role"]
-                        self.table(child, child["role"])
+                        self.table(child, child["role"], here)
                     else:
                         slot.named = slot.named or Slot()
-                        self.value(child, slot.named, key if key == "faces" else context, key)
+                        self.value(child, slot.named, key if key == "faces" else context, key, here)
                         slot.named.asked.append(child["asked"])
         elif "elements" in node:
             slot.elements = slot.elements or Slot()
-            for child in node["elements"]:
-                self.value(child, slot.elements, context, key)
+            for i, child in enumerate(node["elements"]):
+                self.value(child, slot.elements, context, key, (*place, i) if place else ())
         else:
             slot.scalars.append(node["asked"])
 

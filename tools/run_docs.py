@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Run the commands of the documents and compare what they print; check the complete scenes in them.
 
-Usage: run_docs.py [--write] PROGRAM [ROOT]
+Usage: run_docs.py [--write] [--night] PROGRAM [ROOT]
 
 Pages are read in the order of the list below, in one temporary folder that holds examples/, python/
 and build/straytrace.
 In a ```console block each line `$ command` is run. It must exit with 0, or with N where the line ends in `# exit N`.
 The lines below it, if any, are what it prints, all and in this order; a line `...` stands for anything left out.
 On every page a ```yaml block that begins with `straytrace:` is complete and must pass `straytrace check --strict`.
-The table under "## Options" of the page of commands names for each command the options that its --help prints.
+A block marked ```console night takes minutes: it is run with --night alone (scripts/nightly).
+The table under "## Options" of the page of commands names for each command the options that its --help prints, and the table
+under "## Commands" of README.md the commands that --help prints.
 --write puts the nearest printed line in place of each line that differs.
 """
 import difflib
@@ -21,16 +23,16 @@ import tempfile
 
 PAGES = ("README.md", "docs/guide/*.md", "docs/reference/commands.md", "docs/reference/filter.md", "docs/reference/ghosts.md",
          "docs/reference/cad.md", "docs/reference/signal.md", "docs/reference/couple.md", "docs/reference/fit.md", "docs/reference/report.md",
-         "docs/reference/maps.md", "docs/reference/layouts.md", "docs/reference/scatter/measured_files.md")
+         "docs/reference/maps.md", "docs/reference/layouts.md", "docs/reference/scatter/measured_files.md", "docs/theory/*.md")
 NOT_RUN = ("scripts/setup", "scripts/build", "scripts/demo", "scripts/test", "scripts/lint")   # install or build
-BLOCK = re.compile(r"^```(console|yaml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(console|yaml)( night)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXIT = re.compile(r"\s+# exit (\d+)$")
 RUN_DEPENDENT = (                                        # all that may differ between two equal runs
     (re.compile(r"projected in [0-9.]+ s"), "projected in TIME s"),
     (re.compile(r"created +\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ"), "created DATE"),
     (re.compile(r"(straytrace \d+\.\d+\.\d+) \([0-9a-z-]+\)"), r"\1 (COMMIT)"),
 )
-COMMANDS_PAGE = PAGES[2]
+README, COMMANDS_PAGE = PAGES[0], PAGES[2]
 OPTION = re.compile(r"--[a-z-]+")
 PROGRESS = re.compile(r"^(trace|ghosts|figure of merit)  ")     # comes with the clock
 
@@ -115,18 +117,29 @@ def problems_of_options(page, folder):
         yield "no table of options found"
 
 
-def problems_of(page, root, folder, corrected):
+def problems_of_commands(page, folder):
+    """Commands of the table of the README against those of --help."""
+    table = page.read_text(encoding="utf-8").split("\n## Commands\n")[-1].split("\n## ")[0]
+    named = set(re.findall(r"^\| `straytrace ([a-z]+)", table, re.M))
+    printed = set(re.findall(r"^  ([a-z]+) ", run("build/straytrace --help", folder)[1].split("\nSubcommands:\n")[-1], re.M))
+    if wrong := sorted(named ^ printed):
+        yield f"commands in the table and in --help differ: {', '.join(wrong)}"
+
+
+def problems_of(page, root, folder, corrected, night):
     text = page.read_text(encoding="utf-8")
     consoles = any(page in root.glob(pattern) for pattern in PAGES)
     for block in BLOCK.finditer(text):
-        kind, content = block.groups()
+        kind, at_night, content = block.groups()
+        if at_night and not night:
+            continue
         found = problems_of_scene(content, folder) if kind == "yaml" else \
             problems_of_console(content, folder, corrected) if consoles else ()
         for problem in found:
             yield f"{page.relative_to(root)}:{text.count(chr(10), 0, block.start()) + 1}: {problem}"
 
 
-def main(program, root, write):
+def main(program, root, write, night):
     first = [page for pattern in PAGES for page in sorted(root.glob(pattern))]
     pages = first + [page for page in sorted((root / "docs").rglob("*.md")) if page not in first]
     if not first:
@@ -142,7 +155,9 @@ def main(program, root, write):
                 shutil.copytree(root / name, folder / name)
         for page in pages:
             corrected = {}
-            found += problems_of(page, root, folder, corrected)
+            found += problems_of(page, root, folder, corrected, night)
+            if page == root / README:
+                found += [f"{README}: {problem}" for problem in problems_of_commands(page, folder)]
             if page == root / COMMANDS_PAGE:
                 found += [f"{COMMANDS_PAGE}: {problem}" for problem in problems_of_options(page, folder)]
             if write and corrected:
@@ -153,8 +168,8 @@ def main(program, root, write):
 
 
 if __name__ == "__main__":
-    words = [word for word in sys.argv[1:] if word != "--write"]
+    words = [word for word in sys.argv[1:] if word not in ("--write", "--night")]
     if not words:
         sys.exit(__doc__)
     sys.exit(main(pathlib.Path(words[0]), pathlib.Path(words[1] if len(words) > 1 else pathlib.Path(__file__).parents[1])
-                  .resolve(), "--write" in sys.argv))
+                  .resolve(), "--write" in sys.argv, "--night" in sys.argv))

@@ -2,6 +2,7 @@
 """Each check of this folder must pass a good tree and refuse a bad one. Usage: test_checks.py"""
 import json
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -25,7 +26,7 @@ def verdict(tool, files, *folders, read=None):
         for name, text in files.items():
             path = root / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+            path.write_text(text, encoding="latin-1" if path.suffix == ".png" else "utf-8", newline="")
             path.chmod(0o755)
         words = [folder if str(folder).startswith("--") else root / folder for folder in folders or ("",)]
         done = subprocess.run([sys.executable, TOOLS / tool, *words], capture_output=True, text=True)
@@ -163,6 +164,19 @@ class CheckDocs(unittest.TestCase):
         self.expect("", 0, "in order", **formulas, **{"src/a.hpp": "// physics.md eq. 9.4, eq. 5.2\n"})
         self.expect("", 1, "sets equation 9.5", **formulas, **{"src/a.hpp": "// physics.md eq. 9.5\n"})
 
+    def test_skip_that_is_not_told_fails(self):
+        skips = {"tests/unit/b.cpp": "GTEST_SKIP() << 1;\n"}
+        self.expect("", 1, "tests/unit/b.cpp: skips", **skips)
+        self.expect("", 0, "in order", **skips, **{"docs/develop/testing.md": "`tests/unit/b.cpp`\n"})
+
+    def test_picture_of_uncommitted_changes_fails(self):
+        def png(words):
+            text = b"Software\0" + words
+            return (b"\x89PNG\r\n\x1a\n" + struct.pack(">I4s", len(text), b"tEXt") + text + b"crc!").decode("latin-1")
+
+        self.expect("", 0, "in order", **{"docs/a.png": png(b"straytrace 0.1.0 (1a90d67)")})
+        self.expect("", 1, "docs/a.png: drawn by", **{"docs/a.png": png(b"straytrace 0.1.0 (1a90d67-dirty)")})
+
     def test_nothing_found_fails(self):
         self.assertEqual(verdict("check_docs.py", {"a.txt": ""})[0], 1)
 
@@ -170,17 +184,21 @@ class CheckDocs(unittest.TestCase):
 class RunDocs(unittest.TestCase):
     PROGRAM = """#!/bin/sh
 case "$*" in
+  --help) printf 'Subcommands:\\n  run   does\\n' ;;
   *--help) echo '  -o,--out TEXT   where' ;;
   check*) ! grep -q wrong "$3" ;;
   *) printf 'one\\ntwo\\nprojected in 0.4 s; done\\nh = 1.25e-24\\n'; exit 3 ;;
 esac
 """
+    COMMANDS = "## Commands\n\n| command | does |\n| --- | --- |\n| `straytrace run SCENE` | does |\n"
     OPTIONS = "## Options\n\n| option | commands | |\n| --- | --- | --- |\n| `--out` | run | where |\n"
 
-    def expect(self, block, status, part, kind="console", options=OPTIONS, page="README.md", write=False):
-        files = {"program": self.PROGRAM, page: f"```{kind}\n{block}\n```\n", "docs/reference/commands.md": options}
-        found, output = verdict("run_docs.py", files, *(["--write"] if write else []), "program", "",
-                                read=page if write else None)
+    def expect(self, block, status, part, kind="console", options=OPTIONS, page="README.md", commands=COMMANDS, *,
+               write=False, night=False):
+        files = {"program": self.PROGRAM, "README.md": commands, "docs/reference/commands.md": options}
+        files[page] = f"```{kind}\n{block}\n```\n" + files.get(page, "")
+        words = ["--write"] * write + ["--night"] * night
+        found, output = verdict("run_docs.py", files, *words, "program", "", read=page if write else None)
         self.assertEqual(found, status, output)
         self.assertIn(part, output)
 
@@ -211,6 +229,16 @@ esac
         self.expect("", 1, "differ: --in", options=self.OPTIONS.replace("--out", "--out`, `--in"))
         self.expect("", 1, "differ: --out", options=self.OPTIONS.replace("--out", "-o"))
         self.expect("", 1, "no table of options", options="")
+
+    def test_commands_that_differ_fail(self):
+        self.expect("", 1, "differ: trace", commands=self.COMMANDS + "| `straytrace trace SCENE` | does |\n")
+        self.expect("", 1, "differ: run", commands=self.COMMANDS.replace("straytrace run", "straytrace"))
+
+    def test_pages_of_theory_are_run_and_what_takes_minutes_at_night(self):
+        wrong, page = "$ build/straytrace run  # exit 3\n...\nh = 1.26e-24", "docs/theory/index.md"
+        self.expect(wrong, 1, "does not print", page=page)
+        self.expect(wrong, 0, "do what they say", "console night", page=page)
+        self.expect(wrong, 1, "does not print", "console night", page=page, night=True)
 
     def test_new_lines_are_written(self):
         self.expect("$ build/straytrace run  # exit 3\n...\nh = 1.24e-24", 1, "\nh = 1.25e-24\n```", write=True)

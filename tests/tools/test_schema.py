@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """The schema of the language against the readers, both ways. Usage: test_schema.py PROGRAM"""
+import concurrent.futures
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -12,7 +14,7 @@ import yaml
 
 ROOT = pathlib.Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from keys_of_readers import Facts, samples   # noqa: E402
+from keys_of_readers import Facts, facts_of, samples   # noqa: E402
 
 SCHEMA = json.loads((ROOT / "schema/straytrace-1.schema.json").read_text(encoding="utf-8"))
 BLOCK = re.compile(r"^```yaml\n(straytrace:.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -132,11 +134,74 @@ def of_other_scenes(program):
                 yield f"readers ask for '{key}' of '{context}', which no sample has"
 
 
+def without(model, path):
+    """The model less what stands at the path; None where it is not written there."""
+    copy = json.loads(json.dumps(model))
+    node = copy
+    for step in path[:-1]:
+        node = node[step] if isinstance(node, list) and isinstance(step, int) else node.get(step) if isinstance(node, dict) else None
+    if not isinstance(node, dict) or path[-1] not in node:
+        return None
+    del node[path[-1]]
+    return copy
+
+
+def part_of(model, path):
+    """What the key needs around it: of the many materials, whose tables take seconds, only its own."""
+    if path[0] != "materials":
+        return model
+    kept = {key: model[key] for key in ("straytrace", "params", "media") if key in model}
+    return kept | {"materials": {path[1]: model["materials"][path[1]]}, "bodies": {"b": {"motion": "still"}},
+                   "scene": [{"name": "s", "shape": {"disk": {"outer_radius": "1 cm"}}, "body": "b", "material": path[1]}],
+                   "beams": {"l": {"on": "s", "radius": "1 mm"}}, "receivers": {"r": {"on": "s"}}}
+
+
+def scenes_without(first, is_meant):
+    """(key, context, sample, its text without the key) of the keys that are meant."""
+    for context, definition in SCHEMA["$defs"].items():
+        for key, schema in definition.get("properties", {}).items():
+            scene, *path = first.get((context, key)) or (None,)
+            left = scene and is_meant(schema.get("x-straytrace", {})) and \
+                without(part_of(yaml.load(scene.read_text(encoding="utf-8"), Loader=Loader), path), path)
+            if left:
+                yield key, context, scene.name, yaml.safe_dump(left, sort_keys=False, width=1000)
+
+
+def that_pass(program, cases):
+    """Those of them that the program takes."""
+    with tempfile.TemporaryDirectory() as place:
+        folder = pathlib.Path(place) / "schema/samples"
+        folder.mkdir(parents=True)
+        (pathlib.Path(place) / "examples").symlink_to(ROOT / "examples")
+        (folder / "data").symlink_to(ROOT / "schema/samples/data")
+
+        def passes(case):
+            scene = folder / f"{case[0]}.yaml"
+            scene.write_text(case[1][-1], encoding="utf-8")
+            return subprocess.run([program, "check", "--quiet", str(scene)], capture_output=True).returncode != 2
+
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            return [case for case, passed in zip(cases, pool.map(passes, enumerate(cases))) if passed]
+
+
+def of_required_keys(program):
+    """Without a key that the schema calls required the program refuses the sample; without one that has a default not."""
+    first = facts_of(program, samples(ROOT)).first
+    required = list(scenes_without(first, lambda about: about.get("default") == "required"))
+    for key, context, sample, _ in that_pass(program, required):
+        yield f"'{key}' of '{context}' is called required, and {sample} passes without it"
+    if len(required) < 50:
+        yield f"only {len(required)} required keys were tried"
+    twins = list(scenes_without(first, lambda about: about.get("default", "required") != "required"))[::10]
+    if len(that_pass(program, twins)) < len(twins) / 2 or len(twins) < 10:
+        yield "twin: keys with a default pass for required ones"
+
+
 def main(program):
     jsonschema.Draft7Validator.check_schema(SCHEMA)
     made = subprocess.run([sys.executable, ROOT / "tools/make_schema.py", "--check", program], capture_output=True, text=True)
     found = [made.stdout + made.stderr] if made.returncode else []
-    found += [*of_valid_scenes(), *of_broken_scenes(), *of_source(), *of_other_scenes(program)]
+    found += [*of_valid_scenes(), *of_broken_scenes(), *of_source(), *of_other_scenes(program), *of_required_keys(program)]
     print("\n".join(found) or f"{len(BROKEN)} broken scenes are refused, all valid ones pass, and every key is known")
     return 1 if found else 0
 
