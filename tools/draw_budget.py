@@ -5,9 +5,7 @@ import subprocess
 import sys
 import tempfile
 
-from PIL import Image
-
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+from pictures import ROOT, small
 
 with tempfile.TemporaryDirectory() as folder:
     program = pathlib.Path(sys.argv[1]).resolve()
@@ -15,5 +13,4 @@ with tempfile.TemporaryDirectory() as folder:
     subprocess.run(run, check=True)
     subprocess.run([program, "budget", "adv", f"{folder}/run/run.h5", "--band", "5 Hz, 1 kHz", "-o", folder, "--quiet"],
                    check=True)
-    picture = Image.open(f"{folder}/budget.png").convert("RGB").quantize(200)
-    picture.save(ROOT / "docs/reference/budget.png", optimize=True)
+    small(f"{folder}/budget.png", ROOT / "docs/reference/budget.png")

@@ -1,12 +1,11 @@
 #!/usr/bin/python3
 """Draw the picture of the page of receivers from examples/two_mirrors.yaml. Usage: draw_receivers.py PROGRAM [ROOT]"""
-import io
 import pathlib
 import subprocess
 import sys
 import tempfile
 
-from PIL import Image
+from pictures import small
 
 RECEIVER = "plane"
 
@@ -18,11 +17,7 @@ def main(program, root):
         subprocess.run([program, "trace", scene, "-o", run, "--quiet", "--histories", "2e6"], check=True,
                        stdout=subprocess.DEVNULL)
         subprocess.run([program, "maps", run, "-o", folder], check=True, stdout=subprocess.DEVNULL)
-        picture = Image.open(f"{folder}/{RECEIVER}.png").convert("RGB").quantize(96)
-    data = io.BytesIO()
-    picture.save(data, "PNG", optimize=True)
-    (root / "docs" / "reference" / "receivers.png").write_bytes(data.getvalue())
-    print(f"docs/reference/receivers.png: {picture.width} x {picture.height}, {len(data.getvalue()) / 1024:.0f} kB")
+        small(f"{folder}/{RECEIVER}.png", root / "docs" / "reference" / "receivers.png", colours=128)
 
 
 if __name__ == "__main__":

@@ -25,12 +25,14 @@ class Light {
     }
     return this.layers.get(name);
   }
-  // Pairs of points, one colour and opacity.
-  segments(group, points, colour, opacity = 1) {
+  // Pairs of points, one colour and opacity. Lines of a higher order are drawn over those of a lower one, and solid parts hide all.
+  segments(group, points, colour, opacity = 1, order = 0) {
     if (points.length === 0) return;
     const geometry = new THREE.BufferGeometry().setFromPoints(points.map(p => this.stage.at(p)));
-    const material = new THREE.LineBasicMaterial({color: colour, transparent: opacity < 1, opacity, depthWrite: opacity >= 1});
-    group.add(new THREE.LineSegments(geometry, material));
+    const material = new THREE.LineBasicMaterial({color: colour, transparent: opacity < 1 || order > 0, opacity, depthWrite: false});
+    const lines = new THREE.LineSegments(geometry, material);
+    lines.renderOrder = order;
+    group.add(lines);
   }
   dots(group, points, colour, size = 6) {
     if (points.length === 0) return;
@@ -53,8 +55,8 @@ class Light {
     }
     for (const report of this.stage.scene.ghosts)
       for (const row of report.ghosts || []) if (row.order === 0) this.polyline(lines, row);
-    this.segments(group, lines, lightColours.beam);
-    this.segments(group, rings, lightColours.beam, 0.8);
+    this.segments(group, lines, lightColours.beam, 1, 2);
+    this.segments(group, rings, lightColours.beam, 0.8, 2);
   }
   polyline(points, row) {
     const all = row.points_m.concat([row.point_m]);
@@ -69,7 +71,7 @@ class Light {
         this.polyline(by.get(row.order), row);
       }
     for (const [order, points] of by)
-      this.segments(this.layer("ghosts", data.kind === "view"), points, lightColours.ghost[Math.min(order, 4) - 1], 0.75);
+      this.segments(this.layer("ghosts", data.kind === "view"), points, lightColours.ghost[Math.min(order, 4) - 1], 0.75, 1);
   }
   addRays() {
     const rays = this.stage.scene.rays;
@@ -105,7 +107,7 @@ class Light {
         for (let i = 1; i < path.points.length; ++i) lines.push(path.points[i - 1], path.points[i]);
         dots.push(...path.points);
       }
-      this.segments(group, lines, colours[k % colours.length]);
+      this.segments(group, lines, colours[k % colours.length], 1, 3);
       this.dots(group, dots, colours[k % colours.length]);
     });
     this.stage.drawnPaths = drawn;

@@ -255,12 +255,13 @@ def draw(run, band=None):
 
 
 def save(figure, path):
-    """Appears complete or not at all."""
+    """Appears complete or not at all. A PNG file says in a text chunk too what made it."""
     path = pathlib.Path(path)
     handle, name = tempfile.mkstemp(prefix=path.name + ".part-", dir=path.parent or ".")
     os.close(handle)
     try:
-        figure.savefig(name, format=path.suffix[1:] or "png", metadata={"Software": None} if path.suffix == ".png" else None)
+        made_by = next((text.get_text() for text in figure.texts if "straytrace " in text.get_text()), None)
+        figure.savefig(name, format=path.suffix[1:] or "png", metadata={"Software": made_by} if path.suffix == ".png" else None)
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(name, 0o666 & ~mask)

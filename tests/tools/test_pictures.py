@@ -7,12 +7,15 @@ import sys
 import tempfile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(SOURCE / "python"))
+sys.path[:0] = [str(SOURCE / "python"), str(SOURCE / "tools")]
 sys.dont_write_bytecode = True
 
 import numpy as np  # noqa: E402
 
-from straytrace import plot_budget, plot_curves, plot_ghosts  # noqa: E402
+from PIL import Image  # noqa: E402
+
+import pictures  # noqa: E402
+from straytrace import plot, plot_budget, plot_curves, plot_ghosts  # noqa: E402
 
 plt = plot_budget.plt
 
@@ -143,8 +146,33 @@ def check_curves():
     plt.close("all")
 
 
+def check_documents(folder):
+    """A picture made smaller for the documents keeps the colours of its curves apart, and says what drew it."""
+    figure = plt.figure(figsize=(6, 4), dpi=100)
+    axes = figure.add_axes((0.1, 0.15, 0.85, 0.8))
+    axes.imshow(np.random.default_rng(1).random((40, 60, 3)), aspect="auto", extent=(0, 6, 0, 3))     # takes all of a palette
+    for k, colour in enumerate(plot.ROUTE_COLOURS):
+        axes.plot([0, 6], [3.5 + 0.5 * k] * 2, color=colour, lw=1)
+    axes.set_ylim(0, 7)
+    figure.text(0.1, 0.01, "straytrace 0.1.0 (abc)    model 01")
+    plot.save(figure, folder / "whole.png")
+    plt.close("all")
+    pictures.small(folder / "whole.png", folder / "small.png")
+    with Image.open(folder / "small.png") as image:
+        assert image.mode == "P" and image.text["Software"].startswith("straytrace 0.1.0 (abc)"), image.text
+    routes = [tuple(bytes.fromhex(c[1:])) for c in plot.ROUTE_COLOURS]
+
+    def seen(image):
+        return {colour for _, colour in image.convert("RGB").getcolors(1 << 24)} & set(routes)
+
+    whole = Image.open(folder / "whole.png")
+    assert seen(whole) == seen(Image.open(folder / "small.png")) == set(routes)
+    assert len(seen(whole.convert("RGB").quantize(48))) < len(routes), "twin: few colours, shared by curves"
+
+
 with tempfile.TemporaryDirectory() as name:
     check_budget(pathlib.Path(name))
+    check_documents(pathlib.Path(name))
 check_ghosts()
 check_curves()
 print("ok")

@@ -107,8 +107,28 @@ def check_interrupt():
             own.unlink()
 
 
+def check_pictures():
+    """Pictures say what drew them, so a tree with uncommitted changes draws none; twin: a clean one begins to build."""
+    with tempfile.TemporaryDirectory() as place:
+        tree = pathlib.Path(place)
+        (tree / "scripts").mkdir()
+        shutil.copy(SCRIPTS / "pictures", tree / "scripts/pictures")
+        (tree / "scripts/build").write_text("#!/bin/sh\necho builds\nexit 7\n")
+        (tree / "scripts/build").chmod(0o755)
+        who = {**os.environ, **{f"GIT_{role}_{what}": "a@b" for role in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}}
+        for words in (["init", "-q"], ["add", "."], ["commit", "-q", "-m", "first"]):
+            check(run("git", "-C", tree, *words, env=who).returncode == 0, f"git {words}")
+        clean = run(tree / "scripts/pictures", "gallery")
+        check(clean.returncode == 7 and "builds" in clean.stdout, f"pictures of a clean tree: {clean}")
+        (tree / "change").write_text("1")
+        dirty = run(tree / "scripts/pictures", "gallery")
+        check(dirty.returncode == 1 and "uncommitted" in dirty.stderr and "builds" not in dirty.stdout,
+              f"pictures of a changed tree: {dirty}")
+
+
 check_words()
 check_lists()
+check_pictures()
 check_interrupt()
 check_progress()
 print("scripts: as expected")
