@@ -24,21 +24,24 @@ struct EdgeStride {
   double predicted = 0;  // Hz, 2 v_max/lambda in the stride
   Fitted factor;         // measured edge over predicted one
   double gain = 0;       // of twice the log-likelihood over a floor without shelf
-  double amplitude = 0;  // sqrt of the shelf's power, in units of the target: G of h = G sin(phi)
+  double amplitude = 0;  // G of h = G sin(phi) at the edge, in units of the target
   bool significant = false;
 };
 
 struct ShelfEdgeFit {
   std::vector<EdgeStride> strides;
-  Fitted factor;  // weighted mean; its error grows with the scatter of the strides when that is larger, and with
-                  // the error of a free ratio
+  Fitted factor;  // weighted mean, error by repetition; it grows with the scatter of the strides when that is larger,
+                  // and with the error of a free ratio
+  Fitted of_likelihood;  // weighted mean and error of the likelihood alone, which takes the shelf for Gaussian noise
   Fitted ratio;
   double chi2 = 0;       // of the strides about the mean
   std::size_t used = 0;  // significant strides
 };
 
-// Whittle likelihood of Welch spectra; model: G^2 times the spectrum of exp(i theta), mean over the static phase, plus
-// a floor n_0 + n_2 f^-2 + n_4 f^-4 with no negative part. Throws InputError as fit_fringes.
+// Whittle likelihood of Welch spectra; model: |T(f)|^2 of a port times the spectrum of sin(phi + theta), mean over the
+// static phase, plus a floor n_0 + n_2 f^-2 + n_4 f^-4 with no negative part; |T|^2 is any smooth positive function.
+// Errors and offsets are those of the same fit to records made of the fitted model again (docs/theory/fit.md). Throws
+// InputError as fit_fringes.
 ShelfEdgeFit fit_shelf_edge(FringeRecords const&, ShelfEdgeSettings const&);
 
 }  // namespace straytrace
