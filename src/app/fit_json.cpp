@@ -52,8 +52,21 @@ nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
   return j;
 }
 
+nlohmann::json clock_json(FitAnswer const& a) {
+  ClockCheck const& c = a.fit.clock;
+  nlohmann::json j{{"range_s", c.range}, {"better", c.better}, {"doubtful", c.doubtful}};
+  if (!c.better) return j;
+  j["delay_s"] = number(c.delay);
+  j["chi2_gained"] = c.gain;
+  for (FittedPath const& p : c.paths)
+    j["paths"].push_back({{"name", p.name},
+                          {a.field ? "field" : "amplitude", number(p.amplitude)},
+                          {"multiplicity", number(p.multiplicity)}});
+  return j;
+}
+
 char const* verdict_word(FitVerdict v) {
-  char const* const words[] = {"none", "untested", "not-general", "end-of-range", "found"};
+  char const* const words[] = {"none", "untested", "not-general", "clock", "end-of-range", "found"};
   return words[std::size_t(v)];
 }
 
@@ -81,6 +94,7 @@ nlohmann::json fit_json(FitAnswer const& a) {
   for (std::size_t i = 0; i < n; ++i)
     out["correlation"].push_back(std::vector<double>(fit.correlation.begin() + std::ptrdiff_t(i * n),
                                                      fit.correlation.begin() + std::ptrdiff_t((i + 1) * n)));
+  if (fit.clock.range > 0) out["clock"] = clock_json(a);
   if (fit.test.seconds > 0)
     out["out_of_sample"] = {
         {"seconds", fit.test.seconds},

@@ -12,6 +12,8 @@
 namespace straytrace {
 namespace {
 
+constexpr double clock_range = 0.25;  // s, to either side: clocks that are not one
+
 TimeSeries as_strain(TimeSeries x) {
   auto const unit = parse_unit(x.unit);
   if (!unit || unit->dimension != dim::plain)
@@ -178,7 +180,9 @@ FringeFitSettings settings_of(FitOptions const& o, FringeRecords const& records,
   s.false_alarm = option_share(o.false_alarm, "--false-alarm", "1e-3");
   s.method = o.method == "time" ? FitMethod::time : FitMethod::frequency;
   Dimension const turning = *times(dim::angle, dim::frequency);
-  SearchRange const delay = range_or(o, o.delay, dim::time, "delay", "-20 ms..20 ms", {-0.01, 0.01}, 0);
+  SearchRange const delay = range_or(o, o.delay, dim::time, "delay", "-20 ms..20 ms", {-clock_range, clock_range}, 0);
+  // As far as a delay stays short against the taper of the stretch.
+  if (!delay.free() && o.delay.empty()) s.clock = std::min(clock_range, s.train * records.target.duration() / 20);
   SearchRange const drift = range_or(o, o.drift, turning, "drift", "-1 rad/s..1 rad/s", {-1, 1}, 0);
   double const gain = o.gain.empty() ? 0 : option_quantity(o.gain, dim::plain, "--gain-per-field", "1.1e-16");
   for (std::size_t i = 0; i < std::max<std::size_t>(routes.size(), routes.empty() ? o.paths : 0); ++i) {

@@ -61,17 +61,17 @@ std::string unseen_text(double phase) {
                   phase, low > 0.5 ? "far too low" : fmt::format("low by {:.2g} %", 100 * low)));
 }
 
+std::string strength_text(FitAnswer const& a, FittedPath const& p) {
+  double const f = p.amplitude.value;
+  if (a.field) return with_error(f * f, 2 * f * p.amplitude.sigma);
+  return value_text(p.amplitude, a.records.target.unit == "1" ? "" : a.records.target.unit.c_str());
+}
+
 std::string path_text(FitAnswer const& a, std::size_t i) {
   FittedPath const& p = a.fit.paths[i];
   bool const significant = p.ln_false_alarm < std::log(a.settings.false_alarm);
-  std::string const unit = a.records.target.unit == "1" ? "" : a.records.target.unit;
   std::string out = fmt::format("{}{}\n", p.name, significant ? "" : ": not significant");
-  if (a.field) {
-    double const f = p.amplitude.value;
-    out += line("recoupled fraction f_r", with_error(f * f, 2 * f * p.amplitude.sigma));
-  } else {
-    out += line("amplitude G", value_text(p.amplitude, unit.c_str()));
-  }
+  out += line(a.field ? "recoupled fraction f_r" : "amplitude G", strength_text(a, p));
   out += line("static phase", value_text(p.phase, "rad"));
   SearchRange const& searched = a.settings.paths[i].multiplicity;
   std::string const w_unit = multiplicity_unit(a.records);
@@ -128,6 +128,19 @@ std::string test_text(FringeFit const& fit, double false_alarm) {
       with_error(t.scale.value, t.scale.sigma), with_error(100 * t.reduction.value, 100 * t.reduction.sigma));
 }
 
+std::string clock_text(FitAnswer const& a) {
+  ClockCheck const& c = a.fit.clock;
+  if (c.range == 0) return "";
+  if (!c.better) return fmt::format("clocks: no delay within {:g} ms fits better than none\n", 1e3 * c.range);
+  std::string out = fmt::format("{}: noise that comes {} behind the witness takes {:.1f} more from chi^2\n",
+                                c.doubtful ? "clock?" : "clocks", value_text(scaled(c.delay, 1e3), "ms"), c.gain);
+  for (std::size_t i = 0; i < c.paths.size(); ++i)
+    out += fmt::format("  {}: {} {} with that delay, {} without; W {} and {}\n", c.paths[i].name, a.field ? "f_r" : "G",
+                       strength_text(a, c.paths[i]), strength_text(a, a.fit.paths[i]),
+                       value_text(c.paths[i].multiplicity, ""), value_text(a.fit.paths[i].multiplicity, ""));
+  return out + (c.doubtful ? "  write --free delay, or --delay \"0 ms\" where the clocks are one\n" : "");
+}
+
 std::string correlations_text(FringeFit const& fit) {
   std::string out;
   std::size_t const n = fit.names.size();
@@ -149,6 +162,8 @@ std::string verdict_text(FitVerdict v) {
       return "significant, but the rest of the record is too short or too quiet to confirm it";
     case FitVerdict::not_general:
       return "significant, but the fit does not generalise: it fails on the rest of the record";
+    case FitVerdict::clock:
+      return "clock? another delay of the witness fits better and gives another amplitude";
     case FitVerdict::at_end:
       return "significant, but a parameter stands at the end of its range: the best fit may lie beyond; widen it";
     case FitVerdict::found:
@@ -197,7 +212,7 @@ std::string fit_text(FitAnswer const& a) {
   for (std::size_t i = 0; i < fit.paths.size(); ++i) out += path_text(a, i);
   out += fmt::format("fringes up to {:.1f} Hz\n", fit.highest_fringe);
   out += fmt::format("fitted: chi^2 {:.1f} -> {:.1f} ({:.0f} expected)\n", fit.without, fit.with, fit.degrees);
-  return out + test_text(fit, a.settings.false_alarm) + correlations_text(fit);
+  return out + clock_text(a) + test_text(fit, a.settings.false_alarm) + correlations_text(fit);
 }
 
 double unseen_phase(FitAnswer const& a, std::size_t path) {

@@ -9,18 +9,18 @@
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
+#include "commission/fringe_clock.hpp"
 #include "commission/fringe_search.hpp"
 
 namespace straytrace {
 namespace {
 
-constexpr std::size_t candidates = 3;  // of a scan, refined
-constexpr double margin = 1.1;         // of the fringe frequency in eq. 7.13
+constexpr double margin = 1.1;  // of the fringe frequency in eq. 7.13
 
 double furthest(SearchRange const& r) { return std::max(std::fabs(r.low), std::fabs(r.high)); }
 
 double longest_delay(FringeFitSettings const& s) {
-  double longest = 0;
+  double longest = s.clock;
   for (FringePath const& p : s.paths) longest = std::max(longest, furthest(p.delay));
   return longest;
 }
@@ -108,29 +108,6 @@ void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double
         trials, stretch.model_samples()));
 }
 
-// Noise level from what the fit leaves, which is short of one degree of freedom for each parameter.
-void learn_noise(FringeProblem& problem, RefinedFit const& fit) {
-  problem.psd = problem.stretch.psd(problem.stretch.target() - problem.model(fit.place, fit.fit.linear));
-  double const degrees = problem.stretch.degrees();
-  for (double& s : problem.psd) s *= degrees / (degrees - double(fit.covariance.rows()));
-}
-
-RefinedFit fit_all(FringeProblem& problem) {
-  RefinedFit best;
-  FringePlace place{{}, problem.settings.ratio.low};
-  for (std::size_t p = 0; p < problem.settings.paths.size(); ++p) {
-    best.fit.chi2 = infinity;
-    for (FringePlace const& from : scan(problem, place, p, candidates))
-      if (RefinedFit const fit = refine(problem, from); fit.fit.chi2 < best.fit.chi2) best = fit;
-    for (int i = 0; i < 2; ++i) {
-      learn_noise(problem, best);
-      best = refine(problem, best.place);
-    }
-    place = best.place;
-  }
-  return best;
-}
-
 // What one path takes from chi^2, the others adjusting their amplitudes.
 double gain_of_path(FringeProblem const& problem, RefinedFit const& fit, Eigen::VectorXd const& target, std::size_t p) {
   FringePlace const others = [&] {
@@ -142,52 +119,6 @@ double gain_of_path(FringeProblem const& problem, RefinedFit const& fit, Eigen::
   FringeProblem rest = problem;
   rest.responses.erase(rest.responses.begin() + std::ptrdiff_t(p));
   return linear_fit(rest.columns(others), target).chi2 - fit.fit.chi2;
-}
-
-bool at_end(SearchRange const& r, double value) {
-  return r.free() && (value - r.low < 1e-6 * (r.high - r.low) || r.high - value < 1e-6 * (r.high - r.low));
-}
-
-// Amplitude and phase instead of cosine and sine; then the free ones.
-void report_parameters(FringeFit& out, FringeProblem const& problem, RefinedFit const& fit) {
-  auto const free = free_parameters(problem.settings, fit.place.shapes.size());
-  std::size_t const paths = fit.place.shapes.size(), n = 2 * paths + free.size();
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(Eigen::Index(n), Eigen::Index(n));
-  out.paths.resize(paths);
-  for (std::size_t p = 0; p < paths; ++p) {
-    auto const i = Eigen::Index(2 * p);
-    double const a = fit.fit.linear[i], b = fit.fit.linear[i + 1], r = std::hypot(a, b);
-    turn.block<2, 2>(i, i) << a / r, b / r, -b / (r * r), a / (r * r);
-    FringeShape const& shape = fit.place.shapes[p];
-    out.paths[p] = {problem.settings.paths[p].name,
-                    {r},
-                    {std::atan2(b, a)},
-                    {shape.multiplicity},
-                    {shape.delay},
-                    {shape.drift},
-                    0,
-                    0};
-    out.names.push_back(fmt::format("amplitude {}", p + 1));
-    out.names.push_back(fmt::format("phase {}", p + 1));
-  }
-  out.ratio = {fit.place.ratio};
-  Eigen::MatrixXd const covariance = turn * fit.covariance * turn.transpose();
-  std::vector<Fitted*> all;
-  for (FittedPath& p : out.paths) all.insert(all.end(), {&p.amplitude, &p.phase});
-  for (FreeParameter const& f : free) {
-    FittedPath& p = out.paths[f.path];
-    bool const ratio = f.kind == FreeParameter::Kind::ratio;
-    bool const w = f.kind == FreeParameter::Kind::multiplicity, d = f.kind == FreeParameter::Kind::delay;
-    all.push_back(ratio ? &out.ratio : w ? &p.multiplicity : d ? &p.delay : &p.drift);
-    all.back()->at_end = at_end(range_of(problem.settings, f), all.back()->value);
-    std::string const name = w ? "multiplicity" : d ? "delay" : "drift";
-    out.names.push_back(ratio ? "ratio" : fmt::format("{} {}", name, f.path + 1));
-  }
-  for (Eigen::Index i = 0; i < Eigen::Index(n); ++i) {
-    all[std::size_t(i)]->sigma = std::sqrt(covariance(i, i));
-    for (Eigen::Index j = 0; j < Eigen::Index(n); ++j)
-      out.correlation.push_back(covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j)));
-  }
 }
 
 void report_significance(FringeFit& out, FringeProblem const& problem, RefinedFit const& fit) {
@@ -256,6 +187,7 @@ FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& setti
     out.highest_fringe = std::max(out.highest_fringe, 2 * std::fabs(s.multiplicity) * fastest / settings.wavelength);
   if (double(span.to - split) / records.target.rate * (settings.high - settings.low) > 10)
     out.test = out_of_sample(problem, fit, FringeStretch(records, split, span.to, frame));
+  if (settings.clock > 0) out.clock = clock_check(problem, fit, out);
   out.verdict = verdict_of(out, settings.false_alarm);
   return out;
 }

@@ -36,6 +36,7 @@ struct FringeFitSettings {
   double train = 0.7;         // share of the record that is fitted; the rest tests the fit
   double false_alarm = 1e-3;  // chance of noise alone, in the fitted stretch and in the rest, each
   FitMethod method = FitMethod::frequency;
+  double clock = 0;  // s: another delay of the witness is searched this far to either side; 0: the clocks are one
 };
 
 struct Fitted {
@@ -70,8 +71,19 @@ enum class FitVerdict : std::uint8_t {
   none,         // noise alone explains it
   untested,     // significant, but the rest of the record could not confirm it even if it were right
   not_general,  // significant, but does not predict the rest of the record
+  clock,        // another delay of the witness fits better, and gives another amplitude
   at_end,       // significant, but a parameter stands at the end of its range: the maximum may lie beyond
   found         // significant in the fitted stretch, all places of the search counted, and in the rest
+};
+
+// The same fit with a delay between the clocks of target and witness.
+struct ClockCheck {
+  double range = 0;               // s, searched to either side; 0: not searched
+  Fitted delay;                   // s, the best; common to all paths
+  double gain = 0;                // chi^2 that it takes away beyond the delay of the fit
+  std::vector<FittedPath> paths;  // with it
+  bool better = false;            // than noise alone makes the best of as many delays
+  bool doubtful = false;          // better, and an amplitude is not the same within its error
 };
 
 struct FringeFit {
@@ -86,6 +98,7 @@ struct FringeFit {
   double start = 0, split = 0, end = 0, middle = 0;  // GPS s: fitted from start to split
   std::vector<double> means;                         // m, of the witnesses, where the phases are meant
   OutOfSample test;
+  ClockCheck clock;
   FitVerdict verdict = FitVerdict::none;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Dense>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,8 @@ namespace straytrace {
 namespace {
 
 using Kind = FreeParameter::Kind;
+
+constexpr std::size_t candidates = 3;  // of a scan, refined
 
 // A step that turns the phase by about a milliradian somewhere.
 double small_step(FringeProblem const& problem, FringePlace const& place, FreeParameter const& p) {
@@ -41,6 +44,17 @@ FringePlace moved(FringeProblem const& problem, FringePlace place, std::vector<F
     v = std::clamp(v + step[Eigen::Index(i)], range.low, range.high);
   }
   return place;
+}
+
+// Noise level from what the fit leaves, which is short of one degree of freedom for each parameter.
+void learn_noise(FringeProblem& problem, RefinedFit const& fit) {
+  problem.psd = problem.stretch.psd(problem.stretch.target() - problem.model(fit.place, fit.fit.linear));
+  double const degrees = problem.stretch.degrees();
+  for (double& s : problem.psd) s *= degrees / (degrees - double(fit.covariance.rows()));
+}
+
+bool at_end(SearchRange const& r, double value) {
+  return r.free() && (value - r.low < 1e-6 * (r.high - r.low) || r.high - value < 1e-6 * (r.high - r.low));
 }
 
 }  // namespace
@@ -121,6 +135,64 @@ RefinedFit refine(FringeProblem const& problem, FringePlace const& from) {
     throw NumericalError("the fit cannot tell its parameters apart; fix some of them");
   out.covariance = scale.asDiagonal() * lu.inverse() * scale.asDiagonal();
   return out;
+}
+
+RefinedFit fit_all(FringeProblem& problem) {
+  RefinedFit best;
+  FringePlace place{{}, problem.settings.ratio.low};
+  for (std::size_t p = 0; p < problem.settings.paths.size(); ++p) {
+    best.fit.chi2 = infinity;
+    for (FringePlace const& from : scan(problem, place, p, candidates))
+      if (RefinedFit const fit = refine(problem, from); fit.fit.chi2 < best.fit.chi2) best = fit;
+    for (int i = 0; i < 2; ++i) {
+      learn_noise(problem, best);
+      best = refine(problem, best.place);
+    }
+    place = best.place;
+  }
+  return best;
+}
+
+// Amplitude and phase instead of cosine and sine; then the free ones.
+void report_parameters(FringeFit& out, FringeProblem const& problem, RefinedFit const& fit) {
+  auto const free = free_parameters(problem.settings, fit.place.shapes.size());
+  std::size_t const paths = fit.place.shapes.size(), n = 2 * paths + free.size();
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(Eigen::Index(n), Eigen::Index(n));
+  out.paths.resize(paths);
+  for (std::size_t p = 0; p < paths; ++p) {
+    auto const i = Eigen::Index(2 * p);
+    double const a = fit.fit.linear[i], b = fit.fit.linear[i + 1], r = std::hypot(a, b);
+    turn.block<2, 2>(i, i) << a / r, b / r, -b / (r * r), a / (r * r);
+    FringeShape const& shape = fit.place.shapes[p];
+    out.paths[p] = {problem.settings.paths[p].name,
+                    {r},
+                    {std::atan2(b, a)},
+                    {shape.multiplicity},
+                    {shape.delay},
+                    {shape.drift},
+                    0,
+                    0};
+    out.names.push_back(fmt::format("amplitude {}", p + 1));
+    out.names.push_back(fmt::format("phase {}", p + 1));
+  }
+  out.ratio = {fit.place.ratio};
+  Eigen::MatrixXd const covariance = turn * fit.covariance * turn.transpose();
+  std::vector<Fitted*> all;
+  for (FittedPath& p : out.paths) all.insert(all.end(), {&p.amplitude, &p.phase});
+  for (FreeParameter const& f : free) {
+    FittedPath& p = out.paths[f.path];
+    bool const ratio = f.kind == FreeParameter::Kind::ratio;
+    bool const w = f.kind == FreeParameter::Kind::multiplicity, d = f.kind == FreeParameter::Kind::delay;
+    all.push_back(ratio ? &out.ratio : w ? &p.multiplicity : d ? &p.delay : &p.drift);
+    all.back()->at_end = at_end(range_of(problem.settings, f), all.back()->value);
+    std::string const name = w ? "multiplicity" : d ? "delay" : "drift";
+    out.names.push_back(ratio ? "ratio" : fmt::format("{} {}", name, f.path + 1));
+  }
+  for (Eigen::Index i = 0; i < Eigen::Index(n); ++i) {
+    all[std::size_t(i)]->sigma = std::sqrt(covariance(i, i));
+    for (Eigen::Index j = 0; j < Eigen::Index(n); ++j)
+      out.correlation.push_back(covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j)));
+  }
 }
 
 }  // namespace straytrace

@@ -3,9 +3,13 @@
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
+#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <optional>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "base/message.hpp"
@@ -56,6 +60,49 @@ double length_between(Eigen::MatrixXd const& a, Eigen::MatrixXd const& b) {
   double const nuclear = std::sqrt(m.squaredNorm() + 2 * std::fabs(m.determinant()));
   return std::sqrt(std::max(0.0, 2 - nuclear));
 }
+
+// chi^2 that the columns of a path take from y at each delay, by one transform for each column: a delay turns both
+// columns, which leaves their products with each other as they are. For a path that is alone.
+class DelayScan {
+ public:
+  DelayScan(FringeStretch const& stretch, SearchRange const& range, double step) : n_(1) {
+    std::vector<double> const& hz = stretch.hz();
+    spacing_ = hz[1] - hz[0];
+    first_ = hz[0];
+    while (1 / (double(n_) * spacing_) > step || n_ < hz.size()) n_ *= 2;
+    for (double i = std::ceil(range.low / delay(1)); i <= range.high / delay(1); ++i) places_.push_back(i);
+  }
+
+  // The best delay, and its gain.
+  std::pair<double, double> best(Eigen::MatrixXd const& columns, Eigen::VectorXd const& y) {
+    Eigen::Matrix2d const inverse = (columns.transpose() * columns).inverse();
+    if (!inverse.allFinite()) return {0, 0};
+    for (int c = 0; c < 2; ++c) {
+      std::vector<std::complex<double>> lines(n_);
+      for (Eigen::Index k = 0; 2 * k < y.size(); ++k)
+        lines[std::size_t(k)] = std::complex<double>(columns(2 * k, c), -columns(2 * k + 1, c)) *
+                                std::complex<double>(y[2 * k], y[2 * k + 1]);
+      fft_.inv(product_[c], lines);
+    }
+    std::pair<double, double> out{0, -1};
+    for (double const i : places_) {
+      std::complex<double> const turn = std::polar(double(n_), 2 * pi * first_ * delay(i));
+      auto const at = std::size_t(i < 0 ? i + double(n_) : i);
+      Eigen::Vector2d const b{(turn * product_[0][at]).real(), (turn * product_[1][at]).real()};
+      if (double const gain = b.dot(inverse * b); gain > out.second) out = {delay(i), gain};
+    }
+    return out;
+  }
+
+ private:
+  double delay(double place) const { return place / (double(n_) * spacing_); }
+
+  std::size_t n_;
+  double spacing_ = 0, first_ = 0;
+  std::vector<double> places_;
+  std::vector<std::complex<double>> product_[2];
+  Eigen::FFT<double> fft_;
+};
 
 struct Hit {
   double gain;
@@ -142,11 +189,19 @@ std::vector<FringePlace> scan(FringeProblem const& problem, FringePlace const& o
     fixed = orthonormal(all, Eigen::MatrixXd(y.size(), 0));
     y -= fixed * (fixed.transpose() * y);
   }
+  std::optional<DelayScan> alone;
+  if (fixed.cols() == 0 && grid.delay.size() > 1)
+    alone.emplace(stretch, problem.settings.paths[path].delay, grid.delay[1] - grid.delay[0]);
   std::vector<Hit> best(grid.multiplicity.size(), Hit{-1, 0, {}, 0});  // of each multiplicity
   for (double const ratio : grid.ratio)
     for (double const drift : grid.drift)
       for (std::size_t w = 0; w < grid.multiplicity.size(); ++w) {
         FringeColumns const columns = stretch.columns(problem.responses[path], {grid.multiplicity[w], 0, drift}, ratio);
+        if (alone) {
+          auto const [delay, gain] = alone->best(two_columns(stretch, problem.psd, columns), y);
+          if (gain > best[w].gain) best[w] = {gain, w, {grid.multiplicity[w], delay, drift}, ratio};
+          continue;
+        }
         for (double const delay : grid.delay) {
           double const gain = gain_of(
               two_columns(stretch, problem.psd, delay == 0 ? columns : stretch.delayed(columns, delay)), fixed, y);

@@ -65,6 +65,11 @@ Eigen::MatrixXd jacobian(FringeProblem const&, FringePlace const&, Eigen::Vector
 // Gauss-Newton with damping over all free parameters; they stay in their ranges.
 RefinedFit refine(FringeProblem const&, FringePlace const& from);
 
+// Searches path after path and moves all together; learns the noise level of the problem from what is left.
+RefinedFit fit_all(FringeProblem&);
+// Paths, ratio, names and correlations: amplitude and phase instead of cosine and sine, with their errors.
+void report_parameters(FringeFit&, FringeProblem const&, RefinedFit const&);
+
 // The fit of one stretch, its covariance included, against another with the same noise level.
 OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const&, FringeStretch const& rest);
 FitVerdict verdict_of(FringeFit const&, double false_alarm);

@@ -68,6 +68,7 @@ OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const& fit, Fr
 }
 
 FitVerdict verdict_of(FringeFit const& fit, double false_alarm) {
+  if (fit.clock.doubtful) return FitVerdict::clock;
   if (fit.ln_false_alarm >= std::log(false_alarm)) return FitVerdict::none;
   if (ends_a_range(fit)) return FitVerdict::at_end;
   if (fit.test.seconds == 0) return FitVerdict::untested;
