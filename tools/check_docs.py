@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fail for a dead link in the documents, a named file or test that does not exist, a shape, scatter law or
-interface without its page, a cited equation that docs/theory does not set, a test that skips and is not told of, or a
-picture of a tree with uncommitted changes. Usage: check_docs.py [ROOT]"""
+"""Fail for a dead link in the documents, a file or test that documents or messages name and that does not exist, a shape,
+scatter law or interface without its page, a cited equation that docs/theory does not set, a test that skips and is not
+told of, or a picture of a tree with uncommitted changes. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
 import struct
@@ -17,6 +17,10 @@ TEST = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
 PAGES = {"geometry": ("shapes",), "optics": ("scatter", "interfaces")}  # room of src/: folders of docs/reference/
 CITED = re.compile(r"\beqs?\. \(?(\d+\.\d+|C\.\d+)")
 TAG = re.compile(r"\\tag\{([^}]*)\}")                   # "5.4", "5.5, 5.6" or "5.1–5.3"
+# Names of files in what a program prints, and in pages outside of links.
+STRING = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
+TOLD_FILE = re.compile(r"(?<![\w./<-])((?:(?:docs|examples|library|scripts|tests|tools)/[\w./-]*\w)|[\w/-]+\.md)\b")
+NAMES_OF_CODE = ("docs/theory/index.md", "docs/theory/errors.md", "docs/theory/sampling.md")  # say what those in comments mean
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
@@ -51,6 +55,25 @@ def missing_files(root, pages):
     for page in pages:
         for name in NAMED_FILE.findall(text_of(page)):
             if "NAME" not in name and not (root / name).exists():
+                yield f"{page.relative_to(root)}: there is no {name}"
+
+
+def told_files(root, pages):
+    """Files that messages, pages of reports and documents name and that a reader would not find. Names of pages may leave
+    out their folders."""
+    code = [file for room, ends in (("src", "[ch]pp"), ("step", "[ch]pp"), ("data/page", "js"), ("python", "py"))
+            for file in (root / room).rglob(f"*.{ends}")]
+    known = {page.name for page in pages}
+    for file in sorted(code):
+        for text in STRING.findall(re.sub(r"^\s*(//|#).*$", "", file.read_text(encoding="utf-8"), flags=re.MULTILINE)):
+            for name in TOLD_FILE.findall(text):
+                if not (root / name).exists():
+                    yield f"{file.relative_to(root)}: a reader is told of {name}, which does not exist"
+    for page in pages:
+        if page in [root / name for name in NAMES_OF_CODE]:
+            continue
+        for name in TOLD_FILE.findall(LINK.sub("", text_of(page))):
+            if name.endswith(".md") and "NAME" not in name and name not in known and not (root / name).exists() and not (page.parent / name).exists():
                 yield f"{page.relative_to(root)}: there is no {name}"
 
 
@@ -130,8 +153,8 @@ def main(root):
     if not pages:
         print(f"{root}: no pages found; is the path right?")
         return 1
-    found = [*dead_links(root, pages), *missing_files(root, pages), *missing_tests(root), *missing_pages(root), *unknown_equations(root),
-             *silent_skips(root), *dirty_pictures(root)]
+    found = [*dead_links(root, pages), *missing_files(root, pages), *told_files(root, pages), *missing_tests(root),
+             *missing_pages(root), *unknown_equations(root), *silent_skips(root), *dirty_pictures(root)]
     print("\n".join(found) or f"{len(pages)} pages are in order")
     return 1 if found else 0
 

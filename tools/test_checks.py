@@ -152,6 +152,15 @@ class CheckDocs(unittest.TestCase):
         self.expect("`src/geometry/cap.hpp`", 0, "in order")
         self.expect("`src/geometry/cup.hpp`", 1, "there is no src/geometry/cup.hpp")
 
+    def test_message_that_names_a_file_that_does_not_exist_fails(self):
+        there, wrong = 'char const* t = "see docs/reference/shapes/cap.md";', 'char const* t = "see physics.md eq. 2.6";'
+        for file in ("src/a.cpp", "data/page/a.js", "python/a.py"):
+            self.expect("", 0, "in order", **{file: there})
+            self.expect("", 1, "told of physics.md", **{file: wrong})
+        self.expect("", 0, "in order", **{"src/a.cpp": "// as \"physics.md\" says\n"})
+        self.expect("see physics.md", 1, "there is no physics.md")
+        self.expect("see cap.md", 0, "in order")
+
     def test_test_that_does_not_exist_fails(self):
         self.expect("", 1, "there is no test Levers.a2", **{"docs/theory/validation.md": "`Levers.a2`\n"})
         self.expect("", 1, "no tests named", **{"docs/theory/validation.md": "words\n"})

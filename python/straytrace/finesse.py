@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Responses of ports to stray light from a FINESSE 3 model (the extra straytrace[finesse]).
 
-A stray field at a port is the main light there times s (physics.md 9): its real part is an amplitude, its imaginary part
+A stray field at a port is the main light there times s (docs/theory/interferometer.md): its real part is an amplitude, its imaginary part
 a phase. Both sidebands of s go into the model at the node where the light joins, and the read-out answers in W; divided
 by its answer to DARM this is what `responses` of an interferometer reads (docs/reference/interferometer.md)::
 

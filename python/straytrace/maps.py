@@ -24,7 +24,7 @@ BINS_PER_DECADE = 20
 
 @dataclasses.dataclass
 class Spectrum:
-    """2D PSD of the heights, two-sided, mean over azimuth (physics.md eq. 3.6)."""
+    """2D PSD of the heights, two-sided, mean over azimuth (docs/theory/surfaces.md, eq. 3.6)."""
 
     f: np.ndarray                      # 1/m
     s2: np.ndarray                     # m^4

@@ -19,9 +19,10 @@ namespace {
 
 char const* statement_of(GhostFamily const& f) {
   return f.sum == GhostSum::coherent
-             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written (physics.md "
-               "eq. 10.5)"
-             : "ghosts with equal levers, powers added: their static phases are independent (physics.md eq. 10.5)";
+             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written "
+               "(docs/theory/ghosts.md, eq. 10.5)"
+             : "ghosts with equal levers, powers added: their static phases are independent (docs/theory/ghosts.md, "
+               "eq. 10.5)";
 }
 
 PathRecord record_of(GhostFamily const& f) {
@@ -72,9 +73,10 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
   to_principal_states(records);
   CouplingClass c = deterministic_class(
       ClassKind::ghost, members.front()->steps, port, 1, std::move(records),
-      fmt::format("coherent family: {} ghosts of {} different levers, fields added with the phases of the geometry as "
-                  "it is written, their common phase averaged (physics.md eq. 10.5); coupling: sum of powers",
-                  ghosts, members.size()));
+      fmt::format(
+          "coherent family: {} ghosts of {} different levers, fields added with the phases of the geometry as "
+          "it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: sum of powers",
+          ghosts, members.size()));
   c.hash = ~c.hash;  // of the strongest alone it is another route
   c.folded_routes = members.size();
   c.folded = std::move(parts);

@@ -213,7 +213,8 @@ std::vector<MaterialSpread> material_spreads(World const& world) {
 
 std::vector<std::string> Model::assumptions() const {
   std::vector<std::string> lines = world.notes;
-  if (detector) lines.push_back("frozen geometry: paths do not move while the surfaces shake (physics.md eq. 2.6)");
+  if (detector)
+    lines.push_back("frozen geometry: paths do not move while the surfaces shake (docs/theory/phase.md, eq. 2.6)");
   if (detector)
     lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
   lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"

@@ -231,7 +231,8 @@ PhaseSpectrum PhaseSpectra::strong(std::span<double const> kappa, std::vector<bo
   out.total = total(low) * kept * (1 + fast_power);
   out.split = slow.highest;
   if (!(std::fabs(out.total - 0.5) < conserved / 2))
-    throw NumericalError(fmt::format("power of a fringe spectrum is {:.9g}, not 1/2 (physics.md eq. 7.10)", out.total));
+    throw NumericalError(
+        fmt::format("power of a fringe spectrum is {:.9g}, not 1/2 (docs/theory/spectra.md, eq. 7.10)", out.total));
   return out;
 }
 

@@ -32,7 +32,7 @@ std::string path_name(CouplingTable const& table, StrayPath const& path) {
 
 [[noreturn]] void refuse(CouplingTable const& table, StrayLight const& light, StrayPath const& fastest, double rate) {
   throw InputError(
-      fmt::format("error: {:g} samples per second do not hold these fringes (physics.md eq. 7.13)\n"
+      fmt::format("error: {:g} samples per second do not hold these fringes (docs/theory/spectra.md, eq. 7.13)\n"
                   "  {} makes {:.5g} Hz at GPS {:.3f}; with a margin of {:.4g} Hz the rate must be above {:.5g} Hz\n"
                   "  write a rate of {:g} Hz, or none: it is then chosen so",
                   rate, path_name(table, fastest), light.rule.fringe, light.fastest.time, light.rule.margin,

@@ -102,7 +102,8 @@ struct Group {
                                      "fields added with the phases of the drawn geometry",
                                      "fields added in phase, the worst case"};
     std::string text = fmt::format(
-        "upper bound: light scattered towards a rim taken as one smooth spherical wave (physics.md eq. 8.11); speckle, "
+        "upper bound: light scattered towards a rim taken as one smooth spherical wave (docs/theory/diffraction.md, "
+        "eq. 8.11); speckle, "
         "about {:.0f} patches around a rim, lowers the coupling by up to that factor",
         std::fmax(patches, 1));
     if (waves.size() > 1)

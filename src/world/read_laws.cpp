@@ -37,7 +37,8 @@ void read_power_law(Node const& law, LawReading& out) {
   p.above = law.number("above", dim::angle, required, 1e-9, 1.5);
   if (law.has("tis")) {
     if (law.has("kappa")) law.problem("'tis' and 'kappa' say the same thing twice", "keep one of them");
-    if (p.exponent != 2) law.problem("a total is defined for exponent 2 only (physics.md eq. 3.19)", "give 'kappa'");
+    if (p.exponent != 2)
+      law.problem("a total is defined for exponent 2 only (docs/theory/surfaces.md, eq. 3.19)", "give 'kappa'");
     double const tis = law.number("tis", dim::plain, required, 0, 1);
     p.kappa = p.above > 0 ? tis * statistical_kappa(p.above) / (2 * pi) : 0;
   } else {
@@ -201,8 +202,9 @@ void read_defects(Node const& law, LawReading& out) {
   double const albedo = law.number("albedo", dim::plain, 1, 0, 1);
   if (!(covered >= 0 && diameter > 0 && wavelength > 0 && albedo >= 0)) return;
   if (diameter < 2 * wavelength) {
-    law["diameter"].problem("defects this small are not obstacles (physics.md eq. 3.24 is for large ones)",
-                            "give their total as 'tis', or use 'dust' with its size");
+    law["diameter"].problem(
+        "defects this small are not obstacles (docs/theory/surfaces.md, eq. 3.24 is for large ones)",
+        "give their total as 'tis', or use 'dust' with its size");
     return;
   }
   out.add(Lambertian{albedo * covered});

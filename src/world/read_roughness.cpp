@@ -57,7 +57,8 @@ void read_knee(Node const& law, LawReading& out, Roughness& p) {
     if (law.has("a")) law.problem("'rms' and 'a' both give the height", "keep one of them");
     double const rms = law.number("rms", dim::length, required, 0, 1e-3);
     if (c <= 1)
-      law["rms"].problem("the total roughness is infinite for c <= 1 (physics.md eq. 3.13)", "give 'a' instead");
+      law["rms"].problem("the total roughness is infinite for c <= 1 (docs/theory/surfaces.md, eq. 3.13)",
+                         "give 'a' instead");
     a = rms * rms * (c - 1) * knee * knee / (2 * pi);
   } else {
     a = law.number("a", metre4, required, 0, 1);
