@@ -163,14 +163,19 @@ std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double 
   return {grid.edges.front(), grid.edges.back()};
 }
 
-// Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log.
+// Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log. Where one
+// of two neighbours has nothing, as beside a line, there is no line to draw: the average of the bin holds.
 WithError curve_at(std::vector<double> const& mean, std::vector<double> const& sigma, FrequencyGrid const& grid,
                    double hz) {
   std::size_t const n = grid.size();
   if (n == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return {not_a_number, not_a_number};
   std::size_t low = 0;
   while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
-  if (n < 2 || !(mean.at(low) > 0) || !(mean.at(low + 1) > 0)) return {mean.at(low), sigma.at(low)};
+  if (n < 2 || !(mean.at(low) > 0) || !(mean.at(low + 1) > 0)) {
+    auto const next = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
+    auto const bin = std::size_t(next - grid.edges.begin()) - 1;
+    return {mean.at(bin), sigma.at(bin)};
+  }
   double const x = std::log(hz / grid.centre(low)) / std::log(grid.centre(low + 1) / grid.centre(low));
   double const value = mean[low] * std::pow(mean[low + 1] / mean[low], x);
   double const relative = (1 - x) * sigma.at(low) / mean[low] + x * sigma.at(low + 1) / mean[low + 1];
