@@ -6,6 +6,13 @@ const data = JSON.parse(document.getElementById("data").textContent);
 // Okabe and Ito: told apart by every common kind of colour vision.
 const colours = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8A6D00", "#555555"];
 
+// Elements whose text runs over several lines. Browsers break lines behind a minus sign, which cuts exponents:
+// -1.2(3)e-24 stays on one line.
+const wrapping = new Set(["p", "li", "h3", "figcaption", "td", "th", "summary", "label"]);
+function whole(text) { return kept(text.split(/([-−]?[\d.]+(?:\(\d+\))?e[-+]?\d+)/)); }
+// Puts a text in the place of what an element has.
+function say(node, text) { node.replaceChildren(...whole(text)); }
+
 // el("p", {class: "note"}, "text", otherElement): strings become text, never HTML.
 function el(tag, attributes, ...children) {
   const node = document.createElement(tag);
@@ -13,7 +20,8 @@ function el(tag, attributes, ...children) {
     if (key === "on") for (const [event, action] of Object.entries(value)) node.addEventListener(event, action);
     else if (value !== undefined && value !== null && value !== false) node.setAttribute(key, value);
   }
-  for (const child of children.flat()) if (child !== null && child !== undefined) node.append(child);
+  const parts = child => typeof child === "string" && wrapping.has(tag) ? whole(child) : [child];
+  for (const child of children.flat()) if (child !== null && child !== undefined) node.append(...parts(child));
   return node;
 }
 
@@ -31,18 +39,20 @@ function withError(value, sigma) {
   if (value === null || value === undefined) return "unresolved";
   if (!(sigma > 0) || value === 0) return digits(value, 4);
   const place = Math.floor(Math.log10(sigma) + 1e-9), lead = sigma / Math.pow(10, place);
-  const last = lead < 1.95 ? place - 1 : place, power = Math.floor(Math.log10(Math.abs(value)) + 1e-9);
+  const last = lead < 1.95 ? place - 1 : place, step = Math.pow(10, last);
+  const rounded = Math.max(Math.abs(value), Math.round(Math.abs(value) / step) * step);  // 9.96(52) is 10.0(5)
+  const power = Math.floor(Math.log10(rounded) + 1e-9);
   if (last > power) return digits(value, 1) + " ± " + digits(sigma, 1);
   const error = Math.round(sigma / Math.pow(10, last));
   if (power >= -3 && power < 6 && last <= 0) return value.toFixed(-last) + "(" + error + ")";
   return (value / Math.pow(10, power)).toFixed(power - last) + "(" + error + ")e" + power;
 }
 
-// 0.01, 10000, 10^-24.
-function powerOfTen(x) {
-  const power = Math.round(Math.log10(x));
-  if (power >= -2 && power <= 4) return String(Number(Math.pow(10, power).toPrecision(1)));
-  return "10^" + power;
+// A tick of an axis with n digits: 0.01, 1200, 10^-24, 2.5·10^-24.
+function tickText(x, n) {
+  const [mantissa, power] = x.toExponential(n - 1).split("e"), short = String(Number(mantissa));
+  if (x === 0 || (power >= -2 && power <= 4)) return String(Number(x.toPrecision(n)));
+  return (short === "1" ? "" : short + "·") + "10^" + Number(power);
 }
 
 // A part of the page with its entry in the list at the top.
@@ -69,13 +79,43 @@ function simpleTable(titles, rows, text = []) {
             el("tbody", {}, rows.map(row => el("tr", {}, row.map((c, i) => el("td", side(i), String(c)))))));
 }
 
-// Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line.
-function keepNumbers(root) {
-  for (const node of root.querySelectorAll("p, li, h3, figcaption"))
-    for (const text of [...node.childNodes].filter(n => n.nodeType === Node.TEXT_NODE)) {
-      const parts = text.data.split(/([\d.]+(?:\(\d+\))?e-\d+)/);
-      if (parts.length > 1) text.replaceWith(...kept(parts));
-    }
+// Headings that are jumped to stand below the bar at the top, however many lines it has.
+function clearBar() {
+  const bar = document.querySelector("nav");
+  if (!bar) return;
+  const measure = () => document.documentElement.style.setProperty("--bar", Math.ceil(bar.offsetHeight) + 8 + "px");
+  measure();
+  window.addEventListener("resize", measure);
+}
+
+// On paper everything is drawn anew as wide as a sheet, and what is still wider gets smaller letters: nothing is cut.
+function fitPaper() {
+  document.documentElement.style.fontSize = "12px";
+  document.body.classList.add("paper");
+  window.dispatchEvent(new Event("resize"));
+  for (const node of document.querySelectorAll("table, .routes, pre")) {
+    const least = 5;  // px
+    let size = parseFloat(getComputedStyle(node).fontSize);
+    for (; node.scrollWidth > node.clientWidth && size > least; node.style.fontSize = size + "px") size *= 0.95;
+    node.classList.toggle("narrow", node.scrollWidth > node.clientWidth);
+  }
+}
+function leavePaper() {
+  document.documentElement.style.fontSize = "";
+  document.body.classList.remove("paper");
+  for (const node of document.querySelectorAll("table, .routes, pre")) {
+    node.style.fontSize = "";
+    node.classList.remove("narrow");
+  }
+  window.dispatchEvent(new Event("resize"));
+}
+
+// What every page does when it is made.
+function finish() {
+  clearBar();
+  window.addEventListener("beforeprint", fitPaper);
+  window.addEventListener("afterprint", leavePaper);
+  document.body.dataset.ready = "yes";
 }
 
 // A file for the reader, made here and sent nowhere.

@@ -11,27 +11,29 @@ function addGhosts(reports) {
     const hz = r.ghosts[0].strain ? Object.keys(r.ghosts[0].strain).map(f => "h(" + f + " Hz) [1/√Hz]") : [];
     const watts = r.ghosts[0].power_W !== undefined;
     part.append(el("h3", {}, "Beam " + r.beam),
-                simpleTable(["order", "route", "end", "power / launched", ...(watts ? ["power [W]"] : []), "spot [mm]", "path [m]", "recoupled", ...hz],
+                simpleTable(["order", "route", "end", "power / launched", ...(watts ? ["power [W]"] : []), "spot [mm]", "path [m]", "recoupled fraction", ...hz],
                             r.ghosts.map(g => [g.order, g.route, g.end + (g.where ? " " + g.where : ""), digits(g.power),
                                 ...(watts ? [digits(g.power_W)] : []), digits(1000 * g.spot_major_m), digits(g.path_length_m, 6),
                                 digits(g.recoupled), ...strain(g)]), [1, 2]));
     for (const note of (r.notes || []).concat(r.warnings || [])) part.append(el("p", {class: "note"}, note));
   }
   part.append(el("p", {class: "note"}, "Strongest first, order 0 is the main beam. Followed as the scene's table 'ghosts' says; " +
-      "without one down to 1e-12 of the launched power and order 2. straytrace ghosts has all of them."));
+      "without one down to 1e-12 of the launched power and order 2. Spot: larger 1/e² radius at the end. Power, spot and fraction are " +
+      "computed, without Monte-Carlo error; –: the ghost does not come back into a mode, or has no h. straytrace ghosts has all of them."));
 }
 
 function addFirstOrder(lists) {
   if (lists.length === 0) return;
   const part = section("First order", "first");
-  part.append(el("p", {class: "note"}, "Surfaces that are lit and seen at once make stray light by a single scatter; the product is " +
-      "for Lambertian surfaces, relative to the main mode."));
+  part.append(el("p", {class: "note"}, "Surfaces that are lit and seen at once make stray light by a single scatter. Seen with: the part " +
+      "of area times solid angle from which scattered light gets into the port or receiver. Single scatter: what would get in, were the surface " +
+      "Lambertian with its own total scatter. Powers are over that of the main mode; (n): one standard error."));
   const text = e => e === null ? "unresolved" : withError(e.value, e.sigma);
   for (const list of lists.slice(0, 8))
     part.append(el("h3", {}, "Seen from " + list.ending), list.rows.length === 0 ?
                 el("p", {class: "note"}, "No walk met a surface: narrow or distant ones may be missed. straytrace paths RUN --first-order " +
                     "--histories N walks more.") :
-                simpleTable(["surface", "power arriving", "seen with [m² sr]", "single scatter"],
+                simpleTable(["surface", "arriving / main mode", "seen with [m² sr]", "single scatter / main mode"],
                             list.rows.slice(0, 12).map(r => [r.name, text(r.power), text(r.seen), r.product && r.product.value === 0 ? "scatters nothing" : text(r.product)]), [0]));
 }
 
@@ -43,19 +45,20 @@ function addMaterials(materials) {
   const chooser = el("select", {"aria-label": "material"}, materials.map((m, i) =>
       el("option", {value: i}, m.material + (m.status === "assumed" ? " (assumed)" : ""))));
   const place = el("div");
-  chooser.addEventListener("change", () => drawMaterial(place, materials[chooser.value]));
+  chooser.addEventListener("change", () => drawMaterial(place, materials[chooser.value], materials.length));
   part.append(el("div", {class: "bar"}, "material", chooser), place);
-  if (materials.length > 0) drawMaterial(place, materials[0]);
+  if (materials.length > 0) drawMaterial(place, materials[0], materials.length);
 }
 
-function drawMaterial(parent, m) {
-  parent.replaceChildren();
+function drawMaterial(parent, m, count) {
+  parent.replaceChildren(el("h3", {}, m.material + (count > 1 ? ", one of " + count + " materials" : "")));
   const words = [m.source ? "source: " + m.source : "no source is given", m.status ? "status: " + m.status : "",
                  m.low < 1 || m.high > 1 ? "bracket: × " + digits(m.low, 2) + " to " + digits(m.high, 2) : "",
                  m.factor > 1 ? "one sigma: factor " + digits(m.factor, 2) : ""].filter(Boolean);
   parent.append(el("p", {}, words.join("; ")));
   for (const law of m.laws)
-    parent.append(el("p", {class: "note"}, "law " + law.model + (law.through ? " (through)" : "") + ", " + [law.source, law.wavelength].filter(Boolean).join(", ")));
+    parent.append(el("p", {class: "note"}, "law " + law.model + (law.through ? ", of transmitted light" : "") + "; source: " +
+                     (law.source || "not given") + "; wavelength: " + (law.wavelength || "not given")));
   const series = [], shades = [];
   m.bsdf.forEach((curve, i) => {
     const colour = colours[i % colours.length], name = "incidence " + curve.deg + "°" + (curve.side < 0 ? ", transmitted" : "");
@@ -74,7 +77,7 @@ function drawMaterial(parent, m) {
     shades.push({from: 1e-9, to: Math.min(...offsets.filter(o => o > 0)), name: "extrapolated"}, {from: Math.max(...offsets), to: 10, name: "extrapolated"});
   }
   if (series.length > 0)
-    new Plot(parent, {height: 400, shades, series, x: {label: "|α − α₀|", log: true}, y: {label: "BSDF [1/sr]", log: true}});
+    new Plot(parent, {height: 400, shades, series, x: {label: "|α − α₀|", log: true}, y: {label: "BSDF [1/sr]", log: true, decades: 16}});
   else parent.append(el("p", {class: "note"}, "scatters nothing"));
   parent.append(el("details", {}, el("summary", {}, "Shares of the light against incidence"),
       simpleTable(["incidence [°]", "scattered", "specular", "transmitted", "absorbed"],
@@ -90,7 +93,7 @@ function addAssumptions(assumptions, inputs, materials) {
   };
   if (inputs.sources.length > 0)
     part.append(el("h3", {}, "Inputs that are not exactly known"),
-                simpleTable(["input", "trust", "stated", "total h × least", "× most", "noise power on its routes [%]"],
+                simpleTable(["input", "status", "stated", "least factor on h", "largest factor on h", "noise power on its routes [%]"],
                             inputs.sources.map(s => [s.name, /assumed/.test(s.statement) ? "assumed" : trust(s.name), s.statement, digits(s.low), digits(s.high),
                                                      s.share === null ? "–" : digits(s.share)]), [0, 1, 2]));
   if (inputs.exact.length > 0)
@@ -100,16 +103,18 @@ function addAssumptions(assumptions, inputs, materials) {
 function addLedger(ledger) {
   const part = section("Where the light went", "ledger"), emitted = ledger.emitted.value;
   const fates = ledger.fates.filter(f => f.power.value !== 0);
-  const share = v => digits(100 * v / emitted, 4);
-  part.append(simpleTable(["fate", "power / main mode", "share of emitted [%]"],
+  const share = e => withError(100 * e.value / emitted, 100 * e.sigma / emitted);
+  part.append(el("p", {class: "note"}, "Of the light that scatters out of the main mode and of free beams; (n): one standard error."),
+              simpleTable(["fate", "power / main mode", "share of emitted [%]"],
                           [["emitted", withError(emitted, ledger.emitted.sigma), "100"],
-                           ...fates.map(f => [f.name, withError(f.power.value, f.power.sigma), share(f.power.value)])], [0]),
-              el("p", {class: "note"}, "window (roulette) and sampling are zero on average."));
+                           ...fates.map(f => [f.name, withError(f.power.value, f.power.sigma), share(f.power)])], [0]),
+              el("p", {class: "note"}, "escaped: left the scene. limit: was still on its way at the largest number of surface events that " +
+                 "is followed. window and sampling: what the random choices took and gave; zero on average."));
   const objects = ledger.objects.filter(o => o.absorbed && o.absorbed.value > 0 || o.arriving && o.arriving.value > 0)
       .sort((a, b) => (b.absorbed ? b.absorbed.value : 0) - (a.absorbed ? a.absorbed.value : 0));
   const cell = e => e ? withError(e.value, e.sigma) : "–";
-  part.append(el("h3", {}, "Objects"), simpleTable(["object", "arriving", "absorbed", "absorbed of emitted [%]"],
-      objects.slice(0, 30).map(o => [o.name, cell(o.arriving), cell(o.absorbed), o.absorbed ? share(o.absorbed.value) : "–"]), [0]),
+  part.append(el("h3", {}, "Objects"), simpleTable(["object", "arriving / main mode", "absorbed / main mode", "absorbed of emitted [%]"],
+      objects.slice(0, 30).map(o => [o.name, cell(o.arriving), cell(o.absorbed), o.absorbed ? share(o.absorbed) : "–"]), [0]),
       el("details", {}, el("summary", {}, "Books and closure"), el("pre", {}, ledger.closure)));
 }
 
@@ -124,7 +129,8 @@ function addConvergence(convergence) {
   part.append(el("p", {class: "note"}, "Relative standard error from the spread of the first 4 to 32 replicas (blocks dealt in turn)."), box);
   new Plot(box, {height: 380, series, x: {label: "histories", log: true}, y: {label: "relative standard error [%]", log: true}});
   if (convergence.merit.length > 0)
-    part.append(el("h3", {}, "Figure of merit"), simpleTable(["of", "1/(ε² t) [1/s]"], convergence.merit.map(m => [m.name, digits(m.value)]), [0]));
+    part.append(el("h3", {}, "Figure of merit"), el("p", {class: "note"}, "Of ε, the relative standard error, and t, the time of tracing: the larger the sooner it is known."),
+                simpleTable(["of", "1/(ε² t) [1/s]"], convergence.merit.map(m => [m.name, digits(m.value)]), [0]));
 }
 
 function addProvenance(p, libraries) {

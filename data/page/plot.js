@@ -43,9 +43,27 @@ function whenResized(parent, svg, draw) {
   window.addEventListener("resize", hear);
 }
 
+// Evenly spaced ticks and their labels, with as many digits as tell neighbours apart.
+function evenTicks(low, high, count) {
+  const values = d3.ticks(low, high, count), step = values.length > 1 ? values[1] - values[0] : high - low;
+  const most = Math.max(Math.abs(low), Math.abs(high)), places = Math.floor(Math.log10(most)) - Math.floor(Math.log10(step));
+  return {values, label: v => tickText(Math.abs(v) < step / 2 ? 0 : v, Math.max(1, places + 1))};
+}
+
+// Decades get labels, below three decades 2 and 5 too. Where fewer than three of these are in sight: evenly spaced ones.
+function logTicks(low, high, most) {
+  const decades = Math.log10(high / low), every = Math.ceil(decades / most), values = [];
+  for (let p = Math.floor(Math.log10(low)); p <= Math.ceil(Math.log10(high)); ++p)
+    for (const m of decades < 3 ? [1, 2, 5] : [1]) {
+      const v = m * Math.pow(10, p);
+      if (v >= low * 0.999999 && v <= high * 1.000001 && p % every === 0) values.push(v);
+    }
+  return values.length < 3 ? evenTicks(low, high, 5) : {values, label: v => tickText(v, 1)};
+}
+
 const isDecade = v => Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9;
 
-// series: {name, x, y, kind: "line" | "points", colour, width, dash} or {name, x, low, high, kind: "band", colour}
+// series: {name, x, y, kind: "line" | "points", colour, width, dash, error} or {name, x, low, high, kind: "band", colour}
 // shades: {from, to, name} along x. x, y: {label, log}.
 class Plot {
   constructor(parent, {x, y, series, shades = [], height}) {
@@ -54,6 +72,7 @@ class Plot {
     this.tall = height || plotSize.height;
     this.axes = {x, y};
     this.off = new Set(series.filter(s => s.off).map(s => s.name));
+    this.gone = () => false;
     this.shades = shades;
     this.full = {x: this.extent("x"), y: this.extent("y")};
     this.scale = {x: this.scaleOf("x"), y: this.scaleOf("y")};
@@ -83,7 +102,7 @@ class Plot {
     const left = 36 + widest(this.svg, y.values.map(y.label)), widths = textWidths(this.svg, x.values.map(x.label));
     const right = Math.max(18, 2 + Math.max(0, ...widths) / 2);
     this.scale.x.range([left, width - right]);
-    x.label = spacedLabels(this.scale.x, x, widths.map(w => w + 6), v => !this.axes.x.log || isDecade(v));
+    x.label = this.readableLabels(x, widths.map(w => w + 6));
     y.label = spacedLabels(this.scale.y, y, y.values.map(() => lineHeight), v => !this.axes.y.log || isDecade(v));
     this.size = {width, height, left, right, top, bottom};
     this.inside.attr("x", left).attr("y", top).attr("width", width - left - right)
@@ -92,20 +111,28 @@ class Plot {
     this.brushGroup.call(this.brush.extent([[left, top], [width - right, height - bottom]]));
     return {x, y};
   }
+  // Of the labels that would touch another some go, but never all but one: then the two at the ends are left.
+  readableLabels(x, rooms) {
+    const label = spacedLabels(this.scale.x, x, rooms, v => !this.axes.x.log || isDecade(v));
+    if (x.values.filter(v => label(v)).length > 1) return label;
+    return v => v === x.values[0] || v === x.values[x.values.length - 1] ? x.label(v) : "";
+  }
   extent(axis) {
     if (this.axes[axis].range) return this.axes[axis].range;
     const all = [], log = this.axes[axis].log;
     for (const s of this.series) {
       if (s.aside || s.kind === "band" && axis === "y") continue;
       for (const v of s[axis]) if (v !== null && (!log || v > 0)) all.push(v);
+      if (axis === "y" && s.error) s.error.forEach((e, i) => all.push((s.y[i] || 0) + e));
     }
     let [low, high] = d3.extent(all);
     if (low === undefined) [low, high] = [log ? 0.1 : 0, 1];
-    if (!log) return axis === "y" ? [Math.min(low, 0), high + 0.05 * (high - low || 1)] : [low, high];
+    const points = this.series.some(s => s.kind === "points"), room = (points ? 0.03 : 0) * (high - low);
+    if (!log) return axis === "y" ? [Math.min(low, 0), high + 0.05 * (high - low || 1)] : [low - room, high + room];
     if (axis === "x") return low < high ? [low, high] : [low / 2, high * 2];
-    // Nine decades, and more where a curve would otherwise be out of sight.
+    // Nine decades or as many as are asked for, and more where a curve would otherwise be out of sight.
     const tops = this.series.filter(s => !s.aside && s.kind !== "band").map(s => d3.max(s.y, v => v === null ? 0 : v));
-    const floor = Math.min(high * 1e-9, d3.min(tops.filter(v => v > 0)) * 1e-2);
+    const floor = Math.min(high * Math.pow(10, -(this.axes[axis].decades || 9)), d3.min(tops.filter(v => v > 0)) * 1e-2);
     return [Math.max(low / 2, floor), high * 3];
   }
   scaleOf(axis) { return (this.axes[axis].log ? d3.scaleLog() : d3.scaleLinear()).domain(this.full[axis]); }
@@ -119,22 +146,14 @@ class Plot {
     if (!box) return;
     this.brushGroup.call(this.brush.move, null);
     const [[x0, y0], [x1, y1]] = box;
-    if (x1 - x0 > 8 && y1 - y0 > 8)
+    const finest = 1e-6, fine = (a, b) => Math.abs(b - a) > finest * Math.max(Math.abs(a), Math.abs(b));
+    const {x, y} = this.scale;
+    if (x1 - x0 > 8 && y1 - y0 > 8 && fine(x.invert(x0), x.invert(x1)) && fine(y.invert(y0), y.invert(y1)))
       this.show([this.scale.x.invert(x0), this.scale.x.invert(x1)], [this.scale.y.invert(y1), this.scale.y.invert(y0)]);
   }
-  // Decades get labels, and 2 and 5 where there is room.
   ticks(axis) {
-    const scale = this.scale[axis];
-    if (!this.axes[axis].log) return {values: scale.ticks(axis === "x" ? 9 : 7), label: v => digits(v, 4)};
-    const [low, high] = scale.domain(), decades = Math.log10(high / low), all = [];
-    const every = axis === "y" ? Math.ceil(decades / 10) : Math.ceil(decades / 12);
-    for (let p = Math.floor(Math.log10(low)); p <= Math.ceil(Math.log10(high)); ++p)
-      for (const m of decades < 3 ? [1, 2, 5] : [1]) {
-        const v = m * Math.pow(10, p);
-        if (v >= low * 0.999999 && v <= high * 1.000001 && p % every === 0) all.push(v);
-      }
-    const plain = v => isDecade(v) ? powerOfTen(v) : digits(v, 2);
-    return {values: all, label: plain};
+    const [low, high] = this.scale[axis].domain();
+    return this.axes[axis].log ? logTicks(low, high, axis === "y" ? 10 : 12) : evenTicks(low, high, axis === "x" ? 9 : 7);
   }
   drawAxes() {
     const {x: tx, y: ty} = this.fit(), {width, height, left, right, top, bottom} = this.size;
@@ -165,29 +184,59 @@ class Plot {
           .attr("fill", "#e2e2e2").append("title").text(s.name);
     }
     for (const s of this.series) {
-      if (this.off.has(s.name)) continue;
+      if (this.off.has(s.name) || this.gone(s)) continue;
       if (s.kind === "band") this.drawBand(g, s);
       else if (s.kind === "points") this.drawPoints(g, s);
-      else
-        g.append("path").attr("fill", "none").attr("stroke", s.colour).attr("stroke-width", s.width || 1.6)
-            .attr("stroke-dasharray", s.dash || null)
-            .attr("d", d3.line().defined((_, i) => this.good(s.y[i], "y") && this.good(s.x[i], "x"))
-                .x((_, i) => x(s.x[i])).y((_, i) => y(s.y[i]))(s.x));
+      else this.drawLine(g, s);
     }
+  }
+  // A value between two that are not known is a dot: a line of one point would not be seen.
+  drawLine(g, s) {
+    const {x, y} = this.scale, known = s.x.map((v, i) => this.good(s.y[i], "y") && this.good(v, "x"));
+    g.append("path").attr("fill", "none").attr("stroke", s.colour).attr("stroke-width", s.width || 1.6)
+        .attr("stroke-dasharray", s.dash || null)
+        .attr("d", d3.line().defined((_, i) => known[i]).x((_, i) => x(s.x[i])).y((_, i) => y(s.y[i]))(s.x));
+    known.forEach((here, i) => {
+      if (here && !known[i - 1] && !known[i + 1])
+        g.append("circle").attr("cx", x(s.x[i])).attr("cy", y(s.y[i])).attr("r", 1.5 + (s.width || 1.6)).attr("fill", s.colour);
+    });
+  }
+  // Series that stand beside the others until the next call; those that are `gone` are not drawn.
+  bring(series, gone) {
+    const all = axis => this.scale[axis].domain().every((v, i) => v === this.full[axis][i]);
+    const whole = all("x") && all("y");
+    this.series = this.series.filter(s => !s.brought).concat(series.map(s => ({...s, brought: true})));
+    this.gone = gone;
+    this.full = {x: this.extent("x"), y: this.extent("y")};
+    this.drawLegend();
+    if (whole) this.show(this.full.x, this.full.y);
+    else this.draw();
   }
   drawBand(g, s) {
     const {x, y} = this.scale, floor = y.domain()[0] / 10;
     const at = v => y(this.axes.y.log ? Math.max(v, floor) : v);
+    const known = s.x.map((_, i) => this.good(s.high[i], "y") && s.low[i] !== null);
+    known.forEach((here, i) => {
+      if (here && !known[i - 1] && !known[i + 1])
+        g.append("line").attr("x1", x(s.x[i])).attr("x2", x(s.x[i])).attr("y1", at(s.low[i])).attr("y2", at(s.high[i]))
+            .attr("stroke", s.colour).attr("stroke-width", 8).attr("opacity", s.opacity || 0.25);
+    });
     g.append("path").attr("fill", s.colour).attr("opacity", s.opacity || 0.25)
-        .attr("d", d3.area().defined((_, i) => this.good(s.high[i], "y") && s.low[i] !== null)
+        .attr("d", d3.area().defined((_, i) => known[i])
             .x((_, i) => x(s.x[i])).y0((_, i) => at(s.low[i])).y1((_, i) => at(s.high[i]))(s.x));
   }
   drawPoints(g, s) {
     for (let i = 0; i < s.x.length; ++i) {
       if (!this.good(s.y[i], "y") || !this.good(s.x[i], "x")) continue;
+      if (s.error) this.drawError(g, s, i);
       g.append("circle").attr("cx", this.scale.x(s.x[i])).attr("cy", this.scale.y(s.y[i])).attr("r", s.width || 3.4)
           .attr("fill", s.hollow ? "#fff" : s.colour).attr("stroke", s.colour);
     }
+  }
+  drawError(g, s, i) {
+    const at = this.scale.x(s.x[i]), low = s.y[i] - s.error[i], {y} = this.scale;
+    g.append("line").attr("class", "error").attr("x1", at).attr("x2", at).attr("stroke", s.colour)
+        .attr("y1", y(this.axes.y.log ? Math.max(low, y.domain()[0] / 10) : low)).attr("y2", y(s.y[i] + s.error[i]));
   }
   drawLegend() {
     this.legend.replaceChildren(...this.series.map(s => {
@@ -198,7 +247,7 @@ class Plot {
       else sign.append("line").attr("x2", 26).attr("y1", 6).attr("y2", 6).attr("stroke", s.colour)
           .attr("stroke-width", s.width || 1.6).attr("stroke-dasharray", s.dash || null);
       s.reading = el("b");
-      const entry = el("span", {class: this.off.has(s.name) ? "off" : null, title: s.name,
+      const entry = el("span", {class: this.off.has(s.name) || this.gone(s) ? "off" : null, title: s.name,
                                 on: {click: () => this.toggle(s)}}, sign.node(), s.name, s.reading);
       return entry;
     }));
@@ -214,70 +263,10 @@ class Plot {
     this.cursor.attr("x1", px).attr("x2", px).style("display", inside ? "" : "none");
     const at = inside ? this.scale.x.invert(px) : null;
     for (const s of this.series) {
-      if (!inside || s.kind) { s.reading.textContent = ""; continue; }
-      const i = Math.min(d3.bisectLeft(s.x, at), s.x.length - 1);
-      s.reading.textContent = this.good(s.y[i], "y") ? digits(s.y[i]) : "";
+      if (!inside || s.kind === "band" || (s.kind && !s.error)) { s.reading.textContent = ""; continue; }
+      const i = s.kind ? d3.scan(s.x, (a, b) => Math.abs(a - at) - Math.abs(b - at)) : Math.min(d3.bisectLeft(s.x, at), s.x.length - 1);
+      s.reading.textContent = !this.good(s.y[i], "y") ? "" : s.error ? withError(s.y[i], s.error[i]) : digits(s.y[i]);
     }
   }
 }
 Plot.count = 0;
-
-// values by rows from the lowest; null: nothing known. `pale(i)`: too few to be trusted.
-function heatMap(parent, map) {
-  const svg = d3.select(parent).append("svg").attr("class", "plot");
-  const draw = () => drawHeat(svg, parent.clientWidth, map);
-  draw();
-  whenResized(parent, svg, draw);
-}
-
-function drawHeat(svg, room, {columns, rows, x, y, values, unit, xLabel, yLabel, pale = () => false, tell}) {
-  const width = Math.max(300, Math.min(620, room || 460));
-  const size = tall => svg.attr("viewBox", "0 0 " + width + " " + tall);
-  svg.selectAll("*").remove();
-  size(width);  // before text is measured: letters scale with it
-  const known = values.filter(v => v > 0), [least, most] = d3.extent(known);
-  const floor = Math.max(least || 1, (most || 1) * 1e-4);
-  const colour = v => d3.interpolateViridis(most > floor ? Math.max(0, Math.log(v / floor) / Math.log(most / floor)) : 1);
-  const canvas = el("canvas", {width: columns, height: rows}), context = canvas.getContext("2d");
-  values.forEach((v, i) => {
-    if (!(v > 0)) return;
-    context.globalAlpha = pale(i) ? 0.45 : 1;
-    context.fillStyle = colour(v);
-    context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
-  });
-  const sx = d3.scaleLinear().domain(x), sy = d3.scaleLinear().domain(y);
-  const sv = d3.scaleLog().domain([floor, Math.max(most || 0, floor * 1.01)]);
-  const tv = {values: sv.ticks(4), label: sv.tickFormat(4, v => digits(v, 1))};
-  const left = 30 + widest(svg, sy.ticks(6).map(sy.tickFormat(6)));
-  const beside = most > 0 ? widest(svg, tv.values.map(tv.label)) : 0;
-  const right = Math.max(72, 36 + beside, 8 + widest(svg, ["[" + unit + "]"]));
-  const top = 12, side = width - left - right, tall = side;
-  size(tall + 66);
-  sx.range([left, left + side]);
-  sy.range([top + tall, top]);
-  sv.range([top + tall, top]);
-  svg.append("rect").attr("x", left).attr("y", top).attr("width", side).attr("height", tall).attr("fill", "#f0f0f0");
-  svg.append("image").attr("x", left).attr("y", top).attr("width", side).attr("height", tall)
-      .attr("preserveAspectRatio", "none").attr("style", "image-rendering: pixelated").attr("href", canvas.toDataURL())
-      .on("mousemove", function () {
-        const [px, py] = d3.mouse(svg.node());
-        const i = Math.floor((py - top) / tall * rows), k = Math.floor((px - left) / side * columns);
-        tell((rows - 1 - i) * columns + k);
-      }).on("mouseleave", () => tell(null));
-  const axis = svg.append("g").attr("class", "axis"), tx = {values: sx.ticks(5), label: sx.tickFormat(5)};
-  const rooms = textWidths(svg, tx.values.map(tx.label)).map(w => w + 6);
-  axis.append("g").attr("transform", "translate(0," + (top + tall) + ")")
-      .call(d3.axisBottom(sx).tickValues(tx.values).tickFormat(spacedLabels(sx, tx, rooms)));
-  axis.append("g").attr("transform", "translate(" + left + ",0)").call(d3.axisLeft(sy).ticks(6));
-  axis.append("text").attr("x", left + side / 2).attr("y", top + tall + 40).attr("text-anchor", "middle").text(xLabel);
-  axis.append("text").attr("transform", "translate(14," + (top + tall / 2) + ") rotate(-90)")
-      .attr("text-anchor", "middle").text(yLabel);
-  const bar = svg.append("g"), steps = 40;
-  for (let i = 0; i < steps && most > 0; ++i)
-    bar.append("rect").attr("x", left + side + 14).attr("width", 12).attr("height", tall / steps + 0.5)
-        .attr("y", top + tall - (i + 1) * tall / steps).attr("fill", d3.interpolateViridis((i + 0.5) / steps));
-  if (most > 0)
-    axis.append("g").attr("transform", "translate(" + (left + side + 26) + ",0)")
-        .call(d3.axisRight(sv).tickValues(tv.values).tickFormat(tv.label));
-  axis.append("text").attr("x", left + side + 6).attr("y", tall + 60).text("[" + unit + "]");
-}

@@ -12,7 +12,7 @@ function budgetSeries(b) {
   series.push({name: "Monte Carlo, ± 1σ", kind: "band", colour: "#000", opacity: 0.35, x,
                low: b.total.asd.map((v, i) => v === null ? null : Math.max(v - b.total.sigma[i], 0)),
                high: b.total.asd.map((v, i) => v === null ? null : v + b.total.sigma[i])});
-  b.routes.forEach((r, i) => series.push(line(r.name, r.asd, {colour: colours[i % colours.length], width: 1.2, aside: true})));
+  b.routes.forEach((r, i) => series.push(line(r.name, r.asd, {id: r.id, colour: colours[i % colours.length], width: 1.2, aside: true})));
   const dashes = [null, "9 4", "3 3"];
   b.design.forEach((d, i) => {
     series.push(line(d.name, d.asd, {colour: "#6b6b6b", width: 2.2, dash: dashes[i % 3]}));
@@ -24,10 +24,35 @@ function budgetSeries(b) {
   return series;
 }
 
+// The total without the rows that are off: in each bin the sum of squares of those that are on. Routes share histories, so
+// their errors add up to at most their plain sum.
+function budgetWithout(b, shares, off) {
+  const on = i => !off.has(b.shares.ids[i]), rest = b.shares.rest_ids, restOff = rest.filter(id => off.has(id)).length;
+  const withRest = restOff < rest.length, bins = b.frequency.length, h = [], low = [], high = [];
+  for (let k = 0; k < bins; ++k) {
+    let power = withRest ? shares.rest[k] : 0, error = withRest ? shares.restError[k] : 0;
+    for (let i = 0; i < b.shares.ids.length; ++i)
+      if (on(i)) {
+        power += shares.share[i * bins + k];
+        error += shares.error[i * bins + k];
+      }
+    const total = b.total.asd[k], known = total !== null && power > 0, root = Math.sqrt(power);
+    h.push(known ? total * root : null);
+    low.push(known ? total * Math.max(root - error / root, 0) : null);
+    high.push(known ? total * (root + error / root) : null);
+  }
+  const name = "stray light without " + (off.size === 1 ? "the row" : "the " + off.size + " rows") + " switched off";
+  const inside = restOff > 0 && withRest ? restOff + " of the rows switched off are too faint for a curve of their own and stay in it; all that " +
+      "are that faint hold at most " + digits(100 * Math.max(...shares.rest), 2) + " % of the noise power at any frequency." : "";
+  return {inside, series: [{name: name + ": error at most", kind: "band", colour: "#b00020", opacity: 0.25, x: b.frequency, low, high},
+                           {name, colour: "#b00020", width: 2.2, x: b.frequency, y: h}]};
+}
+
+// Returns what redraws the curves when rows of the table are switched off or on.
 function addBudget(b) {
   const part = section("Noise budget", "budget"), box = el("figure");
   part.append(box);
-  new Plot(box, {x: {label: "frequency [Hz]", log: true}, y: {label: "strain, one-sided ASD [1/√Hz]", log: true}, series: budgetSeries(b)});
+  const plot = new Plot(box, {x: {label: "frequency [Hz]", log: true}, y: {label: "strain, one-sided ASD [1/√Hz]", log: true}, series: budgetSeries(b)});
   const p = data.provenance;
   box.append(el("figcaption", {}, p.program + " " + p.version + " (" + p.commit + "), model " + p.model.slice(0, 12) + ", seed " + p.seed + ", " +
       p.histories.toLocaleString("en") + " histories, " + p.created + ". Mean over static phases. Drag to zoom, double click to see all, click a name to hide it."));
@@ -39,9 +64,17 @@ function addBudget(b) {
     const lines = b.frequency.map((_, i) => columns.map(c => csvCell(c[i])).join(","));
     offer("budget.csv", rows().map(csvCell).join(",") + "\n" + lines.join("\n") + "\n");
   }}}, "CSV of these curves")));
+  const shares = {}, left = el("p", {class: "note"});
+  for (const key of ["share", "error", "rest", "restError"]) shares[key] = typedArray(Float32Array, b.shares[key]);
+  box.append(left);
+  return off => {
+    const without = off.size > 0 ? budgetWithout(b, shares, off) : {inside: "", series: []};
+    plot.bring(without.series, s => s.id && off.has(s.id));
+    say(left, without.inside);
+  };
 }
 
-function addRoutes() {
+function addRoutes(switched) {
   const part = section("Routes", "routes");
   part.append(el("p", {class: "note"}, "Click a row to see its paths in the scene; with Ctrl several. Click a title to sort."));
   const details = el("div");
@@ -53,7 +86,7 @@ function addRoutes() {
       light.stage.say(ids.length === 0 ? "" : drawn + " paths of " + ids.length + (ids.length > 1 ? " routes" : " route"));
     }
     if (data.scene) for (const id of ids) details.append(pathDetails(data.scene, id));
-  });
+  }, switched);
   part.append(details);
   return {table, attach: made => { light = made; }};
 }
@@ -63,9 +96,8 @@ function build() {
     const note = el("p", {class: "headline"}, el("a", {href: "#warnings"}, data.warnings.length + (data.warnings.length > 1 ? " warnings" : " warning")));
     document.getElementById("page").append(note);
   }
-  if (data.budget) addBudget(data.budget);
-  let routes = null;
-  if (data.table.rows > 0) routes = addRoutes();
+  const switched = data.budget ? addBudget(data.budget) : () => {};
+  const routes = data.table.rows > 0 ? addRoutes(switched) : null;
   if (data.scene) {
     const part = section("Scene", "scene");
     part.append(el("p", {class: "note"}, "Turn with the left button, move with the right one, zoom with the wheel. Click a part for its name, " +
@@ -90,8 +122,7 @@ function build() {
   const warnings = section("Warnings", "warnings");
   warnings.append(data.warnings.length === 0 ? el("p", {}, "none") : el("ul", {}, data.warnings.map(w => el("li", {}, w))));
   addProvenance(data.provenance, data.libraries);
-  keepNumbers(document.body);
-  document.body.dataset.ready = "yes";
+  finish();
 }
 
 build();

@@ -51,7 +51,8 @@ class Stage {
       this.look(w);
     }}}, w));
     looks.push(el("button", {title: "of the chosen part, to scale", on: {click: () => this.focusOn(this.chosen)}}, "near it"));
-    this.bar.append("view", ...looks, "sides ×", stretch, "colour by", by, "cut", axis, where, el("label", {}, names, " names"));
+    const named = (text, ...inputs) => el("label", {}, text + " ", ...inputs);
+    this.bar.append("view", ...looks, named("sides ×", stretch), named("colour by", by), named("cut", axis, where), el("label", {}, names, " names"));
     parent.append(this.bar, el("div", {class: "stage"}, this.view, this.list));
     this.view.append(this.said, this.scaleNote);
   }

@@ -82,7 +82,7 @@ Object.assign(Stage.prototype, {
   addAxes() {
     const points = [], low = this.low;
     for (let i = 0; i < 3; ++i) {
-      const size = this.size[i], raw = size / (i === this.long ? 6 : 2), power = Math.pow(10, Math.floor(Math.log10(raw)));
+      const size = this.size[i], raw = size / (i === this.long ? 6 : 3), power = Math.pow(10, Math.floor(Math.log10(raw)));
       const step = [1, 2, 5, 10].map(m => m * power).find(s => s >= raw);
       const end = low.slice();
       end[i] += size;

@@ -2,13 +2,13 @@
 // The path table. Only the rows in sight are elements of the page, so 1e5 rows scroll like ten.
 "use strict";
 
-const rowHeight = 24, spareRows = 6;
+const rowHeight = 24, spareRows = 6, printedRows = 40;
 const shownAtFirst = ["rank", "sequence", "port", "share", "h10", "h30", "h100", "coupling", "body", "regime", "opl"];
 const measuredRows = 4000;  // as many rows, evenly spread, say how wide a column is
 
 class PathTable {
-  // `chosen(ids)`: hears of the rows that were clicked.
-  constructor(parent, table, chosen) {
+  // `chosen(ids)` hears of the rows that were clicked, `switched(off)` of all that are off.
+  constructor(parent, table, chosen, switched = () => {}) {
     this.table = table;
     this.columns = new Map(table.columns.map(c => [c.key, c.values]));
     this.about = new Map(table.columns.map(c => [c.key, c]));
@@ -21,6 +21,7 @@ class PathTable {
     this.chosen = new Set();
     this.off = new Set();  // ids of rows that are switched off
     this.tell = chosen;
+    this.switched = switched;
     this.order = Array.from({length: table.rows}, (_, i) => i);
     this.build(parent);
     this.refresh();
@@ -37,6 +38,7 @@ class PathTable {
                      off("Switch these off", "the total without the rows that the filter lets through", all)];
     const on = el("button", {on: {click: () => { this.off.clear(); this.resum(); this.draw(); }}}, "All on");
     this.sums = el("div", {class: "note sums"});
+    this.onPaper = el("div", {class: "note printed"});
     this.box = el("div", {class: "routes", tabindex: "0", on: {scroll: () => this.draw()}});
     this.head = el("div", {class: "head"});
     this.ruler = el("div", {class: "ruler", "aria-hidden": "true"});
@@ -44,10 +46,10 @@ class PathTable {
     this.below = el("div", {class: "space"});
     this.body = el("div", {class: "body"});
     this.box.append(el("div", {class: "grid"}, this.head, this.ruler, this.above, this.body, this.below));
-    parent.append(el("div", {class: "bar"}, this.input, save, buttons, on), this.said, this.sums, this.box, this.choices());
+    parent.append(el("div", {class: "bar"}, this.input, save, buttons, on), this.said, this.sums, this.onPaper, this.box, this.choices());
     window.addEventListener("resize", () => this.draw());
-    window.addEventListener("beforeprint", () => { this.box.scrollTop = 0; this.draw(40); });
-    window.addEventListener("afterprint", () => this.draw());
+    window.addEventListener("beforeprint", () => this.print(printedRows));
+    window.addEventListener("afterprint", () => this.print(null));
   }
   choices() {
     const list = el("div", {class: "choices"});
@@ -59,6 +61,12 @@ class PathTable {
     return el("details", {class: "options"}, el("summary", {}, "Columns"), list,
               el("p", {class: "note"}, "The filter knows: " + Predicate.numbers(this.about).join(" ") + " " + textNames.map(n => n + "()").join(" ") +
                  " resolved; and, or, not, brackets; units, as in opl > 2 km."));
+  }
+  print(rows) {
+    this.printed = rows;
+    this.box.scrollTop = 0;
+    this.onPaper.textContent = rows && this.order.length > rows ? "Printed: the first " + rows + " of these rows." : "";
+    this.draw();
   }
   switchOff(ids) {
     for (const id of ids) this.off.add(id);
@@ -83,8 +91,9 @@ class PathTable {
       parts.push("h(" + key.slice(1) + " Hz) " + (left > 0 ? withError(h, error / h) + " (error at most), " +
                  digits(h / Math.sqrt(all)) + " of the whole" : "nothing resolved is left"));
     }
-    this.sums.textContent = this.off.size === 0 ? "" : "Without the " + this.off.size + (this.off.size === 1 ? " row that is off: " : " rows that are off: ") + parts.join("; ") +
-        ". Unresolved rows are in none of these sums.";
+    this.switched(this.off);
+    say(this.sums, this.off.size === 0 ? "" : "Without the " + this.off.size + (this.off.size === 1 ? " row that is off: " : " rows that are off: ") + parts.join("; ") +
+        ". Unresolved rows are in none of these sums.");
   }
   toggle(key) {
     this.shown = [...this.about.keys()].filter(k => (k === key) !== this.shown.includes(k));
@@ -104,7 +113,7 @@ class PathTable {
     } catch (error) {
       this.said.classList.add("bad");
       this.input.setAttribute("aria-invalid", "true");
-      this.said.textContent = error.message;
+      say(this.said, error.message);
       return;
     }
     const values = this.columns.get(this.sortKey), sign = this.falling ? -1 : 1, order = [];
@@ -118,9 +127,9 @@ class PathTable {
     this.order = order;
     const share = this.columns.get("share");
     const sum = order.reduce((s, i) => s + (share[i] || 0), 0);
-    this.said.textContent = order.length + " of " + this.table.rows + " rows" +
+    say(this.said, order.length + " of " + this.table.rows + " rows" +
         (share.some(x => x !== null) ? ", " + digits(sum, 4) + " % of the resolved noise power between " +
-         digits(this.table.band[0]) + " and " + digits(this.table.band[1]) + " Hz" : "");
+         digits(this.table.band[0]) + " and " + digits(this.table.band[1]) + " Hz" : ""));
     this.drawHead();
     this.draw();
   }
@@ -154,8 +163,8 @@ class PathTable {
     const x = values[i];
     return typeof x === "number" ? (Number.isInteger(x) ? String(x) : digits(x, 4)) : x === null ? "–" : x;
   }
-  draw(rows) {
-    const first = Math.max(0, Math.floor(this.box.scrollTop / rowHeight) - spareRows);
+  draw() {
+    const rows = this.printed, first = Math.max(0, Math.floor(this.box.scrollTop / rowHeight) - spareRows);
     const count = rows || Math.ceil(this.box.clientHeight / rowHeight) + 2 * spareRows;
     const shown = this.order.slice(first, first + count).map(i => this.row(i));
     this.above.style.height = first * rowHeight + "px";

@@ -21,5 +21,4 @@ if (data.table && data.table.rows > 0) {
 }
 document.getElementById("page").append(el("p", {class: "note"}, "straytrace " + data.version + ", model " + data.model.slice(0, 12) +
     ". This file needs no network. It carries " + data.libraries.scene + "."));
-keepNumbers(document.body);
-document.body.dataset.ready = "yes";
+finish();

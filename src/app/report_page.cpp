@@ -38,7 +38,7 @@ std::map<std::uint64_t, CouplingClass const*> by_hash(CouplingTable const& coupl
 
 // Paths with their part of the noise of the band, of the rows that make all but a hundredth of it.
 std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable const& table, World const& world) {
-  constexpr std::size_t most_rows = 24, most_paths = 512;
+  constexpr std::size_t most_rows = 24, most_paths = 4096;
   auto const classes = by_hash(coupling);
   std::vector<NoisyPath> all;
   double before = 0;
@@ -53,6 +53,14 @@ std::vector<NoisyPath> noisy_paths(CouplingTable const& coupling, PathTable cons
     for (DrawnPath const& p : paths) all.push_back({p, row.share.value * p.weight / sum, body});
   }
   return all;
+}
+
+// A port has as many lists as lit surfaces.
+std::string seen_from(World const& world, Footprint const& lit) {
+  std::string const name = lit.port.valid() ? world.ports()[lit.port.value] : "";
+  if (!lit.surface.valid()) return name;
+  return fmt::format("{}{}the light on {}", name, name.empty() ? "" : ", by ",
+                     world.groups()[world.surfaces()[lit.surface.value].group.value]);
 }
 
 PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const& lists) {
@@ -73,9 +81,7 @@ PageJson first_order_json(Model const& model, std::vector<FirstOrderList> const&
                            ? PageJson{{"value", number(r.product.mean)}, {"sigma", number(r.product.std_error)}}
                            : PageJson(nullptr)}});
     Footprint const* const port = e.port ? &world.footprints()[e.index] : nullptr;
-    all.push_back({{"ending", port ? (port->port.valid() ? world.ports()[port->port.value] : "")
-                                   : world.receiver_names()[e.index]},
-                   {"rows", rows}});
+    all.push_back({{"ending", port ? seen_from(world, *port) : world.receiver_names()[e.index]}, {"rows", rows}});
   }
   return all;
 }
@@ -207,8 +213,8 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   add_warnings(j, run);
   j["libraries"] = scripts_json();
   page.plots = page.scene = true;
-  page.scripts = {"base.js",  "plot.js",  "filter.js", "table.js", "scene.js",
-                  "stage.js", "light.js", "maps.js",   "lists.js", "report.js"};
+  page.scripts = {"base.js",  "plot.js",  "heat.js", "filter.js", "table.js", "scene.js",
+                  "stage.js", "light.js", "maps.js", "lists.js",  "report.js"};
   return html_text(page);
 }
 

@@ -45,7 +45,7 @@ std::string cell(double value, double sigma) {
 // Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line. The lengths have limits
 // because std::regex recurses.
 std::string with_whole_numbers(std::string const& markup) {
-  static std::regex const form(R"([0-9.]{1,20}(\([0-9]{1,9}\))?e-[0-9]{1,9})");
+  static std::regex const form(R"([0-9.]{1,20}(\([0-9]{1,9}\))?e[-+]?[0-9]{1,9})");
   return std::regex_replace(markup, form, "<span class=\"keep\">$&</span>");
 }
 

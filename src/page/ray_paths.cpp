@@ -101,16 +101,22 @@ class TellingSink {
 
 std::vector<DrawnPath> paths_of(World const& world, std::uint64_t seed, CouplingClass const& c, std::size_t most) {
   std::vector<DrawnPath> all;
-  double sum = 0, next = 0, before = 0;
+  double sum = 0, before = 0;
   for (PathRecord const& r : c.records) sum += r.weight;
   if (c.deterministic() || !(sum > 0) || most == 0) return all;
+  // Where there are more records than wanted: one for each time that the growing sum passes the middle of a step.
+  bool const thin = c.records.size() > most;
+  double const step_size = sum / double(most);
+  auto const passed = [&] { return std::floor(before / step_size + 0.5); };
   for (PathRecord const& r : c.records) {
+    double const until_here = passed();
     before += r.weight;
-    if (before <= next && all.size() + 1 < c.records.size()) continue;
-    next += sum / double(most);
-    if (auto const path = replay(world, seed, r.history, r.event, r.connection))
-      all.push_back(drawn(world, c, r, *path));
-    if (all.size() == most) break;
+    double const times = passed() - until_here;
+    if (thin && !(times > 0)) continue;
+    auto const path = replay(world, seed, r.history, r.event, r.connection);
+    if (!path) continue;
+    all.push_back(drawn(world, c, r, *path));
+    if (thin) all.back().weight = times * step_size;
   }
   return all;
 }

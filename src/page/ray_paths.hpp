@@ -31,7 +31,8 @@ struct DrawnPath {
   std::vector<PathPoint> points;
 };
 
-// Paths of one route, at most so many, spread evenly over its coupling; none for routes that were computed, not
+// Paths of one route: all that were kept, or, of more, at most so many, spread evenly over its coupling, whose weights
+// sum to that of all; none for routes that were computed, not
 // sampled. The world must be steered as for the trace.
 std::vector<DrawnPath> paths_of(World const&, std::uint64_t seed, CouplingClass const&, std::size_t most);
 

@@ -162,6 +162,7 @@ PageJson receivers_json(RunContent const& run) {
                         {"power", r.power.trusted ? number(watts * r.power.mean) : PageJson()},
                         {"sigma", r.power.trusted ? number(watts * r.power.std_error) : PageJson()},
                         {"share", number(100 * r.share.value)},
+                        {"share_sigma", number(100 * r.share.sigma)},
                         {"why", r.power.why_not},
                         {"id", hash_text(r.hash)}});
     }

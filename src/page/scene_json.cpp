@@ -114,39 +114,49 @@ PageJson lit_json(World const& world) {
   return all;
 }
 
+namespace {
+
+// Densities of the cells of a map; null where nothing was seen.
+PageJson cells_json(Chart chart, CellValues const& map, double scale, bool per_area) {
+  std::vector<double> places, value, error;
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    MapCell const& c = map.cells[i];
+    places.insert(places.end(), {c.u_low, c.u_high, c.v_low, c.v_high});
+    double const factor = map.count[i] == 0 ? not_a_number : per_area ? scale / area_of(chart, c) : scale;
+    value.push_back(factor * map.value[i]);
+    error.push_back(factor * map.error[i]);
+  }
+  return {{"cells", numbers(places)}, {"values", numbers(value)}, {"errors", numbers(error)}, {"count", map.count}};
+}
+
+std::vector<double> percent(std::vector<double> shares) {
+  for (double& x : shares) x *= 100;
+  return shares;
+}
+
+}  // namespace
+
 PageJson maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
   PageJson all = PageJson::array();
-  double const watts = beam_power > 0 ? beam_power : 1;
+  double const watts = beam_power > 0 ? beam_power : 1, percent_per_cm2 = 100 * 1e-4;
+  constexpr char const* charts[] = {"plane", "polar", "unrolled"};
   for (SurfaceMap const& m : maps) {
-    std::vector<double> noise = m.noise, error = m.noise_error, light = m.light, light_error = m.light_error;
-    double const cm2 = 1e4 * m.cell_area();
-    for (std::size_t i = 0; i < noise.size(); ++i) {  // % of the noise per cm^2
-      noise[i] *= 100 / cm2;
-      error[i] *= 100 / cm2;
-      light[i] *= watts;
-      light_error[i] *= watts;
-    }
     PageJson places = PageJson::array();
     for (Vec3 const& p : m.places) places.push_back(vector_json(p));
-    std::vector<double> by_place = m.noise_by_place;
-    for (double& x : by_place) x *= 100;
     all.push_back({{"name", m.name},
-                   {"unrolled", m.unrolled},
-                   {"columns", m.columns},
-                   {"rows", m.rows},
-                   {"x", {m.x_low, m.x_high}},
-                   {"y", {m.y_low, m.y_high}},
+                   {"chart", charts[int(m.chart)]},
+                   {"whole", numbers({m.whole.u_low, m.whole.u_high, m.whole.v_low, m.whole.v_high})},
+                   {"x_axis", numbers({m.x_axis.x, m.x_axis.y, m.x_axis.z})},
+                   {"y_axis", numbers({m.y_axis.x, m.y_axis.y, m.y_axis.z})},
                    {"surfaces", m.surfaces},
                    {"noise_sum", number(100 * m.noise_sum)},
-                   {"noise", numbers(noise)},
-                   {"noise_error", numbers(error)},
-                   {"paths", m.paths},
-                   {"light", numbers(light)},
-                   {"light_error", numbers(light_error)},
+                   {"noise", cells_json(m.chart, m.noise, percent_per_cm2, true)},
+                   {"light", cells_json(m.chart, m.light, watts, false)},
                    {"histories", m.histories},
                    {"light_unit", beam_power > 0 ? "W/m²" : "1/m² per W of the main mode"},
                    {"places", places},
-                   {"noise_by_place", numbers(by_place)}});
+                   {"noise_by_place", numbers(percent(m.noise_by_place))},
+                   {"noise_by_place_error", numbers(percent(m.noise_by_place_error))}});
   }
   return all;
 }

@@ -5,35 +5,55 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <type_traits>
 
 #include "trace/history/step.hpp"
 
 namespace straytrace {
 namespace {
 
-// Coordinates of a point of a surface in the map of its name.
-struct Place {
-  double x = 0, y = 0;
-};
+// Errors stay below 30 % where a cell has a dozen paths: what has more than twice as many is halved.
+constexpr double most_paths_in_cell = 24;
+constexpr std::size_t most_cells = 512;
+// Histories that make the cells of light are others than those that fill them, a quarter as many: six to twelve
+// arrivals of theirs become 24 to 48. Arrivals count whatever their power: one that carries most of it would otherwise
+// leave a single cell.
+constexpr std::uint64_t pilot_part = 4;
+constexpr double most_pilots_in_cell = 12;
+constexpr std::size_t most_pilots = 1 << 17;
 
-Place place_on(WorldView const& view, SurfaceId id, Vec3 p, bool unrolled) {
+template <class S>
+constexpr bool is_round = std::is_base_of_v<Cone, S> || std::is_base_of_v<Sphere, S> || std::is_same_v<S, Disk> ||
+                          std::is_same_v<S, Cap> || std::is_same_v<S, Torus>;
+
+MapPlace place_on(WorldView const& view, SurfaceId id, Vec3 p, Chart chart) {
   return view.shapes.visit(view.surfaces[id.value].shape, [&](auto const& s) {
-    Frame const f = Frame::around(s.axis);
-    Vec3 const o = f.to_local(p - s.reference());
-    if (!unrolled) return Place{o.x, o.y};
-    return Place{o.z, std::atan2(o.y, o.x) * std::hypot(o.x, o.y)};
+    Vec3 const o = Frame::around(s.axis).to_local(p - s.reference());
+    if (chart == Chart::plane) return MapPlace{o.x, o.y};
+    double const radius = std::hypot(o.x, o.y), angle = std::atan2(o.y, o.x);
+    return chart == Chart::polar ? MapPlace{radius, angle} : MapPlace{o.z, angle * radius};
   });
 }
 
 struct Reach {
-  double low, high, r_min, r_max;
-  bool barrel() const { return high > low && r_max - r_min < 1e-6 * r_max; }  // seen along its axis it is a line
+  double low = infinity, high = -infinity, r_min = infinity, r_max = 0;
+  bool round = true, barrel = true;  // a barrel seen along its axis is a line
+  void add(Reach const& r) {
+    low = std::min(low, r.low);
+    high = std::max(high, r.high);
+    r_min = std::min(r_min, r.r_min);
+    r_max = std::max(r_max, r.r_max);
+    round = round && r.round;
+    barrel = barrel && r.barrel;
+  }
 };
 Reach reach_of(WorldView const& view, SurfaceId id) {
   return view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) {
-    double low = 0, high = 0, r_min = 0, r_max = 0;
-    s.extent(low, high, r_min, r_max);
-    return Reach{low, high, r_min, r_max};
+    Reach r;
+    s.extent(r.low, r.high, r.r_min, r.r_max);
+    r.round = is_round<std::decay_t<decltype(s)>>;
+    r.barrel = r.high > r.low && r.r_max - r.r_min < 1e-6 * r.r_max;
+    return r;
   });
 }
 
@@ -44,151 +64,168 @@ std::vector<SurfaceId> surfaces_of(World const& world, GroupId group) {
   return all;
 }
 
-constexpr double paths_per_cell = 6;
-constexpr std::size_t most_cells = 36, least_cells = 6;  // along a side
-
-SurfaceMap empty_map(World const& world, GroupId group, std::size_t paths) {
+SurfaceMap empty_map(World const& world, GroupId group, std::vector<SurfaceId> const& surfaces) {
   WorldView const view = world.view();
-  std::vector<SurfaceId> const surfaces = surfaces_of(world, group);
   SurfaceMap map;
   map.name = world.groups()[group.value];
   map.surfaces = surfaces.size();
-  double low = infinity, high = -infinity, r_max = 0;
-  bool barrels = true;
+  Reach all;
   for (SurfaceId const id : surfaces) {
-    Reach const r = reach_of(view, id);
-    low = std::min(low, r.low);
-    high = std::max(high, r.high);
-    r_max = std::max(r_max, r.r_max);
-    barrels = barrels && r.barrel();
+    all.add(reach_of(view, id));
     map.places.push_back(view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.reference(); }));
   }
+  Frame const f = view.shapes.visit(view.surfaces[surfaces.front().value].shape,
+                                    [](auto const& s) { return Frame::around(s.axis); });
+  map.x_axis = f.e1;
+  map.y_axis = f.e2;
   map.noise_by_place.resize(surfaces.size());
-  map.unrolled = barrels || high - low > 2 * r_max;
-  auto const side = std::size_t(std::sqrt(double(paths) / paths_per_cell));
-  map.columns = map.rows = std::clamp(side, least_cells, most_cells);
-  map.x_low = map.unrolled ? low : -r_max;
-  map.x_high = map.unrolled ? high : r_max;
-  map.y_high = map.unrolled ? pi * r_max : r_max;
-  map.y_low = -map.y_high;
-  std::size_t const cells = map.columns * map.rows;
-  map.noise.resize(cells);
-  map.noise_error.resize(cells);
-  map.paths.resize(cells);
+  map.noise_by_place_error.resize(surfaces.size());
+  double const r = all.r_max;
+  if (all.barrel || all.high - all.low > 2 * r) {
+    map.chart = Chart::unrolled;
+    map.whole = {all.low, all.high, -pi * r, pi * r};
+  } else if (all.round) {
+    map.chart = Chart::polar;
+    map.whole = {all.r_min, r, -pi, pi};
+  } else {
+    map.whole = {-r, r, -r, r};
+  }
   return map;
-}
-
-std::size_t cell_of(SurfaceMap const& map, Place p) {
-  auto const index = [](double x, double low, double high, std::size_t n) {
-    double const at = (x - low) / (high - low) * double(n);
-    return std::size_t(std::clamp(at, 0.0, double(n) - 1));
-  };
-  return index(p.y, map.y_low, map.y_high, map.rows) * map.columns + index(p.x, map.x_low, map.x_high, map.columns);
 }
 
 bool counts(NoisyPath const& n, PathPoint const& p) { return p.surface.valid() && p.body == n.body; }
 
-}  // namespace
-
-// Adds one path to the map of a group that it meets.
-static void add_path(WorldView const& view, std::vector<SurfaceId> const& surfaces, std::uint32_t group,
-                     NoisyPath const& n, SurfaceMap& map) {
-  auto const times = std::count_if(n.path.points.begin(), n.path.points.end(), [&](auto& p) { return counts(n, p); });
-  for (PathPoint const& p : n.path.points) {
-    if (!counts(n, p) || p.group.value != group) continue;
-    double const part = n.noise / double(times);
-    std::size_t const cell = cell_of(map, place_on(view, p.surface, p.point, map.unrolled));
-    map.noise_sum += part;
-    map.noise[cell] += part;
-    map.noise_error[cell] += part * part;
-    ++map.paths[cell];
-    auto const at = std::lower_bound(surfaces.begin(), surfaces.end(), p.surface);
-    map.noise_by_place[std::size_t(at - surfaces.begin())] += part;
-  }
+void start(CellValues& values, CellTree const& tree) {
+  values.cells = tree.cells();
+  values.value.assign(values.cells.size(), 0);
+  values.error.assign(values.cells.size(), 0);
+  values.count.assign(values.cells.size(), 0);
 }
 
+SurfaceMap noise_map(World const& world, GroupId group, std::vector<NoisyPath> const& paths) {
+  WorldView const view = world.view();
+  std::vector<SurfaceId> const surfaces = surfaces_of(world, group);
+  SurfaceMap map = empty_map(world, group, surfaces);
+  std::vector<WeightedPlace> all;
+  for (NoisyPath const& n : paths) {
+    auto const times = std::count_if(n.path.points.begin(), n.path.points.end(), [&](auto& p) { return counts(n, p); });
+    for (PathPoint const& p : n.path.points) {
+      if (!counts(n, p) || p.group != group) continue;
+      double const part = n.noise / double(times);
+      all.push_back({place_on(view, p.surface, p.point, map.chart), part});
+      auto const at = std::size_t(std::lower_bound(surfaces.begin(), surfaces.end(), p.surface) - surfaces.begin());
+      map.noise_sum += part;
+      map.noise_by_place[at] += part;
+      map.noise_by_place_error[at] += part * part;
+    }
+  }
+  CellTree tree(map.chart, map.whole);
+  tree.refine(all, most_paths_in_cell, most_cells);
+  start(map.noise, tree);
+  for (WeightedPlace const& p : all) {
+    std::size_t const i = tree.at(p.place);
+    map.noise.value[i] += p.weight;
+    map.noise.error[i] += p.weight * p.weight;
+    ++map.noise.count[i];
+  }
+  for (auto* errors : {&map.noise.error, &map.noise_by_place_error})
+    for (double& e : *errors) e = std::sqrt(e);
+  return map;
+}
+
+}  // namespace
+
 std::vector<SurfaceMap> noise_maps(World const& world, std::vector<NoisyPath> const& paths, std::size_t most) {
-  std::map<std::uint32_t, std::pair<double, std::size_t>> by_group;  // noise, paths
+  std::map<std::uint32_t, double> by_group;
   for (NoisyPath const& n : paths) {
     std::set<std::uint32_t> met;
     for (PathPoint const& p : n.path.points)
       if (counts(n, p)) met.insert(p.group.value);
-    for (std::uint32_t const group : met) {
-      by_group[group].first += n.noise;
-      ++by_group[group].second;
-    }
+    for (std::uint32_t const group : met) by_group[group] += n.noise;
   }
   std::vector<std::pair<double, std::uint32_t>> order;
-  for (auto const& [group, sum] : by_group) order.emplace_back(-sum.first, group);
+  for (auto const& [group, noise] : by_group) order.emplace_back(-noise, group);
   std::sort(order.begin(), order.end());
   order.resize(std::min(order.size(), most));
   std::vector<SurfaceMap> maps;
-  for (auto const& [noise, group] : order) {
-    SurfaceMap map = empty_map(world, {group}, by_group[group].second);
-    std::vector<SurfaceId> const surfaces = surfaces_of(world, {group});
-    for (NoisyPath const& n : paths) add_path(world.view(), surfaces, group, n, map);
-    for (double& e : map.noise_error) e = std::sqrt(e);
-    maps.push_back(std::move(map));
-  }
+  for (auto const& [noise, group] : order) maps.push_back(noise_map(world, {group}, paths));
   return maps;
 }
 
 namespace {
 
-// Power that arrives on the groups with a map, cell by cell; squares of the totals of each history.
-class LightSink {
+// Hears of every arrival on the groups with a map: each(map, place, power).
+template <class Each>
+class ArrivalSink {
  public:
-  LightSink(World const& world, WorldView const& view, std::vector<SurfaceMap>& maps) : view_(view), maps_(maps) {
+  ArrivalSink(World const& world, WorldView const& view, std::vector<SurfaceMap> const& maps, Each each)
+      : view_(view), maps_(maps), each_(each) {
     of_group_.resize(world.groups().size(), none);
-    for (std::size_t i = 0; i < maps.size(); ++i) {
+    for (std::size_t i = 0; i < maps.size(); ++i)
       for (std::size_t g = 0; g < world.groups().size(); ++g)
         if (world.groups()[g] == maps[i].name) of_group_[g] = i;
-      maps[i].light.assign(maps[i].columns * maps[i].rows, 0);
-      maps[i].light_error.assign(maps[i].columns * maps[i].rows, 0);
-    }
   }
   template <class... T>
   void emitted(T const&...) {}
   void visit(PathState const& path, Vertex const& v) {
     std::size_t const i = of_group_[view_.surfaces[v.surface.value].group.value];
-    if (i != none) here_[{i, cell_of(maps_[i], place_on(view_, v.surface, v.point, maps_[i].unrolled))}] += path.power;
+    if (i != none) each_(i, place_on(view_, v.surface, v.point, maps_[i].chart), path.power);
   }
   template <class... T>
   void score(T const&...) {}
   void book(Fate, double) {}
-  void close_history() {
-    for (auto const& [cell, power] : here_) {
-      maps_[cell.first].light[cell.second] += power;
-      maps_[cell.first].light_error[cell.second] += power * power;
-    }
-    here_.clear();
-  }
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
   WorldView const& view_;
-  std::vector<SurfaceMap>& maps_;
+  std::vector<SurfaceMap> const& maps_;
+  Each each_;
   std::vector<std::size_t> of_group_;
-  std::map<std::pair<std::size_t, std::size_t>, double> here_;
 };
+
+std::vector<CellTree> trees_of_light(World const& world, WorldView const& view, std::uint64_t seed, std::uint64_t first,
+                                     std::uint64_t histories, std::vector<SurfaceMap> const& maps) {
+  std::vector<std::vector<WeightedPlace>> places(maps.size());
+  ArrivalSink sink(world, view, maps, [&](std::size_t i, MapPlace p, double) {
+    if (places[i].size() < most_pilots) places[i].push_back({p});
+  });
+  for (std::uint64_t h = first; h < first + histories; ++h) trace_history(view, seed, h, sink);
+  std::vector<CellTree> trees;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    trees.emplace_back(maps[i].chart, maps[i].whole);
+    trees.back().refine(places[i], most_pilots_in_cell, most_cells);
+  }
+  return trees;
+}
 
 }  // namespace
 
 void add_light(World const& world, std::uint64_t seed, std::uint64_t histories, std::vector<SurfaceMap>& maps) {
   WorldView const view = world.view();
-  LightSink sink(world, view, maps);
+  std::vector<CellTree> const trees = trees_of_light(world, view, seed, histories, histories / pilot_part, maps);
+  for (std::size_t i = 0; i < maps.size(); ++i) start(maps[i].light, trees[i]);
+  std::map<std::pair<std::size_t, std::size_t>, double> here;  // power of one history by map and cell
+  ArrivalSink sink(world, view, maps, [&](std::size_t i, MapPlace p, double power) {
+    std::size_t const cell = trees[i].at(p);
+    here[{i, cell}] += power;
+    ++maps[i].light.count[cell];
+  });
   for (std::uint64_t h = 0; h < histories; ++h) {
     trace_history(view, seed, h, sink);
-    sink.close_history();
+    for (auto const& [cell, power] : here) {
+      maps[cell.first].light.value[cell.second] += power;
+      maps[cell.first].light.error[cell.second] += power * power;
+    }
+    here.clear();
   }
   auto const n = double(histories);
   for (SurfaceMap& map : maps) {
     map.histories = histories;
-    double const area = map.cell_area() * double(map.surfaces);
-    for (std::size_t i = 0; i < map.light.size(); ++i) {
-      double const mean = map.light[i] / n, mean2 = map.light_error[i] / n;
-      map.light[i] = mean / area;
-      map.light_error[i] = std::sqrt(std::max(mean2 - mean * mean, 0.0) / (n - 1)) / area;
+    for (std::size_t i = 0; i < map.light.cells.size(); ++i) {
+      double const area = area_of(map.chart, map.light.cells[i]) * double(map.surfaces);
+      double const mean = map.light.value[i] / n, mean2 = map.light.error[i] / n;
+      map.light.value[i] = mean / area;
+      map.light.error[i] = std::sqrt(std::max(mean2 - mean * mean, 0.0) / (n - 1)) / area;
     }
   }
 }

@@ -5,31 +5,37 @@
 #include <string>
 #include <vector>
 
+#include "page/cell_map.hpp"
 #include "page/ray_paths.hpp"
 
 namespace straytrace {
 
-// All instances of a name are laid over one another, in the frame of their shapes: as seen along the axis (x, y), or,
-// where the shape is longer than wide or a cylinder, unrolled (height along the axis, arc). Areas are those of the map.
-// Row 0 is the lowest y, column 0 the least x.
+struct CellValues {
+  std::vector<MapCell> cells;
+  std::vector<double> value, error;  // one standard error
+  std::vector<std::uint32_t> count;  // of paths or arrivals; 0: none seen
+};
+
+// All instances of a name are laid over one another, in the frame of their shapes: polar about the axis of round ones,
+// in x and y across the axis of others, unrolled where the shape is longer than wide or a cylinder. Areas are those of
+// the map. Cells and values are functions of the run alone, however it was traced.
 struct SurfaceMap {
   std::string name;
-  bool unrolled = false;
-  std::size_t columns = 0, rows = 0;
-  double x_low = 0, x_high = 0, y_low = 0, y_high = 0;  // m
-  std::size_t surfaces = 0;                             // laid over one another
-  // Noise: share of the strain noise power of the band that is made in a cell [1], by weight of kept paths; one
-  // standard error; number of paths. A path that meets the moving body twice counts half at each place.
-  std::vector<double> noise, noise_error;
-  std::vector<std::uint32_t> paths;
-  double noise_sum = 0;
-  // Light: power arriving per area over the power of the main mode [1/m^2], and one standard error, of `histories`.
-  std::vector<double> light, light_error;
+  Chart chart = Chart::plane;
+  MapCell whole;
+  Vec3 x_axis, y_axis;       // of the first instance, in the scene; unrolled: the arc begins at x and grows towards y
+  std::size_t surfaces = 0;  // laid over one another
+  // Noise: share of the strain noise power of the band that is made in a cell [1], by weight of kept paths. The error
+  // is that of their number, sqrt(sum of squares). A path that meets the moving body twice counts half at each place.
+  CellValues noise;
+  double noise_sum = 0;  // over all cells
+  // Light: power arriving per area over the power of the main mode [1/m^2], of `histories` of the run; the cells were
+  // made with others of its histories.
+  CellValues light;
   std::uint64_t histories = 0;
   // The same noise along the scene: by surface, with the place of its reference point.
   std::vector<Vec3> places;
-  std::vector<double> noise_by_place;
-  double cell_area() const { return (x_high - x_low) * (y_high - y_low) / double(columns * rows); }
+  std::vector<double> noise_by_place, noise_by_place_error;
 };
 
 // A path with its part of the noise, which is made where it meets the moving body.

@@ -7,6 +7,7 @@
 #include "page/page_json.hpp"
 #include "report/csv.hpp"
 #include "report/filter_words.hpp"
+#include "report/markup.hpp"
 #include "report/route_columns.hpp"
 
 namespace straytrace {
@@ -54,6 +55,46 @@ PageJson table_json(PathTable const& table, CouplingTable const& coupling) {
   return {{"columns", all}, {"rows", columns.rows()}, {"band", {table.low, table.high}}, {"hertz", hertz()}};
 }
 
+namespace {
+
+using Floats = std::vector<float>;
+
+std::string floats_text(Floats const& all) { return base64(all.data(), all.size() * sizeof(float)); }
+
+// What the page needs to leave rows out of the total: per bin, the share of the PSD of the total that a route makes,
+// and asd * sigma over that PSD, of the loudest routes; the rest of the resolved ones in one sum.
+PageJson shares_json(NoiseTrace const& total, std::vector<NoiseTrace const*> const& routes) {
+  constexpr std::size_t most = 400;
+  std::size_t const bins = total.asd.size();
+  Floats share, error;
+  std::vector<double> rest(bins), rest_error(bins);
+  PageJson ids = PageJson::array(), rest_ids = PageJson::array();
+  for (std::size_t r = 0; r < routes.size(); ++r) {
+    NoiseTrace const& t = *routes[r];
+    bool const own = r < most;
+    (own ? ids : rest_ids).push_back(hash_text(t.hash));
+    for (std::size_t k = 0; k < bins; ++k) {
+      double const psd = total.asd[k] * total.asd[k];
+      double const part = psd > 0 ? t.asd[k] * t.asd[k] / psd : 0, off = psd > 0 ? t.asd[k] * t.sigma[k] / psd : 0;
+      if (own) {
+        share.push_back(float(part));
+        error.push_back(float(off));
+      } else {
+        rest[k] += part;
+        rest_error[k] += off;
+      }
+    }
+  }
+  return {{"ids", ids},
+          {"rest_ids", rest_ids},
+          {"share", floats_text(share)},
+          {"error", floats_text(error)},
+          {"rest", floats_text({rest.begin(), rest.end()})},
+          {"restError", floats_text({rest_error.begin(), rest_error.end()})}};
+}
+
+}  // namespace
+
 PageJson budget_json(NoiseBudget const& b, PathTable const& table, std::size_t routes) {
   PageJson j;
   std::vector<double> f;
@@ -77,12 +118,15 @@ PageJson budget_json(NoiseBudget const& b, PathTable const& table, std::size_t r
   j["routes"] = PageJson::array();
   std::map<std::uint64_t, NoiseTrace const*> by_hash;
   for (NoiseTrace const& t : b.routes) by_hash[t.hash] = &t;
+  std::vector<NoiseTrace const*> resolved;
   for (PathRow const& row : table.rows) {
     auto const found = by_hash.find(row.hash);
-    if (j["routes"].size() >= routes) break;
-    if (!row.resolved || found == by_hash.end() || !(row.share.value > 0)) continue;
+    if (found == by_hash.end() || !found->second->resolved) continue;
+    resolved.push_back(found->second);
+    if (j["routes"].size() >= routes || !(row.share.value > 0)) continue;
     j["routes"].push_back({{"id", hash_text(row.hash)}, {"name", row.sequence}, {"asd", numbers(found->second->asd)}});
   }
+  j["shares"] = shares_json(b.total, resolved);
   return j;
 }
 

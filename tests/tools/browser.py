@@ -70,11 +70,14 @@ class Browser:
     def run(self, script, *arguments):
         return self.driver.execute_script(script, *arguments)
 
-    def resize(self, width, height=900):
-        """Sets the inside of the window, and waits until the page has drawn itself anew. Windows themselves do not get
-        narrower than 500 px."""
+    def set_width(self, width, height=900):
+        """Sets the inside of the window. Windows themselves do not get narrower than 500 px."""
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                     {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+
+    def resize(self, width, height=900):
+        """Sets the inside of the window, and waits until the page has drawn itself anew."""
+        self.set_width(width, height)
         if self.scripts:
             self.driver.execute_async_script("const done = arguments[0];"
                                              "requestAnimationFrame(() => requestAnimationFrame(() => done()))")

@@ -6,7 +6,7 @@ LEAST_LETTERS, LEAST_STAGE = 9, 250  # px
 FAULTS = """
 const [leastLetters, leastStage] = arguments, root = document.documentElement, said = [];
 const words = node => "'" + node.textContent.trim().slice(0, 40) + "'";
-const number = /[\\d.]+(?:\\(\\d+\\))?e-?\\d+/g;
+const number = /[-−]?[\\d.]+(?:\\(\\d+\\))?e[-+]?\\d+/g;
 document.querySelectorAll("details").forEach(d => { d.open = true; });
 
 const wide = root.scrollWidth - root.clientWidth;
@@ -22,7 +22,7 @@ for (const cell of document.querySelectorAll(".routes .head span, .routes .row s
 // Lines on which a range of text stands.
 const lines = range => new Set([...range.getClientRects()].map(r => Math.round(r.top))).size;
 const range = document.createRange();
-for (const node of document.querySelectorAll("p, li, h3, figcaption, td:not(.text)")) {
+for (const node of document.querySelectorAll("p, li, h3, figcaption, td, th, summary, label, .note, .legend span")) {
   const walk = document.createTreeWalker(node, NodeFilter.SHOW_TEXT);
   for (let text = walk.nextNode(); text; text = walk.nextNode())
     for (const found of text.data.matchAll(number)) {
@@ -35,6 +35,10 @@ for (const node of document.querySelectorAll("p, li, h3, figcaption, td:not(.tex
 for (const svg of document.querySelectorAll("svg.plot")) {
   const box = svg.getBoundingClientRect(), texts = [...svg.querySelectorAll("text")].filter(t => t.textContent);
   const rects = texts.map(t => t.getBoundingClientRect());
+  for (const axis of svg.querySelectorAll(".axis > g")) {
+    const labels = [...axis.querySelectorAll("text")].filter(t => t.textContent && t.getBoundingClientRect().width > 0);
+    if (labels.length < 2) said.push(`an axis has the labels [${labels.map(t => t.textContent)}]: nobody can read a value`);
+  }
   texts.forEach((t, i) => {
     const r = rects[i], letters = parseFloat(getComputedStyle(t).fontSize) * t.getScreenCTM().a;
     const upright = Math.abs(t.getScreenCTM().b) < 1e-9;
@@ -71,3 +75,33 @@ def text_width(browser, text="rank route share 1.2345(67)e-89"):
     return browser.run("const s = document.createElement('span'); s.textContent = arguments[0];"
                        "s.style.whiteSpace = 'nowrap'; document.body.append(s);"
                        "const w = s.getBoundingClientRect().width; s.remove(); return w", text)
+
+
+PAPER_FAULTS = """
+const said = [], sheet = arguments[0];
+const words = node => "'" + (node.textContent || node.tagName).trim().slice(0, 40) + "'";
+for (const node of document.querySelectorAll("table, pre, .routes, th, td, .routes .head span, .routes .row span, .legend span"))
+  if (node.offsetWidth > 0 && node.scrollWidth > node.clientWidth + 1 && getComputedStyle(node).display !== "inline")
+    said.push(`cut: ${words(node)} needs ${node.scrollWidth} px and has ${node.clientWidth}`);
+for (const node of document.querySelectorAll("body *")) {
+  const r = node.getBoundingClientRect();
+  if (r.width > 0 && r.right > sheet + 1 && !node.closest("svg")) said.push(`${words(node)} is wider than the sheet`);
+}
+for (const node of document.querySelectorAll("td, .routes .row span"))
+  if (node.textContent && parseFloat(getComputedStyle(node).fontSize) < 4.5) said.push(`${words(node)} has letters that nobody can read`);
+return said;
+"""
+SHEET = 718  # px: A4 with margins of 1 cm
+
+
+def paper_faults(browser):
+    """What is wrong with the open page on a sheet, as texts: laid out as for a printer, then as for the screen again."""
+    width = browser.run("return innerWidth")
+    browser.run("window.dispatchEvent(new Event('beforeprint'))")
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    browser.set_width(SHEET)
+    said = browser.run(PAPER_FAULTS, SHEET)
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    browser.set_width(width)
+    browser.run("window.dispatchEvent(new Event('afterprint'))")
+    return said

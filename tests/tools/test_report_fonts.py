@@ -18,13 +18,16 @@ HARM = (("body::after { content: ''; display: block; width: 2000px; height: 1px 
         (".routes .grid span { max-width: 60px; overflow: hidden }", 1300, ")e-"),
         (".routes .grid span { max-width: 20px; overflow: hidden }", 1300, "cut: 'rank"),
         ("th, td { max-width: 1rem }", 600, "cut: "),
-        ("td { white-space: normal; overflow-wrap: anywhere; max-width: 2rem; min-width: 0 }", 600, "broken: "),
+        ("td { max-width: 2rem; min-width: 0 }", 600, "cut: "),
+        (".keep, td { white-space: normal } td { overflow-wrap: anywhere; max-width: 2rem; min-width: 0 }", 600, "broken: "),
         (".keep { white-space: normal } p { width: 1px }", 600, "broken: "),
         ("svg.plot { max-width: 200px }", 600, "has letters of"),
         ("svg.plot text { font-size: 40px }", 600, "overlap"),
         ("svg.plot text { font-size: 40px }", 390, "leaves its plot"),
         (".stage { flex-direction: row } .stage .view { flex: 1 1 auto }", 390, "the scene is "),
-        (".stage .label { padding: 0 5rem }", 390, "leaves the scene"))
+        (".stage .label { padding: 0 5rem }", 390, "leaves the scene"),
+        ("svg.plot .tick ~ .tick text { display: none }", 1300, "nobody can read a value"))
+TEXT_HARM = ((".keep { white-space: normal } td.text { max-width: 3rem; min-width: 0 }", 600, "broken: -1.23456789e-12"),)
 
 
 def with_long_texts(page, folder):
@@ -43,6 +46,7 @@ def with_long_texts(page, folder):
     route = {"rank": 1, "route": WORD, "power": 1.23456e-12, "sigma": 1.2e-17, "why": "", "share": 100}
     data["receivers"]["list"].append({**route, "name": WORD, "unit": "W", "routes": [route]})
     data["warnings"].append(WORD)
+    data["provenance"]["stop_rule"] = "a rule of many words until -1.23456789e-12 " * 4
     long = folder / "long.html"
     text = json.dumps(data).replace("<", "\\u003c")
     long.write_text(DATA.sub(lambda m: m.group(1) + text + m.group(3), page.read_text()))
@@ -66,9 +70,9 @@ def check_widths(browser, page, what, widths=(*WIDTHS, *WIDTHS[-2::-1])):
         check(not said, f"{what} at {width} px: {said[:3]}, {len(said)} in all")
 
 
-def check_harm(browser):
+def check_harm(browser, harm):
     """Broken twins: every fault that a style makes in the open page is told."""
-    for style, width, wanted in HARM:
+    for style, width, wanted in harm:
         browser.run("document.head.append(Object.assign(document.createElement('style'),"
                     "{id: 'harm', textContent: arguments[0]}))", style)
         said = faults(browser, width)
@@ -126,8 +130,10 @@ def main():
                 check_font(browser, font)
                 widths[font] = text_width(browser)
                 if font == USUAL:
-                    check_harm(browser)
+                    check_harm(browser, HARM)
                 check_widths(browser, long, f"{font}, long texts", WIDTHS)
+                if font == USUAL:
+                    check_harm(browser, TEXT_HARM)
                 check_rows(browser, font)
             check_fixed(page, font)
         check(widths[WIDE] > 1.05 * widths[USUAL], f"the second font is not wider: {widths}")
