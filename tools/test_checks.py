@@ -46,7 +46,7 @@ class CheckFiles(unittest.TestCase):
         self.expect({"other/a.cpp": HEAD}, 1, "no source files")
 
     def test_bad_files_fail(self):
-        for text, part in ((HEAD + "int a;\n" * 300, "301 lines"), ("int a;\n", "must begin"), (HEAD + "\tint a;\n", "tab"),
+        for text, part in ((HEAD + "int a;\n" * 600, "601 lines"), ("int a;\n", "must begin"), (HEAD + "\tint a;\n", "tab"),
                            (HEAD + "int a; \n", "white space"), (HEAD + "// TO" "DO\n", "finish it"),
                            (HEAD + "int a;", "line break")):
             with self.subTest(part):
