@@ -168,6 +168,20 @@ def check_paths(browser, data):
     check(False, "no row with paths was in sight")
 
 
+def check_weights(data):
+    """Drawn paths stand for all of their route: their weights sum to its coupling, however few they are."""
+    columns, weights = {c["key"]: c["values"] for c in data["table"]["columns"]}, {}
+    for path in data["scene"]["paths"]:
+        if path["address"] != "computed":
+            weights.setdefault(path["id"], []).append(path["weight"])
+    rows = [(columns["coupling"][columns["id"].index(id)], w) for id, w in weights.items() if id in columns["id"]]
+    rows = [(coupling, w) for coupling, w in rows if coupling and len(w) > 1]
+    check(len(rows) > 5, f"{len(rows)} routes with paths prove nothing")
+    for coupling, w in rows:
+        check(abs(sum(w) / coupling - 1) < 1e-4, f"paths stand for {sum(w)} of {coupling}")
+        check(abs(sum(w[1:]) / coupling - 1) > 1e-4, "a path that is missing would not be noticed")           # broken twin
+
+
 def check_scene(browser):
     browser.run("stage.choose(stage.parts[0])")
     said = browser.run("return document.querySelector('.said').textContent")
@@ -266,6 +280,7 @@ def main():
             check(browser.driver.title == HOSTILE, f"the title is '{browser.driver.title}'")
             check_table(browser, data)
             check_paths(browser, data)
+            check_weights(data)
             check_scene(browser)
             sections = browser.run("return [...document.querySelectorAll('section')].map(s => s.id)")
             for wanted in "budget routes scene maps ghosts first materials assumptions ledger convergence warnings provenance".split():
