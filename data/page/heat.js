@@ -67,14 +67,14 @@ function lengthUnit(size) { return lengthUnits.find(([metres]) => size >= metres
 function heatMap(parent, map) {
   const part = brightPart(map.place, map.values), svg = d3.select(parent).append("svg").attr("class", "plot");
   let shown = part;
-  const note = el("span");
+  const note = el("p", {class: "note"});
   const draw = () => {
     drawHeat(svg, parent.clientWidth, map, shown || map.place.box);
     const size = metres => { const [unit, name] = lengthUnit(metres); return digits(metres / unit, 2) + " " + name; };
     if (part) say(note, shown ? "Shown: " + size(part[1] - part[0]) + " of " + size(map.place.box[1] - map.place.box[0]) +
                                 ", where 95 % of it is." : "Shown: all; the bright part is small.");
   };
-  if (part) parent.append(el("div", {class: "bar"}, note, ...[["bright part", part], ["whole", null]].map(([name, box]) =>
+  if (part) parent.append(note, el("div", {class: "bar"}, [["bright part", part], ["whole", null]].map(([name, box]) =>
       el("button", {on: {click: () => { shown = box; draw(); }}}, name))));
   draw();
   whenResized(parent, svg, draw);

@@ -141,7 +141,7 @@ function addProvenance(p, libraries) {
                 ["main mode", p.beam_power === null ? "power not stated" : digits(p.beam_power, 6) + " W"],
                 ["reverse routes", p.reverse_routes ? "added in amplitude (C_rev)" : "not added in amplitude"],
                 ["parameters", p.parameters.join(", ") || "as in the scene"], ["motion or responses from", p.replaced_by || "the scene"]];
-  part.append(simpleTable(["", ""], rows, [0, 1]), el("details", {}, el("summary", {}, "Input files"),
+  part.append(simpleTable(["", ""], rows.filter(row => row[1] !== ""), [0, 1]), el("details", {}, el("summary", {}, "Input files"),
       simpleTable(["file", "bytes", "sha256"], p.files.map(f => [f.name, f.bytes, f.sha256]), [0, 2])),
       el("p", {class: "note"}, "This file needs no network and sends nothing. It carries " + Object.values(libraries).join("; ") + "."));
 }

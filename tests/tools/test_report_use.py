@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pages in use: jumping to a heading, zooming, switching rows off, printing. Usage: test_report_use.py PROGRAM"""
 import json
+import math
 import pathlib
 import re
 import sys
@@ -151,6 +152,33 @@ WHOLE_CURVES = """
     return Math.max(...h.map((v, i) => v === null ? 0 : Math.abs(v / b.total.asd[i] - 1)))"""
 
 
+# Shares of a picture that are drawn, and that are white lines, of an annulus with one value and this relative error.
+ANNULUS = """
+    const [chart, error, done] = arguments, image = new Image();
+    const place = chartCells({chart, whole: [0.5, 1, -Math.PI, Math.PI], cells: [0.5, 1, -Math.PI, Math.PI]});
+    place.box = [-1, 1, -1, 1];
+    image.onload = () => {
+      const canvas = document.createElement("canvas"), g = canvas.getContext("2d");
+      canvas.width = canvas.height = 400;
+      g.drawImage(image, 0, 0);
+      const d = g.getImageData(0, 0, 400, 400).data;
+      let drawn = 0, white = 0;
+      for (let i = 0; i < d.length; i += 4) { drawn += d[i + 3] > 127; white += d[i + 3] > 127 && d[i] > 200; }
+      done([drawn / 160000, white / 160000]);
+    };
+    image.src = cellPicture({place, values: [1], errors: [error]}, place.box, 400, 400, () => "#000");"""
+
+
+def check_cells(browser):
+    """A ring of cells has the area of a ring, and lines where its error is above 30 %."""
+    drawn, white = browser.driver.execute_async_script(ANNULUS, "polar", 0.2)
+    check(abs(drawn / (math.pi * (1 - 0.25) / 4) - 1) < 0.01 and white == 0, f"an annulus covers {drawn}, {white} of it in white")
+    drawn, white = browser.driver.execute_async_script(ANNULUS, "polar", 0.4)
+    check(white > 0.05, f"an error of 40 % is shown by {white} of the picture")
+    drawn, _ = browser.driver.execute_async_script(ANNULUS, "plane", 0.2)
+    check(abs(drawn / (math.pi * (1 - 0.25) / 4) - 1) > 0.1, "a square for an annulus would not be noticed")         # broken twin
+
+
 def check_paper(browser, page):
     """Nothing is cut on a sheet, with all columns of the table, and a printer is told so."""
     browser.resize(1300)
@@ -190,6 +218,7 @@ def main():
             check_zoom(browser)
             check(browser.run(WHOLE_CURVES) < 1e-5, "the shares of all routes do not sum to the total")
             check_switch(browser, page, data)
+            check_cells(browser)
             check_paper(browser, page)
     print("pages can be used")
 
