@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace signal displacement, whiten, rms, convert.
+// straytrace signal displacement, whiten, convert.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,9 +23,11 @@
 namespace straytrace {
 namespace {
 
+constexpr double usual_corner = 1;  // Hz
+
 struct RecordOptions : DataOptions {
   std::vector<std::string> files;
-  std::string to = "displacement", domain = "frequency", corner = "1 Hz", stride, rate;
+  std::string to = "displacement", domain = "frequency", corner, rate;
   std::vector<std::string> notches;
   bool asd = false;
 };
@@ -95,6 +97,13 @@ CurveSheet displacement_asd(RecordOptions const& o, TimeSeries const& s, int tim
   return sheet;
 }
 
+TimeSeries in_si(TimeSeries s) {
+  Quantity const unit = *parse_unit(s.unit);
+  for (double& v : s.samples) v = to_si(v, unit);
+  s.unit = unit.dimension == dim::length ? "m" : "m/s";
+  return s;
+}
+
 int displacement(RecordOptions const& o) {
   check_outputs(o);
   TimeSeries const s = series_of(o, o.files[0]);
@@ -104,14 +113,21 @@ int displacement(RecordOptions const& o) {
     answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, 12));
     return done;
   }
-  double const corner = option_quantity(o.corner, dim::frequency, "--corner", "1 Hz");
+  std::string const title = fmt::format("{} of {}", o.to, o.files[0]);
+  if (times == 0 && o.corner.empty()) {  // nothing grows towards low frequencies
+    answer_records(o, {in_si(s)}, title, {source_note(s), "not integrated, so without a high pass"});
+    return done;
+  }
+  double const corner = o.corner.empty() ? usual_corner : option_quantity(o.corner, dim::frequency, "--corner", "1 Hz");
   bool const causal = o.domain == "causal";
   TimeSeries const x = causal ? integrated_causal(s, times, corner) : integrated(s, times, corner);
-  answer_records(
-      o, {x}, fmt::format("{} of {}", o.to, o.files[0]),
-      {source_note(s), fmt::format("integrated {} times {}, high pass at {:g} Hz; uncertain within {:g} s of {}", times,
-                                   causal ? "sample by sample" : "in the frequency domain", corner, 1 / corner,
-                                   causal ? "the beginning" : "both ends")});
+  std::string const integrations =
+      times == 0 ? "not integrated" : fmt::format("integrated {} time{}", times, times == 1 ? "" : "s");
+  answer_records(o, {x}, title,
+                 {source_note(s), fmt::format("{} {}, high pass at {:g} Hz{}; uncertain within {:g} s of {}",
+                                              integrations, causal ? "sample by sample" : "in the frequency domain",
+                                              corner, o.corner.empty() ? " (default)" : "", 1 / corner,
+                                              causal ? "the beginning" : "both ends")});
   return done;
 }
 
@@ -125,45 +141,6 @@ int whiten(RecordOptions const& o) {
        fmt::format(
            "divided by its own ASD ({} of segments of {:g} s) and sqrt(2/rate); uncertain within {:g} s of both ends",
            o.average, double(settings.segment) / s.rate, double(settings.segment) / s.rate / 2)});
-  return done;
-}
-
-int show_trend(RecordOptions const& o, TimeSeries const& s, FrequencyBand band) {
-  RmsTrend const trend = rms_trend(s, band.low, band.high, option_quantity(o.stride, dim::time, "--stride", "10 s"));
-  CurveSheet sheet{fmt::format("rms of {} from {:g} Hz to {:g} Hz", o.files[0], band.low, band.high),
-                   {source_note(s),
-                    "band-passed without phase, then rms of each stride; sigma: one standard error for Gaussian noise"},
-                   {"time", "s", trend.time},
-                   false,
-                   true,
-                   {{"rms", s.unit, trend.rms}, {"sigma", s.unit, trend.sigma, "hidden"}}};
-  answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, 20));
-  return done;
-}
-
-int show_rms(RecordOptions const& o) {
-  check_outputs(o);
-  TimeSeries const s = series_of(o, o.files[0]);
-  FrequencyBand const band = band_of(o, {0, s.rate / 2}, s.rate / 2);
-  if (!o.stride.empty()) return show_trend(o, s, band);
-  WelchSettings const settings = welch_of(o, s);
-  WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
-  BandPower const p = band_power(spectrum, settings, band.low, band.high);
-  double const value = std::sqrt(p.power), sigma = p.power > 0 ? p.sigma / (2 * value) : 0;
-  CurveSheet sheet{fmt::format("rms of {}", o.files[0]),
-                   {source_note(s), welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages,
-                                               spectrum.noise_bandwidth)},
-                   {"low", "Hz", {band.low}},
-                   false,
-                   false,
-                   {{"high", "Hz", {band.high}},
-                    {"rms", s.unit, {value}},
-                    {"sigma", s.unit, {sigma}},
-                    {"rms of the filtered record", s.unit, {rms(band_passed(s, band.low, band.high).samples)}}}};
-  answer(o, sheet,
-         note_lines(sheet.notes) +
-             fmt::format("{:g} Hz to {:g} Hz: rms {} {} from the PSD, {:.4g} {} of the band-passed record\n", band.low,
-                         band.high, with_error(value, sigma), s.unit, sheet.y[3].values[0], s.unit));
   return done;
 }
 
@@ -212,7 +189,8 @@ void add_displacement(CLI::App& signal, int& exit_code) {
   c.add_option("--domain", o->domain, "of the record: frequency (no phase error) or causal (from past samples)")
       ->check(CLI::IsMember({"frequency", "causal"}))
       ->default_str(o->domain);
-  c.add_option("--corner", o->corner, "of the high pass of the record")->default_str(o->corner);
+  c.add_option("--corner", o->corner,
+               "of the high pass of the record; default: 1 Hz where it is integrated, else none");
   c.add_flag("--asd", o->asd, "the spectrum of it instead of the record");
   add_band_option(c, *o, "of --asd: frequencies to show and write");
   add_welch_options(c, *o);
@@ -222,20 +200,6 @@ void add_displacement(CLI::App& signal, int& exit_code) {
       "  straytrace signal displacement examples/data/bench.csv::acc --corner \"2 Hz\" -o x.hdf5\n"
       "  straytrace signal displacement examples/data/bench.csv::acc --asd --segment \"4 s\"");
   c.callback([o, &exit_code] { exit_code = displacement(*o); });
-}
-
-void add_rms(CLI::App& signal, int& exit_code) {
-  auto const o = std::make_shared<RecordOptions>();
-  CLI::App& c = one_record(signal, "rms", "rms within a band, of the whole record or stride by stride", o);
-  add_band_option(c, *o, "default: 0 to half the sample rate");
-  c.add_option("--stride", o->stride, "a trend: one value for each stride, for example \"10 s\"");
-  add_welch_options(c, *o);
-  add_output_options(c, *o);
-  c.footer(
-      "Examples:\n"
-      "  straytrace signal rms examples/data/bench.csv::acc --band \"5 Hz..20 Hz\"\n"
-      "  straytrace signal rms examples/data/bench.csv::acc --band \"5 Hz..20 Hz\" --stride \"4 s\" -o trend.csv");
-  c.callback([o, &exit_code] { exit_code = show_rms(*o); });
 }
 
 }  // namespace
@@ -251,7 +215,7 @@ void add_signal_records(CLI::App& signal, int& exit_code) {
       "  straytrace signal whiten examples/data/bench.csv::acc --segment \"2 s\" -o white.hdf5\n"
       "  straytrace signal whiten examples/data/bench.csv::acc --average median");
   white.callback([w, &exit_code] { exit_code = whiten(*w); });
-  add_rms(signal, exit_code);
+  add_signal_rms(signal, exit_code);
 
   auto const o = std::make_shared<RecordOptions>();
   CLI::App& c = *signal.add_subcommand("convert", "from one format to another, with filters, on a common clock");

@@ -121,21 +121,34 @@ int show_transfer(SpectrumOptions const& o) {
   TransferEstimate const t = first ? h1(p.spectra) : h2(p.spectra);
   CurveSheet sheet =
       frequency_sheet(fmt::format("{} from {} to {}", first ? "H1" : "H2", o.files[0], o.files[1]), t.hz);
-  std::vector<double> modulus, phase, phase_sigma;
-  for (std::size_t k = 0; k < t.hz.size(); ++k) {
-    modulus.push_back(std::abs(t.value[k]));
-    phase.push_back(std::arg(t.value[k]) * 180 / pi);
-    phase_sigma.push_back(t.phase_sigma[k] * 180 / pi);
-  }
   std::string const unit = ratio_unit(p.output.unit, p.input.unit);
+  std::size_t const n = t.hz.size();
+  std::vector<double> const nothing(n, not_a_number);
+  CurveColumn modulus{"modulus", unit, {}, "points"}, modulus_low{"modulus_low", unit, nothing, "band-low"},
+      modulus_high{"modulus_high", unit, nothing, "band-high"}, phase{"phase", "deg", {}, "points"},
+      phase_low{"phase_low", "deg", nothing, "band-low"}, phase_high{"phase_high", "deg", nothing, "band-high"},
+      phase_sigma{"phase_sigma", "deg", {}, "hidden"};
+  for (std::size_t k = 0; k < n; ++k) {
+    double const size = std::abs(t.value[k]), angle = std::arg(t.value[k]) * 180 / pi;
+    modulus.values.push_back(size);
+    phase.values.push_back(angle);
+    phase_sigma.values.push_back(t.phase_sigma[k] * 180 / pi);
+    double const radius = confidence_radius(t.coherence[k], p.spectra.effective_averages, o.confidence);
+    if (!(radius < 1)) continue;
+    double const turn = std::asin(radius) * 180 / pi;
+    modulus_low.values[k] = size * (1 - radius);
+    modulus_high.values[k] = size * (1 + radius);
+    phase_low.values[k] = angle - turn;
+    phase_high.values[k] = angle + turn;
+  }
   sheet.notes = p.notes;
   sheet.notes.push_back(
       "sigma: one standard error from coherence and averages; phase of exp(+2 pi i f t): a delay falls");
-  sheet.y = {{"modulus", unit, modulus},
-             {"modulus_sigma", unit, t.modulus_sigma, "hidden"},
-             {"phase", "deg", phase, "hidden"},
-             {"phase_sigma", "deg", phase_sigma, "hidden"},
-             {"coherence", "1", t.coherence, "hidden"}};
+  sheet.notes.push_back(fmt::format(
+      "low, high: {:g} % confidence, where the coherence is above the level of chance; elsewhere a point is faint",
+      100 * o.confidence));
+  sheet.y = {modulus,   modulus_low, modulus_high, {"modulus_sigma", unit, t.modulus_sigma, "hidden"}, phase,
+             phase_low, phase_high,  phase_sigma,  {"coherence", "1", t.coherence, "hidden"}};
   finish(o, std::move(sheet), p.input.rate / 2);
   return done;
 }

@@ -67,6 +67,11 @@ double coherence_level(double n, double probability) {
   return n > 1 ? 1 - std::pow(probability, 1 / (n - 1)) : 1;
 }
 
+double confidence_radius(double c, double n, double probability) {
+  if (!(n > 1 && c > 0)) return infinity;
+  return std::sqrt((std::pow(1 - probability, -1 / (n - 1)) - 1) * std::max(0.0, 1 - c) / c);
+}
+
 Interval coherence_interval(std::span<double const> c, double n, double probability) {
   Interval out;
   double const z = n > 1 ? quantile(boost::math::normal(), (1 + probability) / 2) / std::sqrt(2 * (n - 1)) : infinity;

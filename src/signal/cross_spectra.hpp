@@ -33,6 +33,10 @@ CrossSpectra cross_spectra(TimeSeries const& x, TimeSeries const& y, WelchSettin
 std::vector<double> coherence(CrossSpectra const&);
 // Coherence that independent Gaussian records exceed with this probability: 1 - p^(1/(n - 1)). 1 for n <= 1.
 double coherence_level(double effective_averages, double probability = 0.05);
+// Radius, over |H|, of the circle around an estimate of H that holds the truth: r^2 = (p^(-1/(n - 1)) - 1) (1 - c)/c,
+// p = 1 - probability (Bendat and Piersol, Random Data, with the quantile of F of 2 and 2 n - 2 degrees of freedom).
+// Below 1 just where c is above coherence_level(n, p).
+double confidence_radius(double coherence, double effective_averages, double probability = 0.95);
 // Interval of the coherence: atanh of its root has variance 1/(2 (n - 1)). 0 to 1 where n <= 1.
 Interval coherence_interval(std::span<double const> coherence, double effective_averages, double probability = 0.95);
 

@@ -56,6 +56,27 @@ TEST(CrossSpectra, CoherenceIntervalHoldsTheTruth) {
   EXPECT_NEAR(inside / lines, 0.95, 0.015);
 }
 
+// y = x + noise of equal power, H = 1: the circle around the estimate holds it in 95 % of the lines; twin: half of it.
+// It leaves zero out just where the coherence is above the level of chance.
+TEST(CrossSpectra, ConfidenceCircleHoldsTheTruth) {
+  double inside = 0, half = 0, lines = 0;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    std::vector<double> const x = white_noise(512 * 6, 3 * i + 3000), y = sum(x, white_noise(512 * 6, 3 * i + 3001));
+    TransferEstimate const h = h1(cross_spectra(x, y, rate, {.segment = 512}));
+    double const n = h.effective_averages;
+    for (std::size_t k = 4; k < 252; k += 4, ++lines) {
+      double const radius = confidence_radius(h.coherence[k], n),
+                   off = std::abs(h.value[k] - 1.0) / std::abs(h.value[k]);
+      inside += off <= radius ? 1 : 0;
+      half += off <= radius / 2 ? 1 : 0;
+      EXPECT_EQ(radius<1, h.coherence[k]> coherence_level(n)) << h.coherence[k];
+    }
+  }
+  double const spread = std::sqrt(0.05 * 0.95 / lines);
+  EXPECT_NEAR(inside / lines, 0.95, 5 * spread);
+  EXPECT_LT(half / lines, 0.95 - 5 * spread) << "twin";
+}
+
 // R6.05: a known second-order system is recovered to 1 % by H1 when noise is in the output; H2 is too large there by
 // the noise, and the two change places with noise in the input.
 TEST(CrossSpectra, SecondOrderSystemR6_05) {

@@ -132,6 +132,39 @@ class AgainstScipy(unittest.TestCase):
         got = columns("displacement", self.drive, "--asd", "--segment", "2 s")
         close(self, got["asd"], 1e-6 * np.sqrt(p[1:]) / (2 * np.pi * f[1:]) ** 2)
 
+    def test_displacement_of_metres_keeps_the_microseism(self):
+        t = np.arange(COUNT) / RATE
+        slow, fast = 3 * np.sin(2 * np.pi * 0.2 * t), 0.5 * np.sin(2 * np.pi * 20 * t)
+        with h5py.File(self.path("slow.hdf5"), "w") as f:
+            write_gwpy(f, "x", slow + fast, "um")
+        words = ("displacement", self.path("slow.hdf5"))
+        *_, kept = columns(*words).values()
+        *_, twin = columns(*words, "--corner", "1 Hz").values()
+        close(self, kept, 1e-6 * (slow + fast))
+        self.assertLess(np.std(twin[COUNT // 4:3 * COUNT // 4]), 0.5e-6)      # the high pass that was the default
+        self.assertIn("not integrated, so without a high pass", ask(*words))
+        self.assertIn("high pass at 1 Hz (default)", ask("displacement", self.drive))
+
+    def test_transfer_has_a_band_where_the_coherence_tells(self):
+        words = (self.drive, self.answer, "--segment", "2 s")
+        got = columns("transfer", *words)
+        averages = float(ask("transfer", *words).split(" independent")[0].split()[-1])
+        radius = np.sqrt((0.05 ** (-1 / (averages - 1)) - 1) * (1 / got["coherence"] - 1))
+        known = radius < 1
+        self.assertTrue(np.array_equal(np.isfinite(got["modulus_low"]), known) and np.any(known) and not np.all(known))
+        for name, wanted in {"modulus_low": got["modulus"] * (1 - radius), "modulus_high": got["modulus"] * (1 + radius),
+                             "phase_high": got["phase"] + np.degrees(np.arcsin(np.minimum(radius, 1)))}.items():
+            np.testing.assert_allclose(got[name][known], wanted[known], rtol=1e-2)  # averages have four digits
+
+    def test_rms_from_each_frequency_up(self):
+        got = columns("rms", self.drive, "--band", "5 Hz..40 Hz", "--segment", "2 s")
+        low, rms = got["low"], got["rms"]
+        self.assertGreater(low.size, 20)                     # twin: a single row is no curve
+        self.assertTrue(low[0] == 5 and np.all(np.diff(low) > 0) and np.all(np.diff(rms) <= 0) and np.all(got["high"] == 40))
+        f, p = signal.welch(DRIVE, RATE, "hann", 512)
+        for at in (0, low.size // 2):
+            self.assertLess(abs(rms[at] / np.sqrt(np.sum(p[(f >= low[at]) & (f <= 40)]) * 0.5) - 1), 0.05)
+
     def test_confidence(self):
         from scipy.stats import chi2
         got = columns("psd", self.drive, "--power", "--segment", "2 s", "--overlap", "0 %")

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace signal rms.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "app/options.hpp"
+#include "app/signal_command.hpp"
+#include "base/constants.hpp"
+#include "report/report.hpp"
+#include "signal/band_rms.hpp"
+#include "signal/filters.hpp"
+
+namespace straytrace {
+namespace {
+
+struct RmsOptions : DataOptions {
+  std::string file, stride;
+};
+
+int show_trend(RmsOptions const& o, TimeSeries const& s, FrequencyBand band) {
+  RmsTrend const trend = rms_trend(s, band.low, band.high, option_quantity(o.stride, dim::time, "--stride", "10 s"));
+  CurveSheet sheet{fmt::format("rms of {} from {:g} Hz to {:g} Hz", o.file, band.low, band.high),
+                   {source_note(s),
+                    "band-passed without phase, then rms of each stride; sigma: one standard error for Gaussian noise"},
+                   {"time", "s", trend.time},
+                   false,
+                   true,
+                   {{"rms", s.unit, trend.rms}, {"sigma", s.unit, trend.sigma, "hidden"}}};
+  answer(o, sheet, note_lines(sheet.notes) + some_rows(sheet, 20));
+  return done;
+}
+
+// The rms from each frequency up to the end of the band; the first row is that of the band.
+CurveSheet rms_sheet(RmsOptions const& o, TimeSeries const& s, WelchSpectrum const& spectrum,
+                     WelchSettings const& settings, FrequencyBand band, double filtered) {
+  constexpr std::size_t most = 200;
+  CurveSheet sheet{fmt::format("rms of {} from a frequency to {:g} Hz", o.file, band.high),
+                   {source_note(s), welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages,
+                                               spectrum.noise_bandwidth)},
+                   {"low", "Hz", {}},
+                   true,
+                   true,
+                   {{"high", "Hz", {}, "hidden"},
+                    {"rms", s.unit, {}},
+                    {"sigma", s.unit, {}, "hidden"},
+                    {"rms of the filtered record", s.unit, {}, "hidden"}}};
+  std::vector<double> lows{band.low};
+  double last = 0;
+  for (double const hz : spectrum.hz)
+    if (hz > band.low && hz < band.high && hz > last * std::pow(s.rate / 2 / spectrum.hz[1], 1.0 / most))
+      lows.push_back(last = hz);
+  for (double const low : lows) {
+    BandPower const p = band_power(spectrum, settings, low, band.high);
+    double const value = std::sqrt(p.power);
+    sheet.x.values.push_back(low);
+    bool const whole = low == band.low;
+    for (auto const& [column, v] : {std::pair{0, band.high},
+                                    {1, value},
+                                    {2, p.power > 0 ? p.sigma / (2 * value) : 0},
+                                    {3, whole ? filtered : not_a_number}})
+      sheet.y[std::size_t(column)].values.push_back(v);
+  }
+  return sheet;
+}
+
+int show_rms(RmsOptions const& o) {
+  check_outputs(o);
+  TimeSeries const s = series_of(o, o.file);
+  FrequencyBand const band = band_of(o, {0, s.rate / 2}, s.rate / 2);
+  if (!o.stride.empty()) return show_trend(o, s, band);
+  WelchSettings const settings = welch_of(o, s);
+  WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
+  BandPower const p = band_power(spectrum, settings, band.low, band.high);
+  double const value = std::sqrt(p.power), sigma = p.power > 0 ? p.sigma / (2 * value) : 0;
+  double const filtered = rms(band_passed(s, band.low, band.high).samples);
+  CurveSheet const sheet = rms_sheet(o, s, spectrum, settings, band, filtered);
+  answer(o, sheet,
+         note_lines(sheet.notes) +
+             fmt::format("{:g} Hz to {:g} Hz: rms {} {} from the PSD, {:.4g} {} of the band-passed record\n", band.low,
+                         band.high, with_error(value, sigma), s.unit, filtered, s.unit));
+  return done;
+}
+
+}  // namespace
+
+void add_signal_rms(CLI::App& signal, int& exit_code) {
+  auto const o = std::make_shared<RmsOptions>();
+  CLI::App& c = *signal.add_subcommand("rms", "rms within a band, of the whole record or stride by stride");
+  c.add_option("data", o->file, "record: FILE or FILE::CHANNEL")->required();
+  add_span_options(c, *o);
+  add_band_option(c, *o, "default: 0 to half the sample rate");
+  c.add_option("--stride", o->stride, "a trend: one value for each stride, for example \"10 s\"");
+  add_welch_options(c, *o);
+  add_output_options(c, *o);
+  c.footer(
+      "Examples:\n"
+      "  straytrace signal rms examples/data/bench.csv::acc --band \"5 Hz..20 Hz\"\n"
+      "  straytrace signal rms examples/data/bench.csv::acc --band \"5 Hz..20 Hz\" --stride \"4 s\" -o trend.csv");
+  c.callback([o, &exit_code] { exit_code = show_rms(*o); });
+}
+
+}  // namespace straytrace
