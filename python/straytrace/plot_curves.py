@@ -15,6 +15,7 @@ COLOURS = ("#0072B2", "#D00000", "#228833", "#7A00CC", "#E66101", "#00857A", "#7
 SIZE = (10.0, 6.0)  # inches at 100 dpi
 MORE = 3.5  # for each further unit
 MOST_NOTES = 6
+SAME = 0.005  # of the largest value: lines closer than this cannot be told apart
 
 
 def label(column):
@@ -44,29 +45,72 @@ def draw_errors(axes, x, y, error, style, tint):
         axes.fill_between(x, y - error, y + error, color=tint, alpha=0.25, lw=0)
 
 
-def draw_columns(axes, x, columns, hidden):
-    band_low, colour = None, -1
+def draw_band(axes, x, low, high, style, tint):
+    """Between neighbours a surface; bars where points are drawn, or where a neighbour has none."""
+    if style != "points":
+        axes.fill_between(x, low, high, color=tint, alpha=0.25, lw=0)
+    known = np.isfinite(low) & np.isfinite(high)
+    alone = known & ~np.r_[False, known[:-1]] & ~np.r_[known[1:], False]
+    bars = known if style == "points" else alone
+    if np.any(bars):
+        axes.vlines(x[bars], low[bars], high[bars], color=tint, lw=1, alpha=0.6)
+
+
+def drawn_columns(columns):
+    """Columns that are drawn, each with the ends of its band or None."""
+    drawn = []
     for column in columns:
+        if column["style"] in ("band-low", "band-high"):
+            if drawn:
+                drawn[-1][1 if column["style"] == "band-low" else 2] = values(column["values"])
+        elif column["style"] != "hidden":
+            drawn.append([column, None, None])
+    return drawn
+
+
+def same_lines(drawn):
+    """Lines that nothing tells apart: within half a percent of the largest value. Each group is drawn once."""
+    largest = max((np.nanmax(np.abs(values(c["values"])), initial=0.0) for c, _, _ in drawn), default=0.0)
+    groups = []
+    for one in drawn:
+        y = values(one[0]["values"])
+        for group in groups if one[0]["style"] == "line" and one[1] is None else ():
+            other = values(group[0][0]["values"])
+            if group[0][0]["style"] == "line" and np.array_equal(np.isfinite(y), np.isfinite(other)) \
+                    and np.nanmax(np.abs(y - other), initial=0.0) <= SAME * largest:
+                group.append(one)
+                break
+        else:
+            groups.append([one])
+    return groups
+
+
+def draw_points(axes, x, y, band, tint, name):
+    """Points without a band, where others have one, are faint: nothing is known of them."""
+    sure = np.isfinite(band) if band is not None and np.any(np.isfinite(band)) else np.isfinite(y)
+    axes.plot(x[sure], y[sure], ".", color=tint, label=name)
+    if np.any(~sure & np.isfinite(y)):
+        axes.plot(x[~sure], y[~sure], ".", color=tint, alpha=0.2, ms=3, label=f"{name}, not significant")
+
+
+def draw_columns(axes, x, columns, hidden, logarithmic):
+    drawn = drawn_columns(columns)
+    tints = {}
+    for group in [[one] for one in drawn] if logarithmic else same_lines(drawn):
+        column, low, high = group[0]
+        of = column["name"].removesuffix("_limit")  # limits have the colour of what they are limits of
+        tint = tints.setdefault(of, COLOURS[len(tints) % len(COLOURS)])
         y, style = values(column["values"]), column["style"]
-        if style == "hidden":
-            continue
-        if style == "band-low":
-            band_low = y
-            continue
-        if style == "band-high" and band_low is not None:
-            axes.fill_between(x, band_low, y, color=COLOURS[max(colour, 0) % len(COLOURS)], alpha=0.25, lw=0)
-            band_low = None
-            continue
-        colour += 1
-        tint = COLOURS[colour % len(COLOURS)]
         if not np.any(np.isfinite(y)):
             continue
-        name = shortened(label(column), 48)
+        name = "\n".join(shortened(label(c), 48) for c, _, _ in group)
         error = errors_of(column, hidden)
-        if error is not None:
+        if low is not None and high is not None:
+            draw_band(axes, x, low, high, style, tint)
+        elif error is not None:
             draw_errors(axes, x, y, error, style, tint)
         if style == "points":
-            axes.plot(x, y, ".", color=tint, label=name)
+            draw_points(axes, x, y, low, tint, name)
         elif style == "upper-limit":
             axes.plot(x, y, "v", mfc="none", color=tint, ms=5, label=f"{name}, upper limit")
         else:
@@ -109,11 +153,15 @@ def set_x_limits(axes, sheet, x, columns):
 
 def draw_panel(axes, sheet, unit, columns):
     x, words = clock(values(sheet["x"]["values"]), sheet["x"]["unit"])
-    draw_columns(axes, x, columns, {c["name"]: c for c in sheet["y"] if c["style"] == "hidden"})
-    set_x_limits(axes, sheet, x, columns)
     drawn = [values(c["values"]) for c in columns]
-    if sheet["log_y"] and can_be_logarithmic(drawn) and not is_narrow(drawn):
+    turns = unit == "deg"
+    logarithmic = sheet["log_y"] and not turns and can_be_logarithmic(drawn) and not is_narrow(drawn)
+    draw_columns(axes, x, columns, {c["name"]: c for c in sheet["y"] if c["style"] == "hidden"}, logarithmic)
+    set_x_limits(axes, sheet, x, columns)
+    if logarithmic:
         axes.set_yscale("log", nonpositive="mask")
+    if turns:
+        axes.set(ylim=(-190, 190), yticks=range(-180, 181, 90))
     axes.set_ylabel(f"[{unit}]" if unit not in ("", "1") else "")
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")

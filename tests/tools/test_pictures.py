@@ -111,6 +111,27 @@ def check_ghosts():
     plt.close("all")
 
 
+def far_bench():
+    """A bench of 3 m at the end of 3 km."""
+    ghosts = [ghost(0, [[0, 0, 0], [0, 0, 3000], [0, 0, 3002], [0.4, 0, 3003]], 1), ghost(1, [[0, 0, 3002], [0, 0, 3000]])]
+    surfaces = [disk("ITM/front", [0, 0, 0], radius=0.2), disk("ETM/front", [0, 0, 3000], radius=0.2),
+                disk("lens/front", [0, 0, 3002], radius=0.1), disk("sensor/front", [0.4, 0, 3003])]
+    return [{"count": 1, "ghosts": ghosts, "surfaces": surfaces}]
+
+
+def check_far_bench():
+    """The view is where the ghosts are."""
+    axes = plot_ghosts.draw(far_bench()).axes[0]
+    low, high = axes.get_xlim()
+    assert 2999 < low < 3000 and 3003 < high < 3004, (low, high)
+    assert "stretched" not in axes.get_title(loc="left") and "far away: ITM" in axes.get_title(loc="left")
+    dot, plot_ghosts.DOT = plot_ghosts.DOT, 0
+    low, high = plot_ghosts.draw(far_bench()).axes[0].get_xlim()
+    assert high - low > 3000, "twin: one view of all, where the bench is a dot"
+    plot_ghosts.DOT = dot
+    plt.close("all")
+
+
 def column(name, unit, level, style="line"):
     return {"name": name, "unit": unit, "values": [level, 2 * level, 3 * level], "style": style}
 
@@ -170,9 +191,59 @@ def check_documents(folder):
     assert len(seen(whole.convert("RGB").quantize(48))) < len(routes), "twin: few colours, shared by curves"
 
 
+def bare_sheet(columns, log_y=False):
+    return {"title": "made up", "notes": [], "x": {"name": "f", "unit": "Hz", "values": [10, 20, 30, 40]}, "log_x": True,
+            "log_y": log_y, "y": columns}
+
+
+def four(name, unit, values, style="line"):
+    return {"name": name, "unit": unit, "values": values, "style": style}
+
+
+def check_significance():
+    """A transfer function: bars where the coherence tells, faint points elsewhere, a panel of the phase."""
+    known = [four("modulus", "m", [1, 2, 3, 4], "points"), four("modulus_low", "m", [0.9, 1.8, None, None], "band-low"),
+             four("modulus_high", "m", [1.1, 2.2, None, None], "band-high"),
+             four("phase", "deg", [10, 20, 170, -170], "points"), four("phase_low", "deg", [5, 15, None, None], "band-low"),
+             four("phase_high", "deg", [15, 25, None, None], "band-high")]
+    modulus, phase = plot_curves.picture(bare_sheet(known, True)).axes
+    assert [t.get_text() for t in modulus.get_legend().get_texts()] == ["modulus [m]", "modulus [m], not significant"]
+    sure, faint = modulus.lines
+    assert list(sure.get_xdata()) == [10, 20] and list(faint.get_xdata()) == [30, 40] and faint.get_alpha() < 0.5
+    bars = [line for c in modulus.collections for line in c.get_segments()]
+    assert np.allclose(sorted(line[:, 1].tolist() for line in bars), [[0.9, 1.1], [1.8, 2.2]])
+    assert phase.get_yscale() == "linear" and phase.get_ylim() == (-190, 190)
+    bare = plot_curves.picture(bare_sheet(known[:1], True)).axes[0]
+    assert len(bare.lines) == 1, "twin: without a band nothing is faint"
+    plt.close("all")
+
+
+def check_limits():
+    """A limit has the colour of its place, another place another."""
+    places = [four("a", "1/N", [1, 2, None, None], "points"), four("a_limit", "1/N", [None, None, 3, 3], "upper-limit"),
+              four("b", "1/N", [5, 6, 7, 8], "points")]
+    a, limit, b = plot_curves.picture(bare_sheet(places)).axes[0].lines
+    assert limit.get_marker() == "v" and a.get_color() == limit.get_color() != b.get_color()
+    plt.close("all")
+
+
+def check_same_lines():
+    """Lines on one another are one, with all names; those a percent apart are two."""
+    for off, lines in ((1.001, 1), (1.02, 2)):
+        columns = [four("a", "Hz", [1, 2, 3, 2]), four("b", "Hz", [off * v for v in (1, 2, 3, 2)])]
+        axes = plot_curves.picture(bare_sheet(columns)).axes[0]
+        labels = "\n".join(t.get_text() for t in axes.get_legend().get_texts())
+        assert len(axes.lines) == lines and labels == "a [Hz]\nb [Hz]", (lines, labels)
+    plt.close("all")
+
+
 with tempfile.TemporaryDirectory() as name:
     check_budget(pathlib.Path(name))
     check_documents(pathlib.Path(name))
 check_ghosts()
+check_far_bench()
 check_curves()
+check_significance()
+check_limits()
+check_same_lines()
 print("ok")
