@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "app/couple_data.hpp"
+#include "base/constants.hpp"
 #include "base/message.hpp"
 #include "commission/events.hpp"
 #include "commission/impulse.hpp"
@@ -48,9 +49,19 @@ nlohmann::json json_of(ImpulseResponse const& r) {
                      {"tau", m.tau},
                      {"amplitude", m.amplitude},
                      {"amplitude_sigma", m.amplitude_sigma},
+                     {"phase", m.phase},
                      {"chi_square", m.chi_square},
                      {"degrees", m.degrees}});
   return {{"stretches", r.stretches}, {"modes", modes}, {"response_sigma", r.value_sigma}};
+}
+
+// All modes together, as they were fitted.
+std::vector<double> ringing(ImpulseResponse const& r) {
+  std::vector<double> sum(r.time.size());
+  for (RingDown const& m : r.modes)
+    for (std::size_t i = 0; i < sum.size(); ++i)
+      sum[i] += m.amplitude * std::exp(-r.time[i] / m.tau) * std::cos(2 * pi * m.hz * r.time[i] + m.phase);
+  return sum;
 }
 
 int run_impulse(ImpulseOptions const& o) {
@@ -79,7 +90,9 @@ int run_impulse(ImpulseOptions const& o) {
                              r.stretches, s.length, r.value_sigma)};
   sheet.x = {"time", "s", r.time};
   sheet.log_x = sheet.log_y = false;
-  sheet.y = {{"response", unit + "/s", r.value}};
+  sheet.y = {{"response", unit + "/s", r.value},
+             {"response_sigma", unit + "/s", std::vector<double>(r.value.size(), r.value_sigma), "hidden"}};
+  if (!r.modes.empty()) sheet.y.push_back({"modes", unit + "/s", ringing(r)});
   answer_with_result(o.data, sheet, text_of(r, o, unit), json_of(r));
   return 0;
 }

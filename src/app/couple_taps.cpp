@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -78,21 +79,22 @@ CurveSheet sheet_of(std::vector<TapPeak> const& peaks, std::vector<TapPlace> con
   CurveSheet sheet;
   sheet.title = "places by their coupling";
   sheet.x = {"frequency", "Hz", {}};
-  std::map<std::string, std::pair<CurveColumn, CurveColumn>> columns;
+  std::map<std::string, std::array<CurveColumn, 3>> columns;
+  std::vector<double> const nothing(peaks.size(), not_a_number);
   for (TapPlace const& p : places)
-    columns[p.name] = {{p.name, unit, std::vector<double>(peaks.size(), not_a_number), "points"},
-                       {p.name + "_sigma", unit, std::vector<double>(peaks.size(), not_a_number), "hidden"}};
+    columns[p.name] = {CurveColumn{p.name, unit, nothing, "points"},
+                       {p.name + "_sigma", unit, nothing, "hidden"},
+                       {p.name + "_limit", unit, nothing, "upper-limit"}};
   for (std::size_t i = 0; i < peaks.size(); ++i) {
     sheet.x.values.push_back(peaks[i].hz);
     for (TapAnswer const& a : peaks[i].places) {
-      columns[a.place].first.values[i] = a.coupling;
-      columns[a.place].second.values[i] = a.coupling_sigma;
+      columns[a.place][0].values[i] = a.coupling;
+      columns[a.place][1].values[i] = a.coupling_sigma;
     }
+    for (TapLimit const& l : peaks[i].limits) columns[l.place][2].values[i] = l.coupling;
   }
-  for (auto& [name, pair] : columns) {
-    sheet.y.push_back(std::move(pair.first));
-    sheet.y.push_back(std::move(pair.second));
-  }
+  for (auto& [name, three] : columns)
+    for (CurveColumn& c : three) sheet.y.push_back(std::move(c));
   return sheet;
 }
 
@@ -115,7 +117,9 @@ nlohmann::json json_of(std::vector<TapPeak> const& peaks) {
                         {"not_linear", a.not_linear},
                         {"local", a.local},
                         {"local_ratio", a.local_ratio}});
-    all.push_back({{"frequency", p.hz}, {"lead", number_or_null(p.lead)}, {"places", places}});
+    nlohmann::json limits = nlohmann::json::array();
+    for (TapLimit const& l : p.limits) limits.push_back({{"place", l.place}, {"coupling", l.coupling}});
+    all.push_back({{"frequency", p.hz}, {"lead", number_or_null(p.lead)}, {"places", places}, {"limits", limits}});
   }
   return all;
 }
@@ -139,8 +143,10 @@ int run_taps(TapOptions const& o) {
   }
   std::string const unit = coupling_unit(series.target.unit, series.force.unit);
   CurveSheet sheet = sheet_of(peaks, places, unit);
-  sheet.notes = {source_note(series.force), source_note(series.target),
-                 fmt::format("kept: target {:g} x and force {:g} x quiet", o.thresholds.target, o.thresholds.force)};
+  sheet.notes = {
+      source_note(series.force), source_note(series.target),
+      fmt::format("kept: target {:g} x and force {:g} x quiet; limits: 95 %, of places whose force rose alone",
+                  o.thresholds.target, o.thresholds.force)};
   answer_with_result(o.data, sheet, text_of(peaks, o, unit), json_of(peaks));
   return 0;
 }

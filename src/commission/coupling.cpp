@@ -14,16 +14,11 @@
 namespace straytrace {
 namespace {
 
-// PSDs at one frequency.
-struct Levels {
-  double x, y, coherence, averages;
-};
-
 // Relative variance of H^2. Witness and target of one stretch fluctuate together as far as they are coherent:
 // cov(Sxx, Syy) = |Sxy|^2/n.
-double relative_variance(Levels const& i, Levels const& q) {
+double relative_variance(CouplingLevels const& i, CouplingLevels const& q) {
   double const y = i.y - q.y, x = i.x - q.x;
-  auto const own = [](Levels const& l, double from_x, double from_y) {
+  auto const own = [](CouplingLevels const& l, double from_x, double from_y) {
     return (squared(l.x / from_x) + squared(l.y / from_y) - 2 * l.coherence * (l.x / from_x) * (l.y / from_y)) /
            l.averages;
   };
@@ -32,7 +27,7 @@ double relative_variance(Levels const& i, Levels const& q) {
 
 // Share of the target's gain that is coherent with the witness is what linear coupling can be. The rest of a linear
 // coupling is quiet noise of the target, and sensor noise of the witness seen through the coupling.
-bool is_not_linear(Levels const& i, Levels const& q, double raw_coherence, double threshold) {
+bool is_not_linear(CouplingLevels const& i, CouplingLevels const& q, double raw_coherence, double threshold) {
   if (i.averages < 2) return false;
   double const left = i.y * (1 - raw_coherence) * i.averages / (i.averages - 1);
   double const allowed = q.y + i.y * q.x / i.x;
@@ -40,21 +35,8 @@ bool is_not_linear(Levels const& i, Levels const& q, double raw_coherence, doubl
   return sure > threshold && left - allowed > (i.y - q.y) / 2;
 }
 
-// Largest H at `confidence` (C.4): where the upper end of Y_inj - Y_quiet - H^2 (X_inj - X_quiet), true levels, passes
-// zero. Its ends are those of the single levels, added in quadrature less what witness and target share. A target below
-// its quiet level counts as equal to it: a low draw of noise is no knowledge.
-double upper_limit(Levels const& i, Levels const& q, double confidence) {
-  auto const above = [&](double psd, double n) { return psd * (upper_factor(n, confidence) - 1); };
-  auto const below = [&](double psd, double n) { return psd * (1 - upper_factor(n, 1 - confidence)); };
-  double const loud = std::max(i.y, q.y), y = loud - q.y, x = i.x - q.x;
-  double const up = above(loud, i.averages), down = below(i.x, i.averages);
-  double const a = x * x - squared(down) - squared(above(q.x, q.averages));
-  double const b = x * y - i.coherence * up * down;
-  double const c = y * y - squared(up) - squared(below(q.y, q.averages));
-  return a > 0 ? std::sqrt((b + std::sqrt(b * b - a * c)) / a) : infinity;
-}
-
-CouplingPoint point(Levels const& i, Levels const& q, double raw_coherence, CouplingThresholds const& t) {
+CouplingPoint point(CouplingLevels const& i, CouplingLevels const& q, double raw_coherence,
+                    CouplingThresholds const& t) {
   CouplingPoint p;
   if (!(i.x > 0 && i.y > 0 && q.x > 0 && q.y > 0)) return p;
   p.witness_ratio = std::sqrt(i.x / q.x);
@@ -72,7 +54,7 @@ CouplingPoint point(Levels const& i, Levels const& q, double raw_coherence, Coup
     p.sigma = p.factor / 2 * std::sqrt(std::max(0.0, relative_variance(i, q)));
     return p;
   }
-  double const limit = upper_limit(i, q, t.confidence);
+  double const limit = coupling_limit(i, q, t.confidence);
   if (!std::isfinite(limit)) return p;
   p.flag = CouplingFlag::upper_limit;
   p.factor = limit;
@@ -106,6 +88,17 @@ CouplingPoint combined(std::vector<CouplingPoint const*> const& all) {
 
 }  // namespace
 
+double coupling_limit(CouplingLevels const& i, CouplingLevels const& q, double confidence) {
+  auto const above = [&](double psd, double n) { return psd * (upper_factor(n, confidence) - 1); };
+  auto const below = [&](double psd, double n) { return psd * (1 - upper_factor(n, 1 - confidence)); };
+  double const loud = std::max(i.y, q.y), y = loud - q.y, x = i.x - q.x;
+  double const up = above(loud, i.averages), down = below(i.x, i.averages);
+  double const a = x * x - squared(down) - squared(above(q.x, q.averages));
+  double const b = x * y - i.coherence * up * down;
+  double const c = y * y - squared(up) - squared(below(q.y, q.averages));
+  return a > 0 ? std::sqrt((b + std::sqrt(b * b - a * c)) / a) : infinity;
+}
+
 char const* name_of(CouplingFlag flag) {
   switch (flag) {
     case CouplingFlag::measured:
@@ -138,7 +131,8 @@ std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, Cross
         "error: injection and quiet stretch differ in their frequencies\n  use one segment length for both");
   std::vector<double> const loud = coherence(injection), still = coherence(quiet);
   auto const levels = [](CrossSpectra const& s, std::vector<double> const& c, std::size_t k) {
-    return Levels{s.input[k], s.output[k], unbiased_coherence(c[k], s.effective_averages), s.effective_averages};
+    return CouplingLevels{s.input[k], s.output[k], unbiased_coherence(c[k], s.effective_averages),
+                          s.effective_averages};
   };
   std::vector<CouplingPoint> points;
   for (std::size_t k = 1; k < injection.hz.size(); ++k) {

@@ -62,6 +62,15 @@ double unbiased_coherence(double coherence, double averages);
 std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const&);
 
+// PSDs of witness x and target y at one frequency; coherence without what chance gives.
+struct CouplingLevels {
+  double x, y, coherence, averages;
+};
+// Largest H at `confidence` (C.4): where the upper end of Y_inj - Y_quiet - H^2 (X_inj - X_quiet), true levels, passes
+// zero. Its ends are those of the single levels, added in quadrature less what witness and target share. A target below
+// its quiet level counts as equal to it: a low draw of noise is no knowledge.
+double coupling_limit(CouplingLevels const& injection, CouplingLevels const& quiet, double confidence);
+
 // Confidence that each of n limits must have for the lowest of them to hold at `confidence`.
 inline double each_of(std::size_t n, double confidence) { return 1 - (1 - confidence) / double(n); }
 

@@ -27,9 +27,11 @@ struct ImpulseSettings {
 
 struct RingDown {
   double hz = 0, hz_sigma = 0;
-  double quality = 0, quality_sigma = 0;      // Q = pi f tau
-  double tau = 0;                             // s, of the amplitude
-  double amplitude = 0, amplitude_sigma = 0;  // of a exp(-t/tau) cos(..): target unit per (force unit x s)
+  double quality = 0, quality_sigma = 0;  // Q = pi f tau
+  double tau = 0;                         // s, of the amplitude
+  double amplitude = 0,
+         amplitude_sigma = 0;  // of a exp(-t/tau) cos(2 pi f t + phase): target unit per (force unit x s)
+  double phase = 0;            // rad
   double chi_square = 0;
   int degrees = 0;
 };

@@ -124,6 +124,7 @@ RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t t
   // a cos(..) holds half of a at positive frequencies.
   Eigen::Vector2d const c = best_fit.linear.head<2>(), along = c.normalized();
   out.amplitude = 2 * c.norm();
+  out.phase = std::atan2(c[1], c[0]);
   out.amplitude_sigma = 2 * std::sqrt(along.dot(covariance.topLeftCorner<2, 2>() * along));
   return out;
 }

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/message.hpp"
+#include "commission/coupling.hpp"
 #include "commission/excess.hpp"
 #include "commission/squared.hpp"
 #include "commission/weighted_line.hpp"
@@ -73,12 +75,13 @@ LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
           std::sqrt((n - 2) / (2 * groups) * sum), std::log(x) / 2};
 }
 
+bool rose(Stretch const& loud, Stretch const& still, std::size_t k, double by) {
+  return still.mean[k] > 0 && loud.mean[k] >= squared(std::max(by, 1.0)) * still.mean[k] &&
+         loud.mean[k] > still.mean[k];
+}
+
 bool passes(Visit const& v, Quiet const& q, std::size_t k, TapThresholds const& t) {
-  auto const rose = [k](Stretch const& loud, Stretch const& still, double by) {
-    return still.mean[k] > 0 && loud.mean[k] >= squared(std::max(by, 1.0)) * still.mean[k] &&
-           loud.mean[k] > still.mean[k];
-  };
-  return rose(v.target, q.target, t.target) && rose(v.force, q.force, t.force) &&
+  return rose(v.target, q.target, k, t.target) && rose(v.force, q.force, k, t.force) &&
          excess_significance({v.target.mean[k], v.target.averages}, {q.target.mean[k], q.target.averages}) >=
              t.significance;
 }
@@ -131,6 +134,25 @@ Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::si
     a.slope = 1 + line.slope;
     a.slope_sigma = line.slope_sigma;
     a.not_linear = std::fabs(line.slope) > t.not_linear * line.slope_sigma;
+  }
+  return out;
+}
+
+// Of the places that answered nothing: the lowest limit of the visits whose force rose.
+std::vector<TapLimit> limits_at(std::vector<Visit> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
+                                std::set<std::string> const& answered) {
+  constexpr double confidence = 0.95;
+  std::map<std::string, std::vector<Visit const*>> silent;
+  for (Visit const& v : visits)
+    if (!answered.contains(v.place->name) && rose(v.force, q.force, k, t.force)) silent[v.place->name].push_back(&v);
+  std::vector<TapLimit> out;
+  for (auto const& [place, its] : silent) {
+    double lowest = infinity;
+    for (Visit const* v : its)
+      lowest = std::min(lowest, coupling_limit({v->force.mean[k], v->target.mean[k], 0, v->target.averages},
+                                               {q.force.mean[k], q.target.mean[k], 0, q.target.averages},
+                                               each_of(its.size(), confidence)));
+    if (std::isfinite(lowest)) out.push_back({place, lowest});
   }
   return out;
 }
@@ -194,6 +216,9 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
                      [](Answered const& a, Answered const& b) { return a.answer.ratio > b.answer.ratio; });
     TapPeak peak;
     peak.hz = quiet.target.hz[k];
+    std::set<std::string> answered;
+    for (Answered const& a : all) answered.insert(a.answer.place);
+    peak.limits = limits_at(visits, quiet, k, t, answered);
     for (Answered& a : all) peak.places.push_back(std::move(a.answer));
     if (all.size() > 1)
       peak.lead =

@@ -43,9 +43,16 @@ struct TapAnswer {
   double local_ratio = 0;
 };
 
+// A place that was knocked and made the target rise no further than noise may.
+struct TapLimit {
+  std::string place;
+  double coupling = 0;  // at most, at 95 % confidence of all its repeats together; target unit per unit of force
+};
+
 struct TapPeak {
   double hz = 0;
   std::vector<TapAnswer> places;  // ranked, the strongest first; those that did not pass the thresholds are left out
+  std::vector<TapLimit> limits;   // of those whose force passed and whose target did not
   double lead = not_a_number;     // standard errors between the first two, of the logarithm; NaN: there is one
 };
 
