@@ -18,23 +18,28 @@ NumberRows refused(std::string what, std::uint32_t line, std::uint32_t column) {
   return {{}, {}, std::move(what), line, column};
 }
 
+bool digit(char c) { return c >= '0' && c <= '9'; }
+
 std::string counted(std::size_t n) { return fmt::format("{} number{}", n, n == 1 ? "" : "s"); }
 
 }  // namespace
 
 bool has_decimal_commas(std::string_view line) {
+  line = line.substr(0, line.find_first_of("#%"));
+  bool const semicolons = line.find(';') != line.npos;
   std::size_t words = 0;
+  bool inside = false, beside = false;  // a comma between digits, a comma that ends or begins a word
   while (true) {
     auto const start = line.find_first_not_of(" \t;\r");
-    if (start == line.npos) return words >= 2;
+    if (start == line.npos) return inside && words >= 2 && (semicolons || !beside);
     line.remove_prefix(start);
     std::string_view const word = line.substr(0, line.find_first_of(" \t;\r"));
     line.remove_prefix(word.size());
-    auto const comma = word.find(',');
-    if (comma == word.npos || comma == 0 || comma + 1 == word.size() || word.find(',', comma + 1) != word.npos ||
-        word.find_first_not_of("0123456789,+-eE") != word.npos)
-      return false;
+    if (word.find_first_not_of("0123456789,+-.eE") != word.npos) return false;
     ++words;
+    beside |= word.starts_with(',') || word.ends_with(',');
+    for (auto at = word.find(','); at != word.npos; at = word.find(',', at + 1))
+      inside |= at > 0 && at + 1 < word.size() && digit(word[at - 1]) && digit(word[at + 1]);
   }
 }
 
@@ -69,8 +74,7 @@ NumberRows parse_rows(std::string_view text, NonFinite words) {
   for (std::uint32_t number = 1; !text.empty(); ++number) {
     std::string_view const line = text.substr(0, text.find('\n'));
     std::vector<double> row;
-    if (has_decimal_commas(line.substr(0, line.find_first_of("#%"))))
-      return refused("this line has decimal commas; write 0.5 instead of 0,5", number, 1);
+    if (has_decimal_commas(line)) return refused("this line has decimal commas; write 0.5 instead of 0,5", number, 1);
     std::string_view const bad = read_row(line, row, words);
     if (!bad.empty())
       return refused(fmt::format("'{}' is not a number (comments start with #)", shortened(bad)), number,

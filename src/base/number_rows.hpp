@@ -28,7 +28,8 @@ NumberRows parse_rows(std::string_view text, NonFinite = NonFinite::refused);
 
 // Appends the numbers of one line; the word that is not one, as a part of `line`, or nothing.
 std::string_view read_row(std::string_view line, std::vector<double>& row, NonFinite);
-// "0,5 1,2" or "0,5;1,2": every word a number with one comma and no point.
+// "0,5 1,2", "10,5;1e-9": a comma between digits in a line of numbers that something else separates. "0,5, 1" is not
+// meant: there commas separate.
 bool has_decimal_commas(std::string_view line);
 std::string_view without_byte_order_mark(std::string_view text);
 

@@ -70,6 +70,7 @@ class Reader {
   }
 
  private:
+  static constexpr std::string_view glued = "darmbgcoherence";  // pemcoupling forgets a comma between two names
   static constexpr std::string_view wanted = "frequency, factor, factor_counts, flag";
 
   void take(std::string_view line) {
@@ -87,10 +88,13 @@ class Reader {
     for (std::string_view const cell : cells_of(line, ",")) {
       std::size_t const before = at;
       for (std::string_view const word : cells_of(cell, " \t"))
-        if (std::string const name = plain(word); !name.empty())
+        if (std::string const name = plain(word); !name.empty()) {
           columns_.emplace(name == "freq" ? "frequency" : name, at++);
+          if (name == glued) columns_.emplace("coherence", at++);
+        }
       if (at == before) ++at;
     }
+    named_ = at;
     for (char const* name : {"frequency", "factor", "flag"})
       if (!columns_.contains(name))
         refuse(fmt::format("no column '{}'", name), fmt::format("the first line names the columns: {}", wanted));
@@ -119,6 +123,9 @@ class Reader {
 
   void take_row(std::string_view line) {
     cells_ = cells_of(line, ",");
+    if (cells_.size() > named_ && !plain(cells_[named_]).empty())
+      refuse(fmt::format("more values than the {} columns that have a name", named_),
+             "use decimal points, not decimal commas: 1.5, not 1,5");
     auto const flag = flag_of(text("flag"));
     if (!flag)
       refuse(fmt::format("'{}' is not a flag", plain(text("flag"))),
@@ -148,6 +155,7 @@ class Reader {
   std::string const& file_;
   std::size_t line_ = 0;
   std::map<std::string, std::size_t> columns_;
+  std::size_t named_ = 0;  // columns of the header
   std::vector<std::string_view> cells_;
   CouplingFunction out_;
 };

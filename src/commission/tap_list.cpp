@@ -77,6 +77,9 @@ class ListReader {
   void take(std::string const& line) {
     if (!errors_.empty() && places_.empty()) return;  // the header is wrong
     std::vector<std::string> const cells = cells_of(line);
+    if (cells.size() > header_.size() && !cells[header_.size()].empty())
+      return add(fmt::format("{} values for {} columns", cells.size(), header_.size()),
+                 "use decimal points, not decimal commas: 1.5, not 1,5");
     TapPlace p{cell(cells, "place"), number(cells, "start"), number(cells, "duration"), cell(cells, "strength")};
     if (p.name.empty()) add("a place without a name", "write it in column 'place'");
     if (p.duration <= 0) add(fmt::format("a duration of {} s", p.duration), "taps of about 20 s are usual");

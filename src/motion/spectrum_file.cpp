@@ -89,6 +89,11 @@ Spectrum read_spectrum_file(Node const& spec, bool rotation) {
             "write the numbers of the columns of frequency and motion, for example 'use: [1, 2]'");
     return {};
   }
+  if (there > 2 && !spec.has("use") && spec.list("columns").size() != there) {
+    file.problem(fmt::format("'{}' has {} columns, and 'columns' names two", name, there),
+                 "pick two with 'use: [1, 2]'; write numbers with points, 0.5, not with commas");
+    return {};
+  }
   Curve curve = curve_of(*table, columns->frequency, columns->value);
   if (!curve.error.empty()) {
     file.file_problem(name, curve.error_line, 1, curve.error, remedy);

@@ -101,6 +101,7 @@ TEST(CouplingFile, LayoutsOfPemcouplingGoRoundR6_08) {
     EXPECT_EQ(c.points[0].flag, measured);
     EXPECT_EQ(c.points[0].factor, 2.13e-7);
     EXPECT_EQ(c.points[0].factor_counts, 3.4e-13);
+    EXPECT_EQ(std::isnan(c.points[0].coherence), text != injection);
     EXPECT_EQ(c.points[1].flag, upper_limit);
     EXPECT_EQ(c.points[1].factor, 8.77e-9);
     EXPECT_EQ(c.points[2].flag, below_thresholds);
@@ -130,6 +131,7 @@ TEST(CouplingFile, RefusesWithPlaceAndRemedy) {
               HasSubstr("c.csv:3: error: the frequency does not"));
   EXPECT_THAT(refused("frequency,factor,flag\n2,-2,Real\n"), HasSubstr("c.csv:2: error: the factor is not positive"));
   EXPECT_THAT(refused("frequency,factor,flag\n2,x,Real\n"), HasSubstr("'x' is not a number"));
+  EXPECT_THAT(refused("frequency,flag,factor\n2,Real,1,5\n"), HasSubstr("c.csv:2: error: more values than the 3"));
   EXPECT_THAT(refused(theirs, ""), HasSubstr("c.csv: error: the file does not say the unit of its factors"));
   EXPECT_THAT(refused(""), HasSubstr("no couplings in it"));
 }

@@ -63,13 +63,26 @@ TEST(SeriesFile, FewDigitsStillGiveTheRate) {  // 1/128 s printed to 0.1 ms; a g
 }
 
 TEST(SeriesFile, DecimalCommasAreNamed) {
-  for (char const* text : {"0,0 1,5\n0,1 2,5\n", "t;x\n0,0;1,5\n0,1;2,5\n"})
+  for (char const* text : {"0,0 1,5\n0,1 2,5\n", "t;x\n0,0;1,5\n0,1;2,5\n", "0;1,5\n1;2,5\n"})
     EXPECT_NE(
         message([&] { parse_series(text, "a.csv", {.channel = "", .unit = "m", .span = {}}); }).find("decimal commas"),
         std::string::npos)
         << text;
   EXPECT_NE(parse_named_columns("t,x\n0,0,1,5\n0,1,2,5\n").error.find("not with a comma"), std::string::npos);
   EXPECT_EQ(parse_named_columns("0,1\n1,2\n").column.size(), 2u) << "whole numbers between commas";
+}
+
+// A comma between digits beside another separator is no separator: "10,5;1e-9" is not a row of three.
+TEST(NumberRows, DecimalCommasAreRefusedByEveryReader) {
+  std::string_view const names[] = {"h_mean"};
+  for (std::string const line : {"10,5;1e-9", "10,5;1,2e-9", "10;1,5", "10,5\t1e-9", "10,5 1e-9 # 10,5", "-1,5 2"}) {
+    std::string const text = line + "\n" + line + "\n";
+    for (std::string const& error : {parse_rows(text).error, parse_named_columns(text).error, parse_curve(text).error,
+                                     parse_named_curve(text, names).error})
+      EXPECT_NE(error.find("decimal commas"), std::string::npos) << line << ": " << error;
+  }
+  for (std::string const line : {"10,5", "10, 5,1", "10,5 ,1", "10; 5; 1e-9", "10.5;1e-9", "1,2 # 3,4", "10 1e-9"})
+    EXPECT_EQ(parse_rows(line + "\n").error, "") << "twin: " << line << " is not meant";
 }
 
 TEST(SeriesFile, MessagesSayWhatToWrite) {
