@@ -108,9 +108,11 @@ std::optional<Vec3> read_unit(Node const& table, std::string_view key) {
     table.problem(fmt::format("'{}' is missing", key), fmt::format("add '{}: [0, 0, 1]'", key));
     return {};
   }
-  Vec3 const v = read_vector(table[key], dim::plain);
-  if (!(length(v) > 0) || !std::isfinite(length(v))) return {};
-  return unit(v);
+  return read_direction(table[key]);
+}
+
+bool unread(Node const& table, std::string_view key, std::vector<double> const& v) {
+  return table.has(key) && some_missing(v);
 }
 
 using Shape = std::shared_ptr<ModeShape const>;
@@ -122,7 +124,7 @@ Shape read_polynomial(Node const& t) {
   for (int c = 0; c < 3; ++c)
     for (Node const& term : t.list(names[std::size_t(c)])) {
       std::vector<double> const v = term.as_numbers(dim::plain, 4);
-      if (v.size() != 4) return {};
+      if (some_missing(v)) return {};
       PolynomialShape::Term to{v[0], {int(v[1]), int(v[2]), int(v[3])}};
       for (int i = 0; i < 3; ++i)
         if (!(v[std::size_t(i) + 1] == to.power[i] && to.power[i] >= 0 && to.power[i] <= 20)) {
@@ -151,7 +153,7 @@ Shape read_plate(Node const& t) {
   auto shape = std::make_shared<Plate>();
   auto const normal = read_unit(t, "normal"), along = read_unit(t, "along");
   std::vector<double> const size = t["size"].as_numbers(dim::length, 2), order = t["order"].as_numbers(dim::plain, 2);
-  if (!normal || !along || size.size() != 2 || order.size() != 2) return {};
+  if (!normal || !along || unread(t, "size", size) || unread(t, "order", order)) return {};
   if (std::fabs(dot(*normal, *along)) > 1e-9) {
     t["along"].problem("'along' lies in the plate, at right angles to 'normal'",
                        "write the direction of the first side");

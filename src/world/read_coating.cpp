@@ -48,7 +48,7 @@ std::vector<CoatingRow> rows_of(Node const& node, ShareTable const& t) {
     double const least = std::min({r.reflect_s, r.reflect_p, r.transmit_s, r.transmit_p, r.scatter + 1e-9, absorbed});
     double const sum =
         absorbed + std::max(r.reflect_s + r.transmit_s, r.reflect_p + r.transmit_p) + (absorbs ? 0 : r.scatter);
-    if (!std::isfinite(sum) || !std::isfinite(least)) return {};
+    if (!std::isfinite(sum) || !std::isfinite(least) || std::isnan(degrees)) return {};
     if (i > 0 && !(t.angle[i] > t.angle[i - 1]))
       row_problem(node, t, i,
                   fmt::format("angle {:.6g} deg does not come after {:.6g} deg", degrees, t.angle[i - 1] * 180 / pi),

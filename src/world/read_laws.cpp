@@ -97,7 +97,7 @@ void read_polynomial(Node const& law, LawReading& out) {
   if (!whole && !rows.empty()) law["diffuse"].problem("more than 4 rows of coefficients", "use powers 0 to 3");
   for (std::size_t j = 0; whole && j < rows.size(); ++j) {
     auto const row = rows[j].as_numbers(dim::brdf, rows.size());
-    whole = row.size() == rows.size();
+    whole = !some_missing(row);
     for (std::size_t k = 0; whole && k < row.size(); ++k) p.c[j][k] = row[k];
   }
   for (int j = 0; whole && j < Polynomial::terms; ++j)
@@ -153,12 +153,9 @@ bool read_lay(Node const& law, Optic& optic) {
   Lay lay = Lay::given;
   Vec3 direction;
   if (node.kind() == Node::Kind::list) {
-    direction = read_vector(node, dim::plain);
-    if (!(length(direction) > 0)) {
-      node.problem("a direction of length zero", "write for example [1, 0, 0]");
-      return false;
-    }
-    direction = unit(direction);
+    auto const given = read_direction(node);
+    if (!given) return false;
+    direction = *given;
   } else {
     lay = law.choice("lay", words) == "along" ? Lay::along : Lay::around;
   }

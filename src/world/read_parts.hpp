@@ -47,6 +47,10 @@ inline bool only_absorbs(Optic const& o) {
   return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
 }
 
+inline bool only_absorbs(Optic const& o) {
+  return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
+}
+
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
 std::string volume_fault(World const&, std::vector<std::uint32_t> const& faces);
 std::vector<std::vector<std::uint32_t>> faces_of_volumes(World const&);  // by volume
@@ -57,5 +61,8 @@ SurfaceId find_surface(Node const& name, Registry const&);
 Pose turned_about_normal(Pose const&, double angle);  // rad, from e1 towards e2
 Pose read_pose(Node const& table);                    // keys at, facing or rotate
 Vec3 read_vector(Node const& list, Dimension);
+bool some_missing(std::vector<double> const&);  // NaN among numbers that were read: reported where it stands
+// A unit vector; none, with a problem at the list or at what it names, where it has no direction.
+std::optional<Vec3> read_direction(Node const& list);
 
 }  // namespace straytrace

@@ -49,7 +49,7 @@ LawInfo read_preset(Node const& material, LawReading& out, Optic& optic) {
   bool const own = material.has("bracket");
   if (own) {
     auto const given = material["bracket"].as_numbers(dimension, 3);
-    if (given.size() != 3) return {};
+    if (some_missing(given)) return {};
     if (!(given[0] >= 0 && given[0] <= given[1] && given[1] <= given[2])) {
       material["bracket"].problem("a bracket is low, mid, high, in this order", "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");
       return {};

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "world/read_beams.hpp"
+#include "world/spot_place.hpp"
 
 namespace straytrace {
 namespace {
@@ -17,12 +18,16 @@ Profile read_profile(Node const& beam) {
   return profile == "even" ? Profile::even : profile == "point" ? Profile::point : Profile::gaussian;
 }
 
+bool known_place(Vec3 v) { return std::isfinite(length(v)); }
+
 // Linear, along the part of the vector that lies across the travel.
 void read_polarisation(Node const& beam, Vec3 travel, World& world, Footprint& f) {
   Node const given = beam["polarisation"];
   if (!given) return;
-  Vec3 const vector = read_vector(given, dim::plain), across = vector - dot(vector, travel) * travel;
-  if (!(length(across) > 1e-6 * length(vector)))
+  auto const vector = read_direction(given);
+  if (!vector) return;
+  Vec3 const across = *vector - dot(*vector, travel) * travel;
+  if (!(length(across) > 1e-6))
     return given.problem("the polarisation lies along the beam", "give a direction across it");
   f.polarisation = {unit(across), 1, 0, 0};
   world.polarised = true;
@@ -59,16 +64,17 @@ void read_free(Node const& beam, Registry const& names, World& world, Lighting c
   f.beam = light.number;
   f.profile = read_profile(beam);
   f.centre = read_vector(beam["from"], dim::length);
-  Vec3 const facing = beam.has("facing") ? read_vector(beam["facing"], dim::plain) : Vec3{};
-  if (!(length(facing) > 0))
-    return beam.problem(fmt::format("beam '{}' goes nowhere", light.name), "give 'facing', for example [0, 0, 1]");
-  f.travel = unit(facing);
+  if (!beam.has("facing"))
+    beam.problem(fmt::format("beam '{}' goes nowhere", light.name), "give 'facing', for example [0, 0, 1]");
+  auto const facing = read_direction(beam["facing"]);
+  f.travel = facing.value_or(Vec3{0, 0, 1});
   read_wavefront(beam, world, f);
   f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
   read_polarisation(beam, f.travel, world, f);
   if (std::find(world.groups().begin(), world.groups().end(), light.name) != world.groups().end())
     return beam.problem(fmt::format("an entry of 'scene' is called '{}' already", light.name),
                         "routes begin with the name of the beam: choose another");
+  if (!facing || !known_place(f.centre)) return;  // all else of the beam has been read
   f.origin = world.add_group(light.name);
   f.emits = !lit.wanted;  // then it is followed as a mode, not as rays
   world.add_footprint(f);
@@ -86,8 +92,8 @@ void read_spot(Node const& beam, Registry const& names, World& world, Lighting c
   f.surface = find_surface(beam["on"], names);
   f.profile = read_profile(beam);
   f.radius = f.profile == Profile::point ? 0 : beam.number("radius", dim::length, required, 1e-6, 10);
-  Vec3 const travel = beam.has("travel") ? read_vector(beam["travel"], dim::plain) : Vec3{0, 0, -1};
-  f.travel = length(travel) > 0 ? unit(travel) : Vec3{0, 0, -1};
+  auto const travel = beam.has("travel") ? read_direction(beam["travel"]) : Vec3{0, 0, -1};
+  f.travel = travel.value_or(Vec3{0, 0, -1});
   f.curvature = beam.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3);
   f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
   read_polarisation(beam, f.travel, world, f);
@@ -96,10 +102,11 @@ void read_spot(Node const& beam, Registry const& names, World& world, Lighting c
   f.receives = false;
   bool const aimed = beam.has("centre");
   if (aimed) f.centre = read_vector(beam["centre"], dim::length);
-  if (!f.surface.valid()) return;  // all else of the beam has been read
+  if (!f.surface.valid() || !travel || !known_place(f.centre) || std::isnan(f.radius)) return;
   if (!aimed)
     f.centre =
         world.view().shapes.visit(world.surfaces()[f.surface.value].shape, [](auto const& s) { return s.reference(); });
+  place_spot(world, f);
   world.add_footprint(f);
 }
 

@@ -13,11 +13,6 @@
 
 namespace straytrace {
 
-Vec3 read_vector(Node const& list, Dimension dimension) {
-  auto const v = list.as_numbers(dimension, 3);
-  return v.size() == 3 ? Vec3{v[0], v[1], v[2]} : Vec3{not_a_number, not_a_number, not_a_number};
-}
-
 namespace {
 
 // Turns by `angle` about the unit vector `axis` (Rodrigues).
@@ -45,18 +40,14 @@ Pose read_pose(Node const& table) {
   if (Node const at = table["at"]) pose.origin = read_vector(at, dim::length);
   Node const face = table["facing"], rotate = table["rotate"];
   if (face && rotate) table.problem("'facing' and 'rotate' both turn the part", "keep one of them");
-  if (face) {
-    Vec3 const to = read_vector(face, dim::plain);
-    if (!(length(to) > 0))
-      face.problem("a direction of length zero", "write for example [0, 0, 1]");
-    else
-      return facing(pose.origin, unit(to));
-  }
+  if (face)
+    if (auto const to = read_direction(face)) return facing(pose.origin, *to);
   if (rotate) {
-    Vec3 const axis = read_vector(rotate["axis"], dim::plain);
+    if (!rotate.has("axis")) rotate.problem("'axis' is missing", "write {axis: [1, 0, 0], angle: 30 deg}");
+    auto const axis = read_direction(rotate["axis"]);
     double const angle = rotate.number("angle", dim::angle, required, -2 * pi, 2 * pi);
     rotate.refuse_unknown("'rotate'");
-    if (length(axis) > 0) return rotated(pose.origin, unit(axis), std::cos(angle), std::sin(angle));
+    if (axis) return rotated(pose.origin, *axis, std::cos(angle), std::sin(angle));
   }
   return pose;
 }
