@@ -251,7 +251,9 @@ int render(Options const& options, RenderRequest const& w) {
                       : w.mode == "importance"
                           ? draw_importance(world, view.camera, settings, kept ? &file->about.importance : nullptr)
                           : draw_shaded(world, view.camera, settings);
-  write_png(options.out, {view.camera.columns, view.camera.rows, drawn.rgb});
+  Image image{view.camera.columns, view.camera.rows, drawn.rgb};
+  if (drawn.bar) add_colour_bar(image, *drawn.bar);
+  write_png(options.out, image);
   print(options, view.camera, drawn);
   return done;
 }

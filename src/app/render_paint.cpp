@@ -59,13 +59,18 @@ std::string group_of(World const& world, SurfaceId id) {
   return world.groups()[world.surfaces()[id.value].group.value];
 }
 
+std::array<std::uint8_t, 3> bytes(Rgb const& c) {
+  auto const byte = [](double x) { return std::uint8_t(std::lround(255 * std::clamp(x, 0.0, 1.0))); };
+  return {byte(c.r), byte(c.g), byte(c.b)};
+}
+
 template <class Colour>
 std::vector<std::uint8_t> flat(std::vector<Seen> const& seen, Colour const& colour) {
   std::vector<std::uint8_t> rgb;
   rgb.reserve(3 * seen.size());
   for (Seen const& s : seen) {
     Rgb const c = s.surface.valid() ? colour(s) : Rgb{};
-    for (double x : {c.r, c.g, c.b}) rgb.push_back(std::uint8_t(std::lround(255 * std::clamp(x, 0.0, 1.0))));
+    for (std::uint8_t const x : bytes(c)) rgb.push_back(x);
   }
   return rgb;
 }
@@ -171,6 +176,9 @@ Drawn draw_importance(World& world, Camera const& camera, LookSettings const& se
         return a > 0 ? heat(high > low ? std::log(a / low) / std::log(high / low) : 1) : Rgb{0.6, 0.6, 0.6};
       },
       visible);
+  if (high > low)
+    drawn.bar =
+        ColourBar{low, high, "adjoint: score per unit of power that arrives", [](double x) { return bytes(heat(x)); }};
   drawn.scale =
       high > 0
           ? fmt::format("adjoint from {:.3g} (violet) by green to {:.3g} (yellow), logarithmic; grey: none", low, high)

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "report/colour_bar.hpp"
 #include "report/report.hpp"
 #include "trace/flash_camera.hpp"
 
@@ -22,8 +24,9 @@ struct Shine {
 struct Drawn {
   std::vector<std::uint8_t> rgb;  // three bytes per pixel, row by row
   std::vector<LegendEntry> legend;
-  std::vector<Shine> shine;  // of a flash: most first
-  std::string scale;         // what shades mean, in words; empty: nothing to say
+  std::vector<Shine> shine;      // of a flash: most first
+  std::string scale;             // what shades mean, in words; empty: nothing to say
+  std::optional<ColourBar> bar;  // added below the picture
 };
 
 // Colours by object: the first part of a group's name, "lens_1" of "lens_1/front". The same name gets the same colour
