@@ -47,10 +47,6 @@ inline bool only_absorbs(Optic const& o) {
   return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
 }
 
-inline bool only_absorbs(Optic const& o) {
-  return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
-}
-
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
 std::string volume_fault(World const&, std::vector<std::uint32_t> const& faces);
 std::vector<std::vector<std::uint32_t>> faces_of_volumes(World const&);  // by volume
