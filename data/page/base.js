@@ -48,6 +48,12 @@ function withError(value, sigma) {
   return (value / Math.pow(10, power)).toFixed(power - last) + "(" + error + ")e" + power;
 }
 
+// Two digits, for upper bounds: 2.7e-24.
+function roundedUp(x) {
+  const unit = Math.pow(10, Math.floor(Math.log10(x) + 1e-9) - 1);
+  return digits(Math.ceil(x / unit * (1 - 1e-12)) * unit, 2);
+}
+
 // A tick of an axis with n digits: 0.01, 1200, 10^-24, 2.5·10^-24.
 function tickText(x, n) {
   const [mantissa, power] = x.toExponential(n - 1).split("e"), short = String(Number(mantissa));

@@ -159,9 +159,13 @@ class PathTable {
   side(key) { return this.isText(key) ? "text" : null; }
   cell(key, i) {
     const values = this.columns.get(key), errors = this.columns.get(key + "_sigma");
-    if (errors) return withError(values[i], errors[i]);
+    if (errors) return this.isBound(key, i) ? "at most " + roundedUp(values[i]) : withError(values[i], errors[i]);
     const x = values[i];
     return typeof x === "number" ? (Number.isInteger(x) ? String(x) : digits(x, 4)) : x === null ? "–" : x;
+  }
+  // Rims are computed as the most there can be.
+  isBound(key, i) {
+    return this.columns.get("kind")[i] === "edge" && this.columns.get(key)[i] > 0 && (key === "coupling" || isStrain({key}));
   }
   draw() {
     const rows = this.printed, first = Math.max(0, Math.floor(this.box.scrollTop / rowHeight) - spareRows);

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .errors import RunError
-from .interpolate import log_log
+from .interpolate import between_bins
 
 if TYPE_CHECKING:
     import pandas
@@ -38,6 +38,16 @@ class Curve:
     linear_share: Array | None = None    # [n] of the PSD, by motion of that frequency; None before schema 1.5
     input_low: Array | None = None       # [n] of routes: what stated inputs leave open; None before schema 1.6
     input_high: Array | None = None
+    bound_share: Array | None = None     # [n] of the total: share of the PSD that upper bounds make; None before schema 1.8
+
+    @property
+    def at_most(self) -> npt.NDArray[np.bool_]:
+        """[n] Where `mean` is an upper bound: it may be less by more than its error, and than 0.05 %."""
+        if self.bound_share is None:
+            return np.zeros(len(self.mean), dtype=bool)
+        less = self.mean * (1 - np.sqrt(np.clip(1 - self.bound_share, 0, None)))
+        bound: npt.NDArray[np.bool_] = less > np.maximum(self.sigma, 5e-4 * self.mean)
+        return bound
 
 
 @dataclass
@@ -60,7 +70,7 @@ class Noise:
 
     frequency: Array                  # [n] Hz, geometric centres of bins
     edges: Array                      # [n + 1] Hz
-    total: Curve                      # a lower bound when `unresolved` is not empty
+    total: Curve                      # holds hints of unresolved routes; a lower bound when `unresolved` is not empty
     routes: list[Curve]               # one per route of the run
     unresolved: list[str]             # names with reason
     faint: list[str]                  # unresolved too, but too faint to move the total
@@ -68,6 +78,13 @@ class Noise:
     margin: float                     # of the first design curve
     bands: Bands | None = None      # None where only the mean was made
     run: Run | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def bound(self) -> str:
+        """What the total is besides its error, for titles: "", " (lower bound)", " (at most)" and so on."""
+        if self.total.at_most.any():
+            return " (at most, routes unresolved)" if self.unresolved else " (at most)"
+        return " (lower bound)" if self.unresolved else ""
 
     def __call__(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
                  response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None) -> "Noise":
@@ -99,8 +116,9 @@ class Noise:
         return np.where(resolved, share, np.nan), np.where(resolved, error, np.nan)
 
     def at(self, hz: npt.ArrayLike, curve: Curve | None = None) -> Array:
-        """The ASD of the total, or of a curve, at frequencies: straight in log-log, NaN outside the band."""
-        return log_log(hz, self.frequency, (curve or self.total).mean)
+        """The ASD of the total, or of a curve, at frequencies: straight in log-log between the centres of bins, the
+        average of the bin beside a line or a zero, NaN outside the band."""
+        return between_bins(hz, self.edges, (curve or self.total).mean)
 
     def table(self) -> pandas.DataFrame:
         """A row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)]; index: Hz."""
@@ -114,6 +132,7 @@ class Noise:
         columns |= self.design
         table = pandas.DataFrame(columns, index=pandas.Index(self.frequency, name="frequency_Hz"))
         table["lower_bound"] = bool(self.unresolved)
+        table["upper_bound"] = self.total.at_most
         return table
 
     def to_gwpy(self, curve: Curve | None = None, *, interpolate: float | None = None) -> Any:

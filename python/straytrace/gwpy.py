@@ -34,6 +34,5 @@ def frequency_series(noise: Noise, curve: Curve, interpolate: float | None) -> A
                          f"{steps[-1]:.3g} Hz; write to_gwpy(interpolate=0.5) for steps of 0.5 Hz, or take table(), which "
                          "holds any axis")
     title = (noise.run.title if noise.run is not None else "") or "stray light"
-    bound = " (lower bound)" if noise.unresolved and curve is noise.total else ""
-    name = title + bound if curve is noise.total else curve.name
+    name = title + noise.bound if curve is noise.total else curve.name + (" (at most)" if curve.at_most.any() else "")
     return FrequencySeries(values, unit=UNIT, f0=f[0], df=steps[0], name=name)

@@ -12,6 +12,25 @@ BEYOND = ("nan", "constant", "slope")
 Array = npt.NDArray[np.float64]
 
 
+def between_bins(hz: npt.ArrayLike, edges: Array, mean: npt.ArrayLike) -> Array:
+    """A curve of averages over bins, as `straytrace paths` reads it: straight in log-log between the centres; beside a bin
+    above twice the geometric mean of its neighbours (a line) or a bin of 0 the average of the bin; NaN outside the bins."""
+    x, value = np.atleast_1d(np.asarray(hz, float)), np.asarray(mean, float)
+    centre, n = np.sqrt(edges[:-1] * edges[1:]), len(edges) - 1
+    own = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, n - 1)
+    result: Array = value[own]
+    if n > 1:
+        low = np.clip(np.searchsorted(centre, x, side="right") - 1, 0, n - 2)
+        out = np.zeros(n, dtype=bool)
+        out[1:-1] = value[1:-1] ** 2 > 4 * value[:-2] * value[2:]
+        smooth = (value[low] > 0) & (value[low + 1] > 0) & ~out[low] & ~out[low + 1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.log(x / centre[low]) / np.log(centre[low + 1] / centre[low])
+            result = np.where(smooth, value[low] * (value[low + 1] / value[low]) ** share, result)
+    result = np.where((x >= edges[0]) & (x < edges[-1]), result, np.nan)
+    return result.reshape(np.shape(np.asarray(hz)))
+
+
 def log_log(hz: npt.ArrayLike, frequency: Array, strain: npt.ArrayLike, beyond: str = "nan") -> Array:
     """Straight lines in log-log between the points; beside a point of 0, in value over log f. Outside them: `nan`, not
     known; `constant`, the value at the end; `slope`, on with the power law of the last two points. On from a 0 it is 0."""

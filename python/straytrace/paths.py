@@ -41,6 +41,11 @@ class Path:
     strain: Callable[[float], float]    # Hz to 1/sqrt(Hz)
 
     @property
+    def at_most(self) -> bool:
+        """Whether its numbers are upper bounds: diffraction at rims, which speckle lowers."""
+        return self.kind == "edge"
+
+    @property
     def objects(self) -> list[str]:
         """What the light meets, in order; nothing of a row `other`, which sums many routes."""
         return [step.split("·")[0] for step in self.sequence.split(" > ") if "·" in step]
@@ -87,7 +92,7 @@ class Paths(Sequence[Path]):
         import pandas
 
         names = ("id", "port", "sequence", "kind", "scatters", "coupling", "coupling_sigma", "share", "share_sigma", "body",
-                 "lever", "rms_phase", "regime", "opl", "resolved", "why_not", "histories")
+                 "lever", "rms_phase", "regime", "opl", "at_most", "resolved", "why_not", "histories")
         columns: dict[str, list[Any]] = {name: [getattr(row, name) for row in self.rows] for name in names}
         columns |= {f"h({f:g} Hz)": [row.strain(f) for row in self.rows] for f in frequencies}
         return pandas.DataFrame(columns, index=pandas.Index([row.rank for row in self.rows], name="rank"))

@@ -65,8 +65,7 @@ def draw_budget(axes, run, band):
     noise, total = run.noise, run.noise.total
     f = noise.frequency
     shown = [total.mean, total.amplitude] + ([noise.bands.speckle_95] if noise.bands else [])
-    bound = " (lower bound)" if noise.unresolved else ""
-    axes.plot(f, total.mean, color="black", lw=2.2, label="stray light, total" + bound, zorder=5)
+    axes.plot(f, total.mean, color="black", lw=2.2, label="stray light, total" + noise.bound, zorder=5)
     low = np.maximum(total.mean - total.sigma, 1e-300)
     axes.fill_between(f, low, total.mean + total.sigma, color="black", alpha=0.25, lw=0, label="± one standard error")
     draw_bands(axes, noise)
@@ -111,7 +110,7 @@ def draw_shares(axes, run, band):
     for y, (name, value, sigma, _, i) in zip(place, rows):
         words = plain(100 * value, 100 * sigma, " %") if value > 0 else "nothing moves on them"
         if i is not None:
-            words += f"   coupling {power_of_ten(run.routes.coupling[i], run.routes.sigma[i])}"
+            words += f"   coupling {power_of_ten(run.routes.coupling[i], run.routes.sigma[i], run.routes.kind[i] == 'edge')}"
         axes.annotate(words, (100 * (value + sigma), y), xytext=(6, 0), textcoords="offset points", va="center", fontsize=9.5)
         axes.annotate(shortened(name, 84), (0, y + 0.28), xytext=(2, 0), textcoords="offset points", va="bottom", fontsize=9.5)
     widest = max([100 * (r[1] + r[2]) for r in rows], default=100)
@@ -169,11 +168,11 @@ def receivers_only(run):
 
 
 def strongest(run):
-    """(name, value, error) of the strongest resolved routes, or of the receivers."""
+    """(name, value, error, whether it is an upper bound) of the strongest resolved routes, or of the receivers."""
     routes = run.routes
-    rows = [(routes.name[i], routes.coupling[i], routes.sigma[i]) for i in np.flatnonzero(routes.trusted)]
+    rows = [(routes.name[i], routes.coupling[i], routes.sigma[i], routes.kind[i] == "edge") for i in np.flatnonzero(routes.trusted)]
     if receivers_only(run):
-        rows = [(r.name, r.power, r.sigma) for r in run.receivers if r.trusted]
+        rows = [(r.name, r.power, r.sigma, False) for r in run.receivers if r.trusted]
     return sorted((row for row in rows if row[1] > 0), key=lambda row: -row[1])[:12]
 
 
@@ -181,14 +180,14 @@ def draw_couplings(axes, run, rows):
     """Without noise: couplings of the strongest routes, or the light on receivers, on a logarithmic axis."""
     axes.set_title("Light on receivers" if receivers_only(run) else "Routes by coupling (noise not computed)")
     axes.set_xlabel("power over that of the main mode" if receivers_only(run) else "recoupled power fraction, ordered paths")
-    names, coupling, sigma = [r[0] for r in rows], np.array([r[1] for r in rows]), np.array([r[2] for r in rows])
+    coupling, sigma = np.array([r[1] for r in rows]), np.array([r[2] for r in rows])
     place = np.arange(len(rows))[::-1]
     axes.errorbar(coupling, place, xerr=sigma, fmt="o", color=ROUTE_COLOURS[0], capsize=3)
     axes.set(xscale="log", xlim=(coupling.min() / 3, coupling.max() * 30), ylim=(-0.5, len(rows) - 0.3))
-    for y, name, value, error in zip(place, names, coupling, sigma):
+    for y, (name, value, error, bound) in zip(place, rows):
         axes.annotate(shortened(name, 90), (0, y + 0.22), xycoords=("axes fraction", "data"), xytext=(4, 0),
                       textcoords="offset points", va="bottom", fontsize=9.5)
-        axes.annotate(power_of_ten(value, error), (value + error, y), xytext=(8, 0), textcoords="offset points",
+        axes.annotate(power_of_ten(value, error, bound), (value + error, y), xytext=(8, 0), textcoords="offset points",
                       va="center", fontsize=9.5)
     axes.set_yticks([])
     axes.grid(True, axis="x", color=LIGHT, lw=0.7)
@@ -212,7 +211,7 @@ def notes(run, width=62):
         routes = run.noise.unresolved
     receivers = [f"{r.name}: {r.why_not}" for r in run.receivers if not r.trusted]
     unresolved = routes + receivers
-    lines = listed("unresolved, not in the total", routes, width) + listed("unresolved receivers", receivers, width)
+    lines = listed("unresolved, in the total as far as seen", routes, width) + listed("unresolved receivers", receivers, width)
     if not unresolved:
         faint = len(run.noise.faint) if run.noise is not None else 0
         lines.append(f"unresolved: {faint}, too faint to matter" if faint else "unresolved: none")

@@ -40,8 +40,7 @@ def draw_noise(axes: Any, scan: "Scan") -> None:
         if noise is None:
             continue
         f, h, sigma = noise.frequency, noise.total.mean, noise.total.sigma
-        bound = " (lower bound)" if noise.unresolved else ""
-        axes.plot(f, h, color=colour, lw=1.6, label=label(point.params) + bound)
+        axes.plot(f, h, color=colour, lw=1.6, label=label(point.params) + noise.bound)
         axes.fill_between(f, np.maximum(h - sigma, 1e-300), h + sigma, color=colour, alpha=0.25, lw=0)
     for noise in [point.run.noise for point in scan.points if point.run.noise is not None][:1]:
         draw_line(axes, noise)

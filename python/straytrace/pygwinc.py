@@ -40,8 +40,7 @@ def _of_run(path: pathlib.Path) -> Known:
     run = open_run(path)
     if run.noise is None:
         raise RunError(f"'{path}' holds no noise, only couplings: give a run with ports")
-    bound = " (lower bound)" if run.noise.unresolved else ""
-    return run.noise.frequency, run.noise.total.mean, (run.attributes.get("title") or "") + bound
+    return run.noise.frequency, run.noise.total.mean, (run.attributes.get("title") or "") + run.noise.bound
 
 
 def _of_budget(path: pathlib.Path) -> Known:

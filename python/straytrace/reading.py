@@ -116,7 +116,8 @@ def noise_of(file: Any) -> Noise | None:
         frequency=group["frequency"][()],
         edges=group["frequency_edges"][()],
         total=Curve("total", **{name: total[name][()] for name in columns},
-                    linear_share=total["linear_share"][()] if "linear_share" in total else None),
+                    linear_share=total["linear_share"][()] if "linear_share" in total else None,
+                    bound_share=total["bound_share"][()] if "bound_share" in total else None),
         routes=[
             Curve(names[i], **{c: arrays[c][i] for c in columns}, resolved=bool(resolved[i]), why_not=why[i],
                   mean_square_phase=float(phase[i]),

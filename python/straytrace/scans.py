@@ -73,6 +73,7 @@ class Scan:
                                                          left=np.nan, right=np.nan))
             row["worst_ratio"], row["worst_sigma"], row["worst_Hz"] = point.worst()
             row["lower_bound"] = bool(noise is not None and noise.unresolved)
+            row["upper_bound"] = bool(noise is not None and noise.total.at_most.any())
             rows.append(row)
         return pandas.DataFrame(rows)
 

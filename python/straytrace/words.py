@@ -30,8 +30,12 @@ def plain(value, sigma, unit=""):
     return f"{value:.{digits}f} ± {sigma:.{digits}f}{unit}"
 
 
-def power_of_ten(value, sigma):
-    """(1.23 ± 0.04) x 10^-24; without an error it was computed, not sampled."""
+def power_of_ten(value, sigma, bound=False):
+    """(1.23 ± 0.04) x 10^-24; without an error it was computed, not sampled; an upper bound has two digits, rounded up."""
+    if bound and value > 0:
+        exponent = int(np.floor(np.log10(value)))
+        digits = np.ceil(value / 10.0 ** (exponent - 1) * (1 - 1e-12)) / 10
+        return rf"at most {digits:.1f}$\times 10^{{{exponent}}}$"
     if not (np.isfinite(value) and np.isfinite(sigma)):
         return "unresolved"
     if max(abs(value), sigma) == 0:

@@ -10,6 +10,7 @@
 
 #include "base/message.hpp"
 #include "noise/fundamental/fundamental.hpp"
+#include "report/band.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 #include "signal/text_table.hpp"
@@ -110,7 +111,8 @@ std::vector<double> Sampled::on(std::vector<double> const& at, std::vector<doubl
   for (double const f : at) {
     bool const inside = f >= low * (1 - rounding) && f <= high * (1 + rounding);
     double const held = inside && !hz.empty() ? std::clamp(f, hz.front(), hz.back()) : f;
-    out.push_back(values.empty() ? not_a_number : read_off(hz, values, held));
+    bool const of_bins = inside && bins.size() > 0 && !values.empty();
+    out.push_back(of_bins ? band_at(values, bins, held) : values.empty() ? not_a_number : read_off(hz, values, held));
   }
   return out;
 }
@@ -122,6 +124,12 @@ BudgetEntry NoiseSource::on(std::vector<double> const& at) const {
   for (BudgetBandColumn const& c : budget_band_columns)
     if (!(bands.*c.curve).empty()) e.bands.*c.curve = curve.on(at, bands.*c.curve);
   for (NoiseSource const& part : parts) e.parts.push_back(part.on(at));
+  auto const& edges = curve.bins.edges;
+  for (double const f : at) {
+    auto const above = std::upper_bound(edges.begin(), edges.end(), f) - edges.begin();
+    bool const inside = above > 0 && std::size_t(above) <= bound_bins.size();
+    e.at_most.push_back(inside && bound_bins[std::size_t(above) - 1]);
+  }
   return e;
 }
 
@@ -174,22 +182,30 @@ NoiseSource stray_light(std::string const& file) {
   if (!b.unresolved.empty())
     entry.note = fmt::format("a lower bound, {} route{} not resolved", b.unresolved.size(),
                              b.unresolved.size() == 1 ? " is" : "s are");
+  std::vector<bool> bound;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) bound.push_back(at_most(b.total, i));
+  if (std::count(bound.begin(), bound.end(), true) > 0)
+    entry.note += fmt::format("{}at most, where routes of kind edge count: they are upper bounds",
+                              entry.note.empty() ? "" : "; ");
   std::vector<std::string> models{about.model_hash};
   double const low = b.grid.edges.front(), high = b.grid.edges.back();
-  NoiseSource s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high}, {}, file, std::move(about),
+  NoiseSource s{std::move(entry), {hz, b.total.asd, b.total.sigma, low, high, b.grid}, {}, file, std::move(about),
                 std::move(models)};
   s.bands = {b.bands.input_low, b.bands.input_high, b.bands.speckle_05, b.bands.speckle_50, b.bands.speckle_95};
+  s.bound_bins = std::move(bound);
   s.entry.inputs_stated = !b.bands.sources.empty();
   for (std::string const& warning : b.warnings) s.warnings.push_back(fmt::format("'{}': {}", file, warning));
   for (NoiseTrace const& route : b.routes)
     if (route.resolved)
       s.parts.push_back({{route.name, route.name, BudgetEntry::Kind::stray_light, {}, {}, "", {}},
-                         {hz, route.asd, route.sigma, low, high},
+                         {hz, route.asd, route.sigma, low, high, b.grid},
                          {},
                          {},
                          {},
                          {},
-                         {route.input_low, route.input_high, {}, {}, {}}});
+                         {route.input_low, route.input_high, {}, {}, {}},
+                         {},
+                         std::vector<bool>(b.grid.size(), route.upper_bound)});
   return s;
 }
 

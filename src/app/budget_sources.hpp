@@ -10,6 +10,7 @@
 
 #include "base/constants.hpp"
 #include "noise/fundamental/budget.hpp"
+#include "noise/noise.hpp"
 
 namespace straytrace {
 
@@ -18,6 +19,7 @@ namespace straytrace {
 struct Sampled {
   std::vector<double> hz, asd, sigma;
   double low = infinity, high = -infinity;  // Hz, the band; without one `hz` says where it ends
+  FrequencyGrid bins{};                     // of a run: averages over bins, read as its tables read them
   std::vector<double> on(std::vector<double> const& at, std::vector<double> const& values) const;
 };
 // Two columns, or the one of a table that has one of the names; throws InputError.
@@ -41,6 +43,7 @@ struct NoiseSource {
   std::vector<std::string> models{};  // hashes of the scenes whose stray light is in it
   BudgetBands bands{};                // on the frequencies of the curve
   std::vector<std::string> warnings{};
+  std::vector<bool> bound_bins{};  // of a run: bins in which it is an upper bound
   BudgetEntry on(std::vector<double> const& at) const;
 };
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "app/build_info.hpp"
+#include "report/band.hpp"
 #include "report/pygwinc_trace.hpp"
 #include "report/report.hpp"
 
@@ -38,7 +39,10 @@ std::vector<double> const* reference(BudgetOn const& b) { return b.curves.empty(
 // "1.2e-24", with its error where it has one, and "!" above the margin.
 std::string cell(BudgetView const& v, BudgetEntry const& e, std::size_t i) {
   double const h = e.asd[i], sigma = e.sigma.empty() ? 0 : e.sigma[i];
-  std::string text = std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma) : number(h);
+  bool const most = i < e.at_most.size() && e.at_most[i] && h > 0;
+  std::string text = most                            ? with_brackets({h, sigma, true})
+                     : std::isfinite(h) && sigma > 0 ? with_brackets(h, sigma)
+                                                     : number(h);
   if (!std::isfinite(h) && !e.note.empty()) text = "unknown";
   std::vector<double> const* const design = reference(v.at);
   text += design && NoiseTable::exceeds(h, (*design)[i], v.margin) ? " !" : "  ";
@@ -88,6 +92,10 @@ std::vector<std::string> total_cells(NoiseTable const& t) {
   std::vector<std::string> cells = numbers(h);
   for (std::size_t i = 0; i < sigma.size(); ++i)
     if (sigma[i] > 1e-3 * h[i]) cells[i] = with_brackets(h[i], sigma[i]);
+  for (BudgetEntry const& e : t.entries)
+    for (std::size_t i = 0; i < e.at_most.size(); ++i)
+      if (e.at_most[i] && at_most(h[i], sigma.empty() ? 0 : sigma[i], std::pow(e.asd[i] / h[i], 2)))
+        cells[i] = with_brackets({h[i], 0, true});
   return cells;
 }
 
@@ -186,6 +194,7 @@ Json json_of(BudgetView const& v, BudgetOn const& b) {
     Json j{{"name", e.name}, {"what", e.words}, {"kind", kind_of(e)}, {"strain", json_numbers(e.asd)}};
     add_errors(j, e);
     if (!e.note.empty()) j["note"] = e.note;
+    if (std::count(e.at_most.begin(), e.at_most.end(), true) > 0) j["at_most"] = e.at_most;
     if (design) {
       Json over = Json::array(), above = Json::array();
       for (std::size_t i = 0; i < e.asd.size(); ++i) {

@@ -50,7 +50,7 @@ class Search {
 
 std::string words(Probe const& p, std::string const& unit) {
   return fmt::format("{:.6g}{}{} (h/line {}{})", p.number, unit.empty() ? "" : " ", unit,
-                     p.point.unresolved.empty() ? "" : "> ", with_error(p.point.ratio.value, p.point.ratio.sigma));
+                     p.point.unresolved.empty() || p.point.ratio.at_most ? "" : "> ", with_error(p.point.ratio));
 }
 
 struct Bracket {

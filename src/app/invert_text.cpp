@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/scan_points.hpp"
+#include "base/counted.hpp"
 #include "report/columns.hpp"
 
 namespace straytrace {
@@ -129,8 +130,8 @@ std::string answer_text(Answer const& a, bool per_frequency) {
   text += fmt::format("Errors: {}one standard error, Monte Carlo only.\n",
                       a.subject == Answer::Subject::scatter ? "at most " : "");
   if (!a.unresolved.empty())
-    text += fmt::format("This is no safe answer: {} routes are unresolved and not in the total. Trace longer.\n",
-                        a.unresolved.size());
+    text += fmt::format("This is no safe answer: {} unresolved, and in the total by what was seen. Trace longer.\n",
+                        counted(a.unresolved.size(), "route", "is", "are"));
   return per_frequency ? text + table(a) : text;
 }
 

@@ -49,12 +49,12 @@ void collect(std::string const& option, std::string const& text, FilterAnswer co
 
 nlohmann::ordered_json json_of(WithError const& x) {
   if (std::isnan(x.value)) return nullptr;
-  return {{"value", x.value}, {"sigma", x.sigma}};
+  nlohmann::ordered_json j{{"value", x.value}, {"sigma", x.sigma}};
+  if (x.at_most) j["at_most"] = true;
+  return j;
 }
 
-std::string number_of(WithError const& x) {
-  return std::isnan(x.value) ? "unresolved" : with_brackets(x.value, x.sigma);
-}
+std::string number_of(WithError const& x) { return std::isnan(x.value) ? "unresolved" : with_brackets(x); }
 
 std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   std::string text = fmt::format("Without {} ({} route{} left out):\n", fmt::join(choice.without, " and "),
@@ -71,7 +71,8 @@ std::string without_text(PathsChoice const& choice, ChosenPaths const& chosen) {
   bool const others =
       std::any_of(chosen.all.rows.begin(), chosen.all.rows.end(), [](PathRow const& row) { return row.vertices == 0; });
   if (others) text += "  Rows 'other' stay in the sums: some of the routes they hold may pass there as well.\n";
-  if (chosen.all.lower_bound()) text += "  lower bounds: unresolved routes are in none of these sums\n";
+  if (chosen.all.lower_bound())
+    text += "  lower bounds: of unresolved routes the sums hold what was seen, with an error as large\n";
   return text + "  What their light would do instead is not traced: for that take the object out of the scene.\n";
 }
 

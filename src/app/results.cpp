@@ -10,6 +10,7 @@
 #include "app/importance_map.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
+#include "base/counted.hpp"
 #include "report/columns.hpp"
 #include "report/merit.hpp"
 #include "report/picture.hpp"
@@ -82,23 +83,34 @@ void tell_warnings(NoiseBudget const& budget, Options const& options, std::strin
 }
 
 std::string headline(NoiseBudget const& budget, PathTable const& paths) {
-  std::string values, at, ratios;
+  std::string values, at, ratios, lines;
+  bool bound = false;
+  auto const outside = [&](double f) {
+    return budget.grid.size() > 0 && !(f >= budget.grid.edges.front() && f < budget.grid.edges.back());
+  };
+  bool const nowhere = std::all_of(paths.frequencies.begin(), paths.frequencies.end(), outside);
   for (std::size_t i = 0; i < paths.frequencies.size(); ++i) {
     double const f = paths.frequencies[i];
-    char const* const comma = i ? ", " : "";
+    if (outside(f) && !nowhere) continue;
+    char const* const comma = values.empty() ? "" : ", ";
     at += fmt::format("{}{:g}", comma, f);
-    values += comma + with_error(paths.total_strain[i].value, paths.total_strain[i].sigma);
+    values += comma + with_error(paths.total_strain[i]);
+    bound = bound || paths.total_strain[i].at_most;
+    if (!std::isnan(paths.lines[i].rms.value))
+      lines += fmt::format("; at {:g} Hz a line of {} rms", f, with_error(paths.lines[i].rms));
     if (budget.design.empty()) continue;
     double const design = design_at(budget.design.front(), budget.grid, f);
-    ratios += comma + with_error(paths.total_strain[i].value / design, paths.total_strain[i].sigma / design);
+    ratios += comma + with_error(paths.total_strain[i].over(design));
   }
   if (budget.total.resolved &&
       std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; }))
     return "stray light makes no strain noise here: nothing on its routes moves";
   std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
   if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
-  if (paths.lower_bound()) line += fmt::format("  (lower bound: {} routes unresolved)", paths.unresolved - paths.faint);
-  return line;
+  line += lines;
+  if (!paths.lower_bound()) return line;
+  return line + fmt::format("  ({}: {} unresolved)", bound ? "not of all light" : "lower bound",
+                            counted(paths.unresolved - paths.faint, "route"));
 }
 
 }  // namespace straytrace

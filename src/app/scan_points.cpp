@@ -76,7 +76,7 @@ void judge(ScanPoint& point, NoiseBudget const& b, std::vector<double> const& li
   for (std::size_t i = 0; i < line.size(); ++i) {
     double const ratio = b.total.asd[i] / line[i];
     if (!(line[i] > 0) || std::isnan(ratio) || !(std::isnan(point.ratio.value) || ratio > point.ratio.value)) continue;
-    point.ratio = {ratio, b.total.sigma[i] / line[i]};
+    point.ratio = {ratio, b.total.sigma[i] / line[i], at_most(b.total, i)};
     point.worst_hz = b.grid.centre(i);
   }
 }

@@ -25,14 +25,15 @@ std::string short_hertz(double hz) { return fmt::format("{:.3g}", hz); }
 
 bool bound(ScanPoint const& p) { return !p.unresolved.empty(); }
 
+std::string above(ScanPoint const& p, WithError const& x) { return bound(p) && !x.at_most ? "> " : ""; }
+
 std::vector<std::string> row_of(ScanPoint const& p, bool compared) {
   std::vector<std::string> row;
   for (std::string const& s : p.settings) row.push_back(value_of(s));
-  for (WithError const& h : p.strain)
-    row.push_back(std::isnan(h.value) ? "no answer" : (bound(p) ? "> " : "") + with_brackets(h.value, h.sigma));
+  for (WithError const& h : p.strain) row.push_back(std::isnan(h.value) ? "no answer" : above(p, h) + with_brackets(h));
   if (compared) {
     bool const known = !std::isnan(p.ratio.value);
-    row.push_back(known ? (bound(p) ? "> " : "") + with_brackets(p.ratio.value, p.ratio.sigma) : "-");
+    row.push_back(known ? above(p, p.ratio) + with_brackets(p.ratio) : "-");
     row.push_back(known ? short_hertz(p.worst_hz) : "-");
   }
   row.push_back(bound(p) ? fmt::format("{}", p.unresolved.size()) : "none");
@@ -41,7 +42,11 @@ std::vector<std::string> row_of(ScanPoint const& p, bool compared) {
   return row;
 }
 
-Json numbers(WithError const& x) { return {{"value", x.value}, {"sigma", x.sigma}}; }
+Json numbers(WithError const& x) {
+  Json j{{"value", x.value}, {"sigma", x.sigma}};
+  if (x.at_most) j["at_most"] = true;
+  return j;
+}
 
 }  // namespace
 

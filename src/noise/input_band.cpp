@@ -19,12 +19,11 @@ Doubles psd_of(NoiseTrace const& t, double factor) {
   return psd;
 }
 
-// PSD of the routes that make the total, each times a factor of its own.
+// PSD of the routes, each times a factor of its own; of unresolved ones what was seen, as in the total.
 template <class Factor>
 Doubles total_psd(NoiseBudget const& b, Factor const& factor) {
   Doubles sum(b.grid.size());
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
-    if (!b.routes[r].resolved) continue;
     double const f = factor(r);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += f * b.routes[r].asd[i] * b.routes[r].asd[i];
   }
@@ -180,7 +179,6 @@ void add_motion(NoiseBudget& b, MotionSet const& motion, Projection const& proje
     for (int const towards : {-1, 1}) {
       NoiseBudget other =
           project_noise(projection.table, moved(motion, inputs, towards), projection.ifo, projection.settings);
-      for (std::size_t r = 0; r < b.routes.size(); ++r) other.routes[r].resolved = b.routes[r].resolved;
       ends[towards > 0] = total_psd(other, [](std::size_t) { return 1.0; });
       for (NoiseTrace const& t : other.routes) of_routes[towards > 0].push_back(psd_of(t, 1));
     }

@@ -194,7 +194,6 @@ Inversion invert_scatter(NoiseBudget const& b, CouplingTable const& table, Mater
   Inversion out;
   std::vector<Powers> bins(b.grid.size());
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
-    if (!b.routes[r].resolved) continue;
     bool guessed = false;
     for (auto const& [n, share] : scatters(table.classes[r], material, guessed)) add_route(bins, b.routes[r], n, share);
     bool const loud = std::any_of(b.routes[r].asd.begin(), b.routes[r].asd.end(), [](double h) { return h > 0; });

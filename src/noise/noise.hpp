@@ -37,7 +37,9 @@ struct NoiseTrace {
   double mean_square_phase = 0;  // rad^2, mean over the paths by power: linear below 1e-2, fringe wrapping above 1
   bool resolved = true;
   std::string why_not;
-  bool faint = false;  // unresolved, but what was seen of it is below `faint_limit`
+  bool faint = false;               // unresolved, but what was seen of it is below `faint_limit`
+  bool upper_bound = false;         // of routes: computed as the most there can be (kind edge)
+  std::vector<double> bound_share;  // of the total: share of the PSD that such routes make; empty: nobody asked
 };
 // An unresolved route whose noise, as far as seen, is below this share of the total PSD in every bin cannot move the
 // total by 1 % even if ten times more of it was missed.
@@ -73,7 +75,9 @@ struct NoiseSettings {
 
 struct NoiseBudget {
   FrequencyGrid grid;
-  NoiseTrace total;                     // all resolved classes; a lower bound when `unresolved` is not empty
+  // All resolved classes, and of unresolved ones what was seen of them, with an error as large: that of a mean that
+  // rests on one history. A lower bound when `unresolved` is not empty; NaN when nothing is resolved.
+  NoiseTrace total;
   std::vector<NoiseTrace> routes;       // one per coupling class, same order as the table
   std::vector<std::string> unresolved;  // names, with reason, of those that could matter
   std::vector<std::string> faint;       // names, with reason, of the faint ones
@@ -90,6 +94,9 @@ struct NoiseBudget {
 NoiseSettings read_noise_settings(Node const& table);  // table `noise`; absent keys have defaults
 // Design curves: built-in fits (physics.md eq. 12.1) or two-column text read through the table's document.
 std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettings const&);
+
+// `upper_bound` of the routes and `bound_share` of the total, from the kinds of the classes.
+void find_bounds(NoiseBudget&, CouplingTable const&);
 
 // Throws NumericalError when a contribution is not finite.
 NoiseBudget project_noise(CouplingTable const&, MotionSet const&, Interferometer const&, NoiseSettings const&);

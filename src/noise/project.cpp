@@ -42,6 +42,7 @@ struct PowerSum {
   Bins phase, amplitude;                    // 1/Hz
   Bins linear;                              // of both, first order in the motion of the bin
   Bins drawn;                               // of both, variance [1/Hz^2] from spectra of drawn paths
+  Bins guessed;                             // of both, variance [1/Hz^2] of hints; empty: there are none
   std::array<Bins, replica_count> without;  // both, without one replica
   double mean_square_phase = 0, power = 0;
   bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
@@ -62,10 +63,14 @@ struct PowerSum {
     power += coupling;
     (route.exact ? exact : sampled) = true;
   }
-  void add(PowerSum const& other) {  // as hints only: without the replicas
+  // What was seen of a class that is not resolved, with an error as large as itself.
+  void add_hint(PowerSum const& seen) {
+    guessed.resize(phase.size());
     for (std::size_t i = 0; i < phase.size(); ++i) {
-      phase[i] += other.phase[i];
-      amplitude[i] += other.amplitude[i];
+      phase[i] += seen.phase[i];
+      amplitude[i] += seen.amplitude[i];
+      linear[i] += seen.linear[i];
+      guessed[i] += std::pow(seen.phase[i] + seen.amplitude[i], 2);
     }
   }
 };
@@ -83,8 +88,8 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
   return out;
 }
 
-// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found and which of them were drawn
-// are independent: their variances add.
+// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found, which of them were drawn, and
+// what is missing from hints are independent: their variances add.
 NoiseTrace finished(std::string name, PowerSum const& sum) {
   NoiseTrace t;
   t.name = std::move(name);
@@ -97,7 +102,7 @@ NoiseTrace finished(std::string name, PowerSum const& sum) {
     for (Bins const& b : sum.without)
       if (!b.empty()) values.push_back(b[i]);
     double const replicas = sum.exact && !sum.sampled ? 0 : jackknife_variance(values);
-    double const sigma = std::sqrt(replicas + sum.drawn[i]);
+    double const sigma = std::sqrt(replicas + sum.drawn[i] + (sum.guessed.empty() ? 0 : sum.guessed[i]));
     t.asd.push_back(std::sqrt(psd));
     t.sigma.push_back(psd > 0 ? sigma / (2 * t.asd.back()) : sigma);
     t.phase_asd.push_back(std::sqrt(sum.phase[i]));
@@ -119,6 +124,16 @@ std::string objection(CouplingTable const& table, CouplingClass const& c, RouteS
     return fmt::format("its noise rests on about {:.0f} of the kept paths, the others hardly move",
                        std::max(1.0, route.paths_of_noise));
   return {};
+}
+
+// A class that is not resolved: what was seen, with its error.
+PowerSum hint_of(PowerSum const& seen) {
+  PowerSum hint(seen.phase.size());
+  hint.add_hint(seen);
+  hint.exact = true;  // the replicas say nothing of it
+  hint.mean_square_phase = seen.mean_square_phase;
+  hint.power = seen.power;
+  return hint;
 }
 
 bool never_scored(CouplingClass const& c) {
@@ -176,7 +191,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
       total.add(route, response.at(c.port.value), factor, c.coupling.mean);
     else if (!never_scored(c))
       doubtful.emplace_back(r, own);
-    budget.routes.push_back(finished(name, own));
+    budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
     NoiseTrace& trace = budget.routes.back();
     trace.hash = c.hash;
     trace.resolved = why_not.empty();
@@ -186,8 +201,11 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     NoiseTrace& trace = budget.routes[r];
     trace.faint = !table.classes[r].records.empty() && largest_ratio(own, total) < faint_limit;
     (trace.faint ? budget.faint : budget.unresolved).push_back(trace.name + ": " + trace.why_not);
-    (trace.faint ? faint : unresolved).add(own);
+    (trace.faint ? faint : unresolved).add_hint(own);
   }
+  budget.unresolved_hint = largest_ratio(unresolved, total);
+  budget.faint_share = largest_ratio(faint, total);
+  for (auto const& [r, own] : doubtful) total.add_hint(own);
   budget.total = finished("total", total);
   budget.total.resolved = budget.unresolved.empty();
   bool const nothing =
@@ -196,9 +214,9 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
     for (Bins NoiseTrace::*curve : {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::phase_asd,
                                     &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
       (budget.total.*curve).assign(bins, not_a_number);
-  if (!budget.total.resolved) budget.total.why_not = "a lower bound: some routes are unresolved";
-  budget.unresolved_hint = largest_ratio(unresolved, total);
-  budget.faint_share = largest_ratio(faint, total);
+  if (!budget.total.resolved)
+    budget.total.why_not = "a lower bound: of unresolved routes it holds what was seen of them";
+  find_bounds(budget, table);
   budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (nodes.sampled()) budget.warnings = {sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total))};
   return budget;

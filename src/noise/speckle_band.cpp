@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 
 constexpr std::size_t few = 8;  // paths of a computed route that are taken one by one
 
-// One resolved route, seen as a complex amplitude per input of the motion. It knows those alone that move it.
+// One route, seen as a complex amplitude per input of the motion. It knows those alone that move it.
 struct Part {
   std::size_t route;
   std::vector<std::size_t> columns, inputs;  // ascending
@@ -44,7 +44,7 @@ class SpeckleLaw {
       : b_(b), table_(table), ifo_(ifo), gains_(motion) {
     copies_ = infinity;
     for (std::size_t r = 0; r < b.routes.size(); ++r) {
-      if (!b.routes[r].resolved || table.classes[r].records.empty()) continue;
+      if (table.classes[r].records.empty()) continue;
       parts_.push_back(part(r));
       copies_ = std::min(copies_, ifo.copies(table.classes[r].port));
     }
@@ -261,8 +261,7 @@ void add_speckle_band(NoiseBudget& b, CouplingTable const& table, MotionSet cons
   for (auto* curve : {&bands.speckle_05, &bands.speckle_50, &bands.speckle_95, &bands.coherent}) curve->clear();
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
     double linear = 0;
-    for (NoiseTrace const& t : b.routes)
-      if (t.resolved) linear += t.asd[i];
+    for (NoiseTrace const& t : b.routes) linear += t.asd[i];
     bool const known = !std::isnan(b.total.asd[i]);
     std::array<double, 3> percentiles{};
     if (known && linear > 0) percentiles = law.at(i);

@@ -38,9 +38,7 @@ std::string json_text(nlohmann::json const& data) {
   return out;
 }
 
-std::string cell(double value, double sigma) {
-  return std::isfinite(value) ? escaped(with_brackets(value, sigma)) : "unresolved";
-}
+std::string cell(WithError const& x) { return std::isfinite(x.value) ? escaped(with_brackets(x)) : "unresolved"; }
 
 // Browsers break lines behind a minus sign, which cuts exponents: 1.2(3)e-24 stays on one line. The lengths have limits
 // because std::regex recurses.
@@ -52,10 +50,11 @@ std::string with_whole_numbers(std::string const& markup) {
 std::string row_html(PathRow const& row) {
   std::string text = fmt::format("<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td>",
                                  row.rank, escaped(row.sequence), escaped(row.port),
-                                 row.resolved ? percent_text(row.share.value, row.share.sigma) : "unresolved");
-  text +=
-      fmt::format("<td>{}</td>", row.resolved ? cell(row.coupling.mean, row.coupling.std_error) : escaped(row.why_not));
-  for (WithError const& h : row.strain) text += fmt::format("<td>{}</td>", cell(h.value, h.sigma));
+                                 !row.resolved       ? "unresolved"
+                                 : row.upper_bound() ? fmt::format("{:.3g}", 100 * row.share.value)
+                                                     : percent_text(row.share.value, row.share.sigma));
+  text += fmt::format("<td>{}</td>", row.resolved ? cell(row.coupling_with_error()) : escaped(row.why_not));
+  for (WithError const& h : row.strain) text += fmt::format("<td>{}</td>", cell(h));
   return text + fmt::format("<td class=\"text\">{}</td><td>{}</td></tr>\n", escaped(row.body),
                             std::isfinite(row.length_mean) ? fmt::format("{:.6g}", row.length_mean) : "-");
 }

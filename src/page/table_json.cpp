@@ -5,6 +5,7 @@
 #include <map>
 
 #include "page/page_json.hpp"
+#include "report/band.hpp"
 #include "report/csv.hpp"
 #include "report/filter_words.hpp"
 #include "report/markup.hpp"
@@ -101,6 +102,9 @@ PageJson budget_json(NoiseBudget const& b, PathTable const& table, std::size_t r
   for (std::size_t i = 0; i < b.grid.size(); ++i) f.push_back(b.grid.centre(i));
   j["frequency"] = numbers(f);
   j["total"] = curve_json(b.total);
+  j["bound"] = false;
+  for (std::size_t i = 0; i < b.grid.size(); ++i)
+    if (at_most(b.total, i)) j["bound"] = true;
   j["phase"] = numbers(b.total.phase_asd);
   j["amplitude"] = numbers(b.total.amplitude_asd);
   NoiseBands const& d = b.bands;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "report/band.hpp"
@@ -38,11 +39,23 @@ std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies,
 
 }  // namespace
 
+std::string lines_text(PathTable const& table) {
+  std::string text;
+  for (std::size_t i = 0; i < table.lines.size(); ++i)
+    if (BinLine const& line = table.lines[i]; !std::isnan(line.rms.value))
+      text += fmt::format(
+          "{:g} Hz lies in a bin with a line, {:.4g} to {:.4g} Hz: {} rms, of which h is the mean density.\n",
+          table.frequencies[i], line.low, line.high, with_error(line.rms));
+  return text;
+}
+
 std::string band_summary(NoiseBudget const& b, std::vector<double> const& frequencies) {
   if (!b.bands.made()) return "";
   NoiseBands const& d = b.bands;
-  std::string text = fmt::format("one realisation (5 to 95 %) at {:g} Hz: {}\n", fmt::join(frequencies, ", "),
-                                 ranges(b, frequencies, d.speckle_05, d.speckle_95));
+  bool const bound = std::any_of(frequencies.begin(), frequencies.end(),
+                                 [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
+  std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n", bound ? " of the upper bound" : "",
+                                 fmt::join(frequencies, ", "), ranges(b, frequencies, d.speckle_05, d.speckle_95));
   if (d.sources.empty()) return text + "inputs are taken as exact: no bracket or uncertainty is stated\n";
   return text + fmt::format("what inputs leave open: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
 }

@@ -34,14 +34,14 @@ std::string csv_number(bool known, double value) {
   return known && !std::isnan(value) ? fmt::format("{}", value) : "nan";
 }
 
-namespace {
-
-using Json = nlohmann::ordered_json;
-
 std::string reverse_words(bool on) {
   return on ? "C_rev on: a route and its reverse add in amplitude"
             : "C_rev off: reverse routes are not added in amplitude";
 }
+
+namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::string csv_titles(PathTable const& table) {
   std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
@@ -50,7 +50,7 @@ std::string csv_titles(PathTable const& table) {
       ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
       "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement";
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz_input_low,h_{0:g}Hz_input_high", f);
-  return text + "\n";
+  return text + ",bound\n";
 }
 
 std::string csv_row(PathRow const& row) {
@@ -69,10 +69,14 @@ std::string csv_row(PathRow const& row) {
                       csv_text(row.statement));
   for (std::size_t i = 0; i < row.strain.size(); ++i)
     text += "," + number(row.input_low[i]) + "," + number(row.input_high[i]);
-  return text + "\n";
+  return text + (row.upper_bound() ? ",upper\n" : ",\n");
 }
 
-Json json_of(WithError const& m) { return {{"value", m.value}, {"sigma", m.sigma}}; }
+Json json_of(WithError const& m) {
+  Json j{{"value", m.value}, {"sigma", m.sigma}};
+  if (m.at_most) j["at_most"] = true;
+  return j;
+}
 
 Json json_of(std::vector<FoldedRow> const& rows) {
   Json all = Json::array();
@@ -96,7 +100,7 @@ Json json_of(PathTable const& table, PathRow const& row) {
   j["vertices"] = row.vertices;
   j["resolved"] = row.resolved;
   j["why_not"] = row.why_not;
-  j["coupling"] = row.resolved ? json_of({row.coupling.mean, row.coupling.std_error}) : Json(nullptr);
+  j["coupling"] = row.resolved ? json_of(row.coupling_with_error()) : Json(nullptr);
   j["coupling_hint"] = row.coupling.mean;
   j["C_rev"] = row.reverse;
   j["sampled_on"] = row.by_reverse ? "reverse" : "itself";
@@ -170,6 +174,10 @@ Json total_strain(PathTable const& table) {
   for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
     Json h = json_of(table.total_strain[i]);
     h["frequency_Hz"] = table.frequencies[i];
+    if (BinLine const& line = table.lines[i]; !std::isnan(line.rms.value)) {
+      h["line_rms"] = json_of(line.rms);
+      h["line_rms"]["bin_Hz"] = {line.low, line.high};
+    }
     all.push_back(h);
   }
   return all;
@@ -206,39 +214,6 @@ std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_han
 
 }  // namespace
 
-std::string asd_text(RunContent const& run) {
-  if (!run.noise) throw InputError("this run has no noise yet; write: straytrace noise RUN_FILE");
-  NoiseBudget const& b = *run.noise;
-  std::string text = file_header(run) + "# one-sided strain ASD, mean over static phases\n# " +
-                     reverse_words(run.trace->coupling.reverse_routes) + "\n";
-  text += "# h_low, h_high: one standard error of the Monte Carlo\n";
-  text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open\n";
-  text += "# speckle_05, _50, _95: percentiles of one realisation of the static phases\n";
-  text += "# coherent: linear sum of the ASDs of all routes, as if all were in phase: upper bound\n";
-  text += "# resolved: 1, or 0 where the values are lower bounds\n";
-  text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
-  text +=
-      b.unresolved.empty() ? "# unresolved: none\n" : "# LOWER BOUND, these routes are unresolved and not included:\n";
-  for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
-  text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
-  text +=
-      "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
-      "phase_only amplitude_only coherent design ratio\n";
-  for (std::size_t i = 0; i < b.grid.size(); ++i) {
-    double const h = b.total.asd.at(i), s = b.total.sigma.at(i);
-    double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);
-    auto const band = [&](std::vector<double> const& curve) { return curve.empty() ? not_a_number : curve.at(i); };
-    NoiseBands const& d = b.bands;
-    double const low = h < s ? 0 : h - s;  // nan stays nan: not resolved is not zero
-    text += fmt::format("{:.9e} {:.9e} {:.9e} {:.9e}", b.grid.centre(i), h, low, h + s);
-    for (auto const* curve : {&d.input_low, &d.input_high, &d.speckle_05, &d.speckle_50, &d.speckle_95})
-      text += fmt::format(" {:.9e}", band(*curve));
-    text += fmt::format(" {} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e}\n", int(b.unresolved.empty()), s,
-                        b.total.phase_asd.at(i), b.total.amplitude_asd.at(i), band(d.coherent), design, h / design);
-  }
-  return text;
-}
-
 std::string path_csv(PathTable const& table, RunContent const& run) {
   std::string text =
       file_header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
@@ -257,6 +232,7 @@ std::string path_json(PathTable const& table, RunContent const& run) {
   Json j;
   j["run"] = origin(run);
   j["band_Hz"] = {table.low, table.high};
+  j["lower_bound"] = table.lower_bound();
   j["total_strain"] = total_strain(table);
   j["routes"] = Json::array();
   for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/counted.hpp"
 #include "report/columns.hpp"
 #include "report/ghost_table.hpp"
 
@@ -73,8 +74,10 @@ std::string rows_text(GhostReport const& report) {
   }
   std::uint64_t const ends = report.by_order.empty() ? 0 : report.by_order[0], ghosts = report.rows.size() - main;
   std::string more;
-  if (ends > main) more += fmt::format("{} weaker ends of the main beam are not shown. ", ends - main);
-  if (report.ghosts > ghosts) more += fmt::format("{} more ghosts; --show N has more rows.", report.ghosts - ghosts);
+  if (ends > main)
+    more += counted(ends - main, "weaker end") +
+            (ends - main == 1 ? " of the main beam is not shown. " : " of the main beam are not shown. ");
+  if (report.ghosts > ghosts) more += counted(report.ghosts - ghosts, "more ghost") + "; --show N has more rows.";
   return aligned(table) + more + (more.empty() ? "" : "\n");
 }
 
@@ -158,8 +161,8 @@ std::string ghost_text(GhostReport const& report, std::size_t objects_shown) {
   std::string const of = report.passes < 1 ? fmt::format("{} that leave the cavity of the circulating {}",
                                                          watts(report.passes, report.power), watts(1, report.power))
                                            : "the launched " + watts(1, report.power);
-  std::string text = fmt::format("Beam {}: {} ghosts above {:g} of {}{}{}\n", report.beam, report.ghosts, report.floor,
-                                 of, report.ghosts > 0 ? ": " : "", orders_text(report));
+  std::string text = fmt::format("Beam {}: {} above {:g} of {}{}{}\n", report.beam, counted(report.ghosts, "ghost"),
+                                 report.floor, of, report.ghosts > 0 ? ": " : "", orders_text(report));
   if (report.ledger.stopped > 0)
     text += fmt::format("Stopped early: {} of the light was not followed; sums and rows are of the rest.\n",
                         watts(report.ledger.stopped, report.power));

@@ -117,7 +117,9 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
   if (row.why_not.empty()) row.why_not = trace.why_not;
   row.rms_phase = std::sqrt(trace.mean_square_phase);
   for (double const f : hz) {
-    row.strain.push_back(row.resolved ? strain_at(trace, grid, f) : WithError{not_a_number, not_a_number});
+    WithError const seen = strain_at(trace, grid, f);
+    row.strain.push_back(row.resolved ? seen : WithError{not_a_number, not_a_number});
+    row.hint.push_back(row.resolved ? not_a_number : seen.value);
     bool const made = row.resolved && !trace.input_low.empty();
     row.input_low.push_back(made ? band_at(trace.input_low, grid, f) : not_a_number);
     row.input_high.push_back(made ? band_at(trace.input_high, grid, f) : not_a_number);
@@ -138,17 +140,19 @@ void rank_and_sum(PathTable& table, bool shares) {
   std::sort(table.rows.begin(), table.rows.end(), before);
   table.unresolved = table.faint = 0;
   ReplicaSum coupling;
+  double bound = 0;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     PathRow& row = table.rows[i];
     row.rank = i + 1;
-    if (!row.resolved) {
-      ++table.unresolved;
-      table.faint += row.faint;
-      continue;
-    }
+    table.unresolved += !row.resolved;
+    table.faint += row.faint;
+    if (!row.resolved) continue;
+    if (row.upper_bound()) bound += row.coupling.mean;
     coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
   }
-  table.total_coupling = coupling.result();
+  WithError sum = coupling.result();
+  sum.at_most = bound > std::max(sum.sigma, 1e-3 * sum.value);
+  table.total_coupling = sum;
 }
 
 std::vector<FoldedRow> folded_rows(CouplingTable const& table, CouplingClass const& c) {
@@ -156,52 +160,6 @@ std::vector<FoldedRow> folded_rows(CouplingTable const& table, CouplingClass con
   for (FoldedRoute const& f : c.folded)
     rows.push_back({f.hash, folded_name(table, f), {f.mean, f.std_error}, f.trusted, f.why});
   return rows;
-}
-
-std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double high) {
-  if (grid.size() == 0 || high > low) return {low, high};
-  return {grid.edges.front(), grid.edges.back()};
-}
-
-// Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log. Where one
-// of two neighbours has nothing, as beside a line, there is no line to draw: the average of the bin holds.
-WithError curve_at(std::vector<double> const& mean, std::vector<double> const& sigma, FrequencyGrid const& grid,
-                   double hz) {
-  std::size_t const n = grid.size();
-  if (n == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return {not_a_number, not_a_number};
-  std::size_t low = 0;
-  while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
-  if (n < 2 || !(mean.at(low) > 0) || !(mean.at(low + 1) > 0)) {
-    auto const next = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
-    auto const bin = std::size_t(next - grid.edges.begin()) - 1;
-    return {mean.at(bin), sigma.at(bin)};
-  }
-  double const x = std::log(hz / grid.centre(low)) / std::log(grid.centre(low + 1) / grid.centre(low));
-  double const value = mean[low] * std::pow(mean[low + 1] / mean[low], x);
-  double const relative = (1 - x) * sigma.at(low) / mean[low] + x * sigma.at(low + 1) / mean[low + 1];
-  return {value, value * std::fabs(relative)};
-}
-
-WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
-  return curve_at(trace.asd, trace.sigma, grid, hz);
-}
-
-double band_at(std::vector<double> const& curve, FrequencyGrid const& grid, double hz) {
-  return curve_at(curve, std::vector<double>(curve.size(), 0.0), grid, hz).value;
-}
-
-double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz) {
-  return band_at(curve.asd, grid, hz);
-}
-
-WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
-  WithError power;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (grid.centre(i) < low || grid.centre(i) > high) continue;
-    power.value += trace.asd.at(i) * trace.asd.at(i) * grid.width(i);
-    power.sigma += 2 * trace.asd.at(i) * trace.sigma.at(i) * grid.width(i);
-  }
-  return power;
 }
 
 PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, MotionSet const* motion,
@@ -212,7 +170,10 @@ PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, M
   if (table.has_noise) {
     table.frequencies = settings.frequencies;
     std::tie(table.low, table.high) = band_of(budget->grid, settings.low, settings.high);
-    for (double const f : table.frequencies) table.total_strain.push_back(strain_at(budget->total, budget->grid, f));
+    for (double const f : table.frequencies) {
+      table.total_strain.push_back(strain_at(budget->total, budget->grid, f));
+      table.lines.push_back(line_at(budget->total, budget->grid, f));
+    }
   }
   // In the linear regime the motion inside the band makes the noise; where fringes wrap, all of it does.
   Shaking in_band, all;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/counted.hpp"
 #include "report/band.hpp"
 #include "report/columns.hpp"
 #include "report/replicas.hpp"
@@ -50,11 +51,13 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   std::string const unresolved = "unresolved", still = "still";
   bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
   if (table.has_noise)
-    c.push_back(!row.resolved ? unresolved : moves ? percent_text(row.share.value, row.share.sigma) : still);
-  c.push_back(row.resolved ? with_brackets(row.coupling.mean, row.coupling.std_error) : unresolved);
+    c.push_back(!row.resolved       ? unresolved
+                : !moves            ? still
+                : row.upper_bound() ? number_or_dash(100 * row.share.value, "{:.3g}")
+                                    : percent_text(row.share.value, row.share.sigma));
+  c.push_back(row.resolved ? with_brackets(row.coupling_with_error()) : unresolved);
   c.push_back(fmt::format("{:g}", row.reverse));
-  for (WithError const& h : row.strain)
-    c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h.value, h.sigma) : still);
+  for (WithError const& h : row.strain) c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h) : still);
   c.push_back(row.moves.empty() ? "-" : row.moves);
   c.push_back(row.body.empty() ? "-" : number_or_dash(row.lever, "{:.3g}"));
   c.push_back(number_or_dash(row.rms_phase, "{:.2g}"));
@@ -67,6 +70,8 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
 Cells rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
   ReplicaSum power, all_power, coupling;
   std::vector<ReplicaSum> strain(table.frequencies.size());  // h^2, with half its deviations: h dh
+  std::vector<double> bound(table.frequencies.size());       // h^2 of upper bounds
+  double bound_coupling = 0;
   std::size_t count = 0;
   for (PathRow const& row : whole.rows)
     if (row.resolved) all_power.add({row.power, row.replicas});
@@ -75,38 +80,97 @@ Cells rest_of(PathTable const& table, std::size_t first, PathTable const& whole,
     if (!row.resolved) continue;
     ++count;
     coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
+    if (row.upper_bound()) bound_coupling += row.coupling.mean;
     power.add({row.power, row.replicas});
     for (std::size_t k = 0; k < row.strain.size(); ++k) {
       double const h = row.strain[k].value;
       strain[k].add({{h * h, h * row.strain[k].sigma}, row.replicas});
+      if (row.upper_bound()) bound[k] += h * h;
     }
   }
-  Cells c = {"", fmt::format("{} {} route{}", count, title, count == 1 ? "" : "s"), ""};
+  Cells c = {"", counted(count, title + " route"), ""};
   if (has_kinds(table)) c.push_back("");
   bool const moves = power.value() > 0;
-  WithError const share = power.share_of(all_power), sum = coupling.result();
+  WithError const share = power.share_of(all_power);
+  WithError sum = coupling.result();
+  sum.at_most = bound_coupling > std::max(sum.sigma, 1e-3 * sum.value);
   if (table.has_noise) c.push_back(moves ? percent_text(share.value, share.sigma) : "still");
-  c.push_back(with_brackets(sum.value, sum.sigma));
+  c.push_back(with_brackets(sum));
   c.push_back("");
-  for (ReplicaSum const& s : strain) {
-    double const h = std::sqrt(s.value());
-    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets(h, h > 0 ? s.result().sigma / h : 0) : "still");
+  for (std::size_t k = 0; k < strain.size(); ++k) {
+    double const h = std::sqrt(strain[k].value()), sigma = h > 0 ? strain[k].result().sigma / h : 0;
+    bool const most = h > 0 && at_most(h, sigma, bound[k] / strain[k].value());
+    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets({h, sigma, most}) : "still");
   }
   c.insert(c.end(), 5, "");
   return count == 0 ? Cells{} : c;
 }
 
-Cells sum_of(PathTable const& table) {
-  Cells c = {"", table.lower_bound() ? "sum of resolved routes (lower bound)" : "sum", ""};
+// h of all that is in the total, or of resolved routes alone.
+Cells strain_of(PathTable const& table, bool resolved_alone) {
+  Cells out;
+  if (resolved_alone) {
+    Cells const rows = rest_of(table, 0, table, "");
+    std::size_t const end = rows.size() - 5;
+    return {rows.begin() + std::ptrdiff_t(end - table.frequencies.size()), rows.begin() + std::ptrdiff_t(end)};
+  }
+  for (WithError const& h : table.total_strain) out.push_back(std::isnan(h.value) ? "-" : with_brackets(h));
+  return out;
+}
+
+// What was seen of unresolved routes is in the total, each with an error as large as itself.
+Cells hints_of(PathTable const& table) {
+  std::vector<double> square(table.frequencies.size()), variance(table.frequencies.size());
+  double coupling = 0, coupling_variance = 0;
+  for (PathRow const& row : table.rows) {
+    if (row.resolved) continue;
+    coupling += row.coupling.mean;
+    coupling_variance += row.coupling.mean * row.coupling.mean;
+    for (std::size_t k = 0; k < row.hint.size(); ++k) {
+      double const h2 = std::isnan(row.hint[k]) ? 0 : row.hint[k] * row.hint[k];
+      square[k] += h2;
+      variance[k] += h2 * h2;
+    }
+  }
+  bool const heard = std::any_of(square.begin(), square.end(), [](double h2) { return h2 > 0; });
+  if (!heard || table.unresolved == table.rows.size()) return {};
+  Cells c = {"", counted(table.unresolved, "unresolved route") + ", what was seen", ""};
   if (has_kinds(table)) c.push_back("");
-  bool const nothing = table.unresolved == table.rows.size();
-  if (table.has_noise) c.push_back(nothing ? "unresolved" : "100");
-  c.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling.value, table.total_coupling.sigma));
+  c.push_back("-");
+  c.push_back(with_brackets(coupling, std::sqrt(coupling_variance)));
   c.push_back("");
-  for (WithError const& h : table.total_strain)
-    c.push_back(std::isnan(h.value) ? "-" : with_brackets(h.value, h.sigma));
+  for (std::size_t k = 0; k < square.size(); ++k) {
+    double const h = std::sqrt(square[k]);
+    bool const inside = !std::isnan(table.total_strain[k].value);
+    c.push_back(!inside ? "-" : h > 0 ? with_brackets(h, std::sqrt(variance[k]) / (2 * h)) : "still");
+  }
   c.insert(c.end(), 5, "");
   return c;
+}
+
+// The last lines: the sum, or that of resolved routes, what was seen of the others, and both together.
+std::vector<Cells> sums_of(PathTable const& table) {
+  bool const nothing = table.unresolved == table.rows.size();
+  Cells hints = hints_of(table);
+  Cells sum = {"", "sum", ""}, total = {"", table.lower_bound() ? "total (lower bound)" : "total", "", "", "", ""};
+  if (!hints.empty())
+    sum[1] = "sum of resolved routes";
+  else if (table.lower_bound())
+    sum[1] = "sum of resolved routes (lower bound)";
+  if (has_kinds(table)) sum.emplace_back(), total.emplace_back();
+  if (table.has_noise) sum.push_back(nothing ? "unresolved" : "100");
+  sum.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling));
+  sum.push_back("");
+  Cells const strain = strain_of(table, !hints.empty());
+  sum.insert(sum.end(), strain.begin(), strain.end());
+  for (WithError const& h : table.total_strain) total.push_back(std::isnan(h.value) ? "-" : with_brackets(h));
+  sum.insert(sum.end(), 5, "");
+  total.insert(total.end(), 5, "");
+  std::vector<Cells> all{std::move(sum)};
+  if (hints.empty()) return all;
+  all.push_back(std::move(hints));
+  all.push_back(std::move(total));
+  return all;
 }
 
 std::string explanation(PathTable const& table) {
@@ -122,8 +186,9 @@ std::string explanation(PathTable const& table) {
     text += fmt::format("{} {} sampled on the same route run backwards, which couples alike.\n", mirrored,
                         mirrored == 1 ? "route was" : "routes were");
   if (has_kinds(table))
-    text +=
-        "Kinds ghost and edge are computed, not sampled: (0) is their Monte-Carlo error, their limits stand below.\n";
+    text += "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits stand below.\n";
+  if (std::any_of(table.rows.begin(), table.rows.end(), [](PathRow const& row) { return row.upper_bound(); }))
+    text += "Kind edge is an upper bound, in h, in the sum and in the shares: 'at most'.\n";
   return text + "\n";
 }
 
@@ -148,7 +213,7 @@ std::string statements(PathTable const& table, std::size_t show) {
     if (rows.size() > named) text += fmt::format(" and {} more", rows.size() - named);
     text += ":\n  " + statement + "\n";
   }
-  if (all.size() > show) text += fmt::format("\nand {} more statements; --csv has all\n", all.size() - show);
+  if (all.size() > show) text += "\nand " + counted(all.size() - show, "more statement") + "; --csv has all\n";
   return text;
 }
 
@@ -192,7 +257,7 @@ std::string path_text(PathTable const& table, std::size_t show, PathTable const&
   if (Cells rest = rest_of(table, shown, whole, "further"); !rest.empty()) columns.rows.push_back(std::move(rest));
   columns.rows.push_back({});
   if (table.rows.size() == whole.rows.size())
-    columns.rows.push_back(sum_of(table));
+    for (Cells& sum : sums_of(table)) columns.rows.push_back(std::move(sum));
   else if (Cells sum = rest_of(table, 0, whole, "shown"); !sum.empty())
     columns.rows.push_back(std::move(sum));
   std::size_t const last = std::min(table.rows.size(), resolved + show);

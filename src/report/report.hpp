@@ -23,7 +23,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 7;
+constexpr int run_schema_major = 1, run_schema_minor = 8;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -94,6 +94,14 @@ std::string read_file(std::string const& file);
 
 struct WithError {
   double value = 0, sigma = 0;  // one standard error
+  bool at_most = false;         // an upper bound: it may be less by more than that
+  WithError over(double x) const { return {value / x, sigma / x, at_most}; }
+};
+
+// A line in one bin of a curve: what it is in all, since its mean over the bin depends on the width of that.
+struct BinLine {
+  WithError rms{not_a_number, not_a_number};  // unit of the curve times sqrt(Hz); NaN: no line
+  double low = 0, high = 0;                   // Hz, edges of the bin
 };
 
 using ReplicaPattern = std::array<double, replica_count>;  // report/replicas.hpp
@@ -128,12 +136,15 @@ struct PathRow {
   bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
   std::string why_not;
   std::vector<WithError> strain;              // 1/sqrt(Hz), one per frequency; NaN outside the grid
+  std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: what was seen
   std::vector<double> input_low, input_high;  // of it: what stated inputs leave open; NaN where it was not made
   WithError power;                            // of its strain noise in the band, strain^2
-  WithError share;                // of the resolved strain noise power in the band [1]; NaN without a budget
-  std::string body;               // whose motion contributes most; without motion, of the largest lever
-  std::string moves;              // without motion: all bodies of nearly the largest lever; else `body`
-  double lever = 0;               // rad/m, rms over the paths of that body's translations
+  WithError share;    // of the resolved strain noise power in the band [1]; NaN without a budget
+  std::string body;   // whose motion contributes most; without motion, of the largest lever
+  std::string moves;  // without motion: all bodies of nearly the largest lever; else `body`
+  double lever = 0;   // rad/m, rms over the paths of that body's translations
+  bool upper_bound() const { return kind == ClassKind::edge; }
+  WithError coupling_with_error() const { return {coupling.mean, coupling.std_error, upper_bound()}; }
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
   std::string regime;             // report/band.hpp, over the band; empty without a budget
   std::size_t folded_routes = 0;  // of `other`: how many it sums
@@ -147,6 +158,7 @@ struct PathTable {
   double low = 0, high = 0;         // Hz
   bool has_noise = false, reverse_routes = true;
   std::vector<WithError> total_strain;    // 1/sqrt(Hz); a lower bound when a row is unresolved
+  std::vector<BinLine> lines;             // of it, one per frequency
   WithError total_coupling;               // resolved rows
   std::size_t unresolved = 0, faint = 0;  // rows; `faint` of them cannot move the total
   bool lower_bound() const { return unresolved > faint; }
@@ -185,8 +197,11 @@ double design_at(DesignCurve const&, FrequencyGrid const&, double hz);
 // "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite; "1.23e-24
 // (computed)" without an error, as of routes that are not sampled.
 std::string with_error(double value, double sigma);
+std::string with_error(WithError const&);  // "at most 1.3e-24" for an upper bound: two digits, rounded up
 // "1.23(4)e-24": the error in units of the last digit, for tables; "1.23e-24 computed" without one.
 std::string with_brackets(double value, double sigma);
+std::string with_brackets(WithError const&);
+std::string two_digits(double value, bool up);         // of a positive number, rounded up or down
 std::string percent_text(double share, double sigma);  // a share of 1 in per cent; all of it has no error: "100"
 
 }  // namespace straytrace

@@ -30,20 +30,22 @@ void add_root(NoiseTrace& curve, WithError square) {
 
 Curves curves_without(std::set<std::uint64_t> const& left_out, CouplingTable const& coupling, NoiseBudget const& b) {
   std::vector<ReplicaSum> all(b.grid.size()), rest(b.grid.size());  // PSD
+  std::vector<double> bound(b.grid.size());                         // of the rest
   for (std::size_t r = 0; r < b.routes.size(); ++r) {
     NoiseTrace const& t = b.routes[r];
-    if (!t.resolved) continue;
-    ReplicaPattern const pattern = pattern_of(coupling, coupling.classes[r]);
+    ReplicaPattern const pattern = t.resolved ? pattern_of(coupling, coupling.classes[r]) : ReplicaPattern{};
     bool const stays = !left_out.contains(t.hash);
     for (std::size_t i = 0; i < b.grid.size(); ++i) {
       ReplicaSum const power({t.asd[i] * t.asd[i], 2 * t.asd[i] * t.sigma[i]}, pattern);
       all[i].add(power);
       if (stays) rest[i].add(power);
+      if (stays && t.upper_bound) bound[i] += power.value();
     }
   }
   Curves c;
   for (std::size_t i = 0; i < b.grid.size(); ++i) {
     add_root(c.after, rest[i].result());
+    c.after.bound_share.push_back(bound[i] > 0 ? bound[i] / rest[i].value() : 0);
     add_root(c.factor, rest[i].share_of(all[i]));
   }
   return c;

@@ -183,7 +183,8 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   out.strings("/noise/unresolved", b.unresolved);
   out.strings("/noise/faint", b.faint);
   out.strings("/noise/warnings", b.warnings);
-  out.group("/noise/total", "all resolved routes; a lower bound when /noise/unresolved is not empty");
+  out.group("/noise/total",
+            "all resolved routes, and what was seen of the others; a lower bound when /noise/unresolved is not empty");
   out.attribute("/noise/total", "name", b.total.name);
   out.attribute("/noise/total", "mean_square_phase", b.total.mean_square_phase);
   out.attribute("/noise/total", "resolved", std::vector<std::uint64_t>{b.total.resolved});
@@ -196,6 +197,7 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
   Doubles shares;
   append_bins(shares, or_unknown(b.total.linear_share, bins), bins, "total");
   out.array(std::string("/noise/total/") + linear_share, shares, "1");
+  out.array("/noise/total/bound_share", b.total.bound_share.empty() ? Doubles(bins) : b.total.bound_share, "1");
   out.group("/noise/routes", "one row per row of /classes");
   write_routes(out, b.routes, bins);
   out.group("/noise/design", "curves to compare with, on the centres of the bins");

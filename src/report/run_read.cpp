@@ -173,6 +173,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   run.trace.warnings = in.strings("/warnings/trace");
   run.about.warnings = in.strings("/warnings/scene");
   if (in.has("/noise")) run.noise = read_noise(in);
+  if (run.noise) find_bounds(*run.noise, run.trace.coupling);
   read_timing(in, run);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/counted.hpp"
 #include "report/band.hpp"
 #include "report/columns.hpp"
 #include "report/receivers.hpp"
@@ -20,6 +21,7 @@ struct Comparison {
   std::size_t bins = 0, worst = 0;
   double low = 0, high = 0;                      // Hz, edges of what was compared
   double ratio = 0, sigma = 0;                   // h over margin line at the worst bin
+  bool at_most = false;                          // that is an upper bound
   std::vector<std::pair<double, double>> above;  // Hz, bands where h exceeds the line
 };
 
@@ -36,6 +38,7 @@ Comparison compare(NoiseBudget const& b, DesignCurve const& design, double low, 
       c.worst = i;
       c.ratio = ratio;
       c.sigma = b.total.sigma.at(i) / line;
+      c.at_most = at_most(b.total, i);
     }
     if (ratio > 1 && inside) c.above.back().second = b.grid.edges[i + 1];
     if (ratio > 1 && !inside) c.above.emplace_back(b.grid.edges[i], b.grid.edges[i + 1]);
@@ -48,11 +51,11 @@ std::string bands(std::vector<std::pair<double, double>> const& all) {
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 3); ++i)
     text += fmt::format("{}{} to {} Hz", i > 0 ? ", " : "", hertz(all[i].first), hertz(all[i].second));
-  return all.size() > 3 ? text + fmt::format(" and {} more bands", all.size() - 3) : text;
+  return all.size() > 3 ? text + " and " + counted(all.size() - 3, "more band") : text;
 }
 
 std::string compared(NoiseBudget const& b, double low, double high) {
-  std::string const subject = b.unresolved.empty() ? "Stray light" : "Resolved stray light";
+  std::string const subject = b.unresolved.empty() ? "Stray light" : "Stray light as far as seen";
   if (b.design.empty()) return subject + " was not compared with a design curve; name one under 'noise: compare'.";
   DesignCurve const& design = b.design.front();
   Comparison const c = compare(b, design, low, high);
@@ -67,14 +70,20 @@ std::string compared(NoiseBudget const& b, double low, double high) {
     return fmt::format("{} makes no strain noise between {} and {} Hz: nothing it touches moves there.", subject,
                        hertz(c.low), hertz(c.high));
   std::string text;
-  if (c.ratio <= 1)
+  if (c.at_most && c.ratio <= 1)
+    text = fmt::format("{} stays at least a factor {} below {} between {} and {} Hz; closest at {} Hz.", subject,
+                       two_digits(1 / c.ratio, false), line, hertz(c.low), hertz(c.high), hertz(f));
+  else if (c.at_most)
+    text = fmt::format("{} may exceed {} at {} (compared: {} to {} Hz), by a factor of {} at {} Hz.", subject, line,
+                       bands(c.above), hertz(c.low), hertz(c.high), with_error({c.ratio, c.sigma, true}), hertz(f));
+  else if (c.ratio <= 1)
     text = fmt::format("{} stays a factor {} below {} between {} and {} Hz; closest at {} Hz.", subject,
                        with_error(1 / c.ratio, c.sigma / (c.ratio * c.ratio)), line, hertz(c.low), hertz(c.high),
                        hertz(f));
   else
     text = fmt::format("{} exceeds {} at {} (compared: {} to {} Hz), by up to a factor {} at {} Hz.", subject, line,
                        bands(c.above), hertz(c.low), hertz(c.high), with_error(c.ratio, c.sigma), hertz(f));
-  if (std::fabs(c.ratio - 1) < 2 * c.sigma) text += " This is within two standard errors of the line.";
+  if (!c.at_most && std::fabs(c.ratio - 1) < 2 * c.sigma) text += " This is within two standard errors of the line.";
   return text;
 }
 
@@ -95,17 +104,22 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
     WithError const h = table.total_strain[i];
     std::vector<std::string> row = {fmt::format("{:g}", table.frequencies[i])};
     bool const inside = table.frequencies[i] >= b.grid.edges.front() && table.frequencies[i] < b.grid.edges.back();
-    row.push_back(!std::isnan(h.value) ? with_error(h.value, h.sigma) : inside ? "no answer" : "outside the grid");
+    row.push_back(!std::isnan(h.value) ? with_error(h) : inside ? "no answer" : "outside the grid");
     for (DesignCurve const& d : b.design) {
       double const design = design_at(d, b.grid, table.frequencies[i]);
-      row.push_back(std::isnan(h.value / design) ? "-" : with_error(h.value / design, h.sigma / design));
+      row.push_back(std::isnan(h.value / design) ? "-" : with_error(h.over(design)));
     }
     c.rows.push_back(std::move(row));
   }
   text += aligned(c) +
           "\nOne-sided amplitude spectral density, mean over static phases. Errors: one standard error, "
           "Monte Carlo only.\n";
-  if (!b.unresolved.empty()) text += "The values are LOWER BOUNDS: unresolved routes are not included.\n";
+  text += lines_text(table);
+  if (!b.unresolved.empty())
+    text +=
+        "The values are LOWER BOUNDS: of unresolved routes they hold what was seen, with an error as large as that.\n";
+  if (std::any_of(table.total_strain.begin(), table.total_strain.end(), [](WithError const& h) { return h.at_most; }))
+    text += "'at most': upper bounds (routes of kind edge) make a part of it; speckle lowers them.\n";
   return text;
 }
 

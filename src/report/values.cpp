@@ -45,6 +45,10 @@ Rounded rounded(double value, double sigma) {
 
 std::string power(int exponent) { return exponent == 0 ? "" : fmt::format("e{:+03d}", exponent); }
 
+std::string at_most(double value) {
+  return value > 0 && std::isfinite(value) ? "at most " + two_digits(value, true) : with_error(value, 0);
+}
+
 // Of computed light beside sampled light that hardly counts: no digit worth printing carries the error.
 bool tiny(double value, double sigma) { return sigma < 1e-7 * std::fabs(value); }
 
@@ -68,6 +72,17 @@ std::string with_brackets(double value, double sigma) {
   if (below_one) error.erase(0, std::min(error.find_first_not_of('0'), error.size() - 1));
   return fmt::format("{}({}){}", r.value, error, power(r.exponent));
 }
+
+std::string two_digits(double value, bool up) {
+  double const unit = std::pow(10.0, decade(value) - 1), digits = value / unit;  // 10 to 100
+  constexpr double rounding = 1e-12;
+  double const rounded = unit * (up ? std::ceil(digits * (1 - rounding)) : std::floor(digits * (1 + rounding)));
+  return rounded < 1e-3 || rounded >= 1e5 ? fmt::format("{:.1e}", rounded) : fmt::format("{:g}", rounded);
+}
+
+std::string with_error(WithError const& x) { return x.at_most ? at_most(x.value) : with_error(x.value, x.sigma); }
+
+std::string with_brackets(WithError const& x) { return x.at_most ? at_most(x.value) : with_brackets(x.value, x.sigma); }
 
 std::string percent_text(double share, double sigma) {
   return sigma == 0 && std::isfinite(share) ? fmt::format("{:.3g}", 100 * share)

@@ -104,8 +104,8 @@ struct Group {
     std::string text = fmt::format(
         "upper bound: light scattered towards a rim taken as one smooth spherical wave (docs/theory/diffraction.md, "
         "eq. 8.11); speckle, "
-        "about {:.0f} patches around a rim, lowers the coupling by up to that factor",
-        std::fmax(patches, 1));
+        "about {} around a rim, lowers the coupling by up to that factor",
+        std::fmax(patches, 1) < 1.5 ? "1 patch" : fmt::format("{:.0f} patches", patches));
     if (waves.size() > 1)
       text += fmt::format("; {} rims, {}: coupling {:.3g} by powers, {:.3g} by the drawn phases, {:.3g} in phase",
                           waves.size(), words[int(sum)], powers + teeth, std::norm(together.amplitude) + teeth,

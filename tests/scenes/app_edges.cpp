@@ -6,6 +6,7 @@ namespace straytrace::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string const et_edges = source_folder + "/examples/et_hf_edges.yaml";
 
@@ -24,6 +25,20 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
   EXPECT_THAT(csv, HasSubstr(",itself,scattered,,"));
   EXPECT_THAT(csv, HasSubstr(",itself,edge,"));
   EXPECT_THAT(straytrace({"paths", folder / "out/run.h5", "--format", "json"}).out, HasSubstr("\"kind\": \"edge\""));
+  // An upper bound says so, and claims no digits, wherever the number is read.
+  std::string const last = run.out.substr(run.out.rfind('\n', run.out.size() - 2) + 1);
+  EXPECT_THAT(last, HasSubstr("stray light h = at most "));
+  EXPECT_THAT(last, Not(HasSubstr("±")));
+  EXPECT_THAT(last, Not(::testing::ContainsRegex("[0-9]\\.[0-9]{2,}e")));
+  EXPECT_THAT(report.substr(0, report.find("Where the light went")), HasSubstr("at most"));
+  EXPECT_THAT(text_of(folder / "out/report.html"), HasSubstr("\"bound\":true"));
+  EXPECT_THAT(text_of(folder / "out/h_asd.txt"), HasSubstr("# AT MOST: in "));
+  EXPECT_THAT(csv, HasSubstr(",upper\n"));
+  EXPECT_THAT(straytrace({"noise", folder / "out/run.h5", "--format", "json"}).out, HasSubstr("\"at_most\": true"));
+  Finished const twin = straytrace({"run", source_folder + "/examples/et_hf_arm.yaml", "-o", folder / "arm.h5", "-p",
+                                    "first_baffle=4000m", "--histories", "2e5", "--quiet"});
+  EXPECT_THAT(twin.out, HasSubstr("±"));
+  EXPECT_THAT(twin.out, Not(HasSubstr("h = at most")));
   // A run file projects them without tracing or building anything again.
   EXPECT_THAT(straytrace({"noise", folder / "out/run.h5"}).out, HasSubstr("baffles_end·E"));
   std::string const reader = "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='" + source_folder +

@@ -105,7 +105,7 @@ def check_curves(path):
     """Loads with numpy as gwpy does: two columns of sixteen."""
     table = np.loadtxt(path)
     frequency, h = np.loadtxt(path, usecols=(0, 1), unpack=True)
-    assert table.shape[1] == 16 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
+    assert table.shape[1] == 17 and np.all(np.diff(frequency) > 0) and np.all(h >= 0)
     np.testing.assert_allclose(table[:, 2], np.maximum(h - table[:, 10], 0), rtol=1e-3, atol=0)
     np.testing.assert_allclose(table[:, 15], h / table[:, 14], rtol=1e-5)
 
@@ -140,6 +140,7 @@ def check_numbers():
     assert words.hertz(999.9) == "1000" and words.hertz(5.0) == "5"
     assert words.power_of_ten(6.1234, 0.012) == "6.123 ± 0.012"
     assert words.power_of_ten(np.nan, 1) == "unresolved"
+    assert words.power_of_ten(2.617193e-26, 4e-32, bound=True) == r"at most 2.7$\times 10^{-26}$"
     assert words.shortened("abcdefghij", 5) == "ab…ij"
 
 

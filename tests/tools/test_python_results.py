@@ -12,7 +12,8 @@ import numpy as np
 
 import straytrace
 import straytrace.finesse
-from straytrace.interpolate import log_log
+from straytrace.curves import Curve
+from straytrace.interpolate import between_bins, log_log
 
 
 class Tables(unittest.TestCase):
@@ -24,7 +25,7 @@ class Tables(unittest.TestCase):
         noise, table = self.run_.noise, self.run_.noise.table()
         np.testing.assert_array_equal(table["h"], noise.total.mean)
         np.testing.assert_array_equal(table.index, noise.frequency)
-        self.assertEqual(list(table.columns[-2:]), ["adv-lal", "lower_bound"])
+        self.assertEqual(list(table.columns[-3:]), ["adv-lal", "lower_bound", "upper_bound"])
         ledger = self.run_.ledger.table()
         fates = ledger.drop(index="emitted")
         self.assertAlmostEqual(fates["share"].sum(), 1, places=9)
@@ -98,6 +99,27 @@ class Tables(unittest.TestCase):
         total = kind(freq=f, ifo=base.ifo).run().psd
         np.testing.assert_allclose(np.sqrt(total), self.run_.noise.at(f), rtol=1e-9)
         self.assertFalse(np.allclose(np.sqrt(total), self.run_.noise.at(f) * base.ifo.Infrastructure.Length, atol=0))
+
+
+class Reading(unittest.TestCase):
+    def test_a_line_is_read_from_its_bin(self):
+        edges = np.geomspace(6, 15, 25)
+        own = int(np.searchsorted(edges, 10)) - 1
+        for background in (0.0, 1e-26):
+            mean = np.full(24, background)
+            mean[own] = 1.7e-24
+            self.assertEqual(between_bins(10, edges, mean), 1.7e-24)
+            self.assertEqual(between_bins(0.999 * edges[own], edges, mean), background)
+            centre = np.sqrt(edges[:-1] * edges[1:])
+            self.assertGreater(abs(log_log(10.0, centre, mean) / 1.7e-24 - 1), 0.1)    # twin: between the centres
+        np.testing.assert_allclose(between_bins([7.0, 10.0], edges, np.sqrt(edges[:-1] * edges[1:]) ** -9.0), [7.0**-9, 1e-9])
+        self.assertTrue(np.all(np.isnan(between_bins([5.9, 15.0], edges, np.ones(24)))))
+
+    def test_upper_bounds_are_known_as_such(self):
+        one = np.ones(3)
+        curve = Curve("total", one, 0.01 * one, one, one, bound_share=np.array([0.0, 0.001, 0.5]))
+        self.assertEqual(list(curve.at_most), [False, False, True])    # 0.001 hides in the error
+        self.assertFalse(Curve("total", one, 0.01 * one, one, one).at_most.any())
 
 
 DUAL_RECYCLED = """

@@ -153,7 +153,8 @@ inline NoiseBudget noise_budget(CouplingTable const& table, double size = 6e-24)
     t.resolved = table.classes[c].coupling.trusted;
     t.why_not = table.classes[c].coupling.why_not;
     if (c == 1) t.mean_square_phase = 9;
-    for (std::size_t i = 0; i < bin_count && t.resolved; ++i) {
+    for (std::size_t i = 0; i < bin_count; ++i) {
+      if (!t.resolved) t.sigma[i] = 0.5 * t.asd[i];  // a hint, with an error as large
       b.total.sigma[i] =
           std::hypot(b.total.asd[i] * b.total.sigma[i], t.asd[i] * t.sigma[i]) / std::hypot(b.total.asd[i], t.asd[i]);
       b.total.asd[i] = std::hypot(b.total.asd[i], t.asd[i]);

@@ -36,7 +36,8 @@ struct BudgetEntry {
   std::string note;           // what cannot be seen in the numbers: a lower bound
   std::vector<BudgetEntry> parts;
   BudgetBands bands{};
-  bool inputs_stated = false;  // an input states how well it is known: the input band is more than the mean
+  std::vector<bool> at_most{};  // where the ASD is an upper bound; empty: nowhere
+  bool inputs_stated = false;   // an input states how well it is known: the input band is more than the mean
 };
 
 struct NoiseTable {
