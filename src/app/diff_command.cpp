@@ -50,8 +50,9 @@ int diff(std::vector<std::string> const& files, Options const& options) {
   Side const before = read_side(files[0], options.overrides), after = read_side(files[1], options.overrides);
   std::vector<Difference> const models = differences(before.scene, after.scene);
   bool const runs = before.run && after.run;
-  nlohmann::ordered_json out{{"models", as_json(models)}};
-  std::string text = difference_text(models);
+  std::vector<Difference> const parameters = models.empty() ? models : parameter_differences(before.scene, after.scene);
+  nlohmann::ordered_json out{{"parameters", as_json(parameters)}, {"models", as_json(models)}};
+  std::string text = difference_text(parameters, models);
   if (runs) {
     if (before.run->about.motion_file != after.run->about.motion_file)
       text += fmt::format("noise with the motion of {} -> {}\n",

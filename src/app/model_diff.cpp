@@ -89,13 +89,14 @@ void compare(Leaves const& before, Leaves const& after, std::string const& secti
   for (auto const& [key, b] : before) {
     auto const hit = after.find(key);
     if (hit == after.end()) {
-      if (!b.is_default) into.push_back({section, name, key, b.printed(), ""});
+      if (!b.is_default) into.push_back({section, name, key, b.printed(), "", 1, b.quantity, {}});
     } else if (!same(b, hit->second) && content_of(b.text) != content_of(hit->second.text)) {
-      into.push_back({section, name, key, b.printed(), hit->second.printed()});
+      into.push_back({section, name, key, b.printed(), hit->second.printed(), 1, b.quantity, hit->second.quantity});
     }
   }
   for (auto const& [key, a] : after)
-    if (!before.contains(key) && !a.is_default) into.push_back({section, name, key, "", a.printed()});
+    if (!before.contains(key) && !a.is_default)
+      into.push_back({section, name, key, "", a.printed(), 1, {}, a.quantity});
 }
 
 // name -> leaves of a section whose keys are names; "" for one that is a single table.
@@ -189,19 +190,19 @@ std::vector<Difference> differences(Scene const& before, Scene const& after) {
   return all;
 }
 
-std::string difference_text(std::vector<Difference> const& all) {
-  if (all.empty()) return "no physical difference between the models\n";
-  std::string text, section;
-  for (Difference const& d : all) {
-    if (d.section != section) text += (section = d.section) + "\n";
-    std::string const what = d.name + (d.name.empty() || d.key.empty() ? "" : " ") + d.key;
-    std::string const change = d.before.empty()  ? d.key.empty() ? "is new" : "now " + d.after
-                               : d.after.empty() ? d.key.empty() ? "is gone" : "no longer given, was " + d.before
-                                                 : d.before + " -> " + d.after;
-    text += fmt::format("  {}: {}{}\n", what.empty() ? section : what, change,
-                        d.instances > 1 ? fmt::format(" ({} instances)", d.instances) : "");
-  }
-  return text;
+std::vector<Difference> parameter_differences(Scene const& before, Scene const& after) {
+  auto const values = [](Scene const& scene) {
+    Leaves out;
+    ModelValue const model = model_tree(scene);
+    if (ModelValue const* params = model.find("params"))
+      for (ModelValue const& p : params->children) out[p.key] = {p.value, p.quantity, false};
+    return out;
+  };
+  std::vector<Difference> all;
+  compare(values(before), values(after), "params", "", all);
+  std::stable_partition(all.begin(), all.end(),
+                        [](Difference const& d) { return !d.before.empty() && !d.after.empty(); });
+  return all;
 }
 
 }  // namespace straytrace

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,14 @@ struct Difference {
   std::string name, key;      // "baffles/cone", "shape.cone.inner_radius"
   std::string before, after;  // empty: not there
   std::size_t instances = 1;  // of a repeated entry
+  std::optional<Quantity> was{}, is{};
 };
 
 // By section, in the order of the language. Both scenes have been read by all rooms.
 std::vector<Difference> differences(Scene const& before, Scene const& after);
-std::string difference_text(std::vector<Difference> const&);
+// Parameters of the models that have other values, those of only one of them last; section "params".
+std::vector<Difference> parameter_differences(Scene const& before, Scene const& after);
+// For people: parameters first, then what differs; changes of one key by many instances in one line.
+std::string difference_text(std::vector<Difference> const& parameters, std::vector<Difference> const&);
 
 }  // namespace straytrace

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base/message.hpp"
+#include "report/band.hpp"
 
 namespace straytrace {
 namespace {
@@ -17,18 +18,19 @@ constexpr std::array<double, 6> ends{1, 3, 10, 30, 100, 300};  // Hz, between ba
 constexpr std::size_t shown = 12;
 constexpr double significant = 3;
 
-// Power in the band. The errors of neighbouring bins come from the same paths: they are added as if wholly correlated,
-// sigma(h^2) = sum of 2 h sigma df, so that of the rms is never too small.
+// Root of the power in the band. The errors of neighbouring bins come from the same paths: they are added as if wholly
+// correlated, sigma(h^2) = sum of 2 h sigma df, so that of the rms is never too small.
 WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, double high) {
-  double power = 0, error = 0;
+  double power = 0, error = 0, bound = 0;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
     if (!(width > 0)) continue;
     power += t.asd[i] * t.asd[i] * width;
+    bound += (t.upper_bound ? 1 : i < t.bound_share.size() ? t.bound_share[i] : 0) * t.asd[i] * t.asd[i] * width;
     error += 2 * t.asd[i] * t.sigma[i] * width;
   }
-  double const h = std::sqrt(power);
-  return {h, h > 0 ? error / (2 * h) : 0};
+  double const h = std::sqrt(power), sigma = h > 0 ? error / (2 * h) : 0;
+  return {h, sigma, h > 0 && at_most(h, sigma, bound / power)};
 }
 
 bool same_histories(RunFile const& before, RunFile const& after) {
@@ -36,12 +38,36 @@ bool same_histories(RunFile const& before, RunFile const& after) {
   return before.about.model_hash == after.about.model_hash && b.seed == a.seed && b.histories == a.histories;
 }
 
-using ById = std::map<std::uint64_t, NoiseTrace const*>;
+struct Listed {
+  NoiseTrace const* noise;
+  CouplingClass const* route;
+};
+using ById = std::map<std::uint64_t, Listed>;
 
-ById by_id(NoiseBudget const& b) {
+ById by_id(RunFile const& run) {
   ById out;
-  for (NoiseTrace const& t : b.routes) out[t.hash] = &t;
+  auto const& classes = run.trace.coupling.classes;
+  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
+    out[run.noise->routes[r].hash] = {&run.noise->routes[r], &classes[r]};
   return out;
+}
+
+std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
+
+// The row of `run` for what has no row of its own at this port.
+NoiseTrace const* other_of(RunFile const& run, std::string const& port) {
+  auto const& classes = run.trace.coupling.classes;
+  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
+    if (classes[r].steps.empty() && port_of(run, classes[r]) == port) return &run.noise->routes[r];
+  return nullptr;
+}
+
+// Whether light may take this route of `from` in `to` as well: all that it meets is there.
+bool exists_in(RunFile const& to, RunFile const& from, CouplingClass const& c) {
+  auto const& names = to.trace.coupling.groups;
+  return std::all_of(c.steps.begin(), c.steps.end(), [&](PathStep const& s) {
+    return std::count(names.begin(), names.end(), from.trace.coupling.groups.at(s.group.value)) > 0;
+  });
 }
 
 // Error of the change of a route's rms, or of independent values.
@@ -58,10 +84,88 @@ Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid cons
   return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open};
 }
 
+// Rows of one run that are compared together. Their errors may come from the same histories: up to twice the squares.
+struct Together {
+  double power = 0, variance = 0;  // of the power
+  bool open = false, at_most = false;
+  void add(NoiseTrace const& t, FrequencyGrid const& grid, RunDifference const& d) {
+    WithError const h = band_rms(t, grid, d.low, d.high);
+    power += h.value * h.value;
+    variance += std::pow(2 * h.value * h.sigma, 2);
+    open = open || !t.resolved;
+    at_most = at_most || h.at_most;
+  }
+  WithError rms() const {
+    double const h = std::sqrt(power);
+    return {h, h > 0 ? std::sqrt(2 * variance) / (2 * h) : 0, at_most};
+  }
+};
+
+// Row `other` of one port in both runs, with the routes that only one of them lists.
+struct Rest {
+  Together before, after;
+  std::size_t routes = 0;
+};
+
+void add_rest(std::map<std::string, Rest>& rests, std::string const& port, NoiseTrace const& only, bool is_before,
+              RunFile const& b, RunFile const& a, RunDifference const& d) {
+  auto const [at, is_new] = rests.try_emplace(port);
+  Rest& rest = at->second;
+  if (is_new) {
+    if (NoiseTrace const* row = other_of(b, port)) rest.before.add(*row, b.noise->grid, d);
+    if (NoiseTrace const* row = other_of(a, port)) rest.after.add(*row, a.noise->grid, d);
+  }
+  (is_before ? rest.before : rest.after).add(only, (is_before ? b : a).noise->grid, d);
+  ++rest.routes;
+}
+
+std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
+  ById const x = by_id(b), y = by_id(a);
+  std::map<std::string, Rest> rests;
+  std::vector<Change> all, others;
+  auto const only_one = [&](Listed const& one, bool is_before) {
+    RunFile const &own = is_before ? b : a, &other = is_before ? a : b;
+    std::string const port = port_of(own, *one.route);
+    Change c =
+        route_change(is_before ? one.noise : nullptr, is_before ? nullptr : one.noise, b.noise->grid, a.noise->grid, d);
+    NoiseTrace const* const row = other_of(other, port);
+    if (row && !one.route->steps.empty() && exists_in(other, own, *one.route)) {
+      c.within = row->name;
+      add_rest(rests, port, *one.noise, is_before, b, a, d);
+    }
+    all.push_back(std::move(c));
+  };
+  for (auto const& [id, one] : x) {
+    auto const hit = y.find(id);
+    if (hit == y.end())
+      only_one(one, true);
+    else
+      (one.route->steps.empty() ? others : all)
+          .push_back(route_change(one.noise, hit->second.noise, b.noise->grid, a.noise->grid, d));
+  }
+  for (auto const& [id, one] : y)
+    if (!x.contains(id)) only_one(one, false);
+  for (auto const& [port, rest] : rests) {
+    NoiseTrace const* const row = other_of(b, port) ? other_of(b, port) : other_of(a, port);
+    WithError const before = rest.before.rms(), after = rest.after.rms();
+    std::erase_if(others, [&](Change const& c) { return c.what == row->name; });
+    others.push_back({fmt::format("{} and {} route{} of one run", row->name, rest.routes, rest.routes == 1 ? "" : "s"),
+                      fmt::format("{:016x}", row->hash), before, after, error_of_change(before, after, false),
+                      rest.before.open || rest.after.open});
+  }
+  all.insert(all.end(), others.begin(), others.end());
+  auto const change = [](Change const& c) {
+    return std::fabs(c.after.value * c.after.value - c.before.value * c.before.value);
+  };
+  std::stable_sort(all.begin(), all.end(), [&](auto const& p, auto const& q) { return change(p) > change(q); });
+  return all;
+}
+
 // Of the total in one band, x and y, when both runs are of the same histories.
 double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const& x, WithError const& y, double low,
                     double high) {
-  ById const after = by_id(a);
+  std::map<std::uint64_t, NoiseTrace const*> after;
+  for (NoiseTrace const& t : a.routes) after[t.hash] = &t;
   auto const share = [](WithError const& route, WithError const& total) {
     return total.value > 0 ? route.value * route.value / (2 * total.value) : 0;
   };
@@ -86,15 +190,17 @@ Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, doubl
 
 std::string line(Change const& c, std::size_t width) {
   double const s = c.sigmas();
-  std::string const verdict = c.before.value == c.after.value ? "the same"
+  std::string const verdict = !c.within.empty()                 ? fmt::format("compared within '{}'", c.within)
+                              : c.before.value == c.after.value ? "the same"
                               : std::isfinite(s)
                                   ? fmt::format("{:+.1f} sigma{}", s, std::fabs(s) < significant ? "" : ", significant")
-                                  : "changed, without an error";
-  auto const value = [](WithError const& w) {
-    return w.value > 0 ? with_error(w.value, w.sigma) : std::string("none");
+                              : c.before.at_most || c.after.at_most ? "an upper bound: speckle may hide the change"
+                                                                    : "changed, without an error";
+  auto const value = [&](WithError const& w) {
+    return w.value > 0 ? with_error(w) : c.within.empty() ? std::string("none") : "in '" + c.within + "'";
   };
   return fmt::format("  {:<{}}  {} -> {}  {}{}\n", c.what, width, value(c.before), value(c.after), verdict,
-                     c.bound ? " (unresolved: a bound or a hint)" : "");
+                     c.bound ? " (unresolved: more may be missed)" : "");
 }
 
 std::string lines(std::vector<Change> const& all, std::size_t most) {
@@ -108,11 +214,17 @@ std::string lines(std::vector<Change> const& all, std::size_t most) {
 
 nlohmann::ordered_json as_json(std::vector<Change> const& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  auto const value = [](WithError const& w) {
+    nlohmann::ordered_json j{{"value", w.value}, {"sigma", w.sigma}};
+    if (w.at_most) j["at_most"] = true;
+    return j;
+  };
   for (Change const& c : all) {
     nlohmann::ordered_json one{{"what", c.what}};
     if (!c.id.empty()) one["id"] = c.id;
-    one["before"] = {{"value", c.before.value}, {"sigma", c.before.sigma}};
-    one["after"] = {{"value", c.after.value}, {"sigma", c.after.sigma}};
+    one["before"] = value(c.before);
+    one["after"] = value(c.after);
+    if (!c.within.empty()) one["within"] = c.within;
     one["sigmas"] = std::isfinite(c.sigmas()) ? nlohmann::ordered_json(c.sigmas()) : nlohmann::ordered_json();
     one["unresolved"] = c.bound;
     out.push_back(std::move(one));
@@ -124,6 +236,7 @@ nlohmann::ordered_json as_json(std::vector<Change> const& all) {
 
 double Change::sigmas() const {
   double const change = after.value - before.value;
+  if (!within.empty() || (change != 0 && (before.at_most || after.at_most))) return not_a_number;
   return error > 0 ? change / error : change == 0 ? 0 : not_a_number;
 }
 
@@ -145,16 +258,7 @@ RunDifference run_differences(RunFile const& before, RunFile const& after) {
     if (f > d.low && f < d.high) at.push_back(f);
   at.push_back(d.high);
   for (std::size_t i = 0; i + 1 < at.size(); ++i) d.bands.push_back(band_change(b, a, at[i], at[i + 1], d.common));
-  ById const x = by_id(b), y = by_id(a);
-  for (auto const& [id, trace] : x)
-    d.routes.push_back(route_change(trace, y.contains(id) ? y.at(id) : nullptr, b.grid, a.grid, d));
-  for (auto const& [id, trace] : y)
-    if (!x.contains(id)) d.routes.push_back(route_change(nullptr, trace, b.grid, a.grid, d));
-  auto const change = [](Change const& c) {
-    return std::fabs(c.after.value * c.after.value - c.before.value * c.before.value);
-  };
-  std::stable_sort(d.routes.begin(), d.routes.end(),
-                   [&](auto const& p, auto const& q) { return change(p) > change(q); });
+  d.routes = route_changes(before, after, d);
   return d;
 }
 

@@ -16,15 +16,20 @@ struct Change {
   std::string what, id;  // "30 to 100 Hz", or a route and its hash
   WithError before, after;
   double error = 0;    // of the change: of independent runs both together; of the same histories see run_differences
-  bool bound = false;  // one of them is a lower bound
-  double sigmas() const;
+  bool bound = false;  // one of them is a lower bound, or a hint
+  // Of a route that only one of the runs lists: the row of the other that may hold it, "other > ITM". It is compared
+  // there, together with all such routes.
+  std::string within{};
+  double sigmas() const;  // NaN: no answer
 };
 
 struct RunDifference {
-  std::vector<Change> bands;   // rms strain of the total in the band, from 1/sqrt(Hz) over all its bins [1]
-  std::vector<Change> routes;  // the same over the common band, by largest change of power; matched by id
-  double low = 0, high = 0;    // Hz, the common band
-  bool common = false;         // same model, seed and number of histories: other motion or responses
+  std::vector<Change> bands;  // rms strain of the total in the band, from 1/sqrt(Hz) over all its bins [1]
+  // The same over the common band, by largest change of power; matched by id. Rows `other` hold what has no row of its
+  // own: routes that only one run lists are in that of the other, and added to both rows.
+  std::vector<Change> routes;
+  double low = 0, high = 0;  // Hz, the common band
+  bool common = false;       // same model, seed and number of histories: other motion or responses
 };
 
 // Runs of the same histories (other motion or responses) share the light: the power of route j is C_j times a factor
