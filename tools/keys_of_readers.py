@@ -139,7 +139,8 @@ def kind_of(asked):
     kind = asked["type"]
     if kind in ("number", "whole", "amplitude", "numbers"):
         name = "whole number" if kind == "whole" else asked["dimension"]
-        name += f" ({asked['units']})" if kind != "whole" and asked["dimension"] != "plain number" else ""
+        unit = f" ({asked['units']})"
+        name += unit if kind != "whole" and asked["dimension"] != "plain number" and not name.endswith(unit) else ""
         name += ", with peak, pp or rms" if kind == "amplitude" else ""
         return f"{asked['count']} values: {name}" if kind == "numbers" else name
     return {"choice": "one of " + ", ".join(asked.get("choices", [])), "switch": "on or off", "word": "text",

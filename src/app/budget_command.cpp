@@ -78,7 +78,10 @@ void add_budget(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--band", r.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
   command->add_option("--points", r.points, "of the curves (default: the bins of the run, or 300)")
       ->check(CLI::Range(2, 100000));
-  command->add_option("--compare", r.compare, "design curves, or files: two columns, runs, budgets of pygwinc")
+  command
+      ->add_option("--compare", r.compare,
+                   "design curves, or files: two columns, runs, budgets of pygwinc; several with commas, or one for "
+                   "each --compare")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");

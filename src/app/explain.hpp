@@ -21,6 +21,8 @@ std::string nearest_key(std::string const& what);  // empty: none
 std::optional<Explanation> explain_library(std::string const& what);
 // Parts whose names hold the word before the dot, with their numbers, as a suggestion; empty: none.
 std::string parts_like(std::string const& what);
+// A column of the path table, "coupling".
+std::optional<Explanation> explain_column(std::string const& what);
 Explanation explain_unit(std::string const& unit);
 // A message as it was printed, or a part of it; nothing when none is like it.
 std::optional<Explanation> explain_message(std::string const& text);

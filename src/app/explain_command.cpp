@@ -47,6 +47,7 @@ Explanation answer_to(ExplainOptions const& asked) {
   std::string const what = fmt::format("{}", fmt::join(words, " "));
   if (auto found = explain_key(what)) return *found;
   if (auto found = explain_library(what)) return *found;
+  if (auto found = explain_column(what)) return *found;
   if (auto found = explain_message(what)) return *found;
   if (parse_unit(what)) return explain_unit(what);
   throw InputError(
@@ -58,10 +59,11 @@ Explanation answer_to(ExplainOptions const& asked) {
 void add_explain(CLI::App& app, Options& options, int& exit_code) {
   static ExplainOptions asked;
   auto* const command =
-      app.add_subcommand("explain", "a key of the language, a part, a unit, a message, or a path's factors");
+      app.add_subcommand("explain", "a key of the language, a part, a column, a unit, a message, or a path's factors");
   command
       ->add_option("what", asked.words,
-                   "TABLE.KEY, TABLE, KEY, a thing of the library, 'unit U', the text of a message, or 'h RUN'")
+                   "TABLE.KEY, TABLE, KEY, a thing of the library, a column of the path table, 'unit U', the text of a "
+                   "message, or 'h RUN'")
       ->required();
   command->add_option("--path", asked.path, "of 'explain h': rank in the path table; 1 unless given")
       ->check(whole_between(1, 1e6, "3"));

@@ -7,6 +7,7 @@
 #include "app/language.hpp"
 #include "base/message.hpp"
 #include "base/table.hpp"
+#include "report/route_columns.hpp"
 
 namespace straytrace {
 namespace {
@@ -62,6 +63,26 @@ std::optional<Explanation> explain_key(std::string const& what) {
   Explanation const more = answer(tables, true);
   a.text += more.text;
   a.json.insert(a.json.end(), more.json.begin(), more.json.end());
+  return a;
+}
+
+std::optional<Explanation> explain_column(std::string const& what) {
+  PathTable table;  // one empty row has all columns
+  table.has_noise = true;
+  table.rows.emplace_back();
+  CouplingTable const coupling;
+  RouteColumns const columns(table, coupling, nullptr);
+  auto const& all = columns.all();
+  auto const hit =
+      std::find_if(all.begin(), all.end(), [&](RouteColumn const& c) { return c.key == what || c.title == what; });
+  if (hit == all.end()) return {};
+  Explanation a;
+  a.json = {{"column", hit->key}, {"title", hit->title}, {"unit", hit->unit}, {"text", hit->help}};
+  std::string const unit = hit->is_text ? "text" : hit->unit.empty() ? "number" : hit->unit;
+  a.text =
+      fmt::format("{}: column of the path table, {}\n  {}\n  asked by straytrace paths RUN --where, --sort, --csv\n",
+                  hit->key, unit, hit->help);
+  a.text += "see docs/reference/run_file.md\n";
   return a;
 }
 

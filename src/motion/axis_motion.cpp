@@ -256,6 +256,13 @@ void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) 
 
 }  // namespace
 
+bool says_how_one_moves(std::string_view key) {
+  constexpr std::array<std::string_view, 3> of_bodies_too = {"from", "like", "same_as"};
+  auto const& all = all_kinds();
+  return std::find(of_bodies_too.begin(), of_bodies_too.end(), key) == of_bodies_too.end() &&
+         std::any_of(all.begin(), all.end(), [&](Kind const& k) { return k.name == key; });
+}
+
 void read_axis(Node const& node, int axis, double uncertainty, AxisMotion& into) {
   for (Node const& spec : node.as_list()) read_one(spec, axis, uncertainty, into);
 }

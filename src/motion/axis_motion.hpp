@@ -53,6 +53,9 @@ struct AxisMotion {
 constexpr std::string_view axis_names[6] = {"x", "y", "z", "rx", "ry", "rz"};
 constexpr bool is_rotation(int axis) { return axis >= 3; }
 
+// Whether a key belongs to one coordinate: asd, series, power-law ...
+bool says_how_one_moves(std::string_view key);
+
 // Adds one specification or a list of them; `uncertainty` where it states none. Problems go to the document.
 void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
 

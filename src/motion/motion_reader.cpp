@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/document.hpp"
 #include "base/uncertainty.hpp"
 #include "motion/suspension.hpp"
 #include "signal/shapes.hpp"
@@ -48,6 +49,23 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
   }
 }
 
+namespace {
+
+// What says how one coordinate moves, written where coordinates are named.
+bool tell_misplaced(Node const& motion) {
+  bool any = false;
+  for (NodeData::Entry const& e : motion.data()->entries) {  // keys that are not asked for stay unknown
+    std::string const& key = e.key;
+    if (!says_how_one_moves(key)) continue;
+    motion[key].problem(fmt::format("'{}' says how one coordinate moves, and does not name it", key),
+                        fmt::format("write it under its name: z: {{{}: ...}}, and 'others: still' for the rest", key));
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
 void MotionReader::read_body(std::string const& name, Body& body) {
   if (body.is_mode) return read_mode(name, body);
   if (body.node.kind() != Node::Kind::table) {
@@ -80,7 +98,7 @@ void MotionReader::read_body(std::string const& name, Body& body) {
     if (spec) read_axis(spec, axis, uncertainty, draft.written[axis]);
     if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows) untold.emplace_back(axis_names[axis]);
   }
-  if (!untold.empty())
+  if (!tell_misplaced(motion) && !untold.empty())
     motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, fmt::join(untold, " and ")),
                    fmt::format("write '{}: still', or 'others: still' for all that is not named", untold.front()));
   for (int axis = 0; axis < 6; ++axis) resolve_axis(draft, axis);

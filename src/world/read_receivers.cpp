@@ -155,8 +155,18 @@ SurfaceId find_surface(Node const& node, Registry const& names) {
   auto const found = names.surfaces.find(name);
   if (found != names.surfaces.end()) return found->second;
   if (names.refused.contains(name.substr(0, name.find_first_of("/[")))) return {};
-  std::vector<std::string> known;
-  for (auto const& [n, id] : names.surfaces) known.push_back(n);
+  std::vector<std::string> known, faces;
+  for (auto const& [n, id] : names.surfaces) {
+    known.push_back(n);
+    if (n.starts_with(name + "/")) faces.push_back(n);
+  }
+  if (!faces.empty()) {
+    node.problem(
+        fmt::format("'{}' has several faces", name),
+        fmt::format("name one: {}{}", fmt::join(std::span(faces).first(std::min<std::size_t>(4, faces.size())), ", "),
+                    faces.size() > 4 ? ", ..." : ""));
+    return {};
+  }
   std::string const near = nearest_word(name, known);
   node.problem(fmt::format("'{}' is not a surface of the scene", name),
                near.empty() ? "name an entry of 'scene'" : fmt::format("did you mean '{}'?", near));

@@ -154,6 +154,40 @@ TEST(Diff, EachPhysicalDifferenceIsSeen) {
   }
 }
 
+// A parameter that moves many instances is told once, by its name and in units that people use, before what follows.
+TEST(Diff, CausesStandFirstAndAreReadable) {
+  Folder const folder;
+  std::string const rings =
+      edited(baffle, "0 m, 100 m]", "0 m, first], repeat: {count: 20, along: z, from: 0 m, pitch: 1 m}");
+  std::string const many = edited(rings, "{opening: 20 cm}", "{opening: 20 cm, first: 100 m}");
+  write_text(folder / "a.yaml", many);
+  Finished const d = straytrace({"diff", folder / "a.yaml", folder / "a.yaml"});
+  EXPECT_EQ(d.out, "no physical difference between the models\n") << d.err;
+  write_text(folder / "b.yaml", edited(many, "20 cm, first", "19.5 cm, first"));
+  std::string const text = straytrace({"diff", folder / "a.yaml", folder / "b.yaml"}).out;
+  EXPECT_TRUE(text.starts_with("parameters\n  opening: 20 cm -> 19.5 cm\nscene\n")) << text;
+  EXPECT_THAT(text, HasSubstr("20 cm -> 19.5 cm (20 instances)"));
+  std::string const stated = edited(many, "{opening: 20 cm, first", "{opening: {value: 20 cm, source: me}, first");
+  write_text(folder / "d.yaml", stated);
+  EXPECT_THAT(straytrace({"diff", folder / "d.yaml", folder / "b.yaml"}).out, HasSubstr("opening: 20 cm -> 19.5 cm\n"));
+  write_text(folder / "c.yaml", edited(many, "pitch: 1 m", "pitch: 1.1 m"));
+  std::string const moved = straytrace({"diff", folder / "a.yaml", folder / "c.yaml"}).out;
+  EXPECT_THAT(moved, HasSubstr("19 instances, by 0.1 m to 1.9 m; the first: "));
+  EXPECT_LT(std::count(moved.begin(), moved.end(), '\n'), 5) << moved;  // twin: JSON has them one by one
+  EXPECT_GE(answer({"diff", folder / "a.yaml", folder / "c.yaml"})["models"].size(), 19u);
+}
+
+TEST(Messages, WhatIsAlmostRightIsShownRight) {
+  Folder const folder;
+  write_text(folder / "m.yaml", "straytrace: 1\nbodies: {b: {motion: {asd: 1e-12 m/sqrt(Hz)}}}\n");
+  std::string const told = refusal({"check", folder / "m.yaml"});
+  EXPECT_THAT(told, HasSubstr("z: {asd: ...}"));
+  EXPECT_THAT(told, HasSubstr("1 error."));
+  EXPECT_THAT(straytrace({"explain", "coupling"}).out, HasSubstr("column of the path table"));
+  EXPECT_THAT(straytrace({"explain", "brdf"}).out, Not(HasSubstr("(1/sr) (1/sr)")));
+  EXPECT_THAT(straytrace({"explain", "brdf"}).out, HasSubstr("BRDF (1/sr)"));
+}
+
 // Twice the BRDF is twice the power and sqrt(2) of the strain (physics.md eq. 1.1); the same seed, so hardly any error.
 TEST(Diff, RunsDifferBySigmas) {
   Folder const folder;
