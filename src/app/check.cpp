@@ -9,6 +9,7 @@
 #include "app/lit_table.hpp"
 #include "app/model.hpp"
 #include "app/read_file.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "scene/warnings.hpp"
 
@@ -29,8 +30,8 @@ int check_motion(Scene const& scene, Options const& options) {
   if (options.json())
     std::cout << fmt::format("{{\"ok\": true, \"bodies\": {}}}\n", names.size());
   else
-    std::cout << fmt::format("{}: motion of {} bodies, for: straytrace noise RUN --motion {}\nno errors\n",
-                             options.input, names.size(), options.input);
+    std::cout << fmt::format("{}: motion of {}, for: straytrace noise RUN --motion {}\nno errors\n", options.input,
+                             names.size() == 1 ? "1 body" : fmt::format("{} bodies", names.size()), options.input);
   return done;
 }
 
@@ -58,10 +59,12 @@ int check(Options const& options) {
     return done;
   }
   std::size_t const count = model.world.receivers().size();
-  std::string const receivers = count == 0 ? "" : fmt::format(", {} receiver{}", count, count == 1 ? "" : "s");
-  std::cout << fmt::format("{}: {} surfaces in {} groups, {} bodies, {} ports{}\n", options.input,
-                           model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
-                           model.world.ports().size(), receivers);
+  std::string const receivers = count == 0 ? "" : ", " + counted(count, "receiver");
+  std::size_t const bodies = model.world.bodies().size();
+  std::cout << fmt::format("{}: {} in {}, {}, {}{}\n", options.input, counted(model.world.surfaces().size(), "surface"),
+                           counted(model.world.groups().size(), "group"),
+                           bodies == 1 ? "1 body" : fmt::format("{} bodies", bodies),
+                           counted(model.world.ports().size(), "port"), receivers);
   for (std::string const& note : model.world.notes) std::cout << note << '\n';
   std::cout << lit_table(model);
   if (model.detector) std::cout << model.detector->description() << '\n';

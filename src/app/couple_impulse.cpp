@@ -8,6 +8,7 @@
 
 #include "app/couple_data.hpp"
 #include "base/constants.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "commission/events.hpp"
 #include "commission/impulse.hpp"
@@ -28,7 +29,8 @@ struct ImpulseOptions {
 };
 
 std::string text_of(ImpulseResponse const& r, ImpulseOptions const& o, std::string const& unit) {
-  std::string text = fmt::format("{} stretches of {}\n", r.stretches, o.length);
+  std::string text =
+      fmt::format("{} of {}\n", r.stretches == 1 ? "1 stretch" : fmt::format("{} stretches", r.stretches), o.length);
   if (r.modes.empty()) return text + "no mode rings above the noise\n";
   Columns table{{"frequency [Hz]", "Q", "rings for [s]", "amplitude [" + unit + "/s]", "chi^2"}, {}, {}};
   for (RingDown const& m : r.modes)

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/couple_data.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "commission/coupling_file.hpp"
@@ -97,11 +98,11 @@ std::string overlay_text(Overlay const& o, std::size_t show) {
   }
   std::string text = aligned(table);
   if (o.measured > 0)
-    text += fmt::format("measured over predicted: {} from {} points, chi^2 {:.1f} of {}\n",
-                        plus_minus(std::exp(o.mean_ratio), std::exp(o.mean_ratio) * o.mean_sigma), o.measured,
-                        o.chi_square, o.measured - 1);
+    text += fmt::format("measured over predicted: {} from {}, chi^2 {:.1f} of {}\n",
+                        plus_minus(std::exp(o.mean_ratio), std::exp(o.mean_ratio) * o.mean_sigma),
+                        counted(o.measured, "point"), o.chi_square, o.measured - 1);
   if (o.above_limit > 0)
-    text += fmt::format("the prediction exceeds {} measured limits by three sigma\n", o.above_limit);
+    text += fmt::format("the prediction exceeds {} by three sigma\n", counted(o.above_limit, "measured limit"));
   return text;
 }
 

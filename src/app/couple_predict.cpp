@@ -12,6 +12,7 @@
 #include "app/couple_data.hpp"
 #include "app/couple_overlay.hpp"
 #include "app/open_run.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "noise/predicted_coupling.hpp"
 #include "report/columns.hpp"
@@ -104,7 +105,7 @@ std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, boo
   }
   text += aligned(curve) + aligned(routes);
   if (p.routes.size() > o.show)
-    text += fmt::format("and {} more routes: --show {}\n", p.routes.size() - o.show, p.routes.size());
+    text += fmt::format("and {}: --show {}\n", counted(p.routes.size() - o.show, "more route"), p.routes.size());
   for (std::string const& u : p.unresolved) text += "unresolved: " + u + "\n";
   return text + fmt::format("linear up to {:.3g} {} peak\n", p.linear_to, unit);
 }

@@ -9,6 +9,7 @@
 
 #include "app/common_options.hpp"
 #include "app/couple_data.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "commission/ridge.hpp"
 #include "report/columns.hpp"
@@ -48,8 +49,9 @@ std::string text_of(CouplingFunction const& c, std::size_t windows, std::size_t 
         (i + 1 == c.points.size() || height(i) > height(i + 1)))
       peaks.push_back(c.points[i]);
   }
-  std::string text =
-      fmt::format("{}: {} windows, {} frequencies measured, {} upper limits\n", c.witness, windows, measured, limits);
+  std::string text = fmt::format("{}: {}, {} measured, {}\n", c.witness, counted(windows, "window"),
+                                 measured == 1 ? "1 frequency" : fmt::format("{} frequencies", measured),
+                                 counted(limits, "upper limit"));
   std::stable_sort(peaks.begin(), peaks.end(),
                    [](CouplingPoint const& a, CouplingPoint const& b) { return a.factor > b.factor; });
   Columns table{{"frequency", "coupling [" + c.unit + "]", "significance", "coherence"}, {}, {}};

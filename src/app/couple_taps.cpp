@@ -11,6 +11,7 @@
 
 #include "app/common_options.hpp"
 #include "app/couple_data.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "commission/taps.hpp"
 #include "report/columns.hpp"
@@ -71,7 +72,8 @@ std::string text_of(std::vector<TapPeak> const& peaks, TapOptions const& o, std:
   }
   table.rows.pop_back();
   std::string text = aligned(table);
-  if (peaks.size() > o.show) text += fmt::format("and {} more peaks: --show {}\n", peaks.size() - o.show, peaks.size());
+  if (peaks.size() > o.show)
+    text += fmt::format("and {}: --show {}\n", counted(peaks.size() - o.show, "more peak"), peaks.size());
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/ghost_noise.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 
 namespace straytrace {
@@ -43,9 +44,10 @@ void add_notes(GhostReport& report, MainBeam const& main, GhostFamilies const& f
         MainBeam::most_nodes));
   if (families.left_out > 0)
     report.notes.push_back(
-        fmt::format("{} ghosts beyond the first {} families are left out of the sums at the port; "
+        fmt::format("{} beyond the first {} families {} left out of the sums at the port; "
                     "their shares sum to {:.3g}.",
-                    families.left_out, GhostFamilies::most, families.left_out_share));
+                    counted(families.left_out, "ghost"), GhostFamilies::most, families.left_out == 1 ? "is" : "are",
+                    families.left_out_share));
   if (!no_h.empty()) report.notes.push_back(no_h);
 }
 

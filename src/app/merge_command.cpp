@@ -11,6 +11,7 @@
 #include "app/merge_parts.hpp"
 #include "app/session.hpp"
 #include "app/tell.hpp"
+#include "base/counted.hpp"
 
 namespace straytrace {
 namespace {
@@ -40,9 +41,9 @@ void refuse_loss(RunParts const& parts, Options const& options) {
   for (BlockRange const& range : lost_with(read_part_head(options.out), parts)) blocks += range.size();
   if (blocks > 0)
     throw InputError(fmt::format(
-        "error: '{}' holds {} blocks of histories that no part does: they would be lost\n  choose another place with "
+        "error: '{}' holds {} of histories that no part does, which would be lost\n  choose another place with "
         "-o, or overwrite it with --force",
-        options.out, blocks));
+        options.out, counted(blocks, "block")));
 }
 
 TraceResult merged(RunParts const& parts, Model& model, Options const& options) {
@@ -67,7 +68,7 @@ int merge(std::vector<std::string> const& files, bool partial, Options const& op
   tell_traced(content, model, options);
   if (!parts.missing.empty()) tell_warning(missing_text(parts), options);
   if (!options.quiet)
-    std::cerr << fmt::format("{} parts, {:.6g} histories in {}; data {}\n", files.size(),
+    std::cerr << fmt::format("{}, {:.6g} histories in {}; data {}\n", counted(files.size(), "part"),
                              double(result.total.histories), options.out, data_hash(options.out).substr(0, 16));
   return done;
 }

@@ -10,6 +10,7 @@
 #include "app/common_options.hpp"
 #include "app/session.hpp"
 #include "app/shell_words.hpp"
+#include "base/counted.hpp"
 
 namespace straytrace {
 namespace {
@@ -192,8 +193,8 @@ std::string missing_text(RunParts const& parts) {
     blocks += gap.size();
     ranges.push_back(name_of(gap));
   }
-  std::string text =
-      fmt::format("{} of {} blocks of histories are missing\n{}", blocks, parts.all_blocks, listed(ranges));
+  std::string text = fmt::format("{} of {} of histories {} missing\n{}", blocks, counted(parts.all_blocks, "block"),
+                                 blocks == 1 ? "is" : "are", listed(ranges));
   std::vector<std::uint64_t> const slices = missing_slices(parts);
   if (slices.empty()) return text;
   return text + fmt::format("of slices {} of {}; to trace them:\n{}", runs_of(slices), parts.heads.front().slice.of,

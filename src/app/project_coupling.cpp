@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "app/options.hpp"
+#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "commission/coupling_file.hpp"
@@ -100,8 +101,9 @@ std::string text_of(ProjectedCoupling const& p, Level const* target, std::string
     measured += q.flag == CouplingFlag::measured;
     limits += q.flag == CouplingFlag::upper_limit;
   }
-  std::string text = fmt::format("{} frequencies: {} measured, {} upper limits, {} unknown\n", p.points.size(),
-                                 measured, limits, p.points.size() - measured - limits);
+  std::string text = fmt::format("{}: {} measured, {}, {} unknown\n",
+                                 p.points.size() == 1 ? "1 frequency" : fmt::format("{} frequencies", p.points.size()),
+                                 measured, counted(limits, "upper limit"), p.points.size() - measured - limits);
   for (double const hz : {10.0, 30.0, 100.0}) {
     ProjectedPoint const* nearest = nullptr;
     for (ProjectedPoint const& q : p.points)

@@ -14,6 +14,7 @@
 #include "app/session.hpp"
 #include "app/shell_words.hpp"
 #include "app/tell.hpp"
+#include "base/counted.hpp"
 #include "base/form.hpp"
 #include "report/run_part.hpp"
 #include "trace/trace.hpp"
@@ -41,9 +42,9 @@ void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
   std::uint64_t const blocks = (model.histories + block_size - 1) / block_size;
   if (jobs > blocks)
     throw InputError(
-        fmt::format("error: {} histories are {} blocks of {}: too few for {} jobs\n  write --jobs {} or more "
+        fmt::format("error: {} histories are {} of {}: too few for {} jobs\n  write --jobs {} or more "
                     "--histories",
-                    model.histories, blocks, block_size, jobs, blocks));
+                    model.histories, counted(blocks, "block"), block_size, jobs, blocks));
 }
 
 void check_accounting(std::string const& group) {
@@ -123,9 +124,9 @@ int submit(Options const& options, SubmitOptions const& wanted) {
   if (options.quiet) return done;
   names.erase(names.begin());
   std::cerr << fmt::format(
-      "{} jobs of {:.4g} histories; nothing was submitted. Read {} in {}, edit them, then run the "
+      "{} of {:.4g} histories; nothing was submitted. Read {} in {}, edit them, then run the "
       "command above\n",
-      jobs.slices, double(model.histories) / double(jobs.slices), fmt::join(names, ", "), options.out);
+      counted(jobs.slices, "job"), double(model.histories) / double(jobs.slices), fmt::join(names, ", "), options.out);
   return done;
 }
 

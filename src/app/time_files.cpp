@@ -6,6 +6,7 @@
 
 #include "app/data_options.hpp"
 #include "app/time_results.hpp"
+#include "base/counted.hpp"
 #include "motion/axis_motion.hpp"
 #include "signal/gps.hpp"
 #include "signal/series_file.hpp"
@@ -48,10 +49,10 @@ std::vector<TimeSeries> strain_channels(TimeInputs const& in, StrayLight const& 
 }
 
 std::vector<std::string> notes_of(ProjectResult const& r) {
-  return {
-      fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}, {} realisations, {} routes, {} fields", r.times.duration(),
-                  r.times.rate, gps_text(r.times.start), r.seed, r.realisations, r.routes, r.paths),
-      r.welch};
+  return {fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}, {}, {}, {}", r.times.duration(), r.times.rate,
+                      gps_text(r.times.start), r.seed, counted(r.realisations, "realisation"),
+                      counted(r.routes, "route"), counted(r.paths, "field")),
+          r.welch};
 }
 
 void write_spectrum(std::string const& file, ProjectResult const& r) {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "app/data_options.hpp"
+#include "base/counted.hpp"
 #include "motion/axis_motion.hpp"
 #include "signal/gps.hpp"
 
@@ -183,13 +184,15 @@ ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, 
   for (std::size_t k = 1; k + 1 < all.hz().size(); ++k)
     if (all.hz()[k] > r.band_low && all.hz()[k] < r.band_high) r.spectrum.push_back(level(exact, all, k, k));
   WelchSpectrum const& w = all.last();
-  r.welch = fmt::format("Welch: {:g} s, {} segments, ENBW {:.4g} Hz", 1 / spacing, w.segments, w.noise_bandwidth);
+  r.welch =
+      fmt::format("Welch: {:g} s, {}, ENBW {:.4g} Hz", 1 / spacing, counted(w.segments, "segment"), w.noise_bandwidth);
   return r;
 }
 
 std::string project_text(ProjectResult const& r) {
-  std::string text = fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {} routes, {} fields\n", r.times.duration(),
-                                 r.times.rate, gps_text(r.times.start), r.seed, r.routes, r.paths);
+  std::string text =
+      fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {}, {}\n", r.times.duration(), r.times.rate,
+                  gps_text(r.times.start), r.seed, counted(r.routes, "route"), counted(r.paths, "field"));
   text += fmt::format("phase: {:.4g} rad rms; fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.rms_phase, r.fastest.hz,
                       r.fastest.time, r.fastest_route);
   text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",

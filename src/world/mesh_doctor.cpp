@@ -9,6 +9,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/counted.hpp"
+
 namespace straytrace {
 namespace {
 
@@ -188,24 +190,28 @@ std::vector<MeshAdvice> advice(MeshFile const& file, MeshHealth const& health) {
   for (MeshHealth::Part const& p : health.parts) open_parts += p.open_edges > 0;
   Vec3 const at = health.first_open;
   add(health.open_edges > 0,
-      fmt::format(
-          "{} edges in {} of {} parts belong to one triangle only, one of them near ({:.6g}, {:.6g}, {:.6g}) in "
-          "the unit of the file: light passes there",
-          health.open_edges, open_parts, file.parts.size(), at.x, at.y, at.z),
+      fmt::format("{} in {} of {} {} to one triangle only, {}near ({:.6g}, {:.6g}, {:.6g}) in "
+                  "the unit of the file: light passes there",
+                  counted(health.open_edges, "edge"), open_parts, counted(file.parts.size(), "part"),
+                  health.open_edges == 1 ? "belongs" : "belong", health.open_edges == 1 ? "" : "one of them ", at.x,
+                  at.y, at.z),
       "close the holes where the part should be solid; an open sheet may stay as it is");
-  add(health.crowded_edges > 0, fmt::format("{} edges belong to more than two triangles", health.crowded_edges),
+  add(health.crowded_edges > 0,
+      counted(health.crowded_edges, "edge", "belongs", "belong") + " to more than two triangles",
       "take away inner walls, or export touching parts under different names");
   add(health.opposed_edges > 0,
-      fmt::format("{} edges join triangles that show different sides: some normals are flipped", health.opposed_edges),
+      counted(health.opposed_edges, "edge", "joins", "join") +
+          " triangles that show different sides: some normals are flipped",
       "make the normals of the part consistent before the export; 'side' and 'medium' rely on them");
-  add(health.doubled > 0, fmt::format("{} triangles lie on the corners of another one", health.doubled),
+  add(health.doubled > 0, counted(health.doubled, "triangle", "lies", "lie") + " on the corners of another one",
       "export each face once; of two equal faces the first in the file is hit");
-  add(health.flat > 0, fmt::format("{} triangles have no area", health.flat),
+  add(health.flat > 0, counted(health.flat, "triangle", "has", "have") + " no area",
       "they do no harm; a coarser export avoids them");
   add(!health.inverted.empty(),
       fmt::format("the normals of closed parts look inwards: {}; they were turned outwards", some(health.inverted)),
       "flip the faces where the file is made");
-  add(file.left_out > 0, fmt::format("{} faces are points or lines and were left out", file.left_out),
+  add(file.left_out > 0,
+      counted(file.left_out, "face", "is a point or line and was", "are points or lines and were") + " left out",
       "export triangles or polygons only");
   return out;
 }
