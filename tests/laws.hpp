@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/storage.hpp"
 #include "optics/law_types.hpp"
 
 namespace straytrace::testing {
@@ -98,12 +99,17 @@ inline Roughness tabulated(Theory theory, double a, double m, double first, doub
   law.prepare();
   return law;
 }
+// Keeps what laws point to.
+inline Storage& law_arrays() {
+  static Storage all;
+  return all;
+}
 inline Dust dust(double level, double reflectance, double index, double extinction) {
   Dust law;
   Cleanliness size;
   size.level = level;
   law.reflectance = reflectance;
-  add_grains(law, grains(size, 60), 1.064e-6, index, extinction);
+  set_grains(law, grains(size, 60), 1.064e-6, index, extinction, law_arrays());
   law.prepare();
   return law;
 }

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optics/dust.hpp"
 
-#include "optics/lobe_prepare.hpp"
 #include "optics/mie.hpp"
 
 namespace straytrace {
-
-void Dust::prepare() {
-  lobe.prepare(*this, smallest, 0, 16);  // resolves the glory, which is not centred on a ring
-}
 
 namespace {
 
@@ -49,19 +44,21 @@ double Cleanliness::covered_by_fit() const {
   return 0.01 * exp_number(ln10 * (-7.245 + 0.926 * all * all));
 }
 
-void add_grains(Dust& dust, std::vector<Grain> const& all, double wavelength, double index, double extinction) {
-  std::vector<double> cosines;
-  for (int i = 0; i <= Dust::nodes; ++i) cosines.push_back(1 - Dust::chord(i) * Dust::chord(i) / 2);
+void set_grains(Dust& dust, std::vector<Grain> const& all, double wavelength, double index, double extinction,
+                Storage& storage) {
   double const k = 2 * pi / wavelength;
   double forward = 0, width = 0;
+  std::vector<SphereNumber> spheres;
+  dust.optical_depth = 0;
   for (Grain const& g : all) {
     double const x = pi * g.diameter / wavelength;
-    MieSphere const sphere = mie(x, {index, extinction}, cosines);
+    MieSphere const sphere = mie(x, {index, extinction}, {1});
     dust.optical_depth += g.per_area * sphere.q_ext * pi * g.diameter * g.diameter / 4;
-    for (std::size_t i = 0; i < cosines.size(); ++i) dust.scatter[i] += g.per_area * sphere.intensity[i] / (k * k);
+    spheres.push_back({x, g.per_area / (k * k)});
     forward += g.per_area * sphere.intensity[0];
     width += g.per_area * sphere.intensity[0] / x;
   }
+  dust.scatter = make_deflection_table(mie_series(spheres, {index, extinction}), storage);
   if (forward > 0) dust.smallest = std::fmin(1, width / forward);
 }
 

@@ -8,39 +8,38 @@
 
 #include <vector>
 
+#include "optics/deflection_table.hpp"
 #include "optics/lobe_table.hpp"
 
 namespace straytrace {
 
 struct Dust {
-  static constexpr int nodes = 512;
-  double optical_depth = 0;        // particles per area times their mean extinction cross-section
-  double reflectance = 0;          // of the surface below
-  double scatter[nodes + 1] = {};  // particles per area times |S|^2/k^2, 1/sr, at chords 2 (i/nodes)^4
-  double smallest = 1e-3;          // chord inside which it is flat
-  LobeTable<EvenChordRings> lobe;  // set by prepare()
+  double optical_depth = 0;  // particles per area times their mean extinction cross-section
+  double reflectance = 0;    // of the surface below
+  double smallest = 1e-3;    // chord inside which the forward lobe is flat
+  DeflectionTable scatter;   // particles per area times |S|^2/k^2, 1/sr
+  LobeTable<EvenChordRings>
+      lobe;  // set by prepare(); its albedo is that of the layer times grazed(), which varies little
   static constexpr char const* key = "dust";
 
   void prepare();  // host
 
-  static double chord(int i) {  // 2 sin(scattering angle/2)
-    double const root = double(i) / nodes * (double(i) / nodes);
-    return 2 * root * root;
-  }
-  STRAY_HD double scatter_at(double t) const {
-    double const x = nodes * std::sqrt(std::sqrt(t < 2 ? 0.5 * t : 1));
-    int const i = x < nodes ? static_cast<int>(x) : nodes - 1;
-    return scatter[i] + (x - i) * (scatter[i + 1] - scatter[i]);
+  STRAY_HD double seen_depth() const { return (1 + reflectance) * optical_depth; }
+  // Factor of the scatter for the paths of light that comes in and goes out at these cosines, 1/(cos cos) where thin.
+  STRAY_HD double lit(double cos_i, double cos_s) const {
+    double const depth = seen_depth(), slant = depth * (1 / cos_i + 1 / cos_s);
+    return slant < 1e-6 ? 1 / (cos_i * cos_s) : (1 - exp_number(-slant)) / (depth * (cos_i + cos_s));
   }
   STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
     if (!(wi.z > 0 && wo.z > 0)) return 0;
-    double const back = scatter_at(length(wi + wo)), forward = scatter_at(length(wo - specular(wi)));
-    double const depth = (1 + reflectance) * optical_depth, slant = depth * (1 / wi.z + 1 / wo.z);
-    double const lit = slant < 1e-6 ? 1 / (wi.z * wo.z) : (1 - exp_number(-slant)) / (depth * (wi.z + wo.z));
-    return lit * ((1 + reflectance * reflectance) * back + 2 * reflectance * forward);
+    Vec3 const away = wi + wo, aside = wo - specular(wi);
+    double const back = scatter.at(0.25 * dot(away, away)), forward = scatter.at(0.25 * dot(aside, aside));
+    return lit(wi.z, wo.z) * ((1 + reflectance * reflectance) * back + 2 * reflectance * forward);
   }
   STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
-  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
+  static constexpr double lowest_cosine = 1e-9;  // of incidence, stands for the limit at grazing
+  STRAY_HD double grazed(double cos_i) const { return (cos_i > lowest_cosine ? cos_i : lowest_cosine) + seen_depth(); }
+  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i) / grazed(cos_i); }
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
@@ -58,6 +57,6 @@ struct Grain {
 };
 std::vector<Grain> grains(Cleanliness const&, int classes = 160);
 // Fills optical depth and scatter table. Throws NumericalError for sizes beyond the reach of mie().
-void add_grains(Dust&, std::vector<Grain> const&, double wavelength, double index, double extinction);
+void set_grains(Dust&, std::vector<Grain> const&, double wavelength, double index, double extinction, Storage&);
 
 }  // namespace straytrace

@@ -59,33 +59,29 @@ double ring_power(Law const& law, double cos_i, double sin_i, double low, double
 
 template <class Rings>
 template <class Law>
-void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int azimuths) {
+void LobeTable<Rings>::ring_powers(Law const& law, double cos_i, int azimuths, double* power) const {
   GaussPoints const turns(azimuths);
+  double const sin_i = std::sqrt((1 - cos_i) * (1 + cos_i)), cut = Rings::cut(cos_i, sin_i),
+               last = std::min(Rings::last(sin_i), edge[rings]);
+  for (int i = 0; i < rings; ++i) {
+    double const low = edge[i], high = std::min(edge[i + 1], last), middle = std::clamp(cut, low, std::max(low, high));
+    power[i] = 0;
+    if (middle > low) power[i] += ring_power<Rings>(law, cos_i, sin_i, low, middle, turns);
+    if (high > middle) power[i] += ring_power<Rings>(law, cos_i, sin_i, middle, high, turns);
+  }
+}
+
+template <class Rings>
+template <class Law>
+void LobeTable<Rings>::prepare_rings(Law const& law, double smallest, double hole, int azimuths) {
   double const first = hole > 0 ? hole : std::clamp(0.02 * smallest, 1e-12, 0.02);
   edge[0] = hole;
   int const start = hole > 0 ? 0 : 1;
   for (int i = start; i <= rings; ++i) edge[i] = first * power_positive(2 / first, double(i - start) / (rings - start));
   edge[rings] = 2 * (1 + 1e-15);  // opposite grazing directions are just inside
-  auto const powers = [&](double cos_i, double* power) {
-    double const sin_i = std::sqrt((1 - cos_i) * (1 + cos_i)), cut = Rings::cut(cos_i, sin_i),
-                 last = std::min(Rings::last(sin_i), edge[rings]);
-    for (int i = 0; i < rings; ++i) {
-      double const low = edge[i], high = std::min(edge[i + 1], last),
-                   middle = std::clamp(cut, low, std::max(low, high));
-      power[i] = 0;
-      if (middle > low) power[i] += ring_power<Rings>(law, cos_i, sin_i, low, middle, turns);
-      if (high > middle) power[i] += ring_power<Rings>(law, cos_i, sin_i, middle, high, turns);
-    }
-  };
   double power[rings];
-  constexpr double lowest = 1e-9;  // stands for the limit at grazing
-  for (int k = 0; k < AlbedoTable::size; ++k) {
-    powers(std::max(AlbedoTable::cosine(k), lowest), power);
-    albedo.value[k] = 0;
-    for (double p : power) albedo.value[k] += p;
-  }
   for (int row = 0; row < rows; ++row) {
-    powers(std::max(row_cosine(row), 1e-4), power);
+    ring_powers(law, std::max(row_cosine(row), 1e-4), azimuths, power);
     double total = 0;
     for (double p : power) total += p;
     cumulative[row][0] = 0;
@@ -95,6 +91,19 @@ void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int
     }
     double const all = cumulative[row][rings];
     for (double& c : cumulative[row]) c /= all;
+  }
+}
+
+template <class Rings>
+template <class Law>
+void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int azimuths) {
+  prepare_rings(law, smallest, hole, azimuths);
+  double power[rings];
+  constexpr double lowest = 1e-9;  // stands for the limit at grazing
+  for (int k = 0; k < AlbedoTable::size; ++k) {
+    ring_powers(law, std::max(AlbedoTable::cosine(k), lowest), azimuths, power);
+    albedo.value[k] = 0;
+    for (double p : power) albedo.value[k] += p;
   }
 }
 

@@ -99,6 +99,9 @@ struct LobeTable {
   // again when the law changes.
   template <class Law>
   void prepare(Law const& law, double smallest, double hole = 0, int azimuths = 6);
+  // The same but for the albedo.
+  template <class Law>
+  void prepare_rings(Law const& law, double smallest, double hole, int azimuths);
 
   // Rows: evenly spaced in the sine up to 45 deg, in the cosine beyond; the row at or beyond the incidence is used.
   STRAY_HD static double row_position(double cos_i) {
@@ -160,6 +163,10 @@ struct LobeTable {
     }
     return low;
   }
+
+  // What the law scatters into each ring, of light that comes in at cos_i.
+  template <class Law>
+  void ring_powers(Law const& law, double cos_i, int azimuths, double* power) const;
 
   static constexpr double sqrt_two = 1.4142135623730951;
 };

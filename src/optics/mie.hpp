@@ -18,4 +18,11 @@ struct MieSphere {
 // Throws NumericalError when x is outside (0, 2e5].
 MieSphere mie(double x, std::complex<double> index, std::vector<double> const& cosines);
 
+struct SphereNumber {
+  double x, number;
+};
+// Cosine series in the scattering angle, sum over l of series[l] cos(l Theta), of the sum of number times intensity.
+// Exact: the intensity of a sphere is a polynomial in cos Theta. Throws as mie().
+std::vector<double> mie_series(std::vector<SphereNumber> const&, std::complex<double> index);
+
 }  // namespace straytrace

@@ -58,9 +58,15 @@ void add(Bytes& out, Receiver const& r) {
   out.add_doubles(r.quadrant_frame);
 }
 
-template <class Shape>
-void add(Bytes& out, Shape const& shape) {
-  out.add_doubles(shape);
+template <class Plain>
+void add(Bytes& out, Plain const& shape_or_law) {
+  out.add_doubles(shape_or_law);
+}
+void add(Bytes& out, Dust const& dust) {
+  for (double x : {dust.optical_depth, dust.reflectance, dust.smallest}) out.add(x);
+  for (std::size_t i = 0; i < dust.scatter.panel.size; ++i) out.add(std::uint64_t(dust.scatter.panel[i].cells));
+  for (std::size_t i = 0; i < dust.scatter.term.size; ++i) out.add(dust.scatter.term[i]);
+  out.add_doubles(dust.lobe);
 }
 void add(Bytes& out, TriangleMesh const& mesh) {
   out.add_doubles(mesh.pose);
@@ -102,7 +108,7 @@ std::string World::fingerprint() const {
     }
     for (int i = 0; i < o.laws; ++i) {
       out.add(std::uint64_t(o.law[i].kind));
-      v.laws.visit(o.law[i], [&](auto const& law) { out.add_doubles(law); });
+      v.laws.visit(o.law[i], [&](auto const& law) { add(out, law); });
       out.add(std::uint64_t(o.through[i]));
       if (o.weight[i].size) out.add_doubles(o.weight[i][0]);
     }

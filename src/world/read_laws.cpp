@@ -239,7 +239,7 @@ void read_dust(Node const& law, LawReading& out) {
     }
   }
   if (sizes.empty() || !(wavelength > 0 && index > 0 && extinction >= 0 && p.reflectance >= 0)) return;
-  add_grains(p, sizes, wavelength, index, extinction);
+  set_grains(p, sizes, wavelength, index, extinction, out.world.storage);
   p.prepare();
   out.add(p);
 }

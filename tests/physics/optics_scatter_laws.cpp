@@ -177,30 +177,5 @@ TEST(cleanliness, coverage) {
   EXPECT_GT(std::fabs(100 * c.covered() - 0.741), 0.01);
 }
 
-Dust one_size(double diameter, double coverage, double reflectance) {
-  Dust law;
-  law.reflectance = reflectance;
-  add_grains(law, {{diameter, coverage / (pi * diameter * diameter / 4)}}, 1.064e-6, 1.5, 0.05);
-  law.prepare();
-  return law;
-}
-
-// eq. 3.24 through eq. 3.23: a thin layer on a perfect mirror scatters 2 n Q_sca pi r^2 at normal incidence, since the
-// light meets each particle twice and all of it ends above the surface. Tolerance 1 %: the tabulated forward peak. The
-// twin has R = 0, where only the backward half comes back.
-TEST(dust, total_scatter_of_a_thin_layer_eq_3_24) {
-  double const diameter = 2e-6, coverage = 1e-5;
-  MieSphere const sphere = mie(pi * diameter / 1.064e-6, {1.5, 0.05}, {});
-  EXPECT_LT(deviation(one_size(diameter, coverage, 1).albedo(1), 2 * coverage * sphere.q_sca), 0.01);
-  EXPECT_LT(one_size(diameter, coverage, 0).albedo(1), 0.2 * coverage * sphere.q_sca);
-}
-
-// R2.32: 10 ppm of covered area take 20 ppm out of the beam. Large absorbing grains, by extinction (Q_ext -> 2); and
-// the floor plus diffraction lobe of `defects`.
-TEST(dust, large_grains_take_twice_their_area_r2_32) {
-  EXPECT_LT(deviation(one_size(400e-6, 10e-6, 0).optical_depth, 20e-6), 0.02);
-  EXPECT_GT(deviation(one_size(1e-6, 10e-6, 0).optical_depth, 20e-6), 0.1);
-}
-
 }  // namespace
 }  // namespace straytrace::testing

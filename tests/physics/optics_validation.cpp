@@ -67,10 +67,10 @@ TEST(validation, mie_a17) {
 TEST(validation, dust_layer_a17b) {
   EXPECT_LT(deviation(mie(pi * 1e-6 / 1.064e-6, 1.5, {}).q_sca, 3.39752), 1e-5);
   Dust layer;
-  add_grains(layer, {{1e-6, 1e6}}, 1.064e-6, 1.5, 0);
+  set_grains(layer, {{1e-6, 1e6}}, 1.064e-6, 1.5, 0, law_arrays());
   EXPECT_LT(deviation(layer.optical_depth, 2.66840e-6), 1e-5);
   Dust twin;
-  add_grains(twin, {{1e-6, 1e6}}, 1.064e-6, 1.5, 0.01);
+  set_grains(twin, {{1e-6, 1e6}}, 1.064e-6, 1.5, 0.01, law_arrays());
   EXPECT_GT(deviation(twin.optical_depth, 2.66840e-6), 1e-3) << "twin: spheres that absorb";
 }
 

@@ -104,6 +104,9 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
                "negative"},
            Bad{"  m: {scatter: {model: k-correlation, rms: 900 nm, b: 1 mm, c: 2}}\n", "too rough"},
            Bad{"  m: {scatter: {model: dust, level: 3000, reflectance: 1}}\n", "'level'"},
+           Bad{"  m: {scatter: [{model: dust, diameter: 2 um, coverage: 1 %, reflectance: 1}, {model: lambertian, "
+               "tis: 0.1 %}]}\n",
+               "material 'm' makes light"},
            Bad{"  m: {scatter: {model: defects, coverage: 1 ppm, diameter: 1 um}}\n", "not obstacles"},
            Bad{"  m: {scatter: {model: lambertian, tis: 1 %, weight: [[60 deg, 1], [30 deg, 2]]}}\n",
                "do not increase"},
@@ -123,6 +126,16 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
   EXPECT_THAT(straytrace({"inspect", "test_mas", virgo_arm}).err, HasSubstr("did you mean 'test_mass'?"));
   EXPECT_THAT(straytrace({"inspect", "x", "--plot", folder / "none/a.png"}).err,
               HasSubstr("neither a file nor in the library"));
+}
+
+// Clear grains on a perfect mirror scatter all light at grazing: what their quadrature adds to it is no light made.
+TEST(Inspect, DustOnAPerfectMirrorMakesNoLight) {
+  Folder const folder;
+  for (std::string const size : {"level: 500", "diameter: 2 um, coverage: 1 %", "diameter: 20 um, coverage: 10 ppm"}) {
+    write_text(folder / "a.yaml", scene_with("  m: {scatter: {model: dust, reflectance: 1, " + size + "}}\n"));
+    Finished const r = straytrace({"inspect", "m", folder / "a.yaml"});
+    EXPECT_EQ(r.code, 0) << size << r.err;
+  }
 }
 
 }  // namespace

@@ -26,6 +26,11 @@ void arrays_of(Coating const& x, F const& f) {
   f(x.table.knots);
 }
 template <class F>
+void arrays_of(Dust const& x, F const& f) {
+  f(x.scatter.panel);
+  f(x.scatter.term);
+}
+template <class F>
 void arrays_of(Optic const& x, F const& f) {
   for (View<AngleWeight const> const& weight : x.weight) f(weight);
 }
