@@ -38,6 +38,14 @@ std::string printable_text(std::string_view text) {
   return out;
 }
 
+// Its line ends stay, and further lines stand below the first.
+std::string printable_lines(std::string_view text) {
+  std::string out;
+  for (std::size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1))
+    out += printable_text(text.substr(0, end)) + "\n      | ";
+  return out + printable_text(text);
+}
+
 // Bytes of `text` that hold its first `count` code points.
 std::size_t bytes_of(std::string_view text, std::uint32_t count) {
   std::size_t at = 0;
@@ -61,7 +69,7 @@ std::string excerpt(Source const& source, Problem const& p) {
   if (window.size() < rest.size()) shown += "...";
   std::uint32_t const width = std::clamp(p.width, 1u, std::max(1u, length - offset));
   return fmt::format("{:>5} | {}\n      | {}{} {}\n", p.place.line, shown, before, std::string(width, '^'),
-                     printable_text(p.suggestion));
+                     printable_lines(p.suggestion));
 }
 
 std::string rendered(SceneDocument const& document, Problem const& p, std::string const& more) {
@@ -71,7 +79,7 @@ std::string rendered(SceneDocument const& document, Problem const& p, std::strin
   std::string const head = fmt::format("{}: {}: {}{}\n", where, p.severity == Severity::error ? "error" : "warning",
                                        printable_text(p.what), more);
   if (p.place.line > 0) return head + excerpt(source, p);
-  return p.suggestion.empty() ? head : head + fmt::format("      | {}\n", printable_text(p.suggestion));
+  return p.suggestion.empty() ? head : head + fmt::format("      | {}\n", printable_lines(p.suggestion));
 }
 
 }  // namespace

@@ -38,6 +38,16 @@ void refuse_library_name(Node const& named_by, std::string const& name) {
       near.empty() ? "'straytrace library' lists what is there" : fmt::format("did you mean '{}'?", near));
 }
 
+// What readers of text make of other bytes is of no use, and the bytes are nothing to print.
+bool is_binary(Source const& source) {
+  std::string_view const start = std::string_view(source.text).substr(0, 4096);
+  auto const controls = std::count_if(start.begin(), start.end(), [](char c) {
+    auto const byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 && (byte < '\t' || byte > '\r')) || byte == 0x7f;
+  });
+  return start.find('\0') != start.npos || std::size_t(controls) * 10 > start.size();
+}
+
 }  // namespace
 
 std::string_view Source::line(std::uint32_t number) const {
@@ -58,6 +68,11 @@ SceneDocument::SceneDocument(std::filesystem::path folder, FileTexts const* text
 }
 
 void SceneDocument::add(Problem p) {
+  if (p.place.line > 0 && is_binary(sources_[p.place.file]))
+    p = {{p.place.file},
+         "this is a binary file, and text is wanted here",
+         "name a text file, or export it as text",
+         p.severity};
   if (blame && (p.place.file == blame->hidden || is_library(sources_[p.place.file].name))) {
     p.what = fmt::format("'{}': {}", blame->name, p.what);
     p.suggestion = fmt::format("change what the part is given ({}:{}:{}: {})", sources_[p.place.file].name,

@@ -209,7 +209,7 @@ TEST(BadInput, FilesThatAreNotScenes) {
   } const files[] = {{"", "the file is empty"},
                      {"\x7f"
                       "ELF\x01\x02\xff\xfe",
-                      "arm.yaml:1:1: error: control character 0x7f"},
+                      "arm.yaml: error: this is a binary file, and text is wanted here"},
                      {"straytrace: 1\nmaterials: [\n", "arm.yaml:"},
                      {"# nothing\n", "arm.yaml"},
                      {"just a sentence\n", "arm.yaml"},
@@ -220,6 +220,7 @@ TEST(BadInput, FilesThatAreNotScenes) {
     EXPECT_THAT(r.err, HasSubstr(file.says));
     EXPECT_THAT(r.err, HasSubstr("Nothing was run."));
     EXPECT_EQ(r.err.find('\xff'), r.err.npos) << "broken bytes on the terminal";
+    EXPECT_EQ(r.err.find("ELF"), r.err.npos) << "bytes of a binary file";
     EXPECT_FALSE(fs::exists(folder / "out"));
     auto const list =
         nlohmann::json::parse(straytrace({"check", folder / "arm.yaml", "--format", "json"}).err, nullptr, false);

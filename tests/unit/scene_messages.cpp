@@ -199,5 +199,40 @@ TEST(Messages, JsonEscapesText) {
   EXPECT_EQ(problems_as_json(InputError("plain")), "[{\"severity\": \"error\", \"what\": \"plain\"}]\n");
 }
 
+// A remedy of several lines is printed as such, each behind the bar; other control characters never are.
+TEST(Messages, RemediesKeepTheirLines) {
+  FileTexts const texts{{"a.yaml", "straytrace: 1\ntitle: x\n"}};
+  Scene const scene = read_scene("a.yaml", {}, &texts);
+  scene.root()["title"].warning("something is wrong", "write\n  one: 1\n\x1b[2Jtwo: 2");
+  EXPECT_THAT(scene.warnings(), HasSubstr("^ write\n      |   one: 1\n      | ?[2Jtwo: 2\n"));
+  scene.root()["title"].warning("something else", "write one: 1");
+  EXPECT_THAT(scene.warnings(), HasSubstr("^ write one: 1\n"));
+}
+
+// Of a binary file where text is wanted one sentence is printed, and none of its bytes. Twin: text with one stray byte.
+TEST(Messages, BytesOfABinaryFileAreNotPrinted) {
+  std::string const zeros(
+      "\x7f"
+      "ELF\x02\x01\0\0\0label\n12 13\n",
+      22);
+  auto const said = [](std::string const& data) {
+    FileTexts const texts{{"a.yaml", "straytrace: 1\ntitle: data.txt\n"}, {"data.txt", data}};
+    Scene const scene = read_scene("a.yaml", {}, &texts);
+    Node const file = scene.root()["title"];
+    file.data_file(file.text());
+    for (std::uint32_t line : {1u, 2u}) file.file_problem(file.text(), line, 1, "'ELF' is not a number", "write one");
+    try {
+      scene.throw_if_problems();
+    } catch (InputError const& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(said(zeros),
+            "data.txt: error: this is a binary file, and text is wanted here\n"
+            "      | name a text file, or export it as text\n1 error. Nothing was run.\n");
+  EXPECT_THAT(said("label\x01, some more text\n1\n"), HasSubstr("data.txt:1:1: error: 'ELF' is not a number"));
+}
+
 }  // namespace
 }  // namespace straytrace::test
