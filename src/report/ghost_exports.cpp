@@ -68,15 +68,11 @@ SortedJson ledger_json(GhostReport const& report) {
                        {"beside", double(o.beside)},
                        {"ghosts", double(o.ghosts)}});
   }
-  return {{"objects", objects},
-          {"media", double(l.media)},
-          {"escaped", double(l.escaped)},
-          {"rejoined", double(l.rejoined)},
-          {"floor", double(l.floor)},
-          {"order", double(l.order)},
-          {"longest", double(l.longest)},
-          {"stopped", double(l.stopped)},
-          {"total", l.total()}};
+  return {{"objects", objects},           {"media", double(l.media)},
+          {"escaped", double(l.escaped)}, {"rejoined", double(l.rejoined)},
+          {"floor", double(l.floor)},     {"order", double(l.order)},
+          {"longest", double(l.longest)}, {"wide", double(l.wide)},
+          {"stopped", double(l.stopped)}, {"total", l.total()}};
 }
 
 SortedJson objects_json(GhostReport const& report) {

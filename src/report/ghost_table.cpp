@@ -23,7 +23,10 @@ std::string end_of(World const& world, Ghost const& g) {
   if (g.end == BeamEnd::escaped) return "out";
   if (g.end == BeamEnd::rejoined) return "cavity";
   std::string const name = world.groups()[g.where.value];
-  return name + (g.end == BeamEnd::landed ? "·land" : g.end == BeamEnd::faint ? "·faint" : "·long");
+  return name + (g.end == BeamEnd::landed  ? "·land"
+                 : g.end == BeamEnd::faint ? "·faint"
+                 : g.end == BeamEnd::wide  ? "·wide"
+                                           : "·long");
 }
 
 // Departures, and the ways taken at splitters.

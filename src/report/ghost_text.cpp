@@ -103,7 +103,9 @@ std::string ledger_text(GhostReport const& report) {
       "surfaces{}. Sum less 1: {:.1e}.\n",
       part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined),
       watts(l.floor, report.power), watts(l.order, report.power), watts(l.longest, report.power), report.limits.longest,
-      l.stopped > 0 ? fmt::format(", {} when stopped early", part(l.stopped)) : "", l.total() - 1);
+      (l.wide > 0 ? fmt::format(", {} of beams far wider than what they met", part(l.wide)) : "") +
+          (l.stopped > 0 ? fmt::format(", {} when stopped early", part(l.stopped)) : ""),
+      l.total() - 1);
 }
 
 std::string objects_text(GhostReport const& report, std::size_t show) {

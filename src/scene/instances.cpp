@@ -24,6 +24,7 @@ bool holds_position(Node const& n) {
 struct Unfolding {
   std::string group, name;   // so far: "bench/dump" and "bench[2]/dump"
   Node placement;            // where body, material, side and medium are looked up
+  Node usual_medium;         // of the part whose faces are unfolded
   std::vector<Node> frames;  // outermost first
   double offset = 0;
   int axis = -1;
@@ -54,7 +55,7 @@ class Expander {
     Repeat const repeat = read_repeat(entry);
     if (!entry["name"] || !name_allowed(entry["name"], name) || !register_name(entry, name) || !sound) return;
     Node const part = entry.has("use") ? find_part(entry["use"]) : Node();
-    if (entry.has("use") && !part) return emit({name, name, entry, {}, 0, -1, true}, entry);
+    if (entry.has("use") && !part) return emit({name, name, entry, {}, {}, 0, -1, true}, entry);
     std::size_t const faces = part ? faces_.count(entry["use"], most_instances) : 1;
     if (faces == 0) return;
     if (faces * repeat.offsets.size() > most_instances - out_.size()) return refuse_total(entry);
@@ -64,7 +65,7 @@ class Expander {
     bool sizes = !part || !repeat.columns.empty() || within_limits(entry, name, part, scope);
     for (std::size_t i = 0; i < repeat.offsets.size(); ++i) {
       std::string const instance = repeat.axis < 0 ? name : fmt::format("{}[{}]", name, i);
-      Unfolding u{split ? instance : name, instance, entry, {}, repeat.offsets[i], repeat.axis};
+      Unfolding u{split ? instance : name, instance, entry, {}, {}, repeat.offsets[i], repeat.axis};
       if (holds_position(entry)) u.frames.push_back(entry);
       if (!part) {
         emit(u, entry);
@@ -199,6 +200,7 @@ class Expander {
     for (NodeData::Entry const& e : faces.data()->entries) {
       if (e.value->kind != Node::Kind::table) continue;
       Unfolding inner = u;
+      inner.usual_medium = part["medium"];
       if (!single) {
         inner.group += "/" + e.key;
         inner.name += "/" + e.key;
@@ -258,7 +260,7 @@ class Expander {
   }
 
   void emit(Unfolding const& u, Node const& node) {
-    out_.push_back({u.group, u.name, node, u.placement, u.frames, u.offset, u.axis, u.refused});
+    out_.push_back({u.group, u.name, node, u.placement, u.usual_medium, u.frames, u.offset, u.axis, u.refused});
   }
 
   SceneDocument& document_;

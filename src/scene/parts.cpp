@@ -64,7 +64,7 @@ void check_parts(SceneDocument& document, Node const& parts) {
                         fmt::format("'{}' is a key of every scene entry and cannot name a parameter of a part", p.key),
                         "choose another name", Severity::error, p.width});
     check_limits(part);
-    for (char const* about : {"note", "source"}) part.has(about);
+    for (char const* known : {"note", "source", "medium"}) part.has(known);
     part.refuse_unknown(fmt::format("part '{}'", name));
   }
 }

@@ -31,6 +31,7 @@ class Scene {
     std::string name;          // unique, "baffles[12]/cone"
     Node node;                 // the face or shape table
     Node placement;            // the scene entry it came from (body, material given there)
+    Node usual_medium;         // `medium` of the part: fills it where it lets light in, unless entry or face say one
     std::vector<Node> frames;  // outermost first: tables holding at / facing / rotate
     double offset = 0;         // m along the repeat axis, in the frame the scene entry stands in (outermost)
     int repeat_axis = -1;      // 0, 1, 2 = x, y, z; -1 none

@@ -33,14 +33,14 @@ class SpotList final : public BeamSink {
 }  // namespace
 
 char const* name_of(BeamEnd end) {
-  static constexpr char const* names[] = {"landed", "escaped", "rejoined", "faint", "longest"};
+  static constexpr char const* names[] = {"landed", "escaped", "rejoined", "faint", "longest", "wide"};
   return names[std::size_t(end)];
 }
 
 double BeamLedger::total() const {
   LongSum sum;
   for (double column : {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest),
-                        double(stopped)})
+                        double(wide), double(stopped)})
     sum += column;
   for (Object const& o : objects) {
     sum += o.landed;

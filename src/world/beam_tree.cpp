@@ -12,6 +12,7 @@ namespace straytrace {
 namespace {
 
 constexpr double weaker = 0.5, slight = 0.1;  // what makes a departure: of the other way; reflected, of what arrives
+constexpr double least_met = 0.01;            // share of a beam that has to meet a surface for it to go on
 
 void scale(BeamField& field, double power) {
   double const factor = std::sqrt(power);
@@ -136,10 +137,23 @@ class Tree {
     spot.gouy = beam.gouy + (hit.distance > 0 ? gouy(beam.mode, hit.distance) : 0);
     spot.parent = branch.depth > 0 ? branch.step.spot : BeamSpot::none;
     spot.event = branch.depth > 0 ? branch.step.event : Event::start;
-    spot.order = beam.order;
+    spot.order = std::max(beam.order, branch.media.depth > 0 ? rounds(spot) : 0);
+    if (spot.order > limits_.order) {
+      ledger_.order += spot.power;
+      return;
+    }
     auto const number = std::uint32_t(ledger_.spots++);
     sink_.arrived(spot, number, way_);
     split(branch, spot, number, vertex, launched_here);
+  }
+
+  // How often the beam has met this side of the surface along the same line before.
+  std::uint32_t rounds(BeamSpot const& at) const {
+    double const width = spot(at.mode).major;
+    return std::uint32_t(std::count_if(way_.begin(), way_.end(), [&](BeamStep const& s) {
+      return s.surface == at.surface && s.front == at.front && dot(s.in, at.mode.travel) > 0.995 &&
+             length(s.point - at.mode.origin) < width;
+    }));
   }
 
   // Reflected and transmitted parts of what meets the surface; books what stays there.
@@ -205,7 +219,7 @@ class Tree {
              bool launched_here) {
     std::array<Way, 2> both = ways(spot, vertex, launched_here && !launch_.cavity.empty());
     if (both[1].power > both[0].power) std::swap(both[0], both[1]);
-    bool const too_long = branch.depth >= limits_.longest;
+    bool const too_long = branch.depth >= limits_.longest, wide = 1 - spot.clipped < least_met;
     bool goes_on = false, faint = false;
     bool const two = both[1].power > 0 && !both[0].departure && !both[1].departure;
     for (int i : {1, 0}) {  // the stronger one is put last, and followed first
@@ -220,15 +234,18 @@ class Tree {
         ledger_.order += w.power;
       else if (dim)
         ledger_.floor += w.power;
+      else if (wide)
+        ledger_.wide += w.power;
       else if (too_long)
         ledger_.longest += w.power;
       else
         waiting_.push_back(leave(branch, spot, number, vertex, w, order, two));
     }
-    if (goes_on && !faint && !too_long) return;
+    if (goes_on && !faint && !wide && !too_long) return;
     ++ledger_.beams;
     LeavingBeam const here{spot.mode, spot.field, spot.path_length, spot.gouy, spot.order};
-    sink_.ended(!goes_on ? BeamEnd::landed : faint ? BeamEnd::faint : BeamEnd::longest, &spot, here, way_);
+    BeamEnd const stopped = faint ? BeamEnd::faint : wide ? BeamEnd::wide : BeamEnd::longest;
+    sink_.ended(goes_on ? stopped : BeamEnd::landed, &spot, here, way_);
   }
 
   Branch leave(Branch const& branch, BeamSpot const& spot, std::uint32_t number, Vertex const& vertex, Way const& w,

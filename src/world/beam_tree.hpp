@@ -7,7 +7,10 @@
 // less than half of what the other one does is a departure and adds 1. So is a reflection of less than a tenth of what
 // arrives; transmission behind it is none, however faint (an attenuator). The main beam is order 0. Where neither way
 // is a departure (a splitter) both go on. A ghost that returns into the cavity it comes from keeps its order; the main
-// beam then is a ghost of order 1.
+// beam then is a ghost of order 1. Light that goes round inside glass is a ghost: where it meets a face from inside as
+// it has done k times on its way, its order is k at least.
+//
+// A beam of which less than 1 % falls on the surface that its chief ray meets is no Gaussian beam behind it, and ends.
 #pragma once
 
 #include <atomic>
@@ -89,7 +92,8 @@ enum class BeamEnd : std::uint8_t {
   escaped,   // met nothing
   rejoined,  // back in the cavity it was launched from
   faint,     // what goes on is below the floor
-  longest    // too many surfaces
+  longest,   // too many surfaces
+  wide       // far wider than the surface
 };
 char const* name_of(BeamEnd);
 
@@ -129,7 +133,7 @@ struct BeamLedger {
     LongSum ghosts;     // part of landed + beside that ghosts brought
   };
   std::vector<Object> objects;  // by group
-  LongSum media, escaped, rejoined, floor, order, longest, stopped;
+  LongSum media, escaped, rejoined, floor, order, longest, wide, stopped;
   std::uint64_t spots = 0, beams = 0;  // met; ended
   double total() const;                // 1 to rounding
 };

@@ -37,7 +37,7 @@ World build_world(Scene const& scene) {
   if (scene.root().healthy()) {  // shapes with missing numbers cannot be searched
     world.finish();
     check_lays(scene, world);
-    check_glass(scene, world);
+    check_glass(scene, world, names);
     check_beams(scene, world);
     check_faces(scene, world);
   }

@@ -95,4 +95,8 @@ std::string volume_fault(World const& world, std::vector<std::uint32_t> const& f
   return {};
 }
 
+bool encloses(World const& world, std::vector<std::uint32_t> const& faces) {
+  return Integrals(world.view(), faces, few).enclosed() > 0 && volume_fault(world, faces).empty();
+}
+
 }  // namespace straytrace

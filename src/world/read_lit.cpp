@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "beams/overlap.hpp"
@@ -129,6 +130,23 @@ void warn_of_recombining(Node const& beam, std::string const& name, World const&
       "how fields add depends on path lengths that no drawing knows: leave one way, or state the light by 'on'");
 }
 
+// The worst spot of the beam itself on each object that it does not fit on.
+void warn_of_light_beside(Node const& beam, std::string const& name, World const& world,
+                          std::vector<Collector::Met> const& met) {
+  std::map<std::uint32_t, std::pair<double, int>> worst;  // by group: share beside it, spots
+  for (auto const& [spot, way] : met) {
+    if (spot.order > 0 || !(spot.clipped > 1e-3)) continue;
+    auto& [share, spots] = worst[world.surfaces()[spot.surface.value].group.value];
+    share = std::max(share, spot.clipped);
+    ++spots;
+  }
+  for (auto const& [group, most] : worst)
+    beam.warning(
+        fmt::format("{}{:.2g} of the light of '{}' falls beside '{}'{}", most.second > 1 ? "up to " : "", most.first,
+                    name, world.groups()[group], most.second > 1 ? fmt::format(", in {} spots", most.second) : ""),
+        "enlarge it or move it into the beam: light beside it lights nothing here");
+}
+
 }  // namespace
 
 void light_up(Node const& beam, LitWish const& wish, Registry const& names, World& world, Lighting const& light) {
@@ -147,13 +165,9 @@ void light_up(Node const& beam, LitWish const& wish, Registry const& names, Worl
           "raise 'floor', lower 'order', or name surfaces by 'only'");
     warn_of_recombining(beam, light.name, world, list.met);
     double const share = world.footprints()[launch.footprint].share;
-    for (auto const& [spot, way] : list.met) {
+    for (auto const& [spot, way] : list.met)
       add_lit_surface(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
-      if (spot.order == 0 && spot.clipped > 1e-3)
-        beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside '{}'", spot.clipped, light.name,
-                                 world.groups()[world.surfaces()[spot.surface.value].group.value]),
-                     "enlarge it or move it into the beam: light beside it lights nothing here");
-    }
+    warn_of_light_beside(beam, light.name, world, list.met);
     for (auto const& [spot, way] : list.touched)
       add_lit_screen(world, light.number, share, cavity ? launch.footprint : Feed::none, spot, way);
   }

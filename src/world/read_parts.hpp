@@ -38,17 +38,16 @@ void read_receivers(Scene const&, World&, Registry const&);  // before the beams
 void read_beams(Scene const&, World&, Registry const&);
 void read_edges(Scene const&, World&);  // after the beams
 void read_trace_limits(Scene const&, World&);
-void check_lays(Scene const&, World const&);   // of a finished world: have all grooves a direction?
-void check_glass(Scene const&, World const&);  // of a finished world: are bare boundaries those of glass?
-void check_beams(Scene const&, World const&);  // of a finished world: do they light anything?
-void check_faces(Scene const&, World const&);  // of a finished world: do surfaces share space?
-
-inline bool only_absorbs(Optic const& o) {
-  return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
-}
+void check_lays(Scene const&, World const&);  // of a finished world: have all grooves a direction?
+// Of a finished world: does light get into its glass, and out again?
+void check_glass(Scene const&, World const&, Registry const&);
+bool lets_light_in(World const&, std::uint32_t optic);  // at normal incidence, or as scatter
+void check_beams(Scene const&, World const&);           // of a finished world: do they light anything?
+void check_faces(Scene const&, World const&);           // of a finished world: do surfaces share space?
 
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
 std::string volume_fault(World const&, std::vector<std::uint32_t> const& faces);
+bool encloses(World const&, std::vector<std::uint32_t> const& faces);    // a volume, with normals that point out of it
 std::vector<std::vector<std::uint32_t>> faces_of_volumes(World const&);  // by volume
 
 SurfaceId read_shape(Node const& shape, Surface const& as, Pose const&, World&);  // invalid: a problem was recorded

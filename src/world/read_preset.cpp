@@ -34,6 +34,18 @@ std::optional<MaterialPreset> preset_of(std::string const& name, Node const& mat
   return {};
 }
 
+// Largest share of the light that the laws read so far scatter at any incidence.
+double most_scattered(LawReading const& out) {
+  double most = 0;
+  for (int i = 0; i < AlbedoTable::size; ++i) {
+    double sum = 0;
+    for (PoolRef const law : out.laws)
+      sum += out.world.view().laws.visit(law, [&](auto const& l) { return l.albedo(AlbedoTable::cosine(i)); });
+    most = std::fmax(most, sum);
+  }
+  return most;
+}
+
 }  // namespace
 
 LawInfo read_preset(Node const& material, LawReading& out, Optic& optic) {
@@ -82,7 +94,10 @@ LawInfo read_preset(Node const& material, LawReading& out, Optic& optic) {
     optic.through[out.laws.size()] = true;
     out.add(Lambertian{preset->through});
   }
-  if (preset->reflect > 0 && !material.has("specular")) optic.reflect = preset->reflect;
+  if (preset->reflect > 0 && !material.has("specular")) {
+    optic.reflect = preset->reflect;
+    if (preset->through > 0) optic.transmit = std::fmax(0, 1 - preset->reflect - most_scattered(out));  // a window
+  }
   out.note(fmt::format("preset {}, {} of [{:g}, {:g}, {:g}]{}; {}, {}, {}{}{}", preset->name, cases[which], values[0],
                        values[1], values[2], dimension == dim::brdf ? " /sr" : "", preset->status, preset->source,
                        preset->wavelength, preset->note.empty() ? "" : "; ", preset->note));

@@ -12,46 +12,6 @@
 #include "world/read_parts.hpp"
 
 namespace straytrace {
-
-namespace {
-
-// Turns by `angle` about the unit vector `axis` (Rodrigues).
-Vec3 turned(Vec3 v, Vec3 axis, double cosine, double sine) {
-  return cosine * v + sine * cross(axis, v) + ((1 - cosine) * dot(axis, v)) * axis;
-}
-
-Pose rotated(Vec3 origin, Vec3 axis, double cosine, double sine) {
-  return {origin, turned({1, 0, 0}, axis, cosine, sine), turned({0, 1, 0}, axis, cosine, sine),
-          turned({0, 0, 1}, axis, cosine, sine)};
-}
-
-// The smallest turn that takes z to `to`; half a turn about x for -z (requirements.md R3.21).
-Pose facing(Vec3 origin, Vec3 to) {
-  Vec3 const across = cross({0, 0, 1}, to);
-  double const sine = length(across);
-  if (sine == 0) return {origin, {1, 0, 0}, {0, std::copysign(1.0, to.z), 0}, {0, 0, std::copysign(1.0, to.z)}};
-  return rotated(origin, (1 / sine) * across, to.z, sine);
-}
-
-}  // namespace
-
-Pose read_pose(Node const& table) {
-  Pose pose;
-  if (Node const at = table["at"]) pose.origin = read_vector(at, dim::length);
-  Node const face = table["facing"], rotate = table["rotate"];
-  if (face && rotate) table.problem("'facing' and 'rotate' both turn the part", "keep one of them");
-  if (face)
-    if (auto const to = read_direction(face)) return facing(pose.origin, *to);
-  if (rotate) {
-    if (!rotate.has("axis")) rotate.problem("'axis' is missing", "write {axis: [1, 0, 0], angle: 30 deg}");
-    auto const axis = read_direction(rotate["axis"]);
-    double const angle = rotate.number("angle", dim::angle, required, -2 * pi, 2 * pi);
-    rotate.refuse_unknown("'rotate'");
-    if (axis) return rotated(pose.origin, *axis, std::cos(angle), std::sin(angle));
-  }
-  return pose;
-}
-
 namespace {
 
 // Reads one shape from its table and adds the surface.
@@ -135,6 +95,7 @@ struct Shared {
   std::set<std::string> complained;
   std::map<std::string, std::uint32_t> volumes;                         // by part that it fills and medium
   std::map<std::uint32_t, std::pair<Node, std::string>> volume_places;  // and the part
+  std::set<std::string> clear;                                          // parts with a face that lets light in
   MeshLibrary meshes;
   CadLibrary cads;
 };
@@ -154,12 +115,26 @@ std::uint32_t volume_of(Node const& node, std::string const& part, World& world,
   return shared.volumes[key] = id;
 }
 
+std::string entry_of(Scene::Instance const& instance) {
+  return instance.group.substr(0, instance.group.find_first_of("/["));
+}
+
+// Parts that their usual medium fills, since one of their faces lets light in.
+std::set<std::string> clear_parts(Scene const& scene, World const& world, Registry const& names) {
+  std::set<std::string> parts;
+  for (Scene::Instance const& instance : scene.instances()) {
+    if (!instance.usual_medium || given(instance, "medium")) continue;
+    Node const material = material_of(instance);
+    auto const optic = names.materials.find(material ? material.text() : "");
+    if (optic != names.materials.end() && lets_light_in(world, optic->second)) parts.insert(part_of(instance));
+  }
+  return parts;
+}
+
 bool is_entry(Scene::Instance const& instance) { return instance.node.data() == instance.placement.data(); }
 
 // Its name counts as defined.
-void refuse(Scene::Instance const& instance, Registry& names) {
-  names.refused.insert(instance.name.substr(0, instance.name.find_first_of("/[")));
-}
+void refuse(Scene::Instance const& instance, Registry& names) { names.refused.insert(entry_of(instance)); }
 
 // What a refused entry names is looked up all the same.
 void check_named(Scene::Instance const& instance, World const& world, Registry& names) {
@@ -206,7 +181,13 @@ void add_instance(Scene::Instance const& instance, World& world, Registry& names
   as.front = side == "back" || side == "inner" ? names.black : optic;
   as.back = side == "front" || side == "outer" ? names.black : optic;
   as.body = body_id;
-  Node const medium = given(instance, "medium");
+  Node medium = given(instance, "medium");
+  if (!medium && instance.usual_medium && shared.clear.contains(part_of(instance))) {
+    medium = instance.usual_medium;
+    if (shared.complained.insert("filling of " + entry_of(instance)).second)
+      world.notes.push_back(
+          fmt::format("'{}' is filled with {}, the usual medium of its part", part_of(instance), medium.as_word()));
+  }
   bool const by_part = file && medium && medium.kind() == Node::Kind::table;
   if (!by_part) as.volume = volume_of(medium, part_of(instance), world, names, shared);
   FillPart const fill = [&](Node const& chosen, std::string const& part) {
@@ -252,6 +233,7 @@ void read_bodies(Scene const& scene, World& world, Registry& names) {
 
 void read_surfaces(Scene const& scene, World& world, Registry& names) {
   Shared shared;
+  shared.clear = clear_parts(scene, world, names);
   for (Scene::Instance const& instance : scene.instances()) {
     add_instance(instance, world, names, shared);
     if (is_entry(instance)) continue;  // its keys are those of the entry, below
@@ -260,7 +242,7 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
   }
   for (Scene::Instance const& instance : scene.instances()) {  // all faces have read what they share
     if (instance.refused && is_entry(instance)) continue;      // without its part, not all keys are known
-    std::string const entry = instance.group.substr(0, instance.group.find_first_of("/["));
+    std::string const entry = entry_of(instance);
     if (shared.complained.insert("entry keys of " + entry).second)
       instance.placement.refuse_unknown(fmt::format("scene entry '{}'", entry));
     if (shared.complained.insert("surfaces of " + instance.group.substr(0, instance.group.find('/'))).second)

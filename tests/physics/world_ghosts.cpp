@@ -3,6 +3,8 @@
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "ghost_support.hpp"
 
 namespace straytrace::testing {
@@ -189,6 +191,50 @@ TEST(Ghosts, michelson_by_recombining_beams) {
     EXPECT_NEAR(found.back, R * std::pow(std::sin(phase), 2), 1e-9);
   }
   EXPECT_GT(std::fabs(michelson(0.1e-6, 0.4).dark - 0.98 * std::pow(std::cos(2 * pi / lambda * 0.1e-6), 2)), 1e-3);
+}
+
+// Between two faces that reflect most of the light a beam runs to and fro: each round is a ghost of one order more, and
+// the beam itself ends. Twins: a face that transmits, and light that is led along glass by total reflection.
+TEST(Ghosts, light_that_goes_round_inside_glass_is_a_ghost) {
+  auto const orders = [](World const& world, BeamLaunch const& launch, std::uint32_t most) {
+    std::map<std::uint32_t, int> spots;
+    for (BeamSpot const& s : beam_spots(world, launch, {1e-15, most, 1000})) ++spots[s.order];
+    return spots;
+  };
+  World const trap = plate(0.999, 1.45, 0.2, 0);
+  auto const trapped = orders(trap, launched(trap), 0);
+  EXPECT_LE(trapped.at(0), 2);
+  EXPECT_EQ(trapped.size(), 1u);
+  World const open = plate(1e-4, 1.45, 0.2, 0);
+  EXPECT_EQ(orders(open, launched(open), 0).at(0), 2);
+  World guide;
+  guide.wavelength = lambda;
+  std::uint32_t const clear = coated(guide, 0), volume = guide.add_volume({1.45, 0});
+  BodyId const body = guide.add_body("slab", {});
+  for (double const side : {-1.0, 1.0})
+    guide.add_surface(disk(0, 1, {{0, 0.01 * side, 0}, {0, side, 0}}), clear, clear, body, guide.add_group("side"),
+                      volume);
+  guide.add_surface(disk(0, 0.05, {{0, 0, -0.5}, {0, 0, -1}}), clear, clear, body, guide.add_group("end"), volume);
+  guide.finish();
+  EXPECT_GT(orders(guide, launched(guide, 1e-3, {0, 0, -0.6}, unit({0, 0.4, 1})), 0).at(0), 10);
+}
+
+// A spot 20 times wider than the mirror: 0.5 % of it fall there, and the beam ends. Twin: 5 times wider, 8 %.
+TEST(Ghosts, a_beam_far_wider_than_its_mirror_ends) {
+  for (double const times : {20.0, 5.0}) {
+    World world;
+    world.wavelength = lambda;
+    std::uint32_t const mirror = coated(world, 1);
+    world.add_surface(disk(0, 1e-2, {{0, 0, 0}, {0, 0, -1}}), mirror, mirror, world.add_body("b", {}),
+                      world.add_group("mirror"));
+    world.finish();
+    BeamLedger ledger;
+    auto const all = rows(world, launched(world, times * 1e-2), {}, &ledger);
+    double const met = 1 - std::exp(-2 / (times * times));
+    ASSERT_EQ(all.size(), 1u);
+    EXPECT_EQ(all[0].end, times > 10 ? BeamEnd::wide : BeamEnd::escaped);
+    EXPECT_NEAR(times > 10 ? double(ledger.wide) : double(ledger.escaped), met, 1e-3 * met);
+  }
 }
 
 }  // namespace
