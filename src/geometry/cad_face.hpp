@@ -153,6 +153,7 @@ struct CadFace {
     r_max = far;
   }
   STRAY_HD Vec3 reference() const { return pose.origin; }
+  double largest_length() const { return carrier == Carrier::torus ? torus().largest_length() : 0; }
   STRAY_HD Box bounds() const { return box; }
 };
 

@@ -127,6 +127,8 @@ struct Torus {
     r_max = major_radius + minor_radius;
   }
   STRAY_HD Vec3 reference() const { return centre; }
+  // m: across the ring rounding of the slope, which is that of the tube, counts as it does on a surface of this size.
+  double largest_length() const { return major_radius * major_radius / minor_radius; }
   STRAY_HD Box bounds() const {
     Box const ring = box_about_axis(centre, axis, 0, 0, major_radius);
     Vec3 const tube{minor_radius, minor_radius, minor_radius};

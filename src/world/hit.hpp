@@ -85,17 +85,12 @@ struct AnyQuery {
   Cross const& cross_one;
   Departure const& from;
   Ray const& ray;
-  // The ray ends on the surface it starts on. Quadrics have nothing in between, and rounding of a grazing root must not
-  // hide the end; for other shapes a millionth of the length is left to rounding.
-  bool to_itself;
+  bool to_itself;  // the ray ends on the surface it starts on, and quadrics have nothing in between
   STRAY_HD bool leaves(std::uint32_t surface) const { return from.on(surface); }
   STRAY_HD double end() const { return ray.t_max; }
   STRAY_INLINE bool cross(SurfaceRef ref, double&) {
     Ray bounded = ray;
-    if (to_itself && from.on(ref.surface)) {
-      if (!kind_may_hide_itself(ref.shape().kind)) return false;
-      bounded.t_max *= 1 - 1e-6;
-    }
+    if (to_itself && from.on(ref.surface) && !kind_may_hide_itself(ref.shape().kind)) return false;
     return cross_one(ref, bounded, from).distance < infinity;
   }
   STRAY_INLINE bool offer(std::uint32_t surface, double t, double&) {

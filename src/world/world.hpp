@@ -11,6 +11,7 @@
 #include "base/vec3.hpp"
 #include "beams/footprint.hpp"
 #include "geometry/shape_types.hpp"
+#include "geometry/slack.hpp"
 #include "optics/law_types.hpp"
 #include "optics/specular_types.hpp"
 #include "scene/scene.hpp"
@@ -35,6 +36,7 @@ struct Surface {
   GroupId group;
   std::uint32_t volume = none;  // filled volume behind it: the normal points out of it
   bool clear = false;           // a measuring plane: neither hit nor hiding anything
+  double scale = 0;             // m, the largest length from which hits on it are computed
 };
 
 // A filled volume: glass of one lens. Volumes of instances of one part are different.
@@ -96,8 +98,8 @@ struct WorldView {
   void closest_together(RayQuery const* queries, Hit* hits, std::uint32_t count) const {
     search_kernels->closest_together(*this, queries, hits, count);
   }
-  // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on,
-  // whose only other root is that end: rounding of a grazing root must not hide it.
+  // Whether anything lies between the origin and ray.t_max. `to_itself`: the ray ends on the surface it starts on; a
+  // quadric has nothing in between.
   STRAY_HD bool occluded(Ray const& ray, Departure from, bool to_itself = false) const {
 #if defined(__CUDA_ARCH__)
     auto const cross_one = [this](SurfaceRef r, Ray const& bounded, Departure const& f) {
@@ -111,6 +113,10 @@ struct WorldView {
   STRAY_HD Crossing cross(std::uint32_t id, Ray const& ray, Departure from) const {
     return shapes.visit(surfaces[id].shape,
                         [&](auto const& s) { return crossing_of(s, ray, from.on(id), from.piece); });
+  }
+  // How much earlier than a point drawn on a surface, `way` m away, a line may meet that surface, m (eq. 1.14).
+  STRAY_HD double slack(SurfaceId id, double way, double cosine) const {
+    return hit_slack(surfaces[id.value].scale, way, cosine);
   }
   STRAY_HD Vec3 normal(SurfaceId id, Vec3 p, std::uint32_t piece = 0) const {
     return shapes.visit(surfaces[id.value].shape, [&](auto const& s) { return normal_of(s, p, piece); });
@@ -187,8 +193,14 @@ class World {
     auto& list = std::get<std::vector<Shape>>(shapes_);
     if (list.size() >= most_shapes) too_many_shapes(Shape::key);
     list.push_back(shape);
-    surfaces_.push_back(
-        {{kind_of<Shape, ShapeTypes>(), std::uint32_t(list.size() - 1)}, front, back, body, group, volume});
+    surfaces_.push_back({{kind_of<Shape, ShapeTypes>(), std::uint32_t(list.size() - 1)},
+                         front,
+                         back,
+                         body,
+                         group,
+                         volume,
+                         false,
+                         scale_of(shape)});
     return {std::uint32_t(surfaces_.size() - 1)};
   }
   BodyId add_body(std::string name, Vec3 pivot);

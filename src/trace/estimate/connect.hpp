@@ -100,9 +100,10 @@ STRAY_HD double walk_density(WorldView const& world, PathState const& path, Vert
   double const law = scatter_pdf(world.laws, *vertex.optic, vertex.wi, way.wo, vertex.n_in, vertex.n_out);
   return lobe * per_area(mixture_pdf(world, vertex.side(), law, patch, way.length, cosine), way.length, cosine);
 }
-STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, SurfaceId end) {
-  return world.occluded({vertex.point, way.out, way.length * (1 - 1e-9)},
-                        {vertex.surface, vertex.piece, vertex.contact}, vertex.surface == end);
+// Whether anything hides y, the other end of the way.
+STRAY_HD bool blocked(WorldView const& world, Vertex const& vertex, Way const& way, Vertex const& y) {
+  return world.occluded({vertex.point, way.out, way.length - world.slack(y.surface, way.length, y.wi.z)},
+                        {vertex.surface, vertex.piece, vertex.contact}, vertex.surface == y.surface);
 }
 
 // One connection from the vertex to one lit surface.
@@ -136,7 +137,7 @@ STRAY_HD void connect_to(WorldView const& world, PathState const& path, Vertex c
     double const density = connection_density(lit, y.point, y.frame.e3);
     weight = density / (density + walk);
   }
-  if (blocked(world, vertex, way, lit.surface)) return;
+  if (blocked(world, vertex, way, y)) return;
   sink.score(path, vertex, index, connection_number(index), y, coupling * weight);
 }
 

@@ -114,7 +114,8 @@ class Quadrature {
     Vec3 const out = (1 / d) * (y.p - x.p);
     double const cosine = dot(out, y.normal);
     if (!(value > 0) || cosine == 0) return;
-    if (view_.occluded({x.p, out, d * (1 - 1e-9)}, {x.surface, x.piece}, x.surface == y.surface)) return;
+    double const clear = d - view_.slack(y.surface, d, std::fabs(cosine));
+    if (view_.occluded({x.p, out, clear}, {x.surface, x.piece}, x.surface == y.surface)) return;
     double const arriving = value * std::fabs(cosine) * tables_.patches[to].area / (d * d);
     std::size_t const side = 2 * to + (cosine < 0 ? 0 : 1);
     double const share = std::min(arriving, 1.0 / samples_);
@@ -134,7 +135,7 @@ class Quadrature {
       double const d = length(span), cos_x = sign * dot(span, x.normal) / d;
       if (!(y.worth > 0 && cos_x > 0)) continue;
       bool const clear = view_.surfaces[y.surface.value].clear;
-      if (!view_.occluded({x.p, (1 / d) * span, d * (1 - 1e-9)}, {x.surface, x.piece},
+      if (!view_.occluded({x.p, (1 / d) * span, d - view_.slack(y.surface, d, y.cosine)}, {x.surface, x.piece},
                           x.surface == y.surface && !clear))
         sum += cos_x * y.worth / (pi * d * d);
     }
@@ -144,7 +145,7 @@ class Quadrature {
   struct Arrival {
     Vec3 point;
     SurfaceId surface;
-    double worth = 0;
+    double cosine = 0, worth = 0;
   };
   Arrival arrival(std::uint32_t goal, Vec3 p, double u, double v) const {
     if (goal >= view_.lit.size) {
@@ -152,7 +153,7 @@ class Quadrature {
       SurfacePoint const at = view_.shapes.visit(view_.surfaces[r.surface.value].shape,
                                                  [&](auto const& shape) { return sample_of(shape, u, v); });
       Vertex const y = make_vertex(view_, r.surface, at.point, unit(at.point - p), at.piece);
-      return {y.point, r.surface, r.counts(y.front) && y.wi.z > 0 ? y.wi.z / receiver_density(view_, r) : 0};
+      return {y.point, r.surface, y.wi.z, r.counts(y.front) && y.wi.z > 0 ? y.wi.z / receiver_density(view_, r) : 0};
     }
     Footprint const& lit = view_.lit[goal];
     Ray const line = lit.sample(u, v);
@@ -162,7 +163,7 @@ class Quadrature {
     Vertex const y = make_vertex(view_, lit.surface, point, unit(point - p), met.piece);
     if (!(y.wi.z > 0) || dot(y.frame.e3, lit.travel) >= 0) return {};
     double const mode = rejoin_bsdf(view_, y, lit) * accepted(view_, lit);
-    return {y.point, lit.surface, y.wi.z * mode};
+    return {y.point, lit.surface, y.wi.z, y.wi.z * mode};
   }
 
   bool holds(std::size_t patch, SurfaceId surface) const {

@@ -33,6 +33,12 @@ STRAY_HD double mixture_pdf(WorldView const& world, std::uint32_t side, double l
   return alpha < 1 ? alpha * law_pdf + (1 - alpha) * aimed_pdf(world, side, patch, distance, cosine) : law_pdf;
 }
 
+// Whether a ray met the point of `aim` it was sent to: what is met earlier, by more than rounding, hides that point.
+STRAY_HD bool met_aim(WorldView const& world, Hop const& hop, Vertex const* met) {
+  if (!met || met->surface != hop.aim) return false;
+  return met->leg >= hop.aim_distance - world.slack(hop.aim, hop.aim_distance, met->wi.z);
+}
+
 // Weight of the hop now that its end is known; 0 when something hides the target that was aimed at. Sets hop.pdf.
 // `vertex`: where the ray arrived; null when it escaped.
 STRAY_HD double complete(WorldView const& world, PathState& path, Vertex const* vertex) {
@@ -41,7 +47,7 @@ STRAY_HD double complete(WorldView const& world, PathState& path, Vertex const* 
     hop.pdf = 0;
     return hop.value / hop.lobe;
   }
-  if (hop.aim.valid() && (!vertex || vertex->surface != hop.aim || vertex->leg < hop.aim_distance * (1 - 1e-9))) {
+  if (hop.aim.valid() && !met_aim(world, hop, vertex)) {
     hop.pdf = 0;
     return 0;
   }

@@ -76,17 +76,17 @@ STRAY_HD void pass_planes(WorldView const& world, PathState const& path, double 
 }
 
 // Density per area at a measuring plane with which the walk itself would have passed there; it depends on what lies
-// behind. Negative: hidden.
+// behind. Negative: hidden. `y`: there.
 STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
-                          double cosine) {
+                          Vertex const& y) {
   Hit const behind = world.closest({vertex.point, way.out}, {vertex.surface, vertex.piece, vertex.contact});
-  if (!behind.surface.valid()) return walk_density(world, path, vertex, way, WorldView::none, cosine);
-  if (behind.distance < way.length * (1 - 1e-9)) return -1;
+  if (!behind.surface.valid()) return walk_density(world, path, vertex, way, WorldView::none, y.wi.z);
+  if (behind.distance < way.length - world.slack(y.surface, way.length, y.wi.z)) return -1;
   Vertex const end =
       make_vertex(world, behind.surface, vertex.point + behind.distance * way.out, way.out, behind.piece);
   double const there =
       walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf}, end.patch, end.wi.z);
-  return per_area(per_solid_angle(there, behind.distance, end.wi.z), way.length, cosine);
+  return per_area(per_solid_angle(there, behind.distance, end.wi.z), way.length, y.wi.z);
 }
 
 // Connection to a point drawn evenly on the receiver.
@@ -100,9 +100,9 @@ STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path,
   if (!(way.bsdf > 0)) return;
   Vertex const y = make_vertex(world, r.surface, drawn.point, way.out, drawn.piece);
   if (!(y.wi.z > 0) || !r.counts(y.front)) return;
-  if (!r.clear && blocked(world, vertex, way, r.surface)) return;
+  if (!r.clear && blocked(world, vertex, way, y)) return;
   double const walk =
-      r.clear ? walk_past(world, path, vertex, way, y.wi.z) : walk_density(world, path, vertex, way, y.patch, y.wi.z);
+      r.clear ? walk_past(world, path, vertex, way, y) : walk_density(world, path, vertex, way, y.patch, y.wi.z);
   if (walk < 0) return;
   double const density = receiver_density(world, r);
   double const power = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) / (density + walk);

@@ -41,8 +41,11 @@ STRAY_HD Vec3 start_direction(WorldView const& world, Receiver const& r, Vec3 st
     double const far = length(span);
     if (!(far > 0)) return {};
     Ray const out{start, (1 / far) * span};
-    double const met = world.cross(aim.value, out, {}).distance;
-    return std::fabs(met - far) <= 1e-9 * far ? out.dir : Vec3{};  // a nearer part of it has a density of its own
+    Crossing const met = world.cross(aim.value, out, {});
+    if (!(met.distance < infinity)) return {};
+    double const cosine = std::fabs(dot(world.normal(aim, start + met.distance * out.dir, met.piece), out.dir));
+    bool const same = std::fabs(met.distance - far) <= world.slack(aim, far, cosine);
+    return same ? out.dir : Vec3{};  // a nearer part of it has a density of its own
   }
   bool const front = r.sides() == 2 ? rng.uniform() < 0.5 : r.front;
   SinCos const azimuth = sincos_turn(b);
@@ -130,10 +133,10 @@ STRAY_HD Lit light_at(WorldView const& world, Footprint const& beam, Vec3 point,
   if (beam.profile == Profile::point) return {};
   if (!beam.free) return {beam.direction(point), beam.surface == surface ? connection_density(beam, point, normal) : 0};
   Footprint::Passing const light = beam.passing(point);
-  double const density = light.irradiance * std::fabs(dot(normal, light.travel));
+  double const cosine = std::fabs(dot(normal, light.travel)), density = light.irradiance * cosine;
   if (!(density > 0)) return {};
-  double const way = length(point - light.start) * (1 - 1e-9);
-  return {light.travel, world.occluded({light.start, light.travel, way}, {}) ? 0 : density};
+  double const way = length(point - light.start), clear = way - world.slack(surface, way, cosine);
+  return {light.travel, world.occluded({light.start, light.travel, clear}, {}) ? 0 : density};
 }
 
 // Light of the beam `source`, scattered once where a sub-path meets it: irradiance x BSDF x etendue.
@@ -177,7 +180,7 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   look(world, there, way.out, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
-  if (!(f > 0) || blocked(world, vertex, way, back.z)) return;
+  if (!(f > 0) || blocked(world, vertex, way, z)) return;
   double const etendue = etendue_at(back, z, wo);
   double const law = scatter_pdf(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   double const leaving =
