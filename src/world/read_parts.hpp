@@ -45,6 +45,10 @@ bool lets_light_in(World const&, std::uint32_t optic);  // at normal incidence, 
 void check_beams(Scene const&, World const&);           // of a finished world: do they light anything?
 void check_faces(Scene const&, World const&);           // of a finished world: do surfaces share space?
 
+inline bool only_absorbs(Optic const& o) {
+  return o.laws == 0 && o.reflect == 0 && o.transmit == 0 && !o.has_interface;
+}
+
 // What keeps the surfaces of a volume from enclosing it with normals pointing out; empty when nothing does.
 std::string volume_fault(World const&, std::vector<std::uint32_t> const& faces);
 bool encloses(World const&, std::vector<std::uint32_t> const& faces);    // a volume, with normals that point out of it
