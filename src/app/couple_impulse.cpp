@@ -8,7 +8,6 @@
 
 #include "app/couple_data.hpp"
 #include "base/constants.hpp"
-#include "base/counted.hpp"
 #include "base/message.hpp"
 #include "commission/events.hpp"
 #include "commission/impulse.hpp"

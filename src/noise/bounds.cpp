@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which curves are upper bounds (physics.md eq. 8.11: rims as one smooth wave; speckle lowers that).
+// Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).
 #include <algorithm>
 
 #include "noise/noise.hpp"
