@@ -38,7 +38,7 @@ Rate rate_of(Backend const& backend, World const& world, std::uint64_t first, st
       });
   }
   double const seconds = now() - start;
-  return {double(count * block_size) / seconds, double(rays) / seconds};
+  return {double(count * largest_block) / seconds, double(rays) / seconds};
 }
 
 void compare(std::string const& name, std::string const& library) {
@@ -67,7 +67,7 @@ void compare(std::string const& name, std::string const& library) {
                               {"local_bytes", facts.local_bytes},
                               {"histories_under_way", facts.workers},
                               {"device_bytes", last.bytes},
-                              {"run_on_host", double(again) / double(8 * batch * block_size)}}
+                              {"run_on_host", double(again) / double(8 * batch * largest_block)}}
                    .dump()
             << std::endl;
 }

@@ -74,15 +74,15 @@ class FirstHit : public testing::Silent {
   }
   void close_history() {
     by_group_ = false;
-    if (++histories_ % block_size != 0) return;
+    if (++histories_ % largest_block != 0) return;
     sum_ += block_;
     sum2_ += block_ * block_;
     block_ = 0;
   }
   // From the spread of whole blocks.
   SampleMean result() const {
-    double const blocks = double(histories_ / block_size), mean = sum_ / blocks;
-    return {mean / block_size, std::sqrt((sum2_ / blocks - mean * mean) / (blocks - 1)) / block_size,
+    double const blocks = double(histories_ / largest_block), mean = sum_ / blocks;
+    return {mean / largest_block, std::sqrt((sum2_ / blocks - mean * mean) / (blocks - 1)) / largest_block,
             (long long)histories_};
   }
 
@@ -200,7 +200,7 @@ void print(Scene const& scene, std::string const& way, std::string const& quanti
 void measure_first_hit(Scene const& scene, Way const& way, World& world, Spent spent) {
   FirstHit rings(world.view(), world.add_group("rings"));
   double const begin = processor_seconds();
-  std::uint64_t const histories = spent.histories / block_size * block_size;
+  std::uint64_t const histories = spent.histories / largest_block * largest_block;
   testing::walk(
       world, histories, rings, [&] { rings.close_history(); }, std::uint64_t(spent.turn));
   spent.seconds = processor_seconds() - begin;

@@ -127,6 +127,6 @@ int main(int argc, char** argv) {
   counted_scatter_sample(law, from, rounds("scatter_sample", count));
   counted_philox(rounds("philox", count));
   counted_noise_spectrum(spectra, rounds("noise_spectrum", 1));
-  counted_arm_history(*make_backend("cpu"), world, rounds("arm_history", block_size));
+  counted_arm_history(*make_backend("cpu"), world, rounds("arm_history", largest_block));
   return std::isfinite(result) ? 0 : 1;
 }

@@ -121,9 +121,16 @@ inline bool same(Moments const& a, Moments const& b) {
          a.largest == b.largest && a.largest_history == b.largest_history && a.scored == b.scored &&
          a.first_sum == b.first_sum && a.tail == b.tail;
 }
+inline bool same(LeverSums const& a, LeverSums const& b) {
+  return a.paths == b.paths && a.weight == b.weight && a.given_up == b.given_up &&
+         std::equal(a.products.begin(), a.products.end(), b.products.begin(), b.products.end(),
+                    [](LeverProduct const& p, LeverProduct const& q) {
+                      return p.replica == q.replica && p.first == q.first && p.second == q.second && p.sum == q.sum;
+                    });
+}
 inline bool same(ClassSums const& a, ClassSums const& b) {
   if (a.port != b.port || !same(a.moments, b.moments) || a.replica_sum != b.replica_sum || a.threshold != b.threshold ||
-      a.off_list != b.off_list || a.kept.size() != b.kept.size())
+      a.off_list != b.off_list || a.kept.size() != b.kept.size() || !same(a.levers, b.levers))
     return false;
   for (std::size_t i = 0; i < a.kept.size(); ++i) {
     ScoreAddress const &x = a.kept[i], &y = b.kept[i];

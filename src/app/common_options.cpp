@@ -72,7 +72,7 @@ void add_history_options(CLI::App& command, Options& options) {
   command
       .add_option_function<double>(
           "--histories", [&](double n) { options.histories = std::uint64_t(n); },
-          "at most so many histories, rounded up to whole blocks of 4096")
+          "at most so many histories, rounded up to whole blocks of 4096 (few ones: of 512, 64 or 8)")
       ->check(number_between(1, 1e12, "1e6"));
   command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
       ->check(whole_between(0, 9e15, "7"));

@@ -13,10 +13,12 @@ Model Earlier::read(std::vector<std::string> const& overrides) const {
   if (!file_) return read_model(input_, overrides);
   Model model = model_of(*file_, overrides);
   model.seed = file_->trace.coupling.seed;
+  model.world.block_size = file_->trace.coupling.block_size;
   if (file_->trace.stop_rule.empty()) {
     bool const in_pieces = file_->trace.stopped == Stopped::by_gaps || !file_->trace.slice.whole();
     model.until = {};
-    model.histories = in_pieces ? file_->trace.all_blocks * block_size : file_->trace.coupling.histories;
+    model.histories =
+        in_pieces ? file_->trace.all_blocks * file_->trace.coupling.block_size : file_->trace.coupling.histories;
   } else {
     model.until = parse_stop_rule(file_->trace.stop_rule);
   }
@@ -25,7 +27,7 @@ Model Earlier::read(std::vector<std::string> const& overrides) const {
 
 Model Earlier::read_to_the_end(std::vector<std::string> const& overrides) const {
   Model model = read(overrides);
-  if (file_) model.histories = file_->trace.all_blocks * block_size;
+  if (file_) model.histories = file_->trace.all_blocks * file_->trace.coupling.block_size;
   return model;
 }
 

@@ -38,6 +38,11 @@ std::vector<InputError> disagreements(std::vector<PartHead> const& heads) {
           fmt::format("error: '{}' has seed {}, '{}' has seed {}: their histories are others\n  leave one of them "
                       "out",
                       head.file, head.seed, first.file, first.seed));
+    else if (head.block_size != first.block_size)
+      complain(
+          fmt::format("error: '{}' is of a run of another number of histories than '{}': its blocks have {}, not {}\n  "
+                      "leave one of them out",
+                      head.file, first.file, head.block_size, first.block_size));
   }
   return errors;
 }

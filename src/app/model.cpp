@@ -39,6 +39,7 @@ void read_orders(Model& model) {
   }
   model.histories_stated = model.histories > 0;
   if (!model.histories_stated) model.histories = model.until.by_error() ? no_limit : 1 << 20;
+  model.world.block_size = block_size_of(model.histories);
   if (Node const r = model.scene.table("report")) {
     model.paths_shown = r.whole("paths", 12, 1, 1e6);
     read_pictures(r);

@@ -40,7 +40,8 @@ StopRule parse_stop_rule(std::string const&);
 // "50min", "1 h", "90 s" or bare seconds, in s. Throws InputError.
 double parse_duration(std::string const&);
 
-inline constexpr std::uint64_t no_limit = 1ull << 36;  // histories
+inline constexpr std::uint64_t no_limit = 1ull << 36;    // histories
+inline constexpr std::uint64_t fewest_histories = 1000;  // for numbers with errors
 
 struct Model {
   Scene scene;

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <iostream>
 
 #include "app/common_options.hpp"
 #include "app/data_options.hpp"
 #include "app/device.hpp"
+#include "app/interrupt.hpp"
 #include "app/project_coupling.hpp"
 #include "app/time_results.hpp"
 
@@ -78,6 +80,11 @@ int project_coupling_file(ProjectOptions const& o) {
   return project_measured_coupling(c);
 }
 
+std::string progress_line(double done, double seconds, double duration) {
+  return fmt::format("project  {:.0f} % of {:.4g} s of h(t)  about {:.0f} s left", 100 * done, duration,
+                     seconds * (1 / done - 1));
+}
+
 int project(ProjectOptions const& o) {
   if (o.time.run.ends_with(".csv") || !o.coupling.witness.empty()) return project_coupling_file(o);
   if (!o.coupling.target.empty() || !o.coupling.coupling_unit.empty())
@@ -90,6 +97,13 @@ int project(ProjectOptions const& o) {
   TimeDomainSettings settings = settings_of(o.time, in);
   Realisations all;
   StrayLight first;
+  ProgressLine progress(o.data.quiet);
+  auto const start = std::chrono::steady_clock::now();
+  settings.told = [&](double share) {
+    double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+                 done = (settings.paths.realisation + share) / o.realisations;
+    progress.at(seconds, [&] { return progress_line(done, seconds, in.duration); });
+  };
   for (std::uint32_t r = 0; r < o.realisations; ++r) {
     settings.paths.realisation = r;
     StrayLight light = stray_light(in.coupling(), in.model.motion, *in.model.detector, settings);

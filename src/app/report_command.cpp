@@ -27,6 +27,7 @@ struct Opened : OpenRun {
   RunContent content;
   PathTable table;
   explicit Opened(std::string const& name) : OpenRun(name) {
+    model.world.block_size = file.trace.coupling.block_size;
     steer(model.world);
     content = file.content();
     table = table_for(file.trace.coupling, content.noise, model);

@@ -21,6 +21,7 @@
 #include "base/message.hpp"
 #include "report/picture.hpp"
 #include "report/run_part.hpp"
+#include "trace/early_looks.hpp"
 #include "trace/edges.hpp"
 #include "trace/estimate/importance.hpp"
 #include "trace/ranks.hpp"
@@ -43,11 +44,16 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
   double left = double(p.wanted_histories - std::min(p.wanted_histories, p.histories)) / p.histories_per_s;
   std::string goal = fmt::format("{:.3g} of {:.3g} histories", double(p.histories), double(p.wanted_histories));
   if (rule.by_error()) {
-    double const want = p.wanted_error, ratio = p.error / want;
-    goal = std::isfinite(p.error) ? fmt::format("error {:.1f} %  (want {:g} %)", 100 * p.error, 100 * want)
-                                  : fmt::format("(want {:g} %)", 100 * want);
-    if (std::isfinite(ratio)) left = std::min(left, p.seconds * std::max(ratio * ratio * 1.4 - 1, 0.2));
-    if (std::isnan(p.error)) left = infinity;
+    double const want = p.wanted_error, seen = double(p.error_histories);
+    goal = std::isfinite(p.error) ? fmt::format("error {:.2g} % at {:.3g}", 100 * p.error, seen)
+           : std::isnan(p.error)  ? "no look yet"
+                                  : fmt::format("something unresolved at {:.3g}", seen);
+    goal += fmt::format("  (want {:g} %)", 100 * want);
+    left = infinity;
+    if (std::isfinite(p.error)) {  // it falls as the root, and must be seen twice, at looks a factor 1.4 apart
+      double const needed = std::max(seen * std::pow(p.error / want, 2), double(p.histories)) * std::sqrt(2.0);
+      left = (std::min(needed, double(p.wanted_histories)) - double(p.histories)) / p.histories_per_s;
+    }
   }
   if (std::isfinite(rule.max_seconds)) {
     if (!rule.by_error()) goal = fmt::format("{} asked for", duration(rule.max_seconds));
@@ -58,28 +64,40 @@ std::string progress_line(TraceProgress const& p, StopRule const& rule) {
                      p.histories_per_s, p.rays_per_s, time);
 }
 
-// The blocks already traced for this model and seed.
-void resume_earlier(Model const& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
+// The blocks already traced for this model and seed. Few histories are traced in smaller blocks, which a longer run
+// cannot take over.
+void resume_earlier(Model& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
   auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
   if (!found) return;
   RunFile const& earlier = *found;
   require_this_program(earlier.about.provenance, run_file,
                        "choose another place with -o, or trace it anew with --force");
+  std::uint64_t& size = model.world.block_size;
+  std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
   Slice const& before = earlier.trace.slice;
-  BlockRange const now = settings.slice.blocks((settings.histories + block_size - 1) / block_size);
+  BlockRange const now = settings.slice.blocks(blocks_of(settings.histories, size));
   if (before.number != settings.slice.number || before.of != settings.slice.of ||
-      (!before.whole() && !(before.blocks(earlier.trace.all_blocks) == now)))
-    throw InputError(fmt::format(
-        "error: '{}' holds {}, which is not {}\n  choose another place with -o, or overwrite "
-        "it with --force; parts become one run by straytrace merge",
-        run_file, name_of(before, earlier.trace.all_blocks * block_size), name_of(settings.slice, settings.histories)));
-  if (!options.quiet)
-    std::cerr << fmt::format("going on from {:.3g} histories in '{}'\n", double(earlier.trace.total.histories),
-                             run_file);
+      (!before.whole() && (size_before != size || !(before.blocks(earlier.trace.all_blocks) == now))))
+    throw InputError(
+        fmt::format("error: '{}' holds {}, which is not {}\n  choose another place with -o, or overwrite "
+                    "it with --force; parts become one run by straytrace merge",
+                    run_file, name_of(before, earlier.trace.all_blocks * size_before),
+                    name_of(settings.slice, settings.histories)));
   // Looks count only when they were at the same noise: a rule about h_total depends on motion and detector as well.
   if (earlier.trace.stop_rule == settings.stop_rule && earlier.about.files == model.scene.files() &&
       earlier.about.overrides == model.scene.overrides())
     settings.good_looks = earlier.trace.good_looks;
+  bool const enough = histories >= settings.histories || settings.good_looks >= 2,
+             anew = size != size_before && !enough;
+  if (!options.quiet)
+    std::cerr << (anew ? fmt::format("the {:.3g} histories in '{}' are a whole small run: a longer one begins anew\n",
+                                     double(histories), run_file)
+                       : fmt::format("going on from {:.3g} histories in '{}'\n", double(histories), run_file));
+  if (anew) {
+    settings.good_looks = 0;
+    return;
+  }
+  size = size_before;
   settings.resume = earlier.trace.tree;
   settings.seconds_before = earlier.trace.seconds;
 }
@@ -174,6 +192,7 @@ void apply(Options const& options, Model& model) {
     model.histories = *options.histories;
     if (options.until.empty()) model.until = {};
   }
+  if (options.histories || model.until.by_error()) model.world.block_size = block_size_of(model.histories);
   if (options.max_seconds > 0) model.until.max_seconds = std::min(model.until.max_seconds, options.max_seconds);
 }
 
@@ -186,6 +205,10 @@ void require_this_program(Provenance const& about, std::string const& file, std:
 
 TraceResult trace_model(Model& model, Options const& options, std::string const& run_file, Transport* transport) {
   InterruptGuard const guard;
+  if (model.histories < fewest_histories)
+    tell_warning(
+        fmt::format("{} histories are too few for an error\n  ask for {} or more", model.histories, fewest_histories),
+        options);
   TraceSettings settings;
   settings.stop_rule = model.until.error_rule;
   settings.histories = model.histories;
@@ -216,7 +239,7 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   std::optional<Ranks> ranks;
   if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
   settings.ranks = ranks ? &*ranks : nullptr;
-  TraceResult result = beside.completed(trace(model.world, settings, *backend));
+  TraceResult result = beside.completed(trace_to_rule(model.world, settings, *backend));
   for (std::string const& warning : result.warnings) tell_warning(warning, options);
   return result;
 }

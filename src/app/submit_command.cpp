@@ -39,12 +39,12 @@ void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
         "error: the stop rule '{}' needs the histories of all jobs together, and each sees its own\n  say how "
         "many histories there are in all, for example --histories 1e9",
         model.until.error_rule));
-  std::uint64_t const blocks = (model.histories + block_size - 1) / block_size;
+  std::uint64_t const blocks = blocks_of(model.histories, model.world.block_size);
   if (jobs > blocks)
     throw InputError(
         fmt::format("error: {} histories are {} of {}: too few for {} jobs\n  write --jobs {} or more "
                     "--histories",
-                    model.histories, counted(blocks, "block"), block_size, jobs, blocks));
+                    model.histories, counted(blocks, "block"), model.world.block_size, jobs, blocks));
 }
 
 void check_accounting(std::string const& group) {
@@ -71,7 +71,7 @@ void check_parts(std::string const& folder, Model const& model, std::uint64_t jo
     PartHead const head = read_part_head(entry.path().string());
     require_this_program(head.provenance, head.file, "choose another folder with -o, or remove the old parts");
     if (head.model_hash == model.hash() && head.seed == model.seed && head.slice.of == jobs &&
-        head.slice.blocks(head.all_blocks) == head.slice.blocks((model.histories + block_size - 1) / block_size))
+        head.slice.blocks(head.all_blocks) == head.slice.blocks(blocks_of(model.histories, model.world.block_size)))
       continue;
     throw InputError(
         fmt::format("error: '{}' is of another run, or of another number of jobs or histories\n  choose another folder "
@@ -85,7 +85,7 @@ void write_input(std::string const& file, Earlier const& earlier, Model const& m
   TraceSettings settings;
   settings.seed = model.seed;
   TraceResult nothing = result_of(model.world, settings, SumTree{});
-  nothing.all_blocks = (model.histories + block_size - 1) / block_size;
+  nothing.all_blocks = blocks_of(model.histories, model.world.block_size);
   nothing.stopped = Stopped::by_gaps;
   write_run(file, earlier.completed(content_of(model, nothing, nullptr)));
 }

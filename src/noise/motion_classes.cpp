@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "signal/shapes.hpp"
 
@@ -75,6 +76,22 @@ double kappa_of(MotionInput const& input, MotionClass::Member const& member, std
   return (first.value() * std::conj(all.value())).real();
 }
 
+// The coefficients by which kappa of a class is linear in the products of levers of two bodies.
+std::array<double, 36> coefficients(MotionSet const& motion, MotionClass const& c, BodyId first, BodyId second) {
+  std::array<double, 36> out = {};
+  for (MotionClass::Member const& m : c.members) {
+    std::vector<Gain> const& gains = motion.inputs[m.input].gains;
+    for (Gain const& p : gains)
+      for (Gain const& q : gains) {
+        if (p.transfer != m.first || (m.difference && q.transfer != m.second)) continue;
+        double const term = (m.difference ? -1 : 1) * m.scale * (p.value * std::conj(q.value)).real();
+        if (p.body == first && q.body == second) out[6 * p.axis + q.axis] += term;
+        if (first != second && q.body == first && p.body == second) out[6 * q.axis + p.axis] += term;
+      }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<MotionClass> group_by_shape(MotionSet const& motion) {
@@ -103,6 +120,28 @@ std::vector<double> kappa_of(MotionSet const& motion, std::vector<MotionClass> c
     for (MotionClass::Member const& m : classes[c].members)
       kappa[c] += m.scale * kappa_of(motion.inputs[m.input], m, levers);
   return kappa;
+}
+
+std::vector<KappaSum> kappa_sums(MotionSet const& motion, std::vector<MotionClass> const& classes,
+                                 std::span<LeverProduct const> products) {
+  constexpr double rounding = 1e-9;  // of the sum of the moduli of the terms
+  std::vector<KappaSum> out(classes.size());
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    std::map<std::pair<BodyId, BodyId>, std::array<double, 36>> known;
+    double sum = 0, size = 0;
+    for (LeverProduct const& p : products) {
+      auto const [at, fresh] = known.try_emplace({p.first, p.second});
+      if (fresh) at->second = coefficients(motion, classes[c], p.first, p.second);
+      for (std::size_t i = 0; i < p.sum.size(); ++i) {
+        double const term = at->second[i] * p.sum[i];
+        out[c].of[p.replica] += term;
+        size += std::fabs(term);
+      }
+    }
+    for (double const x : out[c].of) sum += x;
+    out[c].known = !products.empty() && (size == 0 || std::fabs(sum) > rounding * size);
+  }
+  return out;
 }
 
 }  // namespace straytrace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "motion/motion.hpp"
+#include "trace/coupling.hpp"
 
 namespace straytrace {
 
@@ -43,5 +44,13 @@ std::vector<MotionClass> group_by_shape(MotionSet const&);
 
 // One number per class. Equal levers of two bodies on one input cancel or add here, before anything is squared.
 std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, std::span<Lever const>);
+
+// Of one class, from second moments of levers: the sum over paths of coupling times kappa, as contributions of the
+// replicas. Not known where larger terms cancel and rounding is left, as in the common motion of bodies.
+struct KappaSum {
+  std::array<double, replica_count> of = {};
+  bool known = false;
+};
+std::vector<KappaSum> kappa_sums(MotionSet const&, std::vector<MotionClass> const&, std::span<LeverProduct const>);
 
 }  // namespace straytrace

@@ -80,6 +80,12 @@ bool PhaseSpectra::is_strong(std::size_t c, double kappa) const {
   return std::fabs(kappa) * variance_[c] >= weak / (is_tone(classes_[c]) ? 1 : classes_.size());
 }
 
+double PhaseSpectra::first_order_weight(std::size_t c, std::size_t bin) const {
+  double const hz = classes_[c].tone_frequency;
+  bool const tone_in_bin = hz >= grid_.edges[bin] && hz < grid_.edges[bin + 1];
+  return (is_tone(classes_[c]) ? (tone_in_bin ? 0.25 : 0) : grid_power_[c][bin] / 2) / grid_.width(bin);
+}
+
 // The lowest edge above which all that is left is weak, or a little higher: few different ones share covariances.
 std::size_t PhaseSpectra::split(std::span<double const> kappa) const {
   std::size_t edge = fine_.empty() ? 0 : fine_.size() - 1;

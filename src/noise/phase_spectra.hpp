@@ -57,6 +57,8 @@ class PhaseSpectra {
   Steps fast_steps(std::size_t c, double from_hz) const;  // reference of a class above such a split
 
   std::vector<MotionClass> const& classes() const { return classes_; }
+  // PSD of a bin [1/Hz] to first order in weak motion, per unit of kappa (eq. 7.9); none of a drift.
+  double first_order_weight(std::size_t c, std::size_t bin) const;
   double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept: it is asked for by every path
   FrequencyGrid const& grid() const { return grid_; }
   // Mean of power(low, high) over the bands that drifts of the phase bring into one of them [Hz]: each drift f_d brings

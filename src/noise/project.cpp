@@ -39,11 +39,11 @@ std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, Fr
 // PSDs of one curve, before roots are taken.
 struct PowerSum {
   explicit PowerSum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins), drawn(bins) {}
-  Bins phase, amplitude;                    // 1/Hz
-  Bins linear;                              // of both, first order in the motion of the bin
-  Bins drawn;                               // of both, variance [1/Hz^2] from spectra of drawn paths
-  Bins guessed;                             // of both, variance [1/Hz^2] of hints; empty: there are none
-  std::array<Bins, replica_count> without;  // both, without one replica
+  Bins phase, amplitude;                      // 1/Hz
+  Bins linear;                                // of both, first order in the motion of the bin
+  Bins drawn;                                 // of both, variance [1/Hz^2] from spectra of drawn paths
+  Bins guessed;                               // of both, variance [1/Hz^2] of hints; empty: there are none
+  std::array<Replicas, error_parts> without;  // both
   double mean_square_phase = 0, power = 0;
   bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
 
@@ -54,11 +54,13 @@ struct PowerSum {
       linear[i] += factor * t.both(i) * route.linear[i];
       if (!route.drawn.empty()) drawn[i] += std::pow(factor * t.both(i), 2) * route.drawn[i];
     }
-    for (std::size_t r = 0; r < replica_count; ++r) {
-      if (route.without[r].empty()) continue;
-      without[r].resize(phase.size());
-      for (std::size_t i = 0; i < phase.size(); ++i) without[r][i] += factor * t.both(i) * route.without[r][i];
-    }
+    for (std::size_t part = 0; part < error_parts; ++part)
+      for (std::size_t r = 0; r < replica_count; ++r) {
+        Bins const& of_route = route.without[part][r];
+        if (of_route.empty()) continue;
+        without[part][r].resize(phase.size());
+        for (std::size_t i = 0; i < phase.size(); ++i) without[part][r][i] += factor * t.both(i) * of_route[i];
+      }
     mean_square_phase += coupling * route.mean_square_phase;
     power += coupling;
     (route.exact ? exact : sampled) = true;
@@ -88,23 +90,31 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
   return out;
 }
 
+double variance_at(Replicas const& without, std::size_t bin) {
+  std::vector<double> values;
+  for (Bins const& b : without)
+    if (!b.empty()) values.push_back(b[bin]);
+  return jackknife_variance(values);
+}
+
 // Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found, which of them were drawn, and
 // what is missing from hints are independent: their variances add.
 NoiseTrace finished(std::string name, PowerSum const& sum) {
   NoiseTrace t;
   t.name = std::move(name);
   t.mean_square_phase = sum.power > 0 ? sum.mean_square_phase / sum.power : 0;
-  std::vector<double> values;
   for (std::size_t i = 0; i < sum.phase.size(); ++i) {
     double const psd = sum.phase[i] + sum.amplitude[i];
     if (!std::isfinite(psd)) throw NumericalError(fmt::format("the noise of '{}' is not finite", t.name));
-    values.clear();
-    for (Bins const& b : sum.without)
-      if (!b.empty()) values.push_back(b[i]);
-    double const replicas = sum.exact && !sum.sampled ? 0 : jackknife_variance(values);
-    double const sigma = std::sqrt(replicas + sum.drawn[i] + (sum.guessed.empty() ? 0 : sum.guessed[i]));
     t.asd.push_back(std::sqrt(psd));
-    t.sigma.push_back(psd > 0 ? sigma / (2 * t.asd.back()) : sigma);
+    auto const of_asd = [&](double variance) { return std::sqrt(variance) / (psd > 0 ? 2 * t.asd.back() : 1); };
+    auto const part = [&](ErrorPart p) {
+      return sum.exact && !sum.sampled ? 0 : variance_at(sum.without[std::size_t(p)], i);
+    };
+    t.sigma.push_back(of_asd(part(ErrorPart::all) + sum.drawn[i] + (sum.guessed.empty() ? 0 : sum.guessed[i])));
+    t.power_sigma.push_back(of_asd(part(ErrorPart::power)));
+    t.levers_sigma.push_back(of_asd(part(ErrorPart::levers)));
+    t.paths_sigma.push_back(of_asd(part(ErrorPart::paths) + sum.drawn[i]));
     t.phase_asd.push_back(std::sqrt(sum.phase[i]));
     t.amplitude_asd.push_back(std::sqrt(sum.amplitude[i]));
     t.linear_share.push_back(psd > 0 ? sum.linear[i] / psd : not_a_number);
@@ -180,7 +190,8 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   for (std::size_t r = 0, first = 0; r < table.classes.size(); first += table.classes[r++].records.size()) {
     CouplingClass const& c = table.classes[r];
     RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
-                                          : route_spectrum(table, c, first, nodes, strength);
+                                          : route_spectrum(table, c, first, nodes, strength,
+                                                           {spectra, motion, table, c, strengths, first});
     route.psd.resize(bins);
     route.linear.resize(bins);
     std::string const name = route_name(table, c), why_not = objection(table, c, route);
@@ -211,8 +222,9 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   bool const nothing =
       std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
   if (nothing && !budget.unresolved.empty())  // no answer is not zero
-    for (Bins NoiseTrace::*curve : {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::phase_asd,
-                                    &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
+    for (Bins NoiseTrace::*curve :
+         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::levers_sigma,
+          &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
       (budget.total.*curve).assign(bins, not_a_number);
   if (!budget.total.resolved)
     budget.total.why_not = "a lower bound: of unresolved routes it holds what was seen of them";

@@ -10,8 +10,6 @@
 namespace straytrace {
 namespace {
 
-constexpr std::uint64_t block_histories = 4096;
-
 // Mean coupling without the histories of one replica.
 double mean_without(CouplingTable const& table, CouplingClass const& c, std::size_t replica, double total) {
   return (total - c.replica_sum[replica]) / static_cast<double>(table.histories - table.replica_histories[replica]);
@@ -40,8 +38,32 @@ Bins sum_of(std::span<double const> weight, std::vector<StrengthNodes::Basis> co
   return sum;
 }
 
-void scale(Bins& bins, double factor) {
+Bins times(Bins bins, double factor) {
   for (double& b : bins) b = std::max(0.0, b * factor);
+  return bins;
+}
+
+// Per unit of power.
+struct Shape {
+  Bins psd, linear;
+};
+
+Bins corrected(Shape const& s, Bins const& ratio) {
+  Bins out = s.psd;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += s.linear[i] * (ratio[i] - 1);
+  return out;
+}
+
+// The shape of `weight` less that of a part, which leaves `left` of the weight.
+Shape without(Shape shape, double weight, std::vector<double> const& part,
+              std::vector<StrengthNodes::Basis> const& basis, double left) {
+  Bins const psd = sum_of(part, basis, &StrengthNodes::Basis::psd),
+             linear = sum_of(part, basis, &StrengthNodes::Basis::linear);
+  for (std::size_t i = 0; i < psd.size(); ++i) {
+    shape.psd[i] = std::max(0.0, weight * shape.psd[i] - psd[i]) / left;
+    shape.linear[i] = std::max(0.0, weight * shape.linear[i] - linear[i]) / left;
+  }
+  return shape;
 }
 
 class EffectiveNumber {
@@ -58,7 +80,7 @@ class EffectiveNumber {
 
 }  // namespace
 
-std::size_t replica_of(std::uint64_t history) { return history / block_histories % replica_count; }
+std::size_t replica_of(std::uint64_t history, std::uint64_t block_size) { return history / block_size % replica_count; }
 
 double jackknife_variance(std::span<double const> without) {
   auto const n = static_cast<double>(without.size());
@@ -70,7 +92,8 @@ double jackknife_variance(std::span<double const> without) {
 }
 
 RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,
-                             StrengthNodes const& nodes, std::span<double const> mean_square_phase) {
+                             StrengthNodes const& nodes, std::span<double const> mean_square_phase,
+                             FirstOrderRatio const& ratio) {
   RouteSpectrum route;
   route.exact = c.deterministic();
   Histogram histogram(nodes.basis().size());
@@ -80,7 +103,7 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   std::vector<StrengthNodes::Share> shares;
   for (std::size_t i = 0; i < c.records.size(); ++i) {
     double const w = c.records[i].weight, strength = mean_square_phase[first + i];
-    std::size_t const replica = replica_of(c.records[i].history);
+    std::size_t const replica = replica_of(c.records[i].history, table.block_size);
     nodes.shares(first + i, shares);
     histogram.add(replica, shares, w);
     own[replica] += w;
@@ -98,24 +121,29 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   if (nodes.sampled()) {
     route.drawn.assign(route.psd.size(), 0);
     nodes.add_variance(histogram.all, route.drawn);
-    scale(route.drawn, std::pow(c.coupling.mean / weight, 2));
+    route.drawn = times(std::move(route.drawn), std::pow(c.coupling.mean / weight, 2));
   }
-  Bins const sum = route.psd;
-  scale(route.psd, c.coupling.mean / weight);
-  scale(route.linear, c.coupling.mean / weight);
+  Shape const shape{times(route.psd, 1 / weight), times(route.linear, 1 / weight)};
+  Bins const one = ratio.known() ? ratio(ratio.all, ratio.all) : Bins(route.psd.size(), 1);
+  route.psd = times(corrected(shape, one), c.coupling.mean);
+  for (std::size_t i = 0; i < route.linear.size(); ++i) route.linear[i] = shape.linear[i] * one[i] * c.coupling.mean;
   if (route.exact) return route;
 
   double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
   for (std::size_t r = 0; r < replica_count; ++r) {
     if (table.replica_histories[r] == 0 || table.replica_histories[r] == table.histories) continue;
-    double const left = weight - own[r];
+    double const left = weight - own[r], mean = mean_without(table, c, r, total);
     bool const alone = left <= 1e-12 * weight;  // no record elsewhere: only the mean changes
-    Bins& psd = route.without[r] = sum;
-    if (!alone) {
-      Bins const of_replica = sum_of(histogram.of[r], nodes.basis(), &StrengthNodes::Basis::psd);
-      for (std::size_t i = 0; i < of_replica.size(); ++i) psd[i] -= of_replica[i];
-    }
-    scale(psd, mean_without(table, c, r, total) / (alone ? weight : left));
+    Shape const other = alone ? shape : without(shape, weight, histogram.of[r], nodes.basis(), left);
+    auto const put = [&](ErrorPart part, Shape const& s, int moments, int paths, double coupling) {
+      Bins const factor = ratio.known() ? ratio(moments, paths) : Bins(s.psd.size(), 1);
+      route.without[std::size_t(part)][r] = times(corrected(s, factor), coupling);
+    };
+    int const replica = int(r), all = FirstOrderRatio::all;
+    put(ErrorPart::all, other, replica, replica, mean);
+    put(ErrorPart::power, shape, all, all, mean);
+    put(ErrorPart::levers, shape, replica, all, c.coupling.mean);
+    put(ErrorPart::paths, other, all, replica, c.coupling.mean);
   }
   return route;
 }

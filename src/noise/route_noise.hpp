@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "noise/first_order_ratio.hpp"
 #include "noise/strength_nodes.hpp"
 #include "trace/coupling.hpp"
 
@@ -14,11 +15,17 @@ namespace straytrace {
 
 using Bins = std::vector<double>;
 
-// PSD of Im s [1/Hz] per bin: all histories, and all but those of one replica (empty where a replica has none).
+// Whence the Monte-Carlo error of a curve comes: all of it, and what it would be if only the power of the routes, only
+// the second moments of their levers or only their kept paths were uncertain.
+enum class ErrorPart : std::uint8_t { all, power, levers, paths };
+constexpr std::size_t error_parts = 4;
+using Replicas = std::array<Bins, replica_count>;  // without one replica each; empty where one has no histories
+
+// PSD of Im s [1/Hz] per bin: all histories, and all but those of one replica.
 struct RouteSpectrum {
   Bins psd;
   Bins linear;  // part of psd, as in PhaseSpectrum
-  std::array<Bins, replica_count> without;
+  std::array<Replicas, error_parts> without;
   Bins drawn;  // variance of psd that drawn paths leave, StrengthNodes::add_variance; empty where all are computed
   bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
   double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
@@ -28,13 +35,14 @@ struct RouteSpectrum {
   bool rests_on_few() const { return paths_of_noise > 0 && paths_of_noise < std::min(30.0, 0.3 * paths_of_power); }
 };
 
-// psd = mean * sum over records of (their share) * (their spectrum); each class mean and the shares of its records are
-// taken anew without each replica. `first`: number of its first record among the paths of `nodes`.
+// psd = mean * sum over records of (their share) * (their spectrum), its first-order part times `ratio`; each class
+// mean, the shares of its records and the ratio are taken anew without each replica. `first`: number of its first
+// record among the paths of `nodes`.
 RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::size_t first, StrengthNodes const& nodes,
-                             std::span<double const> mean_square_phase);
+                             std::span<double const> mean_square_phase, FirstOrderRatio const& ratio);
 
-// Replica of a history: block of 4096 histories modulo their number.
-std::size_t replica_of(std::uint64_t history);
+// Replica of a history: its block modulo their number.
+std::size_t replica_of(std::uint64_t history, std::uint64_t block_size);
 
 // Squared standard error of a mean from its delete-one values; NaN with fewer than two.
 double jackknife_variance(std::span<double const> without);

@@ -69,16 +69,21 @@ double SamplingRule::automatic() const {
 }
 
 std::vector<PortField> stray_fields(std::span<StrayPath const> paths, MotionSeries const& motion, Delay delay,
-                                    unsigned threads, DirectSum const& direct) {
+                                    unsigned threads, DirectSum const& direct, SumProgress const& told) {
   std::vector<PortField> fields;
   std::vector<std::vector<StrayPath>> by_port;
   for (StrayPath const& p : paths) {
     if (by_port.size() <= p.port.value) by_port.resize(p.port.value + 1);
     by_port[p.port.value].push_back(p);
   }
+  std::size_t done = 0;  // paths
   for (std::uint32_t port = 0; port < by_port.size(); ++port) {
     if (by_port[port].empty()) continue;
-    PortField field{PortId{port}, phase_sum(phase_terms(by_port[port], motion, delay), threads, direct)};
+    auto const of_all = [&](double share) {
+      if (told) told((double(done) + share * double(by_port[port].size())) / double(paths.size()));
+    };
+    PortField field{PortId{port}, phase_sum(phase_terms(by_port[port], motion, delay), threads, direct, of_all)};
+    done += by_port[port].size();
     if (field.field.empty()) {  // nothing moves them
       std::complex<double> still = 0;
       for (StrayPath const& p : by_port[port]) still += std::polar(p.amplitude, 2 * pi * p.turns);
@@ -129,7 +134,7 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
   light.rms_phase = rms_phase(paths, light.motion);
   for (StrayPath const& p : paths)
     if (p.length > 0) light.longest_delay = std::max(light.longest_delay, p.length / speed_of_light);
-  light.fields = stray_fields(paths, light.motion, s.delay, s.threads, s.direct);
+  light.fields = stray_fields(paths, light.motion, s.delay, s.threads, s.direct, s.told);
   light.h = strain(light.fields, ifo, light.times.rate, s.band_low, s.band_high);
   for (double x : light.h)
     if (!std::isfinite(x)) throw NumericalError("the strain of these paths is not finite");

@@ -31,6 +31,8 @@ bool at_most(NoiseTrace const&, std::size_t bin);
 double band_at(std::vector<double> const& curve, FrequencyGrid const&, double hz);
 // Input and speckle bands at some frequencies, and where they come from; empty where they were not made.
 std::string band_text(NoiseBudget const&, std::vector<double> const& frequencies);
+// Whence the Monte-Carlo error comes, in per cent of h; empty where nothing is known of it.
+std::string error_table(NoiseBudget const&, std::vector<double> const& frequencies);
 std::string band_summary(NoiseBudget const&, std::vector<double> const& frequencies);  // two lines of it
 // Integral of the PSD over the bins whose centres lie in the band, strain^2; errors of bins add (they are correlated).
 WithError band_power(NoiseTrace const&, FrequencyGrid const&, double low, double high);

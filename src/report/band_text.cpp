@@ -52,11 +52,17 @@ std::string lines_text(PathTable const& table) {
 std::string band_summary(NoiseBudget const& b, std::vector<double> const& frequencies) {
   if (!b.bands.made()) return "";
   NoiseBands const& d = b.bands;
+  bool const answer = std::any_of(b.total.asd.begin(), b.total.asd.end(), [](double h) { return h > 0; });
+  if (!answer && !b.unresolved.empty())
+    return "one realisation and what inputs leave open: not known, no route that makes noise is resolved\n";
   bool const bound = std::any_of(frequencies.begin(), frequencies.end(),
                                  [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
   std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n", bound ? " of the upper bound" : "",
                                  fmt::join(frequencies, ", "), ranges(b, frequencies, d.speckle_05, d.speckle_95));
-  if (d.sources.empty()) return text + "inputs are taken as exact: no bracket or uncertainty is stated\n";
+  if (d.sources.empty())
+    return text + fmt::format("inputs{} are taken as exact: no bracket or uncertainty is stated{}\n",
+                              b.unresolved.empty() ? "" : " of the resolved routes",
+                              b.unresolved.empty() ? "" : " for them");
   return text + fmt::format("what inputs leave open: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
 }
 
@@ -79,6 +85,34 @@ std::string band_text(NoiseBudget const& b, std::vector<double> const& frequenci
       "of\n"
       "their ASDs, the worst way in which the mean strengths of routes can add, and not a forecast.\n\n";
   return text + sources(b.bands);
+}
+
+std::string error_table(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  NoiseTrace const& t = b.total;
+  if (t.paths_sigma.empty()) return {};
+  Columns c;
+  c.titles = {"error of h/%", "all", "power of the routes", "levers", "kept paths"};
+  std::size_t bin = 0;
+  for (double const f : frequencies) {
+    while (bin < b.grid.size() && b.grid.edges[bin + 1] <= f) ++bin;
+    if (bin == b.grid.size() || f < b.grid.edges.front() || !(t.asd[bin] > 0)) continue;
+    std::vector<std::string> row = {fmt::format("{:g} Hz", f)};
+    for (auto const part :
+         {&NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::levers_sigma, &NoiseTrace::paths_sigma}) {
+      double const share = 100 * (t.*part)[bin] / t.asd[bin];
+      row.push_back(std::isnan(share) ? "-" : share < 1e-3 ? "< 0.001" : fmt::format("{:.2g}", share));
+    }
+    c.rows.push_back(std::move(row));
+  }
+  if (c.rows.empty()) return {};
+  std::size_t const most = records_kept(~std::uint64_t{0} / 2);  // by a route
+  std::uint64_t blocks = 1;
+  while (records_kept(blocks) < most) blocks *= 2;
+  return "\n" + aligned(c) +
+         fmt::format(
+             "\nWhat the error would be if only one of them were uncertain. All fall as the root of the number "
+             "of histories, that of the kept paths\nup to {} blocks, from which each route keeps {} paths.\n",
+             blocks, most);
 }
 
 }  // namespace straytrace

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/message.hpp"
+#include "report/lever_columns.hpp"
 #include "report/run_parts.hpp"
 
 namespace straytrace {
@@ -263,6 +264,7 @@ void write_classes(hdf5::Writer& out, CouplingTable const& table) {
   write_class_columns(out, to_ports, table);
   write_records(out, to_ports, table);
   write_folded(out, to_ports, table);
+  write_lever_moments(out, table);
   out.strings("/names/receivers", table.receivers);
   out.group("/received", "one row per route of light that ends on a receiver; power over that of the main mode");
   write_class_columns(out, to_receivers, table);
@@ -279,6 +281,7 @@ CouplingTable read_classes(hdf5::Reader const& in) {
   table.reverse_routes = in.attribute_count("/classes", "reverse_routes") != 0;
   table.seed = in.attribute_count("/", "seed");
   table.histories = in.attribute_count("/", "histories");
+  table.block_size = in.attribute_count("/", "block_size");
   Counts const histories = in.rows<std::uint64_t>("/classes/replica_histories", replica_count);
   std::copy(histories.begin(), histories.end(), table.replica_histories.begin());
   if (in.has("/names/receivers")) table.receivers = in.strings("/names/receivers");
@@ -289,6 +292,7 @@ CouplingTable read_classes(hdf5::Reader const& in) {
     read_folded(in, at, table);
     read_records(in, at, table);
   }
+  read_lever_moments(in, table);
   return table;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "report/lever_columns.hpp"
 #include "report/node_columns.hpp"
 
 namespace straytrace {
@@ -14,6 +15,7 @@ struct ClassColumns {
   std::vector<std::uint32_t> port, kept_event, kept_connection;
   ScoreColumns moments;
   Doubles replica_sum, threshold, off_list, kept_coupling, kept_priority;
+  LeverColumns levers;
 
   void add(std::uint64_t name, ClassSums const& c) {
     hash.push_back(name);
@@ -30,6 +32,7 @@ struct ClassColumns {
       kept_priority.push_back(k.priority);
     }
     kept_offset.push_back(kept_history.size());
+    levers.add(c.levers);
   }
 
   ClassSums at(std::size_t i) const {
@@ -41,6 +44,7 @@ struct ClassColumns {
     c.off_list = off_list[i];
     for (std::size_t k = kept_offset[i]; k < kept_offset[i + 1]; ++k)
       c.kept.push_back({kept_history[k], kept_event[k], kept_connection[k], kept_coupling[k], kept_priority[k]});
+    c.levers = levers.at(i);
     return c;
   }
 
@@ -58,6 +62,7 @@ struct ClassColumns {
     out.array("/nodes/kept_connection", kept_connection, "1");
     out.array("/nodes/kept_coupling", kept_coupling, "1");
     out.array("/nodes/kept_priority", kept_priority, "1");
+    levers.write(out);
   }
 
   static ClassColumns read(hdf5::Reader const& in, std::size_t nodes) {
@@ -77,6 +82,7 @@ struct ClassColumns {
     c.kept_connection = in.rows<std::uint32_t>("/nodes/kept_connection", kept);
     c.kept_coupling = in.rows<double>("/nodes/kept_coupling", kept);
     c.kept_priority = in.rows<double>("/nodes/kept_priority", kept);
+    c.levers = LeverColumns::read(in, n);
     return c;
   }
 };

@@ -17,6 +17,10 @@ constexpr TraceColumn curves[] = {{"mean", &NoiseTrace::asd},
                                   {"sigma", &NoiseTrace::sigma},
                                   {"phase", &NoiseTrace::phase_asd},
                                   {"amplitude", &NoiseTrace::amplitude_asd}};
+// Of the total, since schema 1.8.
+constexpr TraceColumn error_columns[] = {{"power_sigma", &NoiseTrace::power_sigma},
+                                         {"levers_sigma", &NoiseTrace::levers_sigma},
+                                         {"paths_sigma", &NoiseTrace::paths_sigma}};
 constexpr char const* linear_share = "linear_share";  // since schema 1.5
 // Of routes, since schema 1.6; NaN where they were not made.
 constexpr TraceColumn route_bands[] = {{"input_low", &NoiseTrace::input_low}, {"input_high", &NoiseTrace::input_high}};
@@ -164,6 +168,10 @@ void read_total(hdf5::Reader const& in, NoiseTrace& total, std::size_t bins) {
   total.why_not = in.attribute_text("/noise/total", "why_not");
   for (TraceColumn const& curve : curves)
     total.*(curve.member) = in.rows<double>(std::string("/noise/total/") + curve.name, bins);
+  for (TraceColumn const& part : error_columns) {
+    std::string const place = std::string("/noise/total/") + part.name;
+    if (in.has(place)) total.*(part.member) = in.rows<double>(place, bins);
+  }
   if (in.has(std::string("/noise/total/") + linear_share))
     total.linear_share = in.rows<double>(std::string("/noise/total/") + linear_share, bins);
 }
@@ -193,6 +201,11 @@ void write_noise(hdf5::Writer& out, NoiseBudget const& b) {
     Doubles checked;
     append_bins(checked, b.total.*(curve.member), bins, "total");
     out.array(std::string("/noise/total/") + curve.name, checked, strain);
+  }
+  for (TraceColumn const& part : error_columns) {
+    Doubles checked;
+    append_bins(checked, or_unknown(b.total.*(part.member), bins), bins, "total");
+    out.array(std::string("/noise/total/") + part.name, checked, strain);
   }
   Doubles shares;
   append_bins(shares, or_unknown(b.total.linear_share, bins), bins, "total");

@@ -14,7 +14,7 @@ struct PartHead {
   std::string file;
   Provenance provenance;
   std::string model_hash, texts_hash;  // texts: files, overrides and motion
-  std::uint64_t seed = 0, all_blocks = 0;
+  std::uint64_t seed = 0, all_blocks = 0, block_size = 0;
   double seconds = 0;
   Slice slice;
   std::vector<BlockRange> done;  // ascending

@@ -59,11 +59,8 @@ void read_about(hdf5::Reader const& in, RunFile& run) {
   run.about.interferometer = in.attribute_text("/", "interferometer");
   run.complete = in.attribute_count("/", "complete") != 0;
   std::uint64_t const block = in.attribute_count("/", "block_size");
-  if (block != block_size)
-    throw InputError(
-        fmt::format("the run has blocks of {} histories, this program uses {}: they cannot be continued or "
-                    "merged",
-                    block, block_size));
+  if (block > largest_block || block_size_of(enough_blocks * block) != block)
+    damaged_run(fmt::format("blocks of {} histories", block));
 }
 
 void read_input(hdf5::Reader const& in, RunContent& run) {
@@ -194,6 +191,7 @@ void read_head(hdf5::Reader const& in, PartHead& head) {
   head.model_hash = run.about.model_hash;
   head.texts_hash = hash_of_texts(run.about);
   head.seed = in.attribute_count("/", "seed");
+  head.block_size = in.attribute_count("/", "block_size");
   head.seconds = run.trace.seconds;
   head.done = read_done(in);
   for (BlockRange const& range : head.done) run.trace.total.blocks += range.size();

@@ -29,7 +29,7 @@ void write_about(hdf5::Writer& out, RunContent const& run) {
   out.attribute("/", "motion_file", run.motion_file);
   count("seed", {run.trace->coupling.seed});
   count("histories", {run.trace->coupling.histories});
-  count("block_size", {block_size});
+  count("block_size", {run.trace->coupling.block_size});
   count("slice", {run.trace->slice.number, run.trace->slice.of});
   bool const all = run.trace->slice.whole() && !run.trace->checkpointed();
   count("all_blocks", {all ? run.trace->total.blocks : run.trace->all_blocks});

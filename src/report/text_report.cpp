@@ -114,6 +114,7 @@ std::string strain_table(RunContent const& run, PathTable const& table) {
   text += aligned(c) +
           "\nOne-sided amplitude spectral density, mean over static phases. Errors: one standard error, "
           "Monte Carlo only.\n";
+  text += error_table(b, table.frequencies);
   text += lines_text(table);
   if (!b.unresolved.empty())
     text +=
@@ -161,7 +162,7 @@ std::string provenance(RunContent const& run) {
   text += fmt::format("program     {} {} ({})\nbuild       {}\ncreated     {}\nmodel hash  {}\n", p.program, p.version,
                       p.commit, p.build_flags, p.created, run.model_hash);
   text += fmt::format("seed        {}\nhistories   {} in {} blocks of {}{}\nmain file   {}\n", run.trace->coupling.seed,
-                      run.trace->coupling.histories, run.trace->total.blocks, block_size,
+                      run.trace->coupling.histories, run.trace->total.blocks, run.trace->coupling.block_size,
                       run.trace->checkpointed() ? ", checkpointed: can be continued" : "", run.main_file);
   for (std::string const& o : run.overrides) text += "override    " + o + "\n";
   for (auto const& [name, content] : run.files)

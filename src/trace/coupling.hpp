@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/blocks.hpp"
 #include "base/constants.hpp"
 #include "base/event.hpp"
 #include "base/ids.hpp"
@@ -58,6 +59,15 @@ struct PathRecord {
   std::array<std::complex<double>, 2> field{};
 };
 
+// Sum over paths of weight times lever times lever, of the histories of one replica: what of the levers decides on
+// noise to first order in the motion (docs/theory/errors.md, Second moments of the levers).
+struct LeverProduct {
+  std::uint32_t replica = 0;
+  BodyId first, second;  // first <= second
+  std::array<double, 36>
+      sum{};  // row i, column j: coordinate i of `first` and j of `second`, as Lever::d; (rad/m)^2 ...
+};
+
 // A route without a row of its own: part of a row `other`.
 struct FoldedRoute {
   std::uint64_t hash = 0;
@@ -81,6 +91,9 @@ struct CouplingClass {
   bool by_reverse = false;                             // all of this was sampled on the same route run backwards
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
+  // Mean coupling times the mean of lever times lever, as contributions of the replicas, which sum to it; for each
+  // replica, then each pair of bodies. Empty: not known.
+  std::vector<LeverProduct> levers;
   std::uint64_t folded_routes = 0;  // of `other` and of coherent families: how many it sums
   std::vector<FoldedRoute> folded;  // the largest of them, descending
 
@@ -98,7 +111,8 @@ struct CouplingTable {
   std::vector<Estimate> received_power;                       // by receiver, all routes together
   std::array<std::uint64_t, replica_count> replica_histories = {};
   std::uint64_t histories = 0, seed = 0;
-  double wavelength = 0;  // m
+  std::uint64_t block_size = largest_block;  // histories
+  double wavelength = 0;                     // m
   // One sentence for each surface from which more than 1 % of an end's light comes although no target was aimed at it
   // (estimators.md 13, 15).
   std::vector<std::string> warnings;

@@ -9,11 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "trace/coupling.hpp"
+#include "trace/tally/lever_sums.hpp"
 
 namespace straytrace {
-
-constexpr std::uint64_t block_size = 4096;  // histories; part of the run-file schema: it decides the last bits
 
 constexpr std::size_t tail_size = 200;  // largest totals kept per bin; part of the run-file schema
 
@@ -64,6 +62,9 @@ struct ScoreAddress {
   double coupling = 0, priority = 0;  // priority = coupling / uniform(record stream)
 };
 
+// Kept of the scores of a class in so many blocks; part of the run-file schema.
+std::size_t records_kept(std::uint64_t blocks);
+
 // Keeps the k largest priorities (priority sampling, estimators.md 12): independent of order, so merging is exact.
 struct ClassSums {
   std::uint32_t port = 0;
@@ -72,6 +73,7 @@ struct ClassSums {
   std::vector<ScoreAddress> kept;  // descending priority, ties by address
   double off_list = 0;             // part of the sum whose last walked hop met nothing on a list of targets
   double threshold = 0;            // largest priority not kept; a kept score counts as max(coupling, threshold)
+  LeverSums levers;                // of paths drawn block by block
 };
 
 // Columns of the ledger: absorbed + escaped + limit + window + sampling = emitted for every history, to rounding.

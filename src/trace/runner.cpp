@@ -26,7 +26,14 @@ Runner::Runner(World const& world, TraceSettings const& settings, Backend const&
       backend_(backend),
       tree_(std::move(done)),
       blocks_(blocks_in(tree_)),
-      first_of_session_(blocks_) {}
+      first_of_session_(blocks_),
+      error_(settings.error_before),
+      error_histories_(settings.histories_before) {}
+
+void Runner::saw(double error, std::uint64_t blocks) {
+  error_ = error;
+  error_histories_ = blocks * world_.block_size;
+}
 
 bool Runner::run(BlockRange range, Helpers* helpers) {
   Handout handout(tree_.missing(range));
@@ -66,6 +73,7 @@ void Runner::work(Handout& handout) {
     auto const taken = handout.take(1);
     if (!taken) return;
     BlockSums sums = backend_.run_block(world_, settings_.seed, taken->first);
+    sum_levers(world_, settings_.seed, taken->first % replica_count, sums);
     std::scoped_lock const lock(mutex_);
     ++blocks_;
     rays_ += sums.rays;
@@ -116,13 +124,14 @@ void Runner::report() {
   TraceProgress p;
   {
     std::scoped_lock const lock(mutex_);
-    p.histories = blocks_ * block_size;
+    p.histories = blocks_ * world_.block_size;
     p.seconds = last_report_;
-    p.histories_per_s = double((blocks_ - first_of_session_) * block_size) / p.seconds;
+    p.histories_per_s = double((blocks_ - first_of_session_) * world_.block_size) / p.seconds;
     p.rays_per_s = double(rays_) / p.seconds;
   }
-  p.wanted_histories = wanted_blocks * block_size;
-  p.error = error;
+  p.wanted_histories = wanted_blocks * world_.block_size;
+  p.error = error_;
+  p.error_histories = error_histories_;
   p.wanted_error = settings_.wanted_error;
   settings_.progress(p);
 }

@@ -35,7 +35,8 @@ class Runner {
   SumTree const& tree() const { return tree_; }  // between runs
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  double error = not_a_number;                 // of the stop rule, for the progress
+  double error() const { return error_; }  // of the stop rule at the last look
+  void saw(double error, std::uint64_t blocks);
   std::uint64_t wanted_blocks = 0;             // for the progress
   std::function<void(SumTree)> at_checkpoint;  // from time to time while blocks are missing
 
@@ -56,6 +57,8 @@ class Runner {
   std::condition_variable wake_;
   std::uint64_t blocks_, first_of_session_, rays_ = 0;
   double last_checkpoint_ = 0, last_report_ = 0;  // s since the start
+  double error_;
+  std::uint64_t error_histories_;
 };
 
 }  // namespace straytrace

@@ -60,7 +60,7 @@ std::uint64_t end_of(SumTree const& tree) {
 
 std::uint64_t next_look(std::uint64_t blocks) {
   for (int i = 0;; ++i) {
-    auto const count = std::uint64_t(std::lround(64 * std::pow(2.0, 0.5 * i)));
+    auto const count = std::uint64_t(std::lround(double(enough_blocks) * std::pow(2.0, 0.5 * i)));
     if (count > blocks) return count;
   }
 }
@@ -90,7 +90,7 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
   std::optional<Crew> crew;
   if (settings.ranks) crew.emplace(*settings.ranks);
   // Of a whole run that goes on from more than is asked for, all that is missing is done.
-  std::uint64_t const asked = (settings.histories + block_size - 1) / block_size,
+  std::uint64_t const asked = blocks_of(settings.histories, world.block_size),
                       all = settings.slice.whole() ? std::max(asked, end_of(settings.resume)) : asked;
   BlockRange const wanted = settings.slice.blocks(all);
   runner.wanted_blocks = wanted.size();
@@ -120,8 +120,10 @@ TraceResult trace(World const& world, TraceSettings const& settings, Backend con
       break;
     }
     if (!all_done || !settings.error) continue;  // a helper has left some of its blocks
-    runner.error = settings.error(coupling_table(world, settings, runner.tree().total()));
-    good_looks = runner.error < settings.wanted_error ? good_looks + 1 : 0;
+    runner.saw(settings.error(coupling_table(world, settings, runner.tree().total())), next.end);
+    good_looks = runner.error() < settings.wanted_error ? good_looks + 1 : 0;
+    double const at_the_end = runner.error() * std::sqrt(double(next.end) / double(wanted.end));
+    if (settings.give_up && !(at_the_end < settings.wanted_error)) break;
   }
   if (good_looks >= 2) stopped = Stopped::by_error;
   return result(runner.tree());

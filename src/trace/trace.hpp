@@ -18,21 +18,24 @@ struct TraceProgress {
   std::uint64_t histories = 0, wanted_histories = 0;  // wanted: of the present goal
   double seconds = 0, histories_per_s = 0, rays_per_s = 0;
   double error = 0, wanted_error = 0;  // of the stop rule at the last look; NaN before the first
+  std::uint64_t error_histories = 0;   // at that look
 };
 
 struct TraceSettings {
   std::uint64_t seed = 1;
-  std::uint64_t histories = 0;  // upper limit, rounded up to whole blocks
+  std::uint64_t histories = 0;  // upper limit, rounded up to whole blocks of World::block_size
   Slice slice;                  // of its blocks
   unsigned threads = 0;         // 0: all cores
   double max_seconds = infinity;
   // Stop rule: relative error of what the user wants, from the table so far; unused when empty. The run stops when it
-  // is below `wanted_error` at two consecutive looks (block counts 64, 91, 128, 181 ...), never at a good-looking
-  // moment.
+  // is below `wanted_error` at two consecutive looks (block counts 32, 45, 64, 91 ...), never at a good-looking moment.
   std::function<double(CouplingTable const&)> error;
   double wanted_error = 0;
-  std::string stop_rule;         // in words, kept with the result
-  std::uint32_t good_looks = 0;  // looks in a row at which the same rule held before a resumed run was stopped
+  bool give_up = false;                // when a look says that `histories` are too few for the rule
+  double error_before = not_a_number;  // for the progress until the first look: seen at
+  std::uint64_t histories_before = 0;  // so many histories of a run given up
+  std::string stop_rule;               // in words, kept with the result
+  std::uint32_t good_looks = 0;        // looks in a row at which the same rule held before a resumed run was stopped
   std::function<void(TraceProgress const&)> progress;
   std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
   // A result of what is done so far, from time to time: what follows goes on from it to the same bits.
@@ -51,7 +54,7 @@ TraceResult trace(World const&, TraceSettings const&, Backend const&);
 // beside.
 TraceResult result_of(World const&, TraceSettings const&, SumTree);
 
-// Block counts at which stop rules are looked at: 64, 91, 128, 181, ...
+// Block counts at which stop rules are looked at: 32, 45, 64, 91, ...
 std::uint64_t next_look(std::uint64_t blocks);
 
 }  // namespace straytrace

@@ -164,6 +164,7 @@ WorldView World::view() const {
   v.steering = steering_.view();
   v.limits = limits;
   v.wavelength = wavelength;
+  v.block_size = block_size;
   return v;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/blocks.hpp"
 #include "base/pool.hpp"
 #include "base/storage.hpp"
 #include "base/vec3.hpp"
@@ -79,6 +80,7 @@ struct WorldView {
   Steering steering;  // empty: the scatter law alone
   WalkLimits limits;
   double wavelength = 0;  // m
+  std::uint64_t block_size = largest_block;
   static constexpr std::uint32_t none = 0xffffffffu;
 
   // The smallest positive double distance, ties to the lower SurfaceId; `from` is the surface the ray starts on.
@@ -246,6 +248,8 @@ class World {
   bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
   double wavelength = 1.064e-6;
+  // Histories: how they are dealt to sources. Of the run, not of the scene: no part of the fingerprint.
+  std::uint64_t block_size = largest_block;
   double beam_power = 0;            // W, of the first beam that states one; 0: none does. For reports, not the trace
   std::vector<double> beam_powers;  // W, by beam; 0: not stated. For the interferometer
   std::vector<MaterialInfo> materials;  // in the order of the scene

@@ -40,7 +40,7 @@ void expect_same(World const& world, std::vector<std::uint64_t> const& blocks) {
   BatchCounts counts;
   auto const device = on_device(world, blocks, counts), host = on_host(world, blocks);
   for (std::size_t i = 0; i < blocks.size(); ++i) EXPECT_TRUE(device[i] == host[i]) << "block " << blocks[i];
-  EXPECT_LT(counts.run_again, blocks.size() * block_size / 4);
+  EXPECT_LT(counts.run_again, blocks.size() * largest_block / 4);
 }
 
 class Example : public ::testing::TestWithParam<char const*> {};
@@ -137,7 +137,7 @@ TEST(Device, WhatDoesNotFitIsRunOnTheHost) {
   EXPECT_TRUE(on_device(room.world, {4}, many, 2) == host);
   EXPECT_GT(some.run_again, none.run_again);
   EXPECT_GT(many.run_again, some.run_again);
-  EXPECT_LE(many.run_again, block_size);
+  EXPECT_LE(many.run_again, largest_block);
 }
 
 // Which block a history is in, and nothing else, decides where it counts: blocks in any company are the same.
@@ -153,7 +153,7 @@ TEST(Device, OtherBitsAreSeen) {
   Room const room;
   WorldView const view = room.world.view();
   BlockSink backwards(view, room.world.groups().size(), 4);
-  for (std::uint64_t h = 5 * block_size; h-- > 4 * block_size;) {
+  for (std::uint64_t h = 5 * largest_block; h-- > 4 * largest_block;) {
     HistoryTally tally(view, 7);
     tally.begin(h);
     trace_history(view, 7, h, tally);

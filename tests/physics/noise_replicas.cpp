@@ -21,7 +21,7 @@ CouplingTable random_table(std::uint64_t seed, double spread_coupling, double sp
       Rng rng(seed, history, 0, Stream::source);
       double const score = std::exp(spread_coupling * normal(rng)), length = std::exp(spread_lever * normal(rng));
       c.records.push_back(record(history, score, {lever(0, 2, two_k * length)}));
-      c.replica_sum[replica_of(history)] += score;
+      c.replica_sum[replica_of(history, table.block_size)] += score;
       sum += score;
     }
   }

@@ -47,7 +47,7 @@ struct Traced {
 inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned threads = 2, SumTree resume = {}) {
   Traced t{world_of(text), {}};
   TraceSettings settings;
-  settings.histories = blocks * block_size;
+  settings.histories = blocks * largest_block;
   settings.threads = threads;
   settings.resume = std::move(resume);
   t.result = trace(t.world, settings, *test_backend());

@@ -96,7 +96,7 @@ World rarely_lucky() {
 
 TEST(Window, RareWinsAreNotAnErrorOfTheBooks) {
   World const world = rarely_lucky();
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_NO_THROW(run_histories(world, 48 * block_size, seed));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_NO_THROW(run_histories(world, 48 * largest_block, seed));
 }
 
 // The spread of what was drawn alone would refuse some of them: that is the effect the odds are there for.
@@ -104,7 +104,7 @@ TEST(Window, WithoutTheOddsSomeAreRefused) {
   World const world = rarely_lucky();
   int refused = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    TraceResult const r = run_histories(world, 48 * block_size, seed);
+    TraceResult const r = run_histories(world, 48 * largest_block, seed);
     Estimate const e = estimate(r.total.ledger[int(Fate::window)], r.total.histories, r.total.blocks);
     refused += std::fabs(e.mean) > 5 * e.std_error;
     EXPECT_LT(std::fabs(e.mean),

@@ -246,8 +246,8 @@ TEST(FreeBeams, NothingThatScattersEmitsNothing) {
     beam.emits = emits;
     world.add_footprint(beam);
     world.finish();
-    BlockSums const sums = run_histories(world, block_size).total;
-    EXPECT_EQ(sums.histories, block_size);
+    BlockSums const sums = run_histories(world, largest_block).total;
+    EXPECT_EQ(sums.histories, largest_block);
     if (emits)
       EXPECT_GT(sums.emitted.sum, 0);
     else

@@ -30,7 +30,7 @@ bool traces(Program const& program) {
 }
 
 // The histories of a run: a multiple of 4096 that is larger.
-std::string more_than(RunFile const& run) { return std::to_string(run.trace.total.histories + 10 * block_size); }
+std::string more_than(RunFile const& run) { return std::to_string(run.trace.total.histories + 10 * largest_block); }
 
 TEST(Resume, InterruptedAndContinuedIsOneLongRun) {
   Folder const folder;

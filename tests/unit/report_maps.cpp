@@ -18,14 +18,14 @@ CellEstimates one_cell(double block, double uneven) {
     map.sum[0] += x;
     map.sum2[0] += x * x;
   }
-  return cell_estimates(map, 32 * block_size, 32);
+  return cell_estimates(map, 32 * largest_block, 32);
 }
 
 // The tail of a Gaussian beam falls without end; the square of what is left there underflows, first in single blocks.
 TEST(CellEstimates, FaintLightHasNoError) {
   for (double const block : {1e-200, 1e-161, 1e-150, 1e-146}) {
     CellEstimates const cell = one_cell(block, 0.1);
-    EXPECT_NEAR(cell.mean[0] * block_size / block, 1, 1e-12);
+    EXPECT_NEAR(cell.mean[0] * largest_block / block, 1, 1e-12);
     EXPECT_TRUE(std::isnan(cell.error[0])) << block;
   }
   CellEstimates const bright = one_cell(1e-140, 0.1);  // twin

@@ -32,10 +32,18 @@ inline bool same(Moments const& a, Moments const& b) {
          same_bits(a.tail, b.tail);
 }
 
+inline bool same(std::vector<LeverProduct> const& a, std::vector<LeverProduct> const& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](LeverProduct const& p, LeverProduct const& q) {
+    return p.replica == q.replica && p.first == q.first && p.second == q.second && p.sum == q.sum;
+  });
+}
+
 inline bool same(ClassSums const& a, ClassSums const& b) {
   bool equal = a.port == b.port && same(a.moments, b.moments) && a.replica_sum == b.replica_sum &&
                same_bits(a.threshold, b.threshold) && same_bits(a.off_list, b.off_list) &&
-               a.kept.size() == b.kept.size();
+               a.kept.size() == b.kept.size() && a.levers.paths == b.levers.paths &&
+               a.levers.weight == b.levers.weight && a.levers.given_up == b.levers.given_up &&
+               same(a.levers.products, b.levers.products);
   for (std::size_t i = 0; equal && i < a.kept.size(); ++i)
     equal = a.kept[i].history == b.kept[i].history && a.kept[i].event == b.kept[i].event &&
             a.kept[i].connection == b.kept[i].connection && same_bits(a.kept[i].coupling, b.kept[i].coupling) &&
@@ -88,7 +96,7 @@ inline bool same(CouplingClass const& a, CouplingClass const& b) {
                a.coupling.why_not == b.coupling.why_not && same_bits(a.coupling.tail_slope, b.coupling.tail_slope) &&
                same_bits(a.coupling.halves, b.coupling.halves) && a.replica_sum == b.replica_sum &&
                a.records.size() == b.records.size() && a.folded_routes == b.folded_routes &&
-               a.folded.size() == b.folded.size();
+               a.folded.size() == b.folded.size() && same(a.levers, b.levers);
   for (std::size_t i = 0; equal && i < a.folded.size(); ++i) equal = same(a.folded[i], b.folded[i]);
   for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
   return equal;
@@ -97,7 +105,8 @@ inline bool same(CouplingClass const& a, CouplingClass const& b) {
 inline bool same(CouplingTable const& a, CouplingTable const& b) {
   bool equal = a.groups == b.groups && a.bodies == b.bodies && a.ports == b.ports && a.histories == b.histories &&
                a.seed == b.seed && same_bits(a.wavelength, b.wavelength) && a.reverse_routes == b.reverse_routes &&
-               a.replica_histories == b.replica_histories && a.classes.size() == b.classes.size();
+               a.block_size == b.block_size && a.replica_histories == b.replica_histories &&
+               a.classes.size() == b.classes.size();
   for (std::size_t i = 0; equal && i < a.classes.size(); ++i) equal = same(a.classes[i], b.classes[i]);
   return equal;
 }

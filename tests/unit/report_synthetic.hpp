@@ -38,16 +38,16 @@ inline double spread(std::size_t i) { return std::fmod(0.5 + 0.6180339887498949 
 
 inline BlockSums block(std::uint64_t index) {
   BlockSums b;
-  b.histories = block_size;
+  b.histories = largest_block;
   b.blocks = 1;
-  b.bounces = 3 * block_size + index;
-  b.rays = 9 * block_size;
+  b.bounces = 3 * largest_block + index;
+  b.rays = 9 * largest_block;
   b.arrived.resize(4);
   b.absorbed.resize(5);
   constexpr std::size_t bright = 8;  // histories that carry the power of all
-  constexpr double power = double(block_size) / bright;
+  constexpr double power = double(largest_block) / bright;
   for (std::size_t k = 0; k < bright; ++k) {
-    std::uint64_t const history = index * block_size + k;
+    std::uint64_t const history = index * largest_block + k;
     double const x = spread(history);
     b.emitted.add(power, history);
     double const shares[] = {0.61, 0.35 + 0.02 * (x - 0.5), 0.04 - 0.02 * (x - 0.5)};
@@ -61,13 +61,14 @@ inline BlockSums block(std::uint64_t index) {
   for (Moments& m : b.absorbed) m.close_block();
   for (std::size_t c = 0; c < route_count; ++c) {
     ClassSums& sums = b.classes[1000 + c];
-    std::uint64_t const history = index * block_size + c;
+    std::uint64_t const history = index * largest_block + c;
     double const coupling = 1e-20 * spread(history + c);
     sums.moments.add_score(coupling, history);
     sums.moments.close_block();
     sums.off_list = 0.1 * coupling;
     sums.replica_sum[index % replica_count] += coupling;
     sums.kept.push_back({history, 2, 1, coupling, coupling / spread(history + 7)});
+    sums.levers.add(index % replica_count, coupling, {{BodyId{0}, {1, 2, spread(c)}}, {BodyId{1}, {4}}});
   }
   return b;
 }
@@ -90,7 +91,7 @@ inline CouplingTable coupling_table() {
   t.groups = {"ITM", "baffles", "ETM", "tube"};
   t.bodies = {"tube", "ITM"};
   t.ports = {"arm"};
-  t.histories = 37 * block_size;
+  t.histories = 37 * largest_block;
   t.seed = 7;
   t.wavelength = 1064e-9;
   t.replica_histories.fill(4736);
@@ -108,6 +109,7 @@ inline CouplingTable coupling_table() {
     k.by_reverse = c == 3;
     k.replica_sum.fill(mean * 4736);
     for (std::size_t r = 0; r < 20; ++r) k.records.push_back(record(c, r));
+    if (c != 1) k.levers = {{std::uint32_t(c), {0}, {0}, {spread(c), 2}}, {std::uint32_t(c + 1), {0}, {1}, {3, -4}}};
     t.classes.push_back(k);
   }
   t.classes[6].folded_routes = 9;

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint64_t blocks = 5;
 
 BlockSums total(World const& world, std::uint64_t seed, unsigned threads) {
-  return run_histories(world, blocks * block_size, seed, threads).total;
+  return run_histories(world, blocks * largest_block, seed, threads).total;
 }
 
 TEST(Determinism, ThreadsSeedAndBruteForce) {
@@ -28,7 +28,7 @@ TEST(Determinism, ThreadsSeedAndBruteForce) {
 TEST(Determinism, AnyNumberOfThreadsR3_33) {
   World const world = small_tube();
   auto const run = [&](unsigned threads, std::uint64_t seed) {
-    return run_histories(world, 20 * block_size, seed, threads).total;
+    return run_histories(world, 20 * largest_block, seed, threads).total;
   };
   BlockSums const one = run(1, 1);
   EXPECT_TRUE(same(one, run(4, 1)));
@@ -59,7 +59,7 @@ TEST(Determinism, InterruptedAndResumed) {
   World const world = small_tube();
   std::atomic<bool> stop = false;
   TraceSettings settings;
-  settings.histories = blocks * block_size;
+  settings.histories = blocks * largest_block;
   settings.threads = 2;
   settings.stop = &stop;
   TraceResult const part = trace(world, settings, Interrupting(2, stop));
@@ -73,12 +73,12 @@ TEST(Determinism, InterruptedAndResumed) {
   EXPECT_EQ(whole.stopped, Stopped::by_histories);
   EXPECT_TRUE(same(whole.total, total(world, 1, 1)));
   EXPECT_FALSE(same(part.total, whole.total));
-  EXPECT_EQ(whole.coupling.histories, blocks * block_size);
+  EXPECT_EQ(whole.coupling.histories, blocks * largest_block);
 }
 
 TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
   TraceSettings settings;
-  settings.histories = blocks * block_size;
+  settings.histories = blocks * largest_block;
   settings.threads = 1;
   settings.max_seconds = 0;
   TraceResult const r = trace(small_tube(), settings, *test_backend());
@@ -90,11 +90,11 @@ TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
 std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why) {
   std::vector<std::uint64_t> seen;
   TraceSettings settings;
-  settings.histories = 200 * block_size;
+  settings.histories = 200 * largest_block;
   settings.threads = 2;
   settings.wanted_error = 1;
   settings.error = [&](CouplingTable const& table) {
-    seen.push_back(table.histories / block_size);
+    seen.push_back(table.histories / largest_block);
     return seen.size() <= errors.size() ? errors[seen.size() - 1] : 2;
   };
   why = trace(one_plate(), settings, *test_backend()).stopped;
@@ -104,18 +104,18 @@ std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why
 TEST(StopRule, LooksAtFixedBlockCounts) {
   std::vector<std::uint64_t> counts;
   for (std::uint64_t b = 0; counts.size() < 8; counts.push_back(b)) b = next_look(b);
-  EXPECT_EQ(counts, (std::vector<std::uint64_t>{64, 91, 128, 181, 256, 362, 512, 724}));
+  EXPECT_EQ(counts, (std::vector<std::uint64_t>{32, 45, 64, 91, 128, 181, 256, 362}));
   EXPECT_EQ(next_look(63), 64u);
   EXPECT_EQ(next_look(64), 91u);
 }
 
 TEST(StopRule, NeedsTwoGoodLooksInARow) {
   Stopped why;
-  EXPECT_EQ(looks({0.5, 0.5}, why), (std::vector<std::uint64_t>{64, 91}));
+  EXPECT_EQ(looks({0.5, 0.5}, why), (std::vector<std::uint64_t>{32, 45}));
   EXPECT_EQ(why, Stopped::by_error);
-  EXPECT_EQ(looks({0.5, 2, 0.5, 0.5}, why), (std::vector<std::uint64_t>{64, 91, 128, 181}));
+  EXPECT_EQ(looks({0.5, 2, 0.5, 0.5}, why), (std::vector<std::uint64_t>{32, 45, 64, 91}));
   EXPECT_EQ(why, Stopped::by_error);
-  EXPECT_EQ(looks({0.5, 2, 0.5, 2}, why).back(), 200u);  // a rule that stops at the first good moment would end at 64
+  EXPECT_EQ(looks({0.5, 2, 0.5, 2}, why).back(), 200u);  // a rule that stops at the first good moment would end at 32
   EXPECT_EQ(why, Stopped::by_histories);
 }
 

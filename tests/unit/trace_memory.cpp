@@ -43,7 +43,7 @@ double peak_of(Work&& work) {
 TEST(Memory, DoesNotGrowWithTheRaysR3_09) {
   World const world = box();
   auto const traced = [&](std::uint64_t histories) { return peak_of([&] { run_histories(world, histories); }); };
-  std::uint64_t const few = 8 * block_size, many = 24 * block_size;
+  std::uint64_t const few = 8 * largest_block, many = 24 * largest_block;
   double const rays = 2.0 * double((many - few) * orders);  // the walk, and a connection to the port at every vertex
   ASSERT_GT(2 * many * orders, 9000000u);
   double const start = peak_of([] {}), a = traced(few), b = traced(many);

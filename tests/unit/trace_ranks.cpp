@@ -63,7 +63,7 @@ SumTree unpacked(std::string const& bytes) {
 
 TraceSettings settings_for(unsigned threads) {
   TraceSettings settings;
-  settings.histories = blocks * block_size;
+  settings.histories = blocks * largest_block;
   settings.threads = threads;
   return settings;
 }
@@ -140,10 +140,10 @@ TEST(Ranks, StopRulesLookAtTheSameMoments) {
   auto const looks = [](int ranks) {
     std::vector<std::uint64_t> seen;
     TraceSettings settings = settings_for(2);
-    settings.histories = 200 * block_size;
+    settings.histories = 200 * largest_block;
     settings.wanted_error = 1;
     settings.error = [&](CouplingTable const& table) {
-      seen.push_back(table.histories / block_size);
+      seen.push_back(table.histories / largest_block);
       return seen.size() < 2 ? 2 : 0.5;
     };
     Job job(ranks);
@@ -152,7 +152,7 @@ TEST(Ranks, StopRulesLookAtTheSameMoments) {
     EXPECT_EQ(r.total.blocks, seen.back());
     return seen;
   };
-  EXPECT_EQ(looks(3), (std::vector<std::uint64_t>{64, 91, 128}));
+  EXPECT_EQ(looks(3), (std::vector<std::uint64_t>{32, 45, 64}));
 }
 
 // A rank that ends on a signal of its own gives back what it has not done.

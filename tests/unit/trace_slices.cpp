@@ -101,7 +101,7 @@ constexpr std::uint64_t blocks = 11;
 
 TraceSettings settings_for(Slice slice = {}, SumTree resume = {}) {
   TraceSettings settings;
-  settings.histories = blocks * block_size;
+  settings.histories = blocks * largest_block;
   settings.threads = 2;
   settings.slice = slice;
   settings.resume = std::move(resume);
@@ -148,7 +148,7 @@ TEST(Slices, GapsAreFilled) {
   EXPECT_TRUE(same(filled.total, one.total));
   // With fewer histories asked for than it reaches, all gaps are filled: a run has none.
   TraceSettings fewer = settings_for({}, some);
-  fewer.histories = 4 * block_size;
+  fewer.histories = 4 * largest_block;
   EXPECT_EQ(traced(fewer).tree.missing({0, some.done().back().end}).size(), 0u);
 }
 

@@ -111,7 +111,7 @@ TEST(SumTree, BitsDoNotDependOnTheOrderOfBlocks) {
   SumTree straight;
   for (std::uint64_t const b : order) straight.add(0, b, blocks[b]);
   EXPECT_EQ(straight.nodes().size(), 3u);  // 8 + 4 + 1
-  EXPECT_EQ(straight.total().histories, 13 * block_size);
+  EXPECT_EQ(straight.total().histories, 13 * largest_block);
   std::mt19937_64 engine(4);
   bool plain_sum_differs = false;
   for (int round = 0; round < 5; ++round) {
@@ -211,9 +211,9 @@ TEST(Records, WeightsOfATracedClass) {
   } split;
   split.view = world.view();
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
-    TraceResult const r = run_histories(world, 2 * block_size, seed);
+    TraceResult const r = run_histories(world, 2 * largest_block, seed);
     walk(
-        world, 2 * block_size, split, [] {}, seed);
+        world, 2 * largest_block, split, [] {}, seed);
     CouplingClass const* c = find_route(r, "low·S > high·S");
     ASSERT_NE(c, nullptr);
     ASSERT_EQ(c->records.size(), records_per_class);

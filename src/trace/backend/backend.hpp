@@ -15,7 +15,8 @@ class Backend {
  public:
   virtual ~Backend() = default;
   virtual std::string_view name() const = 0;
-  // Traces histories [block * block_size, (block + 1) * block_size). Called from several threads at once.
+  // Traces histories [block * block_size, (block + 1) * block_size) with the size of the world. Called from several
+  // threads at once.
   virtual BlockSums run_block(World const&, std::uint64_t seed, std::uint64_t block) const = 0;
   virtual unsigned callers() const { return 0; }  // threads that should call run_block; 0: as many as there are cores
 };

@@ -25,7 +25,7 @@ STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path,
 
 // Histories of a block are dealt to sources and first targets by systematic sampling (estimators.md 11): evenly spaced
 // numbers in (0, 1) with one random shift per block.
-STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history) {
+STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size) {
   std::uint64_t const place = history % block_size;
   double const shift = Rng(seed, history - place, 0xffffffffu, Stream::source).uniform();
   double const x = (double(place) + shift) / double(block_size);
@@ -38,7 +38,7 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   auto const n = static_cast<std::uint32_t>(world.emitters.size);
   if (n == 0) return false;  // nothing lit scatters
   Rng rng(seed, path.history, 0, Stream::source);
-  double const place = stratum(seed, path.history) * n;
+  double const place = stratum(seed, path.history, world.block_size) * n;
   auto pick = static_cast<std::uint32_t>(place);
   if (pick >= n) pick = n - 1;
   path.stratum = place - pick;

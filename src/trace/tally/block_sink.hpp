@@ -10,9 +10,12 @@
 
 namespace straytrace {
 
-constexpr std::size_t records_per_class = 512;  // addresses kept for replay; part of the run-file schema
+// Addresses kept for replay, of one block and of very many: what one block keeps does for 256, then their number grows
+// with that of the blocks (records_kept()). Part of the run-file schema.
+constexpr std::size_t records_per_class = 512, most_records = 4096;
 
-void keep_largest(ClassSums&);  // sorts by priority, drops all but the largest, remembers the threshold
+// Sorts by priority, drops what lies below the threshold and all but the largest, remembers the threshold.
+void keep_largest(ClassSums&, std::size_t most = records_per_class);
 
 class BlockSink {
  public:

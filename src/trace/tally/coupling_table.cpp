@@ -58,6 +58,7 @@ MadeClass make_class(World const& world, std::uint64_t hash, ClassSums const& su
                          std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
                          path->levers});
   }
+  c.levers = lever_moments(c, sums.levers, sums.threshold == 0, total.histories, world.block_size);
   return made;
 }
 
@@ -77,6 +78,8 @@ class Leftover {
     moments_ = merged(moments_, moments);
     for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
     merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
+    if (c.levers.empty() && c.coupling.mean > 0) moments_known_ = false;
+    if (moments_known_) moments_known_ = add_moments(merged_.levers, c.levers);
     ++merged_.folded_routes;
     note(c);
     weigh(c);
@@ -98,6 +101,7 @@ class Leftover {
       merged_.coupling.std_error = std::sqrt(between * replica_count / (replica_count - 1)) / n;
     }
     if (several) doubt(table);
+    if (!moments_known_) merged_.levers.clear();
     return std::move(merged_);
   }
 
@@ -135,7 +139,8 @@ class Leftover {
 
   CouplingClass merged_;
   Moments moments_;
-  double heavy_sum_ = 0;  // of the means of routes that failed for their tail
+  bool moments_known_ = true;  // second moments of the levers of all routes so far
+  double heavy_sum_ = 0;       // of the means of routes that failed for their tail
   std::uint64_t heavy_routes_ = 0;
   FoldedRoute heaviest_;
 };
@@ -180,8 +185,10 @@ CouplingTable make_coupling_table(World const& world, BlockSums const& total, st
   table.histories = total.histories;
   table.seed = seed;
   table.wavelength = world.wavelength;
+  table.block_size = world.block_size;
   table.reverse_routes = world.reverse_routes;
-  for (std::size_t r = 0; r < replica_count; ++r) table.replica_histories[r] = total.replica_blocks[r] * block_size;
+  for (std::size_t r = 0; r < replica_count; ++r)
+    table.replica_histories[r] = total.replica_blocks[r] * world.block_size;
   table.receivers = world.receiver_names();
   for (ReceiverSums const& r : total.receivers)
     table.received_power.push_back(estimate(r.power, total.histories, total.blocks));

@@ -21,11 +21,16 @@ bool before(ScoreAddress const& a, ScoreAddress const& b) {
   return a.connection < b.connection;
 }
 
-void keep_largest(ClassSums& sums) {
+std::size_t records_kept(std::uint64_t blocks) {
+  return std::clamp<std::size_t>(2 * blocks, records_per_class, most_records);
+}
+
+void keep_largest(ClassSums& sums, std::size_t most) {
+  std::erase_if(sums.kept, [&](ScoreAddress const& a) { return a.priority < sums.threshold; });
   std::sort(sums.kept.begin(), sums.kept.end(), before);
-  if (sums.kept.size() <= records_per_class) return;
-  sums.threshold = std::max(sums.threshold, sums.kept[records_per_class].priority);
-  sums.kept.resize(records_per_class);
+  if (sums.kept.size() <= most) return;
+  sums.threshold = std::max(sums.threshold, sums.kept[most].priority);
+  sums.kept.resize(most);
 }
 
 namespace {
@@ -37,14 +42,15 @@ void merge_scores(Moments& into, Moments const& from) {
   into.first_sum = first;
 }
 
-void merge_class(ClassSums& into, ClassSums const& from) {
+void merge_class(ClassSums& into, ClassSums const& from, std::size_t records) {
   into.port = from.port;
   merge_scores(into.moments, from.moments);
   for (int r = 0; r < replica_count; ++r) into.replica_sum[r] += from.replica_sum[r];
   into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
   into.off_list += from.off_list;
   into.threshold = std::max(into.threshold, from.threshold);
-  keep_largest(into);
+  keep_largest(into, records);
+  into.levers.add(from.levers);
 }
 
 void add_to(std::vector<double>& into, std::vector<double> const& from) {
@@ -81,13 +87,14 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
   double const before_border = first_part(left.blocks + right.blocks) > left.blocks ? not_a_number : 0;
   left.histories += right.histories;
   left.blocks += right.blocks;
+  std::size_t const records = records_kept(left.blocks);
   left.bounces += right.bounces;
   left.rays += right.rays;
   left.lost += right.lost;
   for (auto const& [route, sums] : right.classes) {
     auto const [place, is_new] = left.classes.try_emplace(route);
     if (is_new) place->second.moments.first_sum = before_border;
-    merge_class(place->second, sums);
+    merge_class(place->second, sums, records);
   }
   left.receivers.resize(std::max(left.receivers.size(), right.receivers.size()));
   for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);

@@ -14,7 +14,8 @@ class Cpu final : public Backend {
     WorldView const view = world.view();
     BlockSink sink(view, world.groups().size(), int(block % replica_count));
     Flight<HistoryTally> flight(view, seed);
-    flight.run(block * block_size, (block + 1) * block_size, [&](HistoryTally const& tally) { sink.add(tally); });
+    flight.run(block * view.block_size, (block + 1) * view.block_size,
+               [&](HistoryTally const& tally) { sink.add(tally); });
     return sink.finish();
   }
 };

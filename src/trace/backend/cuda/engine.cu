@@ -41,7 +41,7 @@ class Cuda {
     facts_.registers = std::uint32_t(kernel.numRegs);
     facts_.local_bytes = kernel.localSizeBytes;
     // Four histories for each thread, so that the last ones of a batch are a small part of it.
-    facts_.blocks_at_once = std::max<std::uint32_t>(16, 4 * facts_.workers / std::uint32_t(block_size));
+    facts_.blocks_at_once = std::max<std::uint32_t>(16, 4 * facts_.workers / std::uint32_t(largest_block));
   }
   DeviceFacts facts() const { return facts_; }
   std::uint32_t workers() const { return facts_.workers; }

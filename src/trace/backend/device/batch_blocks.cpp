@@ -82,7 +82,7 @@ BlockSums BatchBlocks::block(std::uint32_t position, std::uint64_t number) const
   int const replica = int(number % replica_count);
   BlockSums block = BlockSink(world_.view(), world_.groups().size(), replica).finish();  // zeros, of the right sizes
   BlockRow const& row = sums_.blocks[position];
-  block.histories = block_size;
+  block.histories = largest_block;
   block.bounces = block.rays = row.bounces;
   block.lost = row.lost;
   block.window_variance = row.window_variance;

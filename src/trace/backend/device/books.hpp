@@ -14,7 +14,7 @@ struct MakeBlockRow {
   // Number i: column i % (batch_columns + 1) of a block; the last one sums what has no moments.
   STRAY_HD void operator()(std::uint32_t i) const {
     std::uint32_t const block = i / (batch_columns + 1), column = i % (batch_columns + 1);
-    std::uint32_t const begin = block * std::uint32_t(block_size), end = begin + std::uint32_t(block_size);
+    std::uint32_t const begin = block * std::uint32_t(largest_block), end = begin + std::uint32_t(largest_block);
     BlockRow& row = rows[block];
     if (column < batch_columns) {
       MomentSums sums;
@@ -32,7 +32,7 @@ struct MakeBlockRow {
   }
 };
 inline void make_block_rows(Array<HistoryRecord> const& histories, BatchHistories number, Array<BlockRow>& rows) {
-  rows.resize(histories.size() / block_size);
+  rows.resize(histories.size() / largest_block);
   for_each_number(rows.size() * (batch_columns + 1), MakeBlockRow{data_of(histories), data_of(rows), number});
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/message.hpp"
+#include "trace/backend/cpu/cpu.hpp"
 #include "trace/backend/device/world_image.hpp"
 #include "trace/history/step.hpp"
 
@@ -30,6 +31,7 @@ class DeviceBackend final : public Backend {
   unsigned callers() const override { return engine_->facts().blocks_at_once; }
 
   BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+    if (world.block_size != largest_block) return cpu_backend()->run_block(world, seed, block);  // few histories in all
     Place const mine = wait_for(world, seed, block);
     if (mine.batch->failure) std::rethrow_exception(mine.batch->failure);
     return mine.batch->blocks->block(mine.position, block);

@@ -68,7 +68,7 @@ class EngineBody final : public DeviceEngine {
   enum { for_totals, for_scores, for_arrivals, for_cells, lists };
 
   void walk(BatchOrder const& order) {
-    auto const histories = std::uint32_t(order.blocks.size() * block_size);
+    auto const histories = std::uint32_t(order.blocks.size() * largest_block);
     std::uint32_t const workers = machine_.workers();
     std::array<Room, lists> rooms = rooms_;
     if (order.room > 0) rooms.fill({order.room, (order.room + 1) / 2});

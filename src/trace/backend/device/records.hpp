@@ -12,7 +12,7 @@ namespace straytrace {
 struct BatchHistories {
   std::uint64_t const* blocks = nullptr;
   STRAY_HD std::uint64_t operator()(std::uint32_t number) const {
-    return blocks[number / block_size] * block_size + number % block_size;
+    return blocks[number / largest_block] * largest_block + number % largest_block;
   }
 };
 

@@ -15,7 +15,7 @@ using ScoreRecord = Recorded<HistoryScore>;
 
 template <class T>
 STRAY_HD std::uint64_t block_of(Recorded<T> const& r) {
-  return r.history == no_history ? nothing : r.history / block_size;
+  return r.history == no_history ? nothing : r.history / largest_block;
 }
 // By block and route, then as the histories wrote them.
 template <class T>

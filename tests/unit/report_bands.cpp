@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What stands beside the Monte-Carlo error, in words.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/constants.hpp"
+#include "report/band.hpp"
+
+namespace straytrace::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Of inputs nothing is known where no noise is: they are not said to be exact. Twin: a resolved curve.
+TEST(ReportBands, NothingIsSaidOfInputsWhereNoNoiseIsResolved) {
+  NoiseBudget b;
+  b.grid.edges = {10, 20, 40};
+  b.total.asd = {1e-23, 2e-24};
+  b.bands.input_low = b.bands.input_high = b.bands.speckle_05 = b.bands.speckle_50 = b.bands.speckle_95 = b.total.asd;
+  b.unresolved = {"A > B: only 3 histories have scored"};
+  EXPECT_THAT(band_summary(b, {15}), HasSubstr("taken as exact"));
+  for (double const nothing : {0.0, not_a_number}) {
+    b.total.asd = {nothing, nothing};
+    EXPECT_THAT(band_summary(b, {15}), AllOf(HasSubstr("not known"), Not(HasSubstr("bracket"))));
+  }
+}
+
+}  // namespace
+}  // namespace straytrace::test
