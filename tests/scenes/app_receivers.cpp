@@ -76,7 +76,7 @@ TEST(ReceiversCommand, StopRules) {
   Folder const folder;
   Finished const reached = trace_two(folder, {"--until", "receiver:PD < 5 %, class:probe > M1 > M2 > det < 5 %"});
   EXPECT_EQ(reached.code, 0) << reached.err;
-  EXPECT_EQ(read_run(folder / "run.h5").trace.total.blocks, 91u);  // the second look
+  EXPECT_EQ(read_run(folder / "run.h5").trace.total.histories, 2880u);  // the second look: 45 blocks of 64
   auto const refused = [&](std::string const& rule, std::string const& words) {
     Finished const r = straytrace({"trace", two_mirrors, "-o", folder / "no.h5", "--until", rule});
     EXPECT_EQ(r.code, 2) << rule;
@@ -86,7 +86,7 @@ TEST(ReceiversCommand, StopRules) {
   // `histories` of the scene stays the upper limit; twin: a scene without.
   write_text(folder / "short.yaml", edited(text_of(two_mirrors), "trace: {", "trace: {histories: 200000, "));
   Finished const capped =
-      straytrace({"trace", folder / "short.yaml", "-o", folder / "short.h5", "--until", "receiver:PD < 5 %"});
+      straytrace({"trace", folder / "short.yaml", "-o", folder / "short.h5", "--until", "receiver:PD < 0.01 %"});
   EXPECT_EQ(capped.code, 0) << capped.err;
   EXPECT_EQ(read_run(folder / "short.h5").trace.total.blocks, 49u);
   EXPECT_THAT(straytrace({"trace", "--help"}).out, HasSubstr("'histories' of the scene stays the"));
