@@ -81,7 +81,8 @@ Sums coupled(Bent<Shape> const& bent, Pose const& home, Pose const& place, Case 
   Sums sums;
   for (int b = 0; b < blocks; ++b) {
     sink.sum = 0;
-    for (std::uint64_t h = 0; h < block_size; ++h) trace_history(view, 1, std::uint64_t(b) * block_size + h, sink);
+    for (std::uint64_t h = 0; h < largest_block; ++h)
+      trace_history(view, 1, std::uint64_t(b) * largest_block + h, sink);
     sums[std::size_t(b)] = sink.sum;
   }
   return sums;
