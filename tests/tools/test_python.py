@@ -168,7 +168,8 @@ class Errors(unittest.TestCase):
         told = [w for w in found.warnings if "no body moves" in w.message]
         self.assertEqual([w.severity for w in told], ["warning"])
         self.assertTrue(told[0].line > 0 and told[0].suggestion, told)
-        self.assertEqual(arm().check().warnings, ())
+        self.assertEqual(arm(noise={"band": ["5 Hz", "1 kHz"]}).check().warnings, ())
+        self.assertIn("another one", arm().check().warnings[0].message)   # no signal recycling, and the curve of adv
         self.assertNotEqual(found.model_hash, arm().check(params={"rim": "50 cm"}).model_hash)
 
 

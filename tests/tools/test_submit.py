@@ -138,7 +138,7 @@ class Words(unittest.TestCase):
                 return said
             virgo = (str(SOURCE / "examples/virgo_arm.yaml"),)          # it stops by error
             self.assertIn("--histories", refused("--jobs", "4", scene=virgo))
-            self.assertIn("write --jobs 3", refused("--jobs", "4", "--histories", 3 * BLOCK))
+            self.assertIn("write --jobs 192", refused("--jobs", "400", "--histories", 3 * BLOCK))
             for time in ("1s", "1e300h"):                               # too short to write a part; no number of a clock
                 self.assertIn("between 1min and 8784h", refused("--jobs", "2", "--histories", MANY, "--time", time))
             self.assertIn("from 1 to 50000", refused("--jobs", "60000", "--histories", "1e10"))

@@ -107,6 +107,12 @@ TEST(Faces, SolidsMayTouchAndLensesMayBeCemented) {
            z + "], facing: [0, 0, 1], body: b, material: ar}\n";
   };
   EXPECT_THAT(said(plate("one", "0 m") + plate("two", "-1 cm")), Not(coincide));
+  auto const mount = [](std::string const& part) {
+    return "  - {name: mount, use: " + part + ", at: [0 m, 0 m, 0 m], body: b, material: steel}\n";
+  };
+  EXPECT_THAT(said(mount("motor_mount")), nothing_shared);  // motors stand on the back of the frame
+  EXPECT_THAT(said(mount("mount") + disk("plate", "at: [0 m, 3 cm, 0 m], material: dark", "outer_radius: 2 mm")),
+              coincide);
   EXPECT_THAT(said(plate("one", "0 m") + disk("screen", "material: dark")), coincide);
 }
 
