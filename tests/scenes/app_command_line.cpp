@@ -127,7 +127,7 @@ TEST(CommandLine, MistakesAreExplained) {
       {{"trace", virgo_arm, "-o", folder / "none/a.h5"}, "there is no folder", "make it first"},
       {{"trace", virgo_arm, "-o", folder.path()}, "is a folder", "name a file with -o"},
       {{"noise", folder / "none.h5"}, "there is no such file", ""},
-      {{"paths", virgo_arm}, "is not a straytrace run file", ""},
+      {{"paths", virgo_arm}, "is a scene, not a run", "trace it first"},
   };
   for (Wrong const& w : all) {
     Finished const r = straytrace(w.words);

@@ -58,7 +58,7 @@ TEST(Files, OfARun) {
   EXPECT_NE(python(load + "assert a.shape == (138, 3)", " 2>/dev/null"), 0);
   EXPECT_THAT(text_of(folder / "out/h_asd.txt"),
               HasSubstr("\n# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 "
-                        "resolved sigma phase_only amplitude_only coherent design ratio\n"));
+                        "resolved sigma phase_only amplitude_only coherent design ratio bound_share\n"));
   EXPECT_THAT(text_of(folder / "out/h_asd.txt"), HasSubstr("one-sided strain ASD"));
 }
 

@@ -18,6 +18,7 @@ TEST(ReportBands, NothingIsSaidOfInputsWhereNoNoiseIsResolved) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};
   b.total.asd = {1e-23, 2e-24};
+  b.total.sigma = {1e-25, 2e-26};
   b.bands.input_low = b.bands.input_high = b.bands.speckle_05 = b.bands.speckle_50 = b.bands.speckle_95 = b.total.asd;
   b.unresolved = {"A > B: only 3 histories have scored"};
   EXPECT_THAT(band_summary(b, {15}), HasSubstr("taken as exact"));

@@ -177,14 +177,14 @@ TEST(mesh_doctor, finds_what_is_odd) {
   EXPECT_EQ(said_of(one_part(good)), "");
   testing::Soup holed = good, flipped = good, doubled = good, flat = good, inverted = good;
   holed.triangles.pop_back();
-  EXPECT_THAT(said_of(one_part(holed)), HasSubstr("3 edges in 1 of 1 parts belong to one triangle only"));
+  EXPECT_THAT(said_of(one_part(holed)), HasSubstr("3 edges in 1 of 1 part belong to one triangle only"));
   std::swap(flipped.triangles[0].corner[0], flipped.triangles[0].corner[1]);
   EXPECT_THAT(said_of(one_part(flipped)), HasSubstr("3 edges join triangles that show different sides"));
   doubled.triangles.push_back(doubled.triangles[3]);
-  EXPECT_THAT(said_of(one_part(doubled)), HasSubstr("1 triangles lie on the corners of another one"));
+  EXPECT_THAT(said_of(one_part(doubled)), HasSubstr("1 triangle lies on the corners of another one"));
   EXPECT_THAT(said_of(one_part(doubled)), HasSubstr("more than two triangles"));
   flat.triangles.push_back({{0, 1, 1}});
-  EXPECT_THAT(said_of(one_part(flat)), HasSubstr("1 triangles have no area"));
+  EXPECT_THAT(said_of(one_part(flat)), HasSubstr("1 triangle has no area"));
   for (MeshTriangle& t : inverted.triangles) std::swap(t.corner[0], t.corner[1]);
   EXPECT_THAT(said_of(one_part(inverted)), HasSubstr("normals of closed parts look inwards: 'part'"));
 }

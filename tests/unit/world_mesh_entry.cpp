@@ -19,7 +19,7 @@ bodies: {bench: {motion: still}}
 beams: {spot: {on: mirror, radius: 1 cm}}
 ports: {mirror: {beam: spot, at: mirror}}
 scene:
-  - {name: mirror, shape: {disk: {outer_radius: 2 cm}}, at: [1 m, 0 m, 0 m], body: bench, material: steel}
+  - {name: mirror, shape: {disk: {outer_radius: 2 cm}}, at: [1 m, 0 m, -1 cm], body: bench, material: steel}
 )";
 struct Built {
   World world;
