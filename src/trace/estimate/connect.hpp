@@ -20,6 +20,15 @@ STRAY_HD bool by_itself(std::uint32_t number) { return number % 2 == 0; }
 STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
   return lit.intensity(y) * std::fabs(dot(normal, lit.travel));
 }
+// Whether the mode lights the point y of its surface: a line parallel to the chief ray comes to y before it meets the
+// surface elsewhere (eq. 1.14), as those that connections draw. The rest of a closed surface lies in its own shadow.
+STRAY_HD bool lights(WorldView const& world, Footprint const& lit, Vec3 y, Vec3 normal) {
+  double const way = dot(y - lit.centre, lit.travel) + lit.backoff;
+  if (!(way > 0)) return false;
+  Ray line{y - way * lit.travel, lit.travel};
+  line.t_max = way - world.slack(lit.surface, way, std::fabs(dot(normal, lit.travel)));
+  return !(world.cross(lit.surface.value, line, {}).distance < line.t_max);
+}
 
 // BSDF at the lit surface from the direction of arrival into the reversed mode, 1/sr. Light from behind rejoins through
 // the surface, with the indices of the vertex.
@@ -61,7 +70,8 @@ STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex co
   // A walk over a specular hop has no density: no connection can have made this path.
   double const walk = per_area(path.hop.pdf, vertex.leg, vertex.wi.z);
   double const weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
-  if (coupling * weight > 0) sink.score(path, vertex, index, arrival_number(index), vertex, coupling * weight);
+  if (!(coupling * weight > 0) || !lights(world, lit, vertex.point, vertex.frame.e3)) return;
+  sink.score(path, vertex, index, arrival_number(index), vertex, coupling * weight);
 }
 
 // Several beams may light one surface: the light rejoins each of them.

@@ -131,7 +131,10 @@ struct Lit {
 };
 STRAY_HD Lit light_at(WorldView const& world, Footprint const& beam, Vec3 point, SurfaceId surface, Vec3 normal) {
   if (beam.profile == Profile::point) return {};
-  if (!beam.free) return {beam.direction(point), beam.surface == surface ? connection_density(beam, point, normal) : 0};
+  if (!beam.free) {
+    bool const lit = beam.surface == surface && lights(world, beam, point, normal);
+    return {beam.direction(point), lit ? connection_density(beam, point, normal) : 0};
+  }
   Footprint::Passing const light = beam.passing(point);
   double const cosine = std::fabs(dot(normal, light.travel)), density = light.irradiance * cosine;
   if (!(density > 0)) return {};
