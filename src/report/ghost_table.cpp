@@ -189,6 +189,7 @@ void GhostTable::add(Ghost const& g) {
 }
 
 void GhostTable::keep(std::vector<GhostRow>& heap, std::size_t most, double key, Ghost const& g) const {
+  if (most == 0) return;
   bool const full = heap.size() >= most;
   GhostRow const* const least = full ? &heap.front() : nullptr;
   if (full && (key < least->key || (key == least->key && g.number > least->ghost.number))) return;
