@@ -11,6 +11,8 @@
 
 #include "app/budget_sources.hpp"
 #include "app/common_options.hpp"
+#include "app/open_run.hpp"
+#include "app/other_detector.hpp"
 #include "base/message.hpp"
 #include "base/quantity.hpp"
 #include "base/table.hpp"
@@ -248,6 +250,23 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
   return all;
 }
 
+namespace {
+
+// Runs whose light was turned into strain by another interferometer than the detector of the budget.
+std::vector<std::string> other_detectors(Gathered const& g) {
+  std::vector<std::string> all;
+  for (NoiseSource const& s : g.sources) {
+    if (!g.ifo || s.run.entry.empty()) continue;
+    OpenRun const run(s.file);
+    if (!run.model.detector) continue;
+    if (auto const other = other_detector(*g.ifo, g.detector, s.run.file, *run.model.detector))
+      all.push_back(other->what + "\n  " + other->suggestion);
+  }
+  return all;
+}
+
+}  // namespace
+
 BudgetView gather_budget(BudgetRequest const& r) {
   BudgetView v;
   v.margin = parse_margin(r.margin);
@@ -269,6 +288,7 @@ BudgetView gather_budget(BudgetRequest const& r) {
     for (std::string const& model : s.models)
       if (std::find(v.models.begin(), v.models.end(), model) == v.models.end()) v.models.push_back(model);
   }
+  for (std::string& warning : other_detectors(g)) v.warnings.push_back(std::move(warning));
   v.grid = put_on(g, compare, hz, nullptr);
   v.at = put_on(g, compare, at, &v.left_out);
   if (g.ifo) v.ifo_yaml = g.ifo->yaml;

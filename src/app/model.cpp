@@ -162,6 +162,9 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
     model.detector = read_detector(model, model.scene.table("interferometer"));
   if (responses && !(interferometer && interferometer.has("responses")))
     other.root().problem("this file holds no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
+  else if (responses && (bodies || noise))
+    (bodies ? bodies : noise)
+        .problem("a file of responses holds nothing else", "give 'bodies' and 'noise' in the file of --motion");
   else if (!bodies && !interferometer && !noise && other.root().healthy())
     other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
   other.throw_if_problems();

@@ -41,7 +41,7 @@ int noise(Options const& options) {
     earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
   else if (!options.out.empty() && std::filesystem::is_directory(options.out))
     earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
-  std::string replaced = options.motion.empty() ? file.about.motion_file : name_of(options.motion);
+  std::string replaced = run.projected_with;
   if (!options.response.empty()) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);

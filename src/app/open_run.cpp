@@ -2,7 +2,9 @@
 #include "app/open_run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <filesystem>
 #include <sstream>
 
 #include "app/read_file.hpp"
@@ -17,12 +19,30 @@ Model traced_model(RunFile const& file, std::vector<std::string> const& override
   return read_model(file.about.main_file, all, &file.about.files);
 }
 
+std::vector<std::string> lines_of(std::string const& text) {
+  std::vector<std::string> all;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  return all;
+}
+
+// Of the files that the run was projected with, those that hold responses of ports and nothing else.
+std::vector<std::string> files_of_responses(RunFile const& file) {
+  std::vector<std::string> all;
+  for (std::string const& name : lines_of(file.about.motion_file)) {
+    Scene const held = read_scene(name, {}, &file.about.files);
+    if (held.table("interferometer").has("responses") && !held.table("bodies") && !held.table("noise"))
+      all.push_back(name);
+  }
+  return all;
+}
+
 }  // namespace
 
 Model model_of(RunFile const& file, std::vector<std::string> const& overrides) {
   Model model = traced_model(file, overrides);
-  std::istringstream names(file.about.motion_file);
-  for (std::string name; std::getline(names, name);) replace_motion(model, name, &file.about.files, nullptr);
+  for (std::string const& name : lines_of(file.about.motion_file))
+    replace_motion(model, name, &file.about.files, nullptr);
   return model;
 }
 
@@ -34,12 +54,27 @@ RunFile read_run_file(std::string const& path) {
   return read_run(path);
 }
 
-OpenRun::OpenRun(std::string const& path) : file(read_run_file(path)), model(model_of(file)) {}
+OpenRun::OpenRun(std::string const& path)
+    : file(read_run_file(path)), model(model_of(file)), projected_with(file.about.motion_file) {}
 
+// A new motion file acts before the responses that stay, which its band must not undo; one that says what the
+// interferometer is acts after them.
 OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* files)
-    : file(read_run_file(path)), model(motion.empty() ? model_of(file) : traced_model(file, {})) {
+    : file(read_run_file(path)),
+      model(motion.empty() ? model_of(file) : traced_model(file, {})),
+      projected_with(file.about.motion_file) {
   if (files) *files = file.about.files;
-  if (!motion.empty()) replace_motion(model, motion, nullptr, files);
+  if (motion.empty()) return;
+  std::vector<std::string> names = files_of_responses(file);
+  bool const last = bool(read_scene(motion, {}).table("interferometer"));
+  auto const stay = [&] {
+    for (std::string const& name : names) replace_motion(model, name, &file.about.files, nullptr);
+  };
+  if (last) stay();
+  replace_motion(model, motion, nullptr, files);
+  if (!last) stay();
+  names.insert(last ? names.end() : names.begin(), std::filesystem::path(motion).filename().string());
+  projected_with = fmt::format("{}", fmt::join(names, "\n"));
 }
 
 }  // namespace straytrace

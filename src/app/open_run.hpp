@@ -19,14 +19,16 @@ RunFile read_run_file(std::string const& path);
 
 struct OpenRun {
   explicit OpenRun(std::string const& path);
-  // With the motion in the file `motion` on disk instead of what the run was projected with, unless it is empty.
-  // `files`: gets the texts of the run and of that file; throws where two of one name differ.
+  // With the motion in the file `motion` on disk instead of that which the run was projected with, unless it is empty.
+  // Responses of ports that the run was projected with stay, except those that `motion` gives itself. `files`: gets the
+  // texts of the run and of that file; throws where two of one name differ.
   OpenRun(std::string const& path, std::string const& motion, FileTexts* files = nullptr);
   OpenRun(OpenRun const&) = delete;  // the model refers to the texts in the file
   OpenRun& operator=(OpenRun const&) = delete;
 
   RunFile file;
   Model model;
+  std::string projected_with;  // files of motion and responses in the order in which they act, a line each
 };
 
 }  // namespace straytrace

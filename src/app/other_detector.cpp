@@ -9,7 +9,6 @@
 
 #include "base/embedded.hpp"
 #include "noise/design.hpp"
-#include "report/pygwinc_ifo.hpp"
 
 namespace straytrace {
 namespace {
@@ -64,6 +63,16 @@ std::optional<OtherDetector> other_detector(std::string const& curve, Interferom
   return OtherDetector{fmt::format("'{}' is a curve of {}, and the interferometer is another one: {}", curve, title,
                                    fmt::join(least, "; ")),
                        remedy(detector)};
+}
+
+std::optional<OtherDetector> other_detector(IfoFile const& budget, std::string const& detector, std::string const& run,
+                                            Interferometer const& interferometer) {
+  std::vector<std::string> const found = differences(interferometer.numbers(), budget.detector.numbers());
+  if (found.empty()) return {};
+  return OtherDetector{
+      fmt::format("'{}' is a budget of {}, and the interferometer of '{}' is another one: {}", detector,
+                  budget.title.empty() ? "one detector" : budget.title, run, fmt::join(found, "; ")),
+      fmt::format("give the detector of '{}', or project the run with the interferometer of '{}'", run, detector)};
 }
 
 void warn_of_other_detector(Model const& model, Node const& place) {

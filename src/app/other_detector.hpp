@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/model.hpp"
+#include "report/pygwinc_ifo.hpp"
 
 namespace straytrace {
 
@@ -15,6 +16,11 @@ struct OtherDetector {
 // Of a built-in curve, where arm length (1 %), arm power, mirror mass, finesse or gain (10 %) of the interferometer are
 // not those of the detector that the curve is of (data/detectors); of several detectors the one most alike counts.
 std::optional<OtherDetector> other_detector(std::string const& curve, Interferometer const&);
+
+// Of the light of a run, where the same numbers of its interferometer are not those of the detector whose budget it
+// stands in. `detector`: as it was named.
+std::optional<OtherDetector> other_detector(IfoFile const& budget, std::string const& detector, std::string const& run,
+                                            Interferometer const&);
 
 // Warns at `place` for each of the curves that the model is compared with.
 void warn_of_other_detector(Model const&, Node const& place);

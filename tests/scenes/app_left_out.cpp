@@ -116,5 +116,17 @@ TEST(OtherDetector, IsSeenWhereverACurveIsNamed) {
   }
 }
 
+// In a budget the run stands beside the noises of a detector, with or without a design curve.
+TEST(OtherDetector, IsSeenInABudget) {
+  Folder const folder;
+  std::string const bench = source_folder + "/examples/end_bench.yaml";
+  ASSERT_EQ(straytrace({"run", bench, "-o", folder / "a", "--histories", "4096", "--quiet"}).code, 0);
+  auto const said = [&](char const* detector) { return straytrace({"budget", detector, folder / "a/run.h5"}).err; };
+  EXPECT_THAT(said("aligo"), AllOf(HasSubstr("'aligo' is a budget of "), HasSubstr("arm length 3000 m, not 3995 m"),
+                                   HasSubstr("give the detector of 'a/run.h5'")));
+  EXPECT_THAT(said("adv"), Not(HasSubstr("is a budget of"))) << "twin: the same detector";
+  EXPECT_THAT(straytrace({"budget", folder / "a/run.h5"}).err, Not(HasSubstr("is a budget of"))) << "twin: none";
+}
+
 }  // namespace
 }  // namespace straytrace::testing::app_left_out

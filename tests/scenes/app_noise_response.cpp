@@ -53,6 +53,11 @@ struct NoiseResponse : ::testing::Test {
     EXPECT_EQ(done.code, 0) << done.err;
     return columns_of(folder / (out + "/h_asd.txt"));
   }
+  std::string projected_run(Words words, std::string const& out) const {  // its run file
+    words.insert(words.begin(), {"noise", run});
+    projected(words, out);
+    return folder / (out + "/run.h5");
+  }
   std::string both(std::string const& name, std::string const& file) const {
     std::string const table = "phase: " + file + ", columns: [Hz, re, im], unit: strain";
     write_text(folder / name,
@@ -95,6 +100,23 @@ TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
   EXPECT_EQ(data_hash(folder / "loud_again/run.h5"), data_hash(folder / "loud/run.h5"));
 }
 
+// Another motion does not change what the interferometer makes of the light: the response stays, unless the motion file
+// says what the interferometer is. Twins: as it was, with the response of the scene; the response of another file.
+TEST_F(NoiseResponse, StaysWithAnotherMotion) {
+  std::string const quiet = projected_run({"--response", both("one.yaml", "one.txt")}, "quiet");
+  Columns const kept = projected({"noise", quiet, "--motion", storm}, "kept"),
+                at_once = projected({"noise", run, "--motion", storm, "--response", folder / "one.yaml"}, "at_once"),
+                dropped = projected({"noise", run, "--motion", storm}, "dropped");
+  ASSERT_EQ(kept.mean.size(), at_once.mean.size());
+  for (std::size_t i = 0; i < kept.mean.size(); ++i) EXPECT_EQ(kept.mean[i], at_once.mean[i]);
+  EXPECT_GT(std::fabs(kept.mean.front() / dropped.mean.front() - 1), 0.1);
+  projected({"noise", folder / "kept/run.h5"}, "kept_again");
+  EXPECT_EQ(data_hash(folder / "kept_again/run.h5"), data_hash(folder / "kept/run.h5"));
+  Columns const two = projected({"noise", quiet, "--motion", both("two.yaml", "two.txt")}, "two"),
+                one = columns_of(folder / "quiet/h_asd.txt");
+  EXPECT_NEAR(two.mean.front() / one.mean.front(), 2, 1e-6);
+}
+
 TEST_F(NoiseResponse, RefusesWhatIsNoResponse) {
   auto const refused = [&](std::string const& text, std::vector<std::string> const& says) {
     write_text(folder / "bad.yaml", text);
@@ -105,6 +127,8 @@ TEST_F(NoiseResponse, RefusesWhatIsNoResponse) {
   };
   refused("straytrace: 1\n", {"this file holds no responses"});
   refused(text_of(storm), {"this file holds no responses"});
+  refused(response_of("ITM", "phase: one.txt") + "noise: {band: [5 Hz, 1 kHz]}\n",
+          {"bad.yaml:4:", "a file of responses holds nothing else"});
   refused("straytrace: 1\ninterferometer: {responses: {}, mirror_mass: 40 kg}\n", {"mirror_mass"});
   refused(response_of("ITN", "phase: one.txt"), {"bad.yaml:3:", "ITN", "ITM"});
   refused(response_of("ITM", "phase: none.txt"), {"bad.yaml:3:", "none.txt"});
