@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+BORDER = 1e-5     # of the frequency: distance of points from the border of a bin
 BEYOND = ("nan", "constant", "slope")
 Array = npt.NDArray[np.float64]
 
@@ -29,6 +30,18 @@ def between_bins(hz: npt.ArrayLike, edges: Array, mean: npt.ArrayLike) -> Array:
             result = np.where(smooth, value[low] * (value[low + 1] / value[low]) ** share, result)
     result = np.where((x >= edges[0]) & (x < edges[-1]), result, np.nan)
     return result.reshape(np.shape(np.asarray(hz)))
+
+
+def with_borders_of_lines(edges: Array, mean: npt.ArrayLike) -> tuple[Array, Array]:
+    """Centres of bins and averages over them, and points on either side of the borders of bins that hold a line, as
+    between_bins() knows it: between all of them the line stays within its bin, and its PSD times the width is its power."""
+    centre, value = np.sqrt(edges[:-1] * edges[1:]), np.asarray(mean, float)
+    lines = 1 + np.flatnonzero(value[1:-1] ** 2 > 4 * value[:-2] * value[2:])
+    borders = np.union1d(lines, lines + 1)
+    hz = np.concatenate([centre, edges[borders] * (1 - BORDER), edges[borders] * (1 + BORDER)])
+    asd = np.concatenate([value, value[borders - 1], value[borders]])
+    order = np.argsort(hz, kind="stable")
+    return hz[order], asd[order]
 
 
 def log_log(hz: npt.ArrayLike, frequency: Array, strain: npt.ArrayLike, beyond: str = "nan") -> Array:

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from .interpolate import BEYOND, log_log
+from .interpolate import BEYOND, log_log, with_borders_of_lines
 from .run import Run, RunError, open_run
 
 
@@ -40,7 +40,8 @@ def _of_run(path: pathlib.Path) -> Known:
     run = open_run(path)
     if run.noise is None:
         raise RunError(f"'{path}' holds no noise, only couplings: give a run with ports")
-    return run.noise.frequency, run.noise.total.mean, (run.attributes.get("title") or "") + run.noise.bound
+    hz, strain = with_borders_of_lines(run.noise.edges, run.noise.total.mean)
+    return hz, strain, (run.attributes.get("title") or "") + run.noise.bound
 
 
 def _of_budget(path: pathlib.Path) -> Known:
@@ -69,6 +70,10 @@ def _of_text(path: pathlib.Path) -> Known:
         raise RunError(f"'{path}' is a budget without stray light")
     if not stray and table.shape[1] > 2 and titles[1:2] != ["h_mean"]:
         raise RunError(f"'{path}' has {table.shape[1]} columns, and none is named h_mean or StrayLight_strain")
+    if titles[1:2] == ["h_mean"] and len(table) > 1:  # centres of logarithmic bins
+        centre = table[:, 0]
+        middle = np.sqrt(centre[:-1] * centre[1:])
+        return *with_borders_of_lines(np.r_[centre[0] ** 2 / middle[0], middle, centre[-1] ** 2 / middle[-1]], table[:, 1]), ""
     if not stray:
         return table[:, 0], table[:, 1], ""
     return table[:, 0], np.sqrt(np.sum(table[:, stray] ** 2, axis=1)), ""
@@ -76,7 +81,8 @@ def _of_text(path: pathlib.Path) -> Known:
 
 def read_strain(path: str | os.PathLike[str]) -> Known:
     """Frequencies [Hz], one-sided strain ASD [1/sqrt(Hz)] and title of the stray light in a file: a run file (or the
-    folder of run.h5), an exported budget (HDF5), or text. Raises RunError."""
+    folder of run.h5), an exported budget (HDF5), or text. Of runs these are averages over bins: a bin that holds a line has
+    points at its borders too, so that the line is as wide as its bin and PSD times width its power. Raises RunError."""
     path = pathlib.Path(path)
     if path.is_dir():
         path = path / "run.h5"

@@ -59,6 +59,20 @@ std::vector<double> band_of(BudgetRequest const& r) {
   return ends;
 }
 
+// Points on either side of the borders of bins that hold a line, so that no straight line between points carries it
+// into other bins.
+std::vector<double> with_borders_of_lines(std::vector<double> hz, std::vector<NoiseSource> const& sources) {
+  constexpr double distance = 1e-5;  // of the frequency
+  double const low = hz.front(), high = hz.back();
+  for (NoiseSource const& s : sources)
+    for (double const border : s.borders)
+      for (double const f : {border * (1 - distance), border * (1 + distance)})
+        if (f > low && f < high) hz.push_back(f);
+  std::sort(hz.begin(), hz.end());
+  hz.erase(std::unique(hz.begin(), hz.end()), hz.end());
+  return hz;
+}
+
 // Frequencies of curves and picture.
 std::vector<double> grid_of(std::vector<double> band, std::size_t points, std::vector<NoiseSource> const& sources) {
   Sampled const* const first = sources.empty() ? nullptr : &sources.front().curve;
@@ -272,7 +286,7 @@ BudgetView gather_budget(BudgetRequest const& r) {
   v.margin = parse_margin(r.margin);
   std::vector<double> const at = parse_frequencies(r.at, "--at"), band = band_of(r);
   Gathered const g = read_inputs(r);
-  std::vector<double> const hz = grid_of(band, r.points, g.sources);
+  std::vector<double> const hz = with_borders_of_lines(grid_of(band, r.points, g.sources), g.sources);
   std::vector<std::string> compare = r.compare;
   if (compare.empty() && g.ifo && !g.ifo->compare.empty()) compare = {g.ifo->compare};
   std::vector<std::string> titles;

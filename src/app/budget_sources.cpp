@@ -158,6 +158,16 @@ InputKind kind_of_input(std::string const& file) {
   return InputKind::detector;
 }
 
+namespace {
+
+void add_borders_of_lines(std::vector<double>& borders, NoiseTrace const& curve, FrequencyGrid const& grid) {
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    if (BinLine const line = line_at(curve, grid, grid.centre(i)); !std::isnan(line.rms.value))
+      borders.insert(borders.end(), {line.low, line.high});
+}
+
+}  // namespace
+
 NoiseSource stray_light(std::string const& file) {
   RunFile const run = read_run(file);
   if (!run.noise)
@@ -195,6 +205,9 @@ NoiseSource stray_light(std::string const& file) {
   s.bound_bins = std::move(bound);
   s.entry.inputs_stated = !b.bands.sources.empty();
   for (std::string const& warning : b.warnings) s.warnings.push_back(fmt::format("'{}': {}", file, warning));
+  add_borders_of_lines(s.borders, b.total, b.grid);
+  for (NoiseTrace const& route : b.routes)
+    if (route.resolved) add_borders_of_lines(s.borders, route, b.grid);
   for (NoiseTrace const& route : b.routes)
     if (route.resolved)
       s.parts.push_back({{route.name, route.name, BudgetEntry::Kind::stray_light, {}, {}, "", {}},

@@ -44,6 +44,7 @@ struct NoiseSource {
   BudgetBands bands{};                // on the frequencies of the curve
   std::vector<std::string> warnings{};
   std::vector<bool> bound_bins{};  // of a run: bins in which it is an upper bound
+  std::vector<double> borders{};   // Hz, of a run: of bins that hold a line, of the total or of a route
   BudgetEntry on(std::vector<double> const& at) const;
 };
 

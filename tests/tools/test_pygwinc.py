@@ -205,6 +205,35 @@ def test_drop_in_beyond_the_band(folder):
         pass
 
 
+def power(hz, psd):
+    return float(np.sum((psd[1:] + psd[:-1]) / 2 * np.diff(hz)))
+
+
+def test_lines_stay_in_their_bins(folder):
+    """The example tube moves with lines: from run file, exported budget and h_asd.txt the PSD of the bin with the line at 10 Hz
+    has the power of the run, and bins beside it have theirs. Twin: straight lines between the centres."""
+    tube = folder / "tube"
+    subprocess.run([PROGRAM, "run", SOURCE / "examples/arm_tube.yaml", "-o", tube, "--histories", "50000", "--quiet"], check=True,
+                   timeout=120, capture_output=True, env=os.environ | {"STRAYTRACE_PYTHON": "/bin/false"})
+    noise = straytrace.open(tube / "run.h5").noise
+    bin_of_line = int(np.searchsorted(noise.edges, 10.0) - 1)
+    low, high = noise.edges[bin_of_line - 1], noise.edges[bin_of_line + 2]
+    wanted = noise.power(noise.total, low, high)[0]
+    assert noise.total.mean[bin_of_line] ** 2 > 100 * noise.total.mean[bin_of_line - 1] * noise.total.mean[bin_of_line + 1]
+    done = run(str(tube / "run.h5"), "--export", "pygwinc", "-o", str(folder / "lines"), "--quiet")
+    assert done.returncode == 0, done.stderr
+    hz = np.linspace(low, high, 200001)
+    for name in (tube / "run.h5", folder / "lines/budget.hdf5", tube / "h_asd.txt"):
+        asd = StrayLight.of(name, quantity="strain")(freq=hz).run().asd
+        assert abs(power(hz, asd**2) / wanted - 1) < 1e-3, name
+    smeared = log_log(hz, noise.frequency, noise.total.mean)
+    assert abs(power(hz, smeared**2) / wanted - 1) > 0.1  # twin
+    trace = load_hdf5(folder / "lines/budget.hdf5")
+    near = (trace.freq > low * 0.9999) & (trace.freq < high * 1.0001)
+    psd = find(trace, "StrayLight").psd
+    assert abs(power(trace.freq[near], psd[near]) / wanted - 1) < 1e-2  # as its own points draw it
+
+
 def test_drop_in_reads_curves(folder):
     """The same strain from run file, exported budget, h_asd.txt and budget.txt."""
     demo = traced(folder)
@@ -275,7 +304,7 @@ def main():
             test_each_noise(folder, table=True)
             return
         for test in (test_file_is_read, test_their_file, test_their_ifo, test_each_noise, test_drop_in,
-                     test_drop_in_beyond_the_band, test_drop_in_reads_curves, test_what_is_no_curve_is_refused, test_without_pygwinc,
+                     test_drop_in_beyond_the_band, test_lines_stay_in_their_bins, test_drop_in_reads_curves, test_what_is_no_curve_is_refused, test_without_pygwinc,
                      test_example_of_the_page):
             test(folder)
             print(f"{test.__name__}: ok")
