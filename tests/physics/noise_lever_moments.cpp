@@ -92,6 +92,37 @@ TEST(LeverMoments, ErrorFallsAsTheRootOfHistories) {
   EXPECT_LT(one.stated / (stays.sigma[0] / stays.asd[0]), 2.5);  // broken twin: the error of 512 kept paths stays
 }
 
+// Mean square of (h - its mean over the runs) / error stated by each run, over degrees of freedom. The error of one run
+// comes from 32 replicas: for Gaussian values the mean square is that of Student's t, 31/29.
+double mean_square_pull(std::vector<NoiseTrace> const& runs, double factor = 1) {
+  double mean = 0, sum = 0;
+  for (NoiseTrace const& t : runs) mean += t.asd[0] / double(runs.size());
+  for (NoiseTrace const& t : runs) sum += std::pow((t.asd[0] - mean) / (factor * t.sigma[0]), 2);
+  return sum / double(runs.size() - 1) * 29 / 31;
+}
+
+// Coverage: the spread over 240 seeds is that of the stated errors, of one route and of the total. The ratio of the
+// squares is known to sqrt(2/239) = 9 %; limits at 3 of that. Broken twins: errors 1.3 and 1.5 times too small, and as
+// much too large, are refused.
+TEST(LeverMoments, SpreadOverManySeedsIsTheStatedError) {
+  constexpr std::uint64_t runs = 240, histories = 2048;
+  World const world = chamber();
+  std::vector<NoiseTrace> route, total;
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+    CouplingTable const table = run_histories(world, histories, seed).coupling;
+    route.push_back(noise(table, shaking(1e-14)));
+    total.push_back(project_noise(table, shaking(1e-14), UnitDetector(), on({10, 10.4})).total);
+  }
+  double const known = 3 * std::sqrt(2.0 / (runs - 1));
+  for (auto const* all : {&route, &total}) {
+    EXPECT_NEAR(mean_square_pull(*all), 1, known);
+    for (double const factor : {1.3, 1.5}) {
+      EXPECT_GT(mean_square_pull(*all, 1 / factor), 1 + known) << "twin";
+      EXPECT_LT(mean_square_pull(*all, factor), 1 - known) << "twin";
+    }
+  }
+}
+
 // Where fringes wrap, the kept paths decide; they grow from 512 to 4096 with the blocks, and their error falls.
 TEST(LeverMoments, KeptPathsGrowWhereFringesWrap) {
   MotionSet const strong = shaking(1e-6);
