@@ -22,8 +22,8 @@ class Reader:
                 isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v) for v in values):
             return np.array(values, float) if size > 1 else float(values[0])
         what = "is missing" if got is None else f"is {got!r}"
-        self.problems.append(f"{self.path}: error: {place}: '{key}' {what}; {size} finite number{'s' * (size > 1)} should "
-                             "stand there")
+        self.problems.append(f"{self.path}: error: {place}: '{key}' {what}; write {size} finite "
+                             f"number{'s' * (size > 1)}")
         return np.full(size, np.nan) if size > 1 else math.nan
 
     def optic(self, table, number, left_out):

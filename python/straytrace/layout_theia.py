@@ -74,7 +74,7 @@ def arguments(line, kind):
             texts.append(evaluate(word.value))
     for key, value in values.items():
         if not isinstance(value, bool) and not (isinstance(value, (int, float)) and math.isfinite(value)):
-            raise ValueError(f"{key} is {value!r}; a finite number should stand there")
+            raise ValueError(f"{key} is {value!r} and should be a finite number")
     return values, str(texts[-1]) if texts else NAMES[kind]
 
 

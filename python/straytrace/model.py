@@ -203,7 +203,7 @@ class Model(Table):
         histories, until, seed: how much light, or how sure: ``"h_total < 5 %"``; else as the model says.
         threads: all cores unless given; the numbers do not depend on it.
         max_time: seconds, or "50min".
-        force: overwrite the run of another model in `out`; otherwise a run of the same model is gone on with.
+        force: overwrite the run of another model in `out`; otherwise a run of the same model is continued.
         progress: True, False, or a function that is called with a `Progress` every half second.
 
         Ctrl-C gives what was traced so far, a valid result with ``complete == False``."""

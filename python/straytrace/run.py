@@ -52,7 +52,7 @@ class Run:
 
     @property
     def complete(self) -> bool:
-        """False: stopped early, a valid result that can be gone on with."""
+        """False: stopped early, a valid result that can be continued."""
         return bool(self.attributes["complete"])
 
     @property
@@ -198,8 +198,8 @@ def _read(file: Any, path: pathlib.Path) -> Run:
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
-    """Reads the run file at `path`, or `run.h5` in the folder `path`. Raises RunError for a file that is none, is damaged
-    or of a newer format."""
+    """Reads the run file at `path`, or `run.h5` in the folder `path`. Raises RunError for a file that is not a run, is
+    damaged, or has a newer format."""
     path = pathlib.Path(path)
     if path.is_dir():
         path = path / "run.h5"

@@ -144,7 +144,7 @@ def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
     executor: any of concurrent.futures, with threads, processes or jobs elsewhere; give `threads=1` besides when as many
     points as cores run at once. Its machines need this package; model and result travel with the job, data files that the
     model names do not. Without one, point after point with all cores.
-    out: folder for a run file of every point, point000.h5 ...: finished points are gone on with, not traced again.
+    out: folder for a run file of every point, point000.h5 ...: finished points are reused, not traced again.
     progress: a line per point on stderr.
     options: those of Model.run (histories, until, seed, threads, max_time, force).
 

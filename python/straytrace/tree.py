@@ -48,7 +48,7 @@ def plain(value: Any, where: str) -> Any:
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
-                raise TypeError(f"{where}: the key {key!r} is no text; write {str(key)!r}")
+                raise TypeError(f"{where}: the key {key!r} is not text; write {str(key)!r}")
         return CommentedMap((key, plain(entry, f"{where}.{key}")) for key, entry in value.items())
     if isinstance(value, (list, tuple, np.ndarray)):
         entries = CommentedSeq(plain(entry, f"{where}[{i}]") for i, entry in enumerate(value))
@@ -85,7 +85,7 @@ class Table(MutableMapping[str, Any]):
 
     def __setitem__(self, key: str, value: Any) -> None:
         if not isinstance(key, str):
-            raise TypeError(f"{self.where}: the key {key!r} is no text; write {str(key)!r}")
+            raise TypeError(f"{self.where}: the key {key!r} is not text; write {str(key)!r}")
         self.data[key] = plain(value, f"{self.where}.{key}")
 
     def __delitem__(self, key: str) -> None:

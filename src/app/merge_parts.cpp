@@ -137,7 +137,7 @@ std::string runs_of(std::vector<std::uint64_t> const& numbers) {
   return text;
 }
 
-// What has been begun is gone on with; what is not there is traced from the model in another part.
+// What has been begun is continued; what is not there is traced from the model in another part.
 std::vector<std::string> commands(RunParts const& parts, std::vector<std::uint64_t> const& slices) {
   std::map<std::uint64_t, PartHead const*> there;
   for (PartHead const& head : parts.heads) there[head.slice.number] = &head;

@@ -32,7 +32,7 @@ void refuse_stop_rule(Options const& options, Model const& model) {
                   options.slice, options.slices, model.until.error_rule));
 }
 
-// A run file is gone on with where it is, unless another place is named. Who asks it to stop while it still reads, or
+// A run file is continued in place, unless another file is named. Who asks it to stop while it still reads, or
 // already writes, gets a run file as well.
 int trace_only(Options options, Transport* transport) {
   InterruptGuard const guard;
@@ -142,7 +142,7 @@ void add_trace(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace trace part007.h5\n"
       "  mpirun straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e9 --backend mpi\n"
       "  straytrace trace virgo.h5 --history 1234\n"
-      "A run file is gone on with to the number of histories that was asked for.");
+      "A run file is continued to the number of histories asked for.");
   command->callback([&, out] {
     if (history) {
       exit_code = tell_history(options, *history);

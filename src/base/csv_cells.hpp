@@ -26,7 +26,7 @@ struct CsvName {
 };
 std::optional<CsvName> csv_name(std::string_view cell);
 
-// A number in `unit`, in SI; nothing where the cell is no number.
+// A number in `unit`, in SI; nothing where the cell is not a number.
 std::optional<double> csv_number(std::string_view cell, Quantity const& unit);
 
 }  // namespace straytrace

@@ -41,7 +41,7 @@ struct MomentColumns {
     MomentColumns const c{in.rows<double>(path, rows, moment_sums * each),
                           in.rows<std::uint64_t>(path + "_counts", rows, moment_counts * each)};
     for (double const sum : c.values)
-      if (!std::isfinite(sum)) damaged_run(fmt::format("'{}' holds a sum that is no number", path));
+      if (!std::isfinite(sum)) damaged_run(fmt::format("'{}' holds a sum that is not a number", path));
     return c;
   }
 };

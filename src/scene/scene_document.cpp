@@ -173,7 +173,7 @@ std::optional<std::uint32_t> SceneDocument::open(Node const& named_by, std::stri
     return {};
   }
   if (is_absolute(written)) {
-    named_by.problem(fmt::format("'{}' is an absolute path, which no other machine can follow", shortened(written)),
+    named_by.problem(fmt::format("'{}' is an absolute path, which other machines cannot follow", shortened(written)),
                      "write a name relative to this file, for example 'data/steel.csv'");
     return {};
   }

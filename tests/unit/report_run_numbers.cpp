@@ -32,7 +32,7 @@ TEST(ReportRunNumbers, SumsThatAreNoneAreDamage) {
     write_file(folder / "sealed.h5", sealed(read_file(folder / "bare.h5")));
     EXPECT_THAT(
         message_of([&] { (void)read_run(folder / "sealed.h5"); }),
-        ::testing::HasSubstr(std::isfinite(value) ? "no error" : "'/nodes/emitted' holds a sum that is no number"));
+        ::testing::HasSubstr(std::isfinite(value) ? "no error" : "'/nodes/emitted' holds a sum that is not a number"));
   }
 }
 

@@ -136,7 +136,7 @@ TEST(Slices, AllTogetherAreOneRun) {
   EXPECT_FALSE(same(twin.total(), one.total));
 }
 
-// A merged run with a gap is gone on with: only what is missing is traced.
+// A merged run with a gap is continued: only what is missing is traced.
 TEST(Slices, GapsAreFilled) {
   TraceResult const one = traced(settings_for());
   SumTree some = traced(settings_for({1, 4})).tree;

@@ -75,7 +75,7 @@ TEST(Moments, VerdictsInWords) {
   for (int i = 0; i < 99; ++i) few[std::size_t(32 * i)] = 1;
   EXPECT_EQ(verdict(few), "only 99 histories have scored");
   uneven[7] = 600;
-  EXPECT_EQ(verdict(uneven).substr(0, 10), "worth only");
+  EXPECT_TRUE(verdict(uneven).ends_with("effective scores"));
   spiky[7] = 270;
   EXPECT_EQ(verdict(spiky), "one history carries 5 % of the sum");
   std::vector<double> tail(32 * 10000, 1.0);
