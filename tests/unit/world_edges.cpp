@@ -3,7 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
+#include "built_scene.hpp"
+#include "message_of.hpp"
 #include "world/apertures.hpp"
 
 namespace straytrace::testing {
@@ -25,20 +26,9 @@ constexpr char arm[] =
     "  - {name: wall, shape: {cylinder: {radius: 60 cm, from: 1 m, to: 2999 m}}, body: b, material: black}\n"
     "beams: {arm: {cavity: [I, E]}}\nports: {I: {beam: arm, at: I}, E: {beam: arm, at: E}}\n";
 
-World world_of(std::string const& more, std::string const& before = arm) {
-  FileTexts const texts{{"a.yaml", before + more}};
-  Scene const scene = read_scene("a.yaml", {}, &texts);
-  World world = build_world(scene);
-  scene.throw_if_problems();
-  return world;
-}
+World world_of(std::string const& more, std::string const& before = arm) { return testing::built(before + more).world; }
 std::string complaint(std::string const& more, std::string const& before = arm) {
-  try {
-    world_of(more, before);
-  } catch (InputError const& e) {
-    return e.what();
-  }
-  return "no complaint";
+  return test::message_of([&] { world_of(more, before); });
 }
 
 TEST(ReadEdges, TakesWhatIsGiven) {

@@ -5,7 +5,7 @@
 
 #include <tuple>
 
-#include "base/message.hpp"
+#include "built_scene.hpp"
 #include "contract/geometry_instances.hpp"
 #include "world/face_pairs.hpp"
 
@@ -37,18 +37,7 @@ std::string box(std::string const& name, std::string const& at, std::string cons
          "], side: " + side + ", body: b, material: steel}\n";
 }
 
-// Everything that is said about a scene: errors, or warnings.
-std::string said(std::string const& entries) {
-  FileTexts const texts{{"a.yaml", head + entries}};
-  Scene const scene = read_scene("a.yaml", {}, &texts);
-  try {
-    build_world(scene);
-    scene.throw_if_problems();
-  } catch (InputError const& e) {
-    return e.what();
-  }
-  return scene.warnings();
-}
+std::string said(std::string const& entries) { return testing::said_of(head + entries); }
 
 auto const coincide = HasSubstr("lie on each other");
 auto const cross_each_other = HasSubstr("pass through each other");

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "base/embedded.hpp"
+#include "built_scene.hpp"
+#include "message_of.hpp"
 #include "scene/library.hpp"
 #include "world/beam_tree.hpp"
 
@@ -20,24 +22,19 @@ constexpr char head[] =
     "  hr: {specular: {reflect: 1 - 5 ppm, transmit: 4 ppm}}\n  white: {scatter: {model: lambertian, tis: 10 %}}\n"
     "  black: {}\nbodies: {b: {motion: still}}\n";
 
-struct Read {
-  World world;
-  std::string warnings;
-};
-// `entries` of the scene, a screen at z = 1 m behind them, and a probe beam along z from -1 m.
-Read read(std::string const& entries, std::string const& more = "", std::string const& lit = "") {
-  FileTexts texts{{"a.yaml", head + more + "scene:\n" + entries +
-                                 "  - {name: screen, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: "
-                                 "[0, 0, -1], body: b, material: white}\n"
-                                 "beams: {probe: {from: [0 m, 0 m, -1 m], facing: [0, 0, 1], radius: 1 mm" +
-                                 lit + "}}\nreceivers: {r: {on: screen}}\n"}};
+testing::BuiltScene with_library(std::string const& text) {
+  FileTexts texts{{"a.yaml", text}};
   for (EmbeddedFile const& file : embedded_files())
     if (is_library(file.name)) texts[std::string(file.name)] = file.text;
-  Scene const scene = read_scene("a.yaml", {}, &texts);
-  Read r{build_world(scene), {}};
-  scene.throw_if_problems();
-  r.warnings = scene.warnings();
-  return r;
+  return testing::built(texts);
+}
+// `entries` of the scene, a screen at z = 1 m behind them, and a probe beam along z from -1 m.
+testing::BuiltScene read(std::string const& entries, std::string const& more = "", std::string const& lit = "") {
+  return with_library(head + more + "scene:\n" + entries +
+                      "  - {name: screen, shape: {disk: {outer_radius: 5 cm}}, at: [0 m, 0 m, 1 m], facing: "
+                      "[0, 0, -1], body: b, material: white}\n"
+                      "beams: {probe: {from: [0 m, 0 m, -1 m], facing: [0, 0, 1], radius: 1 mm" +
+                      lit + "}}\nreceivers: {r: {on: screen}}\n");
 }
 std::string entry(std::string const& words) { return "  - {name: x, facing: [0, 0, -1], body: b, " + words + "}\n"; }
 
@@ -91,7 +88,7 @@ TEST(Glass, LensFocusesWithoutAMedium) {
 TEST(Glass, FacesThatAllReflectTrapTheLight) {
   std::string const both = entry("use: thick_mirror, material: hr"),
                     sound = entry("use: thick_mirror, material: hr, surfaces: {back: clear, barrel: black}");
-  Read const trap = read(both, "", ", lit: yes");
+  testing::BuiltScene const trap = read(both, "", ", lit: yes");
   EXPECT_THAT(trap.warnings, HasSubstr("light that enters glass is trapped in it"));
   EXPECT_THAT(trap.warnings, HasSubstr("'x/front' 0.999995, "));
   EXPECT_LE(trap.world.footprints().size(), 4u) << "the light of the trap is no main beam";
@@ -116,7 +113,7 @@ TEST(Glass, SolidsWithoutGlassAreAWarning) {
   EXPECT_EQ(read(entry("use: slab, material: clear"), slab(", material: black")).warnings, "") << "light enters only";
   EXPECT_EQ(read(entry("shape: {disk: {outer_radius: 1 cm}}, material: clear")).warnings, "") << "a sheet";
   std::string const usual = "    medium: bk7\n";
-  Read const own = read(entry("use: slab, material: clear"), slab("") + usual);
+  testing::BuiltScene const own = read(entry("use: slab, material: clear"), slab("") + usual);
   EXPECT_EQ(own.warnings, "");
   EXPECT_NEAR(index_of(own.world), 1.50663, 1e-5);
 }
@@ -140,6 +137,31 @@ TEST(Glass, LightBesideAnObjectIsToldOnce) {
   for (auto at = said.find("falls beside"); at != said.npos; at = said.find("falls beside", at + 1)) ++count;
   EXPECT_EQ(count, 2u) << said;
   EXPECT_THAT(said, HasSubstr("spots"));
+}
+
+// A thick mirror has no one face for a cavity to choose: the message offers those it has. Twins: the face that is named
+// makes the cavity; a thin mirror is taken by its name.
+TEST(Glass, ACavityIsOfferedTheFacesOfAThickMirror) {
+  auto const arm = [](std::string const& end, std::string const& part) {
+    return std::string(head) + "scene:\n" +
+           "  - {name: ITM, use: mirror, radius: 17 cm, radius_of_curvature: 1420 m, facing: [0, 0, 1], body: b, "
+           "material: hr}\n" +
+           "  - {name: ETM, use: " + part +
+           ", radius: 17 cm, radius_of_curvature: 1683 m, at: [0 m, 0 m, 3000 m], facing: [0, 0, -1], body: b, "
+           "material: hr}\n"
+           "beams: {arm: {cavity: [ITM, " +
+           end + "]}}\nports: {ITM: {beam: arm, at: ITM}}\n";
+  };
+  auto const refused = [&](std::string const& end, std::string const& part) {
+    return test::message_of([&] { with_library(arm(end, part)); });
+  };
+  std::string const offered = refused("ETM", "thick_mirror");
+  EXPECT_THAT(offered, HasSubstr("'ETM' has several faces"));
+  EXPECT_THAT(offered, HasSubstr("name one: ETM/back, ETM/barrel, ETM/front"));
+  EXPECT_EQ(refused("ETM/front", "thick_mirror"), "no error");
+  EXPECT_EQ(refused("ETM", "mirror"), "no error");
+  EXPECT_THAT(refused("ETM/barrel", "thick_mirror"), HasSubstr("cannot be a mirror of a cavity"));
+  EXPECT_EQ(with_library(arm("ETM/front", "thick_mirror")).world.footprints().size(), 2u);
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 
-#include "base/message.hpp"
+#include "built_scene.hpp"
+#include "message_of.hpp"
 #include "world/lit_surfaces.hpp"
 
 namespace straytrace::world_lit {
@@ -27,26 +28,11 @@ constexpr char bench[] =
     "  - {name: dump, shape: {disk: {outer_radius: 2 mm}}, at: [0 m, 0 m, 3 m], facing: [0, 0, -1], body: b, material: "
     "white}\n";
 
-struct Read {
-  World world;
-  std::string warnings;
-};
-Read read(std::string const& beam, std::string const& rest) {
-  FileTexts const texts{{"a.yaml", std::string(bench) + "beams: {probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], " +
-                                       beam + "}}\n" + rest}};
-  Scene const scene = read_scene("a.yaml", {}, &texts);
-  Read r{build_world(scene), {}};
-  scene.throw_if_problems();
-  r.warnings = scene.warnings();
-  return r;
+testing::BuiltScene read(std::string const& beam, std::string const& rest) {
+  return testing::built(bench + ("beams: {probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], " + beam) + "}}\n" + rest);
 }
 std::string complaint(std::string const& beam, std::string const& rest) {
-  try {
-    read(beam, rest);
-  } catch (InputError const& e) {
-    return e.what();
-  }
-  return "no complaint";
+  return test::message_of([&] { read(beam, rest); });
 }
 // Names of the surfaces at which a port is open, in the order of the footprints.
 std::string open_at(World const& world, std::string const& port) {
@@ -59,18 +45,18 @@ std::string open_at(World const& world, std::string const& port) {
 
 TEST(ReadLit, PortsWithoutAPlaceTakeWhatIsLeft) {
   std::string const beam = "radius: 1 mm, lit: yes";
-  Read const r = read(beam, "ports: {rest: {beam: probe}, one: {beam: probe, at: dump}}\n");
+  testing::BuiltScene const r = read(beam, "ports: {rest: {beam: probe}, one: {beam: probe, at: dump}}\n");
   EXPECT_EQ(open_at(r.world, "one"), "dump ");
   EXPECT_EQ(open_at(r.world, "rest"), "window ");  // 'clear' scatters nothing
   EXPECT_EQ(open_at(read(beam, "ports: {some: {beam: probe, at: \"win*\"}}\n").world, "some"), "window ");
-  Read const all = read(beam, "ports: {all: {beam: probe}}\n");
+  testing::BuiltScene const all = read(beam, "ports: {all: {beam: probe}}\n");
   EXPECT_EQ(open_at(all.world, "all"), "window dump ");
   for (Footprint const& f : all.world.footprints())
     EXPECT_EQ(f.emits, f.receives);  // a free beam that is followed is not traced as rays
 }
 
 TEST(ReadLit, ListOfWhatIsLit) {
-  Read const r = read("radius: 1 mm, lit: yes", "ports: {all: {beam: probe}}\n");
+  testing::BuiltScene const r = read("radius: 1 mm, lit: yes", "ports: {all: {beam: probe}}\n");
   std::vector<LitRow> const rows = lit_rows(r.world);
   ASSERT_EQ(rows.size(), 3u);
   double const w = 1e-3 * std::hypot(1, 3 * 1.064e-6 / (pi * 1e-6));

@@ -3,8 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
 #include "base/rng.hpp"
+#include "built_scene.hpp"
+#include "message_of.hpp"
 #include "statistics.hpp"
 #include "world/world.hpp"
 
@@ -19,20 +20,9 @@ constexpr char bench[] =
     "black}\n";
 constexpr char beam[] = "beams: {probe: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], radius: 5 mm, power: 2 W}}\n";
 
-World world_of(std::string const& more) {
-  FileTexts const texts{{"a.yaml", bench + more}};
-  Scene const scene = read_scene("a.yaml", {}, &texts);
-  World world = build_world(scene);
-  scene.throw_if_problems();
-  return world;
-}
+World world_of(std::string const& more) { return built(bench + more).world; }
 std::string complaint(std::string const& more) {
-  try {
-    world_of(more);
-  } catch (InputError const& e) {
-    return e.what();
-  }
-  return "no complaint";
+  return test::message_of([&] { world_of(more); });
 }
 
 TEST(ReadReceivers, OnASurface) {
