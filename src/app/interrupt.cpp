@@ -16,7 +16,8 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = [](int) { stop_requested = true; };
   for (std::size_t i = 0; i < signals.size(); ++i) {
     bool const from_batch_system = signals[i] == SIGUSR1 || signals[i] == SIGUSR2;  // may come several times
-    action.sa_flags = from_batch_system ? 0 : static_cast<int>(SA_RESETHAND);
+    // Restarted, a line that waits for a slow reader of stderr is not lost.
+    action.sa_flags = static_cast<int>(SA_RESTART | (from_batch_system ? 0u : SA_RESETHAND));
     sigaction(signals[i], &action, &before_[i]);
   }
 }

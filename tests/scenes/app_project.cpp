@@ -149,5 +149,29 @@ TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
   EXPECT_NE(of_channel.out.find("134.6"), of_channel.out.npos) << of_channel.out;  // two bounces
 }
 
+// A projection of hours says how far it is; Ctrl-C ends it at once and leaves no file, not even part of one. Twin: a
+// short one says nothing of progress and writes both files.
+TEST_F(Projected, ShowsProgressAndLeavesNothingWhenInterrupted) {
+  Folder const results;
+  auto const words = [&](Words more) {
+    Words all = project({"--asd", results / "asd.txt", "-o", results / "h.txt"});
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  auto const files = [&] { return std::distance(fs::directory_iterator(results.path()), fs::directory_iterator()); };
+  Program running(words({"--realisations", "100000"}), {.paced = true});
+  ASSERT_TRUE(running.says(" left\n"));
+  running.interrupt();
+  Finished const stopped = running.wait();
+  EXPECT_THAT(stopped.err, ::testing::ContainsRegex("project  [0-9]+ % of 8 s of h\\(t\\)  about [0-9]+ s left"));
+  EXPECT_GE(stopped.code, 128) << stopped.err;  // by the signal
+  EXPECT_EQ(stopped.out, "");
+  EXPECT_EQ(files(), 0);
+  Finished const whole = straytrace(words({}));
+  EXPECT_EQ(whole.code, 0) << whole.err;
+  EXPECT_EQ(whole.err.find(" left\n"), std::string::npos) << whole.err;
+  EXPECT_EQ(files(), 2);
+}
+
 }  // namespace
 }  // namespace straytrace::testing::app_project

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs that are stopped, continued, rerun or in the way (interface.md 2: exit code 85, manners).
-#include <thread>
-
 #include "recorded.hpp"
 #include "report/report.hpp"
 #include "scenes/program.hpp"
@@ -22,13 +20,7 @@ Words run_into(std::string const& folder, Words const& more) {
 }
 
 // Until the program reports progress, which it does half a second after it began to trace.
-bool traces(Program const& program) {
-  for (int i = 0; i < 300; ++i) {
-    if (program.said().find("histories/s") != std::string::npos) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  return false;
-}
+bool traces(Program& program) { return program.says("histories/s"); }
 
 // The histories of a run: a multiple of 4096 that is larger.
 std::string more_than(RunFile const& run) { return std::to_string(run.trace.total.histories + 10 * largest_block); }
