@@ -7,6 +7,7 @@
 
 #include "base/functions.hpp"
 #include "base/message.hpp"
+#include "base/threads.hpp"
 
 namespace straytrace {
 namespace {
@@ -106,16 +107,16 @@ void add_intensity(Sphere const& sphere, std::vector<Angular> const& angular, do
 std::vector<double> intensities(std::vector<Sphere> const& spheres, std::vector<double> const& cosines) {
   std::size_t orders = 0;
   for (Sphere const& s : spheres) orders = std::max(orders, s.sum.size());
-  std::vector<Angular> angular(orders);
-  std::vector<double> all;
-  for (std::size_t start = 0; start < cosines.size(); start += lanes) {
-    std::size_t const filled = std::min(lanes, cosines.size() - start);
+  std::vector<double> all(cosines.size());
+  in_parallel((cosines.size() + lanes - 1) / lanes, 0, [&](std::size_t part) {
+    std::size_t const start = part * lanes, filled = std::min(lanes, cosines.size() - start);
     double cosine[lanes] = {}, sum[lanes] = {};
     std::copy_n(&cosines[start], filled, cosine);
+    std::vector<Angular> angular(orders);
     fill_angular(cosine, angular);
     for (Sphere const& s : spheres) add_intensity(s, angular, sum);
-    all.insert(all.end(), sum, sum + filled);
-  }
+    std::copy_n(sum, filled, &all[start]);
+  });
   return all;
 }
 
@@ -135,7 +136,7 @@ void add_series(std::vector<double> const& values, std::vector<double>& series) 
   std::vector<double> cosine(2 * steps);
   for (std::size_t i = 0; i < cosine.size(); ++i) cosine[i] = cosine_of_step(i, steps);
   if (series.size() <= steps) series.resize(steps + 1);
-  for (std::size_t l = 0; l <= steps; ++l) {
+  in_parallel(steps + 1, 0, [&](std::size_t l) {
     double sum = 0.5 * (values[0] + (l % 2 ? -values[steps] : values[steps]));
     std::size_t turn = 0;
     for (std::size_t i = 1; i < steps; ++i) {
@@ -144,7 +145,7 @@ void add_series(std::vector<double> const& values, std::vector<double>& series) 
       sum += values[i] * cosine[turn];
     }
     series[l] += (l == 0 || l == steps ? 1 : 2) * sum / double(steps);
-  }
+  });
 }
 
 }  // namespace
