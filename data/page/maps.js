@@ -75,7 +75,7 @@ function addReceivers(receivers) {
     if (!map) continue;
     const reading = el("b"), box = el("figure", {style: "max-width: 32rem"});
     part.append(box);
-    heatMap(box, {...map, place: pixelCells(map), xLabel: "x on the receiver", yLabel: "y on the receiver", tell: i =>
+    heatMap(box, {...map, place: map.cells ? chartCells(map) : pixelCells(map), xLabel: "x on the receiver", yLabel: "y on the receiver", tell: i =>
       say(reading, i === null ? "" : map.values[i] === null ? " none seen" :
           " " + digits(map.values[i]) + " ± " + digits(map.errors[i], 2) + " " + map.unit)});
     box.append(el("figcaption", {}, "Irradiance, seen from the front. " + hatched, reading));

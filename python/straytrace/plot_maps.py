@@ -7,6 +7,7 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 
 from .plot import GREY, footer, save
@@ -37,11 +38,38 @@ def relative_error(mean, error):
         return np.where(error > 0, 100 * error / mean, np.nan)
 
 
-def draw_panel(figure, axes, values, half, unit, title, label, nothing="no light seen", **style):
+def outlines(receiver):
+    """Of the cells of a map without stated pixels [m]; arcs have a corner every two degrees."""
+    found = []
+    for low, high, first, last in receiver.cells:
+        if receiver.chart != "polar":
+            found.append([(low, first), (high, first), (high, last), (low, last)])
+            continue
+        angle = np.linspace(first, last, max(2, int(np.ceil((last - first) / 0.035)) + 1))
+        out, back = (np.column_stack([r * np.cos(t), r * np.sin(t)]) for r, t in ((high, angle), (low, angle[::-1])))
+        found.append(np.vstack([out, back]))
+    return found
+
+
+def draw_cells(axes, values, cells, **style):
+    low, high = style.pop("vmin", None), style.pop("vmax", None)
+    image = axes.add_collection(PolyCollection(cells, array=np.ma.masked_invalid(values), **style))
+    if low is not None:
+        image.set_clim(low, high)
+    corners = np.vstack([np.asarray(c) for c in cells])
+    axes.set_xlim(corners[:, 0].min(), corners[:, 0].max())
+    axes.set_ylim(corners[:, 1].min(), corners[:, 1].max())
+    return image
+
+
+def draw_panel(figure, axes, values, half, unit, title, label, nothing="no light seen", cells=None, **style):
     if not np.isfinite(values).any():
         axes.text(0.5, 0.5, nothing, ha="center", va="center", transform=axes.transAxes)
-    image = axes.imshow(values, origin="lower", extent=(-half[0], half[0], -half[1], half[1]), interpolation="nearest",
-                        **style)
+    if cells is not None:
+        image = draw_cells(axes, values, cells, **style)
+    else:
+        image = axes.imshow(values, origin="lower", extent=(-half[0], half[0], -half[1], half[1]),
+                            interpolation="nearest", **style)
     axes.set_facecolor("#e6e6e6")                # where nothing was seen or resolved
     axes.set_xlabel(f"x [{unit}]")
     axes.set_ylabel(f"y [{unit}]")
@@ -55,23 +83,26 @@ def panels_of(receiver, watt):
     power = watt or 1.0
     found = []
     if receiver.image is not None:
-        factor, unit = scaled(max(receiver.half))
+        cells = outlines(receiver) if receiver.cells is not None else None
+        reach = max(receiver.half) if cells is None else max(np.abs(c).max() for c in cells)
+        factor, unit = scaled(reach)
         half = [factor * h for h in receiver.half]
-        area = 4 * receiver.half[0] * receiver.half[1] / receiver.image.size
-        found.append((receiver.image * power / area, half, unit, "Irradiance", f"W/m²{relative}",
-                      {"cmap": "viridis", "norm": norm_of(receiver.image * power / area)}))
+        drawn = {} if cells is None else {"cells": [factor * np.asarray(c) for c in cells]}
+        irradiance = receiver.image * power / receiver.areas
+        found.append((irradiance, half, unit, "Irradiance", f"W/m²{relative}",
+                      {"cmap": "viridis", "norm": norm_of(irradiance)} | drawn))
         error, nothing = relative_error(receiver.image, receiver.image_error), "no light seen"
         title = "One standard error"
         if np.any(np.isfinite(receiver.image) & ~np.isfinite(error)):
             title, nothing = title + " (grey: not resolved)", "not resolved"
         found.append((error, half, unit, title, "% of the irradiance",
-                      {"cmap": "cividis", "vmin": 0, "nothing": nothing}))
+                      {"cmap": "cividis", "vmin": 0, "nothing": nothing} | drawn))
         if receiver.field is not None:
             field = receiver.field * np.sqrt(power)
             found.append((np.abs(field) ** 2, half, unit, "Coherent irradiance", f"W/m²{relative}",
-                          {"cmap": "viridis"}))
+                          {"cmap": "viridis"} | drawn))
             found.append((np.angle(field), half, unit, "Phase", "rad",
-                          {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}))
+                          {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi} | drawn))
     if receiver.angles is not None:
         sine = receiver.angle_sine
         solid = (2 * sine) ** 2 / receiver.angles.size

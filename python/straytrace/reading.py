@@ -132,7 +132,7 @@ def noise_of(file: Any) -> Noise | None:
     )
 
 
-def _coherent(maps: Any, number: int, shape: tuple[int, ...], area: float) -> Any:
+def _coherent(maps: Any, number: int, shape: tuple[int, ...], area: Any) -> Any:
     """Sum over routes of sqrt(P/area) e^(i phase)."""
     total = None
     for i in np.flatnonzero(maps["field_receiver"][()] == number):
@@ -159,13 +159,17 @@ def receivers_of(file: Any) -> Receivers:
                             text(about["why_not"][i]), tuple(0.5 * about["size"][i]), float(about["angle_sine"][i]))
         columns, rows = (int(n) for n in about["pixels"][i])
         bins = int(about["angle_bins"][i])
-        shapes: list[tuple[str, tuple[int, ...]]] = [("image", (rows, columns)), ("angles", (bins, bins)), ("quadrants", (-1,))]
+        pixels: tuple[int, ...] = (rows, columns)
+        if "chart" in about and (chart := text(about["chart"][i])):      # since schema 1.9
+            receiver.chart, pixels = chart, (-1,)
+            receiver.cells = about["cells"][slice(*about["cell_offset"][i:i + 2])]
+        shapes: list[tuple[str, tuple[int, ...]]] = [("image", pixels), ("angles", (bins, bins)), ("quadrants", (-1,))]
         for key, shape in shapes:
             part = slice(*maps[key + "_offset"][i:i + 2])
             if part.stop > part.start:
                 setattr(receiver, key, maps[key][part].reshape(shape))
                 setattr(receiver, key + "_error", maps[key + "_error"][part].reshape(shape))
         if receiver.image is not None:
-            receiver.field = _coherent(maps, i, (rows, columns), float(4 * np.prod(receiver.half) / receiver.image.size))
+            receiver.field = _coherent(maps, i, pixels, np.ravel(receiver.areas))
         found.append(receiver)
     return found

@@ -55,13 +55,23 @@ class Receiver:
     why_not: str
     half: tuple[float, ...]           # m, half width and height of the image
     angle_sine: float                 # half width of the map of directions
-    image: Array | None = None      # [rows, columns] power per pixel
+    chart: str = ""                   # of `cells`: plane (x, y), polar (radius, angle) or unrolled (along, arc)
+    cells: Array | None = None      # [n, 4] sides of the cells of a map without stated pixels [m; angles: rad]
+    image: Array | None = None      # [rows, columns] power per pixel, or [n] per cell
     image_error: Array | None = None
     angles: Array | None = None     # [bins, bins] power per cell of direction cosines
     angles_error: Array | None = None
     quadrants: Array | None = None  # [5] lower left, lower right, upper left, upper right, gap
     quadrants_error: Array | None = None
-    field: Any = None                 # complex [rows, columns], of free beams, sqrt(W)/m per sqrt(W) of the main mode
+    field: Any = None                 # complex, shape of `image`, of free beams, sqrt(W)/m per sqrt(W) of the main mode
+
+    @property
+    def areas(self) -> Any:
+        """Of each pixel or cell of `image` [m^2]."""
+        if self.cells is None:
+            return 4 * self.half[0] * self.half[1] / self.image.size if self.image is not None else None
+        low, high, first, last = self.cells.T
+        return (high - low) * (last - first) * ((high + low) / 2 if self.chart == "polar" else 1.0)
 
 
 class Receivers(list[Receiver]):

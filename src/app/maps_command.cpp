@@ -32,7 +32,7 @@ int maps(Options const& options) {
         fmt::format("error: no receiver of '{}' has a map\n  give it 'map', 'angles' or 'quadrants'", options.input));
   std::string picture, message;
   for (std::size_t i = 0; i < content.receivers.size() && picture.empty(); ++i)
-    if (content.receivers[i].columns > 0 || content.receivers[i].angle_bins > 0) {
+    if (content.receivers[i].map_size() > 0 || content.receivers[i].angle_bins > 0) {
       picture = file.trace.coupling.receivers[i] + ".png";
       std::replace(picture.begin(), picture.end(), '/', '_');
     }

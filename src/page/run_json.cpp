@@ -57,19 +57,31 @@ PageJson objects_json(BlockSums const& total, std::vector<std::string> const& gr
 }
 
 PageJson map_json(std::string const& name, std::string const& what, Receiver const& r, CellEstimates const& cells,
-                  double scale, std::string const& unit) {
+                  double watts, std::string const& unit) {
   std::vector<double> mean = cells.mean, error = cells.error;
-  for (double& x : mean) x *= scale;
-  for (double& x : error) x *= scale;
-  return {{"name", name},
-          {"what", what},
-          {"columns", r.columns},
-          {"rows", r.rows},
-          {"x", {-r.half_width, r.half_width}},
-          {"y", {-r.half_height, r.half_height}},
-          {"unit", unit},
-          {"values", numbers(mean)},
-          {"errors", numbers(error)}};
+  for (auto* list : {&mean, &error})
+    for (std::size_t i = 0; i < list->size(); ++i) (*list)[i] *= watts / r.area(i);
+  PageJson map = {
+      {"name", name}, {"what", what}, {"unit", unit}, {"values", numbers(mean)}, {"errors", numbers(error)}};
+  if (r.by_light) {
+    std::vector<double> sides;
+    MapCell whole{infinity, -infinity, infinity, -infinity};
+    for (std::size_t i = 0; i < r.cells.size; ++i) {
+      MapCell const& c = r.cells[i];
+      sides.insert(sides.end(), {c.u_low, c.u_high, c.v_low, c.v_high});
+      whole = {std::fmin(whole.u_low, c.u_low), std::fmax(whole.u_high, c.u_high), std::fmin(whole.v_low, c.v_low),
+               std::fmax(whole.v_high, c.v_high)};
+    }
+    map["chart"] = chart_names[std::size_t(r.chart)];
+    map["whole"] = {whole.u_low, whole.u_high, whole.v_low, whole.v_high};
+    map["cells"] = sides;
+  } else {
+    map["columns"] = r.columns;
+    map["rows"] = r.rows;
+    map["x"] = {-r.half_width, r.half_width};
+    map["y"] = {-r.half_height, r.half_height};
+  }
+  return map;
 }
 
 }  // namespace
@@ -173,10 +185,9 @@ PageJson receivers_json(RunContent const& run) {
                    {"unit", unit},
                    {"routes", routes}});
     Receiver const& r = run.receivers[i];
-    if (r.columns == 0) continue;
-    double const area = 4 * r.half_width * r.half_height / (double(r.columns) * r.rows);
+    if (r.map_size() == 0) continue;
     maps.push_back(map_json(e.name, "irradiance", r,
-                            cell_estimates(total.receivers[i].image, total.histories, total.blocks), watts / area,
+                            cell_estimates(total.receivers[i].image, total.histories, total.blocks), watts,
                             unit == "W" ? "W/m²" : "1/m² (per W of the main mode)"));
   }
   return {{"list", all}, {"maps", maps}};

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <type_traits>
 
 #include "trace/history/step.hpp"
+#include "world/surface_chart.hpp"
 
 namespace straytrace {
 namespace {
@@ -22,38 +22,10 @@ constexpr std::uint64_t pilot_part = 4;
 constexpr double most_pilots_in_cell = 12;
 constexpr std::size_t most_pilots = 1 << 17;
 
-template <class S>
-constexpr bool is_round = std::is_base_of_v<Cone, S> || std::is_base_of_v<Sphere, S> || std::is_same_v<S, Disk> ||
-                          std::is_same_v<S, Cap> || std::is_same_v<S, Torus>;
-
 MapPlace place_on(WorldView const& view, SurfaceId id, Vec3 p, Chart chart) {
   return view.shapes.visit(view.surfaces[id.value].shape, [&](auto const& s) {
     Vec3 const o = Frame::around(s.axis).to_local(p - s.reference());
-    if (chart == Chart::plane) return MapPlace{o.x, o.y};
-    double const radius = std::hypot(o.x, o.y), angle = std::atan2(o.y, o.x);
-    return chart == Chart::polar ? MapPlace{radius, angle} : MapPlace{o.z, angle * radius};
-  });
-}
-
-struct Reach {
-  double low = infinity, high = -infinity, r_min = infinity, r_max = 0;
-  bool round = true, barrel = true;  // a barrel seen along its axis is a line
-  void add(Reach const& r) {
-    low = std::min(low, r.low);
-    high = std::max(high, r.high);
-    r_min = std::min(r_min, r.r_min);
-    r_max = std::max(r_max, r.r_max);
-    round = round && r.round;
-    barrel = barrel && r.barrel;
-  }
-};
-Reach reach_of(WorldView const& view, SurfaceId id) {
-  return view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) {
-    Reach r;
-    s.extent(r.low, r.high, r.r_min, r.r_max);
-    r.round = is_round<std::decay_t<decltype(s)>>;
-    r.barrel = r.high > r.low && r.r_max - r.r_min < 1e-6 * r.r_max;
-    return r;
+    return place_in(chart, o);
   });
 }
 
@@ -69,9 +41,7 @@ SurfaceMap empty_map(World const& world, GroupId group, std::vector<SurfaceId> c
   SurfaceMap map;
   map.name = world.groups()[group.value];
   map.surfaces = surfaces.size();
-  Reach all;
   for (SurfaceId const id : surfaces) {
-    all.add(reach_of(view, id));
     map.places.push_back(view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return s.reference(); }));
   }
   Frame const f = view.shapes.visit(view.surfaces[surfaces.front().value].shape,
@@ -80,16 +50,9 @@ SurfaceMap empty_map(World const& world, GroupId group, std::vector<SurfaceId> c
   map.y_axis = f.e2;
   map.noise_by_place.resize(surfaces.size());
   map.noise_by_place_error.resize(surfaces.size());
-  double const r = all.r_max;
-  if (all.barrel || all.high - all.low > 2 * r) {
-    map.chart = Chart::unrolled;
-    map.whole = {all.low, all.high, -pi * r, pi * r};
-  } else if (all.round) {
-    map.chart = Chart::polar;
-    map.whole = {all.r_min, r, -pi, pi};
-  } else {
-    map.whole = {-r, r, -r, r};
-  }
+  auto const [chart, whole] = chart_of(view, surfaces);
+  map.chart = chart;
+  map.whole = whole;
   return map;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "page/cell_map.hpp"
 #include "page/ray_paths.hpp"
+#include "world/cell_map.hpp"
 
 namespace straytrace {
 

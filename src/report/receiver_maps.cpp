@@ -33,16 +33,17 @@ struct Grid {
   std::size_t rows = 0, columns = 0;
   double half_x = 0, half_y = 0;
   std::string x, y;  // titles with units
+  std::string words() const {
+    return fmt::format("{} columns x {} rows, from the lower left row by row", columns, rows);
+  }
   double centre_x(std::size_t i) const { return half_x * (2 * (double(i % columns) + 0.5) / double(columns) - 1); }
   double centre_y(std::size_t i) const { return half_y * (2 * (double(i / columns) + 0.5) / double(rows) - 1); }
 };
 
 std::string vector_text(Vec3 v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
-std::string map_header(RunContent const& run, std::string const& name, Receiver const& r, Grid const& g) {
-  std::string text = file_header(run);
-  text += fmt::format("# receiver {}, {} columns x {} rows, from the lower left row by row, seen from the front\n",
-                      name, g.columns, g.rows);
+std::string map_header(RunContent const& run, std::string const& name, Receiver const& r, std::string const& what) {
+  std::string text = file_header(run) + fmt::format("# receiver {}, {}, seen from the front\n", name, what);
   text += fmt::format("# centre {} m, x along {}, y along {}, front {}\n", vector_text(r.frame.origin),
                       vector_text(r.frame.e1), vector_text(r.frame.e2), vector_text(r.frame.e3));
   if (run.beam_power > 0) return text + fmt::format("# main mode: {} W\n", run.beam_power);
@@ -59,9 +60,9 @@ class MapWriter {
     std::replace(file.begin(), file.end(), '/', '_');
     Grid const image{r.rows, r.columns, r.half_width, r.half_height, "x_m", "y_m"};
     Grid const angles{r.angle_bins, r.angle_bins, r.half_angle_sine, r.half_angle_sine, "cosine_x", "cosine_y"};
+    if (r.by_light) cells(file + "_image", r, sums);
     if (r.columns > 0) {
-      double const area = 4 * r.half_width * r.half_height / (double(r.columns) * r.rows);
-      watts(file + "_image", r, image, sums.image, watt() / area, watt_words("m^2"), "irradiance");
+      watts(file + "_image", r, image, sums.image, watt() / r.area(0), watt_words("m^2"), "irradiance");
       field(file + "_field", r, image, field_map(r, sums, run_.trace->total.histories));
     }
     if (r.angle_bins > 0) {
@@ -90,7 +91,7 @@ class MapWriter {
     CellEstimates cells = cell_estimates(map, run_.trace->total.histories, run_.trace->total.blocks);
     for (auto* list : {&cells.mean, &cells.error})
       for (double& x : *list) x *= scale;
-    std::string text = map_header(run_, name_, r, g);
+    std::string text = map_header(run_, name_, r, g.words());
     text += fmt::format(
         "# {0} and sigma (one standard error) in {1}; nan: no light seen there, or sigma not resolved\n", what, unit);
     text += fmt::format("column,row,{},{},{},sigma\n", g.x, g.y, what);
@@ -102,11 +103,46 @@ class MapWriter {
     save(name + "_sigma.npy", npy(cells.error, g.rows, g.columns));
   }
 
+  // A row per cell. The field is that of the same cells.
+  void cells(std::string const& name, Receiver const& r, ReceiverSums const& sums) {
+    char const* const sides[] = {"x_low_m,x_high_m,y_low_m,y_high_m",
+                                 "radius_low_m,radius_high_m,angle_low_rad,angle_high_rad",
+                                 "along_low_m,along_high_m,arc_low_m,arc_high_m"};
+    CellEstimates const all = cell_estimates(sums.image, run_.trace->total.histories, run_.trace->total.blocks);
+    FieldMap const wave = field_map(r, sums, run_.trace->total.histories);
+    bool const coherent = !wave.field.empty();
+    std::string text = map_header(run_, name_, r,
+                                  fmt::format("{} cells of a {} chart, fine where the light is", r.cells.size,
+                                              chart_names[std::size_t(r.chart)]));
+    text += fmt::format(
+        "# irradiance and sigma (one standard error) in {}; nan: no light seen there, or sigma not resolved\n",
+        watt_words("m^2"));
+    if (coherent)
+      text += fmt::format("# real, imaginary: coherent field in {}; coherence as of pixels\n",
+                          run_.beam_power > 0 ? "sqrt(W)/m" : "sqrt(W/W)/m");
+    text += fmt::format("cell,{},area_m2,irradiance,sigma{}\n", sides[std::size_t(r.chart)],
+                        coherent ? ",real,imaginary,coherence" : "");
+    for (std::size_t i = 0; i < r.cells.size; ++i) {
+      auto const& [u_low, u_high, v_low, v_high] = r.cells[i];
+      double const scale = watt() / r.area(i);
+      text += fmt::format("{},{},{},{},{},{},{},{}", i, u_low, u_high, v_low, v_high, r.area(i),
+                          csv_number(true, scale * all.mean[i]), csv_number(true, scale * all.error[i]));
+      if (coherent) {
+        bool const seen = !std::isnan(wave.coherence[i]);
+        std::complex<double> const e = std::sqrt(watt()) * wave.field[i];
+        text += fmt::format(",{},{},{}", csv_number(seen, e.real()), csv_number(seen, e.imag()),
+                            csv_number(seen, wave.coherence[i]));
+      }
+      text += '\n';
+    }
+    save(name + ".csv", text);
+  }
+
   void field(std::string const& name, Receiver const& r, Grid const& g, FieldMap map) {
     if (map.field.empty()) return;
     for (auto& e : map.field) e *= std::sqrt(watt());
     std::string const unit = run_.beam_power > 0 ? "sqrt(W)/m" : "sqrt(W/W)/m";
-    std::string text = map_header(run_, name_, r, g);
+    std::string text = map_header(run_, name_, r, g.words());
     text += fmt::format("# coherent field of free beams: sum over routes of sqrt(irradiance) e^(i phase), {}\n", unit);
     text += "# irradiance of the coherent light: real^2 + imaginary^2; phase in rad; nan: no light seen there\n";
     text += "# coherence: smallest share of a route in phase with its mean within the pixel; near 1 or too coarse\n";
@@ -125,7 +161,7 @@ class MapWriter {
 
   void quadrants(std::string const& name, Receiver const& r, MapSums const& map) {
     CellEstimates const cells = cell_estimates(map, run_.trace->total.histories, run_.trace->total.blocks);
-    std::string text = map_header(run_, name_, r, {2, 2, 0, 0, "", ""});
+    std::string text = map_header(run_, name_, r, Grid{2, 2, 0, 0, "", ""}.words());
     text += fmt::format(
         "# gap {} m; power and sigma in {}; nan: no light seen there, or sigma not resolved\n"
         "quadrant,power,sigma\n",

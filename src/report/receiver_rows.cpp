@@ -92,9 +92,9 @@ CellEstimates cell_estimates(MapSums const& map, std::uint64_t histories, std::u
 
 FieldMap field_map(Receiver const& r, ReceiverSums const& sums, std::uint64_t histories) {
   FieldMap map;
-  std::size_t const pixels = std::size_t(r.columns) * r.rows;
+  std::size_t const pixels = r.map_size();
   if (sums.fields.empty() || pixels == 0) return map;
-  double const area = 4 * r.half_width * r.half_height / double(pixels), n = double(histories);
+  double const n = double(histories);
   map.field.resize(pixels);
   map.coherence.assign(pixels, not_a_number);
   for (auto const& [route, f] : sums.fields)
@@ -102,7 +102,7 @@ FieldMap field_map(Receiver const& r, ReceiverSums const& sums, std::uint64_t hi
       std::complex<double> const mean(f.real[i], f.imaginary[i]);
       double const in_phase = std::abs(mean);
       if (!(in_phase > 0)) continue;
-      map.field[i] += std::sqrt(f.power[i] / (n * area)) * (mean / in_phase);
+      map.field[i] += std::sqrt(f.power[i] / (n * r.area(i))) * (mean / in_phase);
       map.coherence[i] = std::fmin(map.coherence[i], in_phase / f.power[i]);  // fmin passes over NaN
     }
   return map;

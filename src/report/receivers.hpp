@@ -3,6 +3,7 @@
 #pragma once
 
 #include <complex>
+#include <string_view>
 
 #include "report/report.hpp"
 
@@ -24,6 +25,9 @@ struct FieldMap {
   std::vector<double> coherence;
 };
 FieldMap field_map(Receiver const&, ReceiverSums const&, std::uint64_t histories);
+
+// Words of a chart of cells, as files and pages have them, by Chart.
+inline constexpr std::string_view chart_names[] = {"plane", "polar", "unrolled"};
 
 struct ReceivedRoute {
   std::size_t rank = 0;  // resolved ones first, by power

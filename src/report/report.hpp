@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/sha256.hpp"
+#include "base/storage.hpp"
 #include "motion/motion.hpp"
 #include "noise/noise.hpp"
 #include "scene/scene.hpp"
@@ -23,7 +24,7 @@ namespace straytrace {
 // --- run file (layout: schema/run-1.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 8;
+constexpr int run_schema_major = 1, run_schema_minor = 9;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -53,6 +54,7 @@ struct RunContent {
   std::string interferometer;         // Interferometer::description()
   std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
   std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
+  Storage cells;                      // of their maps, where they were read from a file
   ImportanceMap importance;
   double beam_power = 0;  // W, of the main mode; 0: not stated
   Provenance provenance;

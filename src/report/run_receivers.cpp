@@ -74,10 +74,17 @@ struct FieldColumns {
 
 void write_receivers(hdf5::Writer& out, RunContent const& run) {
   Small pixels, bins, surface;
+  Counts cell_offset = {0};
+  Doubles cells;
   Doubles size, frame, sine, gap, quadrant_frame;
   Bytes sides, passes, quadrants, behind_glass;
+  std::vector<std::string> charts;
   for (Receiver const& r : run.receivers) {
     surface.push_back(r.surface.value);
+    charts.emplace_back(r.by_light ? chart_names[std::size_t(r.chart)] : "");
+    for (std::size_t i = 0; i < r.cells.size; ++i)
+      append(cells, Doubles{r.cells[i].u_low, r.cells[i].u_high, r.cells[i].v_low, r.cells[i].v_high});
+    cell_offset.push_back(cells.size() / 4);
     pixels.insert(pixels.end(), {r.columns, r.rows});
     append(size, Doubles{2 * r.half_width, 2 * r.half_height});
     append_pose(frame, r.frame);
@@ -110,7 +117,10 @@ void write_receivers(hdf5::Writer& out, RunContent const& run) {
   out.array("/receivers/sides", sides, "1 front, 2 back, 3 both");
   out.array("/receivers/passes", passes, "0 or 1");
   out.array("/receivers/behind_glass", behind_glass, "0 or 1");
-  out.array("/receivers/pixels", pixels, "columns, rows; 0: no map", {n, 2});
+  out.array("/receivers/pixels", pixels, "columns, rows; 0: no map of pixels", {n, 2});
+  out.strings("/receivers/chart", charts);
+  out.array("/receivers/cell_offset", cell_offset, "1");
+  out.array("/receivers/cells", cells, "m, m, m or rad, m or rad", {cells.size() / 4, 4});
   out.array("/receivers/size", size, "m", {n, 2});
   out.array("/receivers/frame", frame, "m, then unit vectors", {n, 12});
   out.array("/receivers/angle_bins", bins, "1");
@@ -119,6 +129,30 @@ void write_receivers(hdf5::Writer& out, RunContent const& run) {
   out.array("/receivers/gap", gap, "m");
   out.array("/receivers/quadrant_frame", quadrant_frame, "m, then unit vectors", {n, 12});
 }
+
+namespace {
+
+// Of maps without stated pixels, since schema 1.9.
+void read_cells(hdf5::Reader const& in, RunContent& run) {
+  if (!in.has("/receivers/cells")) return;
+  auto const charts = in.strings("/receivers/chart");
+  auto const all = in.rows<double>("/receivers/cells", in.shape("/receivers/cells").at(0), 4);
+  if (charts.size() != run.receivers.size()) damaged_run("'/receivers/chart' has another number of rows");
+  Counts const offset = read_offsets(in, "/receivers/cell_offset", run.receivers.size(), all.size() / 4);
+  for (std::size_t i = 0; i < run.receivers.size(); ++i) {
+    Receiver& r = run.receivers[i];
+    auto const name = std::find(std::begin(chart_names), std::end(chart_names), charts[i]);
+    r.by_light = name != std::end(chart_names);
+    if (!r.by_light) continue;
+    r.chart = Chart(name - std::begin(chart_names));
+    std::vector<MapCell> cells;
+    for (std::uint64_t c = offset[i]; c < offset[i + 1]; ++c)
+      cells.push_back({all[4 * c], all[4 * c + 1], all[4 * c + 2], all[4 * c + 3]});
+    r.cells = run.cells.keep(std::move(cells));
+  }
+}
+
+}  // namespace
 
 void read_receivers(hdf5::Reader const& in, std::size_t n, RunContent& run) {
   if (!in.has("/receivers")) return;
@@ -152,6 +186,7 @@ void read_receivers(hdf5::Reader const& in, std::size_t n, RunContent& run) {
     r.quadrant_frame = pose_at(quadrant_frame, i);
     run.receivers.push_back(r);
   }
+  read_cells(in, run);
 }
 
 void write_maps_of(hdf5::Writer& out, BlockSums const& total) {

@@ -53,6 +53,7 @@ void add(Bytes& out, Receiver const& r) {
        {std::uint64_t(r.surface.value), std::uint64_t(r.front), std::uint64_t(r.back), std::uint64_t(r.clear),
         std::uint64_t(r.columns), std::uint64_t(r.rows), std::uint64_t(r.angle_bins), std::uint64_t(r.quadrants)})
     out.add(x);
+  if (r.by_light) out.add(std::uint64_t(r.chart));
   for (double x : {r.half_width, r.half_height, r.half_angle_sine, r.gap}) out.add(x);
   out.add_doubles(r.frame);
   out.add_doubles(r.quadrant_frame);

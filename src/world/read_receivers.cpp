@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "world/read_parts.hpp"
+#include "world/surface_chart.hpp"
 
 namespace straytrace {
 namespace {
@@ -28,11 +29,45 @@ Pose read_frame(Node const& table, Pose const& surface) {
   return frame;
 }
 
-void read_map(Node const& map, Pose const& surface, Receiver& r) {
+// All of the surface; rectangles are charted by their own sides.
+void chart_surface(Node const& map, World const& world, Receiver& r) {
+  for (char const* key : {"height", "centre"})
+    if (Node const value = map[key])
+      value.problem(fmt::format("'{}' is for a map with a 'width'", key),
+                    "give 'width', or leave it out: the map then has the whole surface");
+  if (!r.surface.valid()) return;
+  WorldView const view = world.view();
+  auto const [chart, whole] = chart_of(view, std::span(&r.surface, 1));
+  r.chart = chart;
+  r.whole = whole;
+  view.shapes.visit(view.surfaces[r.surface.value].shape, [&](auto const& s) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(s)>, Rectangle>)
+      r.whole = {-0.5 * s.width, 0.5 * s.width, -0.5 * s.height, 0.5 * s.height};
+    if (dot(s.axis, r.frame.e3) < 1 - 1e-12) r.frame = facing_along(s.reference(), s.axis);
+    r.frame.origin = s.reference();
+  });
+}
+
+// Cells where the light is: of the whole surface, or of a stated part.
+void read_map_by_light(Node const& map, Pose const& surface, World const& world, Receiver& r) {
+  r.by_light = true;
+  if (map.has("width")) {
+    r.half_width = 0.5 * map.number("width", dim::length, required, 1e-9, 1e6);
+    r.half_height = 0.5 * map.number("height", dim::length, 2 * r.half_width, 1e-9, 1e6);
+    r.whole = {-r.half_width, r.half_width, -r.half_height, r.half_height};
+    r.frame = read_frame(map, surface);
+  } else {
+    r.frame = turned_about_normal(surface, map.number("turn", dim::angle, 0, -2 * pi, 2 * pi));
+    chart_surface(map, world, r);
+  }
+  map.refuse_unknown("'map'");
+}
+
+void read_map(Node const& map, Pose const& surface, World const& world, Receiver& r) {
   if (!map) return;
   Node const pixels = map["pixels"];
-  if (!pixels) map.problem("'pixels' is missing", "write for example pixels: [64, 64]: columns and rows");
-  auto const count = pixels ? pixels.as_numbers(dim::plain, 2) : std::vector<double>{};
+  if (!pixels) return read_map_by_light(map, surface, world, r);
+  auto const count = pixels.as_numbers(dim::plain, 2);
   bool sound = count.size() == 2;
   for (double const n : count) sound = sound && n >= 1 && n <= most_pixels && n == std::floor(n);
   if (count.size() == 2 && !sound && pixels.healthy())
@@ -136,7 +171,7 @@ void read_receiver(std::string const& name, Node const& node, World& world, Regi
   r.back = side != "front";
   r.frame = frame;
   r.behind_glass = node.flag("behind_glass", false);
-  read_map(node.table("map"), frame, r);
+  read_map(node.table("map"), frame, world, r);
   read_angles(node.table("angles"), r);
   read_quadrants(node.table("quadrants"), frame, r);
   node.refuse_unknown(fmt::format("receiver '{}'", name));

@@ -4,6 +4,7 @@
 
 #include "base/ids.hpp"
 #include "base/vec3.hpp"
+#include "world/cell_map.hpp"
 
 namespace straytrace {
 
@@ -22,6 +23,13 @@ struct Receiver {
   // Map over the surface: columns x rows pixels over 2 half_width x 2 half_height, m, along e1 and e2. 0: none.
   std::uint32_t columns = 0, rows = 0;
   double half_width = 0, half_height = 0;
+  // A map without stated pixels: cells of a chart about `frame`, as small as the light of a pilot allows
+  // (trace/estimate/map_cells.hpp); none until that has run. With a half_width light beyond the whole is left out.
+  bool by_light = false;
+  Chart chart = Chart::plane;
+  MapCell whole;
+  View<CellNode const> nodes;
+  View<MapCell const> cells;
   // Map over directions of arrival: direction cosines along e1 and e2 within +-half_angle_sine, square pixels. 0: none.
   std::uint32_t angle_bins = 0;
   double half_angle_sine = 1;
@@ -36,7 +44,20 @@ struct Receiver {
   STRAY_HD int sides() const { return (front ? 1 : 0) + (back ? 1 : 0); }
   STRAY_HD std::uint32_t pixel(Vec3 p) const {
     Vec3 const q = frame.local_point(p);
+    if (by_light) return map_cell(place_in(chart, q));
     return cell(q.x / half_width, q.y / half_height, columns, rows);
+  }
+  // Of the map by light: without a half_width it has the whole surface, rims that are rounded outwards too.
+  STRAY_HD bool inside(MapPlace p) const {
+    return half_width == 0 || (p.u >= whole.u_low && p.u < whole.u_high && p.v >= whole.v_low && p.v < whole.v_high);
+  }
+  STRAY_HD std::uint32_t map_cell(MapPlace p) const {
+    return nodes.size > 0 && inside(p) ? cell_at(nodes, p) : outside;
+  }
+  STRAY_HD std::uint32_t map_size() const { return by_light ? std::uint32_t(cells.size) : columns * rows; }
+  // Of the map, m^2.
+  double area(std::size_t i) const {
+    return by_light ? area_of(chart, cells[i]) : 4 * half_width * half_height / (double(columns) * rows);
   }
   STRAY_HD std::uint32_t angle_pixel(Vec3 travel) const {
     Vec3 const d = frame.local_direction(travel);

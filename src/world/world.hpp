@@ -219,6 +219,11 @@ class World {
     r.aims = 0;
     for (SurfaceId const id : aims) r.aim[r.aims++] = id;
   }
+  // Of a receiver whose map has no stated pixels.
+  void set_map_cells(std::uint32_t receiver, CellTree const& tree) {
+    receivers_[receiver].nodes = storage.keep(tree.nodes());
+    receivers_[receiver].cells = storage.keep(tree.cells());
+  }
   // Lets light rejoin at every footprint of a beam on a surface; false when there is none.
   bool open_port(SurfaceId, std::uint32_t beam, std::string const& name);
   void open_port(std::string const& name, std::vector<std::uint32_t> const& footprints);

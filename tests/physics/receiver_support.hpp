@@ -4,6 +4,7 @@
 
 #include "report/receivers.hpp"
 #include "test_backend.hpp"
+#include "trace/estimate/map_cells.hpp"
 #include "trace/trace.hpp"
 #include "world/world.hpp"
 
@@ -46,6 +47,7 @@ struct Traced {
 };
 inline Traced traced(std::string const& text, std::uint64_t blocks, unsigned threads = 2, SumTree resume = {}) {
   Traced t{world_of(text), {}};
+  find_map_cells(t.world);
   TraceSettings settings;
   settings.histories = blocks * largest_block;
   settings.threads = threads;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -45,6 +46,104 @@ TEST(ReceiverMaps, AUniformDiscIsFlatWithinItsErrors) {
   EXPECT_LT(two_sided(statistic(flat, 1.25), 1024), 1e-6);  // twins: errors too large, too small, another profile
   EXPECT_LT(two_sided(statistic(flat, 0.8), 1024), 1e-6);
   EXPECT_LT(two_sided(statistic(traced(disc("gaussian", map), 64), 1), 1024), 1e-6);
+}
+
+// Without stated pixels: an even spot of 0.1 mm on a diode of 10 mm. Within r of its centre is (r/w)^2 of the light, by
+// cells small against the spot. Twin: squares of 9 x 9.
+TEST(ReceiverMaps, ASpotOfATenthOfAMillimetreIsResolved) {
+  double const w = 5e-5, x = 1.2e-3, y = -0.7e-3;
+  auto const scene = [](std::string const& map) {
+    return "scene:\n  - {name: det, shape: {disk: {outer_radius: 5 mm}}, at: [0 m, 0 m, 1 m], body: b, material: "
+           "black}\nbeams: {b: {from: [1.2 mm, -0.7 mm, 0 m], facing: [0, 0, 1], radius: 0.05 mm, wavelength: 1 um, "
+           "profile: even}}\nreceivers: {PD: {on: det, map: " +
+           map + "}}\n";
+  };
+  Traced const t = traced(scene("{}"), 64);
+  Receiver const& r = t.world.receivers()[0];
+  MapSums const& image = t.result.total.receivers[0].image;
+  ASSERT_TRUE(r.by_light && r.chart == Chart::polar);
+  ASSERT_EQ(image.sum.size(), r.cells.size);
+  double sum = 0, widest = 0, area = 0;
+  for (std::size_t i = 0; i < r.cells.size; ++i) {
+    MapCell const& c = r.cells[i];
+    sum += image.sum[i] / double(t.result.total.histories);
+    area += r.area(i);
+    double const u = 0.5 * (c.u_low + c.u_high), v = 0.5 * (c.v_low + c.v_high);
+    if (std::hypot(u * std::cos(v) - x, u * std::sin(v) - y) < 0.8 * w)
+      widest = std::fmax(widest, std::fmax(c.u_high - c.u_low, u * (c.v_high - c.v_low)));
+  }
+  EXPECT_NEAR(sum, t.power(0).mean, 1e-12 * sum);
+  EXPECT_NEAR(area, pi * 25e-6, 1e-12 * area);
+  EXPECT_GT(widest, 0);
+  EXPECT_LT(widest, 0.2 * w);
+  auto const within = [&](double radius) {
+    double inside = 0;
+    for (std::size_t i = 0; i < r.cells.size; ++i) {
+      MapCell const& c = r.cells[i];
+      double const u = 0.5 * (c.u_low + c.u_high), v = 0.5 * (c.v_low + c.v_high);
+      if (std::hypot(u * std::cos(v) - x, u * std::sin(v) - y) < radius) inside += image.sum[i];
+    }
+    return inside / double(t.result.total.histories) / sum;
+  };
+  EXPECT_NEAR(within(0.5 * w), 0.25, 0.03);
+  Traced const squares = traced(scene("{pixels: [9, 9], width: 10 mm}"), 1);  // twin: one of them has it all
+  auto const& nine = squares.result.total.receivers[0].image.sum;
+  EXPECT_EQ(std::count_if(nine.begin(), nine.end(), [](double p) { return p > 0; }), 1);
+}
+
+// A uniform annulus is flat within the errors of its cells, whose number the program chose: chi-square as above. Twins:
+// a tilt of 5 % across the radius, and a Gaussian beam.
+TEST(ReceiverMaps, AUniformAnnulusIsFlatInItsOwnCells) {
+  auto const scene = [](std::string const& profile) {
+    return "scene:\n  - {name: det, shape: {disk: {inner_radius: 4 cm, outer_radius: 10 cm}}, at: [0 m, 0 m, 1 m], "
+           "facing: [0, 0, -1], body: b, material: black}\nbeams: {b: {from: [0 m, 0 m, 0 m], facing: [0, 0, 1], "
+           "radius: 12 cm, profile: " +
+           profile + "}}\nreceivers: {PD: {on: det, map: {}}}\n";
+  };
+  struct Statistic {
+    double value, cells;
+  };
+  auto const statistic = [](Traced const& t, double tilt) {
+    BlockSums const& total = t.result.total;
+    Receiver const& r = t.world.receivers()[0];
+    CellEstimates const all = cell_estimates(total.receivers[0].image, total.histories, total.blocks);
+    double const b = double(total.blocks);
+    double sum = 0;
+    for (std::size_t i = 0; i < r.cells.size; ++i) {
+      MapCell const& c = r.cells[i];
+      double const x = 0.5 * (c.u_low + c.u_high) * std::cos(0.5 * (c.v_low + c.v_high));
+      double const expected = r.area(i) / (pi * 0.12 * 0.12) * (1 + tilt * x / 0.1);
+      sum += std::pow((all.mean[i] - expected) / all.error[i], 2);
+    }
+    return Statistic{sum * (b - 3) / (b - 1), double(r.cells.size)};
+  };
+  Traced const t = traced(scene("even"), 128);
+  Statistic const flat = statistic(t, 0), tilted = statistic(t, 0.05),
+                  round = statistic(traced(scene("gaussian"), 64), 0);
+  EXPECT_GT(flat.cells, 100);
+  EXPECT_GT(two_sided(flat.value, flat.cells), 1e-6) << flat.value << " of " << flat.cells;
+  EXPECT_LT(two_sided(tilted.value, tilted.cells), 1e-6) << tilted.value;
+  EXPECT_LT(two_sided(round.value, round.cells), 1e-6) << round.value;
+}
+
+// Cells and what is in them are functions of scene, seed and histories: not of threads, nor of where a run stopped.
+// Another seed fills the same cells.
+TEST(ReceiverMaps, CellsDoNotDependOnThreadsOrStops) {
+  std::string const scene = disc("gaussian", "map: {width: 8 cm, centre: [1 cm, 0 cm]}");
+  Traced const one = traced(scene, 40, 1), two = traced(scene, 40, 3), half = traced(scene, 16, 2);
+  Traced const resumed = traced(scene, 40, 2, half.result.tree);
+  auto const& image = one.result.total.receivers[0].image;
+  EXPECT_EQ(one.world.receivers()[0].chart, Chart::plane);
+  ASSERT_GT(image.sum.size(), 100u);
+  for (Traced const* t : {&two, &resumed}) {
+    EXPECT_EQ(t->result.total.receivers[0].image.sum, image.sum);
+    EXPECT_EQ(t->result.total.receivers[0].image.sum2, image.sum2);
+  }
+  EXPECT_NE(half.result.total.receivers[0].image.sum, image.sum);
+  for (std::size_t i = 0; i < image.sum.size(); ++i) {
+    EXPECT_EQ(half.world.receivers()[0].cells[i].u_low, one.world.receivers()[0].cells[i].u_low);
+    EXPECT_EQ(half.world.receivers()[0].cells[i].v_high, one.world.receivers()[0].cells[i].v_high);
+  }
 }
 
 // R3.30: a centred beam gives four equal quarters; a frame out of centre by d along x has F on one side of its axis,

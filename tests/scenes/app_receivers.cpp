@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Receivers as a user meets them: trace, paths, census, maps, stop rules, messages (requirements.md R2.24,
 // R3.28-R3.32).
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
 #include "report/report.hpp"
 #include "scenes/program.hpp"
 
@@ -51,6 +55,42 @@ TEST(ReceiversCommand, RunReportsTheBooks) {
     EXPECT_THAT(report, HasSubstr(words));
   EXPECT_THAT(text_of(folder / "out/receivers.csv"), HasSubstr("# main mode: 2 W"));
   EXPECT_FALSE(fs::exists(folder / "out/h_asd.txt"));
+}
+
+// Without stated pixels: cells of the round detector, from the run file alone. Irradiance times area is the power of
+// the receiver (twin: with the areas of squares of the same sides).
+TEST(ReceiversCommand, MapsOfCellsHoldThePower) {
+  Folder const folder;
+  std::string const scene = folder / "cells.yaml";
+  write_text(scene, edited(text_of(two_mirrors), "map: {pixels: [48, 48], width: 4 cm}", "map: {}"));
+  Finished const run = straytrace({"run", scene, "-o", folder / "out", "--histories", "2e5", "--quiet"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(text_of(folder / "out/report.html"), HasSubstr("\"chart\":\"polar\""));
+  Launch how;
+  how.picture = true;
+  Finished const maps = Program({"maps", folder / "out/run.h5", "-o", folder / "maps"}, how).wait();
+  ASSERT_EQ(maps.code, 0) << maps.err;
+  if (maps.err.empty()) {
+    EXPECT_GT(fs::file_size(folder / "maps/PD.png"), 10000u);
+  }
+  std::istringstream lines(text_of(folder / "maps/PD_image.csv"));
+  double power = 0, flat = 0;
+  int cells = 0;
+  for (std::string line; std::getline(lines, line);) {
+    double low = 0, high = 0, first = 0, last = 0, area = 0, irradiance = 0;
+    int number = 0;
+    if (std::sscanf(line.c_str(), "%d,%lf,%lf,%lf,%lf,%lf,%lf", &number, &low, &high, &first, &last, &area,
+                    &irradiance) != 7)
+      continue;
+    EXPECT_EQ(number, cells++);
+    if (!std::isfinite(irradiance)) continue;
+    power += area * irradiance;
+    flat += (high - low) * (last - first) * irradiance;
+  }
+  EXPECT_GT(cells, 100);
+  double const received = 2 * read_run(folder / "out/run.h5").trace.coupling.received_power.at(0).mean;  // of 2 W
+  EXPECT_NEAR(power / received, 1, 1e-9);
+  EXPECT_GT(std::fabs(flat / received - 1), 0.5);
 }
 
 TEST(ReceiversCommand, Maps) {

@@ -7,6 +7,7 @@
 #include "base/threads.hpp"
 #include "trace/estimate/exchange.hpp"
 #include "trace/estimate/law_share.hpp"
+#include "trace/estimate/map_cells.hpp"
 #include "trace/estimate/patches.hpp"
 #include "trace/estimate/pilot.hpp"
 #include "trace/estimate/targets.hpp"
@@ -141,13 +142,15 @@ SteeringTables make_importance(World const& world, ImportanceSettings const& set
 
 void steer(World& world, unsigned threads) {
   find_covered_receivers(world);
-  if (!world.limits.targets) return;
-  ImportanceSettings settings;
-  settings.alpha = world.limits.law_share;
-  settings.window = world.limits.window;
-  settings.threads = threads;
-  if (world.receivers().empty()) settings.pilot_histories = 0;
-  world.steer(make_importance(world, settings));
+  if (world.limits.targets) {
+    ImportanceSettings settings;
+    settings.alpha = world.limits.law_share;
+    settings.window = world.limits.window;
+    settings.threads = threads;
+    if (world.receivers().empty()) settings.pilot_histories = 0;
+    world.steer(make_importance(world, settings));
+  }
+  find_map_cells(world);
 }
 
 }  // namespace straytrace

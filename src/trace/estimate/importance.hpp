@@ -27,8 +27,8 @@ struct ImportanceSettings {
 // total, so that faint ports get effort too. A pilot run raises adjoints of what leads there by mirrors or glass.
 SteeringTables make_importance(World const&, ImportanceSettings const& = {});
 
-// Everything that steers a trace of this scene, as its limits ask: receivers behind glass, adjoint tables, targets. The
-// pilot is for receivers, which mirrors and glass may feed.
+// Everything that steers a trace of this scene, as its limits ask: receivers behind glass, adjoint tables, targets,
+// cells of maps. The pilot is for receivers, which mirrors and glass may feed.
 void steer(World&, unsigned threads = 0);
 
 // Marks the receivers that see part of the scene through lenses or mirrors (trace/estimate/through_glass.hpp).

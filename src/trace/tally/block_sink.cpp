@@ -11,7 +11,7 @@ BlockSink::BlockSink(WorldView const& world, std::size_t groups, int replica)
   for (std::size_t i = 0; i < world.receivers.size; ++i) {
     Receiver const& r = world.receivers[i];
     ReceiverSums sums;
-    sums.image.sum.resize(std::size_t(r.columns) * r.rows);
+    sums.image.sum.resize(r.map_size());
     sums.angles.sum.resize(std::size_t(r.angle_bins) * r.angle_bins);
     sums.quadrants.sum.resize(r.quadrants ? Receiver::quadrant_cells : 0);
     sums_.receivers.push_back(std::move(sums));

@@ -51,6 +51,11 @@ void arrays_of(TriangleMesh const& x, F const& f) {
   f(c.area_before);
   f(c.tree.nodes);
 }
+template <class F>
+void arrays_of(Receiver const& x, F const& f) {
+  f(x.nodes);
+  f(x.cells);
+}
 template <class List, class F>
 void arrays_of(Pool<List> const& pool, F const& f) {
   std::apply([&](auto const&... view) { (f(view), ...); }, pool.arrays);

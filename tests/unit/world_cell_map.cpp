@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/functions.hpp"
-#include "page/cell_map.hpp"
+#include "world/cell_map.hpp"
 
 namespace straytrace {
 namespace {

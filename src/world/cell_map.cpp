@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "page/cell_map.hpp"
+#include "world/cell_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,13 +16,12 @@ double area_of(Chart chart, MapCell const& c) {
   return chart == Chart::polar ? 0.5 * (c.u_low + c.u_high) * du * dv : du * dv;
 }
 
-CellTree::CellTree(Chart chart, MapCell const& whole) : chart_(chart), nodes_{Node{whole}}, cells_{whole} {}
+CellTree::CellTree(Chart chart, MapCell const& whole) : chart_(chart), nodes_(1), extents_{{whole}}, cells_{whole} {}
 
 bool CellTree::halve(std::uint32_t number) {
-  Node const node = nodes_[number];
-  if (node.depth >= most_depth) return false;
-  MapCell const& c = node.cell;
-  MapCell const& whole = nodes_.front().cell;
+  auto const [c, depth] = extents_[number];
+  if (depth >= most_depth) return false;
+  MapCell const& whole = extents_.front().cell;
   double du = c.u_high - c.u_low, dv = c.v_high - c.v_low;
   if (chart_ == Chart::unrolled) {
     du /= whole.u_high - whole.u_low;
@@ -33,16 +32,17 @@ bool CellTree::halve(std::uint32_t number) {
   double const middle = !along_u                 ? 0.5 * (c.v_low + c.v_high)
                         : chart_ == Chart::polar ? std::sqrt(0.5 * (c.u_low * c.u_low + c.u_high * c.u_high))
                                                  : 0.5 * (c.u_low + c.u_high);
-  Node low{c, node.cell_number, node.depth + 1}, high{c, std::uint32_t(cells_.size()), node.depth + 1};
-  (along_u ? low.cell.u_high : low.cell.v_high) = middle;
-  (along_u ? high.cell.u_low : high.cell.v_low) = middle;
-  nodes_[number].halves = std::uint32_t(nodes_.size());
-  nodes_[number].along_u = along_u;
-  nodes_[number].at = middle;
-  cells_[low.cell_number] = low.cell;
-  cells_.push_back(high.cell);
-  nodes_.push_back(low);
-  nodes_.push_back(high);
+  MapCell low = c, high = c;
+  (along_u ? low.u_high : low.v_high) = middle;
+  (along_u ? high.u_low : high.v_low) = middle;
+  std::uint32_t const cell = nodes_[number].cell;
+  nodes_[number] = {middle, std::uint32_t(nodes_.size()), cell, along_u};
+  nodes_.push_back({0, 0, cell, 0});
+  nodes_.push_back({0, 0, std::uint32_t(cells_.size()), 0});
+  extents_.push_back({low, depth + 1});
+  extents_.push_back({high, depth + 1});
+  cells_[cell] = low;
+  cells_.push_back(high);
   return true;
 }
 
@@ -74,18 +74,12 @@ void CellTree::refine(std::vector<WeightedPlace> const& places, double most_in_c
     queue.pop();
     if (!(full.count > most_in_cell)) return;
     if (!halve(full.node)) continue;
-    Node const& n = nodes_[full.node];
+    CellNode const n = nodes_[full.node];
     std::vector<WeightedPlace> low, high;
     for (WeightedPlace const& p : full.places) ((n.along_u ? p.place.u : p.place.v) < n.at ? low : high).push_back(p);
     queue.emplace(n.halves, std::move(low));
     queue.emplace(n.halves + 1, std::move(high));
   }
-}
-
-std::size_t CellTree::at(MapPlace p) const {
-  std::uint32_t n = 0;
-  while (nodes_[n].halves) n = nodes_[n].halves + ((nodes_[n].along_u ? p.u : p.v) < nodes_[n].at ? 0 : 1);
-  return nodes_[n].cell_number;
 }
 
 }  // namespace straytrace
