@@ -4,8 +4,10 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <unistd.h>
 
@@ -24,6 +26,20 @@ class InterruptGuard {
  private:
   static constexpr std::array signals{SIGINT, SIGTERM, SIGUSR1, SIGUSR2};
   std::array<struct sigaction, signals.size()> before_{};
+};
+
+// Time that is left of work whose share `done` grows evenly from the first call on: what comes before it says nothing.
+class TimeLeft {
+ public:
+  // Seconds; NaN as long as nothing has grown.
+  double at(double seconds, double done) {
+    if (std::isnan(first_done_)) first_seconds_ = seconds, first_done_ = done;
+    double const grown = done - first_done_;
+    return grown > 0 ? (seconds - first_seconds_) / grown * (1 - done) : std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  double first_seconds_ = 0, first_done_ = std::numeric_limits<double>::quiet_NaN();
 };
 
 // A moving line on a terminal; elsewhere a line every ten seconds. Nothing in the first half second.

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <iostream>
 
 #include "app/common_options.hpp"
@@ -80,9 +81,9 @@ int project_coupling_file(ProjectOptions const& o) {
   return project_measured_coupling(c);
 }
 
-std::string progress_line(double done, double seconds, double duration) {
-  return fmt::format("project  {:.0f} % of {:.4g} s of h(t)  about {:.0f} s left", 100 * done, duration,
-                     seconds * (1 / done - 1));
+std::string progress_line(double done, double left, double duration) {
+  std::string const time = std::isfinite(left) ? fmt::format("  about {:.0f} s left", left) : "";
+  return fmt::format("project  {:.0f} % of {:.4g} s of h(t){}", 100 * done, duration, time);
 }
 
 int project(ProjectOptions const& o) {
@@ -99,10 +100,12 @@ int project(ProjectOptions const& o) {
   StrayLight first;
   ProgressLine progress(o.data.quiet);
   auto const start = std::chrono::steady_clock::now();
+  TimeLeft left;
   settings.told = [&](double share) {
     double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
                  done = (settings.paths.realisation + share) / o.realisations;
-    progress.at(seconds, [&] { return progress_line(done, seconds, in.duration); });
+    double const more = left.at(seconds, done);
+    progress.at(seconds, [&] { return progress_line(done, more, in.duration); });
   };
   for (std::uint32_t r = 0; r < o.realisations; ++r) {
     settings.paths.realisation = r;

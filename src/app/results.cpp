@@ -82,6 +82,18 @@ void tell_warnings(NoiseBudget const& budget, Options const& options, std::strin
     tell_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
 }
 
+// Of a total that is zero everywhere: why. Motion outside the band makes nothing in it as long as its phase is small.
+static std::string silence(NoiseBudget const& budget) {
+  double phase = 0;
+  for (NoiseTrace const& t : budget.routes) phase = std::max(phase, std::sqrt(t.mean_square_phase));
+  if (!(phase > 0)) return "stray light makes no strain noise here: nothing on its routes moves";
+  return fmt::format(
+      "stray light makes no strain noise between {:g} and {:g} Hz: what moves on its routes moves at other "
+      "frequencies, "
+      "by {:.2g} rad rms at most, which does not wrap into this band",
+      budget.grid.edges.front(), budget.grid.edges.back(), phase);
+}
+
 std::string headline(NoiseBudget const& budget, PathTable const& paths) {
   std::string values, at, ratios, lines;
   bool bound = false;
@@ -104,7 +116,7 @@ std::string headline(NoiseBudget const& budget, PathTable const& paths) {
   }
   if (budget.total.resolved &&
       std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; }))
-    return "stray light makes no strain noise here: nothing on its routes moves";
+    return silence(budget);
   std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
   if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
   line += lines;

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base/message.hpp"
+#include "noise/strength_nodes.hpp"
 #include "report/band.hpp"
 
 namespace straytrace {
@@ -70,6 +71,12 @@ bool exists_in(RunFile const& to, RunFile const& from, CouplingClass const& c) {
   });
 }
 
+// How far two rms of the same light may differ by their spectra alone: those that paths share are held to `tolerance`
+// of the PSD of a path, twice its share of the rms.
+double held_change(WithError const& before, WithError const& after, bool common) {
+  return common ? StrengthNodes::tolerance / 2 * std::hypot(before.value, after.value) : 0;
+}
+
 // Error of the change of a route's rms, or of independent values.
 double error_of_change(WithError const& before, WithError const& after, bool common) {
   return common ? std::fabs(before.sigma - after.sigma) : std::hypot(before.sigma, after.sigma);
@@ -81,7 +88,8 @@ Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid cons
   bool const open = (b && !b->resolved) || (a && !a->resolved);
   WithError const x = b ? band_rms(*b, before, d.low, d.high) : WithError{},
                   y = a ? band_rms(*a, after, d.low, d.high) : WithError{};
-  return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open};
+  return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open,
+          {},       held_change(x, y, d.common)};
 }
 
 // Rows of one run that are compared together. Their errors may come from the same histories: up to twice the squares.
@@ -185,13 +193,15 @@ double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const&
 Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, double high, bool common) {
   WithError const x = band_rms(b.total, b.grid, low, high), y = band_rms(a.total, a.grid, low, high);
   double const error = common ? common_error(b, a, x, y, low, high) : error_of_change(x, y, false);
-  return {fmt::format("{:g} to {:g} Hz", low, high), "", x, y, error, !b.total.resolved || !a.total.resolved};
+  bool const open = !b.total.resolved || !a.total.resolved;
+  return {fmt::format("{:g} to {:g} Hz", low, high), "", x, y, error, open, {}, held_change(x, y, common)};
 }
 
 std::string line(Change const& c, std::size_t width) {
   double const s = c.sigmas();
   std::string const verdict = !c.within.empty()                 ? fmt::format("compared within '{}'", c.within)
                               : c.before.value == c.after.value ? "the same"
+                              : c.too_small()                   ? "the same within the error of the spectra"
                               : std::isfinite(s)
                                   ? fmt::format("{:+.1f} sigma{}", s, std::fabs(s) < significant ? "" : ", significant")
                               : c.before.at_most || c.after.at_most ? "an upper bound: speckle may hide the change"
@@ -234,8 +244,10 @@ nlohmann::ordered_json as_json(std::vector<Change> const& all) {
 
 }  // namespace
 
+bool Change::too_small() const { return std::fabs(after.value - before.value) < held; }
+
 double Change::sigmas() const {
-  double const change = after.value - before.value;
+  double const change = too_small() ? 0 : after.value - before.value;
   if (!within.empty() || (change != 0 && (before.at_most || after.at_most))) return not_a_number;
   return error > 0 ? change / error : change == 0 ? 0 : not_a_number;
 }

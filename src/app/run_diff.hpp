@@ -20,7 +20,9 @@ struct Change {
   // Of a route that only one of the runs lists: the row of the other that may hold it, "other > ITM". It is compared
   // there, together with all such routes.
   std::string within{};
-  double sigmas() const;  // NaN: no answer
+  double held = 0;         // of the same histories: what spectra do not hold, 5e-4 of each value
+  bool too_small() const;  // a smaller change is none
+  double sigmas() const;   // NaN: no answer
 };
 
 struct RunDifference {

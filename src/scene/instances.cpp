@@ -118,9 +118,13 @@ class Expander {
     std::string const near = nearest_word(name, names);
     std::string all;
     for (std::string const& n : names) all += (all.empty() ? "" : ", ") + n;
-    use.problem(fmt::format("part '{}' is not defined", shortened(name)),
-                near.empty() ? fmt::format("define it under 'parts', or use one of: {}", shortened(all))
-                             : fmt::format("did you mean '{}'?", near));
+    use.problem(
+        fmt::format("part '{}' is not defined", shortened(name)),
+        near.empty()
+            ? fmt::format("define it under 'parts', add 'include: [library/parts.yaml]' where it is of the library, or "
+                          "use one of: {}",
+                          shortened(all))
+            : fmt::format("did you mean '{}'?", near));
     return {};
   }
 

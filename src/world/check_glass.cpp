@@ -48,8 +48,17 @@ void warn_of_bare_boundaries(Scene const& scene, World const& world) {
   }
 }
 
+// The entry that places a surface; of faces of a file the scene as a whole.
+Node entry_of(Scene const& scene, Registry const& names, std::uint32_t surface) {
+  for (Scene::Instance const& instance : scene.instances()) {
+    auto const found = names.surfaces.find(instance.name);
+    if (found != names.surfaces.end() && found->second.value == surface) return instance.placement;
+  }
+  return scene.root()["scene"];
+}
+
 // Glass whose faces all send back most of the light: what gets in runs between them, and next to nothing comes out.
-void warn_of_traps(Scene const& scene, World const& world) {
+void warn_of_traps(Scene const& scene, World const& world, Registry const& names) {
   std::set<std::string> told;
   for (std::vector<std::uint32_t> const& faces : faces_of_volumes(world)) {
     std::string text;
@@ -63,13 +72,15 @@ void warn_of_traps(Scene const& scene, World const& world) {
       if (++clear <= 3) text += fmt::format("{}'{}' {:.6g}", clear > 1 ? ", " : "", name_of(world, id), reflected);
     }
     if (!trap || clear < 2 || !told.insert(text).second) continue;
-    scene.root()["scene"].warning(
-        fmt::format(
-            "light that enters glass is trapped in it, since all its clear faces reflect most of it ({}{}): next "
-            "to nothing passes",
-            text, clear > 3 ? ", ..." : ""),
-        "'material' of an entry covers all its faces: give the others their own, 'surfaces: {back: ar_window, barrel: "
-        "black}'");
+    entry_of(scene, names, faces.front())
+        .warning(
+            fmt::format(
+                "light that enters glass is trapped in it, since all its clear faces reflect most of it ({}{}): next "
+                "to nothing passes",
+                text, clear > 3 ? ", ..." : ""),
+            "'material' of an entry covers all its faces: give the others their own, 'surfaces: {back: ar_window, "
+            "barrel: "
+            "black}'");
   }
 }
 
@@ -132,7 +143,7 @@ bool lets_light_in(World const& world, std::uint32_t optic) {
 
 void check_glass(Scene const& scene, World const& world, Registry const& names) {
   warn_of_bare_boundaries(scene, world);
-  warn_of_traps(scene, world);
+  warn_of_traps(scene, world, names);
   warn_of_solids(scene, world, names);
 }
 

@@ -31,7 +31,7 @@ bool read_mirror(Node const& node, Registry const& names, World const& world, Mi
       if constexpr (std::is_same_v<Shape, Cap>) mirror.curvature = s.curvature;
       return true;
     }
-    node.problem(fmt::format("a {} cannot be a mirror of a cavity", Shape::key), "use shape 'cap' or 'disk'");
+    node.problem(fmt::format("a mirror of a cavity cannot be of shape '{}'", Shape::key), "use shape 'cap' or 'disk'");
     return false;
   });
 }

@@ -64,6 +64,7 @@ template <class Map>
 auto find_named(Node const& node, Map const& map, std::string_view what) -> typename Map::mapped_type {
   if (!node) return {};
   std::string const name = node.as_word();
+  if (node.kind() != Node::Kind::scalar) return {};  // reported already
   auto const found = map.find(name);
   if (found != map.end()) return found->second;
   std::vector<std::string> known;

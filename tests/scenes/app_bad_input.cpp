@@ -32,6 +32,8 @@ std::vector<Case> const cases = {
     {"key twice", "towers: {motion: still}", "towers: {motion: still}\n  ETM: {motion: still}",
      "ETM:", "key 'ETM' is written twice", "remove one of them"},
     {"name twice", "{name: link_in,", "{name: tube,", "tube,", "name 'tube' is used twice", "choose another name"},
+    {"material as a table", "material: baffle_steel", "material: {scatter: baffle_steel}", "{scatter",
+     "'material' is a single text, got a table", "write 'material: text'"},
     {"material", "material: baffle_steel", "material: bafle_steel", "bafle_steel",
      "material 'bafle_steel' is not defined", "did you mean 'baffle_steel'?"},
     {"body", "{name: baffles_in, use: baffle, body: tube", "{name: baffles_in, use: baffle, body: tubes", "tubes",

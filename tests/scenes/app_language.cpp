@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/interrupt.hpp"
 #include "scenes/answers.hpp"
 
 namespace straytrace::testing {
@@ -224,6 +225,57 @@ TEST(Diff, SameHistoriesErrAlike) {
     EXPECT_NEAR(band["after"]["value"].get<double>() / h, 2, 1e-3);
     EXPECT_NEAR(band["sigmas"].get<double>() / (h / error), 1, 0.2);
   }
+}
+
+// Spectra that paths share hold h to 5e-4 of itself: motion larger by 2e-5 is no change, by 2 % it is one, although
+// both are of the same light. Twin: what the errors of the light alone leave, 2e-5 h over 2e-5 sigma, some hundred
+// sigmas.
+TEST(Diff, WhatSpectraDoNotHoldIsNoChange) {
+  Folder const folder;
+  write_text(folder / "a.yaml", baffle);
+  ASSERT_EQ(straytrace({"run", folder / "a.yaml", "-o", folder / "a", "--quiet"}).code, 0);
+  std::string const bodies = baffle.substr(baffle.find("bodies:"), baffle.find("scene:") - baffle.find("bodies:"));
+  auto const sigmas = [&](char const* asd) {
+    write_text(folder / "more.yaml", "straytrace: 1\n" + edited(bodies, "1e-12 m", asd));
+    EXPECT_EQ(straytrace({"noise", folder / "a/run.h5", "--motion", folder / "more.yaml", "-o", folder / asd}).code, 0);
+    auto const results = answer({"diff", folder / "a/run.h5", folder / (std::string(asd) + "/run.h5")})["results"];
+    EXPECT_TRUE(results["same_histories"]);
+    double most = 0;
+    for (char const* of : {"bands", "routes"})
+      for (auto const& change : results[of])
+        if (change["sigmas"].is_number()) most = std::fmax(most, std::fabs(change["sigmas"].get<double>()));
+    return most;
+  };
+  EXPECT_EQ(sigmas("1.00002e-12 m"), 0);
+  EXPECT_GT(sigmas("1.02e-12 m"), 10);
+}
+
+// A line below the band moves the baffle, and makes nothing in the band. Twins: the baffle still, and so much motion
+// that it wraps into the band (phase 2k x 20 um).
+TEST(Messages, NoNoiseSaysWhetherAnythingMoves) {
+  Folder const folder;
+  std::size_t const from = baffle.find("{power-law"), to = baffle.find("}}, others") + 2;
+  auto const headline = [&](std::string const& motion) {
+    std::string text = baffle;
+    text.replace(from, to - from, motion);
+    write_text(folder / "a.yaml", edited(text, "131072", "4096"));
+    return straytrace({"run", folder / "a.yaml", "-o", folder / "a", "--quiet", "--force"}).out;
+  };
+  std::string const moves = "what moves on its routes moves at other frequencies",
+                    still = "nothing on its routes moves";
+  std::string const below = headline("{sine: {frequency: 1 Hz, amplitude: 1e-13 m peak}}");
+  EXPECT_THAT(below, HasSubstr(moves));
+  EXPECT_THAT(below, Not(HasSubstr(still)));
+  EXPECT_THAT(headline("still"), HasSubstr(still));
+  EXPECT_THAT(headline("{sine: {frequency: 1 Hz, amplitude: 2e-5 m peak}}"), HasSubstr("stray light h = "));
+}
+
+// 0.9 s of preparation, then a quarter in a second: three seconds are left. Twin: preparation counted, half an hour.
+TEST(Messages, TimeLeftIsThatOfTheWorkItself) {
+  TimeLeft left;
+  EXPECT_TRUE(std::isnan(left.at(0.9, 0.0005)));
+  EXPECT_NEAR(left.at(1.9, 0.2505), 3, 0.01);
+  EXPECT_GT(0.9 * (1 / 0.0005 - 1), 1700);
 }
 
 TEST(Messages, WarningsComeAsJsonWithTheirPlaces) {

@@ -198,6 +198,7 @@ TEST(Instances, Refusals) {
       {"just text", "an entry of 'scene' is a table of keys"},
   };
   for (Case const& c : cases) EXPECT_THAT(errors_of(baffle + "  - " + c.entry + "\n"), HasSubstr(c.what)) << c.entry;
+  EXPECT_THAT(errors_of(baffle + "  - {name: a, use: zork}\n"), HasSubstr("add 'include: [library/parts.yaml]'"));
   EXPECT_THAT(errors_of(baffle + "  - {name: a, use: panel}\n  - {name: a, use: baffle}\n"),
               HasSubstr("name 'a' is used twice in 'scene'"));
   EXPECT_EQ(errors_of(baffle + "  - {name: a, use: panel}\n  - {name: b, use: baffle}\n"), "");

@@ -91,6 +91,11 @@ TEST(Glass, FacesThatAllReflectTrapTheLight) {
   testing::BuiltScene const trap = read(both, "", ", lit: yes");
   EXPECT_THAT(trap.warnings, HasSubstr("light that enters glass is trapped in it"));
   EXPECT_THAT(trap.warnings, HasSubstr("'x/front' 0.999995, "));
+  std::string const other =
+      "  - {name: other, shape: {disk: {outer_radius: 1 cm}}, at: [1 m, 0 m, 0 m], body: b, material: white}\n";
+  std::string const second = read(other + both).warnings;
+  EXPECT_THAT(second, HasSubstr("- {name: x, ")) << "at the entry that is meant, not at the first";
+  EXPECT_THAT(second, Not(HasSubstr("- {name: other, ")));
   EXPECT_LE(trap.world.footprints().size(), 4u) << "the light of the trap is no main beam";
   EXPECT_THAT(read(sound, "", ", lit: yes").warnings, Not(HasSubstr("trapped")));
 }
