@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // filter = both {or both}    both = one {and one}    one = not one | ( filter ) | resolved | text | comparison
 // text = via("NAME" {, "NAME"})    comparison = name sign number [unit]    name = share | h(number unit) | ...
+#include "report/route_columns.hpp"
 #include "report/filter_parser.hpp"
 
 #include <fmt/format.h>

@@ -126,7 +126,7 @@ void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid,
   }
 }
 
-bool before(PathRow const& a, PathRow const& b) {
+bool ranks_before(PathRow const& a, PathRow const& b) {
   if (a.resolved != b.resolved) return a.resolved;
   double const x = std::isnan(a.share.value) ? a.coupling.mean * a.reverse : a.share.value;
   double const y = std::isnan(b.share.value) ? b.coupling.mean * b.reverse : b.share.value;
@@ -137,7 +137,7 @@ bool before(PathRow const& a, PathRow const& b) {
 
 void rank_and_sum(PathTable& table, bool shares) {
   if (shares) find_shares(table.rows);
-  std::sort(table.rows.begin(), table.rows.end(), before);
+  std::sort(table.rows.begin(), table.rows.end(), ranks_before);
   table.unresolved = table.faint = 0;
   ReplicaSum coupling;
   double bound = 0;

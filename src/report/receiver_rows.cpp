@@ -9,7 +9,7 @@
 namespace straytrace {
 namespace {
 
-std::vector<std::string> objects_of(CouplingTable const& table, CouplingClass const& c) {
+std::vector<std::string> first_and_last(CouplingTable const& table, CouplingClass const& c) {
   std::vector<std::string> objects;
   for (PathStep const& s : c.steps) {
     if (s.event == Event::receive) continue;
@@ -65,7 +65,7 @@ ReceiverEntry entry_of(CouplingTable const& table, std::size_t number, BlockSums
     }
   for (CouplingClass const* c : classes)
     entry.routes.push_back({0, c->hash, received_name(table, *c), c->coupling, summand(table, *c).share_of(all),
-                            objects_of(table, *c), c->folded_routes, folded_rows(table, *c)});
+                            first_and_last(table, *c), c->folded_routes, folded_rows(table, *c)});
   std::sort(entry.routes.begin(), entry.routes.end(), before);
   for (std::size_t i = 0; i < entry.routes.size(); ++i) entry.routes[i].rank = i + 1;
   take_census(entry, table, classes);

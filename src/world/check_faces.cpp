@@ -15,23 +15,23 @@ namespace {
 
 constexpr double least_depth = 1e-5;  // m: what is drawn with less care than this is left alone
 
-struct Shared {
+struct SharedSpace {
   int pairs = 0;
   FacePair deepest;
 };
 
 // By the two groups, so that a hundred baffles in one tube are one sentence.
-std::map<std::pair<std::string, std::string>, Shared> by_group(World const& world, std::vector<FacePair> const& pairs) {
-  std::map<std::pair<std::string, std::string>, Shared> all;
+std::map<std::pair<std::string, std::string>, SharedSpace> by_group(World const& world, std::vector<FacePair> const& pairs) {
+  std::map<std::pair<std::string, std::string>, SharedSpace> all;
   auto const group = [&](SurfaceId id) { return world.groups()[world.surfaces()[id.value].group.value]; };
   for (FacePair const& p : pairs) {
-    Shared& s = all[std::minmax(group(p.first), group(p.second))];
+    SharedSpace& s = all[std::minmax(group(p.first), group(p.second))];
     if (s.pairs++ == 0 || p.depth > s.deepest.depth) s.deepest = p;
   }
   return all;
 }
 
-std::string place_of(Shared const& s) {
+std::string place_of(SharedSpace const& s) {
   auto const to_a_tenth_of_a_millimetre = [](double x) { return std::round(1e4 * x) / 1e4 + 0.0; };
   Vec3 const at = s.deepest.at;
   std::string const more = s.pairs == 2  ? ", and in one more place"
@@ -42,7 +42,7 @@ std::string place_of(Shared const& s) {
 }
 
 // The entry of the scene that the later one of the two comes from.
-Node entry_of(Scene const& scene, World const& world, Shared const& shared) {
+Node entry_of(Scene const& scene, World const& world, SharedSpace const& shared) {
   std::string const& group = world.groups()[world.surfaces()[shared.deepest.second.value].group.value];
   for (Scene::Instance const& instance : scene.instances())
     if (group == instance.group || group.rfind(instance.group + '/', 0) == 0) return instance.placement;
