@@ -6,9 +6,9 @@
 #include <iostream>
 #include <thread>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "trace/backend/device/device_backend.hpp"
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::bench {
 namespace {

@@ -11,7 +11,7 @@
 #include <time.h>
 
 #include "embree_scene.hpp"
-#include "trace/history/flight.hpp"
+#include "trace/step/flight.hpp"
 #include "trace/tally/history_tally.hpp"
 
 namespace straytrace::bench {

@@ -6,14 +6,14 @@
 #include <cstdlib>
 #include <string>
 
-#include "base/rng.hpp"
-#include "noise/phase_spectra.hpp"
-#include "optics/abg.hpp"
-#include "optics/lambertian.hpp"
+#include "base/math/rng.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
+#include "optics/scatter/shift_invariant.hpp"
+#include "optics/scatter/diffuse.hpp"
 #include "scenes.hpp"
-#include "signal/shapes.hpp"
+#include "spectra/shapes.hpp"
 #include "trace/backend/backend.hpp"
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::bench {
 namespace {

@@ -2,8 +2,8 @@
 // Single functions, over many different inputs each.
 #include <benchmark/benchmark.h>
 
-#include "base/functions.hpp"
-#include "base/rng.hpp"
+#include "base/math/functions.hpp"
+#include "base/math/rng.hpp"
 #include "scenes.hpp"
 
 namespace straytrace::bench {

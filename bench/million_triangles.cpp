@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/functions.hpp"
-#include "base/rng.hpp"
+#include "base/math/functions.hpp"
+#include "base/math/rng.hpp"
 #include "scenes.hpp"
 
 namespace straytrace::bench {

@@ -13,9 +13,9 @@
 #include <functional>
 #include <time.h>
 
-#include "base/rng.hpp"
-#include "noise/strength_nodes.hpp"
-#include "signal/shapes.hpp"
+#include "base/math/rng.hpp"
+#include "noise/interpolate/spectrum_interpolator.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 
 namespace straytrace::bench {
 namespace {

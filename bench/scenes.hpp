@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::bench {
 

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <functional>
 
-#include "base/constants.hpp"
-#include "base/rng.hpp"
-#include "noise/phase_sum.hpp"
-#include "signal/welch.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/rng.hpp"
+#include "noise/time_domain/phase_sum.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::bench {
 namespace {

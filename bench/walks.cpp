@@ -2,11 +2,11 @@
 // Walks through the scenes, from single rays to whole bounces.
 #include <cmath>
 
-#include "base/rng.hpp"
-#include "optics/abg.hpp"
-#include "optics/lambertian.hpp"
+#include "base/math/rng.hpp"
+#include "optics/scatter/shift_invariant.hpp"
+#include "optics/scatter/diffuse.hpp"
 #include "scenes.hpp"
-#include "trace/history/path.hpp"
+#include "trace/step/path.hpp"
 
 namespace straytrace::bench {
 namespace {

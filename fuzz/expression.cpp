@@ -2,7 +2,7 @@
 // Quantities, units and expressions of scenes.
 #include "scene/expression.hpp"
 
-#include "base/quantity.hpp"
+#include "base/units/quantity.hpp"
 #include "fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {

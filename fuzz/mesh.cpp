@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh files, told apart by how they begin, up to their search tree; and faces converted from STEP.
-#include "base/storage.hpp"
+#include "base/memory/storage.hpp"
 #include "fuzz.hpp"
-#include "geometry/triangle_mesh.hpp"
-#include "world/cad_file.hpp"
-#include "world/mesh_doctor.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
+#include "world/import/cad_file.hpp"
+#include "world/import/mesh_doctor.hpp"
 
 namespace {
 

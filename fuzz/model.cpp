@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The same text as read by all rooms: geometry, materials, beams, motion, interferometer, noise.
-#include "app/model.hpp"
+#include "session/model.hpp"
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Records of motion as text and HDF5, spectra, responses, coupling functions.
-#include "base/message.hpp"
-#include "commission/coupling_file.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/coupling_file.hpp"
 #include "fuzz.hpp"
-#include "signal/gps.hpp"
-#include "signal/series_file.hpp"
-#include "signal/text_table.hpp"
-#include "signal/unit_text.hpp"
+#include "spectra/files/gps.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/files/text_table.hpp"
+#include "spectra/files/unit_text.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
   using namespace straytrace;

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <vector>
 
-#include "base/sanitized.hpp"
+#include "base/process/sanitized.hpp"
 #include "fuzz.hpp"
 
 namespace {

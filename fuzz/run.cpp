@@ -4,10 +4,10 @@
 // (32 bits) and what is added there to the byte modulo 256. Texts end at the file.
 #include <filesystem>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "fuzz.hpp"
-#include "report/run_parts.hpp"
-#include "report/seal.hpp"
+#include "results/run_file/run_file.hpp"
+#include "results/run_file/checksum_header.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 // YAML of a model up to its tree: includes, parts, repeats, parameters. The disk is never touched.
 #include "scene/scene.hpp"
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {

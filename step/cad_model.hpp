@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a STEP file holds, as it is handed to straytrace. Lengths in m, in the frame of the file; charts of faces are
-// those of src/geometry/cad_face.hpp.
+// those of src/geometry/cad/cad_face.hpp.
 #pragma once
 
 #include <array>

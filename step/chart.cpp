@@ -9,7 +9,7 @@
 #include <gp_Sphere.hxx>
 #include <gp_Torus.hxx>
 
-#include "base/constants.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace::step {
 namespace {

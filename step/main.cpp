@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "app/build_info.hpp"
-#include "base/growing_file.hpp"
-#include "base/message.hpp"
-#include "base/quantity.hpp"
+#include "session/build_info.hpp"
+#include "base/files/growing_file.hpp"
+#include "base/errors.hpp"
+#include "base/units/quantity.hpp"
 #include "step/read_step.hpp"
 #include "step/write_cad.hpp"
 

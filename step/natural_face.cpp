@@ -12,7 +12,7 @@
 #include <gp_Circ.hxx>
 #include <optional>
 
-#include "base/constants.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace::step {
 namespace {

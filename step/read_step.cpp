@@ -20,7 +20,7 @@
 #include <algorithm>
 #include <map>
 
-#include "base/file_bytes.hpp"
+#include "base/files/file_bytes.hpp"
 #include "step/assembly.hpp"
 #include "step/chart.hpp"
 #include "step/convert_face.hpp"

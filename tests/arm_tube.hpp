@@ -4,7 +4,7 @@
 #pragma once
 
 #include "aimed_walls.hpp"
-#include "optics/power_law.hpp"
+#include "optics/scatter/shift_invariant.hpp"
 #include "trace/tally/replay.hpp"
 
 namespace straytrace::testing::arm_tube {

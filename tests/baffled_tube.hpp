@@ -7,7 +7,7 @@
 
 #include "laws.hpp"
 #include "shapes.hpp"
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "beams/beam_path.hpp"
+#include "beams/ray_matrix.hpp"
 #include "beams/mode.hpp"
-#include "optics/refraction.hpp"
+#include "optics/coating/refraction.hpp"
 
 namespace straytrace::testing {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "base/message.hpp"
-#include "world/world.hpp"
+#include "base/errors.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing {
 

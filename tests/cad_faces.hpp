@@ -2,7 +2,7 @@
 // CAD faces of every carrier, trimmed to odd pieces.
 #pragma once
 
-#include "geometry/cad_face.hpp"
+#include "geometry/cad/cad_face.hpp"
 
 namespace straytrace::testing {
 

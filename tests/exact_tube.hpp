@@ -8,10 +8,10 @@
 #include <set>
 #include <vector>
 
-#include "base/rng.hpp"
-#include "optics/lambertian.hpp"
+#include "base/math/rng.hpp"
+#include "optics/scatter/diffuse.hpp"
 #include "shapes.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "base/constants.hpp"
-#include "base/rng.hpp"
-#include "commission/fringe_fit.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/rng.hpp"
+#include "analysis/fringes/fringe_fit.hpp"
 
 namespace straytrace::testing {
 

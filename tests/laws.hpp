@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "base/storage.hpp"
-#include "optics/law_types.hpp"
+#include "base/memory/storage.hpp"
+#include "optics/scatter/law_types.hpp"
 
 namespace straytrace::testing {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "base/functions.hpp"
-#include "base/rng.hpp"
-#include "geometry/triangle_mesh.hpp"
+#include "base/math/functions.hpp"
+#include "base/math/rng.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
 
 namespace straytrace::testing {
 

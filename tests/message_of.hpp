@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace::test {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "base/constants.hpp"
-#include "base/rng.hpp"
-#include "signal/series.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/rng.hpp"
+#include "spectra/series.hpp"
 
 namespace straytrace::testing {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "trace/sequential.hpp"
+#include "trace/camera/sequential.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

@@ -2,7 +2,7 @@
 // Black and other receivers in worlds built by hand, and what they received.
 #pragma once
 
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

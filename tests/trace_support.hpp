@@ -9,8 +9,8 @@
 #include "shapes.hpp"
 #include "statistics.hpp"
 #include "test_backend.hpp"
-#include "trace/history/step.hpp"
-#include "trace/trace.hpp"
+#include "trace/step/step.hpp"
+#include "trace/run/trace.hpp"
 
 namespace straytrace::testing {
 

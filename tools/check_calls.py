@@ -7,17 +7,17 @@ import sys
 
 # What is looked for, why it is refused, and where it may stand all the same.
 CPP = (
-    (r"::system\s*\(|\bpopen\s*\(", "starts a shell; use run_child of base/child_process.hpp", ()),
+    (r"::system\s*\(|\bpopen\s*\(", "starts a shell; use run_child of base/process/child_process.hpp", ()),
     (r"\bexec[lv][pe]{0,2}\s*\(|\bposix_spawnp?\s*\(|\bvfork\s*\(",
-     "starts a program; use run_child of base/child_process.hpp", ("src/base/child_process.cpp",)),
-    (r"\bfork\s*\(", "makes a process", ("src/app/scan_jobs.cpp", "src/base/apart.cpp")),
+     "starts a program; use run_child of base/process/child_process.hpp", ("src/base/process/child_process.cpp",)),
+    (r"\bfork\s*\(", "makes a process", ("src/session/scan/scan_points.cpp", "src/base/process/sandbox.cpp")),
     (r"\b(?:socket|getaddrinfo|gethostbyname)\s*\(|\bcurl_", "reaches the network", ()),
     (r"\bH5::H5File\b|\bH5Fopen", "opens HDF5, whose library breaks at some files; use hdf5::Reader",
-     ("src/hdf5/walk.cpp", "src/hdf5/writer.cpp", "src/hdf5/writer.hpp")),
-    (r"\bdlopen\s*\(", "loads code", ("src/app/mpi.cpp", "src/trace/backend/device/load_engine.cpp")),
-    (r"\bregex_match\s*\(", "ends the program at a long text; use has_form of base/form.hpp", ("src/base/form.hpp",)),
+     ("src/io/hdf5/load_contents.cpp", "src/io/hdf5/writer.cpp", "src/io/hdf5/writer.hpp")),
+    (r"\bdlopen\s*\(", "loads code", ("src/session/mpi.cpp", "src/trace/backend/device/engine.cpp")),
+    (r"\bregex_match\s*\(", "ends the program at a long text; use has_form of base/text/bounded_regex.hpp", ("src/base/text/bounded_regex.hpp",)),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",
-     ("src/base/apart.cpp",)),
+     ("src/base/process/sandbox.cpp",)),
 )
 PYTHON = (
     (r"\bos\.(?:system|popen)\b|\bshell\s*=\s*True", "starts a shell; give a list of words to subprocess", ()),

@@ -70,7 +70,7 @@ class CheckCalls(unittest.TestCase):
             self.expect("python/straytrace/a.py", line, 1)
 
     def test_where_it_is_meant_it_passes(self):
-        self.expect("src/base/child_process.cpp", "::posix_spawnp(a, b, c, d, e, f);", 0)
+        self.expect("src/base/process/child_process.cpp", "::posix_spawnp(a, b, c, d, e, f);", 0)
         self.expect("src/app/a.cpp", "solve_system(matrix);  // no system()", 0)
         self.expect("python/straytrace/a.py", "subprocess.run([program, name]); frame.eval(name)", 0)
 
@@ -80,12 +80,12 @@ class CheckCalls(unittest.TestCase):
 
 class CheckIncludes(unittest.TestCase):
     def expect(self, line, status, room="trace"):
-        files = {"src/base/vec3.hpp": HEAD, f"src/{room}/a.cpp": f"{line}\n"}
+        files = {"src/base/math/vec3.hpp": HEAD, f"src/{room}/a.cpp": f"{line}\n"}
         found, output = verdict("check_includes.py", files, "src")
         self.assertEqual(found, status, output)
 
     def test_allowed_include_passes(self):
-        self.expect('#include "base/vec3.hpp"', 0)
+        self.expect('#include "base/math/vec3.hpp"', 0)
 
     def test_motion_cannot_enter_the_trace(self):
         self.expect('#include "motion/motion.hpp"', 1)
@@ -98,7 +98,7 @@ class CheckIncludes(unittest.TestCase):
         self.expect("int a;", 1)
 
     def test_two_types_of_one_name_fail(self):
-        line = {"src/trace/a.cpp": '#include "base/vec3.hpp"\n'}
+        line = {"src/trace/a.cpp": '#include "base/math/vec3.hpp"\n'}
         one, other = HEAD + "struct Answer {\n};\n", HEAD + "class Answer : Base {\n};\n"
         self.assertEqual(verdict("check_includes.py", {**line, "src/base/a.hpp": one, "src/base/b.hpp": other}, "src")[0], 1)
         for good in (HEAD + "struct Answer;\n", HEAD + "template <class T>\nclass Answer {\n};\n", HEAD + "struct Answers {\n};\n"):
@@ -133,7 +133,7 @@ class CheckHeaders(unittest.TestCase):
 class CheckDocs(unittest.TestCase):
     def expect(self, page, status, part, **more):
         key = 'static constexpr char const* key = "cap";'
-        files = {"src/geometry/cap.hpp": key, "src/optics/abg.hpp": key.replace("cap", "abg"), "README.md": page,
+        files = {"src/geometry/shapes/cap.hpp": key, "src/optics/scatter/shift_invariant.hpp": key.replace("cap", "abg"), "README.md": page,
                  "docs/reference/shapes/cap.md": "# cap\n\n## Size of it\n", "docs/reference/scatter/abg.md": "# abg\n",
                  "docs/develop/conventions.md": "`Levers.a1`\n", "docs/theory/validation.md": "`docs.run`\n",
                  "tests/physics/a.cpp": "TEST(Levers, a1) {}\n", "tests/CMakeLists.txt": "add_test(NAME docs.run x)\n"}
@@ -149,7 +149,7 @@ class CheckDocs(unittest.TestCase):
         self.expect("[a](docs/reference/shapes/cap.md#weight)", 1, "no such heading")
 
     def test_file_that_does_not_exist_fails(self):
-        self.expect("`src/geometry/cap.hpp`", 0, "in order")
+        self.expect("`src/geometry/shapes/cap.hpp`", 0, "in order")
         self.expect("`src/geometry/cup.hpp`", 1, "there is no src/geometry/cup.hpp")
 
     def test_message_that_names_a_file_that_does_not_exist_fails(self):
@@ -166,7 +166,7 @@ class CheckDocs(unittest.TestCase):
         self.expect("", 1, "no tests named", **{"docs/theory/validation.md": "words\n"})
 
     def test_shape_without_page_fails(self):
-        self.expect("", 1, "'cone'", **{"src/geometry/cone.hpp": 'static constexpr char const* key = "cone";'})
+        self.expect("", 1, "'cone'", **{"src/geometry/shapes/cone.hpp": 'static constexpr char const* key = "cone";'})
 
     def test_cited_equation_without_its_formula_fails(self):
         formulas = {"docs/theory/a.md": "$$x \\tag{9.3, 9.4}$$\n$$y \\tag{5.1–5.3}$$\n"}

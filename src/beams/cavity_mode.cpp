@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "base/message.hpp"
+#include "base/math/constants.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "beams/plane_field.hpp"
-#include "beams/symmetric.hpp"
+#include "beams/overlap.hpp"
+#include "beams/mode.hpp"
 
 namespace straytrace {
 

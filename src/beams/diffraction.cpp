@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "base/message.hpp"
+#include "base/math/constants.hpp"
+#include "base/errors.hpp"
 #include "beams/clipping.hpp"
 
 namespace straytrace {

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "beams/beam_path.hpp"
+#include "beams/ray_matrix.hpp"
 #include "beams/ray_matrix.hpp"
 
 namespace straytrace {

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "base/message.hpp"
-#include "optics/refraction.hpp"
+#include "base/errors.hpp"
+#include "optics/coating/refraction.hpp"
 
 namespace straytrace {
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "base/vec3.hpp"
+#include "base/math/vec3.hpp"
 #include "geometry/curvature.hpp"
 
 namespace straytrace {

@@ -4,9 +4,9 @@
 // (physics.md 1.1, eq. 1.1).
 #pragma once
 
-#include "base/functions.hpp"
-#include "base/ids.hpp"
-#include "base/vec3.hpp"
+#include "base/math/functions.hpp"
+#include "base/memory/ids.hpp"
+#include "base/math/vec3.hpp"
 #include "optics/polarisation.hpp"
 
 namespace straytrace {

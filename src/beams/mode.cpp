@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 
 #include "beams/face.hpp"
-#include "beams/symmetric.hpp"
+#include "beams/mode.hpp"
 
 namespace straytrace {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a beam of the beam tree meets a surface (world/beam_tree.hpp): the main beam (order 0) and its ghosts.
+// Where a beam of the beam tree meets a surface (world/ghosts/beam_tree.hpp): the main beam (order 0) and its ghosts.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "base/event.hpp"
-#include "base/ids.hpp"
+#include "base/input/event.hpp"
+#include "base/memory/ids.hpp"
 #include "beams/mode.hpp"
 #include "optics/polarisation.hpp"
 

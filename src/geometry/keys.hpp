@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "base/table.hpp"
+#include "base/input/table.hpp"
 #include "geometry/shape_types.hpp"
 
 namespace straytrace {

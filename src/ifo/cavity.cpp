@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "base/strain.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/strain.hpp"
 
 namespace straytrace {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "base/table.hpp"
+#include "base/input/table.hpp"
 #include "ifo/cavity.hpp"
 #include "ifo/ports.hpp"
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "base/ids.hpp"
-#include "base/table.hpp"
-#include "ifo/entrance.hpp"
-#include "signal/band.hpp"
+#include "base/memory/ids.hpp"
+#include "base/input/table.hpp"
+#include "ifo/injection_point.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace {
 

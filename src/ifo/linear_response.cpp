@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "ifo/network_system.hpp"
+#include "ifo/network.hpp"
 
 namespace straytrace {
 

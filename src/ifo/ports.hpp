@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "ifo/entrance.hpp"
+#include "ifo/injection_point.hpp"
 #include "ifo/interferometer.hpp"
-#include "signal/transfer_function.hpp"
+#include "spectra/transfer_function.hpp"
 
 namespace straytrace {
 

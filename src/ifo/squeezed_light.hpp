@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "base/constants.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace {
 

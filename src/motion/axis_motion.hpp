@@ -2,15 +2,16 @@
 // What is written about one coordinate of a body: `z: {asd: tube.txt, columns: [Hz, m/sqrt(Hz)]}`.
 #pragma once
 
+#include <array>
 #include <complex>
 #include <vector>
 
-#include "base/table.hpp"
+#include "base/input/table.hpp"
 #include "motion/chain.hpp"
 #include "motion/joint_motion.hpp"
 #include "motion/motion_files.hpp"
-#include "signal/series.hpp"
-#include "signal/spectrum.hpp"
+#include "spectra/series.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace {
 
@@ -58,5 +59,13 @@ bool says_how_one_moves(std::string_view key);
 
 // Adds one specification or a list of them; `uncertainty` where it states none. Problems go to the document.
 void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
+
+// Bodies that hang: `suspended: {from: ground, vertical: y, stages: [...], vertical_stages: [...]}`.
+
+
+// Adds to the coordinates of a body what comes down its suspension: the two horizontal ones through `stages`, the one
+// named by `vertical` through `vertical_stages` if there are any; rotations of the support are not passed on. Returns
+// which coordinates are stated by it.
+std::array<bool, 6> add_suspended(Node const& suspended, std::array<AxisMotion, 6>& axes);
 
 }  // namespace straytrace

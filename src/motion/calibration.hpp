@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "base/table.hpp"
+#include "base/input/table.hpp"
 #include "motion/chain.hpp"
 
 namespace straytrace {

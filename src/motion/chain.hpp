@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "base/table.hpp"
-#include "signal/transfer_function.hpp"
+#include "base/input/table.hpp"
+#include "spectra/transfer_function.hpp"
 
 namespace straytrace {
 

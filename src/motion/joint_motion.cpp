@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/number_rows.hpp"
+#include "io/number_rows.hpp"
 #include "motion/calibration.hpp"
 
 namespace straytrace {

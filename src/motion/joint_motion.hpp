@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "motion/chain.hpp"
-#include "signal/spectrum.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace {
 

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "motion/motion.hpp"
+#include "motion/motion_reader.hpp"
 
 namespace straytrace {
 
@@ -10,6 +15,75 @@ double MotionSet::sensitivity(std::size_t i, std::span<Lever const> levers, doub
       if (gain.body == lever.body)
         phase += lever.d[gain.axis] * gain.value * (gain.transfer ? (*gain.transfer)(hz) : 1.0);
   return std::norm(phase);
+}
+
+namespace {
+
+// Equal chains become one object, so that bodies that move alike are seen to do so.
+void share_transfers(std::vector<Gain>& gains) {
+  for (auto gain = gains.begin(); gain != gains.end(); ++gain)
+    for (auto before = gains.begin(); gain->transfer && before != gain; ++before)
+      if (before->transfer && *before->transfer == *gain->transfer) gain->transfer = before->transfer;
+}
+
+// Once for a body with all its modes, and not where its name is misspelt, which is told at that name.
+void tell_missing(Node const& table, std::string const& name, std::vector<std::string> const* of_run) {
+  auto const stroke = name.find('/');
+  if (stroke != std::string::npos) {
+    std::string const body = name.substr(0, stroke), mode = name.substr(stroke + 1);
+    for (auto const& [other, node] : table.items())
+      if (other == body)
+        node.problem(fmt::format("mode '{}' has no motion", name),
+                     fmt::format("add 'modes: {{{}: {{motion: still}}}}' to body '{}'", mode, body));
+    return;
+  }
+  for (auto const& [other, node] : table.items())
+    if (of_run && std::find(of_run->begin(), of_run->end(), other) == of_run->end() &&
+        nearest_word(other, *of_run) == name)
+      return;
+  table.problem(fmt::format("body '{}' has no motion", name),
+                fmt::format("add '{}: {{motion: still}}' to 'bodies', or its spectrum", name));
+}
+
+}  // namespace
+
+std::vector<std::string> bodies_and_modes(Node const& bodies_table) {
+  std::vector<std::string> names, modes;
+  for (auto const& [name, node] : bodies_table.items()) {
+    names.push_back(name);
+    if (node.kind() != Node::Kind::table || !node.has("modes")) continue;
+    for (auto const& [mode, spec] : node.table("modes").items()) modes.push_back(name + "/" + mode);
+  }
+  names.insert(names.end(), modes.begin(), modes.end());
+  return names;
+}
+
+MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced,
+                      std::vector<bool> const& placed) {
+  MotionReader reader(bodies_table);
+  MotionSet set;
+  set.bodies = bodies;
+  std::vector<Axes> axes(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bool const met = placed.empty() || placed[b];
+    if (reader.knows(bodies[b])) {
+      if (met) reader.use(bodies[b]);
+      axes[b] = reader.resolve(bodies[b]);
+      continue;
+    }
+    if (!met) continue;  // no light sees whether it moves
+    tell_missing(bodies_table, bodies[b], traced ? &bodies : nullptr);
+  }
+  reader.finish(traced ? &bodies : nullptr);
+  set.inputs = std::move(reader.inputs);
+  set.files = std::move(reader.files);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (int axis = 0; axis < 6; ++axis)
+      for (auto const& [input, gain, through] : axes[b][axis])
+        set.inputs[input].gains.push_back({BodyId{static_cast<std::uint32_t>(b)}, axis, gain, through});
+  for (MotionInput& input : set.inputs) share_transfers(input.gains);
+  std::erase_if(set.inputs, [](MotionInput const& i) { return i.gains.empty(); });
+  return set;
 }
 
 }  // namespace straytrace

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "base/ids.hpp"
-#include "base/table.hpp"
+#include "base/memory/ids.hpp"
+#include "base/input/table.hpp"
 #include "motion/motion_files.hpp"
-#include "signal/series.hpp"
-#include "signal/spectrum.hpp"
-#include "signal/transfer_function.hpp"
+#include "spectra/series.hpp"
+#include "spectra/spectrum.hpp"
+#include "spectra/transfer_function.hpp"
 
 namespace straytrace {
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "motion/motion_files.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
-#include "base/constants.hpp"
-#include "base/document.hpp"
+#include "base/input/document.hpp"
+#include "base/math/constants.hpp"
+#include "motion/calibration.hpp"
+#include "motion/motion_files.hpp"
+#include "spectra/files/text_table.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace {
 namespace {
@@ -72,6 +75,104 @@ std::vector<Problem> warnings_of_gaps(std::span<MotionFile const> files, Band no
                    Severity::warning, std::max(1u, code_points(file.name))});
   }
   return all;
+}
+
+namespace {
+
+double psd(Calibration const& c, double hz, double value) {
+  double const squared = c.is_psd ? c.factor * c.factor * value : std::pow(c.factor * value, 2);
+  return squared / std::pow(2 * pi * hz, 2 * c.derivatives);
+}
+
+std::size_t column_number(Node const& node) {
+  double const n = node.as_number(dim::plain, 1, 1000);
+  if (std::isfinite(n) && n != std::floor(n))
+    node.problem("columns are counted in whole numbers from 1", "write 'use: [1, 2]'");
+  return std::isfinite(n) ? static_cast<std::size_t>(n) : 1;
+}
+
+struct Columns {
+  std::size_t frequency = 1, value = 2;  // counted from 1
+  double hz = 1;                         // unit of the frequency column
+  Calibration calibration;
+};
+
+std::optional<Columns> read_columns(Node const& spec, bool rotation) {
+  std::string const example = rotation ? "columns: [Hz, rad/sqrt(Hz)]" : "columns: [Hz, m/sqrt(Hz)]";
+  std::vector<Node> units = spec.list("columns"), use = spec.list("use");
+  if (Node const file = spec["asd"]; units.empty() && file.text().find("sqrt(Hz)") != std::string::npos) {
+    file.problem(
+        fmt::format("'asd' names a file, got a value, \"{}\"", file.text()),
+        fmt::format("for one level write {{power-law: {{asd: {}, at: 10 Hz, exponent: 0, from: 1 Hz, to: 1 kHz}}}}",
+                    file.text()));
+    return {};
+  }
+  if (units.size() < 2 || (units.size() > 2 && use.empty()) || (!use.empty() && use.size() != 2)) {
+    spec.problem("the two columns to read and their units must be named",
+                 fmt::format("write '{}', and 'use: [1, 3]' to pick two", example));
+    return {};
+  }
+  Columns c;
+  if (!use.empty()) {
+    c.frequency = column_number(use[0]);
+    c.value = column_number(use[1]);
+    if (units.size() > 2 && std::max(c.frequency, c.value) > units.size()) {
+      spec.problem(fmt::format("'use' asks for a column beyond the {} that 'columns' names", units.size()),
+                   "name the unit of every column");
+      return {};
+    }
+    if (units.size() > 2) units = {units[c.frequency - 1], units[c.value - 1]};
+  }
+  auto const hz = parse_unit(units[0].as_word()), value = parse_unit(units[1].as_word());
+  auto const how = value ? read_calibration(spec, *value, units[1].text(), true, rotation, units[1]) : std::nullopt;
+  if (!hz || hz->dimension != dim::frequency)
+    units[0].problem(fmt::format("\"{}\" is not a unit of frequency", units[0].text()), "write 'Hz'");
+  if (!value)
+    units[1].problem(fmt::format("\"{}\" is not a unit", units[1].text()),
+                     fmt::format("write for example '{}'", example));
+  if (!hz || hz->dimension != dim::frequency || !how) return {};
+  c.hz = hz->si;
+  c.calibration = *how;
+  return c;
+}
+
+}  // namespace
+
+Spectrum read_spectrum_file(Node const& spec, bool rotation) {
+  Node const file = spec["asd"];
+  std::string const name = file.as_word();
+  auto const columns = read_columns(spec, rotation);
+  if (name.empty() || !columns) return {};
+  constexpr char const* remedy = "give columns of numbers with increasing frequency";
+  auto const table = read_number_rows(file, 0, remedy);
+  if (!table) return {};
+  std::size_t const there = table->rows.front().size(), wanted = std::max(columns->frequency, columns->value);
+  if (wanted > there) {
+    (spec.has("use") ? spec["use"] : file)
+        .problem(
+            fmt::format("'{}' has {} column{}, and column {} is asked for", name, there, there == 1 ? "" : "s", wanted),
+            "write the numbers of the columns of frequency and motion, for example 'use: [1, 2]'");
+    return {};
+  }
+  if (there > 2 && !spec.has("use") && spec.list("columns").size() != there) {
+    file.problem(fmt::format("'{}' has {} columns, and 'columns' names two", name, there),
+                 "pick two with 'use: [1, 2]'; write numbers with points, 0.5, not with commas");
+    return {};
+  }
+  Curve curve = curve_of(*table, columns->frequency, columns->value);
+  if (!curve.error.empty()) {
+    file.file_problem(name, curve.error_line, 1, curve.error, remedy);
+    return {};
+  }
+  for (std::size_t i = 0; i < curve.hz.size(); ++i) {
+    curve.hz[i] *= columns->hz;
+    curve.value[i] = psd(columns->calibration, curve.hz[i], curve.value[i]);
+  }
+  Spectrum const s(std::move(curve.hz), std::move(curve.value));
+  Transfer const& response = columns->calibration.response;
+  if (!response || !covers(response, s.lowest(), s.highest(), spec["calibration"])) return s;
+  return filtered(
+      s, [&](double f) { return std::norm((*response)(f)); }, response->features());
 }
 
 }  // namespace straytrace

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "base/message.hpp"
-#include "signal/band.hpp"
+#include "base/errors.hpp"
+#include "base/input/table.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace {
 
@@ -31,5 +32,14 @@ double reach_of_missing(MotionFile const&, double wavelength_m);
 // One warning for each file that does not hold the band of the noise, or begins so high that the motion below it,
 // which is taken as zero, may decide how fringes wrap in that band.
 std::vector<Problem> warnings_of_gaps(std::span<MotionFile const>, Band noise, double wavelength_m);
+
+// Measured motion spectra in text files.
+
+
+// {asd: FILE, columns: [Hz, m/sqrt(Hz)], use: [1, 3]}: two columns of text as a displacement PSD [m^2/Hz], or an angle
+// PSD [rad^2/Hz] for rotations. The units are those of the two columns, or of all columns of the file when `use` picks
+// two of them; ASD or PSD of displacement, velocity or acceleration is told from the unit, that of a reading of a
+// sensor with `calibration` (calibration.hpp).
+Spectrum read_spectrum_file(Node const& spec, bool rotation);
 
 }  // namespace straytrace

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/document.hpp"
-#include "base/uncertainty.hpp"
-#include "motion/suspension.hpp"
-#include "signal/shapes.hpp"
+#include "base/input/document.hpp"
+#include "base/input/uncertainty.hpp"
+#include "motion/axis_motion.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace {
 

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/document.hpp"
-#include "signal/fourier.hpp"
-#include "signal/series_file.hpp"
-#include "signal/welch.hpp"
+#include "base/input/document.hpp"
+#include "spectra/fourier.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "motion/calibration.hpp"
-#include "signal/series.hpp"
-#include "signal/spectrum.hpp"
+#include "spectra/series.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace {
 

@@ -2,7 +2,7 @@
 // Field coefficients of a smooth interface for the two polarisations.
 #pragma once
 
-#include "base/functions.hpp"
+#include "base/math/functions.hpp"
 
 namespace straytrace {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "optics/law_types.hpp"
-#include "optics/scatter_share.hpp"
+#include "optics/scatter/law_types.hpp"
+#include "optics/scatter/scatter_share.hpp"
 
 namespace straytrace {
 

@@ -3,7 +3,7 @@
 // reciprocal (physics.md eq. 3.2) for any w. Page: docs/reference/scatter/mixtures.md.
 #pragma once
 
-#include "optics/bsdf.hpp"
+#include "optics/lobes/bsdf.hpp"
 
 namespace straytrace {
 

@@ -3,7 +3,7 @@
 // transmitted nor scattered is absorbed.
 #pragma once
 
-#include "base/pool.hpp"
+#include "base/memory/pool.hpp"
 #include "optics/angle_weight.hpp"
 
 namespace straytrace {
@@ -21,7 +21,7 @@ struct Optic {
   Vec3 lay_direction;
   int laws = 0;
   PoolRef law[most_laws];                     // in LawTypes
-  bool through[most_laws] = {};               // the law scatters to the other side (optics/through.hpp)
+  bool through[most_laws] = {};               // the law scatters to the other side (optics/scatter/through.hpp)
   View<AngleWeight const> weight[most_laws];  // none, or one
 };
 

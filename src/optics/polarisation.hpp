@@ -3,7 +3,7 @@
 // docs/reference/interfaces/polarisation.md.
 #pragma once
 
-#include "base/vec3.hpp"
+#include "base/math/vec3.hpp"
 #include "optics/amplitudes.hpp"
 
 namespace straytrace {

@@ -1,268 +1,376 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files for other programs: h_asd.txt, paths.csv, JSON.
+#include <assimp/Exporter.hpp>
+#include <assimp/scene.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <cstring>
+#include <map>
+#include <memory>
 
-#include "base/message.hpp"
-#include "report/band.hpp"
-#include "report/csv.hpp"
-#include "report/receivers.hpp"
+#include "base/errors.hpp"
+#include "io/markup.hpp"
+#include "report/exports.hpp"
+#include "results/text/columns.hpp"
 
 namespace straytrace {
-
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
-
-std::string file_header(RunContent const& run) {
-  Provenance const& p = run.provenance;
-  std::string title = run.title;
-  std::replace(title.begin(), title.end(), '\n', ' ');  // a second line would not be a comment
-  return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", title, p.program,
-                     p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
-                     run.trace->coupling.histories);
-}
-
-std::string csv_text(std::string const& text) {
-  std::string quoted = "\"";
-  for (char const c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text.find_first_of(",\"\n") == std::string::npos ? text : quoted + "\"";
-}
-
-std::string csv_number(bool known, double value) {
-  return known && !std::isnan(value) ? fmt::format("{}", value) : "nan";
-}
-
-std::string reverse_words(bool on) {
-  return on ? "C_rev on: a route and its reverse add in amplitude"
-            : "C_rev off: reverse routes are not added in amplitude";
-}
-
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::string csv_titles(PathTable const& table) {
-  std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
-  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
-  text +=
-      ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
-      "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement";
-  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz_input_low,h_{0:g}Hz_input_high", f);
-  return text + ",bound\n";
-}
-
-std::string csv_row(PathRow const& row) {
-  bool const ok = row.resolved;
-  auto number = [](double x) { return csv_number(true, x); };
-  std::string text = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.rank, hash_text(row.hash), csv_text(row.port),
-                                 csv_text(row.sequence), row.vertices, csv_number(ok, row.coupling.mean),
-                                 csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
-                                 csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
-  for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
-  text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", number(100 * row.share.value),
-                      number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
-                      number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
-                      number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
-                      number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself", name_of(row.kind),
-                      csv_text(row.statement));
-  for (std::size_t i = 0; i < row.strain.size(); ++i)
-    text += "," + number(row.input_low[i]) + "," + number(row.input_high[i]);
-  return text + (row.upper_bound() ? ",upper\n" : ",\n");
-}
-
-Json json_of(WithError const& m) {
-  Json j{{"value", m.value}, {"sigma", m.sigma}};
-  if (m.at_most) j["at_most"] = true;
-  return j;
-}
-
-Json json_of(std::vector<FoldedRow> const& rows) {
-  Json all = Json::array();
-  for (FoldedRow const& f : rows)
-    all.push_back({{"id", hash_text(f.hash)},
-                   {"sequence", f.sequence},
-                   {"coupling", f.trusted ? json_of(f.coupling) : Json(nullptr)},
-                   {"coupling_hint", f.coupling.value},
-                   {"why", f.why}});
+// Arrays that the scene of the library owns and deletes.
+template <class T>
+T** owned(std::vector<std::unique_ptr<T>>& list, unsigned& count) {
+  count = unsigned(list.size());
+  T** const all = new T*[list.size()];
+  for (std::size_t i = 0; i < list.size(); ++i) all[i] = list[i].release();
+  list.clear();
   return all;
 }
 
-Json json_of(PathTable const& table, PathRow const& row) {
-  Json j;
-  j["rank"] = row.rank;
-  j["id"] = hash_text(row.hash);
-  j["port"] = row.port;
-  j["sequence"] = row.sequence;
-  j["kind"] = name_of(row.kind);
-  if (!row.statement.empty()) j["statement"] = row.statement;
-  j["vertices"] = row.vertices;
-  j["resolved"] = row.resolved;
-  j["why_not"] = row.why_not;
-  j["coupling"] = row.resolved ? json_of(row.coupling_with_error()) : Json(nullptr);
-  j["coupling_hint"] = row.coupling.mean;
-  j["C_rev"] = row.reverse;
-  j["sampled_on"] = row.by_reverse ? "reverse" : "itself";
-  j["strain"] = Json::array();
-  for (std::size_t i = 0; i < row.strain.size(); ++i) {
-    Json h = json_of(row.strain[i]);
-    h["frequency_Hz"] = table.frequencies[i];
-    if (!std::isnan(row.input_low[i])) h["input"] = {row.input_low[i], row.input_high[i]};
-    j["strain"].push_back(h);
-  }
-  j["share"] = json_of(row.share);
-  j["moving_body"] = row.body;
-  j["lever_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.lever);
-  j["rms_phase_rad"] = row.rms_phase;
-  j["regime"] = row.regime;
-  j["path_length_m"] = {{"mean", row.length_mean}, {"min", row.length_min}, {"max", row.length_max}};
-  j["histories_scored"] = row.coupling.scored;
-  j["largest_history_share"] = row.coupling.largest_share;
-  j["effective_scores"] = row.coupling.effective_scores;
-  if (row.folded_routes > 0) {
-    j["folded_routes"] = row.folded_routes;
-    j["folded"] = json_of(row.folded);
-  }
-  return j;
-}
+aiVector3D vector(Vec3 v) { return {ai_real(v.x), ai_real(v.y), ai_real(v.z)}; }
 
-Json origin(RunContent const& run) {
-  Provenance const& p = run.provenance;
-  return {{"program", p.program},
-          {"version", p.version},
-          {"commit", p.commit},
-          {"created", p.created},
-          {"model_hash", run.model_hash},
-          {"seed", run.trace->coupling.seed},
-          {"histories", run.trace->coupling.histories},
-          {"reverse_routes", run.trace->coupling.reverse_routes}};
-}
-
-Json books(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  auto entry = [&](Moments const& m) {
-    Estimate const e = estimate(m, total.histories, total.blocks);
-    return json_of({e.mean, e.std_error});
-  };
-  Json ledger;
-  ledger["emitted"] = entry(total.emitted);
-  for (int i = 0; i < fate_count; ++i) ledger[name_of(Fate(i))] = entry(total.ledger[std::size_t(i)]);
-  ledger["lost_histories"] = total.lost;
-  return ledger;
-}
-
-// Where the watts end, by object; "(in media)": absorbed on the way through glass.
-Json objects(RunContent const& run) {
-  BlockSums const& total = run.trace->total;
-  std::vector<std::string> const& groups = run.trace->coupling.groups;
-  auto const entry = [&](std::vector<Moments> const& list, std::size_t i) {
-    if (i >= list.size()) return Json(nullptr);
-    Estimate const e = estimate(list[i], total.histories, total.blocks);
-    return json_of({e.mean, e.std_error});
-  };
-  Json all = Json::array();
-  for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i)
-    all.push_back({{"name", i < groups.size() ? groups[i] : "(in media)"},
-                   {"arriving", entry(total.arrived, i)},
-                   {"absorbed", entry(total.absorbed, i)}});
-  return all;
-}
-
-Json total_strain(PathTable const& table) {
-  Json all = Json::array();
-  for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
-    Json h = json_of(table.total_strain[i]);
-    h["frequency_Hz"] = table.frequencies[i];
-    if (BinLine const& line = table.lines[i]; !std::isnan(line.rms.value)) {
-      h["line_rms"] = json_of(line.rms);
-      h["line_rms"]["bin_Hz"] = {line.low, line.high};
+class Builder {
+ public:
+  void add_part(DrawnPart const& part, DrawnMesh const& mesh) {
+    unsigned const number = mesh_of(mesh, material_of(part.front.empty() ? part.back : part.front), part.name);
+    for (std::size_t i = 0; i < part.places.size(); ++i) {
+      auto node = std::make_unique<aiNode>(part.places.size() > 1 ? fmt::format("{} {}", part.name, i + 1) : part.name);
+      aiMatrix4x4::Translation(vector(part.places[i]), node->mTransformation);
+      add_node(std::move(node), number);
     }
-    all.push_back(h);
   }
-  return all;
-}
-
-void add_receivers(Json& j, RunContent const& run) {
-  if (run.trace->coupling.receivers.empty()) return;
-  Json const table = Json::parse(receiver_json(receiver_table(run), run));
-  j["beam_power_W"] = table["beam_power_W"];
-  j["receivers"] = table["receivers"];
-}
-
-void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequencies) {
-  for (std::size_t i = 0; i < frequencies.size(); ++i) {
-    double const hz = frequencies[i];
-    Json& h = j["total_strain"][i];
-    h["input"] = {band_at(b.bands.input_low, b.grid, hz), band_at(b.bands.input_high, b.grid, hz)};
-    h["speckle_percentiles"] = {{"5", band_at(b.bands.speckle_05, b.grid, hz)},
-                                {"50", band_at(b.bands.speckle_50, b.grid, hz)},
-                                {"95", band_at(b.bands.speckle_95, b.grid, hz)}};
-    h["coherent_sum"] = band_at(b.bands.coherent, b.grid, hz);
+  // One set of lines about the first point.
+  void add_lines(std::string const& name, std::vector<DrawnPath const*> const& paths) {
+    Vec3 const origin = paths.front()->points.front().point;
+    auto mesh = std::make_unique<aiMesh>();
+    std::vector<aiVector3D> points;
+    std::vector<std::pair<unsigned, unsigned>> pieces;
+    for (DrawnPath const* path : paths)
+      for (std::size_t i = 0; i < path->points.size(); ++i) {
+        if (i > 0) pieces.emplace_back(unsigned(points.size()) - 1, unsigned(points.size()));
+        points.push_back(vector(path->points[i].point - origin));
+      }
+    fill(*mesh, points, aiPrimitiveType_LINE, name, material_of("path"));
+    mesh->mNumFaces = unsigned(pieces.size());
+    mesh->mFaces = new aiFace[pieces.size()];
+    for (std::size_t i = 0; i < pieces.size(); ++i) set(mesh->mFaces[i], {pieces[i].first, pieces[i].second});
+    meshes_.push_back(std::move(mesh));
+    auto node = std::make_unique<aiNode>(name);
+    aiMatrix4x4::Translation(vector(origin), node->mTransformation);
+    add_node(std::move(node), unsigned(meshes_.size()) - 1);
   }
-  j["inputs"] = Json::array();
-  for (InputSource const& s : b.bands.sources)
-    j["inputs"].push_back({{"name", s.name},
-                           {"statement", s.statement},
-                           {"factor_on_total", {s.low, s.high}},
-                           {"share", s.share > 0 ? Json(s.share) : Json(nullptr)}});
-  j["taken_as_exact"] = b.bands.taken_as_exact;
-}
+  std::unique_ptr<aiScene> finish() {
+    auto scene = std::make_unique<aiScene>();
+    scene->mMeshes = owned(meshes_, scene->mNumMeshes);
+    scene->mMaterials = owned(materials_, scene->mNumMaterials);
+    scene->mRootNode = new aiNode("straytrace");
+    for (auto& node : nodes_) node->mParent = scene->mRootNode;
+    scene->mRootNode->mChildren = owned(nodes_, scene->mRootNode->mNumChildren);
+    return scene;
+  }
 
-// Names may hold bytes that are not UTF-8; they are replaced, never thrown at.
-std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+ private:
+  static void set(aiFace& face, std::vector<unsigned> const& corners) {
+    face.mNumIndices = unsigned(corners.size());
+    face.mIndices = new unsigned[corners.size()];
+    std::copy(corners.begin(), corners.end(), face.mIndices);
+  }
+  static void fill(aiMesh& mesh, std::vector<aiVector3D> const& points, unsigned kind, std::string const& name,
+                   unsigned material) {
+    mesh.mName = name;
+    mesh.mPrimitiveTypes = kind;
+    mesh.mMaterialIndex = material;
+    mesh.mNumVertices = unsigned(points.size());
+    mesh.mVertices = new aiVector3D[points.size()];
+    std::copy(points.begin(), points.end(), mesh.mVertices);
+  }
+  unsigned mesh_of(DrawnMesh const& drawn, unsigned material, std::string const& name) {
+    auto const [at, added] = known_.emplace(std::pair(&drawn, material), unsigned(meshes_.size()));
+    if (!added) return at->second;
+    auto mesh = std::make_unique<aiMesh>();
+    std::vector<aiVector3D> points;
+    for (std::size_t i = 0; i < drawn.points.size(); i += 3)
+      points.emplace_back(drawn.points[i], drawn.points[i + 1], drawn.points[i + 2]);
+    fill(*mesh, points, aiPrimitiveType_TRIANGLE, name, material);
+    mesh->mNumFaces = unsigned(drawn.triangles());
+    mesh->mFaces = new aiFace[drawn.triangles()];
+    for (std::size_t i = 0; i < drawn.triangles(); ++i)
+      set(mesh->mFaces[i], {drawn.corners[3 * i], drawn.corners[3 * i + 1], drawn.corners[3 * i + 2]});
+    meshes_.push_back(std::move(mesh));
+    return at->second;
+  }
+  unsigned material_of(std::string const& name) {
+    auto const [at, added] = material_.emplace(name, unsigned(materials_.size()));
+    if (!added) return at->second;
+    static constexpr float tints[][3] = {{0.49f, 0.61f, 0.72f}, {0.79f, 0.63f, 0.42f}, {0.56f, 0.70f, 0.54f},
+                                         {0.71f, 0.54f, 0.65f}, {0.66f, 0.66f, 0.66f}, {0.82f, 0.72f, 0.28f}};
+    auto const& t = tints[at->second % std::size(tints)];
+    auto material = std::make_unique<aiMaterial>();
+    aiString const title(name.empty() ? "no material" : name);
+    aiColor4D const tint(t[0], t[1], t[2], 1);
+    int const both_sides = 1;
+    material->AddProperty(&title, AI_MATKEY_NAME);
+    material->AddProperty(&tint, 1, AI_MATKEY_BASE_COLOR);
+    material->AddProperty(&both_sides, 1, AI_MATKEY_TWOSIDED);
+    materials_.push_back(std::move(material));
+    return at->second;
+  }
+  void add_node(std::unique_ptr<aiNode> node, unsigned mesh) {
+    node->mNumMeshes = 1;
+    node->mMeshes = new unsigned[1]{mesh};
+    nodes_.push_back(std::move(node));
+  }
+  std::vector<std::unique_ptr<aiMesh>> meshes_;
+  std::vector<std::unique_ptr<aiMaterial>> materials_;
+  std::vector<std::unique_ptr<aiNode>> nodes_;
+  std::map<std::pair<DrawnMesh const*, unsigned>, unsigned> known_;
+  std::map<std::string, unsigned> material_;
+};
 
 }  // namespace
 
-std::string path_csv(PathTable const& table, RunContent const& run) {
-  std::string text =
-      file_header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
-  text +=
-      "# h: one-sided strain ASD [1/sqrt(Hz)], mean over static phases; " + reverse_words(table.reverse_routes) + "\n";
-  text +=
-      fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
-  text += "# sigma: one standard error; lever: rms over paths; nan: not resolved or not computed, see verdict\n";
-  text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open of h\n";
-  text += csv_titles(table);
-  for (PathRow const& row : table.rows) text += csv_row(row);
+std::string glb_bytes(SceneDrawing const& scene, std::vector<DrawnPath> const& paths, PathTable const* table) {
+  Builder builder;
+  for (DrawnPart const& part : scene.parts)
+    if (scene.meshes[part.mesh].triangles() > 0) builder.add_part(part, scene.meshes[part.mesh]);
+  std::map<std::uint64_t, std::vector<DrawnPath const*>> routes;
+  for (DrawnPath const& p : paths)
+    if (p.points.size() > 1) routes[p.route].push_back(&p);
+  for (auto const& [route, some] : routes) {
+    std::string name = "path " + hash_text(route);
+    if (table)
+      for (PathRow const& row : table->rows)
+        if (row.hash == route) name = row.sequence;
+    builder.add_lines(name, some);
+  }
+  std::unique_ptr<aiScene> const whole = builder.finish();
+  Assimp::Exporter exporter;
+  aiExportDataBlob const* const blob = exporter.ExportToBlob(whole.get(), "glb2");
+  if (!blob) throw NumericalError(fmt::format("the scene could not be written as GLB: {}", exporter.GetErrorString()));
+  return std::string(static_cast<char const*>(blob->data), blob->size);
+}
+
+// VTK XML, appended raw binary (docs.vtk.org, "VTK XML File Formats"): little endian, 64-bit headers.
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+// Declarations in the head of the file, numbers behind it.
+class PolyData {
+ public:
+  void begin(std::string const& section) { head_ += "      <" + section + ">\n"; }
+  void end(std::string const& section) { head_ += "      </" + section + ">\n"; }
+  template <class T>
+  void array(std::string const& name, std::vector<T> const& values, int components = 1) {
+    char const* const type = std::is_same_v<T, double> ? "Float64" : "Int64";
+    head_ += fmt::format(
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+        type, escaped(name), components, data_.size());
+    std::uint64_t const bytes = values.size() * sizeof(T);
+    data_.append(reinterpret_cast<char const*>(&bytes), sizeof bytes);
+    data_.append(reinterpret_cast<char const*>(values.data()), bytes);
+  }
+  std::string text(std::size_t points, std::size_t lines, std::size_t polygons) const {
+    return fmt::format(
+               "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+               "header_type=\"UInt64\">\n  <PolyData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" "
+               "NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+               points, lines, polygons) +
+           head_ + "    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _" + data_ +
+           "\n  </AppendedData>\n</VTKFile>\n";
+  }
+
+ private:
+  std::string head_, data_;
+};
+
+using Longs = std::vector<std::int64_t>;
+
+void add_points(PolyData& file, std::vector<double> const& points) {
+  file.begin("Points");
+  file.array("points", points, 3);
+  file.end("Points");
+}
+
+void add_cells(PolyData& file, std::string const& kind, Longs const& corners, Longs const& ends) {
+  file.begin(kind);
+  file.array("connectivity", corners);
+  file.array("offsets", ends);
+  file.end(kind);
+}
+
+std::int64_t number_of(std::vector<std::string> const& names, std::string const& name) {
+  auto const at = std::find(names.begin(), names.end(), name);
+  return at == names.end() ? -1 : at - names.begin();
+}
+
+std::string part_text(DrawnPart const& part, DrawnMesh const& mesh, std::int64_t body) {
+  std::vector<double> points;
+  Longs corners, ends, instance, bodies;
+  std::size_t const each = mesh.points.size() / 3;
+  for (std::size_t i = 0; i < part.places.size(); ++i) {
+    Vec3 const& at = part.places[i];
+    for (std::size_t k = 0; k < mesh.points.size(); ++k)
+      points.push_back(mesh.points[k] + (k % 3 == 0 ? at.x : k % 3 == 1 ? at.y : at.z));
+    for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
+      corners.push_back(std::int64_t(i * each + mesh.corners[k]));
+      if (k % 3 != 2) continue;
+      ends.push_back(std::int64_t(corners.size()));
+      instance.push_back(std::int64_t(i));
+      bodies.push_back(body);
+    }
+  }
+  PolyData file;
+  file.begin("CellData");
+  file.array("instance", instance);
+  file.array("body", bodies);
+  file.end("CellData");
+  add_points(file, points);
+  add_cells(file, "Polys", corners, ends);
+  return file.text(points.size() / 3, 0, ends.size());
+}
+
+std::string paths_text(World const& world, std::vector<DrawnPath> const& paths, PathTable const& table) {
+  std::map<std::uint64_t, PathRow const*> rows;
+  for (PathRow const& row : table.rows) rows[row.hash] = &row;
+  std::vector<double> points, power;
+  std::vector<std::vector<double>> strain(table.frequencies.size());
+  Longs corners, ends, path, route, history, body, event, on, on_body;
+  for (DrawnPath const& p : paths) {
+    for (PathPoint const& v : p.points) {
+      corners.push_back(std::int64_t(points.size() / 3));
+      points.insert(points.end(), {v.point.x, v.point.y, v.point.z});
+      event.push_back(std::int64_t(v.event));
+      on.push_back(v.group.valid() ? v.group.value : -1);
+      on_body.push_back(v.body.valid() ? v.body.value : -1);
+    }
+    ends.push_back(std::int64_t(corners.size()));
+    path.push_back(std::int64_t(path.size()));
+    history.push_back(std::int64_t(p.history));
+    power.push_back(p.weight);
+    auto const found = rows.find(p.route);
+    PathRow const* const row = found == rows.end() ? nullptr : found->second;
+    route.push_back(row ? std::int64_t(row->rank) : -1);
+    body.push_back(row ? number_of(world.body_names(), row->body) : -1);
+    for (std::size_t i = 0; i < strain.size(); ++i)
+      strain[i].push_back(row && i < row->strain.size() ? row->strain[i].value : not_a_number);
+  }
+  PolyData file;
+  file.begin("PointData");
+  file.array("event", event);
+  file.array("surface", on);
+  file.array("body", on_body);
+  file.end("PointData");
+  file.begin("CellData");
+  file.array("path", path);
+  file.array("route", route);
+  file.array("history", history);
+  file.array("power", power);
+  file.array("moving body", body);
+  for (std::size_t i = 0; i < strain.size(); ++i) file.array(fmt::format("h {:g} Hz", table.frequencies[i]), strain[i]);
+  file.end("CellData");
+  add_points(file, points);
+  add_cells(file, "Lines", corners, ends);
+  return file.text(points.size() / 3, ends.size(), 0);
+}
+
+std::string names_text(World const& world, PathTable const* table) {
+  std::string text = "array,number,name\n";
+  auto const add = [&](char const* array, std::vector<std::string> const& names) {
+    for (std::size_t i = 0; i < names.size(); ++i) text += fmt::format("{},{},{}\n", array, i, csv_text(names[i]));
+  };
+  add("surface", world.groups());
+  add("body", world.body_names());
+  for (int e = 0; e <= int(Event::diffract); ++e) text += fmt::format("event,{},{}\n", e, letter(Event(e)));
+  if (table)
+    for (PathRow const& row : table->rows) text += fmt::format("route,{},{}\n", row.rank, csv_text(row.sequence));
   return text;
 }
 
-std::string path_json(PathTable const& table, RunContent const& run) {
-  Json j;
-  j["run"] = origin(run);
-  j["band_Hz"] = {table.low, table.high};
-  j["lower_bound"] = table.lower_bound();
-  j["total_strain"] = total_strain(table);
-  j["routes"] = Json::array();
-  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
-  j["objects"] = objects(run);
-  add_receivers(j, run);
-  return dumped(j);
+}  // namespace
+
+NamedTexts vtk_files(World const& world, SceneDrawing const& scene, std::vector<DrawnPath> const& paths,
+                     PathTable const* table) {
+  NamedTexts files;
+  std::string blocks;
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+    DrawnPart const& part = scene.parts[i];
+    std::string const name = fmt::format("parts/{:04}.vtp", i);
+    blocks += fmt::format("      <DataSet index=\"{}\" name=\"{}\" file=\"{}\"/>\n", i, escaped(part.name), name);
+    files.emplace_back(name, part_text(part, scene.meshes[part.mesh], number_of(world.body_names(), part.body)));
+  }
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n  <vtkMultiBlockDataSet>\n    <Block index=\"0\" name=\"scene\">\n" +
+      blocks + "    </Block>\n";
+  if (table) {
+    text += "    <DataSet index=\"1\" name=\"paths\" file=\"paths.vtp\"/>\n";
+    files.emplace_back("paths.vtp", paths_text(world, paths, *table));
+  }
+  files.emplace_back("names.csv", names_text(world, table));
+  files.emplace_back("straytrace.vtm", text + "  </vtkMultiBlockDataSet>\n</VTKFile>\n");
+  return files;
 }
 
-std::string summary_json(RunContent const& run, PathTable const& table) {
-  Json j;
-  j["title"] = run.title;
-  j["run"] = origin(run);
-  j["complete"] = !run.trace->checkpointed();
-  if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
-  j["lower_bound"] = table.lower_bound();
-  j["total_strain"] = total_strain(table);
-  if (run.noise && run.noise->bands.made()) add_bands(j, *run.noise, table.frequencies);
-  j["unresolved"] = Json::array();
-  for (PathRow const& row : table.rows)
-    if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});
-  j["ledger"] = books(run);
-  j["objects"] = objects(run);
-  j["warnings"] = run.warnings;
-  for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
-  if (run.noise)
-    for (std::string const& warning : run.noise->warnings) j["warnings"].push_back(warning);
-  j["routes"] = Json::array();
-  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
-  add_receivers(j, run);
-  return dumped(j);
+// Every curve of a run as CSV.
+
+namespace {
+
+std::string value_at(std::vector<double> const& curve, std::size_t i) {
+  return i < curve.size() ? csv_number(true, curve[i]) : "nan";
+}
+
+std::string budget_csv(RunContent const& run) {
+  NoiseBudget const& b = *run.noise;
+  NoiseBands const& d = b.bands;
+  std::vector<std::pair<std::string, std::vector<double> const*>> curves = {
+      {"h_mean", &b.total.asd},           {"h_sigma", &b.total.sigma},
+      {"phase_only", &b.total.phase_asd}, {"amplitude_only", &b.total.amplitude_asd},
+      {"input_low", &d.input_low},        {"input_high", &d.input_high},
+      {"speckle_05", &d.speckle_05},      {"speckle_50", &d.speckle_50},
+      {"speckle_95", &d.speckle_95},      {"coherent", &d.coherent}};
+  for (DesignCurve const& c : b.design) curves.emplace_back(c.name, &c.asd);
+  std::string text = file_header(run) + "# one-sided strain ASD, 1/sqrt(Hz)\nfrequency_Hz";
+  for (auto const& [name, curve] : curves) text += "," + csv_text(name);
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    text += "\n" + csv_number(true, b.grid.centre(i));
+    for (auto const& [name, curve] : curves) text += "," + value_at(*curve, i);
+  }
+  return text + "\n";
+}
+
+std::string routes_csv(RunContent const& run, PathTable const& table) {
+  NoiseBudget const& b = *run.noise;
+  std::map<std::uint64_t, NoiseTrace const*> by_hash;
+  for (NoiseTrace const& t : b.routes) by_hash[t.hash] = &t;
+  std::vector<NoiseTrace const*> routes;
+  std::string text = file_header(run) +
+                     "# one-sided strain ASD of each resolved route and its standard error, 1/sqrt(Hz), by rank\n"
+                     "frequency_Hz";
+  for (PathRow const& row : table.rows) {
+    auto const found = by_hash.find(row.hash);
+    if (!row.resolved || found == by_hash.end()) continue;
+    routes.push_back(found->second);
+    text += "," + csv_text(row.sequence) + "," + csv_text(row.sequence + " sigma");
+  }
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    text += "\n" + csv_number(true, b.grid.centre(i));
+    for (NoiseTrace const* t : routes) text += "," + value_at(t->asd, i) + "," + value_at(t->sigma, i);
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+NamedTexts curve_files(RunContent const& run, PathTable const& table) {
+  NamedTexts files;
+  if (run.noise) {
+    files.emplace_back("budget.csv", budget_csv(run));
+    files.emplace_back("routes.csv", routes_csv(run, table));
+  }
+  files.emplace_back("paths.csv", path_csv(table, run));
+  return files;
 }
 
 }  // namespace straytrace

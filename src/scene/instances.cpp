@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/instances.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
-#include "scene/in_part.hpp"
-#include "scene/limits.hpp"
+#include "io/csv_cells.hpp"
+#include "io/number_rows.hpp"
+#include "scene/axes.hpp"
+#include "scene/instances.hpp"
 #include "scene/merge.hpp"
+#include "scene/part_document.hpp"
 #include "scene/parts.hpp"
-#include "scene/repeat.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {
@@ -280,5 +282,216 @@ class Expander {
 std::vector<Scene::Instance> expand_scene(SceneDocument& document, Node const& root) {
   return Expander(document, root).run();
 }
+
+namespace {
+
+int read_axis(Node const& repeat) {
+  std::string const axis = repeat.choice("along", axes);
+  auto const hit = std::find(axes.begin(), axes.end(), axis);
+  return hit == axes.end() ? -1 : static_cast<int>(hit - axes.begin());
+}
+
+std::vector<double> by_pitch(Node const& repeat, std::size_t count) {
+  double const from = repeat.number("from", dim::length, 0), pitch = repeat.number("pitch", dim::length);
+  if (pitch <= 0) {
+    repeat["pitch"].problem("'pitch' must be positive", "write the distance of neighbours, for example '5 m'");
+    return {};
+  }
+  if (std::isnan(from) || std::isnan(pitch)) return {};
+  std::vector<double> offsets(count);
+  for (std::size_t i = 0; i < count; ++i) offsets[i] = from + static_cast<double>(i) * pitch;
+  return offsets;
+}
+
+std::vector<double> by_ends(Node const& repeat, std::size_t count) {
+  double const from = repeat.number("from", dim::length), to = repeat.number("to", dim::length);
+  if (from > to) {
+    repeat["to"].problem("'to' lies before 'from'", "write the smaller position as 'from'");
+    return {};
+  }
+  if (count == 1 && from < to) {
+    repeat["count"].problem("one instance cannot stand both at 'from' and at 'to'",
+                            "write 'count: 2' or more, or leave out 'repeat' and use 'at'");
+    return {};
+  }
+  if (std::isnan(from) || std::isnan(to)) return {};
+  std::vector<double> offsets(count, from);
+  for (std::size_t i = 1; i < count; ++i)
+    offsets[i] = i + 1 == count ? to : from + (to - from) * (static_cast<double>(i) / static_cast<double>(count - 1));
+  return offsets;
+}
+
+// As many as `count` says, or as are needed for the shadow of the last one to reach `to` (the second form of eq. 8.16).
+std::size_t shadow_count(Node const& repeat, double origin, double from, double ratio) {
+  if (!repeat.has("to")) return repeat.whole("count", required, 1, most_instances);
+  if (repeat.has("count")) {
+    repeat["count"].problem("'count' and 'to' say the same thing twice", "keep one of them");
+    return 0;
+  }
+  double const to = repeat.number("to", dim::length);
+  if (std::isnan(origin + from + to + ratio)) return 0;
+  double const steps = std::log((to - origin) / (from - origin)) / std::log(ratio);
+  if (steps > 0 && steps <= most_instances) return std::size_t(std::ceil(steps * (1 - 1e-12)));
+  repeat["to"].problem("no progression with this ratio leads from 'from' to 'to'",
+                       "write a 'to' beyond 'from' as seen from 'origin', and a ratio above 1; or 'count' instead");
+  return 0;
+}
+
+// Distances from `origin` in geometric progression: the shadow rule of baffles (physics.md eq. 8.16).
+std::vector<double> by_ratio(Node const& repeat) {
+  double const origin = repeat.number("origin", dim::length, 0), from = repeat.number("from", dim::length);
+  double const ratio = repeat.number("ratio", dim::plain, required, 1e-3, 1e3);
+  for (char const* key : {"count", "to"}) repeat.has(key);
+  if (from == origin) {
+    repeat["from"].problem("the progression starts at its own origin", "write another position as 'from'");
+    return {};
+  }
+  std::size_t const count = shadow_count(repeat, origin, from, ratio);
+  if (std::isnan(origin) || std::isnan(from) || std::isnan(ratio)) return {};
+  std::vector<double> offsets(count);
+  for (std::size_t i = 0; i < count; ++i)
+    offsets[i] = origin + (from - origin) * std::pow(ratio, static_cast<double>(i));
+  return offsets;
+}
+
+std::vector<double> by_list(Node const& repeat) {
+  std::vector<Node> const positions = repeat.list("at");
+  if (positions.empty() || positions.size() > most_instances) {
+    repeat["at"].problem("'at' needs between 1 and 1000000 positions", "write for example 'at: [50 m, 75 m, 120 m]'");
+    return {};
+  }
+  std::vector<double> offsets;
+  for (Node const& p : positions) offsets.push_back(p.as_number(dim::length));
+  bool const bad = std::any_of(offsets.begin(), offsets.end(), [](double z) { return std::isnan(z); });
+  return bad ? std::vector<double>{} : offsets;
+}
+
+}  // namespace
+
+Repeat read_repeat(Node const& entry) {
+  Node const repeat = entry.table("repeat");
+  if (!entry.has("repeat")) return {};
+  Repeat result;
+  result.offsets.clear();
+  if (!repeat) return result;
+  if (repeat.has("table")) {
+    result = read_offset_table(repeat["table"]);
+  } else {
+    result.axis = read_axis(repeat);
+    if (repeat.has("at")) {
+      result.offsets = by_list(repeat);
+    } else if (repeat.has("ratio")) {
+      result.offsets = by_ratio(repeat);
+    } else {
+      std::size_t const count = repeat.whole("count", required, 1, most_instances);
+      result.offsets = repeat.has("pitch") ? by_pitch(repeat, count) : by_ends(repeat, count);
+    }
+    if (result.axis < 0) result.offsets.clear();
+  }
+  repeat.refuse_unknown("this form of 'repeat'");
+  return result;
+}
+
+namespace {
+
+class OffsetTable {
+ public:
+  explicit OffsetTable(Node const& name) : name_(name) {}
+
+  Repeat read() {
+    table_.offsets.clear();
+    if (name_.kind() != Node::Kind::scalar) {
+      if (name_) name_.problem("'table' takes the name of a file", "write 'table: baffles.csv'");
+      return table_;
+    }
+    std::string const text = name_.data_file(name_.text());
+    std::string_view rest = text;
+    rest = without_byte_order_mark(rest);
+    for (std::uint32_t number = 1; !rest.empty() && healthy_; ++number) {
+      std::size_t const end = std::min(rest.find('\n'), rest.size());
+      std::string_view const line = rest.substr(0, end);
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+      if (without_blanks(line).empty() || without_blanks(line).front() == '#') continue;
+      if (units_.empty())
+        header(line, number);
+      else
+        row(line, number);
+    }
+    if (healthy_ && table_.offsets.empty() && !text.empty())
+      problem(0, 0, "the table has no rows", "write one row per instance below the header 'z [m], aperture [cm]'");
+    if (!healthy_) table_.offsets.clear();
+    return table_;
+  }
+
+ private:
+  void problem(std::uint32_t line, std::uint32_t column, std::string what, std::string suggestion) {
+    healthy_ = false;
+    name_.file_problem(name_.text(), line, column, std::move(what), std::move(suggestion));
+  }
+
+  void header(std::string_view line, std::uint32_t number) {
+    if (line.find(';') != std::string_view::npos)
+      return problem(number, code_points(line.substr(0, line.find(';'))) + 1, "columns are separated by ';'",
+                     "separate columns by commas and write decimal points");
+    for (CsvCell const& cell : csv_cells(line)) {
+      auto const column = csv_name(cell.text);
+      if (!column)
+        return problem(number, cell.column, fmt::format("cannot read the column name '{}'", shortened(cell.text)),
+                       "write name and unit, for example 'z [m]'");
+      std::string const name(column->name);
+      std::size_t const axis = std::string_view("xyz").find(name);
+      bool const position = name.size() == 1 && axis != std::string_view::npos;
+      if (position && table_.axis >= 0)
+        return problem(number, cell.column, "a second position column",
+                       "keep one of x, y, z; instances stand along one axis");
+      if (position && column->unit.dimension != dim::length)
+        return problem(number, cell.column, fmt::format("column '{}' is a length and needs its unit", name),
+                       fmt::format("write '{} [m]'", name));
+      for (RepeatColumn const& other : table_.columns)
+        if (other.name == name)
+          return problem(number, cell.column, fmt::format("column '{}' appears twice", name), "remove one of them");
+      if (position) table_.axis = static_cast<int>(axis);
+      if (!position) table_.columns.push_back({name, column->unit.dimension, number, cell.column});
+      is_position_.push_back(position);
+      units_.push_back(column->unit);
+    }
+    if (table_.axis < 0) problem(number, 1, "no position column", "name one column 'x [m]', 'y [m]' or 'z [m]'");
+  }
+
+  void row(std::string_view line, std::uint32_t number) {
+    auto const cells = csv_cells(line);
+    if (cells.size() != units_.size())
+      return problem(number, 1, fmt::format("{} values, but the header has {} columns", cells.size(), units_.size()),
+                     cells.size() > units_.size() ? "use decimal points, not decimal commas: 1.5, not 1,5"
+                                                  : "give one value per column");
+    if (table_.offsets.size() >= most_instances)
+      return problem(number, 1, fmt::format("more than {} rows", most_instances), "split the table");
+    std::vector<Value> values;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      auto const si = csv_number(cells[i].text, units_[i]);
+      if (!si) {
+        bool const comma = cells[i].text.find_first_of("\";") != std::string_view::npos;
+        return problem(number, cells[i].column, fmt::format("'{}' is not a number", shortened(cells[i].text)),
+                       comma ? "use decimal points, not decimal commas: 1.5, not 1,5"
+                             : "write a number without unit; the unit stands in the header");
+      }
+      if (is_position_[i])
+        table_.offsets.push_back(*si);
+      else
+        values.push_back({{*si, units_[i].dimension, {}}, false});
+    }
+    table_.rows.push_back(std::move(values));
+  }
+
+  Node name_;
+  Repeat table_;
+  std::vector<Quantity> units_;
+  std::vector<bool> is_position_;
+  bool healthy_ = true;
+};
+
+}  // namespace
+
+Repeat read_offset_table(Node const& name) { return OffsetTable(name).read(); }
 
 }  // namespace straytrace

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/document.hpp"
+#include "base/input/document.hpp"
 
 namespace straytrace {
 namespace {

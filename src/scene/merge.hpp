@@ -16,4 +16,10 @@ constexpr int format_version = 1;
 // The source that holds them, in a document whose main file is `main`.
 constexpr std::uint32_t builtin_source(std::uint32_t main) { return main + 1; }
 
+// `like: NAME` in a material: everything of another material that is not stated here; scatter laws stated here are
+// added.
+
+
+void take_over_materials(SceneDocument&, NodeData& model);
+
 }  // namespace straytrace

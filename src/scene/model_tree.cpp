@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/model_tree.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/input/document.hpp"
+#include "scene/axes.hpp"
 #include "scene/merge.hpp"
+#include "scene/model_tree.hpp"
 #include "scene/parts.hpp"
-#include "scene/resolved.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {
@@ -167,6 +168,201 @@ std::vector<PlacedValue> placed_values(Scene const& scene) {
     out.push_back(std::move(v));
   }
   return out;
+}
+
+namespace {
+
+// One line in flow style.
+std::string flow(NodeData const& n) {
+  if (n.kind == Node::Kind::scalar) return yaml_text(n.text);
+  std::string out;
+  for (NodeData::Entry const& e : n.entries)
+    out += fmt::format("{}{}: {}", out.empty() ? "" : ", ", yaml_text(e.key), flow(*e.value));
+  for (auto const& e : n.elements) out += fmt::format("{}{}", out.empty() ? "" : ", ", flow(*e));
+  if (n.kind == Node::Kind::list) return "[" + out + "]";
+  return n.kind == Node::Kind::table ? "{" + out + "}" : "\"?\"";
+}
+
+std::string section(std::string const& key, NodeData const& n) {
+  std::string out = yaml_text(key) + ":";
+  if (n.kind == Node::Kind::scalar || (n.entries.empty() && n.elements.empty()))
+    return fmt::format("{} {}\n", out, flow(n));
+  out += '\n';
+  for (NodeData::Entry const& e : n.entries) out += fmt::format("  {}: {}\n", yaml_text(e.key), flow(*e.value));
+  for (auto const& e : n.elements) out += fmt::format("  - {}\n", flow(*e));
+  return out;
+}
+
+std::string instance_line(Scene::Instance const& i, Scope const* model) {
+  std::string out = fmt::format("  - {{name: {}, group: {}", yaml_text(i.name), yaml_text(i.group));
+  if (i.repeat_axis >= 0) out += fmt::format(", {}: {} m", axes[static_cast<std::size_t>(i.repeat_axis)], i.offset);
+  Scope const* own = i.node.scope().get();
+  if (own && own != model)
+    for (auto const& [name, value] : own->own) out += fmt::format(", {}: {}", name, si_text(value));
+  return out + "}\n";
+}
+
+}  // namespace
+
+std::string yaml_text(std::string const& text) {
+  constexpr std::string_view not_first = "-?:,[]{}#&*!|>'\"%@`~=<. ", nowhere = ":#,[]{}\"'";
+  bool const control =
+      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  bool const special = text.empty() || control || not_first.find(text.front()) != std::string_view::npos ||
+                       text.back() == ' ' || text.find_first_of(nowhere) != std::string::npos || text == "null" ||
+                       text == "Null" || text == "NULL";
+  if (!special) return text;
+  std::string out = "\"";
+  for (char const c : text) {
+    if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    else if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string si_text(std::optional<Value> const& value) {
+  if (!value) return "\"?\"";
+  Quantity const& q = value->quantity;
+  std::string text = with_unit(fmt::format("{}", q.si), dim::plain);
+  if (q.dimension == dim::angle)
+    text += " rad";  // the example unit of angles is not the SI unit
+  else
+    text = with_unit(text, q.dimension);
+  switch (q.amplitude) {
+    case Amplitude::peak:
+      return text + " peak";
+    case Amplitude::peak_to_peak:
+      return text + " pp";
+    case Amplitude::rms:
+      return text + " rms";
+    case Amplitude::none:
+      break;
+  }
+  return text;
+}
+
+std::string resolved_text(Node const& root, std::vector<Scene::Instance> const& instances) {
+  Scope const* model = root.scope().get();
+  std::string out = "straytrace: 1\n";
+  if (!root.data()) return out;
+  std::vector<NodeData::Entry> entries = root.data()->entries;
+  auto const rank = [](NodeData::Entry const& e) {
+    return e.key == "title" ? 0 : e.key == "notes" ? 1 : e.key == "params" ? 2 : 3;
+  };
+  std::stable_sort(entries.begin(), entries.end(), [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
+  for (NodeData::Entry const& e : entries) {
+    if (e.key != "params") {
+      NodeData own = *e.value;
+      if (e.key == "parts")
+        std::erase_if(own.entries,
+                      [&](auto const& part) { return part.place.file == builtin_source(root.place().file); });
+      if (e.key != "parts" || !own.entries.empty()) out += section(e.key, own);
+      continue;
+    }
+    out += "params:\n";
+    for (NodeData::Entry const& p : e.value->entries)
+      out += fmt::format("  {}: {}\n", yaml_text(p.key), si_text(find_parameter(model, p.key).value));
+  }
+  if (!instances.empty()) out += "instances:\n";
+  for (Scene::Instance const& i : instances) out += instance_line(i, model);
+  return out;
+}
+
+namespace {
+
+constexpr std::size_t comment_column = 44, longest_flow = 72;
+
+bool has_tables(ModelValue const& v) {
+  return v.kind == Node::Kind::table || std::any_of(v.children.begin(), v.children.end(), has_tables);
+}
+
+std::string flow(ModelValue const& v) {
+  if (v.kind == Node::Kind::scalar) return v.quantity ? v.value : yaml_text(v.value);
+  std::string out;
+  for (ModelValue const& c : v.children) {
+    if (!c.given()) continue;
+    out += (out.empty() ? "" : ", ") + (v.kind == Node::Kind::table ? yaml_text(c.key) + ": " : "") + flow(c);
+  }
+  return v.kind == Node::Kind::table ? "{" + out + "}" : "[" + out + "]";
+}
+
+class Printer {
+ public:
+  void table(ModelValue const& v, std::size_t depth) {
+    for (ModelValue const& c : v.children) entry(c, depth, "");
+  }
+  std::string const& text() const { return text_; }
+
+ private:
+  // One line: the text, and behind it where it comes from.
+  void line(std::size_t depth, std::string_view lead, std::string text, std::string const& comment) {
+    text = std::string(2 * depth, ' ') + std::string(lead) + text;
+    if (!comment.empty()) text = fmt::format("{:<{}}  # {}", text, comment_column, comment);
+    text_ += text + "\n";
+  }
+
+  static std::string comment(ModelValue const& v) {
+    return v.written.empty() || v.written == v.value ? v.origin : v.origin + ", " + v.written;
+  }
+
+  void entry(ModelValue const& v, std::size_t depth, std::string_view lead) {
+    std::string const key = yaml_text(v.key) + ":";
+    if (!v.given()) {
+      if (!v.value.empty()) line(depth, lead, fmt::format("# {} {}", key, v.value), "default");
+      return;
+    }
+    bool const single =
+        std::none_of(v.children.begin(), v.children.end(), [](ModelValue const& c) { return c.given(); });
+    if (single || (!has_tables(v) && flow(v).size() < longest_flow))
+      return line(depth, lead, key + " " + flow(v), comment(v));
+    line(depth, lead, key, v.origin);
+    if (v.kind == Node::Kind::list)
+      elements(v, depth + 1);
+    else
+      table(v, depth + 1);
+  }
+
+  void elements(ModelValue const& v, std::size_t depth) {
+    for (ModelValue const& c : v.children) {
+      bool const block = c.kind == Node::Kind::table && !c.children.empty() && c.children.front().given();
+      if (!block) {
+        line(depth, "- ", flow(c), comment(c));
+        continue;
+      }
+      entry_of_list(c, depth);
+    }
+  }
+
+  // The first key stands behind the dash.
+  void entry_of_list(ModelValue const& c, std::size_t depth) {
+    std::size_t const begin = text_.size();
+    for (ModelValue const& child : c.children) entry(child, depth + 1, "");
+    text_[begin + 2 * depth] = '-';
+  }
+
+  std::string text_;
+};
+
+}  // namespace
+
+std::string printed_model(Scene const& scene) {
+  Printer printer;
+  ModelValue model = model_tree(scene);
+  for (ModelValue& section : model.children)  // what a material takes over stands in it already
+    if (section.key == "materials")
+      for (ModelValue& material : section.children)
+        std::erase_if(material.children, [](ModelValue const& v) { return v.key == "like"; });
+  auto const rank = [](ModelValue const& v) {
+    return v.key == "title" ? 0 : v.key == "notes" ? 1 : v.key == "params" ? 2 : 3;
+  };
+  std::stable_sort(model.children.begin(), model.children.end(),
+                   [&](auto const& a, auto const& b) { return rank(a) < rank(b); });
+  printer.table(model, 0);
+  return fmt::format("straytrace: {}\n", format_version) + printer.text();
 }
 
 }  // namespace straytrace

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/input/document.hpp"
 #include "scene/scene.hpp"
 
 namespace straytrace {
@@ -43,5 +43,11 @@ std::vector<PlacedValue> placed_values(Scene const&);
 
 // YAML that is the same model again, with SI values; defaults and origins stand in comments.
 std::string printed_model(Scene const&);
+
+// The model as YAML text: parameters in SI, sections as written after includes, and one line per instance.
+std::string resolved_text(Node const& root, std::vector<Scene::Instance> const&);
+
+std::string si_text(std::optional<Value> const&);  // "0.35 m", "1e-05 m peak"; what reads back as the same value
+std::string yaml_text(std::string const&);         // plain where YAML reads it back as the same text, otherwise quoted
 
 }  // namespace straytrace

@@ -3,8 +3,8 @@
 
 #include "scene/instances.hpp"
 #include "scene/merge.hpp"
-#include "scene/render.hpp"
-#include "scene/resolved.hpp"
+#include "scene/diagnostics.hpp"
+#include "scene/model_tree.hpp"
 #include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
 

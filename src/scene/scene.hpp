@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/table.hpp"
+#include "base/input/table.hpp"
 
 namespace straytrace {
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/scene_document.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
-#include "base/embedded.hpp"
-#include "base/file_bytes.hpp"
+#include "base/files/embedded.hpp"
+#include "base/files/file_bytes.hpp"
 #include "scene/library.hpp"
+#include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
-#include "scene/unsaved.hpp"
 
 namespace straytrace {
 namespace {
@@ -258,6 +257,24 @@ std::vector<Problem> SceneDocument::problems(Severity severity) const {
   auto const key = [](Problem const& p) { return std::tuple(p.place.file, p.place.line, p.place.column); };
   std::stable_sort(out.begin(), out.end(), [&](Problem const& a, Problem const& b) { return key(a) < key(b); });
   return out;
+}
+
+namespace {
+
+std::map<std::filesystem::path, std::string> texts;
+
+std::filesystem::path key(std::filesystem::path const& file) {
+  return std::filesystem::absolute(file).lexically_normal();
+}
+
+}  // namespace
+
+void set_unsaved(std::filesystem::path const& file, std::string text) { texts[key(file)] = std::move(text); }
+
+std::optional<std::string> unsaved_text(std::filesystem::path const& file) {
+  if (texts.empty()) return {};
+  auto const hit = texts.find(key(file));
+  return hit == texts.end() ? std::nullopt : std::optional(hit->second);
 }
 
 }  // namespace straytrace

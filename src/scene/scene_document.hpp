@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <set>
+#include <string>
 #include <tuple>
 
-#include "base/document.hpp"
+#include "base/input/document.hpp"
 #include "scene/expression.hpp"
 #include "scene/scene.hpp"
 
@@ -81,5 +83,12 @@ class SceneDocument : public Document {
 
 constexpr std::size_t model_file_limit = std::size_t{16} << 20;  // bytes
 constexpr std::size_t data_file_limit = std::size_t{256} << 20;
+
+// Texts that another program holds and has not saved: an editor, or Python.
+
+
+// From now on `text` is read where a model names `file`, which need not exist. Before anything is read.
+void set_unsaved(std::filesystem::path const& file, std::string text);
+std::optional<std::string> unsaved_text(std::filesystem::path const& file);
 
 }  // namespace straytrace

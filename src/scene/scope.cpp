@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "base/uncertainty.hpp"
+#include "base/input/uncertainty.hpp"
 #include "scene/scene_document.hpp"
 
 namespace straytrace {

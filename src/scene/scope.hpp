@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/input/document.hpp"
 #include "scene/expression.hpp"
 
 namespace straytrace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "base/blocks.hpp"
-#include "base/constants.hpp"
-#include "base/event.hpp"
-#include "base/ids.hpp"
+#include "base/memory/blocks.hpp"
+#include "base/math/constants.hpp"
+#include "base/input/event.hpp"
+#include "base/memory/ids.hpp"
 
 namespace straytrace {
 

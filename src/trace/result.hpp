@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "trace/tally/lever_sums.hpp"
+#include "trace/lever_sums.hpp"
 
 namespace straytrace {
 

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "cad_faces.hpp"
 #include "shapes.hpp"
 

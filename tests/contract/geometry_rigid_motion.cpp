@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A point drawn on a shape is seen or hidden alike wherever the shape stands, from another point of the shape and from
 // beside it: rounding moves where a line meets a shape by no more than eq. 1.14 (docs/theory/sampling.md) says.
-#include "geometry/slack.hpp"
+#include "geometry/common/slack.hpp"
 #include "geometry_instances.hpp"
 #include "mesh_shapes.hpp"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "laws.hpp"
 
 namespace straytrace::testing {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter to the other side (optics/through.hpp) out of any law, and angle-dependent weights: reciprocity across the
+// Scatter to the other side (optics/scatter/through.hpp) out of any law, and angle-dependent weights: reciprocity across the
 // interface (physics.md eq. 3.2), albedo = integral of eval cos over the far side, sample follows pdf.
 #include <gtest/gtest.h>
 
 #include "chi_square.hpp"
-#include "optics/scatter_share.hpp"
+#include "optics/scatter/scatter_share.hpp"
 #include "optics_quadrature.hpp"
 #include "statistics.hpp"
 

@@ -10,7 +10,7 @@
 #include "device/blocks.hpp"
 #include "device/laws.hpp"
 #include "mesh_shapes.hpp"
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace/tally/block_sink.hpp"
 #include "trace_support.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "trace/backend/device/device_backend.hpp"
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing {
 

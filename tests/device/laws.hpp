@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise stage on a device: the sum of moving phases with the bits of the host (noise/phase_sum.hpp).
+// The noise stage on a device: the sum of moving phases with the bits of the host (noise/time_domain/phase_sum.hpp).
 #include <gtest/gtest.h>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "device/blocks.hpp"
-#include "noise/phase_sum.hpp"
+#include "noise/time_domain/phase_sum.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "base/message.hpp"
+#include "base/math/constants.hpp"
+#include "base/errors.hpp"
 #include "beams/diffraction.hpp"
 #include "recorded.hpp"
 

@@ -3,7 +3,7 @@
 // rings, against eq. 6.3 with the focal lengths of tilted mirrors and against themselves after a round trip.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/eigenmode.hpp"
 #include "beams/overlap.hpp"

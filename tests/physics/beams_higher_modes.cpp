@@ -7,9 +7,9 @@
 
 #include <functional>
 
-#include "base/message.hpp"
-#include "beams/hermite.hpp"
-#include "beams/laguerre.hpp"
+#include "base/errors.hpp"
+#include "beams/higher_modes.hpp"
+#include "beams/higher_modes.hpp"
 #include "beams/overlap.hpp"
 #include "beams_support.hpp"
 #include "recorded.hpp"

@@ -3,8 +3,8 @@
 // phase, tilted curved mirrors and refracting faces against closed forms and the phase on the surface itself.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
-#include "beams/beam_path.hpp"
+#include "base/errors.hpp"
+#include "beams/ray_matrix.hpp"
 #include "beams/mode.hpp"
 #include "beams_support.hpp"
 #include "recorded.hpp"

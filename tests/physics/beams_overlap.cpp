@@ -3,7 +3,7 @@
 // must leave as it is.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "beams/overlap.hpp"
 #include "beams_support.hpp"
 #include "recorded.hpp"

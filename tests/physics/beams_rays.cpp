@@ -3,8 +3,8 @@
 // (docs/theory/beams.md), and ray matrices of the same surfaces.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
-#include "beams/beam_path.hpp"
+#include "base/errors.hpp"
+#include "beams/ray_matrix.hpp"
 #include "beams_support.hpp"
 #include "recorded.hpp"
 

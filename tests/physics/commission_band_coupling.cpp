@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "commission/band_coupling.hpp"
-#include "commission/coupling.hpp"
+#include "analysis/coupling/band_coupling.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace::commission_band_coupling {

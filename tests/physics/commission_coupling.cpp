@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
-#include "commission/coupling.hpp"
-#include "commission/coupling_projection.hpp"
-#include "commission/excess.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/coupling.hpp"
+#include "analysis/coupling/coupling_projection.hpp"
+#include "analysis/coupling/band_coupling.hpp"
 #include "recorded.hpp"
 #include "signal_support.hpp"
 

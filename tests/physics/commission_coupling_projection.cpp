@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
-#include "commission/coupling_projection.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/coupling_projection.hpp"
 #include "recorded.hpp"
 #include "signal_support.hpp"
 

@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "commission/excess.hpp"
+#include "analysis/coupling/band_coupling.hpp"
 #include "recorded.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "commission/fringe_fit.hpp"
+#include "analysis/fringes/fringe_fit.hpp"
 #include "fringe_support.hpp"
 #include "recorded.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::commission_fringe_fit {
 namespace {

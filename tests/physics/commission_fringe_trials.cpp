@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "commission/fringe_fit.hpp"
+#include "analysis/fringes/fringe_fit.hpp"
 #include "fringe_support.hpp"
 #include "recorded.hpp"
 

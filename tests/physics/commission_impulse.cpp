@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
-#include "commission/events.hpp"
-#include "commission/impulse.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/events.hpp"
+#include "analysis/coupling/impulse.hpp"
 #include "recorded.hpp"
 #include "signal_support.hpp"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/message.hpp"
-#include "commission/fringe_lines.hpp"
-#include "commission/ridge.hpp"
+#include "base/errors.hpp"
+#include "analysis/fringes/fringe_lines.hpp"
+#include "analysis/coupling/ridge.hpp"
 #include "recorded.hpp"
 #include "signal_support.hpp"
 

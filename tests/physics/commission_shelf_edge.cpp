@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include "commission/shelf_edge.hpp"
+#include "analysis/fringes/shelf_edge.hpp"
 #include "fringe_support.hpp"
 #include "recorded.hpp"
 

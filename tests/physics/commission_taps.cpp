@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "base/message.hpp"
-#include "commission/taps.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/taps.hpp"
 #include "recorded.hpp"
 #include "signal_support.hpp"
 

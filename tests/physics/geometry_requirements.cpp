@@ -3,7 +3,7 @@
 // tests/unit/geometry_numbers.cpp), each with a variant that must miss them.
 #include <gtest/gtest.h>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "geometry/keys.hpp"
 #include "shapes.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "shapes.hpp"
 
 namespace straytrace {

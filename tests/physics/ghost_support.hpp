@@ -7,7 +7,7 @@
 #include <complex>
 
 #include "trace_support.hpp"
-#include "world/main_beam.hpp"
+#include "world/ghosts/main_beam.hpp"
 
 namespace straytrace::testing {
 

@@ -7,7 +7,7 @@
 
 #include "ifo/linear_response.hpp"
 #include "recorded.hpp"
-#include "signal/transfer_function.hpp"
+#include "spectra/transfer_function.hpp"
 
 namespace straytrace::ifo_loops {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A quiet body under strong slow motion: the transform alone would show its own rounding (physics.md eq. 7.14).
-#include "noise/low_part.hpp"
+#include "noise/wrapped/wrapped_spectrum.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing {

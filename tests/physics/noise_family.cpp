@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coherent families in the projection: paths of one class whose relative static phases are known (physics.md eq. 10.5),
 // as spectra, as one realisation in time, and in the band of realisations. Twin everywhere: their powers added.
-#include "noise/speckle_band.hpp"
+#include "noise/bands/speckle_band.hpp"
 #include "noise_time_support.hpp"
 
 namespace straytrace::testing::noise_family {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paths that share spectra against the spectrum of each path by itself (requirement R4.08, physics.md eq. 1.11).
-#include "base/rng.hpp"
-#include "noise/strength_nodes.hpp"
+#include "base/math/rng.hpp"
+#include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing::noise_histogram {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What uncertain scatter and motion do to the total, against closed forms (docs/theory/errors.md).
-#include "noise/input_band.hpp"
+#include "noise/bands/input_band.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing::noise_input_band {

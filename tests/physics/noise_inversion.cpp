@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Requirements from a line, against closed forms (docs/theory/errors.md).
-#include "noise/inversion.hpp"
+#include "noise/bands/inversion.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing::noise_inversion {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Static phases that are known: one quadrature of one realisation, and coherent families (physics.md
 // eq. 7.3, 7.4, 10.5).
-#include "noise/phase_pairs.hpp"
+#include "noise/wrapped/phase_pairs.hpp"
 #include "noise_support.hpp"
 #include "time_series.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The Monte-Carlo error of the noise.
-#include "base/rng.hpp"
-#include "noise/route_noise.hpp"
+#include "base/math/rng.hpp"
+#include "noise/project/route_noise.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paths that no nodes of strength can follow: they are computed by themselves, or so many of them are drawn (R4.08).
-#include "base/message.hpp"
-#include "base/rng.hpp"
-#include "noise/strength_nodes.hpp"
+#include "base/errors.hpp"
+#include "base/math/rng.hpp"
+#include "noise/interpolate/spectrum_interpolator.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing::noise_shared_spectra {

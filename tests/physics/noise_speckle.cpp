@@ -2,8 +2,8 @@
 // One realisation of many equal paths on one rigid body (physics.md eq. 10.1 to 10.4, case A20).
 #include <algorithm>
 
-#include "base/rng.hpp"
-#include "noise/speckle.hpp"
+#include "base/math/rng.hpp"
+#include "noise/bands/speckle_band.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing {

@@ -3,12 +3,12 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/gamma.hpp>
 
-#include "base/rng.hpp"
-#include "noise/percentiles.hpp"
-#include "noise/speckle.hpp"
-#include "noise/speckle_band.hpp"
+#include "base/math/rng.hpp"
+#include "noise/bands/percentiles.hpp"
+#include "noise/bands/speckle_band.hpp"
+#include "noise/bands/speckle_band.hpp"
 #include "noise_support.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "noise/noise.hpp"
-#include "noise/phase_spectra.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 #include "recorded.hpp"
-#include "signal/shapes.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace::testing {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Design sensitivities in closed form (physics.md eq. 12.1, table of 12.2; cases A22, B12).
-#include "noise/design.hpp"
+#include "noise/fundamental/design.hpp"
 #include "noise_support.hpp"
 
 namespace straytrace::testing {

@@ -5,9 +5,9 @@
 #include <functional>
 
 #include "chi_square.hpp"
-#include "noise/time_domain.hpp"
+#include "noise/time_domain/time_domain.hpp"
 #include "noise_support.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::testing {
 

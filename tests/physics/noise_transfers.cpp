@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One drive that reaches bodies through transfer functions (physics.md eq. 1.10, 7.12, 11.2): the phase has the PSD
 // |sum of lever times transfer function|^2 times that of the drive.
-#include "base/rng.hpp"
-#include "noise/motion_classes.hpp"
+#include "base/math/rng.hpp"
+#include "noise/classes/motion_classes.hpp"
 #include "noise_support.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::testing::noise_transfers {
 namespace {

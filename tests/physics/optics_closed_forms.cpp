@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "laws.hpp"
 #include "statistics.hpp"
 

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "contract/optics_quadrature.hpp"
-#include "optics/mie.hpp"
+#include "optics/scatter/mie.hpp"
 #include "recorded.hpp"
 
 namespace straytrace::testing {

@@ -6,8 +6,8 @@
 #include <complex>
 #include <vector>
 
-#include "optics/film_table.hpp"
-#include "optics/specular.hpp"
+#include "optics/coating/film_table.hpp"
+#include "optics/coating/specular.hpp"
 
 namespace straytrace {
 namespace {

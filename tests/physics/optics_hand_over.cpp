@@ -7,10 +7,10 @@
 #include <cmath>
 #include <complex>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "laws.hpp"
-#include "optics/height_spectrum.hpp"
-#include "optics/roughness.hpp"
+#include "optics/scatter/height_spectrum.hpp"
+#include "optics/scatter/roughness.hpp"
 #include "recorded.hpp"
 
 namespace straytrace::testing::optics_hand_over {

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "base/rng.hpp"
-#include "optics/refraction.hpp"
-#include "optics/specular.hpp"
+#include "base/math/rng.hpp"
+#include "optics/coating/refraction.hpp"
+#include "optics/coating/specular.hpp"
 
 namespace straytrace::optics_interface {
 namespace {

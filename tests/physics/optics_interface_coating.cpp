@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/coating_table.hpp"
-#include "optics/scatter_share.hpp"
-#include "optics/specular.hpp"
+#include "optics/coating/coating_table.hpp"
+#include "optics/scatter/scatter_share.hpp"
+#include "optics/coating/specular.hpp"
 
 namespace straytrace::optics_interface_coating {
 namespace {

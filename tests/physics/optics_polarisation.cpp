@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "base/rng.hpp"
-#include "optics/film.hpp"
-#include "optics/fresnel.hpp"
+#include "base/math/rng.hpp"
+#include "optics/coating/film.hpp"
+#include "optics/coating/fresnel.hpp"
 #include "optics/polarisation.hpp"
-#include "optics/refraction.hpp"
+#include "optics/coating/refraction.hpp"
 
 namespace straytrace::optics_polarisation {
 namespace {

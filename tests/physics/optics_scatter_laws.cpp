@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "contract/optics_quadrature.hpp"
-#include "optics/height_spectrum.hpp"
-#include "optics/mie.hpp"
+#include "optics/scatter/height_spectrum.hpp"
+#include "optics/scatter/mie.hpp"
 #include "recorded.hpp"
 
 namespace straytrace::testing {

@@ -2,11 +2,11 @@
 // Scenes with receivers, traced.
 #pragma once
 
-#include "report/receivers.hpp"
+#include "results/receivers/receivers.hpp"
 #include "test_backend.hpp"
-#include "trace/estimate/map_cells.hpp"
-#include "trace/trace.hpp"
-#include "world/world.hpp"
+#include "trace/tally/map_cells.hpp"
+#include "trace/run/trace.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing {
 

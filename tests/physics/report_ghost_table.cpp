@@ -2,7 +2,7 @@
 // The table of ghosts keeps as many rows as it is asked for, the strongest, and counts all of them.
 #include <gmock/gmock.h>
 
-#include "report/ghost_table.hpp"
+#include "results/ghosts/ghost_table.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing::report_ghost_table {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "recorded.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace::signal_confidence {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "recorded.hpp"
-#include "signal/cross_spectra.hpp"
+#include "spectra/cross_spectra.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace::signal_cross_spectra {

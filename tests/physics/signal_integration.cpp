@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "recorded.hpp"
-#include "signal/integration.hpp"
+#include "spectra/integration.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace::signal_integration {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "recorded.hpp"
-#include "signal/band_rms.hpp"
-#include "signal/filters.hpp"
-#include "signal/spectrogram.hpp"
-#include "signal/whitening.hpp"
+#include "spectra/welch.hpp"
+#include "spectra/filters.hpp"
+#include "spectra/spectrogram.hpp"
+#include "spectra/whitening.hpp"
 #include "signal_support.hpp"
 
 namespace straytrace::signal_maps {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "recorded.hpp"
-#include "signal/shapes.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace::signal_peterson {
 namespace {

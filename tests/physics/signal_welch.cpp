@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "base/message.hpp"
-#include "base/rng.hpp"
+#include "base/math/constants.hpp"
+#include "base/errors.hpp"
+#include "base/math/rng.hpp"
 #include "recorded.hpp"
-#include "signal/welch.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace::signal_welch {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "base/rng.hpp"
-#include "signal/spectrum.hpp"
+#include "base/math/rng.hpp"
+#include "spectra/spectrum.hpp"
 
 namespace straytrace::testing {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene 11 of estimators.md 17 (tests/baffled_tube.hpp), and the missed-path trap of its section 15.
 #include "baffled_tube.hpp"
-#include "base/message.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace::testing {
 namespace {

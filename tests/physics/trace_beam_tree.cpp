@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ghost_support.hpp"
-#include "trace/sequential.hpp"
+#include "trace/camera/sequential.hpp"
 
 namespace straytrace::testing::trace_beam_tree {
 namespace {

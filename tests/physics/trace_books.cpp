@@ -3,8 +3,8 @@
 // `window` and `sampling` are zero on average.
 #include <random>
 
-#include "base/message.hpp"
-#include "trace/estimate/importance.hpp"
+#include "base/errors.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Children at a hit (requirements.md R3.26, C2.1): N paths that share the power, whatever N; and a walk that splits and
 // ends paths by chance keeps its books (estimators.md 4, 8).
-#include "base/message.hpp"
-#include "trace/estimate/importance.hpp"
+#include "base/errors.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

@@ -2,7 +2,7 @@
 // Stop rules that few histories meet: they are met by few, and stopping there favours no value
 // (docs/theory/errors.md, Determinism).
 #include "small_tube.hpp"
-#include "trace/early_looks.hpp"
+#include "trace/run/early_looks.hpp"
 
 namespace straytrace::testing::early_looks {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include "trace/edges.hpp"
+#include "trace/deterministic/edges.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing::trace_edges {

@@ -7,8 +7,8 @@
 #include "scene/scene.hpp"
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
-#include "world/levers.hpp"
-#include "world/mode_points.hpp"
+#include "world/model/levers.hpp"
+#include "world/model/mode_shapes.hpp"
 
 namespace straytrace::testing::trace_elastic {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The flash camera (requirements.md R3.36) against closed forms of radiometry.
-#include "trace/flash_camera.hpp"
+#include "trace/camera/flash_camera.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing::trace_flash {

@@ -3,7 +3,7 @@
 // (requirements.md R3.23), absorption, and receivers that are only seen through glass (estimators.md 9).
 #include <gtest/gtest.h>
 
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing::trace_glass {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Grooves on surfaces of a scene: how they lie, and that the books know their total depends on the azimuth.
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <random>
 
-#include "trace/sequential.hpp"
+#include "trace/camera/sequential.hpp"
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
 

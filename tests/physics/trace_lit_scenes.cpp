@@ -7,7 +7,7 @@
 #include "scene/scene.hpp"
 #include "trace/tally/replay.hpp"
 #include "trace_support.hpp"
-#include "world/lit_surfaces.hpp"
+#include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::testing::trace_lit_scenes {
 namespace {

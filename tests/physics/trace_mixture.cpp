@@ -2,9 +2,9 @@
 // The mixture of scatter law and targets (estimators.md 6, 8): scene 16, and what a wrong table does to the books.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "shapes.hpp"
-#include "trace/estimate/importance.hpp"
+#include "trace/importance/importance.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing::trace_mixture {

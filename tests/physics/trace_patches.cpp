@@ -3,10 +3,10 @@
 // patch; a patch is drawn, then a point of it. The mean is that of the scatter law alone, the error is smaller.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "mesh_shapes.hpp"
 #include "shapes.hpp"
-#include "trace/estimate/patches.hpp"
+#include "trace/importance/patches.hpp"
 #include "trace_received.hpp"
 
 namespace straytrace::testing {

@@ -4,7 +4,7 @@
 
 #include "beams/clipping.hpp"
 #include "ghost_support.hpp"
-#include "world/apertures.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing::world_apertures {
 namespace {

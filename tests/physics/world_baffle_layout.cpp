@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "recorded.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::world_baffle_layout {
 namespace {

@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "base/embedded.hpp"
-#include "base/message.hpp"
-#include "base/rng.hpp"
+#include "base/files/embedded.hpp"
+#include "base/errors.hpp"
+#include "base/math/rng.hpp"
 #include "scene/library.hpp"
-#include "world/material_presets.hpp"
-#include "world/world.hpp"
+#include "world/build/read_materials.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::world_library {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
-#include "base/rng.hpp"
-#include "world/world.hpp"
+#include "base/errors.hpp"
+#include "base/math/rng.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::world_parts {
 namespace {

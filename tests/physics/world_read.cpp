@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "recorded.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::world_read {
 namespace {

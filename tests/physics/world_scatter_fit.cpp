@@ -7,10 +7,10 @@
 #include <functional>
 #include <stdexcept>
 
-#include "base/constants.hpp"
+#include "base/math/constants.hpp"
 #include "recorded.hpp"
-#include "world/measured/scatter_audit.hpp"
-#include "world/measured/scatter_fit.hpp"
+#include "world/scatter_data/scatter_audit.hpp"
+#include "world/scatter_data/scatter_fit.hpp"
 
 namespace straytrace::testing::world_scatter_fit {
 namespace {

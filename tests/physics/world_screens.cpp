@@ -6,7 +6,7 @@
 #include "beams_support.hpp"
 #include "ghost_support.hpp"
 #include "shapes.hpp"
-#include "world/lit_surfaces.hpp"
+#include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::testing::world_screens {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "recorded.hpp"
 #include "scenes/benches.hpp"
-#include "trace/sequential.hpp"
-#include "world/world.hpp"
+#include "trace/camera/sequential.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -2,7 +2,7 @@
 // Drawn paths that stand for all: said in every place where their noise is shown.
 #include <nlohmann/json.hpp>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_drawn_paths {

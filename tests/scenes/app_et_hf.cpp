@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 #include "statistics.hpp"
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <pwd.h>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {

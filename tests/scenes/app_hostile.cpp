@@ -2,7 +2,7 @@
 // Files that are made to hurt: each is refused in a sentence, in bounded time and memory, and nothing is lost.
 #include <sys/stat.h>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/limits.hpp"
 
 namespace straytrace::testing {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "app/interrupt.hpp"
+#include "session/interrupt.hpp"
 #include "scenes/answers.hpp"
 
 namespace straytrace::testing {

@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/limits.hpp"
 
 namespace straytrace::testing {

@@ -4,7 +4,7 @@
 #include <complex>
 
 #include "recorded.hpp"
-#include "report/receivers.hpp"
+#include "results/receivers/receivers.hpp"
 #include "scenes/benches.hpp"
 
 namespace straytrace::testing::app_michelson {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_noise_paths {

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "program.hpp"
-#include "report/report.hpp"
+#include "results/results.hpp"
 
 namespace straytrace::testing::app_noise_response {
 namespace {

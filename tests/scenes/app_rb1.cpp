@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "report/receivers.hpp"
+#include "results/receivers/receivers.hpp"
 #include "scenes/benches.hpp"
 
 namespace straytrace::testing::app_rb1 {

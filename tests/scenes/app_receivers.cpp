@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_receivers {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs that are stopped, continued, rerun or in the way (interface.md 2: exit code 85, manners).
 #include "recorded.hpp"
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rows of two runs are compared where they hold the same light: a route with a row of its own in one run only is part
 // of the row `other` of the other run.
-#include "app/run_diff.hpp"
+#include "session/compare/run_diff.hpp"
 #include "program.hpp"
 
 namespace straytrace::testing::app_run_diff {

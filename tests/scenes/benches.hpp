@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "recorded.hpp"
-#include "report/report.hpp"
+#include "results/results.hpp"
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {

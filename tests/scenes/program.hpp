@@ -16,7 +16,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "base/sanitized.hpp"
+#include "base/process/sanitized.hpp"
 
 namespace straytrace::testing {
 

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "step/support.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::test {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Curved faces of STEP files are exact: a spherical mirror focuses as the closed form says, and its triangles do not.
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "step/support.hpp"
-#include "world/cad_shapes.hpp"
-#include "world/mesh_file.hpp"
+#include "world/build/read_cad.hpp"
+#include "world/import/mesh_file.hpp"
 
 namespace straytrace::test {
 namespace {

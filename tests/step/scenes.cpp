@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene entries that name a STEP file: units, rules, what the run file keeps, and that no light leaks through seams.
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "step/support.hpp"
-#include "world/cad_shapes.hpp"
+#include "world/build/read_cad.hpp"
 
 namespace straytrace::test {
 namespace {

@@ -10,11 +10,11 @@
 #include <iterator>
 #include <unistd.h>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "step/samples/samples.hpp"
-#include "world/cad_file.hpp"
-#include "world/step_converter.hpp"
-#include "world/world.hpp"
+#include "world/import/cad_file.hpp"
+#include "world/import/cad_file.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::test {
 

@@ -17,7 +17,7 @@ def verdict(src):
 def with_file(name, text):
     """The verdict on a tree of one good file and this one."""
     with tempfile.TemporaryDirectory() as folder:
-        for where, content in {"world/a.hpp": '#include "base/vec3.hpp"\n', name: text}.items():
+        for where, content in {"world/a.hpp": '#include "base/math/vec3.hpp"\n', name: text}.items():
             path = pathlib.Path(folder, where)
             path.parent.mkdir(exist_ok=True)
             path.write_text(content)
@@ -29,12 +29,12 @@ def expect(got, code, words):
 
 
 expect(verdict(SOURCE / "src"), 0, "all includes allowed")
-expect(with_file("trace/b.cpp", '#include "world/world.hpp"\n'), 0, "all includes allowed")
+expect(with_file("trace/b.cpp", '#include "world/model/world.hpp"\n'), 0, "all includes allowed")
 expect(with_file("trace/b.cpp", '#include "motion/motion.hpp"\n'), 1, "b.cpp:1: trace may not include motion")
 expect(with_file("world/b.cpp", '\n#  include "motion/motion.hpp"\n'), 1, "b.cpp:2: world may not include motion")
-expect(with_file("noise/b.cpp", '#include "trace/trace.hpp"\n'), 1, "noise may not include trace/trace.hpp")
+expect(with_file("noise/b.cpp", '#include "trace/run/trace.hpp"\n'), 1, "noise may not include trace/run/trace.hpp")
 expect(with_file("noise/b.cpp", '#include "trace/coupling.hpp"\n'), 0, "all includes allowed")
-expect(with_file("attic/b.cpp", '#include "base/vec3.hpp"\n'), 1, "room 'attic' is not in the map")
+expect(with_file("attic/b.cpp", '#include "base/math/vec3.hpp"\n'), 1, "room 'attic' is not in the map")
 with tempfile.TemporaryDirectory() as empty:
     expect(verdict(empty), 1, "no project includes found")
 print("check_includes: all cases as expected")

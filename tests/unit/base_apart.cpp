@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/apart.hpp"
+#include "base/process/sandbox.hpp"
 
 namespace straytrace {
 namespace {

@@ -3,8 +3,8 @@
 // of the exact answer, over the ranges the trace uses.
 #include <gtest/gtest.h>
 
-#include "base/functions.hpp"
-#include "base/rng.hpp"
+#include "base/math/functions.hpp"
+#include "base/math/rng.hpp"
 #include "chi_square.hpp"
 
 namespace straytrace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/document.hpp"
-#include "base/quantity.hpp"
+#include "base/input/document.hpp"
+#include "base/units/quantity.hpp"
 
 namespace straytrace {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "chi_square.hpp"
 
 namespace straytrace {

@@ -2,7 +2,7 @@
 // Strain, length and phase with the sign of each arm (physics.md section 0.3, requirements.md R2.01).
 #include <gtest/gtest.h>
 
-#include "base/strain.hpp"
+#include "base/math/strain.hpp"
 #include "recorded.hpp"
 
 namespace straytrace {

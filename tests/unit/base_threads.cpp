@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/threads.hpp"
+#include "base/process/threads.hpp"
 
 namespace straytrace::testing::base_threads {
 namespace {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <functional>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "beams/footprint.hpp"
 #include "chi_square.hpp"
-#include "geometry/disk.hpp"
+#include "geometry/shapes/disk.hpp"
 #include "shapes.hpp"
 
 namespace straytrace::beams_astigmatic_footprint {

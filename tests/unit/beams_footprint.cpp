@@ -2,12 +2,12 @@
 // A footprint as density, as sampler and as wavefront.
 #include <gtest/gtest.h>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/footprint.hpp"
 #include "beams/ray_matrix.hpp"
 #include "chi_square.hpp"
-#include "geometry/cap.hpp"
+#include "geometry/shapes/cap.hpp"
 
 namespace straytrace::beams_footprint {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
-#include "commission/coupling_file.hpp"
-#include "commission/coupling_projection.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/coupling_file.hpp"
+#include "analysis/coupling/coupling_projection.hpp"
 #include "recorded.hpp"
 
 namespace straytrace {

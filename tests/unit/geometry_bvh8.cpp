@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/functions.hpp"
-#include "base/rng.hpp"
-#include "geometry/bvh8.hpp"
+#include "base/math/functions.hpp"
+#include "base/math/rng.hpp"
+#include "geometry/mesh/bvh8.hpp"
 
 namespace straytrace::geometry_bvh8 {
 namespace {

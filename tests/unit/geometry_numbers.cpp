@@ -2,7 +2,7 @@
 // The numbers of requirements R3.11 to R3.16 and R3.20, each with a variant that must miss them.
 #include <gtest/gtest.h>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "geometry/keys.hpp"
 #include "shapes.hpp"
 

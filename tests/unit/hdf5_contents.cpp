@@ -9,8 +9,8 @@
 #include <iterator>
 #include <limits>
 
-#include "hdf5/reader.hpp"
-#include "hdf5/writer.hpp"
+#include "io/hdf5/reader.hpp"
+#include "io/hdf5/writer.hpp"
 #include "message_of.hpp"
 
 namespace straytrace::hdf5 {

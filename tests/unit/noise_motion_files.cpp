@@ -2,12 +2,12 @@
 // Measured motion: spectra and series of sensors.
 #include <cmath>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "motion/motion.hpp"
 #include "motion/series_motion.hpp"
 #include "noise_support_scene.hpp"
 #include "recorded.hpp"
-#include "signal/series_file.hpp"
+#include "spectra/files/series_file.hpp"
 
 namespace straytrace::testing::noise_motion_files {
 namespace {

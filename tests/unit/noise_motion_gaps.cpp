@@ -5,7 +5,7 @@
 #include "motion/motion.hpp"
 #include "noise_support_scene.hpp"
 #include "recorded.hpp"
-#include "signal/series_file.hpp"
+#include "spectra/files/series_file.hpp"
 
 namespace straytrace::testing::noise_motion_gaps {
 namespace {

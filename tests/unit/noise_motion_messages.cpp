@@ -4,7 +4,7 @@
 
 #include "motion/motion.hpp"
 #include "noise_support_scene.hpp"
-#include "signal/series_file.hpp"
+#include "spectra/files/series_file.hpp"
 
 namespace straytrace::testing {
 namespace {

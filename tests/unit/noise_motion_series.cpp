@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "../physics/noise_support.hpp"
-#include "noise/motion_series.hpp"
-#include "noise/periodic.hpp"
+#include "noise/time_domain/motion_series.hpp"
+#include "noise/time_domain/motion_series.hpp"
 #include "statistics.hpp"
 
 namespace straytrace::testing {

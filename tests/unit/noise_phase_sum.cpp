@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "../physics/noise_time_support.hpp"
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What enters the total, and what is said about the rest.
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "physics/noise_support.hpp"
-#include "trace/beside.hpp"
+#include "trace/deterministic/deterministic_classes.hpp"
 
 namespace straytrace::testing::noise_project {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "optics/grooves.hpp"
-#include "optics/microfacet.hpp"
+#include "optics/scatter/grooves.hpp"
+#include "optics/scatter/microfacet.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "optics/fresnel.hpp"
+#include "optics/coating/fresnel.hpp"
 #include "optics/media_presets.hpp"
 #include "optics/media_stack.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "report/band.hpp"
+#include "results/curves/band.hpp"
 
 namespace straytrace::test {
 

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/constants.hpp"
-#include "report/band.hpp"
+#include "base/math/constants.hpp"
+#include "results/curves/band.hpp"
 
 namespace straytrace::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/colour_bar.hpp"
+#include "results/text/colour_bar.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -2,7 +2,7 @@
 // Tables of text for people.
 #include <gtest/gtest.h>
 
-#include "report/columns.hpp"
+#include "results/text/columns.hpp"
 
 namespace straytrace::testing::report_columns {
 namespace {

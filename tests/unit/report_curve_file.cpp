@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
-#include "report/curve_text.hpp"
-#include "signal/series_file.hpp"
-#include "signal/text_table.hpp"
+#include "base/errors.hpp"
+#include "results/curves/curve_file.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/files/text_table.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "report/band.hpp"
-#include "report/route_filter.hpp"
-#include "report/route_sums.hpp"
+#include "results/curves/band.hpp"
+#include "results/route_table/route_filter.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::report_filter {

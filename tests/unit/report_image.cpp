@@ -4,8 +4,8 @@
 
 #include <png.h>
 
-#include "base/message.hpp"
-#include "report/image_file.hpp"
+#include "base/errors.hpp"
+#include "results/text/png.hpp"
 
 namespace straytrace::testing {
 namespace {

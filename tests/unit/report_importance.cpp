@@ -5,8 +5,8 @@
 #include <H5Cpp.h>
 #include <fstream>
 
-#include "base/message.hpp"
-#include "report/seal.hpp"
+#include "base/errors.hpp"
+#include "results/run_file/checksum_header.hpp"
 #include "unit/report_same.hpp"
 #include "unit/report_synthetic.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A detector stands in the library as a scene needs it, and in data/detectors and ifo/presets.cpp as budgets and
+// A detector stands in the library as a scene needs it, and in data/detectors and ifo/interferometer.cpp as budgets and
 // networks need it. What two of them say must agree, but for the differences listed here.
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "base/embedded.hpp"
+#include "base/files/embedded.hpp"
 #include "ifo/dual_recycled.hpp"
-#include "report/pygwinc_ifo.hpp"
+#include "results/pygwinc/pygwinc_ifo.hpp"
 #include "scene/library.hpp"
 
 namespace straytrace::report_library {

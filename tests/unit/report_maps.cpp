@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "report/receivers.hpp"
+#include "results/receivers/receivers.hpp"
 
 namespace straytrace::test {
 namespace {

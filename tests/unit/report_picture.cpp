@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "report/picture.hpp"
+#include "results/text/picture.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {

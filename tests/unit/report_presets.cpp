@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detectors stand in two places: as presets of interferometers (ifo/presets.cpp) and as budgets (data/detectors). What
+// Detectors stand in two places: as presets of interferometers (ifo/interferometer.cpp) and as budgets (data/detectors). What
 // both say must agree, but for the differences listed here.
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "ifo/dual_recycled.hpp"
-#include "noise/design.hpp"
+#include "noise/fundamental/design.hpp"
 #include "noise/fundamental/quantum.hpp"
 #include "recorded.hpp"
-#include "report/pygwinc_ifo.hpp"
+#include "results/pygwinc/pygwinc_ifo.hpp"
 
 namespace straytrace::report_presets {
 namespace {

@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/message.hpp"
-#include "hdf5/reader.hpp"
-#include "hdf5/writer.hpp"
-#include "noise/design.hpp"
-#include "report/pygwinc_ifo.hpp"
-#include "report/pygwinc_trace.hpp"
-#include "report/report.hpp"
+#include "base/errors.hpp"
+#include "io/hdf5/reader.hpp"
+#include "io/hdf5/writer.hpp"
+#include "noise/fundamental/design.hpp"
+#include "results/pygwinc/pygwinc_ifo.hpp"
+#include "results/pygwinc/pygwinc_trace.hpp"
+#include "results/results.hpp"
 
 namespace straytrace {
 namespace {

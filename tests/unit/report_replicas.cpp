@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "recorded.hpp"
-#include "report/merit.hpp"
-#include "report/receivers.hpp"
-#include "report/replicas.hpp"
+#include "results/route_table/merit.hpp"
+#include "results/receivers/receivers.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {

@@ -11,10 +11,10 @@
 #include <set>
 #include <sstream>
 
-#include "base/message.hpp"
-#include "hdf5/writer.hpp"
+#include "base/errors.hpp"
+#include "io/hdf5/writer.hpp"
 #include "message_of.hpp"
-#include "report/seal.hpp"
+#include "results/run_file/checksum_header.hpp"
 #include "unit/report_same.hpp"
 #include "unit/report_synthetic.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "message_of.hpp"
-#include "report/seal.hpp"
+#include "results/run_file/checksum_header.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 
 namespace straytrace::test {
 

@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "hdf5/reader.hpp"
-#include "report/seal.hpp"
+#include "io/hdf5/reader.hpp"
+#include "results/run_file/checksum_header.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {

@@ -7,7 +7,7 @@
 #include <string>
 #include <unistd.h>
 
-#include "report/report.hpp"
+#include "results/results.hpp"
 
 namespace straytrace::test {
 

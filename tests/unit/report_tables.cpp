@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-#include "report/band.hpp"
+#include "results/curves/band.hpp"
 #include "unit/report_synthetic.hpp"
 
 namespace straytrace::test {

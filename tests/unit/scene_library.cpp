@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/embedded.hpp"
+#include "base/files/embedded.hpp"
 #include "scene/library.hpp"
 #include "unit/scene_support.hpp"
 

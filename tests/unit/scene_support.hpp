@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "scene/scene.hpp"
 
 namespace straytrace::test {

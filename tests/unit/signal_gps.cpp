@@ -2,10 +2,10 @@
 // GPS time, UTC and spans of the command line.
 #include <gtest/gtest.h>
 
-#include "base/message.hpp"
-#include "signal/gps.hpp"
-#include "signal/series_file.hpp"
-#include "signal/unit_text.hpp"
+#include "base/errors.hpp"
+#include "spectra/files/gps.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/files/unit_text.hpp"
 
 namespace straytrace {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <functional>
 
-#include "base/message.hpp"
-#include "signal/series_file.hpp"
-#include "signal/text_table.hpp"
+#include "base/errors.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/files/text_table.hpp"
 
 namespace straytrace {
 namespace {

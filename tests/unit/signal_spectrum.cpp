@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "signal/shapes.hpp"
-#include "signal/spectrum.hpp"
-#include "signal/text_table.hpp"
+#include "base/math/constants.hpp"
+#include "spectra/shapes.hpp"
+#include "spectra/spectrum.hpp"
+#include "spectra/files/text_table.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where light leaves the mode and in which direction (requirements.md R3.10).
-#include "optics/power_law.hpp"
+#include "optics/scatter/shift_invariant.hpp"
 #include "trace_support.hpp"
 
 namespace straytrace::testing {

@@ -4,7 +4,7 @@
 
 #include "mesh_shapes.hpp"
 #include "shapes.hpp"
-#include "trace/history/flight.hpp"
+#include "trace/step/flight.hpp"
 #include "trace/tally/block_sink.hpp"
 #include "trace_support.hpp"
 

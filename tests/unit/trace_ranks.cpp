@@ -5,10 +5,10 @@
 #include <mutex>
 #include <thread>
 
-#include "base/message.hpp"
-#include "report/run_part.hpp"
+#include "base/errors.hpp"
+#include "results/run_file/run_part.hpp"
 #include "small_tube.hpp"
-#include "trace/ranks.hpp"
+#include "trace/run/ranks.hpp"
 
 namespace straytrace::testing::trace_ranks {
 namespace {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "small_tube.hpp"
-#include "trace/handout.hpp"
+#include "trace/run/block_queue.hpp"
 
 namespace straytrace::testing::trace_slices {
 namespace {

@@ -7,8 +7,8 @@
 #include <functional>
 #include <random>
 
-#include "base/functions.hpp"
-#include "world/cell_map.hpp"
+#include "base/math/functions.hpp"
+#include "world/model/cell_map.hpp"
 
 namespace straytrace {
 namespace {

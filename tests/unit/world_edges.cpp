@@ -5,7 +5,7 @@
 
 #include "built_scene.hpp"
 #include "message_of.hpp"
-#include "world/apertures.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing {
 namespace {

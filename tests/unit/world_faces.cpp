@@ -7,7 +7,7 @@
 
 #include "built_scene.hpp"
 #include "contract/geometry_instances.hpp"
-#include "world/face_pairs.hpp"
+#include "world/checks/faces.hpp"
 
 namespace straytrace::world_faces {
 namespace {

@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/embedded.hpp"
+#include "base/files/embedded.hpp"
 #include "built_scene.hpp"
 #include "message_of.hpp"
 #include "scene/library.hpp"
-#include "world/beam_tree.hpp"
+#include "world/ghosts/beam_tree.hpp"
 
 namespace straytrace::world_glass {
 namespace {

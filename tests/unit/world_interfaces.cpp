@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "optics/specular.hpp"
-#include "world/read_parts.hpp"
+#include "optics/coating/specular.hpp"
+#include "world/build/read_parts.hpp"
 
 namespace straytrace::world_interfaces {
 namespace {

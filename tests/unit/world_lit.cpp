@@ -7,7 +7,7 @@
 
 #include "built_scene.hpp"
 #include "message_of.hpp"
-#include "world/lit_surfaces.hpp"
+#include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::world_lit {
 namespace {

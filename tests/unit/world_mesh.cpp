@@ -6,7 +6,7 @@
 
 #include "mesh_shapes.hpp"
 #include "unit/mesh_texts.hpp"
-#include "world/mesh_doctor.hpp"
+#include "world/import/mesh_doctor.hpp"
 
 namespace straytrace::test {
 namespace {

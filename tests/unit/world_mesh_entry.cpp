@@ -2,8 +2,8 @@
 // Scene entries with `file` (interface.md 3.3, 5) and material lists (requirements.md R3.35).
 #include "unit/mesh_texts.hpp"
 #include "unit/scene_support.hpp"
-#include "world/read_mesh.hpp"
-#include "world/read_newmtl.hpp"
+#include "world/build/read_mesh.hpp"
+#include "world/build/read_newmtl.hpp"
 
 namespace straytrace::test::world_mesh_entry {
 namespace {

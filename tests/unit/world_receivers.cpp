@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "built_scene.hpp"
 #include "message_of.hpp"
 #include "statistics.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::testing::world_receivers {
 namespace {

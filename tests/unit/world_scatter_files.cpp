@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/constants.hpp"
-#include "world/measured/scatter_file.hpp"
+#include "base/math/constants.hpp"
+#include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <vector>
 
-#include "base/message.hpp"
-#include "base/rng.hpp"
+#include "base/errors.hpp"
+#include "base/math/rng.hpp"
 #include "recorded.hpp"
 #include "shapes.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::world_search {
 namespace {

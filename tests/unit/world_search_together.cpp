@@ -4,7 +4,7 @@
 
 #include "mesh_shapes.hpp"
 #include "shapes.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace::world_search_together {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "base/rng.hpp"
+#include "base/math/rng.hpp"
 #include "shapes.hpp"
-#include "world/search_item.hpp"
-#include "world/surface_pack.hpp"
+#include "world/search/search_item.hpp"
+#include "world/search/surface_pack.hpp"
 
 namespace straytrace::world_surface_pack {
 namespace {

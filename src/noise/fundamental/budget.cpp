@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "noise/fundamental/fundamental.hpp"
 
 namespace straytrace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/constants.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace::closed_forms {
 namespace {

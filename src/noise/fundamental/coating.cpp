@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/constants.hpp"
+#include "base/math/constants.hpp"
 #include "ifo/interferometer.hpp"
 #include "ifo/squeezed_light.hpp"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "signal/shapes.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "base/message.hpp"
-#include "trace/backend/cpu/cpu.hpp"
+#include "base/errors.hpp"
+#include "trace/backend/cpu.hpp"
 #include "trace/backend/device/device_backend.hpp"
 
 namespace straytrace {

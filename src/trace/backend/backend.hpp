@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "trace/result.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 

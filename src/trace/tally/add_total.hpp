@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/host_device.hpp"
+#include "base/memory/host_device.hpp"
 
 namespace straytrace {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "base/message.hpp"
+#include "base/errors.hpp"
 #include "trace/tally/replay.hpp"
 #include "trace/tally/reverse.hpp"
 

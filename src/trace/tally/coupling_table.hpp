@@ -3,7 +3,7 @@
 #pragma once
 
 #include "trace/result.hpp"
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 

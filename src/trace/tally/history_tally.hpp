@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "trace/history/path.hpp"
+#include "trace/step/path.hpp"
 #include "trace/result.hpp"
 #include "trace/tally/route.hpp"
 
@@ -49,7 +49,7 @@ class BasicTally {
       : world_(&world), seed_(seed), lists_(static_cast<TallyLists<List>&&>(lists)) {}
   STRAY_HD void begin(std::uint64_t history);
 
-  // The sink of trace/history/step.hpp.
+  // The sink of trace/step/step.hpp.
   STRAY_HD void emitted(PathState const& path, Vertex const&) { emitted_ = path.emitted; }
   STRAY_HD void visit(PathState const& path, Vertex const& vertex);
   STRAY_HD void score(PathState const& path, Vertex const& vertex, std::uint32_t goal, std::uint32_t number,

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "trace/tally/route.hpp"
-#include "world/levers.hpp"
+#include "world/model/levers.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "trace/history/step.hpp"
+#include "trace/step/step.hpp"
 
 namespace straytrace {
 

@@ -2,7 +2,7 @@
 // The route of a score: how many vertices it has, where it ends, and its hash.
 #pragma once
 
-#include "trace/estimate/through_glass.hpp"
+#include "trace/step/specular_connection.hpp"
 
 namespace straytrace {
 

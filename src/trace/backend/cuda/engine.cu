@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The engine on an NVIDIA device. Only launches are in here: what the threads do is in trace/backend/device and in the
 // headers of the physics, which are those of the host.
-#include "trace/backend/device/called.hpp"
+#include "trace/backend/device/noinline.hpp"
 //
 #include <cuda_runtime.h>
 #include <stdexcept>

@@ -7,10 +7,10 @@
 
 #include <array>
 
-#include "trace/backend/device/books.hpp"
+#include "trace/backend/device/ledger_sums.hpp"
 #include "trace/backend/device/engine.hpp"
 #include "trace/backend/device/phases.hpp"
-#include "trace/backend/device/walk.hpp"
+#include "trace/backend/device/history_kernel.hpp"
 
 namespace straytrace::device {
 

@@ -18,7 +18,7 @@
 
 #include <cstdint>
 
-#include "base/functions.hpp"
+#include "base/math/functions.hpp"
 
 namespace straytrace::device {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The sum over many paths of fields whose phases move, on the device: one thread per sample, path after path, in the
-// operations and the order of noise/phase_sum.hpp, so that the bits are its bits.
+// operations and the order of noise/time_domain/phase_sum.hpp, so that the bits are its bits.
 #pragma once
 
 #include <complex>
 
-#include "base/turned.hpp"
+#include "base/math/simd_phasor.hpp"
 #include "trace/backend/device/engine.hpp"
 #include "trace/backend/device/ordered.hpp"
 

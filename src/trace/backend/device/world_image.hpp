@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "world/world.hpp"
+#include "world/model/world.hpp"
 
 namespace straytrace {
 

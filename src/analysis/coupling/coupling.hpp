@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Coupling functions from injections: how much of a target (strain) a unit of a witness (motion, sound) makes, per
+// frequency (requirements.md R6.01, R6.08).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/math/constants.hpp"
+#include "spectra/cross_spectra.hpp"
+
+namespace straytrace {
+
+enum class CouplingFlag : std::uint8_t {
+  measured,          // witness and target rose: the factor and its error
+  upper_limit,       // only the witness rose: the factor is at most this
+  below_thresholds,  // the witness did not rise: nothing is known
+  no_data,
+  not_linear  // most of what the target gained is not coherent with the witness: no factor may be used
+};
+// As pemcoupling writes them: "Real", "Upper Limit", "Thresholds not met", "No data"; and ours, "Fringe wrapped".
+char const* name_of(CouplingFlag);
+
+struct CouplingPoint {
+  double hz = 0;
+  double factor = not_a_number, sigma = not_a_number;  // target unit per witness unit; one standard error, NaN unknown
+  double factor_counts = not_a_number;                 // the same per ADC count of the witness, where a file says it
+  CouplingFlag flag = CouplingFlag::no_data;
+  double witness_ratio = not_a_number, target_ratio = not_a_number;  // injection over quiet, of amplitudes (ASD)
+  double significance = not_a_number;                                // of the excess of the target
+  double coherence = not_a_number;                                   // in the injection
+};
+
+struct CouplingFunction {
+  std::string witness, target;        // channels
+  std::string witness_unit;           // "m", "m/s^2"
+  std::string unit;                   // of the factor: "1/m"
+  std::vector<CouplingPoint> points;  // frequencies increase
+};
+
+struct CouplingThresholds {
+  double witness = 2, target = 2;  // ratio of ASDs, injection over quiet
+  double significance = 3;         // of both excesses, standard deviations
+  double confidence = 0.95;        // of upper limits
+  double not_linear = 5;           // significance of the target's excess beyond the linear part that flags a point
+  bool check_linear = true;        // false: several paths of one injection may reach the target
+};
+
+// Of factors: "1/m", "m/m", "1/(m/s^2)".
+std::string coupling_unit(std::string const& target, std::string const& witness);
+
+// |S_xy|^2/(S_xx S_yy) without what n averages of independent noises share by chance: (c - 1/n)/(1 - 1/n), not below 0.
+double unbiased_coherence(double coherence, double averages);
+
+// H = sqrt((y_inj - y_quiet)/(x_inj - x_quiet)), PSDs of target y and witness x: what the quiet witness makes of the
+// quiet target is taken off with it, so H is right also where the injection is weak. Error: averages of all four
+// spectra, less what witness and target share (coherence). Upper limit (C.4): the truth lies above it in 1 -
+// `confidence` of all trials, or fewer where no coupling could be seen. Both spectra on one axis. Throws InputError
+// when they are not.
+std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
+                                            CouplingThresholds const&);
+
+// PSDs of witness x and target y at one frequency; coherence without what chance gives.
+struct CouplingLevels {
+  double x, y, coherence, averages;
+};
+// Largest H at `confidence` (C.4): where the upper end of Y_inj - Y_quiet - H^2 (X_inj - X_quiet), true levels, passes
+// zero. Its ends are those of the single levels, added in quadrature less what witness and target share. A target below
+// its quiet level counts as equal to it: a low draw of noise is no knowledge.
+double coupling_limit(CouplingLevels const& injection, CouplingLevels const& quiet, double confidence);
+
+// Confidence that each of n limits must have for the lowest of them to hold at `confidence`.
+inline double each_of(std::size_t n, double confidence) { return 1 - (1 - confidence) / double(n); }
+
+// Several injections on one witness: measured points by their weighted mean, whose error grows by sqrt(chi^2/dof) where
+// they disagree; otherwise the lowest limit, so each must have been taken with each_of(). Not linear in one: not
+// linear. Throws InputError for other units or axes.
+CouplingFunction combine(std::span<CouplingFunction const>);
+
+inline double squared(double v) { return v * v; }
+
+}  // namespace straytrace

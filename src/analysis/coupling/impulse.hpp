@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a target answers to a knock: its response divided by the force, in frequency and in time, and the modes that
+// ring (requirements.md R6.02, R6.03).
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "spectra/series.hpp"
+
+namespace straytrace {
+
+// First samples of knocks, GPS s: where the force leaves its median by `threshold` times its usual deviation (1.4826
+// times the median one). The next is looked for `length` s later.
+std::vector<double> find_taps(TimeSeries const& force, double threshold, double length);
+
+struct ImpulseSettings {
+  double before = 0.01;      // s of silence taken in front of each start
+  double length = 2;         // s of each stretch
+  double low = 0, high = 0;  // Hz, where modes are looked for
+  int modes = 3;             // at most
+  // The stretch ends while the target still rings, as after a knock; false: all is over at its end (a sweep and
+  // silence), so the response is not cut.
+  bool cut = true;
+};
+
+struct RingDown {
+  double hz = 0, hz_sigma = 0;
+  double quality = 0, quality_sigma = 0;  // Q = pi f tau
+  double tau = 0;                         // s, of the amplitude
+  double amplitude = 0,
+         amplitude_sigma = 0;  // of a exp(-t/tau) cos(2 pi f t + phase): target unit per (force unit x s)
+  double phase = 0;            // rad
+  double chi_square = 0;
+  int degrees = 0;
+};
+
+struct ImpulseResponse {
+  std::size_t stretches = 0;
+  std::vector<double> hz;
+  std::vector<std::complex<double>> response;  // sum conj(F) Y/sum |F|^2: target unit per force unit, exp(+2 pi i f t)
+  std::vector<double> sigma, coherence;        // of |response|; coherence without what chance gives
+  std::vector<double> time, value;             // s after the knock; target unit per (force unit x s)
+  double value_sigma = 0;                      // from the noise of the target
+  std::vector<RingDown> modes;                 // the strongest first
+};
+
+// Stretches at `starts` (GPS s) without a window: what rings must not be weighted. In time the response is damped by
+// the coherence, so that frequencies without force or answer do not fill it with noise. What still rings of knocks
+// before is taken off the amplitudes of modes. Throws InputError with fewer than two stretches inside the data: without
+// repeats there is no error.
+ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
+                                 ImpulseSettings const&);
+
+// a exp(-t/tau) cos(2 pi f t + phase) from t = 0 to `length`, as a line of the transform around f, with a constant for
+// what lies beside it; the line at -f is in it. `from`, `to`: bins that are fitted. Errors are those of what the fit
+// leaves: times the root of chi^2 per degree.
+RingDown fit_ring_down(ImpulseResponse const&, std::size_t from, std::size_t to, double length);
+
+}  // namespace straytrace

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lines that a shaker or loudspeaker drives: frequency, amplitude and phase over time, with errors (requirements.md
+// R6.03).
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "spectra/series.hpp"
+
+namespace straytrace {
+
+// A stretch under a Hann window. Line: x = Re[a exp(2 pi i f (t - middle))], |a| its PEAK amplitude.
+class LineWindow {
+ public:
+  LineWindow(std::span<double const> samples, double rate);
+
+  std::complex<double> at(double hz) const;  // a
+  // Standard error of each quadrature of `at` from the noise beside the line: sqrt(S ENBW), S the mean one-sided PSD 3
+  // to 10 resolutions away on both sides, and not within 3 of the next harmonics, which are `spacing` away.
+  double sigma(double hz, double spacing) const;
+  // Where |a| is largest within the band [Hz]; `sigma`: standard error for a line of this amplitude in that noise.
+  double peak(double low_hz, double high_hz) const;
+  double peak_sigma(double amplitude, double sigma) const;
+  double resolution() const { return rate_ / double(samples_.size()); }  // Hz
+
+ private:
+  std::vector<double> samples_;  // under the window, without their mean
+  double rate_, sum_ = 0;
+};
+
+struct LinePoint {
+  double time = 0;  // GPS s, middle of the window
+  double hz = 0, hz_sigma = 0;
+  std::complex<double> amplitude;  // peak
+  double sigma = 0;                // of each quadrature, and of |amplitude| where it is well above
+};
+
+struct LineBand {
+  double low = 0, high = 0;  // Hz
+  double window = 4;         // s
+};
+// Noise is seen between harmonics: windows hold at least `fewest_periods` of the line.
+constexpr double fewest_periods = 8;
+// One point for each half-overlapping window, whether the line stands out or not. Throws InputError for a band outside
+// (0, rate/2) or a window longer than the series or too short for the line.
+std::vector<LinePoint> track_line(TimeSeries const&, LineBand const&);
+// Amplitudes of another channel at harmonic n of the tracked frequencies, on the same samples.
+std::vector<LinePoint> follow_line(TimeSeries const&, std::span<LinePoint const> track, double window,
+                                   int harmonic = 1);
+
+// Straight lines through a few points with known errors.
+
+
+struct WeightedMean {
+  double value = 0, sigma = 0;  // standard error, larger by sqrt(chi^2/dof) where the values disagree
+};
+inline WeightedMean weighted_mean(std::span<double const> y, std::span<double const> sigma) {
+  double weight = 0, sum = 0, chi = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    weight += 1 / (sigma[i] * sigma[i]);
+    sum += y[i] / (sigma[i] * sigma[i]);
+  }
+  for (std::size_t i = 0; i < y.size(); ++i) chi += std::pow((y[i] - sum / weight) / sigma[i], 2);
+  double const spread = y.size() > 1 ? chi / double(y.size() - 1) : 0;
+  return {sum / weight, std::sqrt((spread > 1 ? spread : 1) / weight)};
+}
+
+struct WeightedLine {
+  double offset = 0, slope = 0;              // at x = 0; dy/dx
+  double slope_sigma = 0, offset_sigma = 0;  // from the errors stated
+  double chi_square = 0;                     // dof: points less two
+};
+// Slope and errors are NaN or infinite when all x are equal.
+inline WeightedLine weighted_line(std::span<double const> x, std::span<double const> y, std::span<double const> sigma) {
+  double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double const w = 1 / (sigma[i] * sigma[i]);
+    s += w;
+    sx += w * x[i];
+    sy += w * y[i];
+    sxx += w * x[i] * x[i];
+    sxy += w * x[i] * y[i];
+  }
+  double const d = s * sxx - sx * sx;
+  WeightedLine out{(sxx * sy - sx * sxy) / d, (s * sxy - sx * sy) / d, std::sqrt(s / d), std::sqrt(sxx / d), 0};
+  for (std::size_t i = 0; i < x.size(); ++i)
+    out.chi_square += std::pow((y[i] - out.offset - out.slope * x[i]) / sigma[i], 2);
+  return out;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "analysis/coupling/band_coupling.hpp"
+#include "analysis/coupling/coupling.hpp"
+#include "analysis/coupling/lines.hpp"
+#include "analysis/coupling/taps.hpp"
+#include "base/errors.hpp"
+#include "io/number_rows.hpp"
+#include "spectra/segments.hpp"
+
+namespace straytrace {
+namespace {
+
+// Periodograms of one stretch.
+struct Stretch {
+  std::vector<double> hz;
+  std::vector<std::vector<double>> segments;  // [segment][bin]
+  std::vector<double> mean;
+  double averages = 0;
+};
+
+Stretch stretch_of(TimeSeries const& series, GpsSpan span, WelchSettings const& s) {
+  TimeSeries const part = cut(series, span);
+  Segments segments(part.samples.size(), part.rate, s);
+  Stretch out{{}, {}, std::vector<double>(segments.lines()), segments.effective()};
+  for (std::size_t k = 0; k < segments.lines(); ++k) out.hz.push_back(segments.hz(k));
+  for (std::size_t i = 0; i < segments.count(); ++i) {
+    Complexes const& lines = segments.transform(part.samples, i);
+    std::vector<double> power;
+    for (std::size_t k = 0; k < lines.size(); ++k) power.push_back(std::norm(lines[k]) * segments.density(k));
+    for (std::size_t k = 0; k < power.size(); ++k) out.mean[k] += power[k] / double(segments.count());
+    out.segments.push_back(std::move(power));
+  }
+  return out;
+}
+
+struct Visit {  // one stretch of taps
+  TapPlace const* place;
+  Stretch force, target;
+  std::vector<Stretch> local;
+};
+
+struct Quiet {
+  Stretch force, target;
+  std::vector<Stretch> local;
+};
+
+// Logarithms of target over force at one bin: of the ASDs, and with the quiet levels taken off.
+struct LogRatio {
+  double value, excess, sigma;  // sigma: standard error of both from the spread of the segments
+  double force;                 // logarithm of the force without its quiet level, as an ASD
+};
+
+LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
+  double const n = double(v.force.segments.size());
+  std::vector<double> left;
+  double mean = 0;
+  for (std::size_t i = 0; i + 1 < v.force.segments.size(); ++i) {  // neighbours share knocks
+    auto const without = [&](Stretch const& s) { return n * s.mean[k] - s.segments[i][k] - s.segments[i + 1][k]; };
+    left.push_back(std::log(without(v.target) / without(v.force)) / 2);
+    mean += left.back();
+  }
+  double const groups = double(left.size());
+  double sum = 0;
+  for (double const l : left) sum += squared(l - mean / groups);
+  double const y = v.target.mean[k] - q.target.mean[k], x = v.force.mean[k] - q.force.mean[k];
+  return {std::log(v.target.mean[k] / v.force.mean[k]) / 2, std::log(y / x) / 2,
+          std::sqrt((n - 2) / (2 * groups) * sum), std::log(x) / 2};
+}
+
+bool rose(Stretch const& loud, Stretch const& still, std::size_t k, double by) {
+  return still.mean[k] > 0 && loud.mean[k] >= squared(std::max(by, 1.0)) * still.mean[k] &&
+         loud.mean[k] > still.mean[k];
+}
+
+bool passes(Visit const& v, Quiet const& q, std::size_t k, TapThresholds const& t) {
+  return rose(v.target, q.target, k, t.target) && rose(v.force, q.force, k, t.force) &&
+         excess_significance({v.target.mean[k], v.target.averages}, {q.target.mean[k], q.target.averages}) >=
+             t.significance;
+}
+
+void add_local(TapAnswer& a, Visit const& v, Quiet const& q, std::size_t k, std::vector<TimeSeries> const& names) {
+  for (std::size_t i = 0; i < v.local.size(); ++i) {
+    double const ratio = std::sqrt(v.local[i].mean[k] / q.local[i].mean[k]);
+    if (!(ratio > a.local_ratio)) continue;
+    a.local_ratio = ratio;
+    a.local = names[i].name;
+  }
+}
+
+struct Answered {
+  TapAnswer answer;
+  double log_sigma = 0;  // of the coupling, without what all places share
+};
+
+Answered answer(std::vector<Visit const*> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
+                std::vector<TimeSeries> const& names) {
+  Answered out;
+  TapAnswer& a = out.answer;
+  a.place = visits.front()->place->name;
+  a.repeats = int(visits.size());
+  std::vector<double> force, excess, ratio, sigma;
+  for (Visit const* v : visits) {
+    LogRatio const r = log_ratio(*v, q, k);
+    force.push_back(r.force);
+    excess.push_back(r.excess);
+    ratio.push_back(r.value);
+    sigma.push_back(std::max(r.sigma, 1e-12));
+    double const target = std::sqrt(v->target.mean[k] / q.target.mean[k]);
+    if (target > a.target_ratio) {
+      a.target_ratio = target;
+      a.force_ratio = std::sqrt(v->force.mean[k] / q.force.mean[k]);
+      a.significance =
+          excess_significance({v->target.mean[k], v->target.averages}, {q.target.mean[k], q.target.averages});
+    }
+    add_local(a, *v, q, k, names);
+  }
+  WeightedMean const coupling = weighted_mean(excess, sigma), plain = weighted_mean(ratio, sigma);
+  double const quiet = std::sqrt(q.force.mean[k] / q.target.mean[k]);
+  out.log_sigma = coupling.sigma;
+  a.coupling = std::exp(coupling.value);
+  a.coupling_sigma = a.coupling * coupling.sigma;
+  a.ratio = std::exp(plain.value) * quiet;
+  a.sigma = a.ratio * std::sqrt(squared(plain.sigma) + 0.25 / q.force.averages + 0.25 / q.target.averages);
+  if (visits.size() > 1) {
+    WeightedLine const line = weighted_line(force, excess, sigma);
+    a.slope = 1 + line.slope;
+    a.slope_sigma = line.slope_sigma;
+    a.not_linear = std::fabs(line.slope) > t.not_linear * line.slope_sigma;
+  }
+  return out;
+}
+
+// Of the places that answered nothing: the lowest limit of the visits whose force rose.
+std::vector<TapLimit> limits_at(std::vector<Visit> const& visits, Quiet const& q, std::size_t k, TapThresholds const& t,
+                                std::set<std::string> const& answered) {
+  constexpr double confidence = 0.95;
+  std::map<std::string, std::vector<Visit const*>> silent;
+  for (Visit const& v : visits)
+    if (!answered.contains(v.place->name) && rose(v.force, q.force, k, t.force)) silent[v.place->name].push_back(&v);
+  std::vector<TapLimit> out;
+  for (auto const& [place, its] : silent) {
+    double lowest = infinity;
+    for (Visit const* v : its)
+      lowest = std::min(lowest, coupling_limit({v->force.mean[k], v->target.mean[k], 0, v->target.averages},
+                                               {q.force.mean[k], q.target.mean[k], 0, q.target.averages},
+                                               each_of(its.size(), confidence)));
+    if (std::isfinite(lowest)) out.push_back({place, lowest});
+  }
+  return out;
+}
+
+// The largest ratio of the target over all visits that pass, per bin; 0: none does.
+std::vector<double> strongest(std::vector<Visit> const& visits, Quiet const& q, TapThresholds const& t) {
+  std::vector<double> best(q.target.mean.size());
+  for (std::size_t k = 1; k < best.size(); ++k)
+    for (Visit const& v : visits)
+      if (passes(v, q, k, t)) best[k] = std::max(best[k], v.target.mean[k] / q.target.mean[k]);
+  return best;
+}
+
+Quiet quiet_of(TapSeries const& s, GpsSpan span, WelchSettings const& w) {
+  Quiet q{stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}};
+  for (TimeSeries const& l : s.local) q.local.push_back(stretch_of(l, span, w));
+  return q;
+}
+
+std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> places, WelchSettings const& w) {
+  std::vector<Visit> out;
+  std::vector<std::string> errors;
+  for (TapPlace const& p : places) {
+    GpsSpan const span{p.start, p.start + p.duration};
+    double const segments =
+        (p.duration * s.target.rate - double(w.segment)) / (double(w.segment) * (1 - w.overlap)) + 1;
+    if (span.from < s.target.start || span.to > s.target.end() + 1e-6)
+      errors.push_back(fmt::format("error: '{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
+                                   s.target.start, s.target.end()));
+    else if (segments < 6)
+      errors.push_back(
+          fmt::format("error: '{}' at {} lasts {} s, which is fewer than six segments\n  choose a shorter "
+                      "--segment",
+                      p.name, p.start, p.duration));
+    else {
+      out.push_back({&p, stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}});
+      for (TimeSeries const& l : s.local) out.back().local.push_back(stretch_of(l, span, w));
+    }
+  }
+  if (!errors.empty()) throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
+  return out;
+}
+
+}  // namespace
+
+std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> places, GpsSpan quiet_span,
+                               WelchSettings const& w, TapThresholds const& t) {
+  std::vector<Visit> const visits = visits_of(s, places, w);
+  Quiet const quiet = quiet_of(s, quiet_span, w);
+  std::vector<double> const best = strongest(visits, quiet, t);
+  std::vector<TapPeak> peaks;
+  for (std::size_t k = 2; k + 2 < best.size(); ++k) {
+    if (best[k] == 0 || best[k] < std::max(best[k - 1], best[k - 2]) || best[k] <= std::max(best[k + 1], best[k + 2]))
+      continue;
+    std::map<std::string, std::vector<Visit const*>> by_place;
+    for (Visit const& v : visits)
+      if (passes(v, quiet, k, t)) by_place[v.place->name].push_back(&v);
+    std::vector<Answered> all;
+    for (auto const& [name, its] : by_place) all.push_back(answer(its, quiet, k, t, s.local));
+    std::stable_sort(all.begin(), all.end(),
+                     [](Answered const& a, Answered const& b) { return a.answer.ratio > b.answer.ratio; });
+    TapPeak peak;
+    peak.hz = quiet.target.hz[k];
+    std::set<std::string> answered;
+    for (Answered const& a : all) answered.insert(a.answer.place);
+    peak.limits = limits_at(visits, quiet, k, t, answered);
+    for (Answered& a : all) peak.places.push_back(std::move(a.answer));
+    if (all.size() > 1)
+      peak.lead =
+          std::log(peak.places[0].coupling / peak.places[1].coupling) / std::hypot(all[0].log_sigma, all[1].log_sigma);
+    peaks.push_back(std::move(peak));
+  }
+  return peaks;
+}
+
+namespace {
+
+std::string trimmed(std::string_view text) {
+  std::string out(text);
+  std::erase(out, '"');
+  out.erase(0, std::min(out.find_first_not_of(" \t\r"), out.size()));
+  out.erase(out.find_last_not_of(" \t\r") + 1);
+  return out;
+}
+
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    std::size_t const end = std::min(line.find(',', begin), line.size());
+    cells.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return cells;
+}
+
+class ListReader {
+ public:
+  explicit ListReader(std::string const& file) : file_(file) {}
+
+  std::vector<TapPlace> read(std::string_view csv) {
+    csv = without_byte_order_mark(csv);
+    for (; !csv.empty(); csv.remove_prefix(std::min(csv.find('\n') + 1, csv.size()))) {
+      std::size_t const end = csv.find('\n');
+      std::string const line = trimmed(csv.substr(0, end));
+      ++line_;
+      if (!line.empty() && !line.starts_with('#')) header_.empty() ? take_header(line) : take(line);
+      if (end == csv.npos) break;
+    }
+    if (errors_.empty() && places_.empty()) add("no places in it", "the first line is 'place,start,duration'");
+    if (!errors_.empty()) throw InputError(fmt::format("{}", fmt::join(errors_, "\n")));
+    return std::move(places_);
+  }
+
+ private:
+  void add(std::string const& what, std::string const& suggestion) {
+    errors_.push_back(fmt::format("{}:{}: error: {}\n  {}", file_, line_, what, suggestion));
+  }
+
+  void take_header(std::string const& line) {
+    header_ = cells_of(line);
+    for (char const* name : {"place", "start", "duration"})
+      if (std::find(header_.begin(), header_.end(), name) == header_.end())
+        add(fmt::format("no column '{}'", name), "the first line names the columns: place, start, duration, strength");
+  }
+
+  std::string cell(std::vector<std::string> const& cells, char const* name) const {
+    auto const at = std::size_t(std::find(header_.begin(), header_.end(), name) - header_.begin());
+    return at < cells.size() ? cells[at] : "";
+  }
+
+  double number(std::vector<std::string> const& cells, char const* name) {
+    std::string const text = cell(cells, name);
+    double value = not_a_number;
+    auto const [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (status == std::errc{} && end == text.data() + text.size() && std::isfinite(value)) return value;
+    add(fmt::format("'{}' is not a number in column '{}'", text, name), "start is GPS time in s, duration in s");
+    return not_a_number;
+  }
+
+  void take(std::string const& line) {
+    if (!errors_.empty() && places_.empty()) return;  // the header is wrong
+    std::vector<std::string> const cells = cells_of(line);
+    if (cells.size() > header_.size() && !cells[header_.size()].empty())
+      return add(fmt::format("{} values for {} columns", cells.size(), header_.size()),
+                 "use decimal points, not decimal commas: 1.5, not 1,5");
+    TapPlace p{cell(cells, "place"), number(cells, "start"), number(cells, "duration"), cell(cells, "strength")};
+    if (p.name.empty()) add("a place without a name", "write it in column 'place'");
+    if (p.duration <= 0) add(fmt::format("a duration of {} s", p.duration), "taps of about 20 s are usual");
+    places_.push_back(std::move(p));
+  }
+
+  std::string const& file_;
+  std::size_t line_ = 0;
+  std::vector<std::string> header_, errors_;
+  std::vector<TapPlace> places_;
+};
+
+}  // namespace
+
+std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& file) {
+  return ListReader(file).read(csv);
+}
+
+}  // namespace straytrace

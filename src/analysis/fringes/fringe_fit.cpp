@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <unsupported/Eigen/FFT>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "analysis/fringes/fringe_clock.hpp"
+#include "analysis/fringes/fringe_fit.hpp"
+#include "analysis/fringes/fringe_search.hpp"
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "base/math/functions.hpp"
+#include "spectra/series.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double margin = 1.1;  // of the fringe frequency in eq. 7.13
+
+double furthest(SearchRange const& r) { return std::max(std::fabs(r.low), std::fabs(r.high)); }
+
+double longest_delay(FringeFitSettings const& s) {
+  double longest = s.clock;
+  for (FringePath const& p : s.paths) longest = std::max(longest, furthest(p.delay));
+  return longest;
+}
+
+SampleSpan overlap(FringeRecords const& r, double delay) {
+  SampleSpan const span = covered(r, delay);
+  if (span.to > span.from) return span;
+  std::string spans = fmt::format("'{}' GPS {:.3f} to {:.3f}", r.target.name, r.target.start, r.target.end());
+  for (TimeSeries const& x : r.witnesses) spans += fmt::format(", '{}' {:.3f} to {:.3f}", x.name, x.start, x.end());
+  throw InputError(fmt::format("error: the records do not overlap: {}\n  give records of the same time", spans));
+}
+
+void check_samples(TimeSeries const& x) {
+  auto const bad = std::find_if(x.samples.begin(), x.samples.end(), [](double v) { return !std::isfinite(v); });
+  if (bad != x.samples.end())
+    throw InputError(fmt::format("error: '{}' has no number at GPS {:.4f}\n  choose a span without gaps", x.name,
+                                 x.time(std::size_t(bad - x.samples.begin()))));
+  auto const [low, high] = std::minmax_element(x.samples.begin(), x.samples.end());
+  if (x.samples.empty() || *low == *high)
+    throw InputError(fmt::format(
+        "error: '{}' has one value all the time, so nothing can be fitted\n  give a record that is alive", x.name));
+}
+
+void check(FringeRecords const& r, FringeFitSettings const& s) {
+  if (r.witnesses.empty() || r.witnesses.size() > 2)
+    throw InputError("error: a fit needs one witness of the motion, or two\n  name them");
+  double const most = r.target.rate / 2;
+  if (!(s.low > 0 && s.high > s.low && s.high < most))
+    throw InputError(
+        fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
+                    "'{}'\n  choose a band inside",
+                    s.low, s.high, most, r.target.name));
+  check_samples(r.target);
+  for (TimeSeries const& x : r.witnesses) check_samples(x);
+}
+
+// The highest frequency that any shape in the ranges makes; refused where the target cannot hold it.
+double highest_fringe(FringeRecords const& r, FringeFitSettings const& s) {
+  double highest = 0;
+  double const fastest = fastest_motion(r, furthest(s.ratio));
+  for (FringePath const& p : s.paths) {
+    double const f = 2 * furthest(p.multiplicity) * fastest / s.wavelength + furthest(p.drift) / (2 * pi);
+    highest = std::max(highest, f);
+    if (2 * margin * f >= r.target.rate)
+      throw InputError(fmt::format(
+          "error: '{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz ({} at multiplicity {:g}) need more than {:.0f} "
+          "Hz (eq. 7.13)\n  give a record of that rate, a witness without fast noise, or a smaller multiplicity",
+          r.target.name, r.target.rate, f, p.name, furthest(p.multiplicity), std::ceil(2 * margin * f)));
+  }
+  return highest;
+}
+
+// The witnesses on the span, with what interpolation and delays reach for.
+FringeRecords trimmed(FringeRecords const& r, SampleSpan span, double delay) {
+  FringeRecords out;
+  out.target = r.target;
+  for (TimeSeries x : r.witnesses) {
+    double const low = (r.target.time(span.from) - delay - x.start) * x.rate - 20;
+    double const high = (r.target.time(span.to) + delay - x.start) * x.rate + 20;
+    auto const first = std::size_t(std::max(0.0, std::floor(low)));
+    auto const last = std::size_t(std::clamp(std::ceil(high), double(first) + 1, double(x.samples.size())));
+    x.start = x.time(first);
+    x.samples = {x.samples.begin() + std::ptrdiff_t(first), x.samples.begin() + std::ptrdiff_t(last)};
+    out.witnesses.push_back(std::move(x));
+  }
+  return out;
+}
+
+FringeFrame frame_of(FringeRecords const& r, FringeFitSettings const& s, double middle) {
+  FringeFrame frame{s.low, s.high, s.wavelength, middle, highest_fringe(r, s), longest_delay(s), {}};
+  for (TimeSeries const& x : r.witnesses) {
+    double sum = 0;
+    for (double const v : x.samples) sum += v;
+    frame.means.push_back(sum / double(x.samples.size()));
+  }
+  return frame;
+}
+
+void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double& trials) {
+  for (std::size_t p = 0; p < s.paths.size(); ++p) trials += search_grid(stretch, s, p, s.ratio.low).transforms();
+  if (trials * double(stretch.model_samples()) > 1e10)  // about two minutes
+    throw InputError(fmt::format(
+        "error: the search would take {:.3g} transforms of {} samples\n  narrow the ranges of multiplicity, drift and "
+        "ratio, or give a shorter stretch",
+        trials, stretch.model_samples()));
+}
+
+// What one path takes from chi^2, the others adjusting their amplitudes.
+double gain_of_path(FringeProblem const& problem, RefinedFit const& fit, Eigen::VectorXd const& target, std::size_t p) {
+  FringePlace const others = [&] {
+    FringePlace o = fit.place;
+    o.shapes.erase(o.shapes.begin() + std::ptrdiff_t(p));
+    return o;
+  }();
+  if (others.shapes.empty()) return target.squaredNorm() - fit.fit.chi2;
+  FringeProblem rest = problem;
+  rest.responses.erase(rest.responses.begin() + std::ptrdiff_t(p));
+  return linear_fit(rest.columns(others), target).chi2 - fit.fit.chi2;
+}
+
+void report_significance(FringeFit& out, FringeProblem const& problem, RefinedFit const& fit) {
+  Eigen::VectorXd const target = problem.features(problem.stretch.target());
+  out.without = target.squaredNorm();
+  out.with = fit.fit.chi2;
+  out.degrees = double(problem.settings.method == FitMethod::time ? 0 : problem.stretch.degrees());
+  if (problem.settings.method == FitMethod::time) {
+    // Of pure noise of the very spectrum: the mask at the ends of the band and the missing tapers.
+    double const middle = double(target.size()) / double(problem.stretch.model_samples());
+    double const wide = problem.settings.high - problem.settings.low;
+    out.degrees = 2 * problem.stretch.duration() * wide * (1 - 2 * 0.1 * (1 - 0.375)) * middle;
+  }
+  out.degrees -= double(out.names.size());
+  out.ln_false_alarm = 0;
+  for (std::size_t p = 0; p < out.paths.size(); ++p) {
+    out.paths[p].gain = gain_of_path(problem, fit, target, p);
+    out.paths[p].ln_false_alarm = ln_chance_of(out.paths[p].gain, range_lengths(problem, fit.place, p));
+    out.ln_false_alarm = std::min(out.ln_false_alarm, out.paths[p].ln_false_alarm);
+  }
+}
+
+}  // namespace
+
+SampleSpan covered(FringeRecords const& r, double delay) {
+  TimeSeries const& h = r.target;
+  double from = h.start, to = h.end();
+  for (TimeSeries const& x : r.witnesses) {
+    double const reach = delay + (x.rate < h.rate || delay > 0 ? 16 / x.rate : 0);
+    from = std::max(from, x.start + reach);
+    to = std::min(to, x.end() - reach);
+  }
+  if (!(to > from)) return {};
+  auto const first = std::size_t(std::ceil((from - h.start) * h.rate - 1e-3));
+  return {first, std::min(h.samples.size(), std::size_t(std::floor((to - h.start) * h.rate + 1e-3)))};
+}
+
+FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& settings) {
+  check(given, settings);
+  double const delay = longest_delay(settings);
+  SampleSpan const span = overlap(given, delay);
+  FringeRecords const records = trimmed(given, span, delay);
+  auto const split = span.from + std::size_t(std::lround(settings.train * double(span.to - span.from)));
+  FringeFit out;
+  out.start = records.target.time(span.from);
+  out.split = records.target.time(split);
+  out.end = records.target.time(span.to);
+  out.middle = 0.5 * (out.start + out.split);
+  FringeFrame const frame = frame_of(records, settings, out.middle);
+  out.means = frame.means;
+  FringeStretch const stretch(records, span.from, split, frame);
+  std::size_t const parameters = 2 * settings.paths.size() + free_parameters(settings, settings.paths.size()).size();
+  if (stretch.degrees() < 4 * double(parameters))
+    throw InputError(
+        fmt::format("error: {:.0f} independent data for {} parameters\n  give a longer stretch or a wider "
+                    "band, or fix some of them",
+                    stretch.degrees(), parameters));
+  check_work(stretch, settings, out.trials);
+  FringeProblem problem{stretch, settings, {}, stretch.psd(stretch.target())};
+  for (FringePath const& p : settings.paths) problem.responses.push_back(stretch.response(p.phase, p.amplitude));
+  RefinedFit const fit = fit_all(problem);
+  report_parameters(out, problem, fit);
+  report_significance(out, problem, fit);
+  double const fastest = fastest_motion(records, fit.place.ratio);
+  for (FringeShape const& s : fit.place.shapes)
+    out.highest_fringe = std::max(out.highest_fringe, 2 * std::fabs(s.multiplicity) * fastest / settings.wavelength);
+  if (double(span.to - split) / records.target.rate * (settings.high - settings.low) > 10)
+    out.test = out_of_sample(problem, fit, FringeStretch(records, split, span.to, frame));
+  if (settings.clock > 0) out.clock = clock_check(problem, fit, out);
+  out.verdict = verdict_of(out, settings.false_alarm);
+  return out;
+}
+
+// The fitted noise as a series.
+
+namespace {
+
+using Field = std::vector<std::complex<double>>;
+
+std::size_t power_of_two_above(std::size_t n) {
+  std::size_t p = 1;
+  while (p < n) p *= 2;
+  return p;
+}
+
+struct Span {
+  double start = 0;  // GPS s
+  std::size_t first = 0, count = 0;
+};
+
+Span span_of(FringeRecords const& r, FringeFit const& fit) {
+  double delay = 0;
+  for (FittedPath const& p : fit.paths) delay = std::max(delay, std::fabs(p.delay.value));
+  SampleSpan const span = covered(r, delay);
+  return {r.target.time(span.from), span.from, span.to - span.from};
+}
+
+// exp(i(phi + theta)) of one path, times sqrt(f_r).
+void add_field(Field& field, FringeRecords const& r, FringeFit const& fit, FittedPath const& p, Span const& span,
+               double wavelength) {
+  std::vector<double> u(span.count, 0.0);
+  for (std::size_t w = 0; w < r.witnesses.size(); ++w) {
+    auto const x = interpolated(r.witnesses[w], span.start - p.delay.value, r.target.rate, span.count);
+    for (std::size_t i = 0; i < span.count; ++i) u[i] += (w ? -fit.ratio.value : 1) * (x[i] - fit.means[w]);
+  }
+  for (std::size_t i = 0; i < span.count; ++i) {
+    double const t = span.start - fit.middle + double(i) / r.target.rate;
+    double const phase = p.phase.value + 4 * pi * p.multiplicity.value * u[i] / wavelength + p.drift.value * t;
+    SinCos const turn = sincos_turn(phase / (2 * pi));
+    field[i] += p.amplitude.value * std::complex<double>(turn.cos, turn.sin);
+  }
+}
+
+double mask(double hz, double low, double high) {
+  double const inside = std::min(hz - low, high - hz) / (0.05 * (high - low));
+  return inside <= 0 ? 0 : inside >= 1 ? 1 : 0.5 - 0.5 * std::cos(pi * inside);
+}
+
+}  // namespace
+
+FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, FringeFit const& fit) {
+  Span const span = span_of(r, fit);
+  // Room behind the end, so that the filter does not wrap into the beginning.
+  std::size_t const n = power_of_two_above(span.count + std::size_t(2 * r.target.rate));
+  Field sum(n), lines, series;
+  Eigen::FFT<double> fft;
+  for (std::size_t p = 0; p < fit.paths.size(); ++p) {
+    Field field(n);
+    add_field(field, r, fit, fit.paths[p], span, s.wavelength);
+    fft.fwd(lines, field);
+    for (std::size_t k = 1; k < n / 2; ++k) {
+      double const hz = double(k) * r.target.rate / double(n), m = mask(hz, s.low, s.high);
+      if (m == 0) continue;
+      std::complex<double> const above = lines[k], below = std::conj(lines[n - k]);
+      std::complex<double> const real = 0.5 * (above + below),
+                                 imaginary = std::complex<double>(0, -0.5) * (above - below);
+      FringePath const& path = s.paths[p];
+      std::complex<double> const phase = path.phase ? std::conj(path.phase(hz)) : 1;
+      std::complex<double> const amplitude = path.amplitude ? std::conj(path.amplitude(hz)) : 0;
+      sum[k] += m * (phase * imaginary + amplitude * real);
+    }
+  }
+  fft.inv(series, sum);
+  FringeModel out{span.first, {}};
+  for (std::size_t i = 0; i < span.count; ++i) out.values.push_back(2 * series[i].real());
+  return out;
+}
+
+// The fit against the part of the record that it has not seen, and the verdict (docs/theory/fit.md).
+
+namespace {
+
+constexpr double sure = 3;  // standard deviations by which a right fit would have been confirmed
+
+std::vector<double> psd_at(FringeProblem const& fitted, std::vector<double> const& hz) {
+  std::vector<double> const& known = fitted.stretch.hz();
+  std::vector<double> out;
+  for (double const f : hz) {
+    auto const next = std::lower_bound(known.begin(), known.end(), f) - known.begin();
+    out.push_back(fitted.psd[std::size_t(std::min(next, std::ptrdiff_t(known.size()) - 1))]);
+  }
+  return out;
+}
+
+// Columns B with B B^T = J C J^T: what the errors of the fit may do to the model in the rest.
+Eigen::MatrixXd spread_of_model(Eigen::MatrixXd const& slope, Eigen::MatrixXd const& covariance) {
+  Eigen::VectorXd const sigma = covariance.diagonal().cwiseSqrt();
+  Eigen::MatrixXd const correlation =
+      sigma.cwiseInverse().asDiagonal() * covariance * sigma.cwiseInverse().asDiagonal();
+  return slope * sigma.asDiagonal() * Eigen::MatrixXd(correlation.llt().matrixL());
+}
+
+// ln of N(h; m, 1 + B B^T) over N(h; 0, 1), by the small matrix 1 + B^T B.
+void weigh(OutOfSample& out, Eigen::VectorXd const& h, Eigen::VectorXd const& m, Eigen::MatrixXd const& b) {
+  Eigen::MatrixXd const own = b.transpose() * b;
+  Eigen::LLT<Eigen::MatrixXd> const llt(Eigen::MatrixXd::Identity(own.rows(), own.cols()) + own);
+  double const ln_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
+  Eigen::VectorXd const rest = b.transpose() * (h - m);
+  double const square = m.squaredNorm(), of_fit = (b.transpose() * m).squaredNorm();
+  out.ln_odds = (h.squaredNorm() - (h - m).squaredNorm() + rest.dot(llt.solve(rest)) - ln_det) / 2;
+  out.ln_odds_expected = {(square + own.trace() - ln_det) / 2, std::sqrt(square + of_fit)};
+  out.scale = {h.dot(m) / square, std::sqrt(square + of_fit) / square};
+}
+
+bool ends_a_range(FringeFit const& fit) {
+  return fit.ratio.at_end || std::any_of(fit.paths.begin(), fit.paths.end(), [](FittedPath const& p) {
+           return p.multiplicity.at_end || p.delay.at_end || p.drift.at_end;
+         });
+}
+
+}  // namespace
+
+OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const& fit, FringeStretch const& rest) {
+  FringeFitSettings settings = fitted.settings;
+  settings.method = FitMethod::frequency;
+  FringeProblem problem{rest, settings, {}, psd_at(fitted, rest.hz())};
+  for (FringePath const& p : settings.paths) problem.responses.push_back(rest.response(p.phase, p.amplitude));
+  Eigen::VectorXd const h = problem.features(rest.target());
+  Eigen::VectorXd const m = problem.features(problem.model(fit.place, fit.fit.linear));
+  OutOfSample out;
+  out.seconds = rest.duration();
+  out.without = h.squaredNorm();
+  out.with = (h - m).squaredNorm();
+  out.degrees = rest.degrees();
+  weigh(out, h, m, spread_of_model(jacobian(problem, fit.place, fit.fit.linear), fit.covariance));
+  out.reduction = {1 - out.with / out.without, 2 * m.norm() / out.without};
+  return out;
+}
+
+FitVerdict verdict_of(FringeFit const& fit, double false_alarm) {
+  if (fit.clock.doubtful) return FitVerdict::clock;
+  if (fit.ln_false_alarm >= std::log(false_alarm)) return FitVerdict::none;
+  if (ends_a_range(fit)) return FitVerdict::at_end;
+  if (fit.test.seconds == 0) return FitVerdict::untested;
+  double const needed = -std::log(false_alarm);
+  if (fit.test.ln_odds >= needed) return FitVerdict::found;
+  Fitted const& expected = fit.test.ln_odds_expected;
+  return expected.value - sure * expected.sigma < needed ? FitVerdict::untested : FitVerdict::not_general;
+}
+
+}  // namespace straytrace

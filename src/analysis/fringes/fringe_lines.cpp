@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/fringes/fringe_lines.hpp"
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/special_functions/bessel.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "analysis/fringes/scan.hpp"
+#include "analysis/coupling/coupling.hpp"
+
+namespace straytrace {
+namespace {
+
+double bessel(int n, double z) { return boost::math::cyl_bessel_j(n, z); }
+
+constexpr int steps_per_radian = 16;
+constexpr double smallest_z = 1e-3;
+constexpr std::size_t neighbours = 8;  // windows on each side that share their noise
+
+// Noise of half-overlapping Hann windows is correlated by 1/6: of means of amplitudes and of noise powers.
+constexpr double shared_amplitude = 1 + 2.0 / 6, shared_power = 1 + 2.0 / 36;
+
+Harmonic harmonic_of(std::vector<LinePoint> const& windows, int order) {
+  Harmonic h;
+  h.order = order;
+  double noise = 0;
+  for (LinePoint const& p : windows) {
+    h.power += (std::norm(p.amplitude) - 2 * squared(p.sigma)) / double(windows.size());
+    noise += squared(p.sigma) / double(windows.size());
+  }
+  double const n = double(windows.size());
+  // A line of power P in noise: variance 4 P s^2 + 4 s^4 of one window.
+  h.sigma = std::sqrt((4 * std::max(0.0, h.power) * noise * shared_amplitude + 4 * squared(noise) * shared_power) / n);
+  h.seen = h.power > 3 * 2 * noise * std::sqrt(shared_power / n);
+  h.limit = std::sqrt(std::max(0.0, h.power) + 1.645 * h.sigma);
+  return h;
+}
+
+// Amplitude in front of shape_n for the harmonics of one parity, least squares; and what is left.
+struct Part {
+  double factor = 0, chi = 0;
+};
+Part fit_part(std::vector<Harmonic> const& all, int parity, double z) {
+  double top = 0, bottom = 0, norm = 0;
+  for (Harmonic const& h : all)
+    if (h.order % 2 == parity) norm = std::max(norm, squared(bessel(h.order, z)));
+  if (norm == 0) norm = 1;
+  for (Harmonic const& h : all) {
+    if (h.order % 2 != parity) continue;
+    double const shape = squared(bessel(h.order, z)) / norm, w = 1 / squared(h.sigma);
+    top += w * shape * h.power;
+    bottom += w * shape * shape;
+  }
+  Part p{bottom > 0 ? std::max(0.0, top / bottom) : 0, 0};
+  for (Harmonic const& h : all)
+    if (h.order % 2 == parity) p.chi += squared((h.power - p.factor * squared(bessel(h.order, z)) / norm) / h.sigma);
+  p.factor /= norm;
+  return p;
+}
+
+// Lines of the target against the amplitudes of the drive.
+class Steps {
+ public:
+  struct Fit {
+    double factor, chi, sigma;  // target per drive at small drive; its error
+  };
+
+  Steps(std::span<LinePoint const> drive, std::span<LinePoint const> target) {
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      double const noise = level_around(target, i);
+      drive_.push_back(std::abs(drive[i].amplitude));
+      target_.push_back(target[i].amplitude * std::polar(1.0, -std::arg(drive[i].amplitude)));
+      sigma_.push_back(std::max(std::sqrt(noise * shared_amplitude), 1e-12 * std::abs(target_.back())));
+      largest_ = std::max(largest_, drive_.back());
+    }
+  }
+
+  Fit fit(double z) const {  // 2 J_1(x)/x -> 1
+    std::complex<double> top = 0;
+    double bottom = 0, chi = 0;
+    std::vector<double> shape;
+    for (std::size_t i = 0; i < drive_.size(); ++i) {
+      double const x = z * drive_[i] / largest_;
+      shape.push_back(x > 1e-9 ? drive_[i] * 2 * bessel(1, x) / x : drive_[i]);
+      top += shape[i] * target_[i] / squared(sigma_[i]);
+      bottom += squared(shape[i] / sigma_[i]);
+    }
+    for (std::size_t i = 0; i < drive_.size(); ++i)
+      chi += std::norm(target_[i] - top / bottom * shape[i]) / squared(sigma_[i]);
+    return {std::abs(top) / bottom, chi, 1 / std::sqrt(bottom)};
+  }
+
+ private:
+  // One window sees its noise in few frequencies. Weights that scatter make a mean worse than its error says, so the
+  // noise is the mean over neighbouring windows.
+  static double level_around(std::span<LinePoint const> target, std::size_t i) {
+    std::size_t const from = i > neighbours ? i - neighbours : 0, to = std::min(i + neighbours + 1, target.size());
+    double sum = 0;
+    for (std::size_t k = from; k < to; ++k) sum += squared(target[k].sigma) / double(to - from);
+    return sum;
+  }
+
+  // Complex, phase counted from the drive: moduli of noise would add up to a line.
+  std::vector<std::complex<double>> target_;
+  std::vector<double> drive_, sigma_;
+  double largest_ = 0;
+};
+
+}  // namespace
+
+HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, double z_max) {
+  HarmonicFit f;
+  for (std::size_t i = 0; i < windows.size(); ++i) f.harmonics.push_back(harmonic_of(windows[i], int(i) + 1));
+  if (f.harmonics.size() < 3)
+    throw InputError("error: harmonics up to the third are needed to tell a fringe\n  choose --harmonics 3 or more");
+  double const first = f.harmonics.front().power;
+  for (Harmonic& h : f.harmonics)
+    if (first > 0 && h.power > 0) {
+      h.ratio = std::sqrt(h.power / first);
+      h.ratio_sigma = h.ratio / 2 * std::hypot(h.sigma / h.power, f.harmonics.front().sigma / first);
+    }
+  auto const chi = [&](double z) { return fit_part(f.harmonics, 1, z).chi + fit_part(f.harmonics, 0, z).chi; };
+  ScanResult const r = scan_minimum(chi, smallest_z, z_max, int(z_max * steps_per_radian));
+  f.z = r.best;
+  f.z_low = r.low;
+  f.z_high = r.high;
+  f.z_limit = r.limit;
+  f.open = r.open;
+  f.others = r.others;
+  f.chi_square = r.chi_square;
+  f.degrees = int(f.harmonics.size()) - 3;
+  f.significance = std::sqrt(std::max(0.0, chi(smallest_z) - r.chi_square));
+  f.limit_only = f.significance < 3;
+  f.odd = std::sqrt(fit_part(f.harmonics, 1, r.best).factor) / 2;
+  f.even = f.limit_only ? not_a_number : std::sqrt(fit_part(f.harmonics, 0, r.best).factor) / 2;
+  return f;
+}
+
+double motion_of_phase(double z, double wavelength, double multiplicity) {
+  return z * wavelength / (4 * pi * multiplicity);
+}
+
+RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold, double z_max) {
+  if (drive.size() != target.size() || drive.size() < 4)
+    throw InputError(
+        fmt::format("error: a ramp of {} windows tells nothing\n  at least 4 are needed: choose a shorter "
+                    "--window",
+                    drive.size()));
+  Steps const steps(drive, target);
+  ScanResult const r =
+      scan_minimum([&](double z) { return steps.fit(z).chi; }, 0, z_max, int(z_max * steps_per_radian));
+  Steps::Fit const line = steps.fit(0), fringe = steps.fit(r.best);
+  RampFit out;
+  out.degrees_linear = 2 * int(drive.size()) - 2;
+  out.degrees_fringe = out.degrees_linear - 1;
+  out.slope = line.factor;
+  out.slope_sigma = line.sigma;
+  out.chi_linear = line.chi;
+  out.chi_fringe = fringe.chi;
+  out.small_slope = fringe.factor;
+  out.significance = std::sqrt(std::max(0.0, line.chi - fringe.chi));
+  out.z = r.best;
+  out.z_low = r.low;
+  out.z_high = r.high;
+  out.z_limit = r.limit;
+  out.open = r.open;
+  auto const misses = [&](double chi, int degrees) {
+    return cdf(complement(boost::math::chi_squared(degrees), chi)) < 1e-3;
+  };
+  bool const wraps = out.significance > threshold;
+  out.verdict = wraps                             ? RampFit::Verdict::fringe
+                : out.slope < 3 * out.slope_sigma ? RampFit::Verdict::unseen
+                                                  : RampFit::Verdict::linear;
+  if (wraps ? misses(fringe.chi, out.degrees_fringe) : misses(line.chi, out.degrees_linear))
+    out.verdict = RampFit::Verdict::neither;
+  return out;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Is a driven line linear or a fringe? Its harmonics and its growth with the drive tell (requirements.md R6.03;
+// physics.md eq. 7.3): h = G sin(phi_0 + z sin wt) has lines 2 G J_n(z) |cos phi_0| at odd n, |sin phi_0| at even n.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/math/constants.hpp"
+#include "analysis/coupling/lines.hpp"
+
+namespace straytrace {
+
+struct Harmonic {
+  int order = 1;
+  double power = 0, sigma = 0;  // peak amplitude squared, mean over the windows, noise taken off; its standard error
+  double ratio = not_a_number, ratio_sigma = not_a_number;  // amplitude over that of the first; NaN: below the noise
+  double limit = 0;                                         // 95 % upper limit of the amplitude
+  bool seen = false;                                        // three standard errors above the noise
+};
+
+struct HarmonicFit {
+  std::vector<Harmonic> harmonics;                 // orders 1, 2, ...
+  double z = not_a_number, z_low = 0, z_high = 0;  // peak phase, rad; one standard error
+  double significance = 0;                         // of z > 0, standard deviations
+  double z_limit = 0;                              // 95 %
+  bool limit_only = false;                         // less than three standard deviations: the limit is the answer
+  bool open = false;                               // even the limit is beyond what was scanned
+  std::vector<double> others;                      // other z that fit about as well
+  double odd = 0, even = 0;  // G |cos phi_0|, G |sin phi_0|: target unit; even is NaN when z is not known
+  double chi_square = 0;
+  int degrees = 0;
+};
+// `windows[n - 1]`: the target at harmonic n, window by window. Responses of the target are taken as flat: calibrated
+// data. z is searched up to z_max.
+HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, double z_max = 20);
+
+// Effective motion amplitude of a phase amplitude z: A = z lambda/(4 pi N), eq. 7.2 with N equal bounces.
+double motion_of_phase(double z, double wavelength, double multiplicity);
+
+struct RampFit {
+  enum class Verdict { linear, fringe, neither, unseen } verdict = Verdict::linear;
+  double slope = 0, slope_sigma = 0;  // target per drive, linear fit: modulus, and the error of one quadrature
+  double chi_linear = 0, chi_fringe = 0;
+  int degrees_linear = 0, degrees_fringe = 0;  // two per point, less the complex factor, less z
+  double significance = 0;                     // of the fringe over the line, standard deviations
+  double z = 0, z_low = 0, z_high = 0;         // peak phase at the largest drive, rad
+  double z_limit = 0;                          // 95 %
+  bool open = false;
+  double small_slope = 0;  // target per drive of the fringe at small drive: G' z/drive
+};
+// The target's line, phase counted from the drive's, against the amplitude of the drive: straight line, or C J_1(z)
+// with z in proportion to the drive, and C complex. `fringe` when that is better by `threshold` standard deviations and
+// fits; `neither` when both miss the points (probability below 1e-3): a static phase that drifts does that. `unseen`:
+// no fringe, and the slope is below three standard errors.
+RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold = 3,
+                 double z_max = 20);
+
+}  // namespace straytrace

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Random numbers as a pure function of an address: (seed, history, event, purpose). Nothing is consumed, so neither
+// thread count nor block order can change a result. The counter layout is part of the run-file format.
+#pragma once
+
+#include <Random123/philox.h>
+
+#include <cstdint>
+
+#include "base/memory/host_device.hpp"
+
+namespace straytrace {
+
+// What a random number is FOR. A new purpose gets a new number; old ones never change meaning.
+enum class Stream : std::uint32_t {
+  source = 0,
+  lobe = 1,
+  direction = 2,
+  connection = 3,
+  window = 4,
+  record = 5,
+  receiver = 6,
+  backward = 8,
+  motion = 9,
+  static_phase = 10
+};
+
+class Rng {
+ public:
+  STRAY_HD Rng(std::uint64_t seed, std::uint64_t history, std::uint32_t event, Stream s)
+      : counter_{{std::uint32_t(history), std::uint32_t(history >> 32), event, std::uint32_t(s) << 16}},
+        key_{{std::uint32_t(seed), std::uint32_t(seed >> 32)}} {}
+
+  // Uniform in the open interval (0, 1): safe for log().
+  STRAY_HD double uniform() {
+    if (left_ == 0) {
+      word_ = r123::Philox4x32()(counter_, key_);
+      ++counter_[3];
+      left_ = 2;
+    }
+    --left_;
+    std::uint64_t const bits = (std::uint64_t(word_[2 * left_ + 1]) << 32) | word_[2 * left_];
+    return (double(std::int64_t(bits >> 12)) + 0.5) * 0x1.0p-52;
+  }
+
+ private:
+  r123::Philox4x32::ctr_type counter_, word_{};
+  r123::Philox4x32::key_type key_;
+  int left_ = 0;
+};
+
+}  // namespace straytrace

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/text/words.hpp"
+
+#include <algorithm>
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t longest_line = 8000;  // bytes: two names of files as long as they may be fit in
+
+bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+
+// U+0000 to U+001F, U+007F, and in two bytes U+0080 to U+009F.
+bool controls(std::string_view text, std::size_t at) {
+  auto const c = static_cast<unsigned char>(text[at]);
+  if (c == 0xC2 && at + 1 < text.size()) return static_cast<unsigned char>(text[at + 1]) < 0xA0;
+  return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F;
+}
+
+std::string printable_line(std::string_view line) {
+  std::string out;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (out.size() >= longest_line && !continues(line[i])) return out + " ...";
+    bool const control = controls(line, i);
+    out += control ? '?' : line[i];
+    if (control && line[i] == '\xC2') ++i;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out;
+  for (std::size_t at = 0;;) {
+    std::size_t const end = std::min(text.find('\n', at), text.size());
+    out += printable_line(text.substr(at, end - at));
+    if (end == text.size()) return out;
+    out += '\n';
+    at = end + 1;
+  }
+}
+
+}  // namespace straytrace

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/errors.hpp"
+#include "beams/higher_modes.hpp"
+#include "beams/overlap.hpp"
+
+namespace straytrace {
+
+namespace {
+
+void refuse_turned(Mode const& basis) {
+  if (std::abs(basis.q12) > 1e-9 * std::sqrt(basis.q11.imag() * basis.q22.imag()))
+    throw NumericalError(
+        "Hermite-Gauss modes need a beam whose principal axes are those of its frame (q12 = 0); this one is turned or "
+        "twisted");
+}
+
+}  // namespace
+
+double hermite_function(int n, double x) {
+  double before = 0, value = std::exp(-0.5 * x * x) / std::sqrt(std::sqrt(pi));
+  for (int i = 0; i < n; ++i) {
+    double const next = std::sqrt(2.0 / (i + 1)) * x * value - std::sqrt(double(i) / (i + 1)) * before;
+    before = value;
+    value = next;
+  }
+  return value;
+}
+
+std::complex<double> hermite_field(Mode const& basis, int n, int m, Vec3 p) {
+  refuse_turned(basis);
+  double const z = dot(p - basis.origin, basis.travel), k = basis.wave_number();
+  Mode const here = propagated(basis, z);
+  auto const lag = axis_gouy(basis, z);
+  Vec3 const r = p - here.origin;
+  double const x = dot(r, basis.e1), y = dot(r, basis.e2);
+  double const sx = std::sqrt(k * here.q11.imag()), sy = std::sqrt(k * here.q22.imag());  // sqrt(2)/w
+  double const size = std::sqrt(sx * sy) * hermite_function(n, sx * x) * hermite_function(m, sy * y);
+  double const bend = 0.5 * k * (here.q11.real() * x * x + here.q22.real() * y * y);
+  return std::polar(1.0, k * z + bend - (n + 0.5) * lag[0] - (m + 0.5) * lag[1]) * size;
+}
+
+ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order) {
+  refuse_turned(basis);
+  return coefficients(generating_gaussian(beam, basis), order);
+}
+
+namespace {
+
+void refuse_elliptic(Mode const& basis) {
+  if (std::abs(basis.q12) + std::abs(basis.q11 - basis.q22) > 1e-9 * basis.q11.imag())
+    throw NumericalError("Laguerre-Gauss modes need a circular beam; this one is astigmatic");
+}
+
+}  // namespace
+
+double laguerre_function(int p, int l, double x) {
+  double before = 0, value = std::exp(-0.5 * x);
+  for (int i = 1; i <= l; ++i) value *= std::sqrt(x / i);
+  for (int i = 0; i < p; ++i) {
+    double const up = std::sqrt((i + 1.0) * (i + 1 + l)), down = std::sqrt(double(i) * (i + l));
+    double const next = ((2 * i + 1 + l - x) * value - down * before) / up;
+    before = value;
+    value = next;
+  }
+  return value;
+}
+
+std::complex<double> laguerre_field(Mode const& basis, int p, int l, Vec3 point) {
+  refuse_elliptic(basis);
+  double const z = dot(point - basis.origin, basis.travel), k = basis.wave_number();
+  Mode const here = propagated(basis, z);
+  Vec3 const r = point - here.origin;
+  double const x = dot(r, basis.e1), y = dot(r, basis.e2), rho2 = x * x + y * y, scale = k * here.q11.imag();  // 2/w^2
+  double const size = std::sqrt(scale / pi) * laguerre_function(p, std::abs(l), scale * rho2);
+  double const lag = (2 * p + std::abs(l) + 1) * gouy(basis, z), bend = 0.5 * k * here.q11.real() * rho2;
+  return std::polar(1.0, k * z + bend - lag + l * std::atan2(y, x)) * size;
+}
+
+LaguerreCoefficients laguerre_coefficients(Mode const& beam, Mode const& basis, int order) {
+  refuse_elliptic(basis);
+  GeneratingGaussian series = generating_gaussian(beam, basis);
+  // Quanta along x and y in terms of those that turn with +phi and -phi.
+  std::complex<double> const i{0, 1};
+  Eigen::Matrix2cd turn;
+  turn << 1, 1, -i, i;
+  turn /= std::sqrt(2.0);
+  series.bend = (turn.transpose() * series.bend * turn).eval();
+  series.tilt = (turn.transpose() * series.tilt).eval();
+  return LaguerreCoefficients(coefficients(series, order));
+}
+
+ModeCoefficients::ModeCoefficients(int order)
+    : order_(order), values_(static_cast<std::size_t>((order + 1) * (order + 2) / 2)) {}
+
+double ModeCoefficients::power() const {
+  double sum = 0;
+  for (auto c : values_) sum += std::norm(c);
+  return sum;
+}
+
+GeneratingGaussian generating_gaussian(Mode const& beam, Mode const& basis) {
+  Plane const plane{basis.origin, basis.e1, basis.e2};
+  FieldProduct const p = product(on_plane(beam, plane), on_plane(basis, plane));
+  // sum of u_ab s^a t^b / sqrt(a! b!) = u_00 exp(2 (x s/w1 + y t/w2) - (s^2 + t^2)/2): one more Gaussian integral.
+  double const scale = basis.wavelength / pi;
+  Eigen::Vector2cd const per_w{std::sqrt(basis.q11.imag() / scale), std::sqrt(basis.q22.imag() / scale)};
+  Eigen::Matrix2cd const width = p.s.inverse();
+  std::complex<double> const i{0, 1};
+  GeneratingGaussian series;
+  series.middle = std::exp(p.log_integral());
+  series.bend = (4.0 * i / p.k) * per_w.asDiagonal() * width * per_w.asDiagonal();
+  series.bend -= Eigen::Matrix2cd::Identity();
+  series.tilt = -2.0 * per_w.cwiseProduct(width * p.g);
+  return series;
+}
+
+ModeCoefficients coefficients(GeneratingGaussian const& series, int order) {
+  ModeCoefficients c(order);
+  c(0, 0) = series.middle;
+  auto const& r = series.bend;
+  for (int total = 1; total <= order; ++total)
+    for (int b = 0; b <= total; ++b) {
+      // One step down along the longer index, by the derivative of the generating function along it.
+      int const a = total - b;
+      bool const along_a = a >= b;
+      int const n = along_a ? a - 1 : b - 1, m = along_a ? b : a;
+      int const one = along_a ? 0 : 1, two = 1 - one;
+      auto const at = [&](int i, int j) { return along_a ? c(i, j) : c(j, i); };
+      std::complex<double> sum = series.tilt(one) * at(n, m);
+      if (n > 0) sum += r(one, one) * std::sqrt(double(n)) * at(n - 1, m);
+      if (m > 0) sum += r(one, two) * std::sqrt(double(m)) * at(n, m - 1);
+      c(a, b) = sum / std::sqrt(n + 1.0);
+    }
+  return c;
+}
+
+}  // namespace straytrace

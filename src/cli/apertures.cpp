@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace apertures: what every rim that a beam passes does to it, in closed form and by the Fresnel integral.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/model.hpp"
+#include "session/diagnostics.hpp"
+#include "base/errors.hpp"
+#include "base/units/quantity.hpp"
+#include "results/text/columns.hpp"
+#include "world/ghosts/apertures.hpp"
+
+namespace straytrace {
+namespace {
+
+struct AperturesRequest {
+  std::string profile, distance;
+  std::size_t show = 12, points = 41;
+};
+
+struct Named {
+  BeamAperture aperture;
+  std::string beam, name;
+};
+
+std::vector<Named> named_apertures(Model const& model) {
+  std::vector<std::string> beams;
+  for (auto const& [name, node] : model.scene.table("beams").items()) beams.push_back(name);
+  std::vector<Named> all;
+  for (BeamAperture const& a : apertures_of(model.world))
+    all.push_back({a, beams.at(a.beam), model.world.groups()[a.group.value]});
+  std::stable_sort(all.begin(), all.end(),
+                   [](Named const& a, Named const& b) { return a.aperture.clipped > b.aperture.clipped; });
+  return all;
+}
+
+// What the quadrature leaves of 1 is rounding.
+std::string change(double x) {
+  return std::isnan(x) ? "-" : std::fabs(x) < 1e-13 ? "<1e-13" : fmt::format("{:+.2e}", x);
+}
+std::string number(double x, int digits) { return std::isnan(x) ? "-" : fmt::format("{:.{}g}", x, digits); }
+std::string size_of(BeamAperture const& a) {
+  bool const round = a.w_major - a.w_minor < 1e-4 * a.w_major;
+  return fmt::format("{:.5g}", 1e3 * a.w_major) + (round ? "" : fmt::format(" x {:.5g}", 1e3 * a.w_minor));
+}
+
+void print_table(std::vector<Named> const& all, std::size_t show) {
+  Columns table{
+      {"beam", "rim of", "at/m", "w/mm", "radius/mm", "offset/mm", "tilt/deg", "clipped", "axis, far", "ripple"},
+      {true, true},
+      {}};
+  for (std::size_t i = 0; i < std::min(show, all.size()); ++i) {
+    BeamAperture const& a = all[i].aperture;
+    table.rows.push_back({all[i].beam, all[i].name, fmt::format("{:.6g}", a.along), size_of(a),
+                          number(1e3 * a.opening.radius, 5), number(1e3 * a.opening.x, 3), number(a.tilt * 180 / pi, 3),
+                          fmt::format("{:.4e}", a.clipped), change(a.axis_far - 1),
+                          std::isnan(a.ripple) ? "-" : fmt::format("{:.2e}", a.ripple)});
+  }
+  std::cout
+      << "Rims that beams pass, most clipping first. clipped: share of the power (eq. 5.5, 5.6); axis: change of\n"
+         "the intensity on the axis, far behind (eq. 5.7), and at most at any distance (ripple).\n\n"
+      << aligned(table);
+  if (all.size() > show) std::cout << fmt::format("and {} more; --show N has more rows\n", all.size() - show);
+}
+
+nlohmann::ordered_json json_of(Named const& n) {
+  BeamAperture const& a = n.aperture;
+  auto const known = [](double x) { return std::isnan(x) ? nlohmann::ordered_json() : nlohmann::ordered_json(x); };
+  return {{"beam", n.beam},
+          {"rim_of", n.name},
+          {"at_m", a.along},
+          {"reflected", a.reflected},
+          {"w_m", a.w_major},
+          {"w_minor_m", a.w_minor},
+          {"tilt_rad", known(a.tilt)},
+          {"wavefront_curvature_per_m", known(a.across ? a.at.curvature : NAN)},
+          {"wavelength_m", a.at.wavelength},
+          {"radius_m", known(a.opening.radius)},
+          {"offset_m", known(a.opening.x)},
+          {"tooth_height_m", a.opening.tooth_height},
+          {"teeth", a.opening.teeth},
+          {"clipped", a.clipped},
+          {"axis_factor_far", known(a.axis_far)},
+          {"axis_ripple", known(a.ripple)}};
+}
+
+Named const& chosen(std::vector<Named> const& all, std::string const& name) {
+  std::vector<std::string> names;
+  for (Named const& n : all) {
+    if (n.name == name) return n;
+    names.push_back(n.name);
+  }
+  std::string const near = nearest_word(name, names);
+  throw InputError(fmt::format(
+      "error: no beam passes a rim of '{}'\n  {}", name,
+      near.empty() ? "straytrace apertures SCENE names them all" : fmt::format("did you mean '{}'?", near)));
+}
+
+double distance_of(std::string const& text) {
+  char* end = nullptr;
+  double const value = std::strtod(text.c_str(), &end);
+  std::string const rest = end;
+  std::size_t const begin = std::min(rest.find_first_not_of(' '), rest.size());
+  auto const unit = parse_unit(rest.substr(begin));
+  if (!unit || !(unit->dimension == dim::length) || !(value > 0) || !std::isfinite(value))
+    throw InputError(fmt::format(
+        "error: --distance: '{}' is no distance behind the rim\n  write for example --distance \"10 m\"", text));
+  return to_si(value, *unit);
+}
+
+// The Fresnel integral is done for round beams and rims across them.
+double checked_distance(Named const& n, AperturesRequest const& wanted) {
+  double const z = distance_of(wanted.distance);
+  BeamAperture const& a = n.aperture;
+  if (!a.across)
+    throw InputError(
+        fmt::format("error: --profile: '{}' has no round rim about the chief ray, across a round beam\n"
+                    "  the field behind is computed for those; the table has what the others clip",
+                    n.name));
+  double const least = 2 * a.at.w;
+  if (z < least)
+    throw InputError(
+        fmt::format("error: --distance: {:g} m behind '{}' is nearer than the beam is wide\n"
+                    "  the field is paraxial: take {:.2g} m or more",
+                    z, n.name, least));
+  return z;
+}
+
+// Where the phase that the paraxial approximation leaves out of the wave from the rim, k r^4/(8 z^3), is 1 rad.
+double paraxial_beyond(BeamAperture const& a) {
+  return std::cbrt(2 * pi / a.at.wavelength * std::pow(a.opening.radius, 4) / 8);
+}
+
+// Intensity across the beam behind the rim, and the same without it, over that on the axis in the plane of the rim.
+void print_profile(Named const& n, AperturesRequest const& wanted, bool json) {
+  double const z = checked_distance(n, wanted);
+  BeamInPlane const& beam = n.aperture.at;
+  double const size = 1 / std::abs(free_field(beam, z, 0, 0));  // w there over w at the rim
+  double const reach = 2 * beam.w * size;
+  std::vector<double> x, with, without;
+  for (std::size_t i = 0; i < wanted.points; ++i) {
+    x.push_back(reach * (2 * double(i) / double(wanted.points - 1) - 1));
+    try {
+      with.push_back(std::norm(field_behind(beam, n.aperture.opening, z, x.back(), 0)));
+    } catch (NumericalError const&) {
+      throw NumericalError(
+          fmt::format("the field {:g} m behind '{}' at x = {:g} m cannot be integrated to 1e-3\n  go farther away", z,
+                      n.name, x.back()));
+    }
+    without.push_back(std::norm(free_field(beam, z, x.back(), 0)));
+  }
+  if (json) {
+    nlohmann::ordered_json out = json_of(n);
+    out["distance_m"] = z;
+    out["paraxial_beyond_m"] = paraxial_beyond(n.aperture);
+    out["x_m"] = x;
+    out["intensity"] = with;
+    out["intensity_without_rim"] = without;
+    std::cout << out.dump() << '\n';
+    return;
+  }
+  std::cout << fmt::format(
+      "# {} behind the rim of {}: {:g} m; intensity over that on the axis at the rim\n"
+      "# paraxial: the fringes of the rim stand where they should beyond about {:.2g} m\n"
+      "# x runs through the axis of the beam and the centre of the opening\n"
+      "# x_m intensity without_rim\n",
+      n.beam, n.name, z, paraxial_beyond(n.aperture));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    std::cout << fmt::format("{:.6e} {:.9e} {:.9e}\n", x[i], with[i], without[i]);
+}
+
+int apertures(Options const& options, AperturesRequest const& wanted) {
+  Model const model = read_model(options.input, options.overrides);
+  tell_warnings(model.scene, options);
+  std::vector<Named> const all = named_apertures(model);
+  if (!wanted.profile.empty()) {
+    print_profile(chosen(all, wanted.profile), wanted, options.json());
+  } else if (options.json()) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::array();
+    for (Named const& n : all) out.push_back(json_of(n));
+    std::cout << out.dump() << '\n';
+  } else if (all.empty()) {
+    std::cout << "No Gaussian beam of the scene passes a rim.\n";
+  } else {
+    print_table(all, wanted.show);
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_apertures(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("apertures", "what the rims that beams pass cut off, and the light behind them");
+  static AperturesRequest wanted;
+  add_scene_options(*command, options);
+  command->add_option("--show", wanted.show, "rows")->check(whole_between(1, 1e6, "20"));
+  auto* const profile =
+      command->add_option("--profile", wanted.profile, "intensity across the beam behind a rim of this entry");
+  command->add_option("--distance", wanted.distance, "of --profile, behind the rim, for example \"10 m\"")
+      ->needs(profile);
+  command->add_option("--points", wanted.points, "of --profile")->check(CLI::Range(3, 100001));
+  command->footer(
+      "Examples:\n"
+      "  straytrace apertures examples/virgo_arm.yaml\n"
+      "  straytrace apertures examples/virgo_arm.yaml --profile ETM --distance \"500 m\"");
+  command->callback([&] {
+    if (!wanted.profile.empty() && wanted.distance.empty())
+      throw InputError("error: --profile needs a distance behind the rim\n  add for example --distance \"10 m\"");
+    exit_code = apertures(options, wanted);
+  });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace budget: fundamental noises of a detector, with stray light of runs and curves of others beside them.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <iostream>
+#include <optional>
+
+#include "cli/budget/budget_inputs.hpp"
+#include "session/common_options.hpp"
+#include "session/session.hpp"
+#include "base/errors.hpp"
+#include "results/text/picture.hpp"
+#include "results/results.hpp"
+
+namespace straytrace {
+namespace {
+
+struct BudgetOptions {
+  BudgetRequest request;
+  std::string export_as;
+};
+
+// On stderr: for people, or as the list of problems that scripts read.
+void warn(std::vector<std::string> const& warnings, Options const& options) {
+  if (options.json() && !warnings.empty()) {
+    std::vector<Problem> all;
+    for (std::string const& warning : warnings) all.push_back({{}, warning, "", Severity::warning});
+    std::cerr << problems_as_json(InputError(all, ""));
+    return;
+  }
+  for (std::string const& warning : warnings) std::cerr << "warning: " << warning << '\n';
+}
+
+// What could not be drawn.
+std::string write_budget(BudgetView const& view, OutputFolder const& folder, bool pygwinc) {
+  std::string const json = folder.path("budget.json");
+  std::vector<std::pair<std::string, std::string>> files = {{folder.path("budget.txt"), budget_columns(view)},
+                                                            {json, budget_json(view).dump(1)}};
+  if (pygwinc) files.emplace_back(folder.path("budget.hdf5"), budget_pygwinc(view));
+  write_files(files);
+  std::string message;
+  return draw_budget_picture(json, folder.path("budget.png"), message) ? "" : message;
+}
+
+int budget(BudgetOptions const& asked, Options const& options) {
+  bool const pygwinc = !asked.export_as.empty();
+  if (pygwinc && options.out.empty())
+    throw InputError("error: --export writes a file, and there is no folder for it\n  add -o DIR");
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty())
+    folder.emplace(options.out, std::vector<std::string>{"budget.txt", "budget.json", "budget.png", "budget.hdf5"});
+  BudgetView const view = gather_budget(asked.request);
+  std::string const undrawn = folder ? write_budget(view, *folder, pygwinc) : "";
+  if (options.json())
+    std::cout << budget_json(view).dump(1) << '\n';
+  else
+    std::cout << budget_text(view);
+  std::vector<std::string> warnings = options.quiet ? std::vector<std::string>() : view.warnings;
+  if (!undrawn.empty()) warnings.push_back(undrawn);
+  warn(warnings, options);
+  return done;
+}
+
+}  // namespace
+
+void add_budget(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("budget", "noise budget of a detector: fundamental noises, stray light, curves");
+  static BudgetOptions asked;
+  BudgetRequest& r = asked.request;
+  command
+      ->add_option("input", r.inputs,
+                   "detector (preset or pygwinc ifo.yaml), run files, pygwinc budgets (HDF5), in any order")
+      ->required();
+  command->add_option("--at", r.at, "frequencies of the table")->default_str(r.at);
+  command->add_option("--band", r.band, "of curves and picture (default: of the run, or \"5 Hz, 5 kHz\")");
+  command->add_option("--points", r.points, "of the curves (default: the bins of the run, or 300)")
+      ->check(CLI::Range(2, 100000));
+  command
+      ->add_option("--compare", r.compare,
+                   "design curves, or files: two columns, runs, budgets of pygwinc; several with commas, or one for "
+                   "each --compare")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--margin", r.margin, "what is small enough beside the first of them (default 1/10)");
+  command->add_option("-p,--param", r.overrides, "change the detector, in SI: -p Laser.Power=25")
+      ->allow_extra_args(false);
+  command->add_option("--export", asked.export_as, "pygwinc: also budget.hdf5 that pygwinc reads")
+      ->check(CLI::IsMember({"pygwinc"}));
+  command->add_option("-o,--out", options.out, "folder for budget.txt, budget.json, budget.png");
+  command->add_flag("--quiet", options.quiet, "results only");
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace budget aligo --at \"10 Hz, 100 Hz\"\n"
+      "  straytrace budget adv demo/run.h5 --export pygwinc -o budget/");
+  command->callback([&] { exit_code = budget(asked, options); });
+}
+
+}  // namespace straytrace

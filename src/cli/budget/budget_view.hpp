@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What straytrace budget has gathered, and how it shows it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+#include "cli/budget/budget_sources.hpp"
+#include "noise/fundamental/budget.hpp"
+
+namespace straytrace {
+
+struct ReferenceCurve {
+  std::string name;
+  std::vector<double> asd;  // on the frequencies of a table; NaN outside its range
+};
+
+// A budget on one set of frequencies.
+struct BudgetOn {
+  NoiseTable table;
+  std::vector<ReferenceCurve> curves;  // the first one is what ratios refer to
+  std::vector<ReferenceCurve> lines;   // what is no noise of its own: shot noise alone, quantum limit, requirement
+  std::vector<double> metres;          // change of the difference of the arms per strain; empty without a detector
+};
+
+struct BudgetView {
+  std::string title, ifo_yaml;
+  std::vector<std::string> inputs;
+  std::vector<RunAbout> runs;
+  std::vector<std::string> models;  // hashes of the scenes whose stray light is in it
+  BudgetOn grid, at;                // for curves and pictures; for the table
+  double margin = 0.1;
+  std::vector<std::string> left_out, warnings;
+};
+
+std::string budget_text(BudgetView const&);     // for people
+std::string budget_columns(BudgetView const&);  // text file with one column per noise
+nlohmann::ordered_json budget_json(BudgetView const&);
+std::string budget_pygwinc(BudgetView const&);  // bytes of an HDF5 file
+
+}  // namespace straytrace

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace check: everything knowable without tracing.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/light/lit_table.hpp"
+#include "session/model.hpp"
+#include "session/open_run.hpp"
+#include "base/text/words.hpp"
+#include "base/errors.hpp"
+#include "scene/diagnostics.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr int newest_format = 1;
+
+int check_motion(Scene const& scene, Options const& options) {
+  for (auto const& [name, node] : scene.table("bodies").items())
+    if (node.kind() == Node::Kind::table) node.has("pivot");
+  std::vector<std::string> const names = bodies_and_modes(scene.table("bodies"));
+  read_motion_file(scene);
+  std::string const warnings = scene.warnings();
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? warnings_as_json(scene) : warnings);
+  if (options.strict && !warnings.empty()) return input_error;
+  if (options.resolved) return print_resolved(scene, options);
+  if (options.json())
+    std::cout << fmt::format("{{\"ok\": true, \"bodies\": {}}}\n", names.size());
+  else
+    std::cout << fmt::format("{}: motion of {}, for: straytrace noise RUN --motion {}\nno errors\n", options.input,
+                             names.size() == 1 ? "1 body" : fmt::format("{} bodies", names.size()), options.input);
+  return done;
+}
+
+// Format 1 is the first, and read_scene() has refused any other.
+int migrate(Options const& options) {
+  read_scene(options.input, options.overrides).throw_if_problems();
+  std::cout << fmt::format("{}: format {}, the newest that this program knows: nothing to rewrite\n", options.input,
+                           newest_format);
+  return done;
+}
+
+int check(Options const& options) {
+  if (Scene const scene = read_scene(options.input, options.overrides); only_motion(scene))
+    return check_motion(scene, options);
+  Model const model = read_model(options.input, options.overrides);
+  if (!options.quiet || options.strict) std::cerr << (options.json() ? model.warnings_json : model.warnings);
+  if (options.strict && !model.warnings.empty()) return input_error;
+  if (options.resolved) return print_resolved(model.scene, options);
+  if (options.json()) {
+    std::cout << fmt::format(
+        "{{\"ok\": true, \"surfaces\": {}, \"groups\": {}, \"bodies\": {}, \"ports\": {}, \"receivers\": {}, "
+        "\"lit\": {}, \"model_hash\": \"{}\"}}\n",
+        model.world.surfaces().size(), model.world.groups().size(), model.world.bodies().size(),
+        model.world.ports().size(), model.world.receivers().size(), lit_json(model), model.hash());
+    return done;
+  }
+  std::size_t const count = model.world.receivers().size();
+  std::string const receivers = count == 0 ? "" : ", " + counted(count, "receiver");
+  std::size_t const bodies = model.world.bodies().size();
+  std::cout << fmt::format("{}: {} in {}, {}, {}{}\n", options.input, counted(model.world.surfaces().size(), "surface"),
+                           counted(model.world.groups().size(), "group"),
+                           bodies == 1 ? "1 body" : fmt::format("{} bodies", bodies),
+                           counted(model.world.ports().size(), "port"), receivers);
+  for (std::string const& note : model.world.notes) std::cout << note << '\n';
+  std::cout << lit_table(model);
+  if (model.detector) std::cout << model.detector->description() << '\n';
+  std::cout << "no errors\n";
+  return done;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("check", "find every error that can be found without tracing");
+  add_scene_options(*command, options);
+  command->add_flag("--resolved", options.resolved,
+                    "print the model with every default, in SI: the same as straytrace print");
+  static bool migrates = false;
+  command->add_flag("--migrate", migrates, "rewrite a scene of an older format; there is none yet");
+  command->add_flag("--strict", options.strict, "warnings count as errors");
+  command->footer(
+      "Examples:\n"
+      "  straytrace check examples/virgo_arm.yaml\n"
+      "  straytrace check examples/virgo_arm.yaml -p rim=48cm --format json");
+  command->callback([&] { exit_code = migrates ? migrate(options) : check(options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace couple noise: injection against quiet stretch -> coupling function.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "session/common_options.hpp"
+#include "cli/couple/couple_data.hpp"
+#include "base/errors.hpp"
+#include "results/text/columns.hpp"
+#include "spectra/segments.hpp"
+
+namespace straytrace {
+namespace {
+
+struct NoiseCoupling {
+  DataOptions data;
+  std::vector<std::string> witness, injection;
+  std::string target, quiet, witness_unit, target_unit, save;
+  bool displacement = false, accept_incoherent = false;
+  CouplingThresholds thresholds;
+  std::size_t show = 12;
+};
+
+// One witness over all injections.
+struct Coupled {
+  CouplingFunction coupling;
+  CrossSpectra quiet;                 // witness in the unit of the coupling
+  TransferEstimate linear;            // H1 of all injections
+  std::optional<BandCoupling> whole;  // where single lines are not linear
+  std::vector<std::string> notes;
+};
+
+void convert(CrossSpectra& s, ToMetres const& m) {
+  for (std::size_t k = 0; k < s.hz.size(); ++k) {
+    double const f = s.hz[k] > 0 ? factor_at(m, s.hz[k]) : not_a_number;
+    s.input[k] *= f * f;
+    s.cross[k] *= f;  // its phase is not used
+  }
+}
+
+CrossSpectra pooled(std::vector<CrossSpectra> const& all) {
+  CrossSpectra sum = all.front();
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    for (std::size_t k = 0; k < sum.hz.size(); ++k) {
+      double const a = sum.effective_averages, b = all[i].effective_averages;
+      sum.input[k] = (a * sum.input[k] + b * all[i].input[k]) / (a + b);
+      sum.output[k] = (a * sum.output[k] + b * all[i].output[k]) / (a + b);
+      sum.cross[k] = (a * sum.cross[k] + b * all[i].cross[k]) / (a + b);
+    }
+    sum.effective_averages += all[i].effective_averages;
+    sum.segments += all[i].segments;
+  }
+  return sum;
+}
+
+struct Spectra {
+  CrossSpectra cross;
+  std::string witness, target, witness_unit, target_unit;
+  std::vector<std::string> notes;
+  FoundStretch found;
+  WelchSettings welch;
+};
+
+Spectra spectra_of(NoiseCoupling const& o, std::string const& witness, std::string const& stretch, char const* option) {
+  StretchArgument const where = parse_stretch(stretch, option);
+  auto const both = aligned({channel_in(where, witness, o.witness_unit, "--witness"),
+                             channel_in(where, o.target, o.target_unit, "--target")});
+  WelchSettings const w = welch_of(o.data, both[0]);
+  Spectra s{cross_spectra(both[0], both[1], w), both[0].name, both[1].name, both[0].unit, both[1].unit, {}, {}, w};
+  s.found = {fmt::format("{} {}", option, stretch),
+             where.file.empty() ? witness.substr(0, witness.find("::")) : where.file, both[0].start, both[0].end()};
+  Segments const segments(both[0].samples.size(), both[0].rate, w);
+  s.notes = {fmt::format("{}: {}", option + 2, source_note(both[0])),
+             fmt::format("{}: {}", option + 2, source_note(both[1])),
+             welch_note(w, both[0].rate, segments.count(), segments.effective(), segments.noise_bandwidth())};
+  return s;
+}
+
+// Without --segment, one length for all stretches: what fits the shortest.
+void settle_segment(NoiseCoupling& o, std::vector<std::string> const& witnesses) {
+  if (!o.data.segment.empty()) return;
+  double shortest = infinity;
+  std::vector<std::string> stretches = o.injection;
+  stretches.push_back(o.quiet);
+  for (std::string const& s : stretches) {
+    StretchArgument const where = parse_stretch(s, s == o.quiet ? "--quiet" : "--injection");
+    shortest = std::min(shortest, channel_in(where, witnesses.front(), o.witness_unit, "--witness").duration());
+  }
+  o.data.segment = fmt::format("{} s", std::min(8.0, shortest / 16));
+}
+
+Coupled couple_one(NoiseCoupling const& o, std::string const& witness, FrequencyBand const& band) {
+  Spectra const quiet = spectra_of(o, witness, o.quiet, "--quiet");
+  ToMetres const metres = to_metres(o.displacement, quiet.witness_unit);
+  Coupled out;
+  out.quiet = quiet.cross;
+  convert(out.quiet, metres);
+  out.notes = quiet.notes;
+  std::vector<CouplingFunction> each;
+  std::vector<CrossSpectra> loud;
+  std::vector<FoundStretch> stretches{quiet.found};
+  for (std::string const& stretch : o.injection) {
+    Spectra s = spectra_of(o, witness, stretch, "--injection");
+    stretches.push_back(s.found);
+    convert(s.cross, metres);
+    out.notes.insert(out.notes.end(), s.notes.begin(), s.notes.end());
+    CouplingFunction c{s.witness, s.target, metres.unit, coupling_unit(s.target_unit, metres.unit), {}};
+    for (CouplingPoint const& p : measure_coupling(s.cross, out.quiet, o.thresholds))
+      if (p.hz >= band.low && p.hz <= band.high) c.points.push_back(p);
+    each.push_back(std::move(c));
+    loud.push_back(std::move(s.cross));
+  }
+  refuse_overlaps(stretches);
+  out.coupling = combine(each);
+  CrossSpectra const all = pooled(loud);
+  out.linear = h1(all);
+  auto const is_wrapped = [](CouplingPoint const& p) { return p.flag == CouplingFlag::not_linear; };
+  if (std::any_of(out.coupling.points.begin(), out.coupling.points.end(), is_wrapped))
+    out.whole = band_coupling(all, out.quiet, band.low, band.high, quiet.welch);
+  return out;
+}
+
+std::size_t line_at(CrossSpectra const& s, double hz) { return std::size_t(std::lround(hz / s.hz[1])); }
+
+// What the quiet witness makes of the quiet target, as a share of amplitudes.
+double share(Coupled const& c, CouplingPoint const& p) {
+  std::size_t const k = line_at(c.quiet, p.hz);
+  return p.factor * std::sqrt(c.quiet.input[k] / c.quiet.output[k]);
+}
+
+struct CouplingRow {
+  Coupled const* from;
+  CouplingPoint const* point;
+};
+
+// Strongest answers: peaks of the share of the target that the quiet witness makes.
+std::vector<CouplingRow> peaks(std::vector<Coupled> const& all) {
+  std::vector<CouplingRow> rows;
+  for (Coupled const& c : all)
+    for (std::size_t i = 0; i < c.coupling.points.size(); ++i) {
+      auto const height = [&](std::size_t k) {
+        CouplingPoint const& p = c.coupling.points[k];
+        return p.flag == CouplingFlag::measured || p.flag == CouplingFlag::not_linear ? share(c, p) : 0;
+      };
+      double const here = height(i);
+      if (here > 0 && (i == 0 || here >= height(i - 1)) && (i + 1 == c.coupling.points.size() || here > height(i + 1)))
+        rows.push_back({&c, &c.coupling.points[i]});
+    }
+  std::stable_sort(rows.begin(), rows.end(), [](CouplingRow const& a, CouplingRow const& b) {
+    return share(*a.from, *a.point) > share(*b.from, *b.point);
+  });
+  return rows;
+}
+
+std::string count_line(CouplingFunction const& c) {
+  std::array<std::size_t, 5> n{};
+  for (CouplingPoint const& p : c.points) ++n[std::size_t(p.flag)];
+  return fmt::format(
+      "{}: of {} frequencies {} measured, {} upper limits, {} below the thresholds, {} without data, {} "
+      "not linear\n",
+      c.witness, c.points.size(), n[0], n[1], n[2], n[3], n[4]);
+}
+
+// Where single lines say "fringe wrapped": the coupling of all lines together.
+std::string band_line(Coupled const& c) {
+  if (!c.whole) return "";
+  return fmt::format("{}, {:g} to {:g} Hz together: {}\n", c.coupling.witness, c.coupling.points.front().hz,
+                     c.coupling.points.back().hz, band_text(*c.whole, c.coupling.unit));
+}
+
+std::string text_of(NoiseCoupling const& o, std::vector<Coupled> const& all) {
+  std::string text;
+  for (Coupled const& c : all) text += count_line(c.coupling);
+  std::vector<CouplingRow> const rows = peaks(all);
+  if (rows.empty()) return text + "nothing rose in the target\n";
+  Columns table{{"frequency", "witness", "coupling [" + all.front().coupling.unit + "]", "witness x", "target x",
+                 "significance", "coherence", "of the quiet target", ""},
+                {false, true, true},
+                {}};
+  for (std::size_t i = 0; i < std::min(rows.size(), o.show); ++i) {
+    CouplingPoint const& p = *rows[i].point;
+    table.rows.push_back({fmt::format("{:g} Hz", p.hz), rows[i].from->coupling.witness, plus_minus(p.factor, p.sigma),
+                          fmt::format("{:.3g}", p.witness_ratio), fmt::format("{:.3g}", p.target_ratio),
+                          fmt::format("{:.1f}", p.significance), fmt::format("{:.2f}", p.coherence),
+                          fmt::format("{:.2g} %", 100 * share(*rows[i].from, p)),
+                          p.flag == CouplingFlag::not_linear ? "fringe wrapped" : ""});
+  }
+  text += aligned(table);
+  if (rows.size() > o.show) text += fmt::format("and {} more peaks: --show {}\n", rows.size() - o.show, rows.size());
+  for (Coupled const& c : all) text += band_line(c);
+  return text;
+}
+
+CurveSheet sheet_of(std::vector<Coupled> const& all) {
+  CurveSheet sheet;
+  sheet.title = fmt::format("coupling to {}", all.front().coupling.target);
+  sheet.x = {"frequency", "Hz", {}};
+  for (CouplingPoint const& p : all.front().coupling.points) sheet.x.values.push_back(p.hz);
+  for (Coupled const& c : all) {
+    std::string const prefix = all.size() > 1 ? c.coupling.witness + "_" : "";
+    for (CurveColumn& column : coupling_columns(c.coupling, prefix)) sheet.y.push_back(std::move(column));
+    CurveColumn h{prefix + "h1", c.coupling.unit, {}, "hidden"},
+        sigma{prefix + "h1_sigma", c.coupling.unit, {}, "hidden"};
+    for (CouplingPoint const& p : c.coupling.points) {
+      h.values.push_back(std::abs(c.linear.value[line_at(c.quiet, p.hz)]));
+      sigma.values.push_back(c.linear.modulus_sigma[line_at(c.quiet, p.hz)]);
+    }
+    sheet.y.push_back(std::move(h));
+    sheet.y.push_back(std::move(sigma));
+    sheet.notes.insert(sheet.notes.end(), c.notes.begin(), c.notes.end());
+    if (std::string line = band_line(c); !line.empty()) {
+      line.pop_back();
+      sheet.notes.insert(sheet.notes.begin(), line);
+    }
+  }
+  sheet.notes.emplace_back(
+      "coupling = sqrt((target_inj^2 - target_quiet^2)/(witness_inj^2 - witness_quiet^2)); upper "
+      "limits: 95 %");
+  return sheet;
+}
+
+int run_noise(NoiseCoupling o) {
+  check_outputs(o.data);
+  o.thresholds.check_linear = !o.accept_incoherent;
+  o.thresholds.confidence = each_of(o.injection.size(), o.thresholds.confidence);
+  std::vector<std::string> const witnesses =
+      o.witness.empty() ? std::vector{parse_stretch(o.injection.front(), "--injection").channel} : o.witness;
+  if (!o.save.empty() && witnesses.size() > 1)
+    throw InputError("error: --save holds one coupling, and there are several witnesses\n  name one --witness");
+  if (o.data.average == "median") throw InputError("error: --average median: couplings need means\n  leave it out");
+  settle_segment(o, witnesses);
+  FrequencyBand const band = o.data.band.empty() ? FrequencyBand{0, infinity} : option_band(o.data.band, "--band");
+  std::vector<Coupled> all;
+  std::vector<InputError> errors;
+  for (std::string const& w : witnesses) try {
+      all.push_back(couple_one(o, w, band));
+    } catch (InputError const& e) {
+      errors.push_back(e);
+    }
+  throw_all(errors);
+  if (all.front().coupling.points.empty())
+    throw InputError("error: --band: no frequency of the spectra lies in it\n  choose it wider, or a longer --segment");
+  for (Coupled const& c : all)
+    if (c.coupling.points.size() != all.front().coupling.points.size())
+      throw InputError(
+          "error: the witnesses have different frequencies\n  choose --segment, and a --band that all cover");
+  answer(o.data, sheet_of(all), text_of(o, all));
+  save_coupling(o.save, all.front().coupling, o.data.quiet);
+  return 0;
+}
+
+}  // namespace
+
+void add_couple_noise(CLI::App& couple, int& exit_code) {
+  auto* const command = couple.add_subcommand("noise", "injection against quiet stretch: coupling function");
+  auto const options = std::make_shared<NoiseCoupling>();
+  NoiseCoupling& o = *options;
+  command->add_option("--witness", o.witness, "FILE::CHANNEL, or CHANNEL of the file of the stretch; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--target", o.target, "the same for strain, or what is disturbed")->required();
+  command->add_option("--injection", o.injection, "A..B in GPS or UTC, FILE or FILE@A..B; may be repeated")
+      ->required()
+      ->allow_extra_args(false);
+  command->add_option("--quiet", o.quiet, "the same, without injection")->required();
+  command->add_option("--witness-unit", o.witness_unit,
+                      "where the file does not say it: m/s^2; of counts with what one is: \"2e-6 m/s^2\"");
+  command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
+  command->add_flag("--displacement", o.displacement, "witness in m, from m/s^2 or m/s");
+  command->add_option("--witness-ratio", o.thresholds.witness, "amplitude of the witness over quiet")
+      ->default_str("2")
+      ->check(CLI::Range(1.0, 1e9));
+  command->add_option("--target-ratio", o.thresholds.target, "amplitude of the target over quiet")
+      ->default_str("2")
+      ->check(CLI::Range(1.0, 1e9));
+  command->add_option("--significance", o.thresholds.significance, "of both, standard deviations")
+      ->default_str("3")
+      ->check(CLI::Range(0.0, 37.0));
+  command->add_flag("--accept-incoherent", o.accept_incoherent,
+                    "no check for fringe wrapping: the witness need not see all that reaches the target");
+  add_band_option(*command, o.data, "LOW..HIGH of the answer: \"20 Hz..400 Hz\"");
+  add_welch_options(*command, o.data);
+  command->add_option("--show", o.show, "rows of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
+  command->add_option("--save", o.save, "CSV of pemcoupling, for straytrace project");
+  add_couple_outputs(*command, o.data);
+  command->footer(
+      "Examples:\n"
+      "  straytrace couple noise --witness examples/data/shaken.csv::ACC --target examples/data/shaken.csv::H "
+      "--injection 24..48 --quiet 0..24 --segment \"1 s\"\n"
+      "  straytrace couple noise --injection examples/data/shaken.csv::ACC@24..48 --target H "
+      "--quiet examples/data/shaken.csv@0..24 --displacement --save acc.csv -o acc.png");
+  command->callback([options, &exit_code] { exit_code = run_noise(*options); });
+}
+
+}  // namespace straytrace

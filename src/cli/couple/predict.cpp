@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace couple predict: coupling of a body to h from a traced run, beside a measured one.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "session/common_options.hpp"
+#include "cli/couple/couple_data.hpp"
+#include "cli/couple/overlay.hpp"
+#include "session/open_run.hpp"
+#include "base/text/words.hpp"
+#include "base/errors.hpp"
+#include "noise/project/predicted_coupling.hpp"
+#include "results/text/columns.hpp"
+#include "scene/expression.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::array<char const*, 6> axes{"x", "y", "z", "rx", "ry", "rz"};
+
+struct PredictOptions {
+  DataOptions data;
+  std::string run, body, axis = "z", amplitude, frequency, measured, unit, witness_unit;
+  double points = 0;
+  std::size_t show = 8;
+  bool own = false;
+};
+
+BodyAxis place_of(PredictOptions const& o, std::vector<std::string> const& bodies) {
+  auto const body = std::find(bodies.begin(), bodies.end(), o.body);
+  if (body == bodies.end()) {
+    std::string const near = nearest_word(o.body, bodies);
+    throw InputError(fmt::format(
+        "error: --body: the run has no body '{}'\n  {}", o.body,
+        near.empty() ? fmt::format("bodies: {}", fmt::join(bodies, ", ")) : fmt::format("did you mean '{}'?", near)));
+  }
+  return {BodyId{std::uint32_t(body - bodies.begin())},
+          int(std::find(axes.begin(), axes.end(), o.axis) - axes.begin())};
+}
+
+// Peak amplitude in m or rad; the kind of amplitude must be said.
+double peak_of(PredictOptions const& o, bool rotation) {
+  static ParameterLookup const none{[](std::string_view) { return ParameterLookup::Found{}; },
+                                    [] { return std::vector<std::string>(); }};
+  std::string const example = rotation ? "2 urad peak" : "2 um peak";
+  std::string why = fmt::format("'{}' is not {} with its kind", o.amplitude, rotation ? "an angle" : "a length");
+  try {
+    auto const v = evaluate_expression(o.amplitude, none);
+    if (v && v->quantity.dimension == (rotation ? dim::angle : dim::length) && v->quantity.si > 0) {
+      if (v->quantity.amplitude == Amplitude::peak) return v->quantity.si;
+      if (v->quantity.amplitude == Amplitude::peak_to_peak) return v->quantity.si / 2;
+      if (v->quantity.amplitude == Amplitude::rms) return v->quantity.si * std::sqrt(2);
+      why = fmt::format("'{}' does not say which amplitude it is", o.amplitude);
+    }
+  } catch (ExpressionProblem const& problem) {
+    why = fmt::format("'{}': {}", o.amplitude, problem.what);
+  }
+  throw InputError(fmt::format("error: --amplitude: {}\n  write --amplitude \"{}\", pp or rms", why, example));
+}
+
+FrequencyGrid grid_of(PredictOptions const& o, Model const& model) {
+  if (o.data.band.empty() && o.points == 0) return model.noise.grid;
+  FrequencyBand band{model.noise.grid.edges.front(), model.noise.grid.edges.back()};
+  if (!o.data.band.empty()) band = option_band(o.data.band, "--band");
+  if (!(band.low > 0)) throw InputError("error: --band: it begins at 0 Hz\n  write --band \"10 Hz..1 kHz\"");
+  return logarithmic_grid(band.low, band.high, o.points > 0 ? o.points : 60);
+}
+
+// Those of every table, 10 to 1000 Hz; of a band that holds few of them, five across it.
+std::vector<double> told_frequencies(FrequencyGrid const& grid) {
+  std::vector<double> out;
+  double const low = grid.edges.front(), high = grid.edges.back();
+  for (double const f : {10.0, 30.0, 100.0, 300.0, 1000.0})
+    if (f >= low && f < high) out.push_back(f);
+  if (out.size() > 1) return out;
+  out.clear();
+  for (int i = 0; i < 5; ++i) out.push_back(low * std::pow(high / low, (i + 0.5) / 5));
+  return out;
+}
+
+std::string linear_text(PredictOptions const& o, PredictedCoupling const& p, bool rotation) {
+  char const* const unit = rotation ? "rad" : "m";
+  if (p.routes.empty()) return fmt::format("no route moves with '{}'\n", o.body);
+  std::string text = fmt::format("coupling of {} {} to h, mean over static phases, small motion\n", o.body, o.axis);
+  Columns curve{{"frequency", fmt::format("coupling [1/{}]", unit)}, {}, {}};
+  for (double const f : told_frequencies(p.grid))
+    for (std::size_t i = 0; i < p.grid.size(); ++i)
+      if (f >= p.grid.edges[i] && f < p.grid.edges[i + 1])
+        curve.rows.push_back(
+            {fmt::format("{:.4g} Hz", f), p.factor[i] > 0 ? plus_minus(p.factor[i], p.sigma[i]) : "unresolved"});
+  Columns routes{
+      {"route", "share", fmt::format("phase [rad/{}]", unit), "multiplicity", fmt::format("linear to [{} peak]", unit)},
+      {true},
+      {}};
+  for (std::size_t i = 0; i < std::min(o.show, p.routes.size()); ++i) {
+    PredictedRoute const& r = p.routes[i];
+    routes.rows.push_back({r.name, r.resolved ? fmt::format("{:.3g} %", 100 * r.share) : "unresolved",
+                           fmt::format("{:.4g}", r.phase), rotation ? "" : fmt::format("{:.3g}", r.multiplicity),
+                           fmt::format("{:.3g}", 1 / r.phase)});
+  }
+  text += aligned(curve) + aligned(routes);
+  if (p.routes.size() > o.show)
+    text += fmt::format("and {}: --show {}\n", counted(p.routes.size() - o.show, "more route"), p.routes.size());
+  for (std::string const& u : p.unresolved) text += "unresolved: " + u + "\n";
+  return text + fmt::format("linear up to {:.3g} {} peak\n", p.linear_to, unit);
+}
+
+std::string driven_text(DrivenResponse const& d, double peak, double hz, char const* unit) {
+  double most = 0, cutoff = 0;
+  for (DrivenRoute const& r : d.routes) {
+    most = std::max(most, r.phase_peak);
+    cutoff = std::max(cutoff, r.cutoff);
+  }
+  return fmt::format("driven with {:.4g} {} peak at {:g} Hz: phase up to {:.3g} rad, {} {:.4g} Hz\n", peak, unit, hz,
+                     most, most > 1 ? "fringe wrapped, shelf up to" : "linear; fastest fringe", cutoff);
+}
+
+void add_curve(CurveSheet& sheet, std::string const& name, std::string const& unit, std::vector<double> const& value,
+               std::vector<double> const& sigma, std::string const& style = "line") {
+  CurveColumn mean{name, unit, {}, style}, low{name + "_low", unit, {}, "band-low"},
+      high{name + "_high", unit, {}, "band-high"};
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    bool const known = value[i] > 0;
+    mean.values.push_back(known ? value[i] : not_a_number);
+    low.values.push_back(known && value[i] > sigma[i] ? value[i] - sigma[i] : not_a_number);
+    high.values.push_back(known ? value[i] + sigma[i] : not_a_number);
+  }
+  for (CurveColumn const& c : {mean, low, high}) sheet.y.push_back(c);
+}
+
+nlohmann::json routes_json(PredictedCoupling const& p) {
+  nlohmann::json list = nlohmann::json::array();
+  for (PredictedRoute const& r : p.routes)
+    list.push_back({{"route", r.name},
+                    {"share", number_or_null(r.resolved ? r.share : not_a_number)},
+                    {"phase", r.phase},
+                    {"multiplicity", r.multiplicity},
+                    {"linear_to", 1 / r.phase},
+                    {"resolved", r.resolved},
+                    {"why_not", r.why_not}});
+  return list;
+}
+
+struct Prediction {
+  CurveSheet sheet;
+  std::string text;
+  nlohmann::json result;
+};
+
+void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, Model const& model, BodyAxis where,
+                FrequencyGrid const& grid) {
+  char const* const unit = where.axis > 2 ? "rad" : "m";
+  CouplingTable const& table = file.trace.coupling;
+  if (!o.amplitude.empty()) {
+    double const peak = peak_of(o, where.axis > 2);
+    if (o.frequency.empty()) throw InputError("error: --amplitude needs --frequency\n  write --frequency \"0.5 Hz\"");
+    double const hz = option_quantity(o.frequency, dim::frequency, "--frequency", "0.5 Hz");
+    if (!(hz > 0)) throw InputError("error: --frequency: it is not positive\n  write --frequency \"0.5 Hz\"");
+    DrivenResponse const d = drive_body(table, model.motion.bodies, *model.detector, grid, where, peak, hz);
+    add_curve(out.sheet, "h_driven", "1/sqrt(Hz)", d.budget.total.asd, d.budget.total.sigma,
+              "points");  // lines with nothing between them
+    out.text += driven_text(d, peak, hz, unit);
+    for (DrivenRoute const& r : d.routes)
+      out.result["driven"].push_back({{"route", r.name}, {"phase_peak", r.phase_peak}, {"shelf_edge", r.cutoff}});
+  }
+  if (o.own) {
+    NoiseSettings settings;
+    settings.grid = grid;
+    NoiseBudget const b = project_noise(table, motion_along(model.motion, where), *model.detector, settings);
+    double const rms = rms_of(model.motion, where);
+    add_curve(out.sheet, "h_own_motion", "1/sqrt(Hz)", b.total.asd, b.total.sigma);
+    out.text += fmt::format("its own motion has {:.3g} {} rms\n", rms, unit);
+    out.result["own_motion_rms"] = rms;
+  }
+}
+
+int run_predict(PredictOptions const& o) {
+  check_outputs(o.data);
+  OpenRun const run(o.run);
+  RunFile const& file = run.file;
+  Model const& model = run.model;
+  if (!model.detector)
+    throw InputError(
+        "error: the run has no interferometer, so nothing couples to h\n  trace a scene with 'interferometer'");
+  BodyAxis const where = place_of(o, model.motion.bodies);
+  FrequencyGrid const grid = grid_of(o, model);
+  PredictedCoupling const p = predict_coupling(file.trace.coupling, model.motion.bodies, *model.detector, grid, where);
+  std::string const unit = where.axis > 2 ? "1/rad" : "1/m";
+  Prediction out;
+  out.sheet.title = fmt::format("coupling of {} {} to h", o.body, o.axis);
+  out.sheet.notes = {"predicted by the coupling table: mean over static phases, small motion; one Monte-Carlo sigma"};
+  out.sheet.x = {"frequency", "Hz", {}};
+  for (std::size_t i = 0; i < grid.size(); ++i) out.sheet.x.values.push_back(grid.centre(i));
+  add_curve(out.sheet, "predicted", unit, p.factor, p.sigma);
+  out.text = linear_text(o, p, where.axis > 2);
+  out.result = {{"body", o.body},
+                {"axis", o.axis},
+                {"linear_to", p.linear_to},
+                {"routes", routes_json(p)},
+                {"unresolved", p.unresolved}};
+  add_motion(out, o, file, model, where, grid);
+  if (!o.measured.empty()) {
+    Overlay const overlay = overlay_of(read_coupling(o.measured, o.unit, o.witness_unit), p, unit);
+    add_overlay(out.sheet, overlay);
+    out.text += overlay_text(overlay, o.show);
+    out.result["measured"] = overlay_json(overlay);
+  }
+  answer_with_result(o.data, out.sheet, out.text, out.result);
+  return 0;
+}
+
+}  // namespace
+
+void add_couple_predict(CLI::App& couple, int& exit_code) {
+  auto* const command = couple.add_subcommand("predict", "coupling of a body to h from a traced run");
+  auto const options = std::make_shared<PredictOptions>();
+  PredictOptions& o = *options;
+  command->add_option("run", o.run, "run file (HDF5)")->required();
+  command->add_option("--body", o.body, "body that moves; all others stand still")->required();
+  command->add_option("--axis", o.axis, "x, y, z, or rotations rx, ry, rz about its pivot")
+      ->default_str("z")
+      ->check(CLI::IsMember(std::vector<std::string>(axes.begin(), axes.end())));
+  command->add_option("--amplitude", o.amplitude, "of a sine, with its kind: \"2 um peak\"; needs --frequency");
+  command->add_option("--frequency", o.frequency, "of that sine: \"0.5 Hz\"");
+  command->add_flag("--own-motion", o.own, "response to the body's own motion along this axis as well");
+  add_band_option(*command, o.data, "LOW..HIGH; default: of the run");
+  command->add_option("--points-per-decade", o.points, "default: bins of the run, 60 with --band")
+      ->check(CLI::Range(1.0, 10000.0));
+  command->add_option("--measured", o.measured, "CSV of pemcoupling beside it: ratio and significance")
+      ->check(CLI::ExistingFile);
+  command->add_option("--coupling-unit", o.unit, "of the measured factor, where the file does not say it: 1/m");
+  command->add_option("--witness-unit", o.witness_unit, "of its witness, where the file does not say it: m");
+  command->add_option("--show", o.show, "rows of the tables")->default_str("8")->check(whole_between(1, 1e6, "20"));
+  add_couple_outputs(*command, o.data);
+  command->footer(
+      "Examples:\n"
+      "  straytrace couple predict demo/run.h5 --body tube --axis z\n"
+      "  straytrace couple predict demo/run.h5 --body tube --axis z --amplitude \"2 um peak\" --frequency \"0.5 Hz\" "
+      "-o "
+      "tube.png");
+  command->callback([options, &exit_code] { exit_code = run_predict(*options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace couple taps: a hammer at many places, ranked per frequency.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "session/common_options.hpp"
+#include "cli/couple/couple_data.hpp"
+#include "base/text/words.hpp"
+#include "base/errors.hpp"
+#include "analysis/coupling/taps.hpp"
+#include "results/text/columns.hpp"
+#include "results/results.hpp"
+
+namespace straytrace {
+namespace {
+
+struct TapOptions {
+  DataOptions data;
+  std::string force, target, force_unit, target_unit, list, quiet;
+  std::vector<std::string> local;
+  TapThresholds thresholds;
+  std::size_t show = 12;
+};
+
+TapSeries read_series(TapOptions const& o) {
+  std::vector<TimeSeries> all{series_argument(o.force, o.force_unit, {}), series_argument(o.target, o.target_unit, {})};
+  for (std::string const& l : o.local) all.push_back(series_argument(l, "", {}));
+  all = aligned(all);
+  TapSeries s{all[0], all[1], {}};
+  s.local.assign(all.begin() + 2, all.end());
+  return s;
+}
+
+std::string remark(TapAnswer const& a) {
+  std::string text;
+  if (std::isfinite(a.slope))
+    text = fmt::format("slope {:.2f} ± {:.2g}{}", a.slope, a.slope_sigma, a.not_linear ? ": not linear" : "");
+  if (!a.local.empty()) text += fmt::format("{}{} x {:.3g}", text.empty() ? "" : ", ", a.local, a.local_ratio);
+  return text;
+}
+
+// The strongest peaks, in the order of frequency.
+std::vector<TapPeak> strongest(std::vector<TapPeak> peaks, std::size_t count) {
+  std::stable_sort(peaks.begin(), peaks.end(), [](TapPeak const& a, TapPeak const& b) {
+    return a.places[0].target_ratio > b.places[0].target_ratio;
+  });
+  if (peaks.size() > count) peaks.resize(count);
+  std::sort(peaks.begin(), peaks.end(), [](TapPeak const& a, TapPeak const& b) { return a.hz < b.hz; });
+  return peaks;
+}
+
+std::string text_of(std::vector<TapPeak> const& peaks, TapOptions const& o, std::string const& unit) {
+  if (peaks.empty()) return "no place makes the target rise\n";
+  Columns table{{"frequency", "place", "target x", "force x", "ratio", "coupling [" + unit + "]", "lead", ""},
+                {false, true, false, false, false, false, false, true},
+                {}};
+  for (TapPeak const& p : strongest(peaks, o.show)) {
+    for (std::size_t i = 0; i < p.places.size(); ++i) {
+      TapAnswer const& a = p.places[i];
+      std::string const lead = i > 0 ? "" : std::isfinite(p.lead) ? fmt::format("{:.1f} σ", p.lead) : "alone";
+      table.rows.push_back({i == 0 ? fmt::format("{:g} Hz", p.hz) : "", a.place, fmt::format("{:.3g}", a.target_ratio),
+                            fmt::format("{:.3g}", a.force_ratio), plus_minus(a.ratio, a.sigma),
+                            plus_minus(a.coupling, a.coupling_sigma), lead, remark(a)});
+    }
+    table.rows.emplace_back();
+  }
+  table.rows.pop_back();
+  std::string text = aligned(table);
+  if (peaks.size() > o.show)
+    text += fmt::format("and {}: --show {}\n", counted(peaks.size() - o.show, "more peak"), peaks.size());
+  return text;
+}
+
+CurveSheet sheet_of(std::vector<TapPeak> const& peaks, std::vector<TapPlace> const& places, std::string const& unit) {
+  CurveSheet sheet;
+  sheet.title = "places by their coupling";
+  sheet.x = {"frequency", "Hz", {}};
+  std::map<std::string, std::array<CurveColumn, 3>> columns;
+  std::vector<double> const nothing(peaks.size(), not_a_number);
+  for (TapPlace const& p : places)
+    columns[p.name] = {CurveColumn{p.name, unit, nothing, "points"},
+                       {p.name + "_sigma", unit, nothing, "hidden"},
+                       {p.name + "_limit", unit, nothing, "upper-limit"}};
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    sheet.x.values.push_back(peaks[i].hz);
+    for (TapAnswer const& a : peaks[i].places) {
+      columns[a.place][0].values[i] = a.coupling;
+      columns[a.place][1].values[i] = a.coupling_sigma;
+    }
+    for (TapLimit const& l : peaks[i].limits) columns[l.place][2].values[i] = l.coupling;
+  }
+  for (auto& [name, three] : columns)
+    for (CurveColumn& c : three) sheet.y.push_back(std::move(c));
+  return sheet;
+}
+
+nlohmann::json json_of(std::vector<TapPeak> const& peaks) {
+  nlohmann::json all = nlohmann::json::array();
+  for (TapPeak const& p : peaks) {
+    nlohmann::json places = nlohmann::json::array();
+    for (TapAnswer const& a : p.places)
+      places.push_back({{"place", a.place},
+                        {"repeats", a.repeats},
+                        {"target_ratio", a.target_ratio},
+                        {"force_ratio", a.force_ratio},
+                        {"ratio", a.ratio},
+                        {"ratio_sigma", a.sigma},
+                        {"coupling", a.coupling},
+                        {"coupling_sigma", a.coupling_sigma},
+                        {"significance", a.significance},
+                        {"slope", number_or_null(a.slope)},
+                        {"slope_sigma", number_or_null(a.slope_sigma)},
+                        {"not_linear", a.not_linear},
+                        {"local", a.local},
+                        {"local_ratio", a.local_ratio}});
+    nlohmann::json limits = nlohmann::json::array();
+    for (TapLimit const& l : p.limits) limits.push_back({{"place", l.place}, {"coupling", l.coupling}});
+    all.push_back({{"frequency", p.hz}, {"lead", number_or_null(p.lead)}, {"places", places}, {"limits", limits}});
+  }
+  return all;
+}
+
+int run_taps(TapOptions const& o) {
+  check_outputs(o.data);
+  std::vector<TapPlace> const places = parse_tap_list(read_file(o.list), o.list);
+  GpsSpan const quiet = parse_gps(o.quiet);
+  std::vector<FoundStretch> stretches{{"--quiet " + o.quiet, o.list, quiet.from, quiet.to}};
+  for (TapPlace const& p : places)
+    stretches.push_back({fmt::format("'{}' of {}", p.name, o.list), o.list, p.start, p.start + p.duration});
+  refuse_overlaps(stretches);
+  TapSeries const series = read_series(o);
+  DataOptions data = o.data;
+  if (data.segment.empty()) data.segment = "1 s";
+  WelchSettings const w = welch_of(data, series.target);
+  std::vector<TapPeak> peaks = tap_peaks(series, places, quiet, w, o.thresholds);
+  if (!o.data.band.empty()) {
+    FrequencyBand const band = option_band(o.data.band, "--band");
+    std::erase_if(peaks, [&](TapPeak const& p) { return p.hz < band.low || p.hz > band.high; });
+  }
+  std::string const unit = coupling_unit(series.target.unit, series.force.unit);
+  CurveSheet sheet = sheet_of(peaks, places, unit);
+  sheet.notes = {
+      source_note(series.force), source_note(series.target),
+      fmt::format("kept: target {:g} x and force {:g} x quiet; limits: 95 %, of places whose force rose alone",
+                  o.thresholds.target, o.thresholds.force)};
+  answer_with_result(o.data, sheet, text_of(peaks, o, unit), json_of(peaks));
+  return 0;
+}
+
+}  // namespace
+
+void add_couple_taps(CLI::App& couple, int& exit_code) {
+  auto* const command = couple.add_subcommand("taps", "hammer at many places: which of them the target hears");
+  auto const options = std::make_shared<TapOptions>();
+  TapOptions& o = *options;
+  command->add_option("--force", o.force, "FILE::CHANNEL of the hammer")->required();
+  command->add_option("--target", o.target, "FILE::CHANNEL of strain, or what is disturbed")->required();
+  command->add_option("--list", o.list, "CSV: place, start (GPS s), duration (s), and if wanted strength")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--quiet", o.quiet, "stretch A..B without taps")->required();
+  command->add_option("--local", o.local, "FILE::CHANNEL of an accelerometer beside; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--force-unit", o.force_unit, "where the file does not say it: N");
+  command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
+  command->add_option("--target-ratio", o.thresholds.target, "amplitude over quiet")->default_str("3");
+  command->add_option("--force-ratio", o.thresholds.force, "amplitude over quiet")->default_str("2");
+  command->add_option("--significance", o.thresholds.significance, "of the target, standard deviations")
+      ->default_str("3");
+  add_band_option(*command, o.data, "LOW..HIGH of the answer");
+  add_welch_options(*command, o.data);
+  command->add_option("--show", o.show, "peaks of the table")->default_str("12")->check(whole_between(1, 1e6, "20"));
+  add_couple_outputs(*command, o.data);
+  command->footer(
+      "Examples:\n"
+      "  straytrace couple taps --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --list "
+      "examples/data/tap_list.csv --quiet 0..8\n"
+      "  straytrace couple taps --force examples/data/taps.csv::HAMMER --target examples/data/taps.csv::H --list "
+      "examples/data/tap_list.csv --quiet 0..8 --band \"20 Hz..45 Hz\" --format json");
+  command->callback([options, &exit_code] { exit_code = run_taps(*options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/data_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+#include "session/build_info.hpp"
+#include "base/errors.hpp"
+#include "scene/expression.hpp"
+#include "spectra/files/gps.hpp"
+#include "spectra/window.hpp"
+
+namespace straytrace {
+namespace {
+
+template <class Value>
+Value one_of(std::string const& text, std::initializer_list<std::pair<char const*, Value>> words) {
+  for (auto const& [word, value] : words)
+    if (text == word) return value;
+  throw std::logic_error("an option was not checked: " + text);
+}
+
+template <class Sheet>
+Sheet with_program(Sheet sheet) {
+  sheet.notes.push_back(fmt::format("straytrace {} ({})", build_info::version, build_info::commit));
+  return sheet;
+}
+
+void say_written(DataOptions const& o) {
+  if (o.quiet) return;
+  for (std::string const& file : o.out) std::cerr << fmt::format("wrote {}\n", file);
+}
+
+}  // namespace
+
+void add_span_options(CLI::App& command, DataOptions& o) {
+  command.add_option("--unit", o.unit, "of the samples, where the file does not say it or says it wrongly: m/s^2");
+  command.add_option("--gps", o.gps, "stretch A..B in GPS seconds or UTC; default: all");
+}
+
+void add_band_option(CLI::App& command, DataOptions& o, std::string const& meaning) {
+  command.add_option("--band", o.band, meaning);
+}
+
+void add_welch_options(CLI::App& command, DataOptions& o) {
+  command.add_option("--segment", o.segment,
+                     "length of the segments that are averaged; default: 8 s, or 1/8 of the record");
+  command.add_option("--overlap", o.overlap, "of neighbouring segments")->default_str(o.overlap);
+  command
+      .add_option("--window", o.window,
+                  "hann, hamming, blackman, blackmanharris, flattop, tukey(0.5), kaiser(14), rectangular")
+      ->default_str(o.window);
+  command.add_option("--average", o.average, "mean or median of the segments")
+      ->check(CLI::IsMember({"mean", "median"}))
+      ->default_str(o.average);
+  command.add_option("--detrend", o.detrend, "what is taken from each segment: none, constant or linear")
+      ->check(CLI::IsMember({"none", "constant", "linear"}))
+      ->default_str(o.detrend);
+}
+
+void add_output_options(CLI::App& command, DataOptions& o) {
+  command
+      .add_option("-o,--out", o.out, "file to write, by its ending: .txt .csv .hdf5 .json .png .html; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--format", o.format, "text or json")->check(CLI::IsMember({"text", "json"}));
+  command.add_flag("--quiet", o.quiet, "results only");
+}
+
+double option_quantity(std::string const& text, Dimension dimension, std::string const& option,
+                       std::string const& example) {
+  static ParameterLookup const none{[](std::string_view) { return ParameterLookup::Found{}; },
+                                    [] { return std::vector<std::string>(); }};
+  std::string why;
+  try {
+    auto const value = evaluate_expression(text, none);
+    if (value && (value->quantity.dimension == dimension || value->bare_zero) && std::isfinite(value->quantity.si))
+      return value->quantity.si;
+    why = fmt::format("'{}' is not {}", text, described(dimension));
+  } catch (ExpressionProblem const& problem) {
+    why = fmt::format("'{}': {}", text, problem.what);
+  }
+  throw InputError(fmt::format("error: {}: {}\n  write {} \"{}\"", option, why, option, example));
+}
+
+FrequencyBand option_band(std::string const& text, std::string const& option) {
+  auto const mark = text.find("..");
+  std::string const example = "20 Hz..80 Hz";
+  if (mark == text.npos)
+    throw InputError(fmt::format("error: {}: '{}' is not a band\n  write {} \"{}\"", option, text, option, example));
+  FrequencyBand const band{option_quantity(text.substr(0, mark), dim::frequency, option, example),
+                           option_quantity(text.substr(mark + 2), dim::frequency, option, example)};
+  if (!(band.low >= 0 && band.low < band.high))
+    throw InputError(
+        fmt::format("error: {}: '{}' does not rise from 0 or more\n  write {} \"{}\"", option, text, option, example));
+  return band;
+}
+
+GpsSpan span_of(DataOptions const& o) { return o.gps.empty() ? GpsSpan{} : parse_gps(o.gps); }
+
+FrequencyBand band_of(DataOptions const& o, FrequencyBand otherwise, double nyquist_hz) {
+  FrequencyBand const band = o.band.empty() ? otherwise : option_band(o.band, "--band");
+  if (band.high > nyquist_hz * (1 + 1e-12))
+    throw InputError(fmt::format("error: --band: {:g} Hz is above {:g} Hz, half the sample rate\n  end the band there",
+                                 band.high, nyquist_hz));
+  return band;
+}
+
+TimeSeries series_of(DataOptions const& o, std::string const& argument) {
+  return series_argument(argument, o.unit, span_of(o), true);
+}
+
+WelchSettings welch_of(DataOptions const& o, TimeSeries const& s) {
+  double const seconds =
+      o.segment.empty() ? std::min(8.0, s.duration() / 8) : option_quantity(o.segment, dim::time, "--segment", "8 s");
+  double const samples = std::round(seconds * s.rate),
+               overlap = option_quantity(o.overlap, dim::plain, "--overlap", "50 %");
+  if (!(samples >= 2))
+    throw InputError(fmt::format("error: --segment: {:g} s hold fewer than two samples at {:g} Hz\n  choose it longer",
+                                 seconds, s.rate));
+  if (samples > double(s.samples.size()))
+    throw InputError(fmt::format("error: --segment: {:g} s do not fit the record '{}' of {:g} s\n  choose it shorter",
+                                 seconds, s.name, s.duration()));
+  if (!(overlap >= 0 && overlap < 1))
+    throw InputError(
+        fmt::format("error: --overlap: '{}' is not from 0 to below 100 %\n  write --overlap \"50 %\"", o.overlap));
+  NamedWindow const window = parse_window(o.window);
+  return {std::size_t(samples),
+          overlap,
+          window.window,
+          window.parameter,
+          one_of<Detrend>(o.detrend,
+                          {{"none", Detrend::none}, {"constant", Detrend::constant}, {"linear", Detrend::linear}}),
+          one_of<Average>(o.average, {{"mean", Average::mean}, {"median", Average::median}})};
+}
+
+std::string source_note(TimeSeries const& s) {
+  return fmt::format("{}: {:g} Hz, unit {}, {:g} s from GPS {} ({})", s.name, s.rate, s.unit, s.duration(),
+                     gps_text(s.start), utc_of_gps(s.start));
+}
+
+std::string welch_note(WelchSettings const& w, double rate, std::size_t segments, double effective,
+                       double noise_bandwidth) {
+  return fmt::format(
+      "one-sided; {} of {} segments of {:g} s, overlap {:g} %, {:.4g} independent; window {}, ENBW {:.6g} Hz",
+      w.average == Average::mean ? "mean" : "median", segments, double(w.segment) / rate, 100 * w.overlap, effective,
+      window_text({w.window, w.window_parameter}), noise_bandwidth);
+}
+
+void check_outputs(DataOptions const& o) {
+  for (std::string const& file : o.out)
+    if (std::string const wrong = curve_ending_error(file); !wrong.empty()) throw InputError(wrong);
+}
+
+void write_outputs(DataOptions const& o, CurveSheet const& sheet) { write_and_print(o, sheet, ""); }
+
+void write_and_print(DataOptions const& o, CurveSheet const& sheet, std::string const& text) {
+  write_curves(o.out, with_program(sheet));
+  std::cout << text;
+  say_written(o);
+}
+
+void answer(DataOptions const& o, CurveSheet const& sheet, std::string const& text) {
+  write_and_print(o, sheet, o.json() ? curve_json(with_program(sheet)) : text);
+}
+
+void answer(DataOptions const& o, MapSheet const& map, std::string const& text) {
+  write_map(o.out, with_program(map));
+  std::cout << (o.json() ? curve_json(with_program(map)) : text);
+  say_written(o);
+}
+
+}  // namespace straytrace

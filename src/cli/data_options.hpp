@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Options of all commands that work with data: which records, which stretch, how spectra are averaged, where results
+// go.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+#include "base/units/quantity.hpp"
+#include "results/curves/curve_file.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/welch.hpp"
+
+namespace straytrace {
+
+// As written on the command line; the functions below say what is wrong with them, with the name of the option.
+struct DataOptions {
+  std::string unit, gps, band, segment, overlap = "50 %", window = "hann", average = "mean", detrend = "constant";
+  std::vector<std::string> out;
+  std::string format = "text";
+  bool quiet = false;
+
+  bool json() const { return format == "json"; }
+};
+
+void add_span_options(CLI::App&, DataOptions&);                             // --unit, --gps
+void add_band_option(CLI::App&, DataOptions&, std::string const& meaning);  // --band
+void add_welch_options(CLI::App&, DataOptions&);   // --segment, --overlap, --window, --average, --detrend
+void add_output_options(CLI::App&, DataOptions&);  // -o (repeatable), --format, --quiet
+
+// A number with a unit of this dimension: "8 s", "20 Hz", "50 %", "sqrt(2)*1 um". InputError names the option.
+double option_quantity(std::string const& text, Dimension, std::string const& option, std::string const& example);
+struct FrequencyBand {
+  double low = 0, high = 0;  // Hz
+};
+FrequencyBand option_band(std::string const& text, std::string const& option);  // "20 Hz..80 Hz"; low < high
+
+GpsSpan span_of(DataOptions const&);
+// --band, or `otherwise` where none is given; within 0 to half the rate.
+FrequencyBand band_of(DataOptions const&, FrequencyBand otherwise, double nyquist_hz);
+// FILE or FILE::CHANNEL, with --unit and --gps.
+TimeSeries series_of(DataOptions const&, std::string const& argument);
+// Without --segment: 8 s, or an eighth of the record where that is shorter.
+WelchSettings welch_of(DataOptions const&, TimeSeries const&);
+
+// Lines for notes of curves: source with unit, rate and span; segments, window, averages.
+std::string source_note(TimeSeries const&);
+std::string welch_note(WelchSettings const&, double rate, std::size_t segments, double effective,
+                       double noise_bandwidth);
+
+// Refuses endings before anything is computed. Writes all files of -o or none; says their names on stderr unless
+// --quiet.
+void check_outputs(DataOptions const&);
+void write_outputs(DataOptions const&, CurveSheet const&);
+// The same, and when they are written `text` to stdout.
+void write_and_print(DataOptions const&, CurveSheet const&, std::string const& text);
+// The same; with --format json the JSON of the sheet instead of `text`.
+void answer(DataOptions const&, CurveSheet const&, std::string const& text);
+void answer(DataOptions const&, MapSheet const&, std::string const& text);
+
+}  // namespace straytrace

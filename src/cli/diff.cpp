@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace diff: two models, or two runs.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/compare/model_diff.hpp"
+#include "session/open_run.hpp"
+#include "session/compare/run_diff.hpp"
+#include "base/errors.hpp"
+
+namespace straytrace {
+namespace {
+
+nlohmann::ordered_json as_json(std::vector<Difference> const& all) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (Difference const& d : all)
+    out.push_back({{"section", d.section},
+                   {"name", d.name},
+                   {"key", d.key},
+                   {"before", d.before},
+                   {"after", d.after},
+                   {"instances", d.instances}});
+  return out;
+}
+
+struct Side {
+  std::optional<RunFile> run;
+  Scene scene;
+};
+
+Side read_side(std::string const& file, std::vector<std::string> const& overrides) {
+  Side side;
+  if (is_run_file(file)) {
+    if (!overrides.empty())
+      throw InputError(
+          "error: -p sets parameters of a model, and a run has its own\n  compare models, or leave -p out");
+    side.run = read_run(file);
+    RunContent const& about = side.run->about;
+    side.scene = read_by_all(about.main_file, about.overrides, &about.files);
+  } else {
+    side.scene = read_by_all(file, overrides);
+  }
+  return side;
+}
+
+int diff(std::vector<std::string> const& files, Options const& options) {
+  Side const before = read_side(files[0], options.overrides), after = read_side(files[1], options.overrides);
+  std::vector<Difference> const models = differences(before.scene, after.scene);
+  bool const runs = before.run && after.run;
+  std::vector<Difference> const parameters = models.empty() ? models : parameter_differences(before.scene, after.scene);
+  nlohmann::ordered_json out{{"parameters", as_json(parameters)}, {"models", as_json(models)}};
+  std::string text = difference_text(parameters, models);
+  if (runs) {
+    if (before.run->about.motion_file != after.run->about.motion_file)
+      text += fmt::format("noise with the motion of {} -> {}\n",
+                          before.run->about.motion_file.empty() ? "the scene" : before.run->about.motion_file,
+                          after.run->about.motion_file.empty() ? "the scene" : after.run->about.motion_file);
+    bool const same = data_hash(files[0]) == data_hash(files[1]);
+    out["same_data"] = same;
+    if (same) text += "the results are the same to the last bit (all but the time it took)\n";
+    if (!same || before.run->noise) {
+      RunDifference const results = run_differences(*before.run, *after.run);
+      out["results"] = run_difference_json(results);
+      text += run_difference_text(results);
+    }
+  }
+  std::cout << (options.json() ? out.dump(1) + "\n" : text);
+  return done;
+}
+
+}  // namespace
+
+void add_diff(CLI::App& app, Options& options, int& exit_code) {
+  static std::vector<std::string> files;
+  auto* const command = app.add_subcommand("diff", "what differs between two models, or two runs, as physics");
+  command->add_option("files", files, "two scenes, or two run files (HDF5); or one of each")->required()->expected(2);
+  command->add_option("-p,--param", options.overrides, "set a parameter of both scenes, for example -p rim=48cm")
+      ->allow_extra_args(false);
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace diff arm.yaml arm_with_baffles.yaml\n"
+      "  straytrace diff before/run.h5 after/run.h5 --format json");
+  command->callback([&] { exit_code = diff(files, options); });
+}
+
+}  // namespace straytrace

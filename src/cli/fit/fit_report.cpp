@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "cli/fit/fit_report.hpp"
+#include "noise/bands/speckle_band.hpp"
+#include "results/results.hpp"
+#include "spectra/files/gps.hpp"
+#include "spectra/files/unit_text.hpp"
+#include "spectra/series.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string value_text(Fitted const& f, char const* unit) {
+  std::string const number = f.sigma > 0 ? with_error(f.value, f.sigma) : fmt::format("{:g} (fixed)", f.value);
+  return fmt::format("{}{}{}", number, *unit ? " " : "", unit) + (f.at_end ? "  (at the end of its range)" : "");
+}
+
+// "1.2e-5"; never 0 or infinity where a double ends.
+std::string chance_text(double ln) {
+  double const ten = ln / std::log(10.0);
+  return std::fabs(ten) > 300 ? fmt::format("1e{:.0f}", ten) : fmt::format("{:.2g}", std::exp(ln));
+}
+
+Fitted scaled(Fitted f, double factor) {
+  f.value *= factor;
+  f.sigma *= factor;
+  return f;
+}
+
+std::string line(char const* name, std::string const& value) { return fmt::format("  {:<24}{}\n", name, value); }
+
+std::string prediction_text(FittedPath const& p, RoutePrediction const& r) {
+  AgainstPrediction const a = against(p, r);
+  std::string out = line("route", fmt::format("{} (port {}, {} along {})", r.route, r.port, r.body, r.axis));
+  out += line("predicted W", fmt::format("{:.4g}, spread over the paths {:.2g}", r.multiplicity, r.spread));
+  if (std::isnan(r.coupling)) return out + line("predicted f_r", "unresolved in the run");
+  out += line("predicted f_r", with_error(r.coupling, r.sigma) + (r.speckle ? " (mean over the speckle)" : ""));
+  out += line("measured/predicted", with_error(a.ratio.value, a.ratio.sigma));
+  if (r.speckle)
+    out += line("", fmt::format("{} the range of one speckle, {:.3f} to {:.3f} (5 to 95 %, eq. 10.2)",
+                                a.within ? "within" : "outside", a.low, a.high));
+  return out;
+}
+
+// Said where it is above 1 % of the amplitude.
+std::string unseen_text(double phase) {
+  if (std::isnan(phase)) return line("below --corner", "not told: the record has fewer than six periods of half of it");
+  double const low = -std::expm1(-phase * phase / 2);
+  if (low < 0.01) return "";
+  return line(
+      "below --corner",
+      fmt::format("{:.2g} rad rms between half of it and it; if that is motion and not noise of the sensor, the "
+                  "amplitude is {}: halve it",
+                  phase, low > 0.5 ? "far too low" : fmt::format("low by {:.2g} %", 100 * low)));
+}
+
+std::string strength_text(FitAnswer const& a, FittedPath const& p) {
+  double const f = p.amplitude.value;
+  if (a.field) return with_error(f * f, 2 * f * p.amplitude.sigma);
+  return value_text(p.amplitude, a.records.target.unit == "1" ? "" : a.records.target.unit.c_str());
+}
+
+std::string path_text(FitAnswer const& a, std::size_t i) {
+  FittedPath const& p = a.fit.paths[i];
+  bool const significant = p.ln_false_alarm < std::log(a.settings.false_alarm);
+  std::string out = fmt::format("{}{}\n", p.name, significant ? "" : ": not significant");
+  out += line(a.field ? "recoupled fraction f_r" : "amplitude G", strength_text(a, p));
+  out += line("static phase", value_text(p.phase, "rad"));
+  SearchRange const& searched = a.settings.paths[i].multiplicity;
+  std::string const w_unit = multiplicity_unit(a.records);
+  Fitted const peak = effective_peak(a, i);
+  out +=
+      line("multiplicity W",
+           value_text(p.multiplicity, w_unit.c_str()) +
+               (searched.free() ? fmt::format(", searched from {:.3g} to {:.3g}", searched.low, searched.high) : ""));
+  out += line("effective motion", fmt::format("{} um peak ({:.4g} um pp)",
+                                              peak.sigma > 0 ? with_error(1e6 * peak.value, 1e6 * peak.sigma)
+                                                             : fmt::format("{:.4g}", 1e6 * peak.value),
+                                              2e6 * peak.value));
+  out += unseen_text(unseen_phase(a, i));
+  if (p.delay.sigma > 0) out += line("delay", value_text(scaled(p.delay, 1e3), "ms"));
+  if (p.drift.sigma > 0) out += line("drift of the phase", value_text(p.drift, "rad/s"));
+  out += line("chi^2 gained",
+              fmt::format("{:.1f}; noise alone does that with a chance of {}", p.gain, chance_text(p.ln_false_alarm)));
+  if (!a.routes.empty()) out += prediction_text(p, a.routes[i]);
+  return out;
+}
+
+// Half the range of x_1 - ratio x_2.
+double half_range(FringeRecords const& r, double ratio) {
+  double low = infinity, high = -infinity;
+  TimeSeries const& x = r.witnesses[0];
+  bool const two = r.witnesses.size() > 1;
+  std::vector<double> second;
+  if (two) second = interpolated(r.witnesses[1], x.start, x.rate, x.samples.size());
+  for (std::size_t i = 0; i < x.samples.size(); ++i) {
+    double const u = x.samples[i] - (two ? ratio * second[i] : 0);
+    low = std::min(low, u);
+    high = std::max(high, u);
+  }
+  return (high - low) / 2;
+}
+
+double correlation_of(FringeFit const& fit, std::string const& a, std::string const& b) {
+  auto const at = [&](std::string const& name) {
+    return std::size_t(std::find(fit.names.begin(), fit.names.end(), name) - fit.names.begin());
+  };
+  std::size_t const n = fit.names.size();
+  return at(a) < n && at(b) < n ? fit.correlation[at(a) * n + at(b)] : 0;
+}
+
+std::string test_text(FringeFit const& fit, double false_alarm) {
+  OutOfSample const& t = fit.test;
+  if (t.seconds == 0) return "out of sample: no test; all of the record was fitted\n";
+  return fmt::format(
+      "out of sample, {:.4g} s: chi^2 {:.1f} -> {:.1f} ({:.0f} expected); with the fit and its errors it is {} times "
+      "as "
+      "likely as without (found: {:g}, which noise alone reaches with a chance below {:g}); the model stands in it {} "
+      "times (1: it generalises, 0: it was noise); power in the band falls by {} %\n",
+      t.seconds, t.without, t.with, t.degrees, chance_text(t.ln_odds), 1 / false_alarm, false_alarm,
+      with_error(t.scale.value, t.scale.sigma), with_error(100 * t.reduction.value, 100 * t.reduction.sigma));
+}
+
+std::string clock_text(FitAnswer const& a) {
+  ClockCheck const& c = a.fit.clock;
+  if (c.range == 0) return "";
+  if (!c.better) return fmt::format("clocks: no delay within {:g} ms fits better than none\n", 1e3 * c.range);
+  std::string out = fmt::format("{}: noise that comes {} behind the witness takes {:.1f} more from chi^2\n",
+                                c.doubtful ? "clock?" : "clocks", value_text(scaled(c.delay, 1e3), "ms"), c.gain);
+  for (std::size_t i = 0; i < c.paths.size(); ++i)
+    out += fmt::format("  {}: {} {} with that delay, {} without; W {} and {}\n", c.paths[i].name, a.field ? "f_r" : "G",
+                       strength_text(a, c.paths[i]), strength_text(a, a.fit.paths[i]),
+                       value_text(c.paths[i].multiplicity, ""), value_text(a.fit.paths[i].multiplicity, ""));
+  return out + (c.doubtful ? "  write --free delay, or --delay \"0 ms\" where the clocks are one\n" : "");
+}
+
+std::string correlations_text(FringeFit const& fit) {
+  std::string out;
+  std::size_t const n = fit.names.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::fabs(fit.correlation[i * n + j]) > 0.5)
+        out += fmt::format("{}{} and {} {:+.2f}", out.empty() ? "correlated: " : "; ", fit.names[j], fit.names[i],
+                           fit.correlation[i * n + j]);
+  return out.empty() ? out : out + "\n";
+}
+
+}  // namespace
+
+std::string verdict_text(FitVerdict v) {
+  switch (v) {
+    case FitVerdict::none:
+      return "no significant fringe noise";
+    case FitVerdict::untested:
+      return "significant, but the rest of the record is too short or too quiet to confirm it";
+    case FitVerdict::not_general:
+      return "significant, but the fit does not generalise: it fails on the rest of the record";
+    case FitVerdict::clock:
+      return "clock? another delay of the witness fits better and gives another amplitude";
+    case FitVerdict::at_end:
+      return "significant, but a parameter stands at the end of its range: the best fit may lie beyond; widen it";
+    case FitVerdict::found:
+      return "fringe noise found: the fit predicts the rest of the record";
+  }
+  return {};
+}
+
+AgainstPrediction against(FittedPath const& p, RoutePrediction const& r) {
+  double const f = p.amplitude.value;
+  AgainstPrediction a;
+  a.fraction = {f * f, 2 * f * p.amplitude.sigma};
+  a.ratio.value = a.fraction.value / r.coupling;
+  a.ratio.sigma = a.ratio.value * std::hypot(a.fraction.sigma / a.fraction.value, r.sigma / r.coupling);
+  if (!r.speckle) return a;
+  a.low = speckle_percentile(0.05);
+  a.high = speckle_percentile(0.95);
+  a.within = a.ratio.value + 2 * a.ratio.sigma > a.low && a.ratio.value - 2 * a.ratio.sigma < a.high;
+  return a;
+}
+
+Fitted effective_peak(FitAnswer const& a, std::size_t path) {
+  Fitted const w = a.fit.paths[path].multiplicity, ratio = a.fit.ratio;
+  double const half = half_range(a.records, ratio.value);
+  double const step = 1e-3 * std::max(1.0, std::fabs(ratio.value));
+  double const of_ratio =
+      (half_range(a.records, ratio.value + step) - half_range(a.records, ratio.value - step)) / (2 * step);
+  double const from_w = half * w.sigma * (w.value < 0 ? -1 : 1),
+               from_ratio = std::fabs(w.value) * of_ratio * ratio.sigma;
+  double const both =
+      2 * correlation_of(a.fit, fmt::format("multiplicity {}", path + 1), "ratio") * from_w * from_ratio;
+  return {std::fabs(w.value) * half, std::sqrt(std::max(0.0, from_w * from_w + from_ratio * from_ratio + both))};
+}
+
+std::string fit_text(FitAnswer const& a) {
+  FringeFit const& fit = a.fit;
+  std::string witness = a.records.witnesses[0].name;
+  if (a.records.witnesses.size() > 1)
+    witness += fmt::format(" - {} x {}", value_text(fit.ratio, ""), a.records.witnesses[1].name);
+  std::string out =
+      fmt::format("{} against {}, {:g} to {:g} Hz, {:g} nm, W in units of 4 pi/lambda\n", a.records.target.name,
+                  witness, a.settings.low, a.settings.high, a.settings.wavelength * 1e9);
+  out += fmt::format("fitted GPS {} to {}, tested to {}; phases at GPS {} and the mean of the motion\n",
+                     gps_text(fit.start), gps_text(fit.split), gps_text(fit.end), gps_text(fit.middle));
+  out += verdict_text(fit.verdict) + "\n";
+  for (std::size_t i = 0; i < fit.paths.size(); ++i) out += path_text(a, i);
+  out += fmt::format("fringes up to {:.1f} Hz\n", fit.highest_fringe);
+  out += fmt::format("fitted: chi^2 {:.1f} -> {:.1f} ({:.0f} expected)\n", fit.without, fit.with, fit.degrees);
+  return out + clock_text(a) + test_text(fit, a.settings.false_alarm) + correlations_text(fit);
+}
+
+double unseen_phase(FitAnswer const& a, std::size_t path) {
+  double const first = a.records.unseen[0],
+               second = a.records.unseen.size() > 1 ? a.fit.ratio.value * a.records.unseen[1] : 0;
+  return 4 * pi / a.settings.wavelength * std::fabs(a.fit.paths[path].multiplicity.value) * std::hypot(first, second);
+}
+
+TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {
+  if (a.fit.verdict != FitVerdict::found)
+    throw InputError(
+        fmt::format("error: --subtract: {}; nothing was subtracted and no residual written\n  leave the "
+                    "option out, or fit another witness, band or stretch",
+                    verdict_text(a.fit.verdict)));
+  TimeSeries rest = a.records.target;
+  rest.name += "_RESIDUAL";
+  for (std::size_t i = 0; i < model.values.size(); ++i) rest.samples[model.first + i] -= model.values[i];
+  return rest;
+}
+
+CurveSheet fit_curves(FitAnswer const& a, FringeModel const& model) {
+  TimeSeries const& h = a.records.target;
+  std::size_t const n = model.values.size();
+  TimeSeries part = h;
+  part.start = h.time(model.first);
+  part.samples = {h.samples.begin() + std::ptrdiff_t(model.first), h.samples.begin() + std::ptrdiff_t(model.first + n)};
+  WelchSettings welch_settings;
+  welch_settings.segment = std::size_t(std::lround(std::min(8.0, part.duration() / 8) * h.rate));
+  WelchSpectrum const before = welch(part.samples, h.rate, welch_settings);
+  CurveSheet sheet;
+  sheet.title = fmt::format("{}: {}", h.name, verdict_text(a.fit.verdict));
+  std::string const text = fit_text(a);
+  for (std::size_t at = 0; at < text.size();) {
+    auto const end = text.find('\n', at);
+    sheet.notes.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  sheet.notes.push_back(
+      welch_note(welch_settings, h.rate, before.segments, before.effective_averages, before.noise_bandwidth));
+  sheet.x = {"frequency", "Hz", {}, "line"};
+  std::vector<std::size_t> lines;
+  for (std::size_t k = 1; k < before.hz.size(); ++k)
+    if (before.hz[k] >= a.settings.low / 2 && before.hz[k] <= 2 * a.settings.high) {
+      lines.push_back(k);
+      sheet.x.values.push_back(before.hz[k]);
+    }
+  auto const add = [&](char const* name, WelchSpectrum const& w) {
+    CurveColumn c{name, asd_unit(h.unit), {}, "line"};
+    CurveColumn error{std::string(name) + "_sigma", c.unit, {}, "hidden"};
+    for (std::size_t const k : lines) {
+      c.values.push_back(std::sqrt(w.psd[k]));
+      error.values.push_back(w.sigma[k] / (2 * std::sqrt(w.psd[k])));
+    }
+    sheet.y.push_back(c);
+    sheet.y.push_back(error);
+  };
+  add("target", before);
+  if (a.fit.verdict != FitVerdict::found) {
+    sheet.notes.push_back("no residual: the fit does not allow a subtraction");
+    return sheet;
+  }
+  add("fitted_noise", welch(model.values, h.rate, welch_settings));
+  for (std::size_t i = 0; i < lines.size(); ++i)  // beyond the band it is what leaks through the window
+    if (sheet.x.values[i] < a.settings.low || sheet.x.values[i] > a.settings.high)
+      for (std::size_t c = sheet.y.size() - 2; c < sheet.y.size(); ++c) sheet.y[c].values[i] = not_a_number;
+  for (std::size_t i = 0; i < n; ++i) part.samples[i] -= model.values[i];
+  add("residual", welch(part.samples, h.rate, welch_settings));
+  return sheet;
+}
+
+namespace {
+
+nlohmann::json number(Fitted const& f) {
+  return {{"value", f.value}, {"sigma", f.sigma}, {"free", f.sigma > 0}, {"at_end_of_range", f.at_end}};
+}
+
+nlohmann::json prediction_json(FittedPath const& p, RoutePrediction const& r) {
+  AgainstPrediction const a = against(p, r);
+  nlohmann::json j{{"rank", r.rank},
+                   {"route", r.route},
+                   {"port", r.port},
+                   {"body", r.body},
+                   {"axis", r.axis},
+                   {"multiplicity", r.multiplicity},
+                   {"multiplicity_spread", r.spread},
+                   {"resolved", !std::isnan(r.coupling)}};
+  if (std::isnan(r.coupling)) return j;
+  j["recoupled_fraction"] = {{"value", r.coupling}, {"sigma", r.sigma}};
+  j["measured_over_predicted"] = number(a.ratio);
+  if (r.speckle) j["speckle"] = {{"low_5", a.low}, {"high_95", a.high}, {"within", a.within}};
+  return j;
+}
+
+nlohmann::json path_json(FitAnswer const& a, std::size_t i) {
+  FittedPath const& p = a.fit.paths[i];
+  Fitted const peak = effective_peak(a, i);
+  nlohmann::json j{{"name", p.name},
+                   {"static_phase_rad", number(p.phase)},
+                   {"multiplicity", number(p.multiplicity)},
+                   {"delay_s", number(p.delay)},
+                   {"drift_rad_per_s", number(p.drift)},
+                   {"effective_motion_peak_m", peak.value},
+                   {"effective_motion_peak_sigma_m", peak.sigma},
+                   {"unseen_phase_rad", unseen_phase(a, i)},
+                   {"chi2_gained", p.gain},
+                   {"ln_false_alarm", p.ln_false_alarm}};
+  if (a.field) {
+    double const f = p.amplitude.value;
+    j["recoupled_fraction"] = number({f * f, 2 * f * p.amplitude.sigma});
+  } else {
+    j["amplitude"] = number(p.amplitude);
+  }
+  if (!a.routes.empty()) j["prediction"] = prediction_json(p, a.routes[i]);
+  return j;
+}
+
+nlohmann::json clock_json(FitAnswer const& a) {
+  ClockCheck const& c = a.fit.clock;
+  nlohmann::json j{{"range_s", c.range}, {"better", c.better}, {"doubtful", c.doubtful}};
+  if (!c.better) return j;
+  j["delay_s"] = number(c.delay);
+  j["chi2_gained"] = c.gain;
+  for (FittedPath const& p : c.paths)
+    j["paths"].push_back({{"name", p.name},
+                          {a.field ? "field" : "amplitude", number(p.amplitude)},
+                          {"multiplicity", number(p.multiplicity)}});
+  return j;
+}
+
+char const* verdict_word(FitVerdict v) {
+  char const* const words[] = {"none", "untested", "not-general", "clock", "end-of-range", "found"};
+  return words[std::size_t(v)];
+}
+
+}  // namespace
+
+nlohmann::json fit_json(FitAnswer const& a) {
+  FringeFit const& fit = a.fit;
+  nlohmann::json paths = nlohmann::json::array();
+  for (std::size_t i = 0; i < fit.paths.size(); ++i) paths.push_back(path_json(a, i));
+  nlohmann::json out{{"verdict", verdict_word(fit.verdict)},
+                     {"target", a.records.target.name},
+                     {"target_unit", a.records.target.unit},
+                     {"band_hz", {a.settings.low, a.settings.high}},
+                     {"wavelength_m", a.settings.wavelength},
+                     {"method", a.settings.method == FitMethod::time ? "time" : "frequency"},
+                     {"gps", {{"start", fit.start}, {"split", fit.split}, {"end", fit.end}, {"middle", fit.middle}}},
+                     {"paths", paths},
+                     {"highest_fringe_hz", fit.highest_fringe},
+                     {"chi2", {{"without", fit.without}, {"with", fit.with}, {"degrees", fit.degrees}}},
+                     {"ln_false_alarm", fit.ln_false_alarm},
+                     {"parameters", fit.names}};
+  for (TimeSeries const& x : a.records.witnesses) out["witnesses"].push_back(x.name);
+  if (a.records.witnesses.size() > 1) out["ratio"] = number(fit.ratio);
+  std::size_t const n = fit.names.size();
+  for (std::size_t i = 0; i < n; ++i)
+    out["correlation"].push_back(std::vector<double>(fit.correlation.begin() + std::ptrdiff_t(i * n),
+                                                     fit.correlation.begin() + std::ptrdiff_t((i + 1) * n)));
+  if (fit.clock.range > 0) out["clock"] = clock_json(a);
+  if (fit.test.seconds > 0)
+    out["out_of_sample"] = {
+        {"seconds", fit.test.seconds},
+        {"chi2", {{"without", fit.test.without}, {"with", fit.test.with}, {"degrees", fit.test.degrees}}},
+        {"ln_odds", fit.test.ln_odds},
+        {"ln_odds_expected", number(fit.test.ln_odds_expected)},
+        {"scale", number(fit.test.scale)},
+        {"reduction", number(fit.test.reduction)}};
+  return out;
+}
+
+}  // namespace straytrace

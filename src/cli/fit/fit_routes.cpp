@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a run predicts for the routes of its path table: coupling, fringes per metre of a body, response of the port.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cli/fit/fit_options.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
+#include "base/errors.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::array<char const*, 6> axis_names{"x", "y", "z", "rx", "ry", "rz"};
+
+// Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
+// radian about it.
+struct Levers {
+  double weight = 0;
+  std::array<double, 6> sum{}, square{};
+};
+
+Levers levers_of(CouplingClass const& c, std::uint32_t body) {
+  Levers out;
+  for (PathRecord const& r : c.records) {
+    out.weight += r.weight;
+    for (Lever const& lever : r.levers)
+      for (std::size_t a = 0; a < 6; ++a) {
+        if (lever.body.value != body) continue;
+        out.sum[a] += r.weight * lever.d[a];
+        out.square[a] += r.weight * lever.d[a] * lever.d[a];
+      }
+  }
+  return out;
+}
+
+std::uint32_t body_named(CouplingTable const& table, std::string const& name) {
+  auto const at = std::find(table.bodies.begin(), table.bodies.end(), name);
+  if (at != table.bodies.end()) return std::uint32_t(at - table.bodies.begin());
+  throw InputError(
+      fmt::format("error: --body: the run has no body '{}'\n  it is one of: {}", name, fmt::join(table.bodies, ", ")));
+}
+
+// The axis that is asked for, or that of most phase among those that the witness can measure.
+std::size_t axis_of(std::string const& asked, Levers const& levers, bool rotation) {
+  std::size_t const first = rotation ? 3 : 0;
+  auto const from = levers.square.begin() + std::ptrdiff_t(first);
+  if (asked.empty()) return first + std::size_t(std::max_element(from, from + 3) - from);
+  auto const a = std::size_t(std::find(axis_names.begin(), axis_names.end(), asked) - axis_names.begin());
+  if ((a > 2) == rotation) return a;
+  throw InputError(fmt::format("error: --axis: {} is {}, and the witness measures {}\n  write --axis {}", asked,
+                               rotation ? "a direction" : "a rotation", rotation ? "an angle" : "a displacement",
+                               rotation ? "rx, ry or rz" : "x, y or z"));
+}
+
+// rms lever and its spread in units of 2k (m for rotations), with the sign of the mean where that is clear.
+void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingClass const& c, std::string const& axis,
+                       bool rotation) {
+  Levers const levers = levers_of(c, body_named(table, p.body));
+  std::size_t const a = axis_of(axis, levers, rotation);
+  p.axis = axis_names[a];
+  double const two_k = 4 * pi / table.wavelength, mean = levers.sum[a] / levers.weight;
+  double const rms = std::sqrt(levers.square[a] / levers.weight);
+  if (!(rms > 0))
+    throw InputError(
+        fmt::format("error: motion of '{}' along {} does not change the phase of path {}\n  choose "
+                    "another --body or --axis",
+                    p.body, p.axis, p.rank));
+  p.multiplicity = (mean < 0 ? -1 : 1) * rms / two_k;
+  p.spread = std::sqrt(std::max(0.0, rms * rms - mean * mean)) / two_k;
+}
+
+CouplingClass const& class_of(CouplingTable const& table, std::uint64_t hash, std::string const& port) {
+  for (CouplingClass const& c : table.classes)
+    if (c.hash == hash && table.ports[c.port.value] == port) return c;
+  throw InputError("error: the run file does not hold the route that its path table names\n  make the run again");
+}
+
+}  // namespace
+
+double wavelength_of_run(FitOptions const& o) { return read_run(o.run).trace.coupling.wavelength; }
+
+std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
+  if (o.run.empty()) return {};
+  auto const run = std::make_shared<OpenRun const>(o.run);
+  RunFile const& file = run->file;
+  if (!run->model.detector)
+    throw InputError(fmt::format("error: {} has no interferometer\n  fit without a run, or project one", o.run));
+  CouplingTable const& table = file.trace.coupling;
+  PathTable const rows = table_for(table, file.noise ? &*file.noise : nullptr, run->model);
+  std::vector<RoutePrediction> out;
+  for (std::size_t const rank : o.rows.empty() ? std::vector<std::size_t>{1} : o.rows) {
+    if (rank < 1 || rank > rows.rows.size())
+      throw InputError(fmt::format("error: --path: the run has rows 1 to {}, not {}\n  see straytrace paths {}",
+                                   rows.rows.size(), rank, o.run));
+    PathRow const& row = rows.rows[rank - 1];
+    CouplingClass const& c = class_of(table, row.hash, row.port);
+    RoutePrediction p;
+    p.rank = rank;
+    p.route = row.sequence;
+    p.port = row.port;
+    p.body = o.body.empty() ? row.body : o.body;
+    p.coupling = row.resolved ? row.coupling.mean * row.reverse : not_a_number;
+    p.sigma = row.coupling.std_error * row.reverse;
+    p.speckle = !c.deterministic();
+    find_multiplicity(p, table, c, o.axis, rotation);
+    p.phase = [run, port = c.port](double hz) { return run->model.detector->strain_per_phase(port, hz); };
+    p.amplitude = [run, port = c.port](double hz) { return run->model.detector->strain_per_amplitude(port, hz); };
+    out.push_back(std::move(p));
+  }
+  return out;
+}
+
+}  // namespace straytrace

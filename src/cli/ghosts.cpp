@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace ghosts: every ghost beam of a scene, where it ends and how much of it comes back.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "session/common_options.hpp"
+#include "session/light/ghost_noise.hpp"
+#include "session/light/ghost_search.hpp"
+#include "session/interrupt.hpp"
+#include "session/session.hpp"
+#include "session/session.hpp"
+#include "session/diagnostics.hpp"
+#include "base/files/growing_file.hpp"
+#include "base/errors.hpp"
+#include "results/text/picture.hpp"
+
+namespace straytrace {
+namespace {
+
+struct GhostsRequest {
+  std::optional<double> floor;
+  std::optional<std::uint32_t> order;
+  std::string by = "power", beam;
+};
+
+constexpr std::size_t rows_shown = 20, objects_shown = 12;
+
+GhostRank rank_of(std::string const& by) {
+  return by == "strain" ? GhostRank::strain : by == "recoupled" ? GhostRank::recoupled : GhostRank::power;
+}
+
+// The scene with what the noise needs, as far as it is there.
+Model read_for_ghosts(Options const& options) {
+  Scene scene = read_scene(options.input, options.overrides);
+  if (scene.root().has("interferometer")) return read_model(options.input, options.overrides);
+  Model model;
+  model.world = build_world(scene);
+  scene.throw_if_problems();
+  model.scene = std::move(scene);
+  return model;
+}
+
+std::vector<BeamLaunch> choose_beams(Model const& model, std::string const& wanted) {
+  std::vector<BeamLaunch> beams = launches(model.world);
+  if (beams.empty())
+    throw InputError(
+        "error: the scene has no Gaussian beam to launch\n"
+        "  give one of 'beams' a 'from', a 'cavity' or an 'on', and leave its profile Gaussian");
+  if (wanted.empty()) return beams;
+  std::vector<std::string> names;
+  for (BeamLaunch const& b : beams) names.push_back(b.name);
+  std::erase_if(beams, [&](BeamLaunch const& b) { return b.name != wanted; });
+  if (!beams.empty()) return beams;
+  std::string const near = nearest_word(wanted, names);
+  throw InputError(fmt::format("error: no beam '{}' is launched\n  {}", wanted,
+                               near.empty() ? fmt::format("it is one of: {}", fmt::join(names, ", "))
+                                            : fmt::format("did you mean '{}'?", near)));
+}
+
+// Surfaces that the rows shown have met, as points on them: the background of the picture.
+nlohmann::json outlines(World const& world, GhostReport const& report) {
+  std::vector<bool> met(world.groups().size());
+  for (GhostRow const& r : report.rows) {
+    for (PathStep const& s : r.steps) met[s.group.value] = true;
+    if (r.ghost.where.valid()) met[r.ghost.where.value] = true;
+  }
+  nlohmann::json all = nlohmann::json::array();
+  WorldView const view = world.view();
+  for (Surface const& s : world.surfaces()) {
+    if (!met[s.group.value]) continue;
+    nlohmann::json points = nlohmann::json::array();
+    for (int i = 0; i < 20; ++i)
+      for (int k = 0; k < 20; ++k) {
+        Vec3 const p =
+            view.shapes
+                .visit(s.shape, [&](auto const& shape) { return sample_of(shape, (i + 0.5) / 20, (k + 0.5) / 20); })
+                .point;
+        points.push_back({p.x, p.y, p.z});
+      }
+    all.push_back({{"object", world.groups()[s.group.value]}, {"points_m", points}});
+  }
+  return all;
+}
+
+// The scene's own table, unless the command line says otherwise.
+GhostSettings settings_of(Model const& model, GhostsRequest const& wanted) {
+  GhostSettings settings = read_ghosts(model.scene).value_or(GhostSettings{});
+  model.scene.throw_if_problems();
+  settings.floor = wanted.floor.value_or(settings.floor);
+  settings.order = wanted.order.value_or(settings.order);
+  return settings;
+}
+
+// Where the answers go, beam by beam.
+class Answers {
+ public:
+  Answers(Options const& options, World const& world) : options_(options), world_(world) {
+    bool const watts = world.beam_power > 0;
+    if (options.csv) std::cout << ghost_csv_header(watts);
+    if (options.out.empty()) return;
+    folder_.emplace(options.out);
+    csv_ = std::make_unique<GrowingFile>(in_folder("ghosts.csv"));
+    csv_->write(ghost_csv_header(watts));
+  }
+  // Takes every row of a beam; empty: nobody wants them.
+  std::function<void(GhostTable const&, Ghost const&)> rows_of(BeamLaunch const& launch) {
+    if (!options_.csv && !csv_) return {};
+    double const power = world_.beam_power * world_.footprints()[launch.footprint].share;
+    return [this, name = launch.name, power](GhostTable const& table, Ghost const& g) {
+      std::string const line =
+          ghost_csv(name, table.row(g), g.where.valid() ? world_.groups()[g.where.value] : "", power);
+      if (options_.csv) std::cout << line;
+      if (csv_) csv_->write(line);
+    };
+  }
+  void add(GhostReport const& report) {
+    text_ += (text_.empty() ? "" : "\n") + ghost_text(report, objects_shown);
+    nlohmann::json entry = nlohmann::json::parse(ghost_json(report));
+    if (csv_) entry["surfaces"] = outlines(world_, report);
+    all_.push_back(std::move(entry));
+    if (options_.quiet) return;
+    if (report.ledger.stopped > 0)
+      std::cerr << fmt::format("stopped early: beam '{}': {:.2g} of the launched power was not followed\n", report.beam,
+                               double(report.ledger.stopped));
+    for (std::string const& w : report.warnings) std::cerr << fmt::format("warning: beam '{}': {}\n", report.beam, w);
+  }
+  void finish() {
+    if (csv_) {
+      csv_->publish();
+      write_file(in_folder("ghosts.txt"), text_);
+      write_file(in_folder("ghosts.json"), all_.dump());
+      std::string message;
+      if (!draw_ghost_picture(in_folder("ghosts.json"), in_folder("ghosts.png"), message)) std::cerr << message << '\n';
+    }
+    if (options_.csv) return;
+    if (options_.json())
+      std::cout << all_.dump() << '\n';
+    else
+      std::cout << text_;
+  }
+
+ private:
+  std::string in_folder(char const* name) const { return (std::filesystem::path(options_.out) / name).string(); }
+  Options const& options_;
+  World const& world_;
+  std::optional<OutputFolder> folder_;
+  std::unique_ptr<GrowingFile> csv_;
+  std::string text_;
+  nlohmann::json all_ = nlohmann::json::array();
+};
+
+int ghosts(Options const& options, GhostsRequest const& wanted) {
+  refuse_two_formats(options);
+  Model const model = read_for_ghosts(options);
+  tell_warnings(model.scene, options);
+  GhostSearch search{
+      model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown, nullptr, {}};
+  std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);
+  if (search.rank == GhostRank::strain) require_strain(search, beams);
+  Answers answers(options, model.world);
+  ProgressLine progress(options.quiet);
+  auto const start = std::chrono::steady_clock::now();
+  search.progress = [&](BeamLaunch const& launch, std::uint64_t ended, char const* doing) {
+    double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress.at(seconds, [&] {
+      return fmt::format("ghosts  beam {}  {}  {:.3g} beams  {:.0f} s", launch.name, doing, double(ended), seconds);
+    });
+  };
+  InterruptGuard const guard;
+  search.stop = &guard.stop();
+  std::string not_begun;
+  for (BeamLaunch const& launch : beams) {
+    if (guard.stop())
+      not_begun += (not_begun.empty() ? "" : ", ") + launch.name;
+    else
+      answers.add(ghost_report(search, launch, answers.rows_of(launch)));
+  }
+  answers.finish();
+  if (!not_begun.empty()) std::cerr << fmt::format("stopped early: not begun: {}\n", not_begun);
+  return guard.stop() ? checkpointed : done;
+}
+
+CLI::Validator number_above_zero() {
+  return {[](std::string const& word) -> std::string {
+            double value = 0;
+            if (CLI::detail::lexical_cast(word, value) && value > 0 && value <= 1) return {};
+            return fmt::format("'{}' is not a share of power above 0 and up to 1; write for example 1e-15", word);
+          },
+          ""};
+}
+
+}  // namespace
+
+void add_ghosts(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("ghosts", "every ghost beam: order, power, where it ends, how much of it comes back");
+  static GhostsRequest wanted;
+  add_scene_options(*command, options);
+  command
+      ->add_option("--floor", wanted.floor,
+                   "least power that is followed, over what is launched or leaves the cavity; default 1e-15")
+      ->check(number_above_zero());
+  command->add_option("--order", wanted.order, "departures from the main beam, at most; default: no limit")
+      ->check(whole_between(0, 1e6, "2"));
+  command->add_option("--by", wanted.by, "rank by power (default), strain or recoupled")
+      ->check(CLI::IsMember({"power", "strain", "recoupled"}));
+  command->add_option("--beam", wanted.beam, "only this beam; of a cavity: the mirror that it leaves through");
+  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
+  command->add_flag("--csv", options.csv, "all ghosts, all digits, in the order in which they are found");
+  command->add_option("-o,--out", options.out, "folder for ghosts.csv, ghosts.txt, ghosts.json and ghosts.png");
+  command->footer(
+      "Examples:\n"
+      "  straytrace ghosts examples/bench.yaml --order 2\n"
+      "  straytrace ghosts examples/bench.yaml --floor 1e-12 --by recoupled --show 50");
+  command->callback([&] { exit_code = ghosts(options, wanted); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace importance: where light must not go.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iostream>
+#include <optional>
+
+#include "session/common_options.hpp"
+#include "session/importance_map.hpp"
+#include "session/diagnostics.hpp"
+#include "base/errors.hpp"
+#include "results/text/columns.hpp"
+#include "trace/importance/importance.hpp"
+
+namespace straytrace {
+namespace {
+
+struct ImportanceRow {
+  std::string group;
+  double from = 0, to = 0;  // m, along z
+  double area = 0;          // m^2
+  double front = 0, back = 0;
+  double most() const { return std::max(front, back); }
+};
+
+std::vector<ImportanceRow> rows_of(ImportanceMap const& map, std::vector<std::string> const& groups) {
+  std::vector<ImportanceRow> rows;
+  for (ImportanceMap::Strip const& s : map.strips)
+    rows.push_back(
+        {groups.at(s.group), s.low, s.high, s.area, map.adjoint.at(2 * s.patch), map.adjoint.at(2 * s.patch + 1)});
+  return rows;
+}
+
+// Kept in a run file, or made from a scene.
+std::vector<ImportanceRow> find_rows(Options const& options) {
+  std::optional<RunFile> file;
+  std::vector<std::string> overrides = options.overrides;
+  if (options.input.ends_with(".h5")) {
+    file = read_run(options.input);
+    bool const kept = !file->about.importance.strips.empty();
+    if (kept && overrides.empty()) return rows_of(file->about.importance, file->trace.coupling.groups);
+    if (!kept && !options.quiet) std::cerr << "the run keeps no map of importance: made from its scene\n";
+    overrides.insert(overrides.begin(), file->about.overrides.begin(), file->about.overrides.end());
+  }
+  Scene const scene =
+      file ? read_scene(file->about.main_file, overrides, &file->about.files) : read_scene(options.input, overrides);
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  if (!file) tell_warnings(scene, options);
+  world.limits.targets = true;
+  steer(world);
+  return rows_of(importance_map(world), world.groups());
+}
+
+void print(std::vector<ImportanceRow> rows, std::size_t show) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](ImportanceRow const& a, ImportanceRow const& b) { return a.most() > b.most(); });
+  Columns table{{"surface", "z from/m", "z to/m", "area/m^2", "front", "back"}, {true}, {}};
+  std::size_t left = 0;
+  for (ImportanceRow const& r : rows) {
+    if (!(r.most() > 0)) continue;
+    if (table.rows.size() >= show) {
+      ++left;
+      continue;
+    }
+    auto const adjoint = [](double a) { return a > 0 ? fmt::format("{:.3g}", a) : std::string("-"); };
+    table.rows.push_back({r.group, fmt::format("{:.6g}", r.from), fmt::format("{:.6g}", r.to),
+                          fmt::format("{:.4g}", r.area), adjoint(r.front), adjoint(r.back)});
+  }
+  if (table.rows.empty()) {
+    std::cout << "Nothing to aim at: no light that is scattered a second time is received.\n";
+    return;
+  }
+  std::cout
+      << "Adjoint of each side: what one unit of power arriving there still adds to what is received, in units of\n"
+         "the whole of it, summed over ports and receivers; a quadrature for steering, good to tens of per cent\n"
+         "where light goes straight. Light by way of mirrors and glass is seen by a short pilot run, if at all.\n"
+      << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "");
+}
+
+int importance(Options const& options) {
+  refuse_two_formats(options);
+  std::vector<ImportanceRow> const rows = find_rows(options);
+  if (options.csv) {
+    std::cout << "surface,z_from_m,z_to_m,area_m2,adjoint_front,adjoint_back\n";
+    for (ImportanceRow const& r : rows)
+      std::cout << fmt::format("\"{}\",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", r.group, r.from, r.to, r.area,
+                               r.front, r.back);
+  } else if (options.json()) {
+    nlohmann::json out = nlohmann::json::array();
+    for (ImportanceRow const& r : rows)
+      out.push_back({{"surface", r.group},
+                     {"z_from_m", r.from},
+                     {"z_to_m", r.to},
+                     {"area_m2", r.area},
+                     {"adjoint_front", r.front},
+                     {"adjoint_back", r.back}});
+    std::cout << out.dump() << '\n';
+  } else {
+    print(rows, options.show ? options.show : 20);
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_importance(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("importance", "where light must not go: adjoint of each part of each surface");
+  add_scene_options(*command, options, "scene (YAML), or run file (HDF5) whose own map is shown");
+  command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
+  command->add_flag("--csv", options.csv, "all rows, all digits, in the order of the scene");
+  command->footer(
+      "Examples:\n"
+      "  straytrace importance examples/virgo_arm.yaml\n"
+      "  straytrace importance examples/virgo_arm.yaml --csv > importance.csv\n"
+      "  straytrace importance out/run.h5");
+  command->callback([&] { exit_code = importance(options); });
+}
+
+}  // namespace straytrace

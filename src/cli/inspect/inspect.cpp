@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace inspect: what a material, a preset or a BSDF file contains as understood.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+#include "session/common_options.hpp"
+#include "cli/inspect/inspect_geometry.hpp"
+#include "cli/inspect/inspect_motion.hpp"
+#include "cli/inspect/inspect_scatter.hpp"
+#include "cli/library.hpp"
+#include "session/open_run.hpp"
+#include "session/diagnostics.hpp"
+#include "base/files/file_bytes.hpp"
+#include "base/errors.hpp"
+#include "io/hdf5/reader.hpp"
+#include "report/html/material_json.hpp"
+#include "results/text/picture.hpp"
+#include "results/results.hpp"
+#include "world/build/read_materials.hpp"
+#include "world/model/material_view.hpp"
+#include "world/build/read_newmtl.hpp"
+#include "world/build/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+struct Inspected {
+  std::string scene, units;
+  ScatterRequest what;
+};
+
+bool is_list(std::string const& name) { return name.ends_with(".mtl"); }
+bool is_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
+
+bool is_preset(std::string const& name) {
+  for (MaterialPreset const& p : material_presets())
+    if (p.name == name) return true;
+  return false;
+}
+
+// A scene that holds nothing but the preset; it reads from `texts` as long as it lives.
+Scene scene_of_preset(std::string const& name, FileTexts& texts) {
+  texts["preset"] = fmt::format("straytrace: 1\nmaterials: {{{0}: {{preset: {0}}}}}\n", name);
+  return read_scene("preset", {}, &texts);
+}
+
+[[noreturn]] void refuse_name(std::string const& name) {
+  std::vector<std::string> names;
+  for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
+  for (LibraryEntry const& e : library_entries()) {
+    if (e.name == name)
+      throw InputError(fmt::format(
+          "error: '{0}' is a {1} of the library, and inspect shows presets, materials of a scene, and files\n  see "
+          "straytrace library {0}",
+          name, e.kind));
+    names.push_back(e.name);
+  }
+  std::string const near = nearest_word(name, names);
+  throw InputError(
+      fmt::format("error: '{}' is neither a file nor in the library\n  {}to see a material of a scene, name the "
+                  "scene after it: straytrace inspect steel arm.yaml",
+                  name, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
+}
+
+void print_bsdf(WorldView const& world, Optic const& optic, int side) {
+  double any = 0;
+  for (double offset : material_offsets(6, 1e-5, 1)) any = std::fmax(any, bsdf_at(world, optic, 0, offset, side));
+  if (!(any > 0)) return;
+  std::cout << fmt::format("\nBSDF [1/sr], {}, in the plane of incidence towards the normal\n{:>14}",
+                           side > 0 ? "reflected" : "transmitted", "|beta-beta0|");
+  for (double degrees : material_incidences) std::cout << fmt::format("  {:>6.0f} deg", degrees);
+  std::cout << '\n';
+  for (double offset : material_offsets(2, 1e-5, 1)) {
+    std::cout << fmt::format("{:14.3e}", offset);
+    for (double degrees : material_incidences) {
+      double const value = bsdf_at(world, optic, degrees, offset, side);
+      std::cout << (value < 0 ? fmt::format("  {:>10}", "-") : fmt::format("  {:10.3e}", value));
+    }
+    std::cout << '\n';
+  }
+}
+
+void print(WorldView const& world, MaterialInfo const& info, std::vector<std::string> const& notes) {
+  Optic const& optic = world.optics[info.optic];
+  std::cout << fmt::format("material {}, source: {}\n", info.name, info.source);
+  for (std::size_t i = 0; i < info.laws.size(); ++i)
+    std::cout << fmt::format("  law {}: {}{}, source: {}, wavelength: {}\n", i + 1, info.laws[i].model,
+                             optic.through[i] ? " (through)" : "", info.laws[i].source, info.laws[i].wavelength);
+  for (std::string const& note : notes) std::cout << "  " << note << '\n';
+  std::cout << fmt::format("\n{:>6}  {:>10}", "deg", "TIS");
+  for (int i = 0; i < optic.laws; ++i) std::cout << fmt::format("  {:>10}", fmt::format("law {}", i + 1));
+  std::cout << fmt::format("  {:>10}  {:>10}  {:>10}\n", "specular R", "T", "absorbed");
+  for (double degrees : material_angles) {
+    MaterialShares const r = shares_at(world, optic, degrees);
+    std::cout << fmt::format("{:6.0f}  {:10.4e}", degrees, r.scattered);
+    for (double share : r.laws) std::cout << fmt::format("  {:10.4e}", share);
+    std::cout << fmt::format("  {:10.4e}  {:10.4e}  {:10.4e}\n", r.reflect, r.transmit, r.absorbed);
+  }
+  print_bsdf(world, optic, 1);
+  print_bsdf(world, optic, -1);
+}
+
+void plot(nlohmann::json const& data, std::string const& png) {
+  std::string message;
+  std::string const picture = picture_of(data.dump(), draw_law_picture, message);
+  if (picture.empty()) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  write_file(png, picture);
+  std::cout << "\npicture: " << png << '\n';
+}
+
+// A list of materials in the newmtl format, as a file that a scene can include.
+int print_list(std::string const& file, bool json) {
+  auto const [text, why] = bytes_of_file(file);
+  if (!why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  check the name and the folder", file, why));
+  std::vector<Problem> problems;
+  std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
+  std::string const name = std::filesystem::path(file).filename().string();
+  if (list.empty() && problems.empty())
+    throw InputError(fmt::format("error: '{}' holds no material\n  begin with a line 'newmtl NAME'", name));
+  std::string said;
+  for (Problem const& p : problems)
+    said += fmt::format("{}:{}:{}: error: {}\n  {}\n", name, p.place.line, p.place.column, p.what, p.suggestion);
+  if (!problems.empty()) throw InputError(problems, said, {name});
+  if (!json) {
+    std::cout << fmt::format(
+                     "straytrace: 1\n# of {}: save this as materials.yaml beside a scene and write there\n"
+                     "#   include: [materials.yaml]\n",
+                     name)
+              << materials_table(list);
+    return done;
+  }
+  nlohmann::json out = nlohmann::json::array();
+  for (NewmtlMaterial const& m : list)
+    out.push_back({{"material", m.name},
+                   {"transmit", m.transmit},
+                   {"reflect", m.reflect},
+                   {"scatter_transmit", m.scatter_transmit},
+                   {"scatter_reflect", m.scatter_reflect},
+                   {"index", m.index},
+                   {"wavelength", m.wavelength}});
+  std::cout << out.dump() << '\n';
+  return done;
+}
+
+// The scene that is asked for; nothing where it is a file of measured scatter.
+std::optional<Scene> scene_asked(Inspected const& i, Options const& options, FileTexts& texts) {
+  std::string const& name = i.what.file;
+  bool const whole = is_scene(name), own = !i.scene.empty();
+  if (whole && own)
+    throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
+  if (own || whole) return read_scene(own ? i.scene : name, options.overrides);
+  if (is_preset(name)) return scene_of_preset(name, texts);
+  if (std::filesystem::is_regular_file(name)) return {};
+  refuse_name(name);
+}
+
+// Of a file that is HDF5: whether it says that it is a run, as records of sensors do not.
+bool is_run(std::string const& file) {
+  try {
+    return hdf5::Reader(read_file(file), {[](std::string const&) { return false; }}).has_attribute("/", "file_type");
+  } catch (InputError const&) {
+    return true;  // damaged: what reads runs says so
+  }
+}
+
+int inspect(Inspected const& i, Options const& options) {
+  std::string const& name = i.what.file;
+  if (is_run_file(name) && !is_run(name))
+    throw InputError(fmt::format(
+        "error: '{0}' is HDF5 and no run file\n  of recorded data, see straytrace signal psd {0}, which names its "
+        "channels",
+        name));
+  if (is_run_file(name))
+    throw InputError(fmt::format(
+        "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "
+        "FOLDER to make it again",
+        name));
+  if (is_geometry(name) && i.scene.empty()) return inspect_geometry(name, i.units, i.what.plot, options);
+  if (is_list(i.what.file) && i.scene.empty()) return print_list(i.what.file, options.json());
+  FileTexts texts;
+  std::optional<Scene> const asked = scene_asked(i, options, texts);
+  if (!asked) return inspect_scatter(i.what, options);
+  if (!i.what.write.empty())
+    throw InputError("error: --write converts files of measured scatter\n  name such a file, or leave --write out");
+  Scene const& scene = *asked;
+  bool const own = !i.scene.empty();
+  if (is_scene(i.what.file) && shows_motion(scene)) return inspect_motion(scene, i.what.plot, options);
+  World world;
+  Registry names;
+  read_media(scene, world, names);
+  read_materials(scene, world, names);
+  scene.throw_if_problems();
+  tell_warnings(scene, options);
+  bool found = false;
+  std::vector<std::string> known;
+  for (MaterialInfo const& info : world.materials) {
+    known.push_back(info.name);
+    if (own && info.name != i.what.file) continue;
+    std::vector<std::string> notes;
+    for (std::string const& note : world.notes)
+      if (note.starts_with("material " + info.name + ":")) notes.push_back(note.substr(11 + info.name.size()));
+    if (found && !options.json()) std::cout << '\n';
+    found = true;
+    nlohmann::json const data = material_json(world.view(), info, notes);
+    if (options.json())
+      std::cout << data.dump() << '\n';
+    else
+      print(world.view(), info, notes);
+    if (!i.what.plot.empty()) plot(data, i.what.plot);
+    if (!i.what.plot.empty()) break;
+  }
+  if (found) return done;
+  std::string const near = nearest_word(i.what.file, known);
+  throw InputError(fmt::format("error: '{}' has no material '{}'\n  {}", own ? i.scene : i.what.file, i.what.file,
+                               !near.empty() ? fmt::format("did you mean '{}'?", near)
+                                             : fmt::format("its materials: {}", fmt::join(known, ", "))));
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand(
+      "inspect",
+      "what a material, a preset, or a file of CAD, meshes, measured scatter or motion contains as understood");
+  static Inspected what;
+  command
+      ->add_option(
+          "what", what.what.file,
+          "material of a scene, preset, CAD or mesh file, file of measured scatter, list of materials (newmtl, .mtl), "
+          "scene, or motion file")
+      ->required();
+  command->add_option("scene", what.scene, "scene that holds the material");
+  command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
+      ->allow_extra_args(false);
+  command->add_option(
+      "--plot", what.what.plot,
+      "draw the parts, BSDF against |beta - beta0| and TIS against angle, measured scatter with fits and residuals, or "
+      "the ASDs of motion, into this PNG file");
+  command->add_option("--units", what.units, "of a CAD or mesh file: unit of its numbers, for example mm");
+  command->add_option("--write", what.what.write, "convert a file of measured scatter into this SSDD file");
+  command->add_option("--beyond", what.what.beyond, "of measured scatter: constant, power or zero")
+      ->check(CLI::IsMember({"constant", "power", "zero"}));
+  command->add_option("--angles", what.what.angles, "of a CSV that does not say it: from_normal or from_specular")
+      ->check(CLI::IsMember({"from_normal", "from_specular"}));
+  command->add_option("--wavelength", what.what.wavelength, "of a file that does not say it, for example \"633 nm\"");
+  command->add_option("--entry", what.what.entry, "of an ABg catalogue: the name of the entry");
+  command->add_flag("--quiet", options.quiet, "no warnings");
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace inspect oxidised_steel\n"
+      "  straytrace inspect test_mass examples/virgo_arm.yaml --format json\n"
+      "  straytrace inspect examples/data/steel_bsdf.csv --plot steel.png\n"
+      "  straytrace inspect examples/data/cad_bench.step --plot bench.png\n"
+      "  straytrace inspect examples/data/iris.mtl > materials.yaml");
+  command->callback([&] { exit_code = inspect(what, options); });
+}
+
+}  // namespace straytrace

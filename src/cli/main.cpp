@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <new>
+#include <string_view>
+
+#include "session/build_info.hpp"
+#include "session/common_options.hpp"
+#include "session/device.hpp"
+#include "session/events.hpp"
+#include "session/mpi.hpp"
+#include "session/options.hpp"
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "results/results.hpp"
+#include "scene/scene_document.hpp"
+
+namespace straytrace {
+namespace {
+
+// One problem, for people or as the list that scripts read.
+void say(std::string const& what, bool json) {
+  if (json)
+    std::cerr << problems_as_json(InputError(what)) << '\n';
+  else
+    std::cerr << "error: " << printable(what) << '\n';
+  tell_problems(InputError(what));
+}
+
+// One sentence and what to write instead; the exit code.
+int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
+  CLI::App const* deepest = &app;
+  std::string named;
+  for (auto below = app.get_subcommands(); !below.empty(); below = deepest->get_subcommands()) {
+    deepest = below.front();
+    named += deepest->get_name() + " ";
+  }
+  say(in_our_words(*deepest, app, e, named), json);
+  return input_error;
+}
+
+// Before the command line is understood.
+bool asks_for_json(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    std::string_view const word = argv[i];
+    if (word == "--format=json" || (word == "--format" && i + 1 < argc && argv[i + 1] == std::string_view("json")))
+      return true;
+  }
+  return false;
+}
+
+// Messages without a place in a file come as bare sentences.
+std::string sentence(InputError const& e) {
+  std::string const text = e.what();
+  return printable(text.find("error: ") == text.npos ? "error: " + text : text);
+}
+
+// "scene.yaml=/tmp/text": the text is read where the model names the scene.
+void add_unsaved(std::string const& pair) {
+  std::size_t const equal = pair.rfind('=');
+  if (equal == 0 || equal >= pair.size() - 1)
+    throw InputError(fmt::format("error: --unsaved '{}' names no two files\n  write --unsaved SCENE=FILE", pair));
+  set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
+}
+
+std::string version_text() {
+  return std::string("straytrace ") + build_info::version + " (" + build_info::commit + ")\n" + devices_text();
+}
+
+// For programs that start this one.
+void add_program_options(CLI::App& app) {
+  app.add_flag_callback("--events", tell_events, "progress and problems as lines of JSON on stderr");
+  app.add_option_function<std::vector<std::string>>(
+         "--unsaved",
+         [](std::vector<std::string> const& pairs) {
+           for (std::string const& pair : pairs) add_unsaved(pair);
+         },
+         "SCENE=FILE: the text in FILE is read where SCENE is meant, as an editor holds it")
+      ->allow_extra_args(false);
+}
+
+int answer(int argc, char** argv) {
+  CLI::App app{"straytrace: stray-light noise of interferometric gravitational-wave detectors", "straytrace"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text);
+  app.footer("Every command explains itself: straytrace run --help");
+  add_program_options(app);
+  Options options;
+  bool const json = asks_for_json(argc, argv);
+  int exit_code = done;
+  for (auto* add : {add_run,  add_check,   add_trace,   add_merge,      add_submit,    add_noise,  add_paths,
+                    add_maps, add_inspect, add_render,  add_importance, add_apertures, add_ghosts, add_budget,
+                    add_scan, add_signal,  add_project, add_fringes,    add_couple,    add_fit,    add_report,
+                    add_view, add_library, add_print,   add_explain,    add_schema,    add_diff})
+    add(app, options, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (CLI::ParseError const& e) {
+    return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
+  } catch (InputError const& e) {
+    std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
+    tell_problems(e);
+    return input_error;
+  } catch (std::filesystem::filesystem_error const& e) {
+    say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
+    return input_error;
+  } catch (std::bad_alloc const&) {
+    say("the memory does not hold this model or file\n  take a smaller one, or a machine with more memory", json);
+    return numerical_failure;
+  } catch (std::exception const& e) {
+    say(e.what(), json);
+    return numerical_failure;
+  }
+  if (!std::cout.flush()) {
+    std::cerr << "error: the results could not be written to the standard output\n";
+    return input_error;
+  }
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace straytrace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond the limit of file sizes a write fails and is told, as on a full disk
+  int const exit_code = straytrace::answer(argc, argv);
+  straytrace::close_mpi(exit_code);
+  return exit_code;
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace maps: what the receivers of a run have seen, as pictures and numbers.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
+#include "session/session.hpp"
+#include "base/errors.hpp"
+#include "results/text/picture.hpp"
+#include "results/receivers/receivers.hpp"
+
+namespace straytrace {
+namespace {
+
+int maps(Options const& options) {
+  RunFile const file = read_run_file(options.input);
+  RunContent const content = file.content();
+  if (content.receivers.empty())
+    throw InputError(
+        fmt::format("error: '{}' has no receivers\n  add 'receivers: {{PD: {{on: SURFACE, map: {{...}}}}}}' "
+                    "to the scene and trace it again",
+                    options.input));
+  OutputFolder const folder(options.out);
+  std::vector<std::string> files = write_maps(options.out, content);
+  if (files.empty())
+    throw InputError(
+        fmt::format("error: no receiver of '{}' has a map\n  give it 'map', 'angles' or 'quadrants'", options.input));
+  std::string picture, message;
+  for (std::size_t i = 0; i < content.receivers.size() && picture.empty(); ++i)
+    if (content.receivers[i].map_size() > 0 || content.receivers[i].angle_bins > 0) {
+      picture = file.trace.coupling.receivers[i] + ".png";
+      std::replace(picture.begin(), picture.end(), '/', '_');
+    }
+  bool const drawn =
+      picture.empty() || draw_map_pictures(options.input, options.out, options.out + "/" + picture, message);
+  for (std::string const& name : files) std::cout << options.out << '/' << name << '\n';
+  if (!drawn) std::cerr << "warning: pictures were not drawn: " << message << '\n';
+  return done;
+}
+
+}  // namespace
+
+void add_maps(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("maps", "irradiance, angles, fields and quadrants of receivers: CSV, NPY, PNG");
+  command->add_option("run", options.input, "run file (HDF5)")->required();
+  command->add_option("-o,--out", options.out, "folder for the maps")->required();
+  command->footer(
+      "Example:\n"
+      "  straytrace maps bench.h5 -o maps/\n"
+      "Row 0 is the lowest, column 0 the leftmost, seen from the front of the receiver.");
+  command->callback([&] {
+    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
+    exit_code = maps(options);
+  });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace merge: slices -> the run they are parts of.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/jobs/merge_parts.hpp"
+#include "session/session.hpp"
+#include "session/diagnostics.hpp"
+#include "base/text/words.hpp"
+
+namespace straytrace {
+namespace {
+
+void tell_other_texts(RunParts const& parts, Options const& options) {
+  auto const differs = [&](PartHead const& head) { return head.texts_hash != parts.heads.front().texts_hash; };
+  auto const other = std::find_if(parts.heads.begin(), parts.heads.end(), differs);
+  if (other == parts.heads.end()) return;
+  tell_warning(
+      fmt::format("'{}' and '{}' were traced from different texts, for example of motion; those of '{}' go into "
+                  "the run",
+                  other->file, parts.heads.front().file, parts.heads.front().file),
+      options);
+}
+
+void refuse_gaps(RunParts const& parts) {
+  std::string text = missing_text(parts);
+  text.pop_back();  // the end of its last line
+  throw InputError(
+      fmt::format("error: {}\n  merge again when they are there, or take what there is with --partial", text));
+}
+
+// A run that is there already may hold histories that no part does.
+void refuse_loss(RunParts const& parts, Options const& options) {
+  if (!earlier_run(options.out, parts.heads.front().model_hash, parts.heads.front().seed, options.force)) return;
+  std::uint64_t blocks = 0;
+  for (BlockRange const& range : lost_with(read_part_head(options.out), parts)) blocks += range.size();
+  if (blocks > 0)
+    throw InputError(fmt::format(
+        "error: '{}' holds {} of histories that no part does, which would be lost\n  choose another place with "
+        "-o, or overwrite it with --force",
+        options.out, counted(blocks, "block")));
+}
+
+TraceResult merged(RunParts const& parts, Model& model, Options const& options) {
+  TraceResult result = result_of(model, merged_sums(parts), options);
+  result.all_blocks = parts.all_blocks;
+  result.stopped = parts.missing.empty() ? Stopped::by_histories : Stopped::by_gaps;
+  for (PartHead const& head : parts.heads) result.seconds += head.seconds;
+  return result;
+}
+
+int merge(std::vector<std::string> const& files, bool partial, Options const& options) {
+  RunParts const parts = read_parts(files);
+  if (!parts.missing.empty() && !partial) refuse_gaps(parts);
+  if (std::find(files.begin(), files.end(), options.out) == files.end()) refuse_loss(parts, options);
+  tell_other_texts(parts, options);
+  Earlier const first(parts.heads.front().file);
+  Model model = first.read({});
+  tell_warnings(model, options);
+  TraceResult const result = merged(parts, model, options);
+  RunContent const content = first.completed(content_of(model, result, nullptr));
+  write_run(options.out, content);
+  tell_traced(content, model, options);
+  if (!parts.missing.empty()) tell_warning(missing_text(parts), options);
+  if (!options.quiet)
+    std::cerr << fmt::format("{}, {:.6g} histories in {}; data {}\n", counted(files.size(), "part"),
+                             double(result.total.histories), options.out, data_hash(options.out).substr(0, 16));
+  return done;
+}
+
+}  // namespace
+
+void add_merge(CLI::App& app, Options& options, int& exit_code) {
+  static std::vector<std::string> files;
+  static bool partial = false;
+  auto* const command = app.add_subcommand("merge", "one run of the slices of a run, the same to the last bit");
+  command->add_option("parts", files, "run files of trace --slice")->required();
+  command->add_option("-o,--out", options.out, "run file to write (HDF5)")->required();
+  command->add_flag("--partial", partial, "when parts are missing: a smaller run of what is there");
+  command->add_flag("--quiet", options.quiet, "no warnings");
+  add_force_option(*command, options);
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace merge part*.h5 -o run.h5\n"
+      "  straytrace merge part*.h5 -o run.h5 --partial\n"
+      "What is missing is listed with the commands that trace it. straytrace trace run.h5 fills the gaps of a run "
+      "that\n"
+      "was merged with --partial.");
+  command->callback([&] { exit_code = merge(files, partial, options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace noise: run file -> h(f), with its own motion or another one, without tracing.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
+#include "session/session.hpp"
+#include "session/diagnostics.hpp"
+#include "results/curves/band.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string name_of(std::string const& path) { return std::filesystem::path(path).filename().string(); }
+
+// Into the folder of the run itself, whose own motion or responses are then replaced.
+void warn_of_own_folder(Options const& options) {
+  std::error_code none;
+  bool const own = std::filesystem::equivalent(std::filesystem::path(options.out) / "run.h5", options.input, none);
+  if (own && !(options.motion.empty() && options.response.empty()))
+    std::cerr << fmt::format(
+        "warning: '{}' is the folder of the run itself: its results and run file now are those of {}\n  choose another "
+        "one with -o to keep both\n",
+        options.out, name_of(options.motion.empty() ? options.response : options.motion));
+}
+
+int noise(Options const& options) {
+  auto const start = std::chrono::steady_clock::now();
+  FileTexts files;
+  OpenRun run(options.input, options.motion, &files);
+  RunFile const& file = run.file;
+  Model& model = run.model;
+  bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
+  if (alone)
+    earlier_run(options.out, file.about.model_hash, file.trace.coupling.seed, options.force);
+  else if (!options.out.empty() && std::filesystem::is_directory(options.out))
+    earlier_run(options.out + "/run.h5", file.about.model_hash, file.trace.coupling.seed, options.force);
+  std::string replaced = run.projected_with;
+  if (!options.response.empty()) {
+    replace_motion(model, options.response, nullptr, &files, true);
+    replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
+  }
+  tell_warnings(model, options);
+  NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
+  tell_warnings(budget, options);
+  double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  PathTable const paths = table_for(file.trace.coupling, &budget, model);
+  RunContent content = file.content();
+  content.noise = &budget;
+  content.interferometer = model.detector->description();
+  content.files = files;
+  if (!options.motion.empty() && !model.warnings.empty()) content.warnings.push_back(model.warnings);
+  content.motion_file = replaced;
+  if (options.json()) {
+    std::cout << summary_json(content, paths) << '\n';
+  } else {
+    std::cout << path_text(paths, options.show ? options.show : model.paths_shown) << '\n'
+              << band_summary(budget, paths.frequencies) << '\n'
+              << headline(budget, paths) << '\n';
+    if (!options.quiet) std::cerr << fmt::format("projected in {:.2f} s; nothing was traced\n", seconds);
+  }
+  if (options.out.empty()) return done;
+  if (alone) {
+    write_run(options.out, content);
+    return done;
+  }
+  warn_of_own_folder(options);
+  OutputFolder const folder(options.out);
+  std::string const undrawn = write_results(options.out, content, paths, model);
+  if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
+  return done;
+}
+
+}  // namespace
+
+void add_noise(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("noise", "project motion through a traced run: h(f) in about a second");
+  command->add_option("run", options.input, "run file (HDF5)")->required();
+  command->add_option("--motion", options.motion,
+                      "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");
+  command->add_option(
+      "--response", options.response,
+      "YAML file with 'straytrace: 1' and 'interferometer: {responses: ...}', of ports that get others");
+  command->add_option("-o,--out", options.out,
+                      "folder for curves, tables and picture; a name that ends with .h5: the run file alone");
+  add_force_option(*command, options);
+  command->add_option("--show", options.show, "rows of the path table")->check(whole_between(1, 1e6, "20"));
+  command->add_flag("--quiet", options.quiet, "results only");
+  add_format_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace noise out/run.h5\n"
+      "  straytrace noise out/run.h5 --motion examples/storm.yaml -o storm/");
+  command->callback([&] { exit_code = noise(options); });
+}
+
+}  // namespace straytrace

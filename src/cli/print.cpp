@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace print: the model as it was understood.
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/model.hpp"
+#include "session/open_run.hpp"
+#include "session/diagnostics.hpp"
+#include "base/errors.hpp"
+
+namespace straytrace {
+
+int print_resolved(Scene const& scene, Options const& options) {
+  if (options.json())
+    std::cout << model_as_json(scene).dump(1) << '\n';
+  else
+    std::cout << printed_model(scene);
+  return done;
+}
+
+void add_print(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("print", "the model as it was understood, every value in SI");
+  add_scene_options(*command, options, "scene, or file of motion");
+  command->add_flag("--resolved", options.resolved,
+                    "with every default and with the line that each value comes from; so it is without the flag too");
+  command->footer(
+      "Examples:\n"
+      "  straytrace print --resolved examples/virgo_arm.yaml\n"
+      "  straytrace print examples/virgo_arm.yaml -p rim=48cm --format json");
+  command->callback([&] {
+    Scene const scene = read_by_all(options.input, options.overrides);
+    tell_warnings(scene, options);
+    exit_code = print_resolved(scene, options);
+  });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace render: pictures of a scene, computed by rays.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <map>
+
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "base/units/quantity.hpp"
+#include "cli/render/render_paint.hpp"
+#include "results/text/png.hpp"
+#include "session/common_options.hpp"
+#include "world/model/degree.hpp"
+
+namespace straytrace {
+namespace {
+
+struct RenderRequest {
+  std::string mode = "shaded", eye, look, up, field, pixels = "800x600", from, at;
+  std::vector<std::string> cuts;
+  std::string lamp = "5 mm";
+  bool section = false, whole = false, flash = false;
+};
+
+[[noreturn]] void refuse_option(std::string const& option, std::string const& text, std::string const& instead) {
+  throw InputError(fmt::format("error: '{}' is not what --{} takes\n  {}", text, option, instead));
+}
+
+double number_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {
+  char* rest = nullptr;
+  double const value = std::strtod(text.c_str(), &rest);
+  while (*rest == ' ') ++rest;
+  bool const bare = *rest == 0 && rest != text.c_str();
+  if (bare && (value == 0 || dimension == dim::plain)) return value;
+  auto const unit = bare ? std::nullopt : parse_unit(rest);
+  if (rest == text.c_str() || !unit || unit->dimension != dimension || !std::isfinite(value))
+    refuse_option(option, text, instead);
+  return to_si(value, *unit);
+}
+
+Vec3 vector_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {
+  std::vector<std::string> const parts = CLI::detail::split(text, ',');
+  if (parts.size() != 3) refuse_option(option, text, instead);
+  return {number_in(option, parts[0], dimension, instead), number_in(option, parts[1], dimension, instead),
+          number_in(option, parts[2], dimension, instead)};
+}
+
+void read_pixels(std::string const& text, std::uint32_t& columns, std::uint32_t& rows) {
+  std::vector<std::string> const parts = CLI::detail::split(text, 'x');
+  auto const side = [&](std::string const& part) {
+    bool const digits = !part.empty() && part.size() < 6 && part.find_first_not_of("0123456789") == part.npos;
+    int const n = digits ? std::stoi(part) : 0;
+    if (n < 8 || n > 8192) refuse_option("pixels", text, "write for example --pixels 800x600, each from 8 to 8192");
+    return std::uint32_t(n);
+  };
+  if (parts.size() != 2) side("");
+  columns = side(parts[0]);
+  rows = side(parts[1]);
+}
+
+// "x=0": away with the side on which the eye is; "x>0", "x<0": with that side.
+Cut read_cut(std::string const& text, Vec3 eye) {
+  std::string const instead = "write for example --cut x=0, --cut \"y>5cm\"";
+  if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || std::string("=<>").find(text[1]) == std::string::npos)
+    refuse_option("cut", text, instead);
+  double const value = number_in("cut", text.substr(2), dim::length, instead);
+  Vec3 normal;
+  (&normal.x)[text[0] - 'x'] = 1;
+  bool const above = text[1] == '=' ? dot(eye, normal) > value : text[1] == '>';
+  return above ? Cut{normal, value} : Cut{-normal, -value};
+}
+
+bool belongs(std::string const& group, std::string const& name) {
+  return group == name || group.starts_with(name + "/");
+}
+
+// What --at and --from can name.
+[[noreturn]] void unknown_name(World const& world, std::string const& option, std::string const& name) {
+  std::vector<std::string> known;
+  if (option == "from") {
+    known = world.ports();
+    known.insert(known.end(), world.receiver_names().begin(), world.receiver_names().end());
+  }
+  for (std::string const& group : world.groups()) {
+    known.push_back(group);
+    known.push_back(object_of(group));
+  }
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  std::string const near = nearest_word(name, known);
+  throw InputError(fmt::format(
+      "error: --{}: nothing in the scene is called '{}'\n  {}", option, name,
+      near.empty() ? fmt::format("its names: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+}
+
+struct Stand {  // of an eye
+  Vec3 point, look;
+  Departure on;
+};
+
+Stand stand_at(World const& world, Footprint const& f) {
+  if (f.free) return {f.centre, f.travel, {}};
+  return {world.view().project(f.surface, f.centre), -f.travel, {f.surface}};
+}
+
+// The spot of a port, a free beam, the first spot on a surface, or the middle of a surface.
+Stand stand_on(World const& world, std::string const& name) {
+  WorldView const view = world.view();
+  for (Footprint const& f : world.footprints())
+    if (f.port.valid() && world.ports()[f.port.value] == name) return stand_at(world, f);
+  for (Footprint const& f : world.footprints()) {
+    GroupId const group = f.free ? f.origin : world.surfaces()[f.surface.value].group;
+    if (group.valid() && belongs(world.groups()[group.value], name)) return stand_at(world, f);
+  }
+  SurfaceId on;
+  for (std::uint32_t id = 0; id < world.surfaces().size() && !on.valid(); ++id)
+    if (belongs(world.groups()[world.surfaces()[id].group.value], name)) on = {id};
+  for (std::size_t i = 0; i < world.receivers().size(); ++i)
+    if (world.receiver_names()[i] == name) on = world.receivers()[i].surface;
+  if (!on.valid()) unknown_name(world, "from", name);
+  SurfacePoint const middle = view.shapes.visit(world.surfaces()[on.value].shape, [](auto const& s) {
+    if constexpr (HasPieces<std::decay_t<decltype(s)>>)
+      return s.sample(0.5, 0.5);
+    else
+      return SurfacePoint{s.project(s.reference()), 0};
+  });
+  bool const open_front = looks_of(view)[2 * on.value] == Look::open;
+  Vec3 const normal = view.normal(on, middle.point, middle.piece);
+  return {middle.point, open_front ? -normal : normal, {on, middle.piece}};
+}
+
+Framing choose_view(World const& world, RenderRequest const& w) {
+  std::uint32_t columns = 0, rows = 0;
+  read_pixels(w.pixels, columns, rows);
+  std::string const angle = "write for example --fov 30deg, between 0 and 180 degrees (360 with --from)";
+  double field = w.field.empty() ? (w.from.empty() ? 30 : 170) * degree : number_in("fov", w.field, dim::angle, angle);
+  if (!(field > 1e-9 && field <= (w.from.empty() ? 179 : 360) * degree)) refuse_option("fov", w.field, angle);
+  std::string const direction = "write three numbers, for example --up 0,1,0";
+  Vec3 const up = w.up.empty() ? Vec3{0, 1, 0} : vector_in("up", w.up, dim::plain, direction);
+  if (!(length(up) > 0)) refuse_option("up", w.up, direction);
+  if (!w.from.empty()) {
+    Stand const s = stand_on(world, w.from);
+    Framing f;
+    f.camera = (field > 100 * degree ? fisheye_at : looking_at)(s.point, s.point + s.look, up, field, columns, rows);
+    f.camera.from = s.on;
+    return f;
+  }
+  WorldView const view = world.view();
+  Box const box = bounds_of(view, [&](SurfaceId id) {
+    return w.at.empty() || belongs(world.groups()[world.surfaces()[id.value].group.value], w.at);
+  });
+  if (!(box.lower.x <= box.upper.x)) unknown_name(world, "at", w.at);
+  if (w.eye.empty()) {
+    if (!w.look.empty()) throw InputError("error: --look without --eye\n  say where the eye stands: --eye 0,0,-1m");
+    return w.section || is_long(box) ? section(box, columns, rows) : framing(box, field, columns, rows);
+  }
+  std::string const place = "write three lengths, for example --eye 0,20cm,-1.5m";
+  Vec3 const eye = vector_in("eye", w.eye, dim::length, place);
+  Vec3 const look = w.look.empty() ? 0.5 * (box.lower + box.upper) : vector_in("look", w.look, dim::length, place);
+  if (!(length(look - eye) > 0)) refuse_option("look", w.look, "eye and look are one point");
+  return {looking_at(eye, look, up, field, columns, rows), {}};
+}
+
+void print(Options const& options, Camera const& c, Drawn const& drawn) {
+  if (options.json()) {
+    nlohmann::json legend = nlohmann::json::array();
+    for (LegendEntry const& e : drawn.legend)
+      legend.push_back({{"colour", e.colour}, {"name", e.name}, {"object", e.what}});
+    nlohmann::json shine = nlohmann::json::array();
+    for (Shine const& o : drawn.shine)
+      shine.push_back({{"object", o.object}, {"scattered", o.scattered}, {"glint", o.glint}});
+    nlohmann::json const out{{"file", options.out},
+                             {"columns", c.columns},
+                             {"rows", c.rows},
+                             {"eye", {c.eye.x, c.eye.y, c.eye.z}},
+                             {"forward", {c.forward.x, c.forward.y, c.forward.z}},
+                             {"up", {c.up.x, c.up.y, c.up.z}},
+                             {"focal_length_pixels", c.focal_length()},
+                             {"scale", drawn.scale},
+                             {"shine", shine},
+                             {"legend", legend}};
+    std::cout << out.dump() << '\n';
+    return;
+  }
+  std::cout << fmt::format("{}: {} x {} pixels", options.out, c.columns, c.rows);
+  if (c.lens == Camera::Lens::flat)
+    std::cout << fmt::format(", section of {:.4g} m x {:.4g} m through ({:.4g}, {:.4g}, {:.4g}) m", 2 * c.half_width,
+                             2 * c.half_height, c.eye.x, c.eye.y, c.eye.z);
+  else
+    std::cout << fmt::format(", eye at ({:.4g}, {:.4g}, {:.4g}) m, looking along ({:.3f}, {:.3f}, {:.3f})", c.eye.x,
+                             c.eye.y, c.eye.z, c.forward.x, c.forward.y, c.forward.z);
+  std::cout << '\n';
+  if (!drawn.scale.empty()) std::cout << drawn.scale << '\n';
+  if (!drawn.shine.empty())
+    std::cout << "scattered    glint        at the eye over the intensity of the flash, 1/m^2\n";
+  for (Shine const& o : drawn.shine)
+    std::cout << fmt::format("{:<11.3e}  {:<11.3e}  {}\n", o.scattered, o.glint, o.object);
+  for (LegendEntry const& e : drawn.legend) std::cout << fmt::format("{} {:7} {}\n", e.colour, e.name, e.what);
+}
+
+void check_picture_name(std::string const& file) {
+  std::filesystem::path path(file);
+  if (lower_case(path.extension().string()) == ".png") return;
+  throw InputError(
+      fmt::format("error: '{}' is not the name of a PNG file, and pictures are written as PNG\n"
+                  "  write -o {}",
+                  file, path.replace_extension(".png").string()));
+}
+
+Flash flash_of(RenderRequest const& w, Camera const& camera) {
+  std::string const instead = "write for example --lamp 5mm";
+  Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
+  if (!(flash.radius > 0)) refuse_option("lamp", w.lamp, instead);
+  if (camera.lens == Camera::Lens::flat || w.mode != "shaded" || !w.cuts.empty())
+    throw InputError(
+        "error: --flash needs a camera that stands somewhere, in a scene that is whole\n"
+        "  write --from NAME or --eye X,Y,Z, and leave out --section, --mode and --cut");
+  return flash;
+}
+
+// The scene itself, or that of a run.
+Scene read_either(Options const& options, std::optional<RunFile> const& run) {
+  if (!run) return read_scene(options.input, options.overrides);
+  std::vector<std::string> all = run->about.overrides;
+  all.insert(all.end(), options.overrides.begin(), options.overrides.end());
+  return read_scene(run->about.main_file, all, &run->about.files);
+}
+
+int render(Options const& options, RenderRequest const& w) {
+  check_picture_name(options.out);
+  std::optional<RunFile> file;
+  if (options.input.ends_with(".h5")) file = read_run(options.input);
+  Scene const scene = read_either(options, file);
+  World world = build_world(scene);
+  scene.throw_if_problems();
+  bool const kept = file && options.overrides.empty() && !file->about.importance.strips.empty();
+  Framing const view = choose_view(world, w);
+  LookSettings settings{view.cuts, looks_of(world.view()), options.threads};
+  if (w.whole) std::replace(settings.looks.begin(), settings.looks.end(), Look::open, Look::solid);
+  for (std::string const& cut : w.cuts) settings.cuts.push_back(read_cut(cut, view.camera.eye));
+  Drawn const drawn = w.flash              ? draw_flash(world, view.camera, settings, flash_of(w, view.camera))
+                      : w.mode == "id"     ? draw_ids(world, view.camera, settings)
+                      : w.mode == "depth"  ? draw_depths(world, view.camera, settings)
+                      : w.mode == "normal" ? draw_normals(world, view.camera, settings)
+                      : w.mode == "importance"
+                          ? draw_importance(world, view.camera, settings, kept ? &file->about.importance : nullptr)
+                          : draw_shaded(world, view.camera, settings);
+  Image image{view.camera.columns, view.camera.rows, drawn.rgb};
+  if (drawn.bar) add_colour_bar(image, *drawn.bar);
+  write_png(options.out, image);
+  print(options, view.camera, drawn);
+  return done;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("render", "picture of a scene by rays from a camera, to see whether it is right");
+  static RenderRequest wanted;
+  add_scene_options(*command, options, "scene (YAML), or run file (HDF5)");
+  command->add_option("-o,--out", options.out, "picture to write (PNG)")->required();
+  command->add_option("--mode", wanted.mode, "shaded, id, normal, depth or importance")
+      ->check(CLI::IsMember({"shaded", "id", "normal", "depth", "importance"}));
+  command->add_option("--eye", wanted.eye, "where the camera stands, for example 0,20cm,-1.5m");
+  command->add_option("--look", wanted.look, "point in the middle of the picture; default: middle of the scene");
+  command->add_option("--up", wanted.up, "direction that is up in the picture; default: 0,1,0");
+  command->add_option("--fov", wanted.field,
+                      "angle from the lower to the upper edge; default: 30deg, from a spot 170deg");
+  command->add_option("--pixels", wanted.pixels, "width x height; default: 800x600");
+  command->add_option("--from", wanted.from,
+                      "stand on this port, beam, receiver or surface, looking against its light");
+  command->add_option("--at", wanted.at, "frame this object instead of the whole scene");
+  command->add_option("--cut", wanted.cuts, "leave out one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
+      ->allow_extra_args(false);
+  command->add_flag("--flash", wanted.flash,
+                    "by the light of the camera's own flash: what scatters it back, and glints");
+  command->add_option("--lamp", wanted.lamp, "radius of the flash around the eye; default: 5 mm");
+  command->add_flag("--section", wanted.section, "half beyond the axis, each side of the picture with its own scale");
+  command->add_flag("--whole", wanted.whole, "draw walls from behind too, where they carry no material");
+  command->add_option("--threads", options.threads, "default: all cores; does not change the picture");
+  command->footer(
+      "Examples:\n"
+      "  straytrace render examples/bench.yaml -o bench.png\n"
+      "  straytrace render examples/virgo_arm.yaml -o view.png --from ITM --fov 2deg\n"
+      "  straytrace render examples/virgo_arm.yaml -o flash.png --from ITM --fov 2deg --flash\n"
+      "  straytrace render out/run.h5 -o where_not.png --mode importance");
+  command->callback([&] { exit_code = render(options, wanted); });
+}
+
+// Picture by the camera's own flash, and what shines back, by object.
+
+namespace {
+
+// The film: yellow is the brightest scattered light, black four decades below, white one above, where glints are.
+constexpr double below = 4;
+
+// From black by red and yellow to white, 0 to 1.
+void burn(double x, std::vector<std::uint8_t>& rgb) {
+  for (double const from : {0.0, 0.4, 0.8})
+    rgb.push_back(std::uint8_t(std::lround(255 * std::clamp((x - from) / (from < 0.8 ? 0.4 : 0.2), 0.0, 1.0))));
+}
+
+}  // namespace
+
+Drawn draw_flash(World const& world, Camera const& camera, LookSettings const& settings, Flash const& flash) {
+  std::vector<FlashLight> const picture = flash_picture(world.view(), camera, flash, settings);
+  double brightest = 0, glint = 0;
+  std::map<std::string, Shine> objects;
+  Drawn drawn;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    FlashLight const& light = picture[i];
+    brightest = std::max(brightest, light.scattered);
+    glint = std::max(glint, light.glint);
+    if (!light.first.valid()) continue;
+    Shine& object = objects[object_of(world.groups()[world.surfaces()[light.first.value].group.value])];
+    double const angle = solid_angle(camera, std::uint32_t(i % camera.columns), std::uint32_t(i / camera.columns));
+    object.scattered += light.scattered * angle;
+    object.glint += light.glint * angle;
+  }
+  double const yellow = brightest > 0 ? brightest : glint;
+  for (FlashLight const& light : picture)
+    burn(light.both() > 0 ? 0.8 + 0.8 / below * std::log10(light.both() / yellow) : 0, drawn.rgb);
+  for (auto& [name, object] : objects) {
+    if (!(object.scattered + object.glint > 0)) continue;
+    object.object = name;
+    drawn.shine.push_back(object);
+  }
+  std::stable_sort(drawn.shine.begin(), drawn.shine.end(),
+                   [](Shine const& a, Shine const& b) { return a.scattered + a.glint > b.scattered + b.glint; });
+  drawn.scale = yellow > 0 ? fmt::format(
+                                 "radiance over the intensity of the flash: yellow {:.3g} /m^2, black 1e-{:.0f} of it "
+                                 "or less, logarithmic; white: glints, up to {:.3g} /m^2",
+                                 yellow, below, glint)
+                           : "nothing shines back";
+  return drawn;
+}
+
+}  // namespace straytrace

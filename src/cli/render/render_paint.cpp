@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/render/render_paint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "session/importance_map.hpp"
+#include "trace/importance/importance.hpp"
+#include "trace/step/path.hpp"
+
+namespace straytrace {
+namespace {
+
+struct NamedColour {
+  std::uint32_t rgb;
+  char const* name;
+};
+constexpr std::array<NamedColour, 24> palette = {
+    {{0x1f77b4, "blue"},  {0xd62728, "red"},    {0x2ca02c, "green"}, {0xff7f0e, "orange"}, {0x9467bd, "purple"},
+     {0x8c564b, "brown"}, {0xe377c2, "pink"},   {0xbcbd22, "olive"}, {0x17becf, "cyan"},   {0x8a8a8a, "grey"},
+     {0xe6b800, "gold"},  {0x2b3a8f, "navy"},   {0x008080, "teal"},  {0x800000, "maroon"}, {0x7fd13b, "lime"},
+     {0xff7f6a, "coral"}, {0xc77cff, "violet"}, {0xd2b48c, "sand"},  {0x8ecbff, "sky"},    {0xff5c8a, "rose"},
+     {0x5b7f2b, "moss"},  {0x5f7f9f, "steel"},  {0x7a2a6a, "plum"},  {0x7fe0c0, "mint"}}};
+
+Rgb rgb_of(std::uint32_t hex) {
+  return {double(hex >> 16 & 255) / 255, double(hex >> 8 & 255) / 255, double(hex & 255) / 255};
+}
+
+std::uint32_t hash_of(std::string const& text) {  // FNV-1a
+  std::uint32_t h = 2166136261u;
+  for (char c : text) h = (h ^ std::uint8_t(c)) * 16777619u;
+  return h;
+}
+
+std::map<std::string, NamedColour> colours_of(World const& world) {
+  std::set<std::string> names;
+  for (Surface const& s : world.surfaces()) names.insert(object_of(world.groups()[s.group.value]));
+  std::map<std::string, NamedColour> colours;
+  std::array<bool, palette.size()> taken = {};
+  std::size_t free = palette.size();
+  for (std::string const& name : names) {
+    std::size_t i = hash_of(name) % palette.size();
+    while (free > 0 && taken[i]) i = (i + 1) % palette.size();
+    if (!taken[i]) --free;
+    taken[i] = true;
+    colours[name] = palette[i];
+  }
+  return colours;
+}
+
+std::uint32_t id_colour(GroupId group) { return (group.value + 1) * 0x9e3779u & 0xffffffu; }  // odd: no two alike
+
+std::string group_of(World const& world, SurfaceId id) {
+  return world.groups()[world.surfaces()[id.value].group.value];
+}
+
+std::array<std::uint8_t, 3> bytes(Rgb const& c) {
+  auto const byte = [](double x) { return std::uint8_t(std::lround(255 * std::clamp(x, 0.0, 1.0))); };
+  return {byte(c.r), byte(c.g), byte(c.b)};
+}
+
+template <class Colour>
+std::vector<std::uint8_t> flat(std::vector<Seen> const& seen, Colour const& colour) {
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(3 * seen.size());
+  for (Seen const& s : seen) {
+    Rgb const c = s.surface.valid() ? colour(s) : Rgb{};
+    for (std::uint8_t const x : bytes(c)) rgb.push_back(x);
+  }
+  return rgb;
+}
+
+LookSettings without_glass(LookSettings settings) {
+  std::replace(settings.looks.begin(), settings.looks.end(), Look::glass, Look::solid);
+  return settings;
+}
+
+// From dark blue by green to yellow.
+Rgb heat(double x) {
+  static constexpr Rgb stops[] = {
+      {0.27, 0.00, 0.33}, {0.23, 0.32, 0.55}, {0.13, 0.57, 0.55}, {0.37, 0.79, 0.38}, {0.99, 0.91, 0.14}};
+  double const at = 4 * std::clamp(x, 0.0, 1.0);
+  int const i = std::min(3, int(at));
+  Rgb const &a = stops[i], &b = stops[i + 1];
+  double const s = at - i;
+  return {a.r + s * (b.r - a.r), a.g + s * (b.g - a.g), a.b + s * (b.b - a.b)};
+}
+
+}  // namespace
+
+std::string object_of(std::string const& group) { return group.substr(0, group.find('/')); }
+
+Drawn draw_shaded(World const& world, Camera const& camera, LookSettings const& settings) {
+  auto const colours = colours_of(world);
+  std::vector<Rgb> base;
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
+    base.push_back(rgb_of(colours.at(object_of(group_of(world, {id}))).rgb));
+  std::vector<bool> visible;
+  Drawn drawn;
+  drawn.rgb = shaded(
+      world.view(), camera, settings, [&](Seen const& s) { return base[s.surface.value]; }, visible);
+  std::set<std::string> names;
+  for (std::uint32_t id = 0; id < visible.size(); ++id)
+    if (visible[id]) names.insert(object_of(group_of(world, {id})));
+  for (std::string const& name : names)
+    drawn.legend.push_back({fmt::format("#{:06x}", colours.at(name).rgb), colours.at(name).name, name});
+  return drawn;
+}
+
+Drawn draw_ids(World const& world, Camera const& camera, LookSettings const& settings) {
+  auto const seen = seen_by(world.view(), camera, without_glass(settings));
+  std::map<std::string, std::uint32_t> names;
+  Drawn drawn;
+  drawn.rgb = flat(seen, [&](Seen const& s) {
+    std::uint32_t const colour = id_colour(world.surfaces()[s.surface.value].group);
+    names[group_of(world, s.surface)] = colour;
+    return rgb_of(colour);
+  });
+  for (auto const& [name, colour] : names) drawn.legend.push_back({fmt::format("#{:06x}", colour), "", name});
+  return drawn;
+}
+
+Drawn draw_normals(World const& world, Camera const& camera, LookSettings const& settings) {
+  Drawn drawn;
+  drawn.rgb = flat(seen_by(world.view(), camera, without_glass(settings)), [&](Seen const& s) {
+    Vec3 const n = s.normal;
+    return Rgb{0.5 + 0.5 * dot(n, camera.right), 0.5 + 0.5 * dot(n, camera.up), 0.5 - 0.5 * dot(n, camera.forward)};
+  });
+  drawn.scale = "red, green, blue: normal to the right, upwards, towards the eye; 0 to 255 for -1 to 1";
+  return drawn;
+}
+
+Drawn draw_depths(World const& world, Camera const& camera, LookSettings const& settings) {
+  auto const seen = seen_by(world.view(), camera, without_glass(settings));
+  double near = infinity, far = 0;
+  for (Seen const& s : seen)
+    if (s.surface.valid()) {
+      near = std::min(near, s.distance);
+      far = std::max(far, s.distance);
+    }
+  Drawn drawn;
+  double const range = far > near ? std::log(far / near) : 1;
+  drawn.rgb = flat(seen, [&](Seen const& s) {
+    double const x = 1 - 0.9 * std::log(s.distance / near) / range;
+    return Rgb{x, x, x};
+  });
+  drawn.scale =
+      far > 0 ? fmt::format("white {:.4g} m, grey 26 of 255 {:.4g} m, logarithmic between; black: nothing", near, far)
+              : "nothing is in the picture";
+  return drawn;
+}
+
+Drawn draw_importance(World& world, Camera const& camera, LookSettings const& settings, ImportanceMap const* kept) {
+  world.limits.targets = true;
+  if (!kept || !show_importance(world, *kept)) steer(world);
+  WorldView const view = world.view();
+  double low = infinity, high = 0;
+  for (std::size_t i = 0; i < view.steering.sides.size; ++i)
+    if (double const a = view.steering.sides[i].adjoint; a > 0) {
+      low = std::min(low, a);
+      high = std::max(high, a);
+    }
+  low = std::max(low, 1e-9 * high);
+  Drawn drawn;
+  std::vector<bool> visible;
+  drawn.rgb = shaded(
+      view, camera, settings,
+      [&](Seen const& s) {
+        std::uint32_t const patch = patch_of(view, s.surface, s.point, s.piece);
+        double const a = patch == WorldView::none ? 0 : view.steering.sides[2 * patch + (s.front ? 0 : 1)].adjoint;
+        return a > 0 ? heat(high > low ? std::log(a / low) / std::log(high / low) : 1) : Rgb{0.6, 0.6, 0.6};
+      },
+      visible);
+  if (high > low)
+    drawn.bar =
+        ColourBar{low, high, "adjoint: score per unit of power that arrives", [](double x) { return bytes(heat(x)); }};
+  drawn.scale =
+      high > 0
+          ? fmt::format("adjoint from {:.3g} (violet) by green to {:.3g} (yellow), logarithmic; grey: none", low, high)
+          : "nothing to aim at: no light that is scattered a second time is received";
+  return drawn;
+}
+
+}  // namespace straytrace

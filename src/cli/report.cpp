@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace report: a run as one HTML file. straytrace view: a scene, or a run, in three dimensions.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
+#include "session/report_page.hpp"
+#include "session/session.hpp"
+#include "session/diagnostics.hpp"
+#include "report/exports.hpp"
+#include "report/scene_drawing.hpp"
+#include "results/text/picture.hpp"
+#include "trace/importance/importance.hpp"
+
+namespace straytrace {
+namespace {
+
+bool names_scene(std::string const& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
+
+// Steered as it was traced, so that its histories can be followed again.
+struct Opened : OpenRun {
+  RunContent content;
+  PathTable table;
+  explicit Opened(std::string const& name) : OpenRun(name) {
+    model.world.block_size = file.trace.coupling.block_size;
+    steer(model.world);
+    content = file.content();
+    table = table_for(file.trace.coupling, content.noise, model);
+  }
+};
+
+std::string beside(std::string const& input, std::string const& name) {
+  return (std::filesystem::path(input).parent_path() / name).string();
+}
+
+// Curves and tables as CSV into a folder.
+void write_curves(std::string const& name, RunContent const& content, PathTable const& table) {
+  NamedTexts const names = curve_files(content, table);
+  OutputFolder const folder(name);
+  NamedTexts files;
+  for (auto const& [file, text] : names) files.emplace_back(folder.path(file), text);
+  write_files(files);
+}
+
+// report.pdf and the like: the picture alone.
+bool is_picture(std::string const& file) {
+  return file.ends_with(".pdf") || file.ends_with(".png") || file.ends_with(".svg");
+}
+
+int report(Options const& options, ReportWanted wanted, std::string const& csv) {
+  if (names_scene(options.input))
+    throw InputError(
+        fmt::format("error: '{}' is a scene, and a report is about a run\n  trace it first: straytrace run {} -o out/",
+                    options.input, options.input));
+  std::string message;
+  if (is_picture(options.out)) {
+    if (!draw_picture(options.input, options.out, message))
+      throw InputError(fmt::format("error: {}\n  or write a page: -o report.html", message));
+    if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
+    return done;
+  }
+  Opened const run(options.input);
+  if (wanted.pictures.empty()) wanted.pictures = read_pictures(run.model.scene.table("report"));
+  if (!csv.empty()) write_curves(csv, run.content, run.table);
+  Picture const svg = wanted.has("budget") ? budget_svg(options.input, message) : Picture{};
+  if (!message.empty() && !options.quiet)
+    std::cerr << "warning: without scripts the report has no picture: " << message << '\n';
+  std::string const out = options.out.empty() ? beside(options.input, "report.html") : options.out;
+  write_file(out, report_page(run.content, run.table, run.model, wanted, svg));
+  if (!options.quiet) std::cerr << fmt::format("report: {}\n", out);
+  return done;
+}
+
+struct Exports {
+  std::string vtk, glb;
+};
+
+// A page, unless only other files are asked for.
+void write_view(Options const& options, Model const& model, RunContent const* run, PathTable const* table,
+                ViewWanted const& wanted, Exports const& exports) {
+  auto const tell = [&](char const* what, std::string const& file) {
+    if (!options.quiet) std::cerr << fmt::format("{}: {}\n", what, file);
+  };
+  if (!exports.vtk.empty() || !exports.glb.empty()) {
+    SceneDrawing const scene = scene_drawing(model.world, ~std::size_t{0});  // every triangle
+    std::vector<DrawnPath> paths;
+    if (run)
+      paths = paths_of_rows(run->trace->coupling, *table, model.world, ghosts_for_page(model, ghosts_shown),
+                            wanted.rows, wanted.paths);
+    if (!exports.vtk.empty()) {
+      OutputFolder const parts((std::filesystem::path(exports.vtk) / "parts").string());
+      NamedTexts files;
+      for (auto& [name, text] : vtk_files(model.world, scene, paths, table))
+        files.emplace_back((std::filesystem::path(exports.vtk) / name).string(), std::move(text));
+      write_files(files);
+      tell("VTK", (std::filesystem::path(exports.vtk) / "straytrace.vtm").string());
+    }
+    if (!exports.glb.empty()) {
+      write_file(exports.glb, glb_bytes(scene, paths, table));
+      tell("GLB", exports.glb);
+    }
+    if (options.out.empty()) return;
+  }
+  std::string const out = options.out.empty() ? "view.html" : options.out;
+  write_file(out, view_page(model, run, table, wanted));
+  tell("view", out);
+}
+
+int view(Options const& options, ViewWanted const& wanted, Exports const& exports) {
+  if (names_scene(options.input)) {
+    Model model = read_model(options.input, options.overrides);
+    tell_warnings(model, options);
+    steer(model.world);
+    write_view(options, model, nullptr, nullptr, wanted, exports);
+  } else {
+    if (!options.overrides.empty())
+      throw InputError("error: a run holds its parameters\n  leave out -p, or view the scene file");
+    Opened const run(options.input);
+    write_view(options, run.model, &run.content, &run.table, wanted, exports);
+  }
+  return done;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("report", "one HTML file about a run, for a logbook: opens anywhere, offline");
+  static ReportWanted wanted;
+  command->add_option("run", options.input, "run file (HDF5)")->required();
+  command->add_option("-o,--out", options.out,
+                      "HTML file; default: report.html beside the run; .pdf, .png, .svg: the picture of the run alone");
+  command->add_option("--paths", wanted.rows, "rows of the path table whose paths are drawn; 50 unless given")
+      ->check(whole_between(0, 1e5, "20"));
+  command->add_option("--show", wanted.paths, "paths drawn of each of them; 12 unless given")
+      ->check(whole_between(1, 512, "30"));
+  command
+      ->add_option(
+          "--pictures", wanted.pictures,
+          "of budget, scene, maps, ghosts, materials, convergence; default: those of 'report' in the scene, or all")
+      ->delimiter(',')
+      ->check(CLI::IsMember(report_pictures()));
+  command->add_option("--title", wanted.title, "instead of that of the scene");
+  static std::string csv;
+  command->add_option("--csv", csv, "folder for budget.csv, routes.csv and paths.csv too");
+  command->add_flag("--quiet", options.quiet, "no messages");
+  command->footer(
+      "Examples:\n"
+      "  straytrace report out/run.h5\n"
+      "  straytrace report out/run.h5 -o arm.html --title \"Arm, first look\" --pictures budget,scene\n"
+      "  straytrace report out/run.h5 -o arm.pdf");
+  command->callback([&] { exit_code = report(options, wanted, csv); });
+}
+
+void add_view(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command =
+      app.add_subcommand("view", "a scene in three dimensions with beams, ghosts and sample rays; of a run also paths");
+  static ViewWanted wanted;
+  command->add_option("scene", options.input, "scene file (YAML), or run file (HDF5)")->required();
+  command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
+      ->allow_extra_args(false);
+  command->add_option("-o,--out", options.out, "HTML file; default: view.html, or none with --vtk or --glb");
+  static Exports exports;
+  command->add_option("--vtk", exports.vtk, "folder for straytrace.vtm, for ParaView: parts, paths, names");
+  command->add_option("--glb", exports.glb, "binary glTF file, for slides: parts and paths");
+  command->add_option("--rays", wanted.rays, "sample histories; 200 unless given")->check(whole_between(0, 1e5, "500"));
+  command->add_option("--show", wanted.rows, "of a run: rows of the path table whose paths are drawn; 12 unless given")
+      ->check(whole_between(0, 1e4, "30"));
+  command->add_option("--title", wanted.title, "instead of that of the scene");
+  command->add_flag("--quiet", options.quiet, "no messages");
+  command->footer(
+      "Examples:\n"
+      "  straytrace view examples/bench.yaml -o bench.html\n"
+      "  straytrace view out/run.h5 --show 12 -o paths.html\n"
+      "  straytrace view out/run.h5 --vtk paraview/ --glb scene.glb");
+  command->callback([&] { exit_code = view(options, wanted, exports); });
+}
+
+}  // namespace straytrace

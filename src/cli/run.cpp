@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace run: the whole program in one function. Start reading here.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/interrupt.hpp"
+#include "session/session.hpp"
+#include "session/report_page.hpp"
+#include "session/session.hpp"
+#include "session/diagnostics.hpp"
+#include "results/curves/band.hpp"
+#include "results/route_table/merit.hpp"
+#include "results/receivers/receivers.hpp"
+
+namespace straytrace {
+namespace {
+
+// All files of a result; what could not be drawn.
+std::string write_with_page(std::string const& folder, RunContent const& content, PathTable const& paths,
+                            Model const& model) {
+  std::string undrawn = write_results(folder, content, paths, model);
+  Picture const picture{"png", undrawn.empty() ? read_file(folder + "/report.png") : ""};
+  ReportWanted wanted;
+  wanted.pictures = read_pictures(model.scene.table("report"));
+  write_file(folder + "/report.html", report_page(content, paths, model, wanted, picture));
+  return undrawn;
+}
+
+// Who asks it to stop while it still reads, or already writes, gets a run file as well.
+int run(Options const& options) {
+  InterruptGuard const guard;
+  Earlier const earlier(options.input);  // a run file is made again from its own content
+  if (!earlier.slice().whole())
+    throw InputError(fmt::format(
+        "error: '{0}' is slice {1}/{2} of a run\n  make one run of all slices by straytrace merge; straytrace "
+        "noise {0} and straytrace report {0} look at this one alone",
+        options.input, earlier.slice().number, earlier.slice().of));
+  Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
+  apply(options, model);
+  tell_warnings(model, options);
+
+  bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
+  std::optional<OutputFolder> folder;
+  if (!alone) folder.emplace(options.out);
+  std::optional<FolderLock> const lock = alone ? std::nullopt : std::optional<FolderLock>(std::in_place, options.out);
+  std::string const run_file = alone ? options.out : options.out + "/run.h5";
+  TraceResult const traced = trace_model(model, options, run_file);  // world -> coupling table
+  std::optional<NoiseBudget> budget;                                 // from here on nothing is expensive
+  if (model.detector) budget = model.project_with_bands(traced.coupling);
+  if (budget) tell_warnings(*budget, options);
+  PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
+  RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
+  std::string undrawn;
+  if (alone)
+    write_run(run_file, content);
+  else
+    undrawn = write_with_page(options.out, content, paths, model);
+
+  if (options.json()) {
+    std::cout << summary_json(content, paths) << '\n';
+  } else {
+    if (budget)
+      std::cout << path_text(paths, model.paths_shown) << '\n'
+                << band_summary(*budget, paths.frequencies) << '\n'
+                << verdict_sentence(*budget, budget->grid.edges.front(), budget->grid.edges.back()) << "\n\n"
+                << headline(*budget, paths) << '\n';
+    if (!content.receivers.empty())
+      std::cout << (budget ? "\n" : "") << receiver_text(receiver_table(content), model.paths_shown);
+    if (!options.quiet)
+      std::cerr << merit_text(merits(content), merits_shown)
+                << (alone ? fmt::format("run file: {}\n", run_file)
+                          : fmt::format("results in {}: report.html report.png report.txt{} paths.csv{} run.h5\n",
+                                        options.out, budget ? " h_asd.txt" : "",
+                                        content.receivers.empty() ? "" : " receivers.csv"));
+  }
+  if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
+  if (!undrawn.empty()) std::cerr << "warning: report.png was not drawn: " << undrawn << '\n';
+  return traced.checkpointed() ? checkpointed : done;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("run", "check, trace, noise and report in one go");
+  add_scene_options(*command, options, "scene file (YAML), or run file (HDF5) to make again");
+  add_trace_options(*command, options);
+  command->add_option("-o,--out", options.out, "folder for the results; a name that ends with .h5: the run file alone")
+      ->required();
+  command->footer(
+      "Examples:\n"
+      "  straytrace run examples/virgo_arm.yaml -o out/\n"
+      "  straytrace run examples/virgo_arm.yaml -o fine/ --until \"h_total < 1 %\" -p rim=48cm\n"
+      "  straytrace run out/run.h5 -o again/\n"
+      "A run file is made again from its own content, with the same numbers.\n"
+      "Interrupted with Ctrl-C it leaves a valid result and exits with 85; the same command goes on from there.");
+  command->callback([&] {
+    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
+    exit_code = run(options);
+  });
+}
+
+}  // namespace straytrace

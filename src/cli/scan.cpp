@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace scan: a model over lists and ranges of its parameters, and requirements from a line.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "session/interrupt.hpp"
+#include "session/scan/invert.hpp"
+#include "session/session.hpp"
+#include "session/scan/scan_points.hpp"
+#include "session/scan/scan_view.hpp"
+#include "base/errors.hpp"
+#include "results/text/picture.hpp"
+
+namespace straytrace {
+namespace {
+
+struct ScanOrder {
+  std::vector<std::string> axes;
+  std::string csv, margin, points;
+  unsigned jobs = 1;
+  Requirement requirement;
+  InvertOrder invert;
+};
+
+// "1/10" or a number.
+double fraction(std::string const& text) {
+  std::size_t const slash = text.find('/');
+  double above = 0, below = 1;
+  bool good = CLI::detail::lexical_cast(text.substr(0, slash), above);
+  if (slash != text.npos) good = good && CLI::detail::lexical_cast(text.substr(slash + 1), below);
+  if (good && above > 0 && below > 0) return above / below;
+  throw InputError(fmt::format("error: '{}' is not a margin\n  write for example --margin 1/10 or --margin 0.1", text));
+}
+
+void save(ScanTable const& table, Options const& options, ScanOrder const& order, bool last) {
+  if (!order.csv.empty()) write_file(order.csv, scan_csv(table));
+  if (options.out.empty()) return;
+  std::string const json = options.out + "/scan.json";
+  write_files({{options.out + "/scan.csv", scan_csv(table)},
+               {json, scan_json(table)},
+               {options.out + "/scan.txt", scan_text(table)}});
+  std::string message;
+  if (last && !draw_scan_picture(json, options.out + "/scan.png", message))
+    std::cerr << "warning: scan.png was not drawn: " << message << '\n';
+}
+
+ScanList points_of(ScanOrder const& order) {
+  if (!order.points.empty() && !order.axes.empty())
+    throw InputError("error: --points and values of parameters both say what to scan\n  keep one of them");
+  if (!order.points.empty()) return read_points(order.points);
+  ScanList list{parse_axes(order.axes, false), {}};
+  if (list.axes.empty())
+    throw InputError(
+        "error: nothing to scan\n  name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or "
+        "ask "
+        "with --invert");
+  list.points = combinations(list.axes);
+  return list;
+}
+
+int scan(Options const& options, ScanOrder const& order) {
+  ScanList const list = points_of(order);
+  auto const& all = list.points;
+  ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
+  if (order.jobs > 1 && options.out.empty())
+    throw InputError("error: --jobs hands the traces over in a folder\n  name one with -o");
+  std::optional<OutputFolder> folder;
+  std::optional<FolderLock> lock;
+  if (!options.out.empty()) {
+    folder.emplace(options.out + "/runs");
+    lock.emplace(options.out);
+  }
+  InterruptGuard const guard;
+  Scanner scanner(options, order.requirement, options.out);
+  if (order.jobs > 1) scanner.made(trace_together(all, options, order.requirement, order.jobs, guard.stop()));
+  for (auto const& settings : all) {
+    if (guard.stop()) break;
+    if (!options.quiet)
+      std::cerr << fmt::format("scan  {} of {}: {}\n", table.points.size() + 1, all.size(), fmt::join(settings, ", "));
+    table.points.push_back(scanner.at(settings));
+    table.line = scanner.line();
+    save(table, options, order, guard.stop() || !table.points.back().complete || table.points.size() == all.size());
+    if (!table.points.back().complete) break;
+  }
+  std::cout << (options.json() ? scan_json(table) : scan_text(table));
+  bool const whole = table.points.size() == all.size() && table.points.back().complete;
+  if (!whole && !options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
+  return whole ? done : checkpointed;
+}
+
+int start(Options const& options, ScanOrder order) {
+  if (!order.margin.empty()) order.requirement.margin = fraction(order.margin);
+  if (order.invert.what.empty()) return scan(options, order);
+  return invert(options, order.requirement, order.invert, parse_axes(order.axes, true));
+}
+
+void add_invert_options(CLI::App& command, ScanOrder& order) {
+  command.add_option("--invert", order.invert.what,
+                     "brdf(MATERIAL), motion(BODY) or param(NAME) with NAME=lo..hi: the largest that keeps the total "
+                     "under the line");
+  command.add_option("--margin", order.margin, "of the design curve, for example 1/10; default: that of the model");
+  command.add_option("--against", order.requirement.against,
+                     "design curve by name or file; default: the first of the model's 'compare'");
+  command.add_flag("--per-frequency", order.invert.per_frequency, "the requirement of each frequency alone as well");
+  command
+      .add_option("--tolerance", order.invert.tolerance, "of param: width of the answer over the range; default 0.01")
+      ->check(CLI::Range(1e-6, 0.5));
+}
+
+}  // namespace
+
+void add_scan(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("scan", "a model over parameters, or the requirement that a line sets");
+  static ScanOrder order;
+  add_scene_options(*command, options, "scene file (YAML); with --invert also a run file (HDF5)");
+  command->add_option("axes", order.axes, "NAME=lo..hi:n, NAME=lo..hi:n:log or NAME=a,b,c; all combinations");
+  add_trace_options(*command, options);
+  command->add_option("-o,--out", options.out,
+                      "folder for scan.csv, scan.json, scan.txt, scan.png and the runs; finished points are not traced "
+                      "again");
+  command->add_option("--csv", order.csv, "file for the table, all digits");
+  command->add_option("--points", order.points,
+                      "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point");
+  command->add_option("--jobs", order.jobs, "points traced at the same time, with -o; the results are the same bits")
+      ->check(whole_between(1, 1024, "4"));
+  add_invert_options(*command, order);
+  command->footer(
+      "Examples:\n"
+      "  straytrace scan examples/et_hf_arm.yaml rim=40cm,42cm --histories 200000\n"
+      "  straytrace scan examples/et_hf_arm.yaml --invert \"brdf(baffle)\" --margin 1/10 --histories 200000\n"
+      "Interrupted with Ctrl-C it leaves the finished points and exits with 85; with -o the same command goes on.");
+  command->callback([&] {
+    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
+    exit_code = start(options, order);
+  });
+}
+
+}  // namespace straytrace

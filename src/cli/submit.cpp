@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace submit: files for a batch system that traces a scene in slices. Nothing is submitted.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <regex>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/jobs/job_files.hpp"
+#include "session/session.hpp"
+#include "session/session.hpp"
+#include "session/jobs/job_files.hpp"
+#include "session/diagnostics.hpp"
+#include "base/text/words.hpp"
+#include "base/text/bounded_regex.hpp"
+#include "results/run_file/run_part.hpp"
+#include "trace/run/trace.hpp"
+
+namespace straytrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double most_jobs = 50000;          // names of all parts fit into one command line of 2 MB
+constexpr std::uint64_t usual_array = 1000;  // MaxArraySize of Slurm, unless it is configured
+
+struct SubmitOptions {
+  std::uint64_t jobs = 0;
+  std::string accounting;
+  double seconds = 3600;
+};
+
+void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
+  if (model.until.by_error())
+    throw InputError(fmt::format(
+        "error: the stop rule '{}' needs the histories of all jobs together, and each sees its own\n  say how "
+        "many histories there are in all, for example --histories 1e9",
+        model.until.error_rule));
+  std::uint64_t const blocks = blocks_of(model.histories, model.world.block_size);
+  if (jobs > blocks)
+    throw InputError(
+        fmt::format("error: {} histories are {} of {}: too few for {} jobs\n  write --jobs {} or more "
+                    "--histories",
+                    model.histories, counted(blocks, "block"), model.world.block_size, jobs, blocks));
+}
+
+void check_accounting(std::string const& group) {
+  std::smatch m;
+  if (group.empty() || has_form(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
+  throw InputError(fmt::format(
+      "error: --accounting '{}' is no name of an account\n  letters, digits and . _ - + @ / are allowed", group));
+}
+
+// A job needs time to read the scene and to write its part, and no cluster lets one run for a year.
+double job_time(std::string const& text) {
+  double const seconds = parse_duration(text);
+  if (seconds >= 60 && seconds <= 366 * 86400.0) return seconds;
+  throw InputError(
+      fmt::format("error: --time '{}': a job takes between 1min and 8784h\n  write for example 50min", text));
+}
+
+// Parts in the folder must be those of the same division: their jobs go on with them.
+void check_parts(std::string const& folder, Model const& model, std::uint64_t jobs) {
+  std::error_code none;
+  for (auto const& entry : fs::directory_iterator(folder, none)) {
+    std::string const name = entry.path().filename().string();
+    if (!name.starts_with("part") || !name.ends_with(".h5")) continue;
+    PartHead const head = read_part_head(entry.path().string());
+    require_this_program(head.provenance, head.file, "choose another folder with -o, or remove the old parts");
+    if (head.model_hash == model.hash() && head.seed == model.seed && head.slice.of == jobs &&
+        head.slice.blocks(head.all_blocks) == head.slice.blocks(blocks_of(model.histories, model.world.block_size)))
+      continue;
+    throw InputError(
+        fmt::format("error: '{}' is of another run, or of another number of jobs or histories\n  choose another folder "
+                    "with -o, or remove the old parts",
+                    entry.path().string()));
+  }
+}
+
+// The scene with all it includes, its parameters and numbers in one file: a run of which nothing is done.
+void write_input(std::string const& file, Earlier const& earlier, Model const& model) {
+  TraceSettings settings;
+  settings.seed = model.seed;
+  TraceResult nothing = result_of(model.world, settings, SumTree{});
+  nothing.all_blocks = blocks_of(model.histories, model.world.block_size);
+  nothing.stopped = Stopped::by_gaps;
+  write_run(file, earlier.completed(content_of(model, nothing, nullptr)));
+}
+
+int submit(Options const& options, SubmitOptions const& wanted) {
+  check_accounting(wanted.accounting);
+  Earlier const earlier(options.input);
+  Model model = earlier.read_to_the_end(options.overrides);
+  apply(options, model);
+  refuse_what_has_no_slices(model, wanted.jobs);
+  tell_warnings(model, options);
+  Jobs jobs;
+  jobs.slices = wanted.jobs;
+  jobs.program = fs::read_symlink("/proc/self/exe").string();
+  jobs.scene = options.input;
+  jobs.accounting = wanted.accounting;
+  jobs.seconds = wanted.seconds;
+  jobs.threads = std::max(1u, options.threads);
+  jobs.noise = model.detector != nullptr;
+  NamedTexts files = options.backend == "slurm" ? slurm_files(jobs) : condor_files(jobs);
+  std::vector<std::string> names{"input.h5"};
+  for (auto const& [name, text] : files) names.push_back(name);
+  OutputFolder const folder(options.out, names);
+  earlier_run(folder.path("input.h5"), model.hash(), model.seed, options.force);
+  check_parts(options.out, model, wanted.jobs);
+  write_input(folder.path("input.h5"), earlier, model);
+  for (auto& [name, text] : files) name = folder.path(name);
+  write_files(files);
+  std::cout << "bash " << shell_word(folder.path("submit.sh")) << '\n';
+  if (options.backend == "slurm" && jobs.slices > usual_array)
+    tell_warning(
+        fmt::format("{} jobs are more than Slurm takes in one array unless its administrator allows it\n  compare "
+                    "MaxArraySize of: scontrol show config; or take --jobs {}",
+                    jobs.slices, usual_array),
+        options);
+  if (options.quiet) return done;
+  names.erase(names.begin());
+  std::cerr << fmt::format(
+      "{} of {:.4g} histories; nothing was submitted. Read {} in {}, edit them, then run the "
+      "command above\n",
+      counted(jobs.slices, "job"), double(model.histories) / double(jobs.slices), fmt::join(names, ", "), options.out);
+  return done;
+}
+
+}  // namespace
+
+void add_submit(CLI::App& app, Options& options, int& exit_code) {
+  static SubmitOptions wanted;
+  auto* const command = app.add_subcommand("submit", "files for Slurm or HTCondor that trace a scene in slices");
+  add_scene_options(*command, options, "scene file (YAML), or run file (HDF5)");
+  command->add_option("--backend", options.backend, "slurm or condor")
+      ->required()
+      ->check(CLI::IsMember({"slurm", "condor"}));
+  command->add_option("--jobs", wanted.jobs, "how many slices, one job each")
+      ->required()
+      ->check(whole_between(1, most_jobs, "200"));
+  command->add_option("-o,--out", options.out, "folder for the files and the results")->required();
+  add_history_options(*command, options);
+  command->add_option_function<std::string>(
+      "--time", [&](std::string const& text) { wanted.seconds = job_time(text); },
+      "that a job may take, for example 50min; it goes on in another one; default 1h");
+  command->add_option("--threads", options.threads, "of a job; default 1")->check(whole_between(1, 1024, "4"));
+  command->add_option("--accounting", wanted.accounting, "account or accounting group");
+  add_force_option(*command, options);
+  command->footer(
+      "Examples:\n"
+      "  straytrace submit examples/virgo_arm.yaml --backend slurm --jobs 200 --histories 1e10 -o jobs/\n"
+      "  straytrace submit examples/virgo_arm.yaml --backend condor --jobs 200 --histories 1e10 -o jobs/ "
+      "--accounting virgo.prod.o4\n"
+      "Nothing is submitted: the files are there to be read and edited, and the command to start them is printed.");
+  command->callback([&] {
+    while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();
+    exit_code = submit(options, wanted);
+  });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace fringes: which frequencies do moving surfaces make, and when?
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "session/common_options.hpp"
+#include "cli/data_options.hpp"
+#include "cli/time/time_results.hpp"
+#include "noise/time_domain/fringe_rate.hpp"
+#include "results/text/columns.hpp"
+#include "spectra/files/gps.hpp"
+
+namespace straytrace {
+namespace {
+
+struct FringesOptions {
+  TimeOptions time;
+  DataOptions data;
+  std::string wavelength, stride, above, overlay;
+  double bounces = 1;
+  std::size_t show = 6;
+};
+
+// One curve of fringe frequency, and what to call it.
+struct Line {
+  std::string name, bodies;
+  std::vector<double> hz;
+};
+
+struct FringePrediction {
+  SampleTimes times;
+  double wavelength = 0;
+  std::vector<Line> lines;      // largest first
+  std::vector<double> largest;  // of all lines, sample by sample
+};
+
+// Other motion than that of the channels would hide what they make.
+MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
+  double fastest = 0;
+  if (!o.channel.empty()) std::erase_if(in.model.motion.inputs, [](MotionInput const& i) { return !i.recorded; });
+  for (MotionInput const& i : in.model.motion.inputs)
+    if (i.recorded) fastest = std::max(fastest, i.recorded->rate);
+  double const least = highest_motion(in.model.motion);
+  double const rate = o.rate > 0 ? o.rate : least > 0 ? SamplingRule{0, least}.automatic() : fastest;
+  double const samples = std::round(in.duration * rate);
+  if (samples > 1 << 28)
+    throw InputError("error: more than 2^28 samples\n  choose a shorter --duration or, with --channel, a lower --rate");
+  return draw_motion(in.model.motion, {in.start, rate, std::size_t(samples)}, o.seed);
+}
+
+FringePrediction from_run(FringesOptions const& o) {
+  TimeInputs in(o.time);
+  MotionSeries const motion = motion_of(o.time, in);
+  FringePrediction p{motion.times, in.coupling().wavelength, {}, std::vector<double>(motion.times.samples)};
+  std::vector<std::pair<double, std::uint32_t>> order;  // by coupling
+  for (std::uint32_t r : in.routes) {
+    CouplingClass const& c = in.coupling().classes[r];
+    order.emplace_back(-c.reverse * c.coupling.mean, r);
+  }
+  std::sort(order.begin(), order.end());
+  for (auto const& [coupling, r] : order) {
+    FringeCurve curve = fringe_curve(in.coupling(), r, motion);
+    if (curve.bodies.empty()) continue;
+    if (p.lines.size() >= o.show) break;
+    for (std::size_t i = 0; i < curve.hz.size(); ++i) p.largest[i] = std::max(p.largest[i], curve.hz[i]);
+    std::vector<std::string> seen;
+    for (Multiplicity const& m : curve.bodies)
+      seen.push_back(fmt::format(
+          "{} {}", in.model.motion.bodies[m.body.value],
+          m.spread > 5e-4 * m.bounces ? with_brackets(m.bounces, m.spread) : fmt::format("{:.3f}", m.bounces)));
+    p.lines.push_back({curve.name, fmt::format("{}", fmt::join(seen, ", ")), std::move(curve.hz)});
+  }
+  if (p.lines.empty())
+    throw InputError("error: nothing moves on these routes\n  give --motion, or --body, --axis and --channel");
+  return p;
+}
+
+// Without a run: a velocity along the beam, the wavelength and the number of bounces.
+FringePrediction from_channel(FringesOptions const& o) {
+  if (o.wavelength.empty() || o.time.channel.size() != 1)
+    throw InputError(
+        "error: without a run the wavelength and one channel are needed\n  write --wavelength 1064nm --channel "
+        "FILE::CHANNEL, and --bounces N");
+  double const corner =
+      o.time.corner.empty() ? 0 : option_quantity(o.time.corner, dim::frequency, "--corner", "0.05 Hz");
+  GpsSpan const span = o.time.gps.empty() ? GpsSpan{} : parse_gps(o.time.gps);
+  RecordedMotion const x = as_motion(series_argument(o.time.channel[0], o.time.unit, span), false, corner);
+  MotionSet set;
+  set.bodies = {"surface"};
+  replace_coordinate(set, BodyId{0}, 2, x);
+  TimeSeries const& s = *x.displacement;
+  MotionSeries const motion = draw_motion(set, {s.start, s.rate, s.samples.size()}, 1);
+  double const wavelength = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
+  std::vector<double> hz = fringe_frequency(motion.coordinates[0].velocity, wavelength, o.bounces);
+  return {motion.times, wavelength, {{s.name, fmt::format("{:g} bounces", o.bounces), hz}}, hz};
+}
+
+std::string quantile_text(std::vector<double> hz, double below) {
+  std::sort(hz.begin(), hz.end());
+  return fmt::format("{:.4g}", hz[std::size_t(std::lround(below * double(hz.size() - 1)))]);
+}
+
+std::string lines_text(FringePrediction const& p) {
+  Columns columns{{"median/Hz", "95 %/Hz", "largest/Hz", "at GPS", "sees, in bounces of 2k", "route"},
+                  {false, false, false, false, true, true},
+                  {}};
+  for (Line const& line : p.lines) {
+    auto const top = std::max_element(line.hz.begin(), line.hz.end());
+    double const when = p.times.start + double(top - line.hz.begin()) / p.times.rate;
+    columns.rows.push_back({quantile_text(line.hz, 0.5), quantile_text(line.hz, 0.95), fmt::format("{:.4g}", *top),
+                            fmt::format("{:.2f}", when), line.bodies, line.name});
+  }
+  return aligned(columns);
+}
+
+std::string strides_text(std::vector<FringeStride> const& strides, double above) {
+  Columns columns{{"from GPS", "median/Hz", "95 %/Hz", "largest/Hz"}, {}, {}};
+  if (above > 0) columns.titles.push_back(fmt::format("above {:g} Hz/%", above));
+  for (FringeStride const& s : strides) {
+    std::vector<std::string> row = {gps_text(s.from), fmt::format("{:.4g}", s.median), fmt::format("{:.4g}", s.p95),
+                                    fmt::format("{:.4g}", s.largest)};
+    if (above > 0) row.push_back(fmt::format("{:.3g}", 100 * s.share_above));
+    columns.rows.push_back(row);
+  }
+  return aligned(columns);
+}
+
+CurveSheet sheet_of(FringePrediction const& p) {
+  CurveSheet sheet;
+  sheet.title = "predicted fringe frequency";
+  sheet.notes = {fmt::format("|dphi/dt|/2pi (eq. 7.1), wavelength {:g} nm", p.wavelength * 1e9)};
+  sheet.x = {"gps", "s", {}};
+  sheet.log_x = sheet.log_y = false;
+  for (std::size_t i = 0; i < p.times.samples; ++i) sheet.x.values.push_back(p.times.start + double(i) / p.times.rate);
+  for (Line const& line : p.lines) sheet.y.push_back({line.name, "Hz", line.hz});
+  return sheet;
+}
+
+// The spectrogram of a channel, up to twice the largest prediction, with the curves over it.
+MapSheet overlay_of(FringesOptions const& o, FringePrediction const& p) {
+  TimeSeries const all = series_argument(o.overlay, "", {});
+  double const from = std::max(all.start, p.times.start), to = std::min(all.end(), p.times.start + p.times.duration());
+  if (!(from < to))
+    throw InputError(
+        fmt::format("error: --overlay: '{}' has no time in common with the prediction\n  it holds GPS {} to {}",
+                    all.name, gps_text(all.start), gps_text(all.end())));
+  double const top = *std::max_element(p.largest.begin(), p.largest.end());
+  MapSheet map = spectrogram_of(cut(all, {from, to}), std::min(0.5, (to - from) / 8), 0, std::max(2 * top, 20.0));
+  auto const step = std::max<std::size_t>(1, p.times.samples / 4000);
+  for (std::size_t i = 0; i < p.times.samples; i += step)
+    map.line_time.push_back(p.times.start + double(i) / p.times.rate);
+  for (Line const& line : p.lines) {
+    map.lines.push_back({line.name, "Hz", {}});
+    for (std::size_t i = 0; i < line.hz.size(); i += step) map.lines.back().values.push_back(line.hz[i]);
+  }
+  return map;
+}
+
+int fringes(FringesOptions const& o) {
+  check_outputs(o.data);
+  double const above = o.above.empty() ? 0 : option_quantity(o.above, dim::frequency, "--above", "10 Hz");
+  FringePrediction const p = o.time.run.empty() ? from_channel(o) : from_run(o);
+  std::string text = fmt::format("{:g} s from GPS {}, wavelength {:g} nm: fringe frequency |dphi/dt|/2pi (eq. 7.1)\n{}",
+                                 p.times.duration(), gps_text(p.times.start), p.wavelength * 1e9, lines_text(p));
+  if (!o.stride.empty() || above > 0) {
+    double const stride =
+        o.stride.empty() ? p.times.duration() / 10 : option_quantity(o.stride, dim::time, "--stride", "60 s");
+    std::vector<FringeStride> const strides = by_stride(p.largest, p.times, stride, above);
+    text += "\nlargest of these routes, by stride\n" + strides_text(strides, above);
+    if (above > 0) {
+      std::vector<StretchAbove> const stretches = stretches_above(strides, above);
+      for (StretchAbove const& s : stretches)
+        text += fmt::format("above {:g} Hz from GPS {} to {}, at most {:.4g} Hz\n", above, gps_text(s.from),
+                            gps_text(s.to), s.largest);
+      if (stretches.empty()) text += fmt::format("never above {:g} Hz\n", above);
+    }
+  }
+  if (o.overlay.empty())
+    answer(o.data, sheet_of(p), text);
+  else
+    answer(o.data, overlay_of(o, p), text);
+  return done;
+}
+
+}  // namespace
+
+void add_fringes(CLI::App& app, Options&, int& exit_code) {
+  auto const options = std::make_shared<FringesOptions>();
+  FringesOptions& o = *options;
+  auto* const command =
+      app.add_subcommand("fringes", "predicted fringe frequency over time, of a run or of one moving surface");
+  command->add_option("run", o.time.run, "run file (HDF5); without it --wavelength and --channel are needed");
+  command->add_option("--wavelength", o.wavelength, "of the light, without a run: 1064nm");
+  command->add_option("--bounces", o.bounces, "on the surface at normal incidence, without a run")
+      ->check(CLI::Range(1e-3, 1e4));
+  add_motion_options(*command, o.time);
+  add_stretch_options(*command, o.time);
+  add_route_options(*command, o.time);
+  command->add_option("--stride", o.stride, "table of percentiles for each stride of time: 60s");
+  command->add_option("--above", o.above, "when the fringes pass this frequency: 10Hz");
+  command->add_option("--overlay", o.overlay, "FILE::CHANNEL whose spectrogram is drawn under the curves");
+  command->add_option("--show", o.show, "routes, by coupling")->check(whole_between(1, 1000, "6"));
+  add_output_options(*command, o.data);
+  command->footer(
+      "Examples:\n"
+      "  straytrace fringes demo/run.h5 --motion examples/storm.yaml --stride 8s --above 10Hz\n"
+      "  straytrace fringes --wavelength 1064nm --bounces 2 --channel 'storm.hdf5::tube z' -o fringes.png");
+  command->callback([options, &exit_code] { exit_code = fringes(*options); });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `project` and `fringes` share: a run, motion that measured channels replace, the stretch of time, and routes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/open_run.hpp"
+#include "motion/series_motion.hpp"
+#include "noise/time_domain/time_domain.hpp"
+#include "results/results.hpp"
+
+namespace straytrace {
+
+struct TimeOptions {
+  std::string run, motion, unit, gps, duration, corner;
+  std::vector<std::string> body, axis, channel;
+  std::vector<std::string> routes, ports, moved_by;
+  std::uint64_t seed = 1;
+  double rate = 0;            // Hz; 0: chosen
+  std::size_t per_route = 0;  // 0: as many as keep the work small
+  std::string backend = "cpu";
+  unsigned threads = 0;
+  bool retarded = false;
+};
+
+void add_motion_options(CLI::App&, TimeOptions&);   // --motion, --body, --axis, --channel, --unit, --corner, --seed
+void add_stretch_options(CLI::App&, TimeOptions&);  // --gps, --duration, --rate
+void add_route_options(CLI::App&, TimeOptions&);    // --route, --port, --moved-by
+
+struct TimeInputs : OpenRun {
+  // Reads and chooses; all problems of the command line in one InputError where they do not depend on one another.
+  explicit TimeInputs(TimeOptions const&);
+
+  NoiseBudget exact;                  // with spectra of the motion
+  std::vector<std::uint32_t> routes;  // chosen
+  double start = 0, duration = 0;     // GPS s, s
+  CouplingTable const& coupling() const { return file.trace.coupling; }
+};
+
+// The recording takes the place of all that moved this coordinate; other bodies keep what they had.
+void replace_coordinate(MotionSet&, BodyId, int axis, RecordedMotion const&);
+
+// Displacement [m] or angle [rad] from a channel of displacement, velocity or acceleration; these two need a corner
+// [Hz], below which the motion is taken off. InputError names the option.
+RecordedMotion as_motion(TimeSeries const&, bool rotation, double corner_hz);
+
+}  // namespace straytrace

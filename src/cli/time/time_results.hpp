@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `project` says and writes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/time/time_inputs.hpp"
+#include "results/curves/curve_file.hpp"
+#include "spectra/welch.hpp"
+
+namespace straytrace {
+
+struct TimeFiles {
+  std::string strain, asd, spectrogram, motion, stride;
+};
+void check_time_files(TimeFiles const&);  // endings, before anything is computed
+
+// Welch spectra of one realisation after the other.
+class Realisations {
+ public:
+  void add(WelchSpectrum const&);
+  std::size_t size() const { return psd_.size(); }
+  std::vector<double> const& hz() const { return last_.hz; }
+  // Means over lines from..to (both included) of each realisation.
+  std::vector<double> band(std::size_t from, std::size_t to) const;
+  WelchSpectrum const& last() const { return last_; }
+
+ private:
+  WelchSpectrum last_;
+  std::vector<std::vector<double>> psd_;
+};
+
+// Spectrum in one band of h.
+struct BandLevel {
+  double hz = 0, low = 0, high = 0;         // Hz; what was averaged
+  double asd = 0, sigma = 0;                // 1/sqrt(Hz), root of the mean PSD; NaN outside what the record resolves
+  double below = 0, median = 0, above = 0;  // percentiles 5, 50, 95 of the realisations; NaN for fewer than 5
+  double exact = 0;                         // mean by spectra, NaN outside the band of the run
+};
+
+struct ProjectResult {
+  SampleTimes times;
+  std::uint64_t seed = 0;
+  std::size_t realisations = 0, routes = 0, paths = 0;
+  double rms_phase = 0;
+  SamplingRule rule;
+  FastestFringe fastest;
+  std::string fastest_route;
+  double delay = 0, second_order = 0;  // s; rad
+  double delay_error = 0;              // of h at 100 Hz, relative, at most (eq. 2.6)
+  bool retarded = false, recorded = false;
+  double band_low = 0, band_high = 0;
+  std::vector<BandLevel> levels;    // at 10, 30, 100 Hz, +- 10 %
+  std::vector<BandLevel> spectrum;  // line by line
+  std::string welch;                // how it was averaged
+};
+
+TimeSeries strain_series(StrayLight const&);
+ProjectResult project_result(TimeInputs const&, TimeDomainSettings const&, StrayLight const&, Realisations const&);
+std::string project_text(ProjectResult const&);
+std::string project_json(ProjectResult const&);
+// Names of the files.
+std::vector<std::string> write_time_files(TimeFiles const&, TimeInputs const&, StrayLight const&, ProjectResult const&);
+
+// Welch spectra stride by stride, half overlapping; ASD of the lines from low to high [Hz].
+MapSheet spectrogram_of(TimeSeries const&, double stride, double low, double high);
+// "tube z": every coordinate that moves.
+std::vector<TimeSeries> motion_channels(MotionSeries const&, MotionSet const&);
+
+}  // namespace straytrace

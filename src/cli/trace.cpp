@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace trace: scene -> coupling table, without any motion.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <regex>
+
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
+#include "session/interrupt.hpp"
+#include "session/mpi.hpp"
+#include "session/session.hpp"
+#include "session/diagnostics.hpp"
+#include "base/text/bounded_regex.hpp"
+#include "report/html/page_json.hpp"
+#include "report/ray_paths.hpp"
+#include "results/text/columns.hpp"
+#include "trace/importance/importance.hpp"
+#include "trace/run/ranks.hpp"
+
+namespace straytrace {
+namespace {
+
+// Looks of a stop rule are at all histories so far, and a slice has only its own.
+void refuse_stop_rule(Options const& options, Model const& model) {
+  if (options.slices == 1 || !model.until.by_error()) return;
+  throw InputError(
+      fmt::format("error: --slice {}/{}: the stop rule '{}' needs the histories of all slices together\n  say how many "
+                  "histories there are in all, for example --histories 1e8",
+                  options.slice, options.slices, model.until.error_rule));
+}
+
+// A run file is continued in place, unless another file is named. Who asks it to stop while it still reads, or
+// already writes, gets a run file as well.
+int trace_only(Options options, Transport* transport) {
+  InterruptGuard const guard;
+  Earlier const earlier(options.input);
+  Model model = earlier.read_to_the_end(options.overrides);
+  if (options.slices == 1) {
+    options.slice = earlier.slice().number;
+    options.slices = earlier.slice().of;
+  }
+  apply(options, model);
+  refuse_stop_rule(options, model);
+  if (transport && transport->rank() > 0) {
+    work_for_rank_0(model, options, *transport);
+    return done;
+  }
+  tell_warnings(model, options);
+  TraceResult const traced = trace_model(model, options, options.out, transport);
+  RunContent const content = earlier.completed(content_of(model, traced, nullptr));
+  write_run(options.out, content);
+  tell_traced(content, model, options);
+  if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
+  return traced.checkpointed() ? checkpointed : done;
+}
+
+// All processes of the job run this; rank 0 speaks and writes.
+int trace_by_mpi(Options const& options) {
+  Transport& transport = open_mpi();
+  bool const leads = transport.rank() == 0;
+  try {
+    return trace_only(options, &transport);
+  } catch (std::exception const& e) {
+    if (leads) {
+      send_home(transport);
+      throw;
+    }
+    report_failure(transport, e.what());
+  }
+  return done;
+}
+
+// One history, event by event: of a scene as it would be traced, or of a run as it was.
+int tell_history(Options const& options, std::uint64_t number) {
+  Earlier const earlier(options.input);
+  Model model = earlier.read(options.overrides);
+  if (options.seed) model.seed = *options.seed;
+  steer(model.world, options.threads);
+  std::vector<ToldEvent> const events = told_history(model.world, model.seed, number);
+  if (options.json()) {
+    std::cout << told_json(events).dump() << '\n';
+    return done;
+  }
+  Columns table{{"event", "order", "what", "where", "body", "x [m]", "y [m]", "z [m]", "power"},
+                {false, false, true, true, true},
+                {}};
+  for (ToldEvent const& e : events) {
+    bool const placed = std::isfinite(e.point.x);
+    auto const metres = [&](double x) { return placed ? fmt::format("{:.7g}", x) : ""; };
+    table.rows.push_back({placed ? fmt::format("{}", e.event) : "", placed ? fmt::format("{}", e.order) : "", e.what,
+                          e.where, e.body, metres(e.point.x), metres(e.point.y), metres(e.point.z),
+                          fmt::format("{:.6g}", e.power)});
+  }
+  std::cout << fmt::format("history {} of seed {}; power relative to the main mode\n", number, model.seed)
+            << aligned(table);
+  return done;
+}
+
+}  // namespace
+
+namespace {
+
+// "7/200"
+void read_slice(std::string const& text, Options& options) {
+  static std::regex const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
+  std::smatch m;
+  if (has_form(text, m, form)) {
+    options.slice = std::stoull(m[1]);
+    options.slices = std::stoull(m[2]);
+    if (options.slice >= 1 && options.slice <= options.slices) return;
+  }
+  throw InputError(
+      fmt::format("error: --slice '{}' is no part of a run\n  write for example --slice 7/200: the seventh of 200; "
+                  "there may be 9999999",
+                  text));
+}
+
+}  // namespace
+
+void add_trace(CLI::App& app, Options& options, int& exit_code) {
+  auto* const command = app.add_subcommand("trace", "trace light into a coupling table; no motion, no noise yet");
+  add_scene_options(*command, options);
+  add_trace_options(*command, options);
+  auto* const out =
+      command->add_option("-o,--out", options.out, "run file to write (HDF5); default: the one to go on with");
+  command
+      ->add_option_function<std::string>(
+          "--slice", [&](std::string const& text) { read_slice(text, options); },
+          "trace this part of the histories alone, for example 7/200; straytrace merge makes one run of all")
+      ->type_name("N/OF");
+  static std::optional<std::uint64_t> history;
+  command->add_option("--history", history, "follow this history alone and print its events; also of a run file")
+      ->check(whole_between(0, 9e15, "1234"));
+  command->footer(
+      "Examples:\n"
+      "  straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e6\n"
+      "  straytrace trace examples/virgo_arm.yaml -o virgo.h5 --until \"h_total < 2 %\" --seed 7\n"
+      "  straytrace trace examples/virgo_arm.yaml -o part007.h5 --histories 1e9 --slice 7/200\n"
+      "  straytrace trace part007.h5\n"
+      "  mpirun straytrace trace examples/virgo_arm.yaml -o virgo.h5 --histories 1e9 --backend mpi\n"
+      "  straytrace trace virgo.h5 --history 1234\n"
+      "A run file is continued to the number of histories asked for.");
+  command->callback([&, out] {
+    if (history) {
+      exit_code = tell_history(options, *history);
+      return;
+    }
+    if (out->count() == 0 && !options.input.ends_with(".h5")) throw CLI::RequiredError("--out");
+    if (out->count() == 0) options.out = options.input;
+    exit_code = options.backend == "mpi" ? trace_by_mpi(options) : trace_only(options, nullptr);
+  });
+}
+
+}  // namespace straytrace

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/mesh/triangle_mesh.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <string_view>
+
+namespace straytrace {
+namespace {
+
+// Walker's alias table: row i stands for 1/n of the whole, shared by i and one other.
+std::vector<AliasRow> alias_table(std::vector<double> const& weights, double total) {
+  std::size_t const n = weights.size();
+  std::vector<AliasRow> rows(n);
+  std::vector<double> share(n);
+  std::vector<std::uint32_t> poor, rich;
+  for (std::size_t i = 0; i < n; ++i) {
+    share[i] = total > 0 ? weights[i] / total * double(n) : 1;
+    (share[i] < 1 ? poor : rich).push_back(std::uint32_t(i));
+  }
+  while (!poor.empty() && !rich.empty()) {
+    std::uint32_t const small = poor.back(), large = rich.back();
+    poor.pop_back();
+    rows[small] = {share[small], large};
+    share[large] -= 1 - share[small];
+    if (share[large] < 1) {
+      rich.pop_back();
+      poor.push_back(large);
+    }
+  }
+  for (std::uint32_t i : rich) rows[i] = {1, i};
+  for (std::uint32_t i : poor) rows[i] = {1, i};  // rounding: nothing is left to share with
+  return rows;
+}
+
+double distance_to_segment(double ax, double ay, double bx, double by) {  // of the origin of a plane
+  double const dx = bx - ax, dy = by - ay, d2 = dx * dx + dy * dy;
+  double const s = d2 > 0 ? std::clamp(-(ax * dx + ay * dy) / d2, 0.0, 1.0) : 0;
+  return std::hypot(ax + s * dx, ay + s * dy);
+}
+
+// Smallest distance of a triangle from the z axis, a little less than it is.
+double distance_to_axis(Vec3 a, Vec3 b, Vec3 c) {
+  auto const turn = [](Vec3 p, Vec3 q) { return p.x * q.y - p.y * q.x; };
+  double const u = turn(a, b), v = turn(b, c), w = turn(c, a);
+  if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) return 0;
+  return (1 - 1e-12) * std::min({distance_to_segment(a.x, a.y, b.x, b.y), distance_to_segment(b.x, b.y, c.x, c.y),
+                                 distance_to_segment(c.x, c.y, a.x, a.y)});
+}
+
+// Fills packs leaf by leaf and makes the leaves of the tree name packs instead of boxes.
+std::vector<TrianglePack> packed(Bvh8& tree, std::vector<MeshVertex> const& vertices,
+                                 std::vector<MeshTriangle> const& triangles) {
+  std::vector<TrianglePack> packs;
+  tree.rename_leaves([&](std::uint32_t first, std::uint32_t count) {
+    TrianglePack& pack = packs.emplace_back();
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      std::uint32_t const id = tree.order[first + std::min(i, count - 1)];
+      pack.triangle[i] = id;
+      for (int k = 0; k < 3; ++k) {
+        MeshVertex const v = vertices[triangles[id].corner[k]];
+        pack.corner[k][0][i] = v.x;
+        pack.corner[k][1][i] = v.y;
+        pack.corner[k][2][i] = v.z;
+      }
+    }
+    return std::uint32_t(packs.size() - 1);
+  });
+  return packs;
+}
+
+void measure(MeshContent& mesh, std::vector<MeshVertex> const& vertices, std::vector<MeshTriangle> const& triangles,
+             std::vector<Box>& boxes, std::vector<double>& areas) {
+  mesh.near = infinity;
+  for (MeshTriangle const& t : triangles) {
+    Box box;
+    Vec3 corner[3];
+    for (int k = 0; k < 3; ++k) {
+      if (t.corner[k] >= vertices.size()) throw std::out_of_range("a triangle names a vertex that does not exist");
+      corner[k] = exact(vertices[t.corner[k]]);
+      box.add(corner[k]);
+      mesh.far = std::max(mesh.far, (1 + 1e-12) * std::hypot(corner[k].x, corner[k].y));
+    }
+    mesh.near = std::min(mesh.near, distance_to_axis(corner[0], corner[1], corner[2]));
+    mesh.box.add(box);
+    boxes.push_back(box);
+    areas.push_back(0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0])));
+    mesh.area += areas.back();
+    double const ab = length(corner[1] - corner[0]), ac = length(corner[2] - corner[0]);
+    mesh.close = std::max(mesh.close, LeavingRule::reach(ab, ac));
+  }
+  double const pad = 1e-12 * std::max({std::fabs(mesh.box.lower.z), std::fabs(mesh.box.upper.z), mesh.far});
+  mesh.low = mesh.box.lower.z - pad;
+  mesh.high = mesh.box.upper.z + pad;
+}
+
+// Two sums of different mixers over all numbers, in order.
+void digest(MeshContent& mesh, std::vector<MeshVertex> const& vertices, std::vector<MeshTriangle> const& triangles) {
+  std::uint64_t a = vertices.size(), b = triangles.size();
+  auto const add = [&](std::uint64_t x) {
+    a = (a ^ x) * 0x9e3779b97f4a7c15ull;
+    a ^= a >> 32;
+    b = (b + x) * 0xbf58476d1ce4e5b9ull;
+    b ^= b >> 29;
+  };
+  for (MeshVertex const& v : vertices)
+    for (float x : {v.x, v.y, v.z}) add(std::bit_cast<std::uint32_t>(x));
+  for (MeshTriangle const& t : triangles)
+    for (std::uint32_t corner : t.corner) add(corner);
+  mesh.digest[0] = a;
+  mesh.digest[1] = b;
+}
+
+void list_in_order(MeshContent& mesh, Bvh8 const& tree, std::vector<double> const& areas, Storage& storage) {
+  std::vector<std::uint32_t> place(areas.size());
+  std::vector<double> before{0};
+  before.reserve(areas.size() + 1);
+  for (std::uint32_t i = 0; i < tree.order.size(); ++i) {
+    place[tree.order[i]] = i;
+    before.push_back(before.back() + areas[tree.order[i]]);
+  }
+  mesh.in_order = storage.keep(tree.order);
+  mesh.place = storage.keep(std::move(place));
+  mesh.area_before = storage.keep(std::move(before));
+}
+
+#if STRAY_VECTORS && defined(__x86_64__)
+// One source for three instruction sets; every lane does the same IEEE operations, so the bits agree.
+__attribute__((target("avx512f,avx512vl,avx512dq,bmi"))) Crossing crossing_512(TriangleMesh const& mesh, Ray const& ray,
+                                                                               std::uint32_t leaving) {
+  return mesh.crossing_with<8>(ray, leaving);
+}
+__attribute__((target("avx2,bmi"))) Crossing crossing_256(TriangleMesh const& mesh, Ray const& ray,
+                                                          std::uint32_t leaving) {
+  return mesh.crossing_with<4>(ray, leaving);
+}
+#endif
+Crossing crossing_128(TriangleMesh const& mesh, Ray const& ray, std::uint32_t leaving) {
+  return mesh.crossing_with<2>(ray, leaving);
+}
+
+using Version = Crossing (*)(TriangleMesh const&, Ray const&, std::uint32_t);
+// The fastest that this processor can run and the environment variable STRAYTRACE_ISA allows.
+Version version_for_this_processor() {
+#if STRAY_VECTORS && defined(__x86_64__)
+  char const* const named = std::getenv("STRAYTRACE_ISA");
+  std::string_view const wanted = named ? named : "avx512";
+  if (wanted == "portable") return crossing_128;
+  if (wanted != "avx2" && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("bmi"))
+    return crossing_512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi")) return crossing_256;
+#endif
+  return crossing_128;
+}
+
+}  // namespace
+
+#if STRAY_VECTORS
+Crossing TriangleMesh::crossing(Ray const& ray, std::uint32_t leaving) const {
+  static Version const version = version_for_this_processor();
+  return version(*this, ray, leaving);
+}
+#endif
+
+MeshContent prepare_mesh(std::vector<MeshVertex> vertices, std::vector<MeshTriangle> triangles, Storage& storage) {
+  MeshContent mesh;
+  std::vector<Box> boxes;
+  std::vector<double> areas;
+  boxes.reserve(triangles.size());
+  areas.reserve(triangles.size());
+  measure(mesh, vertices, triangles, boxes, areas);
+  digest(mesh, vertices, triangles);
+  Bvh8Settings settings;
+  settings.leaf_size = 8;
+  settings.pack = 8;
+  settings.traversal_cost = 4;  // half of a pack
+  Bvh8 tree = build_bvh8(boxes, settings);
+  mesh.packs = storage.keep_large(packed(tree, vertices, triangles));
+  list_in_order(mesh, tree, areas, storage);
+  mesh.by_area = storage.keep(alias_table(areas, mesh.area));
+  mesh.tree = tree.view();
+  mesh.tree.nodes = storage.keep_large(std::move(tree.nodes));
+  mesh.vertices = storage.keep_large(std::move(vertices));
+  mesh.triangles = storage.keep_large(std::move(triangles));
+  return mesh;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Triangles of one named part of a mesh file. Corners are floats as in the file; rays are moved into the frame and the
+// unit of the file in double, so instances share all arrays and parts of one file see the same corners: no ray passes
+// between them. Page: docs/reference/shapes/mesh.md.
+#pragma once
+
+#include <vector>
+
+#include "base/memory/storage.hpp"
+#include "geometry/mesh/bvh8.hpp"
+#include "geometry/common/pieces.hpp"
+#include "geometry/mesh/triangle.hpp"
+
+namespace straytrace {
+
+// Eight triangles side by side: [corner][axis][lane].
+struct alignas(64) TrianglePack {
+  float corner[3][3][8];
+  std::uint32_t triangle[8];
+};
+static_assert(sizeof(TrianglePack) == 320);
+
+// One row of an alias table (Walker 1977): the row itself below `keep`, otherwise `other`.
+struct AliasRow {
+  double keep = 1;
+  std::uint32_t other = 0, unused = 0;
+};
+
+// What instances share. Lengths in the unit of the file.
+struct MeshContent {
+  View<MeshVertex const> vertices;
+  View<MeshTriangle const> triangles;
+  View<TrianglePack const> packs;  // leaves of the tree name packs
+  View<AliasRow const> by_area;
+  View<std::uint32_t const> in_order;  // triangles as the leaves of the tree list them: neighbours side by side
+  View<std::uint32_t const> place;     // of each triangle in that order
+  View<double const> area_before;      // of the triangles before place i, unit^2; one more than there are triangles
+  Bvh8::View tree;
+  Box box;
+  std::uint64_t digest[2] = {};  // of vertices and triangles: arrays with other content have another one
+  double area = 0;               // unit^2
+  double close = 0;              // hits nearer than this may need the rule for leaving a triangle (LeavingRule::asks)
+  double low = 0, high = 0, near = 0, far = 0;  // heights along z, distances from the z axis
+};
+// Triangles must name existing vertices.
+MeshContent prepare_mesh(std::vector<MeshVertex> vertices, std::vector<MeshTriangle> triangles, Storage& storage);
+
+struct TriangleMesh {
+  static constexpr char const* key = "mesh";
+  static constexpr bool has_pieces = true;
+  Pose pose;
+  Vec3 axis{0, 0, 1};
+  double unit = 1;  // m
+  MeshContent content;
+
+  STRAY_HD void place(Pose const& where) {
+    pose = where;
+    axis = where.e3;
+  }
+  // The nearest triangle, ties to the lower number. `leaving`: the triangle that the ray starts on, or no_piece.
+#if STRAY_VECTORS
+  Crossing crossing(Ray const& ray, std::uint32_t leaving) const;
+#else
+  STRAY_HD Crossing crossing(Ray const& ray, std::uint32_t leaving) const { return crossing_with<1>(ray, leaving); }
+#endif
+  STRAY_HD Crossing crossing_by_force(Ray const& ray, std::uint32_t leaving) const;  // every triangle: the same bits
+
+  STRAY_HD Vec3 normal(Vec3, std::uint32_t piece) const {
+    return straytrace::unit(pose.direction(facet_normal(corner(piece, 0), corner(piece, 1), corner(piece, 2))));
+  }
+  STRAY_HD Vec3 project(Vec3 p, std::uint32_t piece) const { return put(to_file(p), piece); }
+  STRAY_HD double area() const { return content.area * unit * unit; }
+  STRAY_HD SurfacePoint sample(double u, double v) const {
+    double const rows = double(content.by_area.size), x = u * rows, row = std::fmin(std::floor(x), rows - 1);
+    AliasRow const alias = content.by_area[std::size_t(row)];
+    bool const kept = x - row < alias.keep;
+    std::uint32_t const piece = kept ? std::uint32_t(row) : alias.other;
+    double const rest = kept ? (x - row) / alias.keep : (x - row - alias.keep) / (1 - alias.keep);
+    return {on_triangle(piece, rest, v), piece};
+  }
+  // The same density, but u runs over the area in the order of the tree: close numbers are close places.
+  STRAY_HD SurfacePoint sample_in_order(double u, double v) const {
+    double const x = u * content.area_before[content.in_order.size];
+    std::size_t low = 0, high = content.in_order.size;
+    while (high - low > 1) {
+      std::size_t const mid = low + (high - low) / 2;
+      (content.area_before[mid] <= x ? low : high) = mid;
+    }
+    double const before = content.area_before[low], area = content.area_before[low + 1] - before;
+    std::uint32_t const piece = content.in_order[low];
+    return {on_triangle(piece, area > 0 ? std::fmin((x - before) / area, 1) : 0.5, v), piece};
+  }
+  // The number u at the middle of a triangle.
+  STRAY_HD double order_coordinate(std::uint32_t piece) const {
+    std::size_t const i = content.place[piece];
+    return 0.5 * (content.area_before[i] + content.area_before[i + 1]) / content.area_before[content.in_order.size];
+  }
+  // Heights along e3 and radii about it, from the origin of the part, that contain the surface.
+  STRAY_HD void extent(double& low, double& high, double& r_min, double& r_max) const {
+    low = unit * content.low;
+    high = unit * content.high;
+    r_min = unit * content.near;
+    r_max = unit * content.far;
+  }
+  STRAY_HD Vec3 reference() const { return pose.origin; }
+  STRAY_HD Box bounds() const;
+
+  STRAY_HD Vec3 corner(std::uint32_t piece, int i) const {
+    return exact(content.vertices[content.triangles[piece].corner[i]]);
+  }
+  template <int Width>
+  STRAY_INLINE Crossing crossing_with(Ray const& ray, std::uint32_t leaving) const;
+  // In the frame and the unit of the file; t_max is left as it is.
+  STRAY_HD Ray in_file(Ray const& ray) const { return {to_file(ray.origin), pose.local_direction(ray.dir), ray.t_max}; }
+  struct Search;
+
+ private:
+  STRAY_HD Vec3 to_file(Vec3 p) const {
+    Vec3 const q = pose.local_point(p);
+    return {q.x / unit, q.y / unit, q.z / unit};
+  }
+  STRAY_HD Vec3 on_triangle(std::uint32_t piece, double u, double v) const {  // even over its area
+    Vec3 const a = corner(piece, 0), b = corner(piece, 1), c = corner(piece, 2);
+    double const root = std::sqrt(u);
+    return put(a + (root * (1 - v)) * (b - a) + (root * v) * (c - a), piece);
+  }
+  STRAY_HD Vec3 put(Vec3 p, std::uint32_t piece) const {
+    double const rounding = 0x1p-40 * (length(pose.origin) / unit + length(p));  // 4096 times that of a coordinate
+    return pose.point(unit * put_on_triangle(p, corner(piece, 0), corner(piece, 1), corner(piece, 2), rounding));
+  }
+};
+
+// One ray in one mesh: the best hit so far.
+struct TriangleMesh::Search {
+  TriangleMesh const* mesh;
+  ShearedRay sheared;
+  Vec3 dir;
+  double t_max;  // m
+  std::uint32_t leaving;
+  Crossing best{infinity, no_piece};  // distance and limit in the unit of the file
+  double limit;                       // rounded up
+
+  STRAY_INLINE Search(TriangleMesh const& m, Vec3 origin, Vec3 d, double end, std::uint32_t from)
+      : mesh(&m), sheared(origin, d), dir(d), t_max(end), leaving(from), limit(end / m.unit * (1 + 0x1p-50)) {}
+  STRAY_HD void try_triangle(std::uint32_t id, Vec3 a, Vec3 b, Vec3 c) {
+    if (id == leaving) return;
+    double t = line_meets(sheared, a, b, c);
+    if (leaving != no_piece && std::fabs(t) < mesh->content.close) t = judged(t, id);
+    if (!(t > 0 && t <= limit)) return;
+    if (!(t * mesh->unit < t_max) || (t == best.distance && id > best.piece)) return;
+    best = {t, id};
+    limit = t;
+  }
+  template <int Width>
+  STRAY_INLINE void try_pack(std::uint32_t number, std::uint32_t count);
+  STRAY_HD double judged(double t, std::uint32_t id) const {  // rare, so the start is looked up only here
+    auto const at = [this](std::uint32_t piece, int i) { return mesh->corner(piece, i); };
+    LeavingRule const rule(at(leaving, 0), at(leaving, 1), at(leaving, 2), mesh->content.triangles[leaving], dir);
+    if (!rule.asks(t)) return t;
+    return rule.judged(t, {at(id, 0), at(id, 1), at(id, 2)}, mesh->content.triangles[id]);
+  }
+  STRAY_HD Crossing result() const { return {best.distance * mesh->unit, best.piece}; }
+};
+
+namespace mesh_detail {
+
+#if STRAY_VECTORS
+template <int Width>
+struct VectorOf;
+#define STRAY_VECTOR_OF(width)                                          \
+  template <>                                                           \
+  struct VectorOf<width> {                                              \
+    typedef double Doubles __attribute__((vector_size(8 * width)));     \
+    typedef float Floats __attribute__((vector_size(4 * width)));       \
+    typedef std::int64_t Longs __attribute__((vector_size(8 * width))); \
+    typedef std::int32_t Ints __attribute__((vector_size(4 * width)));  \
+  };
+STRAY_VECTOR_OF(2)
+STRAY_VECTOR_OF(4)
+STRAY_VECTOR_OF(8)
+#undef STRAY_VECTOR_OF
+
+// Bit i is set where lane i of a comparison is true. Only what every x86-64 has: the same source serves all widths.
+template <int Width>
+STRAY_INLINE unsigned lanes_set(typename VectorOf<Width>::Longs const& mask) {
+  typedef float Four __attribute__((vector_size(16)));
+  union {
+    typename VectorOf<Width>::Ints all;
+    Four quarter[(Width + 3) / 4];
+  } narrow;
+  narrow.quarter[0] = Four{};
+  narrow.all = __builtin_convertvector(mask, typename VectorOf<Width>::Ints);
+  unsigned bits = unsigned(__builtin_ia32_movmskps(narrow.quarter[0]));
+  if constexpr (Width == 8) bits |= unsigned(__builtin_ia32_movmskps(narrow.quarter[1])) << 4;
+  return bits;
+}
+
+template <int Width>
+STRAY_INLINE void shear(ShearedRay const& r, float const (&corner)[3][8], int first,
+                        typename VectorOf<Width>::Doubles& x, typename VectorOf<Width>::Doubles& y) {
+  using Doubles = typename VectorOf<Width>::Doubles;
+  using Floats = typename VectorOf<Width>::Floats;
+  Floats const fx = *reinterpret_cast<Floats const*>(&corner[r.x][first]);
+  Floats const fy = *reinterpret_cast<Floats const*>(&corner[r.y][first]);
+  Floats const fz = *reinterpret_cast<Floats const*>(&corner[r.z][first]);
+  Doubles const dz = __builtin_convertvector(fz, Doubles) - r.at[2];
+  x = (__builtin_convertvector(fx, Doubles) - r.at[0]) - r.slope_x * dz;
+  y = (__builtin_convertvector(fy, Doubles) - r.at[1]) - r.slope_y * dz;
+}
+
+// Bit i is set unless the line of the ray passes triangle i of the pack for certain.
+template <int Width>
+STRAY_INLINE unsigned may_meet(ShearedRay const& r, TrianglePack const& pack) {
+  using Doubles = typename VectorOf<Width>::Doubles;
+  unsigned apart = 0;
+  for (int first = 0; first < 8; first += Width) {
+    Doubles ax, ay, bx, by, cx, cy;
+    shear<Width>(r, pack.corner[0], first, ax, ay);
+    shear<Width>(r, pack.corner[1], first, bx, by);
+    shear<Width>(r, pack.corner[2], first, cx, cy);
+    Doubles const u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax, zero{};
+    Doubles low = u < v ? u : v, high = u > v ? u : v;
+    low = low < w ? low : w;
+    high = high > w ? high : w;
+    typename VectorOf<Width>::Longs const both = (low < zero) & (high > zero);
+    apart |= lanes_set<Width>(both) << first;
+  }
+  return ~apart;
+}
+#else
+template <int Width>
+STRAY_INLINE unsigned may_meet(ShearedRay const&, TrianglePack const&) {
+  return 0xff;
+}
+#endif
+
+}  // namespace mesh_detail
+
+template <int Width>
+STRAY_INLINE void TriangleMesh::Search::try_pack(std::uint32_t number, std::uint32_t count) {
+  TrianglePack const& pack = mesh->content.packs[number];
+  unsigned lanes = mesh_detail::may_meet<Width>(sheared, pack) & ((1u << count) - 1);
+  while (lanes != 0) {
+    int const i = simd::lowest(lanes);
+    lanes &= lanes - 1;
+    auto const at = [&](int k) { return Vec3{pack.corner[k][0][i], pack.corner[k][1][i], pack.corner[k][2][i]}; };
+    try_triangle(pack.triangle[i], at(0), at(1), at(2));
+  }
+}
+
+template <int Width>
+STRAY_INLINE Crossing TriangleMesh::crossing_with(Ray const& ray, std::uint32_t leaving) const {
+  Ray const local = in_file(ray);
+  Search search(*this, local.origin, local.dir, ray.t_max, leaving);
+  auto const leaf = [&](std::uint32_t first, std::uint32_t count, double&) STRAY_INLINE_LAMBDA {
+    search.try_pack<Width>(first, count);
+    return false;
+  };
+  content.tree.traverse(local, search.limit, leaf, [&](std::uint32_t first) STRAY_INLINE_LAMBDA {
+    bvh8_detail::fetch_early<sizeof(TrianglePack)>(&content.packs[first]);
+  });
+  return search.result();
+}
+
+STRAY_HD Crossing TriangleMesh::crossing_by_force(Ray const& ray, std::uint32_t leaving) const {
+  Ray const local = in_file(ray);
+  Search search(*this, local.origin, local.dir, ray.t_max, leaving);
+  for (std::uint32_t i = 0; i < content.triangles.size; ++i)
+    search.try_triangle(i, corner(i, 0), corner(i, 1), corner(i, 2));
+  return search.result();
+}
+
+STRAY_HD Box TriangleMesh::bounds() const {
+  Box box;
+  for (int i = 0; i < 8; ++i) {
+    Vec3 const at{(i & 1 ? content.box.upper : content.box.lower).x, (i & 2 ? content.box.upper : content.box.lower).y,
+                  (i & 4 ? content.box.upper : content.box.lower).z};
+    box.add(pose.point(unit * at));
+  }
+  double const r = 0x1p-48 * (length(pose.origin) + length(box.upper - box.lower) + unit * content.far);  // of rounding
+  Vec3 const pad{r, r, r};
+  return {box.lower - pad, box.upper + pad};
+}
+
+}  // namespace straytrace

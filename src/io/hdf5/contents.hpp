@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an HDF5 file holds, as plain values. The HDF5 library crashes on some damaged files and takes all memory on
+// others: it reads them in a copy of the process (base/process/sandbox.hpp), and this program sees only what it says.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace straytrace::hdf5 {
+
+using Sizes = std::vector<std::uint64_t>;
+
+enum class Kind : std::uint8_t { integer, real, text, other };
+// `elsewhere`: the values stand in other files, which are never read.
+enum class State : std::uint8_t { whole, left_out, impossible_size, elsewhere, unreadable };
+
+// Of a dataset or an attribute.
+struct Values {
+  Kind kind = Kind::other;
+  State state = State::unreadable;
+  bool is_signed = false;
+  std::uint64_t size = 0;  // bytes of one value: 1, 2, 4 or 8 of integers, 8 of reals; a text is padded with zeros
+  Sizes shape;             // row-major; empty: one value
+  std::string bytes;       // in the order of this machine; none unless the state is `whole` and the kind not `other`
+
+  std::uint64_t count() const;  // of values
+};
+
+struct Object {
+  bool is_group = false;
+  Values values;                             // of a dataset; of a group only the state, whether it was listed whole
+  std::map<std::string, Values> attributes;  // by name
+};
+
+// By path from the root: "/", "/records", "/records/kappa". Links by name, also to other files, are not followed; what
+// has two names stands under both. A group in itself, or in 16 others, counts as unreadable.
+using Contents = std::map<std::string, Object>;
+
+struct Wanted {
+  // Other datasets are there by their path alone, left out.
+  std::function<bool(std::string const& path)> set = [](std::string const&) { return true; };
+  std::uint64_t largest = ~std::uint64_t{0};  // bytes; of larger datasets only shape and attributes are read
+};
+
+// Of the bytes of a file. Throws InputError where it is no HDF5, or the library ends otherwise than by reading it.
+Contents contents_of(std::string const& image, Wanted const& wanted = {});
+// The same in this process, for what this program has written itself.
+Contents own_contents(std::string const& image);
+
+// `count` numbers of a list from `offset` on; throws InputError.
+std::vector<double> slab(std::string const& image, std::string const& path, std::uint64_t offset, std::uint64_t count);
+
+// Contents as bytes and back; throws InputError where they are cut short.
+std::string packed(Contents const&);
+Contents unpacked(std::string_view bytes);
+
+}  // namespace straytrace::hdf5

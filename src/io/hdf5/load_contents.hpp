@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the HDF5 library reads from the bytes of a file, in this process.
+#pragma once
+
+#include "io/hdf5/contents.hpp"
+
+namespace straytrace::hdf5 {
+
+Contents walked(std::string const& image, Wanted const& wanted);
+std::vector<double> slab_here(std::string const& image, std::string const& path, std::uint64_t offset,
+                              std::uint64_t count);
+
+[[noreturn]] void broken_file(std::string const& how);
+
+}  // namespace straytrace::hdf5

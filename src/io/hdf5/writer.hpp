@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Typed arrays with units as an HDF5 file in memory, without time stamps: the same content is the same bytes.
+#pragma once
+
+#include <H5Cpp.h>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/hdf5/contents.hpp"
+
+namespace straytrace::hdf5 {
+
+// Type in the file (little endian) and type in memory.
+template <class T>
+H5::PredType const& file_type();
+template <class T>
+H5::PredType const& memory_type();
+template <>
+inline H5::PredType const& file_type<double>() {
+  return H5::PredType::IEEE_F64LE;
+}
+template <>
+inline H5::PredType const& file_type<std::uint64_t>() {
+  return H5::PredType::STD_U64LE;
+}
+template <>
+inline H5::PredType const& file_type<std::uint32_t>() {
+  return H5::PredType::STD_U32LE;
+}
+template <>
+inline H5::PredType const& file_type<std::uint8_t>() {
+  return H5::PredType::STD_U8LE;
+}
+template <>
+inline H5::PredType const& memory_type<double>() {
+  return H5::PredType::NATIVE_DOUBLE;
+}
+template <>
+inline H5::PredType const& memory_type<std::uint64_t>() {
+  return H5::PredType::NATIVE_UINT64;
+}
+template <>
+inline H5::PredType const& memory_type<std::uint32_t>() {
+  return H5::PredType::NATIVE_UINT32;
+}
+template <>
+inline H5::PredType const& memory_type<std::uint8_t>() {
+  return H5::PredType::NATIVE_UINT8;
+}
+
+// A file that lives in memory until its bytes are taken, so that no disk error ever meets the library.
+class Writer {
+ public:
+  Writer();
+  std::string bytes();  // closes the file
+
+  void group(std::string const& path, std::string const& meaning);
+  // `shape`: sizes of the dimensions, row-major; their product is values.size().
+  template <class T>
+  void array(std::string const& path, std::vector<T> const& values, std::string const& unit, Sizes shape = {}) {
+    if (shape.empty()) shape = {values.size()};
+    raw(path, values.data(), file_type<T>(), memory_type<T>(), shape, unit);
+  }
+  void strings(std::string const& path, std::vector<std::string> const& values);
+  void text(std::string const& path, std::string const& value);  // one string, verbatim
+
+  // Attributes of a group or dataset.
+  void attribute(std::string const& path, std::string const& name, std::string const& value);
+  void attribute(std::string const& path, std::string const& name, double value);
+  void attribute(std::string const& path, std::string const& name, std::vector<std::uint64_t> const& values);
+
+ private:
+  void raw(std::string const& path, void const* data, H5::DataType const& in_file, H5::DataType const& in_memory,
+           Sizes const& shape, std::string const& unit);
+  H5::H5File file_;
+};
+
+}  // namespace straytrace::hdf5

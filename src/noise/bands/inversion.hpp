@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Requirement inversion: which scatter or which motion keeps the total under a line (docs/theory/errors.md).
+#pragma once
+
+#include <functional>
+
+#include "noise/bands/input_band.hpp"
+
+namespace straytrace {
+
+// Answer for one frequency or for all of them.
+struct Allowed {
+  enum class Verdict {
+    found,     // `scale` meets the line, more does not
+    always,    // every scale that was looked at meets it: it does not decide
+    never,     // none does: the rest alone lies above it
+    no_answer  // no line here
+  };
+  Verdict verdict = Verdict::no_answer;
+  double scale = not_a_number;  // factor on the BRDF, or on the ASD of the motion
+  double sigma = not_a_number;  // Monte Carlo, one standard error
+  double rest = not_a_number;   // ASD of the total at scale 0, over the line
+};
+
+struct Inversion {
+  std::vector<Allowed> bins;  // each frequency alone
+  Allowed all;                // every frequency at once
+  std::size_t decides = 0;    // bin that sets `all`
+  double touched = 0;         // largest share of the PSD, over the bins, of routes that it acts on
+  bool first_order = false;   // rows `other` without named routes take part
+};
+
+// Largest factor on the BRDF of a material: total(s) = sum over n of s^n A_n, A_n the routes with n scatters on it.
+// `line`: ASD per bin, NaN: not compared. Monte-Carlo errors of routes are taken as common to a route and its reverse.
+Inversion invert_scatter(NoiseBudget const&, CouplingTable const&, MaterialSpread const&,
+                         std::vector<double> const& line);
+
+// The ASD of the total, with its standard error, when the motion of a body is `scale` times what it is.
+using Projected = std::function<NoiseTrace(double scale)>;
+// Largest factor up to which ALL smaller ones meet the line: noise of wrapped fringes does not grow with every motion.
+// Looks between 1e-4 and 100 in 8 steps per decade and at the crossing more closely.
+Inversion invert_motion(Projected const&, std::vector<double> const& line);
+
+// Motion with the gains of one body times `scale`: of what it does by itself and of what carries it.
+MotionSet with_scaled_body(MotionSet const&, BodyId, double scale);
+
+}  // namespace straytrace

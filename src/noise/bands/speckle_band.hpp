@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Spread of one realisation of the unknown static phases around the mean (physics.md section 10,
+// docs/theory/spectra.md).
+#pragma once
+
+#include <Eigen/Dense>
+
+#include <vector>
+
+#include "noise/noise.hpp"
+
+namespace straytrace {
+
+// Fills speckle_05, _50, _95 and `coherent` of the budget, from the routes that make its total.
+//
+// Linear coupling: all paths that one input moves make one complex amplitude, whatever their route and port, so the law
+// is that of a Gaussian vector with one element per independent input, and exact. Routes whose fringes wrap are treated
+// alike, with the directions of their motion weighed over all frequencies: paths that differ in strength then average
+// faster than this says, and the spread is an upper bound. Routes with few fixed paths (ghosts, edges) have a known
+// modulus and an unknown phase.
+void add_speckle_band(NoiseBudget&, CouplingTable const&, MotionSet const&, Interferometer const&);
+
+// How much of one static phase survives in the spectrum of a route: 1: the phase decides which quadrature moves; 0:
+// slow motion turns the field through all phases, both quadratures always count. exp(-2 x) for Gaussian motion of
+// mean-square phase x: exact for x << 1 and x >> 1; 1 where tones move it, 0 where it drifts.
+double surviving_phase(double gaussian_mean_square, double tone_mean_square, bool drifts);
+
+// What Gaussian amplitudes of many inputs do together, in independent parts (docs/theory/spectra.md).
+
+
+// Second moments of the complex amplitudes of some inputs: E H H^+ and E H H^T. Routes tie inputs together; inputs of
+// different blocks have no moments in common, so that the work grows with the cube of the largest block alone.
+struct SpeckleMoments {
+  Eigen::MatrixXcd gamma, relation;
+};
+
+// An independent part of the vector of one block: its variance, and its unit direction, real parts before imaginary
+// parts.
+struct SpeckleMode {
+  double weight;
+  std::size_t block;
+  Eigen::VectorXd direction;
+};
+
+// Of all blocks, the largest first. Without directions, which take most of the time, those of the modes are empty.
+std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions);
+
+// One realisation against the speckle mean (physics.md section 10).
+
+
+// Power |sum of fields|^2 of one speckle that a share `below` of the realisations stays under, over its mean; eq. 10.2.
+double speckle_percentile(double below);
+
+}  // namespace straytrace

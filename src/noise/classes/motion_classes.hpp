@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Independent inputs of the motion grouped by the shape of the spectra that they give to phases: the phase of a path
+// then depends on its levers through one number per class.
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "motion/motion.hpp"
+#include "noise/noise.hpp"
+#include "trace/coupling.hpp"
+
+namespace straytrace {
+
+// The phase of a path has the PSD sum over classes of kappa * reference; for a tone its square peak amplitude is
+// z^2 = kappa (physics.md eq. 1.10, 7.11), for a drift the square of its rate [rad^2/s^2].
+//
+// Where one input reaches bodies through transfer functions H_k, with sums of lever times gain a_k,
+//
+//   |sum_k a_k H_k|^2 = sum_k a_k (sum_l a_l) |H_k|^2 - sum_{k<l} a_k a_l |H_k - H_l|^2
+//
+// so the classes are |H_k|^2 S and |H_k - H_l|^2 S: a kappa may be negative, their sum is not, and what the bodies have
+// in common (sum_l a_l = 0) leaves without a difference of large numbers.
+struct MotionClass {
+  using Transfer = std::shared_ptr<TransferFunction const>;  // none: 1
+  struct Member {
+    std::size_t input;
+    double scale;                      // its PSD over the reference
+    Transfer first = {}, second = {};  // |H|^2 of one, or of the difference of two
+    bool difference = false;
+  };
+
+  Spectrum reference;         // m^2/Hz
+  double tone_frequency = 0;  // Hz; > 0: a tone
+  std::vector<Member> members;
+  bool drift = false;
+
+  bool gaussian() const { return !drift && !(tone_frequency > 0); }
+  // Mean-square phase per unit of kappa; a drift is no motion about a mean.
+  double variance() const { return drift ? 0 : tone_frequency > 0 ? 0.5 : reference.total(); }
+};
+
+std::vector<MotionClass> group_by_shape(MotionSet const&);
+
+// One number per class. Equal levers of two bodies on one input cancel or add here, before anything is squared.
+std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, std::span<Lever const>);
+
+// Of one class, from second moments of levers: the sum over paths of coupling times kappa, as contributions of the
+// replicas. Not known where larger terms cancel and rounding is left, as in the common motion of bodies.
+struct KappaSum {
+  std::array<double, replica_count> of = {};
+  bool known = false;
+};
+std::vector<KappaSum> kappa_sums(MotionSet const&, std::vector<MotionClass> const&, std::span<LeverProduct const>);
+
+// Paths as directions in the space of the independent inputs of the motion.
+
+
+// A column is what an input does through one transfer function; the two quadratures of a tone are columns of their own.
+class MotionDirections {
+ public:
+  explicit MotionDirections(MotionSet const& motion);
+
+  std::size_t inputs() const { return motion_.inputs.size(); }
+  std::size_t input(std::size_t column) const { return columns_[column].input; }
+  // d(phase)/d(column), rad/m; columns that do not move these levers are left out, the others ascend.
+  using Gains = std::vector<std::pair<std::size_t, double>>;
+  Gains of(std::span<Lever const>) const;
+  // What each column does to its input, in the root of its power in the bin (`everywhere`: at all frequencies).
+  std::vector<std::complex<double>> to_inputs(FrequencyGrid const&, std::size_t bin, bool everywhere) const;
+  bool tone(std::size_t column) const { return motion_.inputs[input(column)].tone_frequency > 0; }
+  bool drifts(std::size_t column) const { return motion_.inputs[input(column)].drift; }
+
+ private:
+  struct Column {
+    std::size_t input;
+    TransferFunction const* transfer;
+    bool imaginary;
+  };
+  struct Entry {  // what one gain of a column's input does to a body
+    std::size_t column, gain;
+    int axis;
+    double value;
+  };
+  void add_columns(std::size_t input);
+  double root_power(std::size_t input, double low, double high, bool everywhere) const;
+
+  MotionSet const& motion_;
+  std::vector<Column> columns_;
+  std::vector<std::vector<Entry>> of_body_;
+};
+
+}  // namespace straytrace

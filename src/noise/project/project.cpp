@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Routes add in power: their static phases are independent (physics.md eq. 10.1, 1.13). Paths of a coherent family are
+// one route.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "noise/interpolate/spectrum_interpolator.hpp"
+#include "noise/noise.hpp"
+#include "noise/project/family_noise.hpp"
+#include "noise/project/route_noise.hpp"
+#include "noise/time_domain/motion_series.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
+
+namespace straytrace {
+namespace {
+
+// |T|^2 from Im s and from Re s to strain, at the centres of the bins. Within a bin of 4 % the mean of f^-4 differs
+// from its value at the centre by 5e-4.
+struct Response {
+  Bins phase, amplitude;
+  double both(std::size_t i) const { return phase[i] + amplitude[i]; }
+};
+
+std::vector<Response> responses(Interferometer const& ifo, std::size_t ports, FrequencyGrid const& grid) {
+  std::vector<Response> out(ports);
+  for (std::uint32_t p = 0; p < ports; ++p) {
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      out[p].phase.push_back(std::norm(ifo.strain_per_phase(PortId{p}, grid.centre(i))));
+      out[p].amplitude.push_back(std::norm(ifo.strain_per_amplitude(PortId{p}, grid.centre(i))));
+    }
+  }
+  return out;
+}
+
+// PSDs of one curve, before roots are taken.
+struct PowerSum {
+  explicit PowerSum(std::size_t bins) : phase(bins), amplitude(bins), linear(bins), drawn(bins) {}
+  Bins phase, amplitude;                      // 1/Hz
+  Bins linear;                                // of both, first order in the motion of the bin
+  Bins drawn;                                 // of both, variance [1/Hz^2] from spectra of drawn paths
+  Bins guessed;                               // of both, variance [1/Hz^2] of hints; empty: there are none
+  std::array<Replicas, error_parts> without;  // both
+  double mean_square_phase = 0, power = 0;
+  bool sampled = false, exact = false;  // whether it holds classes with a Monte-Carlo error, and without
+
+  void add(RouteSpectrum const& route, Response const& t, double factor, double coupling) {
+    for (std::size_t i = 0; i < phase.size(); ++i) {
+      phase[i] += factor * t.phase[i] * route.psd[i];
+      amplitude[i] += factor * t.amplitude[i] * route.psd[i];
+      linear[i] += factor * t.both(i) * route.linear[i];
+      if (!route.drawn.empty()) drawn[i] += std::pow(factor * t.both(i), 2) * route.drawn[i];
+    }
+    for (std::size_t part = 0; part < error_parts; ++part)
+      for (std::size_t r = 0; r < replica_count; ++r) {
+        Bins const& of_route = route.without[part][r];
+        if (of_route.empty()) continue;
+        without[part][r].resize(phase.size());
+        for (std::size_t i = 0; i < phase.size(); ++i) without[part][r][i] += factor * t.both(i) * of_route[i];
+      }
+    mean_square_phase += coupling * route.mean_square_phase;
+    power += coupling;
+    (route.exact ? exact : sampled) = true;
+  }
+  // What was seen of a class that is not resolved, with an error as large as itself.
+  void add_hint(PowerSum const& seen) {
+    guessed.resize(phase.size());
+    for (std::size_t i = 0; i < phase.size(); ++i) {
+      phase[i] += seen.phase[i];
+      amplitude[i] += seen.amplitude[i];
+      linear[i] += seen.linear[i];
+      guessed[i] += std::pow(seen.phase[i] + seen.amplitude[i], 2);
+    }
+  }
+};
+
+Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra) {
+  Strengths out{spectra.classes().size(), {}, {}};
+  for (CouplingClass const& c : table.classes) {
+    out.first.push_back(out.weight.size());
+    for (PathRecord const& record : c.records) {
+      std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.levers);
+      out.kappa.insert(out.kappa.end(), kappa.begin(), kappa.end());
+      out.weight.push_back(record.weight);
+    }
+  }
+  return out;
+}
+
+double variance_at(Replicas const& without, std::size_t bin) {
+  std::vector<double> values;
+  for (Bins const& b : without)
+    if (!b.empty()) values.push_back(b[bin]);
+  return jackknife_variance(values);
+}
+
+// Root, with the standard error sigma_asd = sigma_psd / (2 asd). Which paths were found, which of them were drawn, and
+// what is missing from hints are independent: their variances add.
+NoiseTrace finished(std::string name, PowerSum const& sum) {
+  NoiseTrace t;
+  t.name = std::move(name);
+  t.mean_square_phase = sum.power > 0 ? sum.mean_square_phase / sum.power : 0;
+  for (std::size_t i = 0; i < sum.phase.size(); ++i) {
+    double const psd = sum.phase[i] + sum.amplitude[i];
+    if (!std::isfinite(psd)) throw NumericalError(fmt::format("the noise of '{}' is not finite", t.name));
+    t.asd.push_back(std::sqrt(psd));
+    auto const of_asd = [&](double variance) { return std::sqrt(variance) / (psd > 0 ? 2 * t.asd.back() : 1); };
+    auto const part = [&](ErrorPart p) {
+      return sum.exact && !sum.sampled ? 0 : variance_at(sum.without[std::size_t(p)], i);
+    };
+    t.sigma.push_back(of_asd(part(ErrorPart::all) + sum.drawn[i] + (sum.guessed.empty() ? 0 : sum.guessed[i])));
+    t.power_sigma.push_back(of_asd(part(ErrorPart::power)));
+    t.levers_sigma.push_back(of_asd(part(ErrorPart::levers)));
+    t.paths_sigma.push_back(of_asd(part(ErrorPart::paths) + sum.drawn[i]));
+    t.phase_asd.push_back(std::sqrt(sum.phase[i]));
+    t.amplitude_asd.push_back(std::sqrt(sum.amplitude[i]));
+    t.linear_share.push_back(psd > 0 ? sum.linear[i] / psd : not_a_number);
+  }
+  return t;
+}
+
+// Why a class cannot enter the total; empty when it can.
+std::string objection(CouplingTable const& table, CouplingClass const& c, RouteSpectrum const& route) {
+  auto const replicas =
+      std::count_if(table.replica_histories.begin(), table.replica_histories.end(), [](auto n) { return n > 0; });
+  if (!c.coupling.trusted) return c.coupling.why_not.empty() ? "its mean is not trusted" : c.coupling.why_not;
+  if (c.coupling.mean > 0 && c.records.empty()) return "no path of it was kept";
+  if (c.deterministic()) return {};
+  if (replicas < 2) return "fewer than two replicas: no error can be given";
+  if (route.rests_on_few())
+    return fmt::format("its noise rests on about {:.0f} of the kept paths, the others hardly move",
+                       std::max(1.0, route.paths_of_noise));
+  return {};
+}
+
+// A class that is not resolved: what was seen, with its error.
+PowerSum hint_of(PowerSum const& seen) {
+  PowerSum hint(seen.phase.size());
+  hint.add_hint(seen);
+  hint.exact = true;  // the replicas say nothing of it
+  hint.mean_square_phase = seen.mean_square_phase;
+  hint.power = seen.power;
+  return hint;
+}
+
+bool never_scored(CouplingClass const& c) {
+  return c.coupling.scored == 0 && c.coupling.mean == 0 && c.records.empty();
+}
+
+double largest_ratio(PowerSum const& unresolved, PowerSum const& total) {
+  double ratio = 0;
+  for (std::size_t i = 0; i < total.phase.size(); ++i) {
+    double const above = unresolved.phase[i] + unresolved.amplitude[i], below = total.phase[i] + total.amplitude[i];
+    if (above > 0) ratio = std::max(ratio, above / below);
+  }
+  return ratio;
+}
+
+// Largest standard error of the ASD by drawn paths, over the ASD.
+DrawnError drawn_error(PowerSum const& total) {
+  DrawnError worst;
+  for (std::size_t i = 0; i < total.phase.size(); ++i) {
+    double const psd = total.phase[i] + total.amplitude[i], share = std::sqrt(total.drawn[i]) / (2 * psd);
+    if (psd > 0 && share > worst.share) worst = {share, i};
+  }
+  return worst;
+}
+
+}  // namespace
+
+NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, Interferometer const& ifo,
+                          NoiseSettings const& settings) {
+  auto const start = std::chrono::steady_clock::now();
+  std::size_t const bins = settings.grid.size();
+  PhaseSpectra const spectra(group_by_shape(motion), settings.grid);
+  Strengths const strengths = strengths_of(table, motion, spectra);
+  std::vector<double> strength;
+  for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
+  StrengthNodes const nodes(spectra, strengths);
+  std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
+
+  NoiseBudget budget;
+  budget.grid = settings.grid;
+  budget.margin = settings.margin;
+  PowerSum total(bins), unresolved(bins), faint(bins);
+  std::vector<std::pair<std::size_t, PowerSum>> doubtful;
+  for (std::size_t r = 0, first = 0; r < table.classes.size(); first += table.classes[r++].records.size()) {
+    CouplingClass const& c = table.classes[r];
+    RouteSpectrum route = c.adds_fields() ? family_spectrum(spectra, motion, c, std::span(strength).subspan(first))
+                                          : route_spectrum(table, c, first, nodes, strength,
+                                                           {spectra, motion, table, c, strengths, first});
+    route.psd.resize(bins);
+    route.linear.resize(bins);
+    std::string const name = route_name(table, c), why_not = objection(table, c, route);
+    PowerSum own(bins);
+    double const factor = c.reverse * ifo.copies(c.port);
+    own.add(route, response.at(c.port.value), factor, c.coupling.mean);
+    if (why_not.empty())
+      total.add(route, response.at(c.port.value), factor, c.coupling.mean);
+    else if (!never_scored(c))
+      doubtful.emplace_back(r, own);
+    budget.routes.push_back(finished(name, why_not.empty() ? own : hint_of(own)));
+    NoiseTrace& trace = budget.routes.back();
+    trace.hash = c.hash;
+    trace.resolved = why_not.empty();
+    trace.why_not = why_not;
+  }
+  for (auto const& [r, own] : doubtful) {
+    NoiseTrace& trace = budget.routes[r];
+    trace.faint = !table.classes[r].records.empty() && largest_ratio(own, total) < faint_limit;
+    (trace.faint ? budget.faint : budget.unresolved).push_back(trace.name + ": " + trace.why_not);
+    (trace.faint ? faint : unresolved).add_hint(own);
+  }
+  budget.unresolved_hint = largest_ratio(unresolved, total);
+  budget.faint_share = largest_ratio(faint, total);
+  for (auto const& [r, own] : doubtful) total.add_hint(own);
+  budget.total = finished("total", total);
+  budget.total.resolved = budget.unresolved.empty();
+  bool const nothing =
+      std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
+  if (nothing && !budget.unresolved.empty())  // no answer is not zero
+    for (Bins NoiseTrace::*curve :
+         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::levers_sigma,
+          &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
+      (budget.total.*curve).assign(bins, not_a_number);
+  if (!budget.total.resolved)
+    budget.total.why_not = "a lower bound: of unresolved routes it holds what was seen of them";
+  find_bounds(budget, table);
+  budget.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (nodes.sampled()) budget.warnings = {sharing_note(table, motion, spectra, strengths, nodes, drawn_error(total))};
+  return budget;
+}
+
+// Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).
+
+
+void find_bounds(NoiseBudget& b, CouplingTable const& table) {
+  std::size_t const bins = b.grid.size();
+  std::vector<double> bound(bins);
+  for (std::size_t r = 0; r < b.routes.size() && r < table.classes.size(); ++r) {
+    NoiseTrace& t = b.routes[r];
+    t.upper_bound = table.classes[r].kind == ClassKind::edge;
+    for (std::size_t i = 0; t.upper_bound && i < bins; ++i) bound[i] += t.asd[i] * t.asd[i];
+  }
+  b.total.bound_share.clear();
+  for (std::size_t i = 0; i < bins; ++i) {
+    double const all = b.total.asd[i] * b.total.asd[i];
+    b.total.bound_share.push_back(all > 0 ? std::min(bound[i] / all, 1.0) : 0);
+  }
+}
+
+constexpr double lowest_hz = 1e-9, highest_hz = 1e12;  // of the band; the grid stays finite
+
+double FrequencyGrid::centre(std::size_t i) const { return std::sqrt(edges[i] * edges[i + 1]); }
+
+FrequencyGrid logarithmic_grid(double low_hz, double high_hz, double points_per_decade) {
+  double const n = std::max(1.0, std::round(points_per_decade * std::log10(high_hz / low_hz)));
+  FrequencyGrid grid;
+  for (double i = 0; i < n; ++i) grid.edges.push_back(low_hz * std::pow(high_hz / low_hz, i / n));
+  grid.edges.push_back(high_hz);
+  return grid;
+}
+
+NoiseSettings read_noise_settings(Node const& table) {
+  double low = 3, high = 1000, density = 60;
+  NoiseSettings settings;
+  if (table) {
+    if (Node const band = table["band"]) {
+      std::vector<double> const ends = band.as_numbers(dim::frequency, 2);
+      low = ends[0];
+      high = ends[1];
+      if (low <= 0 || high <= low)
+        band.problem("the band must go from a low to a higher frequency above zero", "write '[3 Hz, 1 kHz]'");
+      else if (low < lowest_hz || high > highest_hz)
+        band.problem("the band goes beyond 1 nHz to 1 THz", "write '[3 Hz, 1 kHz]'");
+    }
+    density = table.number("points_per_decade", dim::plain, density, 1, 1000);
+    settings.margin = table.number("margin", dim::plain, settings.margin, 1e-6, 1e6);
+    for (Node const& name : table.list("compare")) settings.compare.push_back(name.as_word());
+    table.refuse_unknown("'noise'");
+  }
+  bool const usable = low >= lowest_hz && low < high && high <= highest_hz && std::isfinite(density);
+  settings.grid = usable ? logarithmic_grid(low, high, density) : logarithmic_grid(3, 1000, 60);
+  return settings;
+}
+
+namespace {
+
+constexpr double half_width = 32;  // samples of the slower clock
+constexpr double beta = 9;         // of the Kaiser window: what is left of other bands is below 1e-4 in amplitude
+
+double kaiser(double u) { return u * u < 1 ? std::cyl_bessel_i(0, beta * std::sqrt(1 - u * u)) : 0; }
+
+double sinc(double x) { return std::fabs(x) < 1e-9 ? 1 : std::sin(pi * x) / (pi * x); }
+
+// Beyond the ends the series goes on as its point reflection there: value and slope are continuous.
+double sample(std::vector<double> const& x, std::ptrdiff_t i) {
+  auto const last = static_cast<std::ptrdiff_t>(x.size()) - 1;
+  if (i < 0) return 2 * x.front() - x[static_cast<std::size_t>(std::min(-i, last))];
+  if (i > last) return 2 * x.back() - x[static_cast<std::size_t>(std::max<std::ptrdiff_t>(2 * last - i, 0))];
+  return x[static_cast<std::size_t>(i)];
+}
+
+}  // namespace
+
+std::vector<double> resampled(TimeSeries const& series, SampleTimes const& times) {
+  double const early = (times.start - series.start) * series.rate, step = series.rate / times.rate;
+  double const late = early + step * static_cast<double>(times.samples - 1);
+  if (series.samples.size() < 2 || early < -1e-3 || late > static_cast<double>(series.samples.size()) + 1e-3)
+    throw InputError(fmt::format(
+        "error: '{}' holds GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}\n  choose a shorter or another "
+        "stretch of time",
+        series.name, series.start, series.end(), times.start, times.start + times.duration()));
+  std::vector<double> out(times.samples);
+  double const cut = std::min(1.0, 1 / step);  // of the half rate of the recording
+  double const reach = half_width / cut, norm = kaiser(0);
+  for (std::size_t i = 0; i < times.samples; ++i) {
+    double const at = early + step * static_cast<double>(i), nearest = std::round(at);
+    if (step == 1 && std::fabs(at - nearest) < 1e-6) {
+      out[i] = sample(series.samples, static_cast<std::ptrdiff_t>(nearest));
+      continue;
+    }
+    double sum = 0, weights = 0;
+    for (auto k = static_cast<std::ptrdiff_t>(std::ceil(at - reach)); static_cast<double>(k) <= at + reach; ++k) {
+      double const d = at - static_cast<double>(k), w = sinc(cut * d) * kaiser(d / reach) / norm;
+      sum += w * sample(series.samples, k);
+      weights += w;
+    }
+    out[i] = sum / weights;
+  }
+  return out;
+}
+
+}  // namespace straytrace

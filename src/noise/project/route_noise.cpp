@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/math/constants.hpp"
+#include "noise/project/route_noise.hpp"
+
+namespace straytrace {
+namespace {
+
+// Mean coupling without the histories of one replica.
+double mean_without(CouplingTable const& table, CouplingClass const& c, std::size_t replica, double total) {
+  return (total - c.replica_sum[replica]) / static_cast<double>(table.histories - table.replica_histories[replica]);
+}
+
+// Weights of the basis spectra, of all records and of those of each replica.
+struct Histogram {
+  explicit Histogram(std::size_t size) : all(size) {}
+  void add(std::size_t replica, std::span<StrengthNodes::Share const> shares, double weight) {
+    std::vector<double>& own = of[replica];
+    own.resize(all.size());
+    for (StrengthNodes::Share const& s : shares) {
+      all[s.basis] += weight * s.weight;
+      own[s.basis] += weight * s.weight;
+    }
+  }
+  std::vector<double> all;
+  std::array<std::vector<double>, replica_count> of;
+};
+
+Bins sum_of(std::span<double const> weight, std::vector<StrengthNodes::Basis> const& basis,
+            Bins StrengthNodes::Basis::*part) {
+  Bins sum(basis.empty() ? 0 : (basis.front().*part).size());
+  for (std::size_t b = 0; b < weight.size(); ++b)
+    for (std::size_t i = 0; weight[b] != 0 && i < sum.size(); ++i) sum[i] += weight[b] * (basis[b].*part)[i];
+  return sum;
+}
+
+Bins times(Bins bins, double factor) {
+  for (double& b : bins) b = std::max(0.0, b * factor);
+  return bins;
+}
+
+// Per unit of power.
+struct Shape {
+  Bins psd, linear;
+};
+
+Bins corrected(Shape const& s, Bins const& ratio) {
+  Bins out = s.psd;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += s.linear[i] * (ratio[i] - 1);
+  return out;
+}
+
+// The shape of `weight` less that of a part, which leaves `left` of the weight.
+Shape without(Shape shape, double weight, std::vector<double> const& part,
+              std::vector<StrengthNodes::Basis> const& basis, double left) {
+  Bins const psd = sum_of(part, basis, &StrengthNodes::Basis::psd),
+             linear = sum_of(part, basis, &StrengthNodes::Basis::linear);
+  for (std::size_t i = 0; i < psd.size(); ++i) {
+    shape.psd[i] = std::max(0.0, weight * shape.psd[i] - psd[i]) / left;
+    shape.linear[i] = std::max(0.0, weight * shape.linear[i] - linear[i]) / left;
+  }
+  return shape;
+}
+
+class EffectiveNumber {
+ public:
+  void add(double x) {
+    sum_ += x;
+    squares_ += x * x;
+  }
+  double value() const { return squares_ > 0 ? sum_ * sum_ / squares_ : 0; }
+
+ private:
+  double sum_ = 0, squares_ = 0;
+};
+
+}  // namespace
+
+std::size_t replica_of(std::uint64_t history, std::uint64_t block_size) { return history / block_size % replica_count; }
+
+double jackknife_variance(std::span<double const> without) {
+  auto const n = static_cast<double>(without.size());
+  if (n < 2) return not_a_number;
+  double const mean = std::accumulate(without.begin(), without.end(), 0.0) / n;
+  double sum = 0;
+  for (double x : without) sum += (x - mean) * (x - mean);
+  return (n - 1) / n * sum;
+}
+
+RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,
+                             StrengthNodes const& nodes, std::span<double const> mean_square_phase,
+                             FirstOrderRatio const& ratio) {
+  RouteSpectrum route;
+  route.exact = c.deterministic();
+  Histogram histogram(nodes.basis().size());
+  std::array<double, replica_count> own = {};
+  double weight = 0;
+  EffectiveNumber power, noise;
+  std::vector<StrengthNodes::Share> shares;
+  for (std::size_t i = 0; i < c.records.size(); ++i) {
+    double const w = c.records[i].weight, strength = mean_square_phase[first + i];
+    std::size_t const replica = replica_of(c.records[i].history, table.block_size);
+    nodes.shares(first + i, shares);
+    histogram.add(replica, shares, w);
+    own[replica] += w;
+    weight += w;
+    route.mean_square_phase += w * strength;
+    power.add(w);
+    noise.add(w * strength / (1 + strength));  // wrapped fringes have a largest power
+  }
+  route.paths_of_power = power.value();
+  route.paths_of_noise = noise.value();
+  route.psd = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::psd);
+  route.linear = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::linear);
+  if (!(weight > 0)) return route;
+  route.mean_square_phase /= weight;
+  if (nodes.sampled()) {
+    route.drawn.assign(route.psd.size(), 0);
+    nodes.add_variance(histogram.all, route.drawn);
+    route.drawn = times(std::move(route.drawn), std::pow(c.coupling.mean / weight, 2));
+  }
+  Shape const shape{times(route.psd, 1 / weight), times(route.linear, 1 / weight)};
+  Bins const one = ratio.known() ? ratio(ratio.all, ratio.all) : Bins(route.psd.size(), 1);
+  route.psd = times(corrected(shape, one), c.coupling.mean);
+  for (std::size_t i = 0; i < route.linear.size(); ++i) route.linear[i] = shape.linear[i] * one[i] * c.coupling.mean;
+  if (route.exact) return route;
+
+  double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
+  for (std::size_t r = 0; r < replica_count; ++r) {
+    if (table.replica_histories[r] == 0 || table.replica_histories[r] == table.histories) continue;
+    double const left = weight - own[r], mean = mean_without(table, c, r, total);
+    bool const alone = left <= 1e-12 * weight;  // no record elsewhere: only the mean changes
+    Shape const other = alone ? shape : without(shape, weight, histogram.of[r], nodes.basis(), left);
+    auto const put = [&](ErrorPart part, Shape const& s, int moments, int paths, double coupling) {
+      Bins const factor = ratio.known() ? ratio(moments, paths) : Bins(s.psd.size(), 1);
+      route.without[std::size_t(part)][r] = times(corrected(s, factor), coupling);
+    };
+    int const replica = int(r), all = FirstOrderRatio::all;
+    put(ErrorPart::all, other, replica, replica, mean);
+    put(ErrorPart::power, shape, all, all, mean);
+    put(ErrorPart::levers, shape, replica, all, c.coupling.mean);
+    put(ErrorPart::paths, other, all, replica, c.coupling.mean);
+  }
+  return route;
+}
+
+namespace {
+
+// The input whose class has the most phase power in a path; a drift counts by its rate.
+std::string strongest_motion(MotionSet const& motion, PhaseSpectra const& spectra, std::span<double const> kappa) {
+  std::size_t most = 0;
+  double highest = -1;
+  for (std::size_t c = 0; c < kappa.size(); ++c) {
+    double const power = std::fabs(kappa[c]) * (spectra.classes()[c].drift ? 1 : spectra.variance(c));
+    if (power > highest) most = c;
+    highest = std::max(highest, power);
+  }
+  return motion.inputs[spectra.classes()[most].members.front().input].name;
+}
+
+}  // namespace
+
+std::string sharing_note(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra,
+                         Strengths const& paths, StrengthNodes const& nodes, DrawnError const& added) {
+  std::string const error = added.share > 0 ? fmt::format("up to {:.2g} % of h to its error, at {:.3g} Hz",
+                                                          100 * added.share, spectra.grid().centre(added.bin))
+                                            : "nothing to the error of the total";
+  std::string const drawn = fmt::format(
+      "the spectra of {} paths rest on {} of them, drawn at random among paths of like strength; this adds {}",
+      paths.size(), nodes.drawn(), error);
+  if (nodes.checks().empty()) return drawn + ". Their strengths differ too much for shared spectra";
+  SpotCheck const worst = *std::max_element(nodes.checks().begin(), nodes.checks().end(),
+                                            [](auto const& a, auto const& b) { return a.error < b.error; });
+  auto const after = std::upper_bound(paths.first.begin(), paths.first.end(), worst.path);
+  CouplingClass const& route = table.classes[static_cast<std::size_t>(after - paths.first.begin()) - 1];
+  return fmt::format(
+      "{}. Shared spectra were off by up to {:.2g} of the PSD of a path, at {:.3g} Hz on route '{}' (moved most by "
+      "'{}')",
+      drawn, worst.error, spectra.grid().centre(worst.bin), route_name(table, route),
+      strongest_motion(motion, spectra, paths.of(worst.path)));
+}
+
+}  // namespace straytrace

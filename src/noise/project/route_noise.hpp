@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One coupling class turned into the spectrum of Im s at its port, with the replicas that give its error.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "motion/motion.hpp"
+#include "noise/interpolate/spectrum_interpolator.hpp"
+#include "noise/project/first_order_ratio.hpp"
+#include "trace/coupling.hpp"
+
+namespace straytrace {
+
+using Bins = std::vector<double>;
+
+// Whence the Monte-Carlo error of a curve comes: all of it, and what it would be if only the power of the routes, only
+// the second moments of their levers or only their kept paths were uncertain.
+enum class ErrorPart : std::uint8_t { all, power, levers, paths };
+constexpr std::size_t error_parts = 4;
+using Replicas = std::array<Bins, replica_count>;  // without one replica each; empty where one has no histories
+
+// PSD of Im s [1/Hz] per bin: all histories, and all but those of one replica.
+struct RouteSpectrum {
+  Bins psd;
+  Bins linear;  // part of psd, as in PhaseSpectrum
+  std::array<Replicas, error_parts> without;
+  Bins drawn;  // variance of psd that drawn paths leave, StrengthNodes::add_variance; empty where all are computed
+  bool exact = false;            // of a deterministic class: no replica changes it, so `without` is empty
+  double mean_square_phase = 0;  // rad^2, mean over the paths, weighted by power
+  // Kept paths, counted as equal ones, that carry the power and that carry the noise: (sum x)^2 / sum x^2. A row of
+  // bright still light with a few faint moving paths in it knows its power well and its noise badly.
+  double paths_of_power = 0, paths_of_noise = 0;
+  bool rests_on_few() const { return paths_of_noise > 0 && paths_of_noise < std::min(30.0, 0.3 * paths_of_power); }
+};
+
+// psd = mean * sum over records of (their share) * (their spectrum), its first-order part times `ratio`; each class
+// mean, the shares of its records and the ratio are taken anew without each replica. `first`: number of its first
+// record among the paths of `nodes`.
+RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::size_t first, StrengthNodes const& nodes,
+                             std::span<double const> mean_square_phase, FirstOrderRatio const& ratio);
+
+// Replica of a history: its block modulo their number.
+std::size_t replica_of(std::uint64_t history, std::uint64_t block_size);
+
+// Squared standard error of a mean from its delete-one values; NaN with fewer than two.
+double jackknife_variance(std::span<double const> without);
+
+// Drawn paths that stand for all, in words.
+
+
+struct DrawnError {
+  double share = 0;  // standard error over the ASD of the total
+  std::size_t bin = 0;
+};
+
+// How many paths were drawn, what that adds to the error of h, and why: the spot check that was off most, its route and
+// the motion that moves its path most. Paths are the records of the table in its order; nodes.sampled() must hold.
+std::string sharing_note(CouplingTable const&, MotionSet const&, PhaseSpectra const&, Strengths const&,
+                         StrengthNodes const&, DrawnError const&);
+
+}  // namespace straytrace

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise/time_domain/phase_sum.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+#include <thread>
+
+#include "base/process/threads.hpp"
+#include "base/math/simd_phasor.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t block = 512;  // samples: what one path does stays in the nearest cache
+
+struct Block {
+  alignas(64) double phase[block], real[block], imag[block];
+};
+
+#if STRAY_VECTORS
+using Lane = simd::Doubles;
+constexpr std::size_t width = simd::lanes;
+#else
+using Lane = double;
+constexpr std::size_t width = 1;
+#endif
+
+// Adds a exp(2 pi i u) for each phase u of a block.
+STRAY_INLINE void add_turned(Block& b, double a) {
+  for (std::size_t i = 0; i < block; i += width)
+    straytrace::add_turned(reinterpret_cast<Lane const&>(b.phase[i]), a, reinterpret_cast<Lane&>(b.real[i]),
+                           reinterpret_cast<Lane&>(b.imag[i]));
+}
+
+STRAY_INLINE void sum_block(PhaseTerms const& t, std::size_t from, std::size_t n, Block& b) {
+  std::fill_n(b.real, block, 0.0);
+  std::fill_n(b.imag, block, 0.0);
+  std::size_t const coordinates = t.coordinate.size();
+  for (std::size_t j = 0; j < t.paths(); ++j) {
+    std::fill_n(b.phase, block, t.turns[j]);
+    for (std::size_t c = 0; c < coordinates; ++c) {
+      double const lever = t.lever[j * coordinates + c];
+      if (lever == 0) continue;
+      double const* const x = t.coordinate[c].data() + from;
+      for (std::size_t i = 0; i < n; ++i) b.phase[i] += lever * x[i];
+    }
+    add_turned(b, t.amplitude[j]);
+  }
+}
+
+// One source for three instruction sets; every lane does the same IEEE operations, so the bits agree.
+using Version = void (*)(PhaseTerms const&, std::size_t, std::size_t, Block&);
+#if STRAY_VECTORS && defined(__x86_64__)
+__attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512"))) void sum_512(PhaseTerms const& t,
+                                                                                          std::size_t from,
+                                                                                          std::size_t n, Block& b) {
+  sum_block(t, from, n, b);
+}
+__attribute__((target("avx2"))) void sum_256(PhaseTerms const& t, std::size_t from, std::size_t n, Block& b) {
+  sum_block(t, from, n, b);
+}
+#endif
+void sum_128(PhaseTerms const& t, std::size_t from, std::size_t n, Block& b) { sum_block(t, from, n, b); }
+
+Version version_for_this_processor() {
+#if STRAY_VECTORS && defined(__x86_64__)
+  char const* const named = std::getenv("STRAYTRACE_ISA");
+  std::string_view const wanted = named ? named : "avx512";
+  if (wanted == "portable") return sum_128;
+  if (wanted != "avx2" && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq"))
+    return sum_512;
+  if (__builtin_cpu_supports("avx2")) return sum_256;
+#endif
+  return sum_128;
+}
+
+// The paths of `all` whose numbers are listed, moved by the one coordinate c that is sampled at `nodes`.
+PhaseTerms of_one(PhaseTerms const& all, std::vector<std::size_t> const& paths, std::size_t c,
+                  std::span<double const> nodes) {
+  PhaseTerms one;
+  one.coordinate = {nodes};
+  for (std::size_t j : paths) {
+    one.amplitude.push_back(all.amplitude[j]);
+    one.turns.push_back(all.turns[j]);
+    one.lever.push_back(all.lever[j * all.coordinate.size() + c]);
+  }
+  return one;
+}
+
+// The rest, with all coordinates.
+PhaseTerms only(PhaseTerms const& all, std::vector<std::size_t> const& paths) {
+  PhaseTerms some;
+  some.coordinate = all.coordinate;
+  std::size_t const n = all.coordinate.size();
+  for (std::size_t j : paths) {
+    some.amplitude.push_back(all.amplitude[j]);
+    some.turns.push_back(all.turns[j]);
+    some.lever.insert(some.lever.end(), all.lever.begin() + std::ptrdiff_t(j * n),
+                      all.lever.begin() + std::ptrdiff_t((j + 1) * n));
+  }
+  return some;
+}
+
+constexpr std::size_t points = 8;      // of an interpolation: at 64 nodes a turn its error is 1e-11
+constexpr std::size_t before = 3;      // of them, below the place
+constexpr double nodes_per_turn = 64;  // of the strongest lever
+
+// Lagrange weights at nodes -3 .. 4 for a place between 0 and 1.
+std::array<double, points> lagrange(double x) {
+  std::array<double, points> w;
+  for (std::size_t i = 0; i < points; ++i) {
+    w[i] = 1;
+    for (std::size_t k = 0; k < points; ++k)
+      if (k != i) w[i] *= (x + 3 - double(k)) / (double(i) - double(k));
+  }
+  return w;
+}
+
+// False when a table would be more work than the samples.
+bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, std::size_t c, DirectSum const& direct,
+                  std::vector<std::complex<double>>& out) {
+  std::span<double const> const x = all.coordinate[c];
+  auto const [low, high] = std::minmax_element(x.begin(), x.end());
+  double strongest = 0;
+  for (std::size_t j : paths) strongest = std::max(strongest, std::fabs(all.lever[j * all.coordinate.size() + c]));
+  double const step = 1 / (nodes_per_turn * strongest), wanted = (*high - *low) / step + points;
+  if (!(wanted * double(paths.size()) + 40 * double(x.size()) < double(x.size()) * double(paths.size()))) return false;
+  double const first = *low - double(before) * step;
+  std::vector<double> nodes(static_cast<std::size_t>(wanted) + 1);
+  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = first + step * double(i);
+  std::vector<std::complex<double>> const table = direct(of_one(all, paths, c, nodes));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double const place = (x[i] - first) / step;
+    std::size_t const at = std::max(static_cast<std::size_t>(place), before);  // the lowest x may round to below it
+    std::array<double, points> const w = lagrange(place - double(at));
+    for (std::size_t k = 0; k < points; ++k) out[i] += w[k] * table[at - before + k];
+  }
+  return true;
+}
+
+// The only coordinate that moves a path; none when there are several.
+std::size_t only_mover(PhaseTerms const& t, std::size_t path, std::size_t none) {
+  std::size_t found = none;
+  for (std::size_t c = 0; c < t.coordinate.size(); ++c)
+    if (t.lever[path * t.coordinate.size() + c] != 0) {
+      if (found != none) return none;
+      found = c;
+    }
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::complex<double>> direct_phase_sum(PhaseTerms const& t, unsigned threads, SumProgress const& told) {
+  static Version const version = version_for_this_processor();
+  std::size_t const samples = t.coordinate.empty() ? 0 : t.coordinate.front().size();
+  std::vector<std::complex<double>> out(samples);
+  std::atomic<std::size_t> next{0};
+  auto const work = [&](bool tells) {
+    Block b;
+    for (std::size_t from = block * next++; from < samples; from = block * next++) {
+      std::size_t const n = std::min(block, samples - from);
+      version(t, from, n, b);
+      for (std::size_t i = 0; i < n; ++i) out[from + i] = {b.real[i], b.imag[i]};
+      if (tells && told) told(double(from + n) / double(samples));
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (unsigned i = 1; i < thread_count(threads); ++i) workers.emplace_back(work, false);
+  work(true);
+  workers.clear();  // joins
+  return out;
+}
+
+std::vector<std::complex<double>> phase_sum(PhaseTerms const& t, unsigned threads, DirectSum const& direct,
+                                            SumProgress const& told) {
+  if (!direct)
+    return phase_sum(t, threads, [&](PhaseTerms const& some) { return direct_phase_sum(some, threads, told); });
+  std::size_t const none = t.coordinate.size();
+  std::vector<std::vector<std::size_t>> moved(none + 1);  // by their only coordinate; the rest behind
+  for (std::size_t j = 0; j < t.paths(); ++j) moved[only_mover(t, j, none)].push_back(j);
+  std::vector<std::complex<double>> from_tables(t.coordinate.empty() ? 0 : t.coordinate.front().size());
+  for (std::size_t c = 0; c < none; ++c)
+    if (!moved[c].empty() && !add_by_table(t, moved[c], c, direct, from_tables))
+      moved[none].insert(moved[none].end(), moved[c].begin(), moved[c].end());
+  if (moved[none].empty()) return from_tables;
+  std::vector<std::complex<double>> out = direct(only(t, moved[none]));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += from_tables[i];
+  return out;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise/time_domain/stray_paths.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/math/constants.hpp"
+#include "base/math/rng.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::uint32_t no_vertex = 0xffffffffu;  // addresses of draws that belong to no record
+
+// One number from two; any change of either changes half of the bits (the finaliser of SplitMix64).
+std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {
+  std::uint64_t x = a + 0x9e3779b97f4a7c15ull * (b + 1);
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+// Draws of one realisation, by route and address.
+class PathDraws {
+ public:
+  PathDraws(std::uint64_t seed, std::uint32_t realisation) : seed_(mixed(seed, realisation)) {}
+  double turns(std::uint64_t route, PathRecord const& r, std::uint32_t copy) const {
+    std::uint64_t const place = mixed(r.history, std::uint64_t{copy} << 32 | r.connection);
+    return Rng(seed_, mixed(route, place), r.event, Stream::static_phase).uniform();
+  }
+  double of_member(std::uint64_t route, std::size_t member, std::uint32_t copy) const {
+    return Rng(seed_, mixed(route, std::uint64_t{copy} << 32 | member), no_vertex, Stream::static_phase).uniform();
+  }
+  double of_route(std::uint64_t route) const {
+    return Rng(seed_, route, no_vertex - 1, Stream::static_phase).uniform();
+  }
+
+ private:
+  std::uint64_t seed_;
+};
+
+// Paths that no history found have no address but their place in the class. Those of a coherent family share a draw
+// for each state of polarisation.
+void add_computed(std::vector<StrayPath>& paths, CouplingClass const& c, StrayPath path, std::uint32_t copy,
+                  PathDraws const& draws) {
+  PathRecord const& r = c.records[path.record];
+  if (!c.adds_fields()) {
+    path.turns = draws.of_member(c.hash, path.record, copy);
+    paths.push_back(path);
+    return;
+  }
+  double const amplitude = path.amplitude / std::sqrt(r.weight);
+  for (std::size_t state = 0; state < r.field.size(); ++state) {
+    if (r.field[state] == 0.0) continue;
+    path.amplitude = amplitude * std::abs(r.field[state]);
+    path.turns = std::arg(r.field[state]) / (2 * pi) + draws.of_member(c.hash, state, copy);
+    paths.push_back(path);
+  }
+}
+
+struct Pick {
+  std::size_t record;
+  double share;  // of the power of the route
+};
+
+// Every record by its weight, or `n` of equal shares by one random offset.
+std::vector<Pick> picked(CouplingClass const& c, std::size_t n, double offset) {
+  double const weight =
+      std::accumulate(c.records.begin(), c.records.end(), 0.0, [](double s, auto const& r) { return s + r.weight; });
+  std::vector<Pick> picks;
+  bool const all = n == 0 || n >= c.records.size() || c.deterministic();
+  double before = 0;
+  for (std::size_t i = 0; i < c.records.size() && weight > 0; ++i) {
+    double const share = c.records[i].weight / weight;
+    if (all && share > 0) picks.push_back({i, share});
+    if (!all) {
+      double const from = std::ceil(before * double(n) - offset), to = std::ceil((before + share) * double(n) - offset);
+      for (double k = from; k < to && picks.size() < n; ++k) picks.push_back({i, 1 / double(n)});
+    }
+    before += share;
+  }
+  if (!all && !picks.empty())  // rounding of the last border must not lose power
+    for (Pick& p : picks) p.share = 1 / double(picks.size());
+  return picks;
+}
+
+std::vector<double> lever_of(StrayPath const& path, MotionSeries const& motion) {
+  std::vector<double> turns(motion.coordinates.size());
+  for (std::size_t c = 0; c < turns.size(); ++c)
+    for (Lever const& lever : path.levers)
+      if (lever.body == motion.coordinates[c].body) turns[c] += lever.d[motion.coordinates[c].axis] / (2 * pi);
+  return turns;
+}
+
+}  // namespace
+
+std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer const& ifo, PathChoice const& choice) {
+  PathDraws const draws(choice.seed, choice.realisation);
+  std::vector<StrayPath> paths;
+  for (std::uint32_t const route : choice.routes) {
+    CouplingClass const& c = table.classes.at(route);
+    double const copies = ifo.copies(c.port), drawn = std::max(1.0, std::round(copies));
+    std::vector<Pick> const picks = picked(c, choice.per_route, draws.of_route(c.hash));
+    for (std::uint32_t copy = 0; copy < std::uint32_t(drawn); ++copy) {
+      std::uint32_t repeat = 0;  // of a record that stands for several fields
+      for (std::size_t p = 0; p < picks.size(); ++p) {
+        PathRecord const& r = c.records[picks[p].record];
+        repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
+        StrayPath path{c.port, 0, 0, r.path_length, r.levers, route, std::uint32_t(picks[p].record)};
+        path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
+        if (c.deterministic()) {
+          add_computed(paths, c, path, copy, draws);
+          continue;
+        }
+        path.turns = draws.turns(c.hash, r, copy + repeat * std::uint32_t(drawn));
+        paths.push_back(path);
+      }
+    }
+  }
+  return paths;
+}
+
+PhaseTerms phase_terms(std::span<StrayPath const> paths, MotionSeries const& motion, Delay delay) {
+  std::vector<std::vector<double>> all;
+  for (StrayPath const& p : paths) all.push_back(lever_of(p, motion));
+  PhaseTerms t;
+  std::vector<std::size_t> used;
+  for (std::size_t c = 0; c < motion.coordinates.size(); ++c)
+    if (std::any_of(all.begin(), all.end(), [&](auto const& l) { return l[c] != 0; })) used.push_back(c);
+  for (std::size_t c : used) t.coordinate.emplace_back(motion.coordinates[c].position);
+  for (std::size_t c : used)
+    if (delay == Delay::half_path) t.coordinate.emplace_back(motion.coordinates[c].velocity);
+  for (std::size_t j = 0; j < paths.size(); ++j) {
+    t.amplitude.push_back(paths[j].amplitude);
+    t.turns.push_back(paths[j].turns);
+    for (std::size_t c : used) t.lever.push_back(all[j][c]);
+    for (std::size_t c : used)
+      if (delay == Delay::half_path) t.lever.push_back(-all[j][c] * paths[j].length / (2 * speed_of_light));
+  }
+  return t;
+}
+
+FastestFringe fastest_fringe(std::span<StrayPath const> paths, MotionSeries const& motion) {
+  std::size_t const n = motion.coordinates.size();
+  std::vector<double> largest(n);
+  for (std::size_t c = 0; c < n; ++c)
+    for (double v : motion.coordinates[c].velocity) largest[c] = std::max(largest[c], std::fabs(v));
+  std::vector<std::pair<double, std::size_t>> bounds;  // no path is faster than this
+  std::vector<std::vector<double>> levers;
+  for (std::size_t j = 0; j < paths.size(); ++j) {
+    levers.push_back(lever_of(paths[j], motion));
+    double bound = 0;
+    for (std::size_t c = 0; c < n; ++c) bound += std::fabs(levers[j][c]) * largest[c];
+    bounds.emplace_back(-bound, j);
+  }
+  std::sort(bounds.begin(), bounds.end());
+  FastestFringe best;
+  for (auto const& [bound, j] : bounds) {
+    if (-bound <= best.hz) break;
+    for (std::size_t i = 0; i < motion.times.samples; ++i) {
+      double rate = 0;
+      for (std::size_t c = 0; c < n; ++c) rate += levers[j][c] * motion.coordinates[c].velocity[i];
+      if (std::fabs(rate) > best.hz)
+        best = {std::fabs(rate), j, motion.times.start + static_cast<double>(i) / motion.times.rate};
+    }
+  }
+  return best;
+}
+
+double rms_phase(std::span<StrayPath const> paths, MotionSeries const& motion) {
+  std::size_t const n = motion.coordinates.size(), samples = motion.times.samples;
+  std::vector<double> mean(n), covariance(n * n);
+  for (std::size_t c = 0; c < n; ++c) {
+    auto const& x = motion.coordinates[c].position;
+    mean[c] = std::accumulate(x.begin(), x.end(), 0.0) / double(samples);
+  }
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a; b < n; ++b) {
+      double sum = 0;
+      for (std::size_t i = 0; i < samples; ++i)
+        sum += (motion.coordinates[a].position[i] - mean[a]) * (motion.coordinates[b].position[i] - mean[b]);
+      covariance[a * n + b] = covariance[b * n + a] = sum / double(samples);
+    }
+  double power = 0, square = 0;
+  for (StrayPath const& p : paths) {
+    std::vector<double> const lever = lever_of(p, motion);
+    double turns = 0;
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) turns += lever[a] * covariance[a * n + b] * lever[b];
+    power += p.amplitude * p.amplitude;
+    square += p.amplitude * p.amplitude * turns;
+  }
+  return power > 0 ? 2 * pi * std::sqrt(std::max(0.0, square) / power) : 0;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stray light in the time domain: coupling table x motion x interferometer -> h(t), one realisation of the speckle
+// (physics.md sections 2, 7, 10; R4.03 to R4.11). For measured, recorded or drifting motion, single events, specular
+// families; means over realisations agree with project_noise.
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "noise/time_domain/phase_sum.hpp"
+#include "noise/time_domain/stray_paths.hpp"
+
+namespace straytrace {
+
+// Eq. 7.13: rate > 2 (fringe + margin). The margin is a quarter of the largest fringe frequency, for the tails of the
+// spectrum beyond it (J_n(z) for n > z), and at least the highest frequency of the motion.
+struct SamplingRule {
+  double fringe = 0, margin = 0;  // Hz
+  double least() const { return 2 * (fringe + margin); }
+  double automatic() const;  // Hz: the smallest power of two above that and above five times the fringe, from 1024
+};
+
+struct TimeDomainSettings {
+  PathChoice paths;
+  double start = 0;                    // GPS s
+  double duration = 0;                 // s
+  double rate = 0;                     // Hz; 0: by the rule, from realisation 0
+  double band_low = 3, band_high = 0;  // Hz, where responses are used, h(t) is zero elsewhere; high 0: up to rate/2
+  Delay delay = Delay::none;
+  unsigned threads = 0;  // 0: all cores; the same bits for any number
+  DirectSum direct;      // see phase_sum.hpp
+  SumProgress told;      // the share of the sums over paths that is done, port after port
+};
+
+struct PortField {
+  PortId port;
+  std::vector<std::complex<double>> field;  // s(t), relative to the main field
+};
+
+struct StrayLight {
+  SampleTimes times;
+  std::vector<double> h;          // strain
+  std::vector<PortField> fields;  // of the ports that have paths, all copies
+  MotionSeries motion;            // that was drawn
+  std::size_t paths = 0;          // fields summed
+  SamplingRule rule;
+  FastestFringe fastest;
+  std::string fastest_route;
+  double rms_phase = 0;      // rad
+  double longest_delay = 0;  // s, of light on these paths
+};
+
+// Throws InputError when the given rate is too low (with the path and the rate it needs), when a recording does not
+// cover the time, when nothing was chosen; NumericalError when the automatic rate would pass 2^20 Hz.
+StrayLight stray_light(CouplingTable const&, MotionSet const&, Interferometer const&, TimeDomainSettings const&);
+
+// s(t) of each port that has paths.
+std::vector<PortField> stray_fields(std::span<StrayPath const>, MotionSeries const&, Delay = Delay::none,
+                                    unsigned threads = 0, DirectSum const& = {}, SumProgress const& told = {});
+
+// h = T_ph * Im s + T_am * Re s (eq. 1.13), in the band; responses act on one period that is closed smoothly, so the
+// first and last 1/band_low are touched by each other.
+std::vector<double> strain(std::span<PortField const>, Interferometer const&, double rate, double band_low,
+                           double band_high);
+
+// Size of what frozen geometry leaves out (eq. 2.6).
+// Phase [rad] of a transverse motion of this size [m] seen from this distance [m].
+double second_order_phase(double motion, double distance, double wavelength);
+// Phase error [cycles] at frequency hz of light that takes this path [m].
+double delay_cycles(double hz, double path_length);
+
+}  // namespace straytrace

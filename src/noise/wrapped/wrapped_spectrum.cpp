@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The motion is made periodic with period 1/spacing: exact power in every line, hence no leakage and nothing that has
+// to decay. Motion slower than half a spacing is a static phase.
+#include <fmt/format.h>
+#include <math.h>
+#include <unsupported/Eigen/FFT>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <map>
+#include <numeric>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "noise/wrapped/wrapped_spectrum.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::size_t fewest = std::size_t{1} << 14, usual_most = std::size_t{1} << 20;
+
+// Frequency beyond which the spectrum is below 1e-17: Gaussian tail of the fringe rate (8.9 sigma), products of the
+// motion with itself, Bessel tails of the tones.
+double reach(SlowPhase const& p) {
+  double hz = 9 * p.fringe_rate + 3 * p.highest;
+  for (PhaseTone const& t : p.tones) hz += t.frequency * (t.peak + 8 * std::cbrt(t.peak) + 10);
+  return hz;
+}
+
+// The coarsest spacing up to `limit` on whose lines all tones fall; with several tones the best of a few hundred.
+double spacing_for(std::vector<PhaseTone> const& tones, double limit) {
+  if (tones.empty()) return limit;
+  auto const strongest = std::max_element(tones.begin(), tones.end(), [](PhaseTone const& a, PhaseTone const& b) {
+    return a.peak * a.frequency < b.peak * b.frequency;
+  });
+  double const first = std::ceil(strongest->frequency / limit);
+  double best = strongest->frequency / first, best_miss = infinity;
+  for (double n = first; n < 2 * first + 200 && best_miss > 1e-9; ++n) {
+    double const spacing = strongest->frequency / n;
+    double miss = 0;  // relative error of the worst tone
+    for (PhaseTone const& t : tones)
+      miss = std::max(miss, std::fabs(std::round(t.frequency / spacing) * spacing / t.frequency - 1));
+    if (miss < 0.7 * best_miss) {
+      best_miss = miss;
+      best = spacing;
+    }
+  }
+  return best;
+}
+
+// The least of 2^a {1, 5/4, 3/2} that is not below n: few plans, and quick ones.
+std::size_t quick_size(double n) {
+  std::size_t const below = std::bit_floor(static_cast<std::size_t>(std::min(n, 1e9)));
+  for (std::size_t quarters : {4, 5, 6})
+    if (static_cast<double>(below / 4 * quarters) >= n) return below / 4 * quarters;
+  return 2 * below;
+}
+
+// exp(-(R(0) - R(tau))) times one Bessel factor per tone (eq. 7.11), minus its constant part.
+std::vector<double> correlation(SlowPhase const& p, Covariance r, LagGrid const& lags, double constant) {
+  std::vector<double> c = std::move(r.at);
+  if (p.tones.empty() && r.at_zero < 600) {
+    for (double& x : c) x = constant * std::expm1(x);  // no cancellation, however small the motion
+    return c;
+  }
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c[i] = std::exp(c[i] - r.at_zero);
+    for (PhaseTone const& t : p.tones) c[i] *= ::j0(2 * t.peak * std::sin(pi * lags.turns(t.frequency, i)));
+    c[i] -= constant;
+  }
+  return c;
+}
+
+// Over a whole period.
+double norm2(std::vector<double> const& v) {
+  double sum = 0;
+  for (double x : v) sum += x * x;
+  return std::sqrt(2 * sum);
+}
+
+double norm1(std::vector<double> const& v) {
+  double sum = 0;
+  for (double x : v) sum += std::fabs(x);
+  return 2 * sum;
+}
+
+}  // namespace
+
+// Exact until the last division: hundreds of turns in double leave 1e-13 of one, which a tone of z = 100 shows.
+double LagGrid::turns(double hz, std::size_t n) const {
+  std::uint64_t const turn = 2 * std::uint64_t{samples}, line = std::uint64_t(std::round(hz / spacing));
+  return static_cast<double>(line % turn * (2 * n + 1) % turn) / static_cast<double>(turn);
+}
+
+Covariance covariance(std::vector<double> lines, LagGrid const& lags) {
+  lines.resize(std::min(lines.size(), lags.size()));
+  Covariance r;
+  r.at_zero = std::accumulate(lines.begin(), lines.end(), 0.0);
+  CosineTransform::of(lags.size()).values(lines, r.at);
+  return r;
+}
+
+bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double rounding, LowPart& low) {
+  std::size_t const n = lags.size();
+  double const floor = 2.2e-16 * rounding / (static_cast<double>(lags.samples) * lags.spacing);
+  low.spacing = lags.spacing;
+  low.samples = lags.samples;
+  CosineTransform::of(n).amplitudes(c, low.density);
+  low.density[0] *= 2;
+  bool clean = true;
+  for (std::size_t k = 0; k < n; ++k) {
+    double& s = low.density[k];
+    s /= 2 * lags.spacing;
+    if (!(std::fabs(s) > floor))
+      s = 0;
+    else  // negative only in sums of pairs and between nodes
+      clean = clean && k < 3 * n / 4;
+  }
+  auto const last = std::find_if(low.density.rbegin(), low.density.rend(), [](double d) { return d != 0; });
+  low.density.resize(std::max<std::ptrdiff_t>(1, low.density.rend() - last));
+  return clean;
+}
+
+double rounding_of(SlowPhase const& p, std::vector<double> const& c, double r0, double constant) {
+  // Rounding of R enters C relative to R(0) and at random, like that of the transform; that of the tones repeats with
+  // their period and adds up; the constant part leaves its own.
+  double rounding = 64 * (1 + r0) * norm2(c), peaks = 0;
+  for (PhaseTone const& t : p.tones) peaks += 1 + t.peak;
+  if (peaks > 0) rounding += 8 * peaks * (norm1(c) + constant * std::sqrt(2 * static_cast<double>(c.size())));
+  return rounding;
+}
+
+LowPart transform(SlowPhase const& p, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution) {
+  LowPart low;
+  LagGrid lags = lags_for(p, resolution);
+  for (; lags.samples <= most_samples; lags.samples *= 2) {
+    Covariance r = gaussian(lags);
+    double const r0 = r.at_zero;
+    double unmoved = std::exp(-r0);
+    for (PhaseTone const& t : p.tones) unmoved *= std::pow(::j0(t.peak), 2);
+    std::vector<double> const c = correlation(p, std::move(r), lags, unmoved);
+    low.constant = unmoved / 2;
+    if (transform_lags(c, lags, rounding_of(p, c, r0, unmoved), low)) return low;
+  }
+  throw too_strong(p, lags);
+}
+
+NumericalError too_strong(SlowPhase const& p, LagGrid const& lags) {
+  return NumericalError(
+      fmt::format("motion too strong: fringes up to {:.3g} Hz at a resolution of {:.3g} Hz need more than 2^24 samples",
+                  reach(p), lags.spacing));
+}
+
+LagGrid lags_for(SlowPhase const& p, double resolution) {
+  double spacing = spacing_for(p.tones, resolution);
+  double const rate = 2 * reach(p);
+  std::size_t n = quick_size(std::max(static_cast<double>(fewest), rate / spacing));
+  if (n > usual_most && p.tones.empty()) {
+    n = usual_most;
+    spacing = std::min(rate / static_cast<double>(n), 4 * spacing);
+    n = quick_size(rate / spacing);
+  }
+  return {spacing, n};
+}
+
+LowPart drifting(LowPart const& low, double hz) {
+  double const lines = std::round(hz / low.spacing);
+  if (lines == 0) return low;
+  if (!(lines < static_cast<double>(most_samples)))
+    throw NumericalError(
+        fmt::format("drift too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing));
+  auto const shift = static_cast<std::size_t>(lines), size = low.density.size();
+  LowPart out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
+  for (std::size_t k = 0; k < size; ++k) {  // one-sided densities: the two-sided one is half of it, even
+    out.density[k + shift] += low.density[k] / 2;
+    if (k > 0) out.density[k < shift ? shift - k : k - shift] += low.density[k] / 2;
+    if (k == shift && k > 0) out.density[0] += low.density[k] / 2;
+  }
+  out.density[shift] += low.constant / low.spacing;
+  return out;
+}
+
+double total(LowPart const& low) {
+  double sum = low.constant + low.density[0] * low.spacing / 2;
+  for (std::size_t k = 1; k < low.density.size(); ++k) sum += low.density[k] * low.spacing;
+  return sum;
+}
+
+struct CosineTransform::Plan {
+  std::size_t m;
+  Eigen::FFT<double> fft;
+  std::vector<double> cosine, sine;         // of pi k/(2m), k <= m/2
+  std::vector<double> shuffled;             // even points forwards, then odd points backwards
+  std::vector<std::complex<double>> lines;  // of them, m/2 + 1
+};
+
+CosineTransform::CosineTransform(std::size_t m) : plan_(std::make_unique<Plan>()) {
+  Plan& p = *plan_;
+  p.m = m;
+  p.fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  p.shuffled.resize(m);
+  p.lines.resize(m / 2 + 1);
+  for (std::size_t k = 0; k <= m / 2; ++k) {
+    double const angle = pi * static_cast<double>(k) / static_cast<double>(2 * m);
+    p.cosine.push_back(std::cos(angle));
+    p.sine.push_back(std::sin(angle));
+  }
+}
+
+CosineTransform::~CosineTransform() = default;
+
+CosineTransform const& CosineTransform::of(std::size_t m) {
+  thread_local std::map<std::size_t, CosineTransform> kept;
+  return kept.try_emplace(m, m).first->second;
+}
+
+void CosineTransform::values(std::vector<double> const& a, std::vector<double>& x) const {
+  Plan& p = *plan_;
+  auto const at = [&](std::size_t k) { return k < a.size() ? a[k] : 0; };
+  auto const half = 0.5 * static_cast<double>(p.m);
+  p.lines[0] = 2 * half * at(0);
+  for (std::size_t k = 1; k <= p.m / 2; ++k) {  // (c + i s) (a_k - i a_(m-k))
+    double const c = p.cosine[k], s = p.sine[k], re = half * at(k), im = -half * at(p.m - k);
+    p.lines[k] = {c * re - s * im, c * im + s * re};
+  }
+  p.fft.inv(p.shuffled, p.lines, static_cast<Eigen::Index>(p.m));
+  x.resize(p.m);
+  for (std::size_t i = 0; i < p.m / 2; ++i) {
+    x[2 * i] = p.shuffled[i];
+    x[2 * i + 1] = p.shuffled[p.m - 1 - i];
+  }
+}
+
+void CosineTransform::amplitudes(std::vector<double> const& x, std::vector<double>& a) const {
+  Plan& p = *plan_;
+  for (std::size_t i = 0; i < p.m / 2; ++i) {
+    p.shuffled[i] = x[2 * i];
+    p.shuffled[p.m - 1 - i] = x[2 * i + 1];
+  }
+  p.fft.fwd(p.lines, p.shuffled);
+  double const step = 2 / static_cast<double>(p.m);
+  a.resize(p.m);
+  a[0] = step / 2 * p.lines[0].real();
+  for (std::size_t k = 1; k <= p.m / 2; ++k) {
+    double const c = p.cosine[k], s = p.sine[k], re = p.lines[k].real(), im = p.lines[k].imag();
+    a[k] = step * (c * re + s * im);
+    a[p.m - k] = step * (s * re - c * im);
+  }
+}
+
+}  // namespace straytrace

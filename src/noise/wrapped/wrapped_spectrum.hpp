@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Spectrum of the slow, strong part of the phase of a path by one Fourier transform, exact for any strength.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "base/errors.hpp"
+
+namespace straytrace {
+
+// Phase modulation by a sine: peak z [rad] at a frequency [Hz].
+struct PhaseTone {
+  double frequency, peak;
+};
+
+// Everything is even in the lag and has the period 1/spacing: lags (n + 1/2)/(samples spacing), n < samples/2, hold
+// all.
+struct LagGrid {
+  double spacing;  // Hz, of the lines
+  std::size_t samples;
+  std::size_t size() const { return samples / 2; }
+  // Turns of a tone, taken to the nearest line, at a lag; between 0 and 1.
+  double turns(double hz, std::size_t n) const;
+};
+
+// Autocovariance of a Gaussian phase, rad^2.
+struct Covariance {
+  double at_zero = 0;
+  std::vector<double> at;  // the lags
+};
+// `line_power`: rad^2 within half a spacing of k spacing; none at k = 0.
+Covariance covariance(std::vector<double> line_power, LagGrid const&);
+
+// The slow part of the phase: Gaussian, and tones.
+struct SlowPhase {
+  double highest = 0;      // Hz, beyond which there is no Gaussian power
+  double fringe_rate = 0;  // Hz, rms of (dphi/dt)/2pi of the Gaussian part
+  std::vector<PhaseTone> tones;
+};
+
+// Mean over phi_0 of the PSD of Im s, on lines k * spacing of width `spacing` (physics.md eq. 1.12 with C(0) = 1).
+struct LowPart {
+  double spacing = 0;           // Hz
+  std::vector<double> density;  // 1/Hz at k * spacing; zero where the transform shows only rounding
+  double constant = 0;          // power of the unmoved light, at f = 0; constant + all density * spacing = 1/2
+  std::size_t samples = 0;      // of the transform
+};
+
+// `resolution`: the spacing of lines is at most this [Hz]; coarser only when the fringe rate would need more than 2^20
+// samples. `gaussian`: covariance of the Gaussian part. Throws NumericalError beyond 2^24.
+LowPart transform(SlowPhase const&, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution);
+
+// The parts of it, for sums of several such exponentials.
+LagGrid lags_for(SlowPhase const&, double resolution);
+// Error of a correlation and its transform, in units of the last place: below it a line is only rounding. `r0`: R(0).
+double rounding_of(SlowPhase const&, std::vector<double> const& correlation, double r0, double constant);
+// Transforms a correlation without its constant part; false when the sampling rate was too low.
+bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, LowPart&);
+NumericalError too_strong(SlowPhase const&, LagGrid const&);
+constexpr std::size_t most_samples = std::size_t{1} << 24;
+
+// Under a steady drift of the phase by `hz` turns per second, taken to the nearest line: C(tau) cos(2 pi hz tau). The
+// unmoved light becomes a line. Throws NumericalError beyond 2^24 lines.
+LowPart drifting(LowPart const&, double hz);
+
+double total(LowPart const&);  // its power, constant included: 1/2
+
+// Sums of cosines on points half a step off the origin: an even record of 2m points from m numbers.
+
+
+//   x_n = sum over k < m of a_k cos(pi k (n + 1/2) / m),   0 <= n < m
+//
+// Either way by one real transform of m numbers (J. Makhoul, IEEE Trans. ASSP 28 (1980) 27). m is a multiple of 4.
+class CosineTransform {
+ public:
+  explicit CosineTransform(std::size_t m);
+  ~CosineTransform();
+  void values(std::vector<double> const& amplitudes, std::vector<double>& x) const;  // missing amplitudes are zero
+  void amplitudes(std::vector<double> const& x, std::vector<double>& a) const;
+
+  static CosineTransform const& of(std::size_t m);  // kept, one set per thread: making one takes longer than using it
+
+ private:
+  struct Plan;
+  std::unique_ptr<Plan> plan_;
+};
+
+}  // namespace straytrace

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a side of a surface reflects and transmits as a mirror does, whatever it is made of.
+#pragma once
+
+#include "optics/optic.hpp"
+#include "optics/coating/specular_types.hpp"
+
+namespace straytrace {
+
+// Field coefficients for light that meets the surface at cos_i > 0 in a medium of index n_in, with n_out behind it;
+// `front`: it comes from the side the normal points to.
+STRAY_HD Amplitudes specular_amplitudes(SpecularPool const& pool, Optic const& optic, double cos_i, double n_in,
+                                        double n_out, bool front) {
+  if (!optic.has_interface) return unitary_amplitudes(optic.reflect, optic.reflect, optic.transmit, optic.transmit);
+  return pool.visit(optic.interface, [&](auto const& i) { return i.amplitudes(cos_i, n_in, n_out, front); });
+}
+
+// Share of the light that the interface itself says is scattered at this incidence; negative: it says nothing, the
+// laws do.
+STRAY_HD double prescribed_scatter(SpecularPool const& pool, Optic const& optic, double cos_i) {
+  return optic.has_interface ? pool.visit(optic.interface, [&](auto const& i) { return i.scattered(cos_i); }) : -1;
+}
+
+// What is left of the specular light, its share being `specular`, when the laws scatter `scattered`: computed
+// interfaces (Fresnel, film) have no loss of their own, so that scatter is taken from both; stated powers are meant as
+// they stand, but the sum never exceeds 1.
+STRAY_HD double specular_remainder(SpecularPool const& pool, Optic const& optic, double specular, double scattered) {
+  if (!optic.has_interface) return 1;
+  double const free = std::fmax(0.0, 1 - scattered);
+  if (pool.visit(optic.interface, [](auto const& i) { return i.yields_to_scatter; })) return free;
+  return specular > free ? free / specular : 1;
+}
+
+struct SpecularShares {
+  double reflect = 0, transmit = 0;  // of the power of unpolarised light
+};
+// `scattered`: share the laws of this optic scatter at this incidence (scatter_albedo).
+STRAY_HD SpecularShares specular_shares(SpecularPool const& pool, Optic const& optic, double cos_i, double n_in,
+                                        double n_out, bool front, double scattered = 0) {
+  if (!optic.has_interface) return {optic.reflect, optic.transmit};
+  Amplitudes const a = specular_amplitudes(pool, optic, cos_i, n_in, n_out, front);
+  double const left = specular_remainder(pool, optic, a.reflectance() + a.transmittance(), scattered);
+  return {left * a.reflectance(), left * a.transmittance()};
+}
+
+}  // namespace straytrace

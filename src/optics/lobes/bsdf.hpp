@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What every scatter law offers. Directions are in the local frame, z = normal of the lit side, and both point AWAY
+// from the surface. A law has
+//   eval(wi, wo)      BSDF in 1/sr, WITHOUT the cosine (physics.md eq. 0.4)
+//   pdf(wi, wo)       density of sample() in 1/sr; integrates to at most 1, the rest are samples that find no direction
+//   albedo(cos_i)     integral of eval cos over the hemisphere, dimensionless. Laws with a direction on the surface
+//                     (local x and y, see Optic::lay) have albedo(wi) besides, and here its mean over the azimuth
+//   sample(wi, u, v)  a direction drawn with pdf; pdf = 0: nothing sampled, weight zero
+#pragma once
+
+#include "base/math/functions.hpp"
+#include "base/math/vec3.hpp"
+
+namespace straytrace {
+
+struct BsdfSample {
+  Vec3 wo;
+  double pdf = 0;  // 1/sr
+};
+
+// Direction of specular reflection in the local frame.
+STRAY_HD Vec3 specular(Vec3 wi) { return {-wi.x, -wi.y, wi.z}; }
+
+// Albedo of a law for this incidence; of laws with a direction on the surface it depends on the azimuth.
+template <class Law>
+STRAY_HD double albedo_from(Law const& law, Vec3 wi) {
+  if constexpr (requires { law.albedo(wi); })
+    return law.albedo(wi);
+  else
+    return law.albedo(wi.z);
+}
+
+// A quantity against the cosine of incidence, linear between nodes that crowd towards grazing, where a narrow lobe is
+// cut off by the horizon: cosine = (i/128)^4.
+struct AlbedoTable {
+  static constexpr int size = 129;
+  double value[size] = {};
+
+  STRAY_HD static double cosine(int i) {
+    double const root = double(i) * i / ((size - 1) * (size - 1));
+    return root * root;
+  }
+  STRAY_HD double at(double cos_i) const {
+    double const x = (size - 1) * std::sqrt(std::sqrt(cos_i < 0 ? 0 : cos_i > 1 ? 1 : cos_i));
+    int const i = x < size - 1 ? static_cast<int>(x) : size - 2;
+    double const low = cosine(i), share = (cos_i - low) / (cosine(i + 1) - low);
+    return value[i] + (share < 0 ? 0 : share > 1 ? 1 : share) * (value[i + 1] - value[i]);
+  }
+};
+
+}  // namespace straytrace

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Host side of lobe_table.hpp: quadrature of a law over rings about the specular direction. Without libm, so that the
+// tables, and with them the fingerprint of a model, have the same bits everywhere.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "optics/lobes/lobe_table.hpp"
+
+namespace straytrace {
+
+// Gauss-Legendre points and weights on [0, 1].
+struct GaussPoints {
+  std::vector<double> at, weight;
+  explicit GaussPoints(int size) {
+    for (int i = 0; i < size; ++i) {
+      double x = sincos_turn((i + 0.75) / (2 * size + 1)).cos, slope = 1;
+      for (int step = 0; step < 50; ++step) {
+        double p = 1, before = 0;
+        for (int n = 1; n <= size; ++n) {
+          double const next = ((2 * n - 1) * x * p - (n - 1) * before) / n;
+          before = p;
+          p = next;
+        }
+        slope = size * (x * p - before) / (x * x - 1);
+        x -= p / slope;
+      }
+      at.push_back(0.5 * (1 - x));
+      weight.push_back(1 / ((1 - x * x) * slope * slope));
+    }
+  }
+};
+
+// Integral of eval cos over the part of the ring [low, high] above the horizon. The horizon may cut the ring anywhere
+// only when low >= Rings::cut; there the ends are approached smoothly, for the square roots at the horizon.
+template <class Rings, class Law>
+double ring_power(Law const& law, double cos_i, double sin_i, double low, double high, GaussPoints const& turns) {
+  static GaussPoints const gauss(6);
+  Vec3 const wi{sin_i, 0, cos_i};
+  bool const cut = low >= Rings::cut(cos_i, sin_i) * (1 - 1e-12);
+  double sum = 0;
+  for (std::size_t i = 0; i < gauss.at.size(); ++i) {
+    double const x = gauss.at[i], smooth = cut ? x * x * (3 - 2 * x) : x, slope = cut ? 6 * x * (1 - x) : 1;
+    double const r = low + smooth * (high - low);
+    double const half = LobeTable<Rings>::half_arc(wi, r);
+    if (!(half > 0)) continue;
+    double ring = 0;
+    for (std::size_t j = 0; j < turns.at.size(); ++j) {
+      double const y = turns.at[j], turn = cut ? y * y * (3 - 2 * y) : y, rate = cut ? 6 * y * (1 - y) : 1;
+      Vec3 const wo = Rings::direction(wi, r, sincos_turn(0.5 + 0.5 * turn * half / pi));
+      if (wo.z > 0) ring += turns.weight[j] * rate * law.eval(wi, wo) * wo.z / Rings::per_steradian(wo);
+    }
+    sum += gauss.weight[i] * slope * (high - low) * r * 2 * half * ring;
+  }
+  return sum;
+}
+
+template <class Rings>
+template <class Law>
+void LobeTable<Rings>::ring_powers(Law const& law, double cos_i, int azimuths, double* power) const {
+  GaussPoints const turns(azimuths);
+  double const sin_i = std::sqrt((1 - cos_i) * (1 + cos_i)), cut = Rings::cut(cos_i, sin_i),
+               last = std::min(Rings::last(sin_i), edge[rings]);
+  for (int i = 0; i < rings; ++i) {
+    double const low = edge[i], high = std::min(edge[i + 1], last), middle = std::clamp(cut, low, std::max(low, high));
+    power[i] = 0;
+    if (middle > low) power[i] += ring_power<Rings>(law, cos_i, sin_i, low, middle, turns);
+    if (high > middle) power[i] += ring_power<Rings>(law, cos_i, sin_i, middle, high, turns);
+  }
+}
+
+template <class Rings>
+template <class Law>
+void LobeTable<Rings>::prepare_rings(Law const& law, double smallest, double hole, int azimuths) {
+  double const first = hole > 0 ? hole : std::clamp(0.02 * smallest, 1e-12, 0.02);
+  edge[0] = hole;
+  int const start = hole > 0 ? 0 : 1;
+  for (int i = start; i <= rings; ++i) edge[i] = first * power_positive(2 / first, double(i - start) / (rings - start));
+  edge[rings] = 2 * (1 + 1e-15);  // opposite grazing directions are just inside
+  double power[rings];
+  for (int row = 0; row < rows; ++row) {
+    ring_powers(law, std::max(row_cosine(row), 1e-4), azimuths, power);
+    double total = 0;
+    for (double p : power) total += p;
+    cumulative[row][0] = 0;
+    for (int i = 0; i < rings; ++i) {
+      double const share = total > 0 ? power[i] / total : (edge[i + 1] * edge[i + 1] - edge[i] * edge[i]) / 4;
+      cumulative[row][i + 1] = cumulative[row][i] + share;
+    }
+    double const all = cumulative[row][rings];
+    for (double& c : cumulative[row]) c /= all;
+  }
+}
+
+template <class Rings>
+template <class Law>
+void LobeTable<Rings>::prepare(Law const& law, double smallest, double hole, int azimuths) {
+  prepare_rings(law, smallest, hole, azimuths);
+  double power[rings];
+  constexpr double lowest = 1e-9;  // stands for the limit at grazing
+  for (int k = 0; k < AlbedoTable::size; ++k) {
+    ring_powers(law, std::max(AlbedoTable::cosine(k), lowest), azimuths, power);
+    albedo.value[k] = 0;
+    for (double p : power) albedo.value[k] += p;
+  }
+}
+
+}  // namespace straytrace

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "optics/scatter/roughness.hpp"
+
+#include <functional>
+
+#include "optics/lobes/lobe_prepare.hpp"
+
+namespace straytrace {
+namespace {
+
+// Spectrum of unit variance on radii evenly spaced in their logarithm; flat below, zero beyond rho = 2.
+class RadialTable {
+ public:
+  RadialTable(double first, std::function<double(double)> const& f) : first_(first) {
+    for (int i = 0; i < size; ++i) values_[i] = std::fmax(f(radius(i)), 1e-300);
+  }
+  double radius(int i) const { return first_ * power_positive(2 / first_, double(i) / (size - 1)); }
+  double at(double rho) const {
+    if (rho >= 2) return 0;
+    double const x = rho > first_ ? (size - 1) * log_positive(rho / first_) / log_positive(2 / first_) : 0;
+    int const i = std::min(int(x), size - 2);
+    return values_[i] * power_positive(values_[i + 1] / values_[i], x - i);
+  }
+  static constexpr int size = Roughness::radii;
+
+ private:
+  double first_, values_[size];
+};
+
+// Convolution of two radial functions in the plane: each point belongs to the nearer of the two centres, about which
+// the rings lie.
+double convolved(RadialTable const& f, RadialTable const& g, double rho) {
+  constexpr int turns = 12;
+  double sum = 0, low = 0;
+  for (int i = 0; i < RadialTable::size; ++i) {
+    double const high = f.radius(i), r = i ? std::sqrt(low * high) : 0.5 * high;
+    double const reach = r > rho / 2 ? 2 * atan_positive(std::sqrt((2 * r - rho) / (2 * r + rho)))
+                                     : 0;  // nearer to the other centre within this azimuth
+    double ring = 0;
+    for (int j = 0; j < turns; ++j) {
+      double const phi = reach + (j + 0.5) / turns * (pi - reach);
+      double const other = std::sqrt(r * r + rho * rho - 2 * r * rho * sincos_turn(phi / (2 * pi)).cos);
+      ring += f.at(r) * g.at(other) + g.at(r) * f.at(other);
+    }
+    double const area = i ? r * r * log_positive(high / low) : 0.5 * high * high;
+    sum += ring / turns * 2 * (pi - reach) * area;
+    low = high;
+  }
+  return sum;
+}
+
+}  // namespace
+
+double Roughness::variance(double low, double high) const {
+  constexpr int steps = 4000;  // midpoints, even in log(rho)
+  double const start = std::fmax(low, b > 0 ? std::fmin(1e-4 / b, 1e-4) : 1e-3 * first),
+               ratio = log_positive(high / start) / steps;
+  double sum = low < start ? 0.5 * start * start * spectrum(start) : 0;
+  for (int i = 0; i < steps; ++i) {
+    double const rho = start * exp_number((i + 0.5) * ratio);
+    sum += spectrum(rho) * rho * rho * ratio;
+  }
+  return 2 * pi * sum;
+}
+
+void Roughness::prepare() {
+  double const knee = b > 0 ? std::fmin(1 / b, 1) : first;
+  orders = 1;
+  phase_variance = 0;
+  if (harvey_shack) {
+    double const rms2 = variance(0, 1), most = 16 * pi * pi * rms2;
+    phase_variance = 4 * pi * pi * rms2;
+    first_radius = std::fmin(0.02 * knee, 0.02);
+    RadialTable const one(first_radius, [&](double rho) { return rho <= 1 ? spectrum(rho) / rms2 : 0; });
+    RadialTable latest = one;
+    double weight = most, factorial = 1;
+    for (int n = 2; n <= most_orders; ++n) {
+      weight *= most / n;
+      factorial *= n;
+      if (most < 1e-5 || (weight < 1e-6 * most && n > most)) break;
+      latest = RadialTable(first_radius, [&](double rho) { return convolved(one, latest, rho); });
+      for (int i = 0; i < radii; ++i) higher[n][i] = latest.at(latest.radius(i) * (1 - 1e-12)) / factorial;
+      orders = n;
+    }
+  }
+  lobe.prepare(*this, knee);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ABg scatter law: BSDF = A/(B + |alpha - alpha_0|^g), alpha = projection of the outgoing direction on the surface,
+// alpha_0 the same for the specular direction (physics.md eq. 3.16). Page: docs/reference/scatter/abg.md.
+#pragma once
+
+#include "optics/lobes/lobe_table.hpp"
+
+namespace straytrace {
+
+struct Abg {
+  double a = 0, b = 1, g = 2;   // 1/sr, 1, 1
+  LobeTable<OffsetRings> lobe;  // set by prepare()
+  static constexpr char const* key = "abg";
+
+  void prepare();  // host
+
+  STRAY_HD double value(double offset) const { return a / (b + (offset > 0 ? power_positive(offset, g) : 0)); }
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const { return wi.z > 0 && wo.z > 0 ? value(OffsetRings::of(wi, wo)) : 0; }
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
+  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
+  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
+};
+
+// Gaussian lobe in direction cosines: BSDF = peak exp(-|alpha - alpha_0|^2/(2 width^2)).
+// Page: docs/reference/scatter/gaussian.md.
+
+
+struct Gaussian {
+  double peak = 0, width = 0.1;  // 1/sr, 1
+  LobeTable<OffsetRings> lobe;   // set by prepare()
+  static constexpr char const* key = "gaussian";
+
+  void prepare();  // host
+
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
+    if (!(wi.z > 0 && wo.z > 0)) return 0;
+    double const x = wo.x + wi.x, y = wo.y + wi.y;
+    return peak * exp_number(-(x * x + y * y) / (2 * width * width));
+  }
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
+  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
+  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
+};
+
+// Harvey scatter law: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (physics.md eq. 3.14). Extended: two widths, along
+// and across the plane of travel. That plane holds the mean of the incident and the outgoing travelling direction, so
+// that the law stays reciprocal. Page: docs/reference/scatter/harvey.md.
+
+
+struct Harvey {
+  double b0 = 0, width = 0.01, slope = -1.5,
+         across = 0;            // 1/sr, 1, 1; width: l, slope: s of eq. 3.14; across: the second width, 0: the same
+  LobeTable<OffsetRings> lobe;  // set by prepare()
+  static constexpr char const* key = "harvey";
+
+  void prepare();      // host
+  double tis() const;  // host: eq. 3.15, at normal incidence, one width
+
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
+    if (!(wi.z > 0 && wo.z > 0)) return 0;
+    double const x = wo.x + wi.x, y = wo.y + wi.y;
+    double square = (x * x + y * y) / (width * width);
+    double const px = wo.x - wi.x, py = wo.y - wi.y, p2 = px * px + py * py;  // along the mean travelling direction
+    if (across > 0 && p2 > 0) {
+      double const along = (x * px + y * py) * (x * px + y * py) / p2, rest = std::fmax(0.0, x * x + y * y - along);
+      square = along / (width * width) + rest / (across * across);
+    }
+    return b0 * power_positive(1 + square, slope / 2);
+  }
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
+  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
+  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
+};
+
+// Small-angle scatter of mirrors: BSDF = kappa theta^-n for theta >= above, theta = angle from the specular direction
+// (physics.md eq. 3.18). Below `above` the light belongs to the modes (hand-over angle, requirements.md R2.31).
+// Page: docs/reference/scatter/power-law.md.
+
+
+struct PowerLaw {
+  double kappa = 0;            // 1/sr, with theta in rad
+  double exponent = 2;         // n
+  double above = 5e-5;         // rad
+  LobeTable<ChordRings> lobe;  // set by prepare()
+  static constexpr char const* key = "power-law";
+
+  void prepare();  // host
+
+  STRAY_HD double eval(Vec3 wi, Vec3 wo) const {
+    if (!(wi.z > 0 && wo.z > 0)) return 0;
+    double const theta = angle_between(specular(wi), wo);
+    return theta >= above ? kappa * power_positive(theta, -exponent) : 0;
+  }
+  STRAY_HD double pdf(Vec3 wi, Vec3 wo) const { return lobe.pdf(wi, wo); }
+  STRAY_HD double albedo(double cos_i) const { return lobe.albedo.at(cos_i); }
+  STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
+};
+
+// Virgo's statistical 1/theta^2 law (physics.md eq. 3.19, 3.20): a mirror scatters the total fraction `tis` with polar
+// density kappa_s/theta^2 between `above` and pi/2; returns kappa_s (dimensionless), so kappa = tis kappa_s/(2 pi).
+double statistical_kappa(double above);
+// Integral of sin(t)/t^2 from a to b = [-sin t/t + Ci(t)]_a^b (eq. 3.20), angles in (0, pi].
+double statistical_integral(double a, double b);
+
+}  // namespace straytrace

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One self-contained HTML file: it loads nothing and may load nothing, which its content security policy says too.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "results/results.hpp"
+
+namespace straytrace {
+
+struct HtmlPage {
+  std::string title, body;            // body: HTML that stands there without scripts
+  nlohmann::json data;                // for the scripts
+  std::vector<std::string> scripts;   // of data/page, in order
+  bool plots = false, scene = false;  // what they need of others
+};
+std::string html_text(HtmlPage const&);
+
+// Verdict, picture, table and text of a run as HTML, for browsers without scripts.
+struct Picture {
+  std::string type, bytes;  // "png", "svg+xml"; no bytes: none
+};
+struct StaticReport {
+  std::string verdict, headline, text;
+  Picture picture;  // of the budget
+  std::size_t most_rows = 5000;
+};
+std::string static_head(StaticReport const&);
+std::string static_body(StaticReport const&, PathTable const&);
+
+}  // namespace straytrace

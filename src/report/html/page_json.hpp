@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a page is made of, as JSON: the scripts of the page draw it and compute nothing. Lengths in m, couplings over
+// the main mode, strain as one-sided ASD in 1/sqrt(Hz); null: not resolved or not known.
+#pragma once
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "report/ray_paths.hpp"
+#include "report/scene_drawing.hpp"
+#include "report/html/surface_maps.hpp"
+#include "results/results.hpp"
+
+namespace straytrace {
+
+using PageJson = nlohmann::json;
+
+PageJson number(double);  // null unless finite; six digits, which is more than a picture shows
+PageJson numbers(std::vector<double> const&);
+
+PageJson budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
+// By columns, since there may be 1e5 rows; titles and units are in `columns`.
+PageJson table_json(PathTable const&, CouplingTable const&);
+PageJson provenance_json(RunContent const&);
+PageJson ledger_json(RunContent const&);  // fates and objects, each with its error
+PageJson convergence_json(RunContent const&,
+                          PathTable const&);  // error against histories, from the replicas; figures of merit
+PageJson inputs_json(RunContent const&);      // what is not exactly known, and its share of the noise
+PageJson receivers_json(RunContent const&);   // routes and maps of receivers
+PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
+
+PageJson scene_json(SceneDrawing const&);
+PageJson paths_json(World const&, std::vector<DrawnPath> const&);
+PageJson rays_json(World const&, std::vector<RaySegment> const&);
+PageJson told_json(std::vector<ToldEvent> const&);
+PageJson lit_json(World const&);  // spots of beams on surfaces, and ports
+
+}  // namespace straytrace

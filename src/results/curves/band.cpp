@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log. A line
+// fills one bin and no other, so beside it, and where a curve is 0, the average of the bin is all there is to say.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "results/curves/band.hpp"
+#include "results/text/columns.hpp"
+
+namespace straytrace {
+namespace {
+
+using Curve = std::vector<double>;
+
+// The bin that holds hz; the number of bins outside them.
+std::size_t bin_of(FrequencyGrid const& grid, double hz) {
+  if (grid.size() == 0 || !(hz >= grid.edges.front() && hz < grid.edges.back())) return grid.size();
+  return std::size_t(std::upper_bound(grid.edges.begin(), grid.edges.end(), hz) - grid.edges.begin()) - 1;
+}
+
+// Above twice the geometric mean of its neighbours, whatever the slope there.
+bool stands_out(Curve const& curve, std::size_t i) {
+  return i > 0 && i + 1 < curve.size() && curve[i] * curve[i] > 4 * curve[i - 1] * curve[i + 1];
+}
+
+// Above twice either neighbour.
+bool is_line(Curve const& curve, std::size_t i) {
+  double const before = i > 0 ? curve[i - 1] : 0, after = i + 1 < curve.size() ? curve[i + 1] : 0;
+  return curve.size() > 1 && curve[i] > 2 * std::max(before, after);
+}
+
+WithError curve_at(Curve const& mean, Curve const& sigma, FrequencyGrid const& grid, double hz) {
+  std::size_t const n = grid.size(), own = bin_of(grid, hz);
+  if (own == n) return {not_a_number, not_a_number};
+  std::size_t low = 0;
+  while (low + 2 < n && grid.centre(low + 1) <= hz) ++low;
+  bool const smooth =
+      n > 1 && mean.at(low) > 0 && mean.at(low + 1) > 0 && !stands_out(mean, low) && !stands_out(mean, low + 1);
+  if (!smooth) return {mean.at(own), sigma.at(own)};
+  double const x = std::log(hz / grid.centre(low)) / std::log(grid.centre(low + 1) / grid.centre(low));
+  double const value = mean[low] * std::pow(mean[low + 1] / mean[low], x);
+  double const relative = (1 - x) * sigma.at(low) / mean[low] + x * sigma.at(low + 1) / mean[low + 1];
+  return {value, value * std::fabs(relative)};
+}
+
+}  // namespace
+
+std::pair<double, double> band_of(FrequencyGrid const& grid, double low, double high) {
+  if (grid.size() == 0 || high > low) return {low, high};
+  return {grid.edges.front(), grid.edges.back()};
+}
+
+bool at_most(double value, double sigma, double bound_share) {
+  constexpr double shown = 5e-4;  // less shows in no printed digit
+  double const less = value * (1 - std::sqrt(std::max(0.0, 1 - bound_share)));
+  return less > std::max(sigma, shown * value);
+}
+
+bool at_most(NoiseTrace const& trace, std::size_t bin) {
+  return trace.upper_bound ||
+         (bin < trace.bound_share.size() && at_most(trace.asd.at(bin), trace.sigma.at(bin), trace.bound_share[bin]));
+}
+
+WithError strain_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
+  WithError h = curve_at(trace.asd, trace.sigma, grid, hz);
+  h.at_most = !std::isnan(h.value) && at_most(trace, bin_of(grid, hz));
+  return h;
+}
+
+BinLine line_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
+  std::size_t const i = bin_of(grid, hz);
+  if (i == grid.size() || !is_line(trace.asd, i)) return {};
+  double const width = std::sqrt(grid.width(i));
+  return {{trace.asd[i] * width, trace.sigma.at(i) * width, at_most(trace, i)}, grid.edges[i], grid.edges[i + 1]};
+}
+
+double band_at(Curve const& curve, FrequencyGrid const& grid, double hz) {
+  return curve_at(curve, Curve(curve.size(), 0.0), grid, hz).value;
+}
+
+double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz) {
+  return band_at(curve.asd, grid, hz);
+}
+
+WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double low, double high) {
+  WithError power;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid.centre(i) < low || grid.centre(i) > high) continue;
+    power.value += trace.asd.at(i) * trace.asd.at(i) * grid.width(i);
+    power.sigma += 2 * trace.asd.at(i) * trace.sigma.at(i) * grid.width(i);
+  }
+  return power;
+}
+
+// What stands beside the Monte-Carlo error, in words.
+
+namespace {
+
+std::string strain_number(double h) { return std::isnan(h) ? "-" : fmt::format("{:.2e}", h); }
+
+std::string sources(NoiseBands const& bands) {
+  Columns c;
+  c.titles = {"input", "stated", "h(total) x", "share of noise/%"};
+  c.left = {true, true};
+  for (InputSource const& s : bands.sources)
+    c.rows.push_back({s.name, s.statement, fmt::format("{:.3g} to {:.3g}", s.low, s.high),
+                      s.share > 0 ? fmt::format("{:.3g}", 100 * s.share) : "-"});
+  std::string text = bands.sources.empty() ? "" : aligned(c) + "\n";
+  if (!bands.taken_as_exact.empty())
+    text += fmt::format("No bracket or uncertainty is stated for: {}. They are taken as exact.\n",
+                        fmt::join(bands.taken_as_exact, ", "));
+  return text;
+}
+
+std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies, std::vector<double> const& low,
+                   std::vector<double> const& high) {
+  std::string text;
+  for (double const hz : frequencies)
+    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", strain_number(band_at(low, b.grid, hz)),
+                        strain_number(band_at(high, b.grid, hz)));
+  return text;
+}
+
+}  // namespace
+
+std::string lines_text(PathTable const& table) {
+  std::string text;
+  for (std::size_t i = 0; i < table.lines.size(); ++i)
+    if (BinLine const& line = table.lines[i]; !std::isnan(line.rms.value))
+      text += fmt::format(
+          "{:g} Hz lies in a bin with a line, {:.4g} to {:.4g} Hz: {} rms, of which h is the mean density.\n",
+          table.frequencies[i], line.low, line.high, with_error(line.rms));
+  return text;
+}
+
+std::string band_summary(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  if (!b.bands.made()) return "";
+  NoiseBands const& d = b.bands;
+  bool const answer = std::any_of(b.total.asd.begin(), b.total.asd.end(), [](double h) { return h > 0; });
+  if (!answer && !b.unresolved.empty())
+    return "one realisation and what inputs leave open: not known, no route that makes noise is resolved\n";
+  bool const bound = std::any_of(frequencies.begin(), frequencies.end(),
+                                 [&](double hz) { return strain_at(b.total, b.grid, hz).at_most; });
+  std::string text = fmt::format("one realisation (5 to 95 %){} at {:g} Hz: {}\n", bound ? " of the upper bound" : "",
+                                 fmt::join(frequencies, ", "), ranges(b, frequencies, d.speckle_05, d.speckle_95));
+  if (d.sources.empty())
+    return text + fmt::format("inputs{} are taken as exact: no bracket or uncertainty is stated{}\n",
+                              b.unresolved.empty() ? "" : " of the resolved routes",
+                              b.unresolved.empty() ? "" : " for them");
+  return text + fmt::format("what inputs leave open: {}\n", ranges(b, frequencies, d.input_low, d.input_high));
+}
+
+std::string band_text(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  if (!b.bands.made()) return "";
+  Columns c;
+  c.titles = {"frequency/Hz", "input low", "high", "speckle 5 %", "50 %", "95 %", "routes in power", "all in phase"};
+  for (double const hz : frequencies) {
+    std::vector<std::string> row{fmt::format("{:g}", hz)};
+    for (auto const* curve : {&b.bands.input_low, &b.bands.input_high, &b.bands.speckle_05, &b.bands.speckle_50,
+                              &b.bands.speckle_95, &b.total.asd, &b.bands.coherent})
+      row.push_back(strain_number(band_at(*curve, b.grid, hz)));
+    c.rows.push_back(std::move(row));
+  }
+  std::string text = aligned(c);
+  text +=
+      "\ninput: brackets of all materials at their low ends, at their high ends; independent standard deviations\n"
+      "combine in quadrature. speckle: one realisation of the unknown static phases, once they are what they are;\n"
+      "where fringes wrap the spread is an upper bound. Routes are added in power; 'all in phase' is the linear sum "
+      "of\n"
+      "their ASDs, the worst way in which the mean strengths of routes can add, and not a forecast.\n\n";
+  return text + sources(b.bands);
+}
+
+std::string error_table(NoiseBudget const& b, std::vector<double> const& frequencies) {
+  NoiseTrace const& t = b.total;
+  if (t.paths_sigma.empty()) return {};
+  Columns c;
+  c.titles = {"error of h/%", "all", "power of the routes", "levers", "kept paths"};
+  std::size_t bin = 0;
+  for (double const f : frequencies) {
+    while (bin < b.grid.size() && b.grid.edges[bin + 1] <= f) ++bin;
+    if (bin == b.grid.size() || f < b.grid.edges.front() || !(t.asd[bin] > 0)) continue;
+    std::vector<std::string> row = {fmt::format("{:g} Hz", f)};
+    for (auto const part :
+         {&NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::levers_sigma, &NoiseTrace::paths_sigma}) {
+      double const share = 100 * (t.*part)[bin] / t.asd[bin];
+      row.push_back(std::isnan(share) ? "-" : share < 1e-3 ? "< 0.001" : fmt::format("{:.2g}", share));
+    }
+    c.rows.push_back(std::move(row));
+  }
+  if (c.rows.empty()) return {};
+  std::size_t const most = records_kept(~std::uint64_t{0} / 2);  // by a route
+  std::uint64_t blocks = 1;
+  while (records_kept(blocks) < most) blocks *= 2;
+  return "\n" + aligned(c) +
+         fmt::format(
+             "\nWhat the error would be if only one of them were uncertain. All fall as the root of the number "
+             "of histories, that of the kept paths\nup to {} blocks, from which each route keeps {} paths.\n",
+             blocks, most);
+}
+
+}  // namespace straytrace

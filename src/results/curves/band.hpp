@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reading values off noise curves.
+#pragma once
+
+#include <utility>
+
+#include "results/results.hpp"
+
+namespace straytrace {
+
+constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (physics.md eq. 1.11)
+
+// {low, high}, or the whole grid when high <= low.
+std::pair<double, double> band_of(FrequencyGrid const&, double low, double high);
+// How the noise of a route comes about over the band: "linear" where motion of the same frequency makes most of it,
+// "wrapped" where fringes wrap, "linear > 13 Hz" and "linear < 5 Hz" with one change, "mixed" with more. Without shares
+// per frequency by the rms phase alone; "-" where nothing moves.
+std::string regime(NoiseTrace const&, FrequencyGrid const&, double low, double high);
+// Between the centres of bins straight in log-log; the average of the bin beside a line or a zero; NaN outside the
+// grid.
+WithError strain_at(NoiseTrace const&, FrequencyGrid const&, double hz);
+// The line in the bin that holds hz, if there is one: a bin above twice either neighbour.
+BinLine line_at(NoiseTrace const&, FrequencyGrid const&, double hz);
+// A sentence and a line break for each frequency of the table that lies in a bin with a line.
+std::string lines_text(PathTable const&);
+// Whether a value is an upper bound: it may be less by more than its error, and than 0.05 %, since upper bounds make
+// this share of its square.
+bool at_most(double value, double sigma, double bound_share);
+bool at_most(NoiseTrace const&, std::size_t bin);
+// Of a band or other curve on the bins, as strain_at().
+double band_at(std::vector<double> const& curve, FrequencyGrid const&, double hz);
+// Input and speckle bands at some frequencies, and where they come from; empty where they were not made.
+std::string band_text(NoiseBudget const&, std::vector<double> const& frequencies);
+// Whence the Monte-Carlo error comes, in per cent of h; empty where nothing is known of it.
+std::string error_table(NoiseBudget const&, std::vector<double> const& frequencies);
+std::string band_summary(NoiseBudget const&, std::vector<double> const& frequencies);  // two lines of it
+// Integral of the PSD over the bins whose centres lie in the band, strain^2; errors of bins add (they are correlated).
+WithError band_power(NoiseTrace const&, FrequencyGrid const&, double low, double high);
+
+}  // namespace straytrace

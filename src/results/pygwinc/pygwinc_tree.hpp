@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A plain YAML file as a list of values by dotted path, "Suspension.Stage.0.Mass": tolerant, unlike the scene language.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/errors.hpp"
+
+namespace straytrace {
+
+class IfoTree {
+ public:
+  struct Value {
+    std::string text;
+    Place place;  // file: number of the source
+  };
+  // Adds the values of a text over those that are there; a list takes the place of an earlier one.
+  void add(std::string const& source, std::string const& yaml);
+  void set(std::string const& path, std::string const& text);           // from the command line
+  bool has(std::string const& path) const;                              // value, table or list
+  std::optional<std::size_t> source_of(std::string const& path) const;  // which source gave it; none: none, or ".nan"
+  void drop(std::string const& path);                                   // as if nobody had given it
+  // Number at a path; NaN when it is not there or ".nan", `needed`: with a problem; NaN and a problem when it is no
+  // number or out of its range.
+  double number(std::string const& path, bool needed = true);
+  double number(std::string const& path, double fallback);
+  std::string word(std::string const& path, std::string const& fallback = "");
+  std::vector<std::string> elements(std::string const& list) const;  // "list.0", "list.1", ...
+  void problem(std::string const& path, std::string what, std::string suggestion);
+  void refuse_unread(std::size_t from_source);  // what nobody asked for, in the sources from this number on
+  void throw_if_problems();                     // InputError with all of them
+  std::string yaml() const;                     // everything, as one plain file
+
+ private:
+  Value const* find(std::string const& path);
+  std::vector<std::string> sources_;
+  std::map<std::string, Value> values_;
+  std::set<std::string> asked_;
+  std::vector<Problem> problems_;
+};
+
+}  // namespace straytrace

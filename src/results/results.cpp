@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files that appear complete or not at all.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "base/files/file_bytes.hpp"
+#include "base/files/growing_file.hpp"
+#include "base/errors.hpp"
+#include "results/results.hpp"
+
+namespace straytrace {
+
+void write_file(std::string const& file, std::string_view bytes) {
+  GrowingFile temporary(file);
+  temporary.write(bytes);
+  temporary.publish();
+}
+
+void write_files(std::vector<std::pair<std::string, std::string>> const& files) {
+  std::vector<std::unique_ptr<GrowingFile>> all;
+  for (auto const& [file, bytes] : files) all.emplace_back(std::make_unique<GrowingFile>(file))->write(bytes);
+  for (auto const& temporary : all) temporary->publish();
+}
+
+std::string read_file(std::string const& file) {
+  FileBytes read = bytes_of_file(file);
+  if (!read.why.empty()) throw InputError(fmt::format("cannot read '{}': {}", file, read.why));
+  return std::move(read.bytes);
+}
+
+}  // namespace straytrace

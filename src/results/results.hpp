@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Front door of the report room: run files, curves, tables and texts. Everything here can be made again from a run
+// file.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/files/sha256.hpp"
+#include "base/memory/storage.hpp"
+#include "motion/motion.hpp"
+#include "noise/noise.hpp"
+#include "scene/scene.hpp"
+#include "trace/result.hpp"
+#include "world/model/receiver.hpp"
+
+namespace straytrace {
+
+// --- run file (layout: schema/run-1.txt)
+// ------------------------------------------------------------------------------
+
+constexpr int run_schema_major = 1, run_schema_minor = 9;
+
+struct Provenance {
+  std::string program = "straytrace", version, commit, build_flags;
+  std::string created;  // ISO 8601, UTC
+};
+
+// Where light must not go, as the trace was steered: adjoint of each side of each patch (estimators.md 7).
+struct ImportanceMap {
+  struct Strip {
+    std::uint32_t group = 0, patch = 0;
+    double low = 0, high = 0;  // m, along z
+    double area = 0;           // m^2
+  };
+  std::vector<Strip> strips;               // all of the scene, in its order; empty: nothing was steered
+  std::vector<double> adjoint, law_share;  // front and back of patch 0, of patch 1, ...
+};
+
+// What goes into a run file besides the numbers; no host names, user names or absolute paths of this machine.
+struct RunContent {
+  FileTexts files;
+  std::string main_file, title;
+  std::vector<std::string> overrides;  // as written on the command line
+  std::string resolved;
+  // Of `files`, what replaces tables of the scene (motion, responses), one a line, in this order; empty: nothing does.
+  std::string motion_file;
+  std::string model_hash;
+  std::string interferometer;         // Interferometer::description()
+  std::vector<std::string> warnings;  // of the scene; those of the trace are added by the writer
+  std::vector<Receiver> receivers;    // in the order of CouplingTable::receivers
+  Storage cells;                      // of their maps, where they were read from a file
+  ImportanceMap importance;
+  double beam_power = 0;  // W, of the main mode; 0: not stated
+  Provenance provenance;
+  std::map<std::string, double> timing;  // s, by stage, besides those of trace and noise
+  TraceResult const* trace = nullptr;
+  NoiseBudget const* noise = nullptr;  // may be absent
+};
+
+// A run file in memory: all of RunContent, owning its numbers.
+struct RunFile {
+  RunContent about;   // `trace` and `noise` are null here; see content()
+  TraceResult trace;  // tree, total, coupling table with records
+  std::optional<NoiseBudget> noise;
+  bool complete = false;  // false: a checkpoint
+
+  RunContent content() const;  // the same with the pointers set to this object
+};
+
+// Appears complete or not at all: written under a temporary name and renamed. Throws InputError with the reason of the
+// system when the disk refuses, NumericalError when the HDF5 library fails.
+void write_run(std::string const& file, RunContent const&);
+// Throws InputError: no such file, another kind of file, a newer schema, damaged content.
+RunFile read_run(std::string const& file);
+
+std::string model_hash(std::span<std::string const> texts);  // sha256 over the texts, each with its length in front
+// sha256 over every dataset and attribute in path order, except /timing and the attribute `created`: equal for equal
+// results, whoever computed them and when.
+std::string data_hash(std::string const& run_file);
+std::string utc_now();  // "2024-05-01T12:00:00Z"
+
+// Text files with the same rule: complete or not at all.
+void write_file(std::string const& file, std::string_view bytes);
+// Name and content of each; nothing appears before all of them are on the disk.
+void write_files(std::vector<std::pair<std::string, std::string>> const& files);
+std::string read_file(std::string const& file);
+
+// --- path table
+// -------------------------------------------------------------------------------------------------------
+
+struct WithError {
+  double value = 0, sigma = 0;  // one standard error
+  bool at_most = false;         // an upper bound: it may be less by more than that
+  WithError over(double x) const { return {value / x, sigma / x, at_most}; }
+};
+
+// A line in one bin of a curve: what it is in all, since its mean over the bin depends on the width of that.
+struct BinLine {
+  WithError rms{not_a_number, not_a_number};  // unit of the curve times sqrt(Hz); NaN: no line
+  double low = 0, high = 0;                   // Hz, edges of the bin
+};
+
+using ReplicaPattern = std::array<double, replica_count>;  // results/route_table/route_sums.hpp
+
+struct TableSettings {
+  std::vector<double> frequencies = {10, 30, 100};  // Hz, where h is printed
+  double low = 0, high = 0;                         // Hz, band of shares and verdicts; 0, 0: the whole grid
+  std::size_t show = 12;                            // rows for people; CSV and JSON have all
+};
+
+// A route inside a row `other`, and why it has no row of its own.
+struct FoldedRow {
+  std::uint64_t hash = 0;
+  std::string sequence;
+  WithError coupling;    // receivers: power; a hint unless `trusted`
+  bool trusted = false;  // a good number whose route is too long to be named
+  std::string why;
+};
+
+struct PathRow {
+  std::size_t rank = 0;  // 1 = largest share, or largest coupling without a noise budget; unresolved ones last
+  std::uint64_t hash = 0;
+  std::string port, sequence;
+  ClassKind kind = ClassKind::scattered;
+  std::string statement;         // of deterministic routes: what the number is and how far it holds
+  std::size_t vertices = 0;      // 0 for `other`
+  Estimate coupling;             // of ordered paths; C_rev not multiplied in
+  ReplicaPattern replicas = {};  // how it goes up and down with them
+  double reverse = 1;            // C_rev
+  bool by_reverse = false;       // numbers of its reverse, on which it is better sampled
+  bool resolved = false;
+  bool faint = false;  // unresolved, but too faint to matter (noise.hpp)
+  std::string why_not;
+  std::vector<WithError> strain;              // 1/sqrt(Hz), one per frequency; NaN outside the grid
+  std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: what was seen
+  std::vector<double> input_low, input_high;  // of it: what stated inputs leave open; NaN where it was not made
+  WithError power;                            // of its strain noise in the band, strain^2
+  WithError share;    // of the resolved strain noise power in the band [1]; NaN without a budget
+  std::string body;   // whose motion contributes most; without motion, of the largest lever
+  std::string moves;  // without motion: all bodies of nearly the largest lever; else `body`
+  double lever = 0;   // rad/m, rms over the paths of that body's translations
+  bool upper_bound() const { return kind == ClassKind::edge; }
+  WithError coupling_with_error() const { return {coupling.mean, coupling.std_error, upper_bound()}; }
+  double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
+  std::string regime;             // results/curves/band.hpp, over the band; empty without a budget
+  std::size_t folded_routes = 0;  // of `other`: how many it sums
+  std::vector<FoldedRow> folded;  // the largest of them, descending
+  double length_mean = 0, length_min = 0, length_max = 0;  // m, optical; NaN without records
+};
+
+struct PathTable {
+  std::vector<PathRow> rows;        // by rank
+  std::vector<double> frequencies;  // Hz
+  double low = 0, high = 0;         // Hz
+  bool has_noise = false, reverse_routes = true;
+  std::vector<WithError> total_strain;    // 1/sqrt(Hz); a lower bound when a row is unresolved
+  std::vector<BinLine> lines;             // of it, one per frequency
+  WithError total_coupling;               // resolved rows
+  std::size_t unresolved = 0, faint = 0;  // rows; `faint` of them cannot move the total
+  bool lower_bound() const { return unresolved > faint; }
+};
+
+// `budget` and `motion` may be null; columns that need them are then absent.
+PathTable path_table(CouplingTable const&, NoiseBudget const* budget, MotionSet const* motion, TableSettings const&);
+
+std::vector<FoldedRow> folded_rows(CouplingTable const&, CouplingClass const&);
+// "other > ITM sums 42 routes: ..." and a line for each of the largest.
+std::string folded_text(std::string const& row, std::size_t routes, std::vector<FoldedRow> const&);
+
+std::string path_text(PathTable const&, std::size_t show);  // aligned, UTF-8, for terminals
+std::string path_csv(PathTable const&, RunContent const&);  // all digits
+std::string path_json(PathTable const&, RunContent const&);
+
+// --- curves, summary, report
+// ------------------------------------------------------------------------------------------
+
+// Columns frequency, mean, sigma, low, high, phase, amplitude, design, ratio. Needs content.noise.
+std::string asd_text(RunContent const&);
+std::string summary_json(RunContent const&, PathTable const&);
+// For people. `assumptions`: further lines for that section.
+std::string text_report(RunContent const&, PathTable const&, std::size_t show,
+                        std::vector<std::string> const& assumptions = {});
+// Where the light went: emitted, then a line for each fate, and whether they balance.
+std::string books_text(RunContent const&);
+// Power that arrives on each group and what it absorbs, then what media absorb; largest absorber first.
+std::string objects_text(RunContent const&);
+// "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."
+std::string verdict_sentence(NoiseBudget const&, double low_hz, double high_hz);
+
+// A design curve at a frequency, 1/sqrt(Hz); NaN outside the grid.
+double design_at(DesignCurve const&, FrequencyGrid const&, double hz);
+
+// "1.23e-24 ± 0.04e-24": one digit of the error, two when it begins with 1. "unresolved" when not finite; "1.23e-24
+// (computed)" without an error, as of routes that are not sampled.
+std::string with_error(double value, double sigma);
+std::string with_error(WithError const&);  // "at most 1.3e-24" for an upper bound: two digits, rounded up
+// "1.23(4)e-24": the error in units of the last digit, for tables; "1.23e-24 computed" without one.
+std::string with_brackets(double value, double sigma);
+std::string with_brackets(WithError const&);
+std::string two_digits(double value, bool up);         // of a positive number, rounded up or down
+std::string percent_text(double share, double sigma);  // a share of 1 in per cent; all of it has no error: "100"
+
+}  // namespace straytrace

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The numbers of the path table.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "noise/classes/motion_classes.hpp"
+#include "results/curves/band.hpp"
+#include "results/route_table/route_sums.hpp"
+
+namespace straytrace {
+namespace {
+
+// What shakes, and the mean-square phase in the band, or in all, per unit of kappa of each class.
+struct Shaking {
+  MotionSet const* motion = nullptr;
+  std::vector<MotionClass> classes = {};
+  std::vector<double> power = {};
+};
+
+Shaking shaking_of(MotionSet const& motion, double low, double high) {
+  Shaking s{&motion, group_by_shape(motion), {}};
+  bool const all = high <= low;
+  for (MotionClass const& c : s.classes) {
+    bool const inside = all || (c.tone_frequency >= low && c.tone_frequency <= high);
+    s.power.push_back(c.tone_frequency > 0 ? (inside ? c.variance() : 0)
+                      : all                ? c.variance()
+                                           : c.reference.power(low, high));
+  }
+  return s;
+}
+
+struct BodyPart {
+  double phase2 = 0, lever2 = 0;  // rad^2; (rad/m)^2; weighted sums over paths
+};
+
+void add_lever(BodyPart& part, double weight, Lever const& lever, Shaking const* shaking) {
+  part.lever2 += weight * (lever.d[0] * lever.d[0] + lever.d[1] * lever.d[1] + lever.d[2] * lever.d[2]);
+  if (!shaking) return;
+  std::vector<double> const kappa = kappa_of(*shaking->motion, shaking->classes, {&lever, 1});
+  for (std::size_t i = 0; i < kappa.size(); ++i) part.phase2 += weight * shaking->power[i] * kappa[i];
+}
+
+// The body that shakes the phase most. Without motion, the one with the largest lever, named with those that are equal
+// to it within 1 %: the phase sees their relative motion.
+void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, Shaking const* shaking) {
+  std::map<std::uint32_t, BodyPart> parts;
+  double weights = 0;
+  for (PathRecord const& r : c.records) {
+    weights += r.weight;
+    for (Lever const& lever : r.levers) add_lever(parts[lever.body.value], r.weight, lever, shaking);
+  }
+  auto const size = [&](BodyPart const& part) { return shaking ? part.phase2 : part.lever2; };
+  double best = 0;
+  for (auto const& [body, part] : parts) {
+    if (size(part) <= best || body >= names.size()) continue;
+    best = size(part);
+    row.body = names[body];
+    row.lever = std::sqrt(part.lever2 / weights);
+  }
+  row.moves = row.body;
+  if (shaking || best == 0) return;
+  row.moves.clear();
+  for (auto const& [body, part] : parts)
+    if (body < names.size() && size(part) > 0.98 * best) row.moves += (row.moves.empty() ? "" : ", ") + names[body];
+}
+
+void find_lengths(PathRow& row, CouplingClass const& c) {
+  row.length_mean = row.length_min = row.length_max = not_a_number;
+  if (c.records.empty()) return;
+  double weights = 0, sum = 0;
+  row.length_min = infinity;
+  row.length_max = -infinity;
+  for (PathRecord const& r : c.records) {
+    weights += r.weight;
+    sum += r.weight * r.path_length;
+    row.length_min = std::min(row.length_min, r.path_length);
+    row.length_max = std::max(row.length_max, r.path_length);
+  }
+  row.length_mean = weights > 0 ? sum / weights : not_a_number;
+}
+
+// Share of each route in the resolved noise power of the band.
+void find_shares(std::vector<PathRow>& rows) {
+  ReplicaSum total;
+  for (PathRow const& row : rows)
+    if (row.resolved) total.add({row.power, row.replicas});
+  for (PathRow& row : rows)
+    if (row.resolved) row.share = ReplicaSum(row.power, row.replicas).share_of(total);
+}
+
+PathRow row_of(CouplingTable const& table, CouplingClass const& c) {
+  PathRow row;
+  row.hash = c.hash;
+  row.port = c.port.value < table.ports.size() ? table.ports[c.port.value] : "";
+  row.sequence = route_name(table, c);
+  row.kind = c.kind;
+  row.statement = c.statement;
+  row.vertices = c.steps.size();
+  row.coupling = c.coupling;
+  row.replicas = pattern_of(table, c);
+  row.reverse = c.reverse;
+  row.by_reverse = c.by_reverse;
+  row.resolved = c.coupling.trusted;
+  row.why_not = c.coupling.why_not;
+  row.share = {not_a_number, not_a_number};
+  row.rms_phase = not_a_number;
+  row.folded_routes = c.folded_routes;
+  row.folded = folded_rows(table, c);
+  find_lengths(row, c);
+  return row;
+}
+
+void add_noise(PathRow& row, NoiseTrace const& trace, FrequencyGrid const& grid, std::vector<double> const& hz) {
+  row.resolved = row.resolved && trace.resolved;
+  row.faint = !row.resolved && trace.faint;
+  if (row.why_not.empty()) row.why_not = trace.why_not;
+  row.rms_phase = std::sqrt(trace.mean_square_phase);
+  for (double const f : hz) {
+    WithError const seen = strain_at(trace, grid, f);
+    row.strain.push_back(row.resolved ? seen : WithError{not_a_number, not_a_number});
+    row.hint.push_back(row.resolved ? not_a_number : seen.value);
+    bool const made = row.resolved && !trace.input_low.empty();
+    row.input_low.push_back(made ? band_at(trace.input_low, grid, f) : not_a_number);
+    row.input_high.push_back(made ? band_at(trace.input_high, grid, f) : not_a_number);
+  }
+}
+
+bool ranks_before(PathRow const& a, PathRow const& b) {
+  if (a.resolved != b.resolved) return a.resolved;
+  double const x = std::isnan(a.share.value) ? a.coupling.mean * a.reverse : a.share.value;
+  double const y = std::isnan(b.share.value) ? b.coupling.mean * b.reverse : b.share.value;
+  return x != y ? x > y : a.hash < b.hash;
+}
+
+}  // namespace
+
+void rank_and_sum(PathTable& table, bool shares) {
+  if (shares) find_shares(table.rows);
+  std::sort(table.rows.begin(), table.rows.end(), ranks_before);
+  table.unresolved = table.faint = 0;
+  ReplicaSum coupling;
+  double bound = 0;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    PathRow& row = table.rows[i];
+    row.rank = i + 1;
+    table.unresolved += !row.resolved;
+    table.faint += row.faint;
+    if (!row.resolved) continue;
+    if (row.upper_bound()) bound += row.coupling.mean;
+    coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
+  }
+  WithError sum = coupling.result();
+  sum.at_most = bound > std::max(sum.sigma, 1e-3 * sum.value);
+  table.total_coupling = sum;
+}
+
+std::vector<FoldedRow> folded_rows(CouplingTable const& table, CouplingClass const& c) {
+  std::vector<FoldedRow> rows;
+  for (FoldedRoute const& f : c.folded)
+    rows.push_back({f.hash, folded_name(table, f), {f.mean, f.std_error}, f.trusted, f.why});
+  return rows;
+}
+
+PathTable path_table(CouplingTable const& coupling, NoiseBudget const* budget, MotionSet const* motion,
+                     TableSettings const& settings) {
+  PathTable table;
+  table.has_noise = budget && budget->routes.size() == coupling.classes.size();
+  table.reverse_routes = coupling.reverse_routes;
+  if (table.has_noise) {
+    table.frequencies = settings.frequencies;
+    std::tie(table.low, table.high) = band_of(budget->grid, settings.low, settings.high);
+    for (double const f : table.frequencies) {
+      table.total_strain.push_back(strain_at(budget->total, budget->grid, f));
+      table.lines.push_back(line_at(budget->total, budget->grid, f));
+    }
+  }
+  // In the linear regime the motion inside the band makes the noise; where fringes wrap, all of it does.
+  Shaking in_band, all;
+  if (motion) {
+    in_band = shaking_of(*motion, table.low, table.high);
+    all = shaking_of(*motion, 0, 0);
+  }
+  for (std::size_t i = 0; i < coupling.classes.size(); ++i) {
+    CouplingClass const& c = coupling.classes[i];
+    PathRow row = row_of(coupling, c);
+    if (table.has_noise) {
+      add_noise(row, budget->routes[i], budget->grid, table.frequencies);
+      row.regime = regime(budget->routes[i], budget->grid, table.low, table.high);
+      row.power = band_power(budget->routes[i], budget->grid, table.low, table.high);
+    }
+    find_body(row, c, coupling.bodies, !motion ? nullptr : row.rms_phase < 1 ? &in_band : &all);
+    table.rows.push_back(std::move(row));
+  }
+  rank_and_sum(table, table.has_noise);
+  return table;
+}
+
+std::string regime(NoiseTrace const& t, FrequencyGrid const& grid, double low, double high) {
+  if (!(t.mean_square_phase > 0)) return "-";
+  double changed_at = 0;
+  int bins = 0, changes = 0;
+  bool linear = false;
+  for (std::size_t i = 0; i < t.linear_share.size(); ++i) {
+    if (grid.centre(i) < low || grid.centre(i) > high || std::isnan(t.linear_share[i])) continue;
+    bool const now = t.linear_share[i] >= 0.5;
+    if (bins++ > 0 && now != linear) {
+      ++changes;
+      changed_at = grid.edges[i];
+    }
+    linear = now;
+  }
+  if (bins == 0) return t.mean_square_phase > wrapped_from * wrapped_from ? "wrapped" : "linear";
+  if (changes == 0) return linear ? "linear" : "wrapped";
+  return changes == 1 ? fmt::format("linear {} {:.3g} Hz", linear ? ">" : "<", changed_at) : "mixed";
+}
+
+}  // namespace straytrace

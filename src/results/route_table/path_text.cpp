@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The path table for terminals and reports.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text/words.hpp"
+#include "results/curves/band.hpp"
+#include "results/text/columns.hpp"
+#include "results/route_table/route_sums.hpp"
+#include "results/route_table/route_sums.hpp"
+
+namespace straytrace {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+std::string number_or_dash(double x, char const* form) {
+  return std::isfinite(x) ? fmt::format(fmt::runtime(form), x) : "-";
+}
+
+// The column `kind` is there when the table holds more than scattered light.
+bool has_kinds(PathTable const& table) {
+  return std::any_of(table.rows.begin(), table.rows.end(),
+                     [](PathRow const& row) { return row.kind != ClassKind::scattered; });
+}
+
+Columns head(PathTable const& table) {
+  Columns c;
+  c.titles = {"#", "route", "port"};
+  c.left = {false, true, true};
+  if (has_kinds(table)) {
+    c.titles.push_back("kind");
+    c.left.push_back(true);
+  }
+  if (table.has_noise) c.titles.push_back("share/%");
+  c.titles.insert(c.titles.end(), {"coupling", "C_rev"});
+  if (table.has_noise)
+    for (double const f : table.frequencies) c.titles.push_back(fmt::format("h({:g} Hz)", f));
+  c.titles.push_back("moves");
+  c.left.resize(c.titles.size(), false);
+  c.left.back() = true;
+  c.titles.insert(c.titles.end(), {"lever/(rad/m)", "phase/rad", "regime", "length/m"});
+  return c;
+}
+
+Cells cells_of(PathTable const& table, PathRow const& row) {
+  Cells c = {fmt::format("{}", row.rank), row.sequence, row.port};
+  if (has_kinds(table)) c.push_back(name_of(row.kind));
+  std::string const unresolved = "unresolved", still = "still";
+  bool const moves = !row.resolved || row.rms_phase > 0;  // a route on which nothing moves makes exactly no noise
+  if (table.has_noise)
+    c.push_back(!row.resolved       ? unresolved
+                : !moves            ? still
+                : row.upper_bound() ? number_or_dash(100 * row.share.value, "{:.3g}")
+                                    : percent_text(row.share.value, row.share.sigma));
+  c.push_back(row.resolved ? with_brackets(row.coupling_with_error()) : unresolved);
+  c.push_back(fmt::format("{:g}", row.reverse));
+  for (WithError const& h : row.strain) c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h) : still);
+  c.push_back(row.moves.empty() ? "-" : row.moves);
+  c.push_back(row.body.empty() ? "-" : number_or_dash(row.lever, "{:.3g}"));
+  c.push_back(number_or_dash(row.rms_phase, "{:.2g}"));
+  c.push_back(row.regime.empty() ? "-" : row.regime);
+  c.push_back(number_or_dash(row.length_mean, "{:.6g}"));
+  return c;
+}
+
+// Sum of resolved rows from `first` on: shares, of `whole`, and couplings add, strains add in power.
+Cells rest_of(PathTable const& table, std::size_t first, PathTable const& whole, std::string const& title) {
+  ReplicaSum power, all_power, coupling;
+  std::vector<ReplicaSum> strain(table.frequencies.size());  // h^2, with half its deviations: h dh
+  std::vector<double> bound(table.frequencies.size());       // h^2 of upper bounds
+  double bound_coupling = 0;
+  std::size_t count = 0;
+  for (PathRow const& row : whole.rows)
+    if (row.resolved) all_power.add({row.power, row.replicas});
+  for (std::size_t i = first; i < table.rows.size(); ++i) {
+    PathRow const& row = table.rows[i];
+    if (!row.resolved) continue;
+    ++count;
+    coupling.add({{row.coupling.mean, row.coupling.std_error}, row.replicas});
+    if (row.upper_bound()) bound_coupling += row.coupling.mean;
+    power.add({row.power, row.replicas});
+    for (std::size_t k = 0; k < row.strain.size(); ++k) {
+      double const h = row.strain[k].value;
+      strain[k].add({{h * h, h * row.strain[k].sigma}, row.replicas});
+      if (row.upper_bound()) bound[k] += h * h;
+    }
+  }
+  Cells c = {"", counted(count, title + " route"), ""};
+  if (has_kinds(table)) c.push_back("");
+  bool const moves = power.value() > 0;
+  WithError const share = power.share_of(all_power);
+  WithError sum = coupling.result();
+  sum.at_most = bound_coupling > std::max(sum.sigma, 1e-3 * sum.value);
+  if (table.has_noise) c.push_back(moves ? percent_text(share.value, share.sigma) : "still");
+  c.push_back(with_brackets(sum));
+  c.push_back("");
+  for (std::size_t k = 0; k < strain.size(); ++k) {
+    double const h = std::sqrt(strain[k].value()), sigma = h > 0 ? strain[k].result().sigma / h : 0;
+    bool const most = h > 0 && at_most(h, sigma, bound[k] / strain[k].value());
+    c.push_back(std::isnan(h) ? "-" : moves ? with_brackets({h, sigma, most}) : "still");
+  }
+  c.insert(c.end(), 5, "");
+  return count == 0 ? Cells{} : c;
+}
+
+// h of all that is in the total, or of resolved routes alone.
+Cells strain_of(PathTable const& table, bool resolved_alone) {
+  Cells out;
+  if (resolved_alone) {
+    Cells const rows = rest_of(table, 0, table, "");
+    std::size_t const end = rows.size() - 5;
+    return {rows.begin() + std::ptrdiff_t(end - table.frequencies.size()), rows.begin() + std::ptrdiff_t(end)};
+  }
+  for (WithError const& h : table.total_strain) out.push_back(std::isnan(h.value) ? "-" : with_brackets(h));
+  return out;
+}
+
+// What was seen of unresolved routes is in the total, each with an error as large as itself.
+Cells hints_of(PathTable const& table) {
+  std::vector<double> square(table.frequencies.size()), variance(table.frequencies.size());
+  double coupling = 0, coupling_variance = 0;
+  for (PathRow const& row : table.rows) {
+    if (row.resolved) continue;
+    coupling += row.coupling.mean;
+    coupling_variance += row.coupling.mean * row.coupling.mean;
+    for (std::size_t k = 0; k < row.hint.size(); ++k) {
+      double const h2 = std::isnan(row.hint[k]) ? 0 : row.hint[k] * row.hint[k];
+      square[k] += h2;
+      variance[k] += h2 * h2;
+    }
+  }
+  bool const heard = std::any_of(square.begin(), square.end(), [](double h2) { return h2 > 0; });
+  if (!heard || table.unresolved == table.rows.size()) return {};
+  Cells c = {"", counted(table.unresolved, "unresolved route") + ", what was seen", ""};
+  if (has_kinds(table)) c.push_back("");
+  c.push_back("-");
+  c.push_back(with_brackets(coupling, std::sqrt(coupling_variance)));
+  c.push_back("");
+  for (std::size_t k = 0; k < square.size(); ++k) {
+    double const h = std::sqrt(square[k]);
+    bool const inside = !std::isnan(table.total_strain[k].value);
+    c.push_back(!inside ? "-" : h > 0 ? with_brackets(h, std::sqrt(variance[k]) / (2 * h)) : "still");
+  }
+  c.insert(c.end(), 5, "");
+  return c;
+}
+
+// The last lines: the sum, or that of resolved routes, what was seen of the others, and both together.
+std::vector<Cells> sums_of(PathTable const& table) {
+  bool const nothing = table.unresolved == table.rows.size();
+  Cells hints = hints_of(table);
+  Cells sum = {"", "sum", ""}, total = {"", table.lower_bound() ? "total (lower bound)" : "total", "", "", "", ""};
+  if (!hints.empty())
+    sum[1] = "sum of resolved routes";
+  else if (table.lower_bound())
+    sum[1] = "sum of resolved routes (lower bound)";
+  if (has_kinds(table)) sum.emplace_back(), total.emplace_back();
+  if (table.has_noise) sum.push_back(nothing ? "unresolved" : "100");
+  sum.push_back(nothing ? "unresolved" : with_brackets(table.total_coupling));
+  sum.push_back("");
+  Cells const strain = strain_of(table, !hints.empty());
+  sum.insert(sum.end(), strain.begin(), strain.end());
+  for (WithError const& h : table.total_strain) total.push_back(std::isnan(h.value) ? "-" : with_brackets(h));
+  sum.insert(sum.end(), 5, "");
+  total.insert(total.end(), 5, "");
+  std::vector<Cells> all{std::move(sum)};
+  if (hints.empty()) return all;
+  all.push_back(std::move(hints));
+  all.push_back(std::move(total));
+  return all;
+}
+
+std::string explanation(PathTable const& table) {
+  std::string text = table.has_noise
+                         ? fmt::format("Routes by share of strain noise power, {:g} to {:g} Hz", table.low, table.high)
+                         : std::string("Routes by coupling");
+  text += "; (n): one standard error, last digits.\nEach row is one ordered route";
+  text += table.reverse_routes ? "; C_rev, in h but not in coupling, adds its reverse in amplitude.\n"
+                               : "; reverse routes are not added in amplitude (C_rev off).\n";
+  if (table.has_noise) text += "h: one-sided strain ASD in 1/sqrt(Hz), mean over static phases.\n";
+  auto const mirrored = std::count_if(table.rows.begin(), table.rows.end(), [](auto& row) { return row.by_reverse; });
+  if (mirrored > 0)
+    text += fmt::format("{} {} sampled on the same route run backwards, which couples alike.\n", mirrored,
+                        mirrored == 1 ? "route was" : "routes were");
+  if (has_kinds(table))
+    text += "Kinds ghost and edge are computed, not sampled, without a Monte-Carlo error; their limits stand below.\n";
+  if (std::any_of(table.rows.begin(), table.rows.end(), [](PathRow const& row) { return row.upper_bound(); }))
+    text += "Kind edge is an upper bound, in h, in the sum and in the shares: 'at most'.\n";
+  return text + "\n";
+}
+
+constexpr std::size_t folded_shown = 5;
+
+// What deterministic routes hold, each statement once with the routes it is about; also of rows that are not shown.
+std::string statements(PathTable const& table, std::size_t show) {
+  constexpr std::size_t named = 4;
+  std::vector<std::pair<std::string, std::vector<PathRow const*>>> all;
+  for (PathRow const& row : table.rows) {
+    if (row.statement.empty()) continue;
+    auto at = std::find_if(all.begin(), all.end(), [&](auto const& entry) { return entry.first == row.statement; });
+    if (at == all.end()) at = all.insert(at, {row.statement, {}});
+    at->second.push_back(&row);
+  }
+  std::string text;
+  for (std::size_t i = 0; i < std::min(show, all.size()); ++i) {
+    auto const& [statement, rows] = all[i];
+    text += fmt::format("\n{} ", name_of(rows.front()->kind));
+    for (std::size_t k = 0; k < std::min(named, rows.size()); ++k)
+      text += fmt::format("{}{}", k > 0 ? ", " : "", rows[k]->sequence);
+    if (rows.size() > named) text += fmt::format(" and {} more", rows.size() - named);
+    text += ":\n  " + statement + "\n";
+  }
+  if (all.size() > show) text += "\nand " + counted(all.size() - show, "more statement") + "; --csv has all\n";
+  return text;
+}
+
+std::string reasons(PathTable const& table) {
+  std::string text;
+  for (PathRow const& row : table.rows)
+    if (!row.resolved)
+      text += fmt::format("unresolved{}: {}: {} (hint: coupling about {:.1g})\n",
+                          row.faint ? ", too faint to matter" : "", row.sequence, row.why_not, row.coupling.mean);
+  for (PathRow const& row : table.rows) text += folded_text(row.sequence, row.folded_routes, row.folded);
+  return text.empty() ? text : "\n" + text;
+}
+
+}  // namespace
+
+std::string folded_text(std::string const& row, std::size_t routes, std::vector<FoldedRow> const& folded) {
+  if (folded.empty()) return {};
+  std::size_t const shown = std::min(folded_shown, folded.size());
+  std::string text = fmt::format("{} sums {} route{} without a row of {} own", row, routes, routes == 1 ? "" : "s",
+                                 routes == 1 ? "its" : "their");
+  text += shown < routes ? fmt::format("; the largest {}:\n", shown) : ":\n";
+  for (std::size_t i = 0; i < shown; ++i) {
+    FoldedRow const& f = folded[i];
+    std::string const size =
+        f.trusted ? with_brackets(f.coupling.value, f.coupling.sigma) : fmt::format("about {:.1g}", f.coupling.value);
+    text += fmt::format("  {}: {}: {}\n", f.sequence, size, f.why);
+  }
+  return text;
+}
+
+std::string path_text(PathTable const& table, std::size_t show) {
+  if (table.rows.empty()) return "No route was found: no traced light rejoined a port.\n";
+  return path_text(table, show, table);
+}
+
+std::string path_text(PathTable const& table, std::size_t show, PathTable const& whole) {
+  if (table.rows.empty()) return fmt::format("No route of {} is shown.\n", whole.rows.size());
+  Columns columns = head(table);
+  std::size_t const resolved = table.rows.size() - table.unresolved, shown = std::min(show, resolved);
+  for (std::size_t i = 0; i < shown; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
+  if (Cells rest = rest_of(table, shown, whole, "further"); !rest.empty()) columns.rows.push_back(std::move(rest));
+  columns.rows.push_back({});
+  if (table.rows.size() == whole.rows.size())
+    for (Cells& sum : sums_of(table)) columns.rows.push_back(std::move(sum));
+  else if (Cells sum = rest_of(table, 0, whole, "shown"); !sum.empty())
+    columns.rows.push_back(std::move(sum));
+  std::size_t const last = std::min(table.rows.size(), resolved + show);
+  for (std::size_t i = resolved; i < last; ++i) columns.rows.push_back(cells_of(table, table.rows[i]));
+  return explanation(table) + aligned(columns) + statements(table, show) + reasons(table);
+}
+
+}  // namespace straytrace

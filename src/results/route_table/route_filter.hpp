@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which rows of a path table: via("NE_bench/*") and scatters == 2 and h(30 Hz) > 1e-25, or plain words. The same
+// language as in the filter of a report (data/page/filter.js); docs/reference/filter.md.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "results/route_table/route_columns.hpp"
+
+namespace straytrace {
+
+// What is wrong with bytes [begin, begin + width) of a filter.
+struct FilterProblem {
+  std::size_t begin = 0, width = 1;
+  std::string what, suggestion;
+};
+
+struct FilterAnswer {
+  std::vector<std::size_t> rows;  // those let through, in the order of the table; empty where there are problems
+  std::vector<FilterProblem> problems;
+  std::vector<std::string> notes;  // patterns that fit no route at all
+};
+
+FilterAnswer filtered(std::string_view text, RouteColumns&);
+
+// Rows by a column, largest number first, texts and ranks from the first; what is not known comes last.
+// `key`: a name of the filter, h(30 Hz) among them. Problems as above.
+FilterAnswer sorted_by(std::string_view key, std::vector<std::size_t> rows, RouteColumns&);
+
+// "error: --where: 'scaters' is not known" with the text, a caret and the suggestion, for each problem.
+std::string rendered(std::string const& option, std::string const& text, std::vector<FilterProblem> const&);
+
+}  // namespace straytrace

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "results/curves/band.hpp"
+#include "results/route_table/route_sums.hpp"
+
+namespace straytrace {
+namespace {
+
+void keep_rows(PathTable& table, std::vector<std::size_t> const& rows) {
+  std::vector<PathRow> kept;
+  for (std::size_t const i : rows) kept.push_back(table.rows[i]);
+  table.rows = std::move(kept);
+}
+
+// What is left, and what it is of the total, as curves with their errors.
+struct Curves {
+  NoiseTrace after, factor;
+};
+
+void add_root(NoiseTrace& curve, WithError square) {
+  double const root = std::sqrt(square.value);
+  curve.asd.push_back(root > 0 ? root : not_a_number);
+  curve.sigma.push_back(square.sigma / (2 * root));  // d sqrt(x) = dx/(2 sqrt(x))
+}
+
+Curves curves_without(std::set<std::uint64_t> const& left_out, CouplingTable const& coupling, NoiseBudget const& b) {
+  std::vector<ReplicaSum> all(b.grid.size()), rest(b.grid.size());  // PSD
+  std::vector<double> bound(b.grid.size());                         // of the rest
+  for (std::size_t r = 0; r < b.routes.size(); ++r) {
+    NoiseTrace const& t = b.routes[r];
+    ReplicaPattern const pattern = t.resolved ? pattern_of(coupling, coupling.classes[r]) : ReplicaPattern{};
+    bool const stays = !left_out.contains(t.hash);
+    for (std::size_t i = 0; i < b.grid.size(); ++i) {
+      ReplicaSum const power({t.asd[i] * t.asd[i], 2 * t.asd[i] * t.sigma[i]}, pattern);
+      all[i].add(power);
+      if (stays) rest[i].add(power);
+      if (stays && t.upper_bound) bound[i] += power.value();
+    }
+  }
+  Curves c;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    add_root(c.after, rest[i].result());
+    c.after.bound_share.push_back(bound[i] > 0 ? bound[i] / rest[i].value() : 0);
+    add_root(c.factor, rest[i].share_of(all[i]));
+  }
+  return c;
+}
+
+}  // namespace
+
+PathTable part_of(PathTable const& table, std::vector<std::size_t> const& rows) {
+  PathTable part = table;
+  keep_rows(part, rows);
+  std::stable_partition(part.rows.begin(), part.rows.end(), [](PathRow const& row) { return row.resolved; });
+  part.unresolved = part.faint = 0;
+  for (PathRow const& row : part.rows) {
+    part.unresolved += !row.resolved;
+    part.faint += !row.resolved && row.faint;
+  }
+  return part;
+}
+
+Without without_rows(PathTable const& table, std::vector<std::size_t> const& left_out, CouplingTable const& coupling,
+                     NoiseBudget const* budget) {
+  std::set<std::size_t> const out(left_out.begin(), left_out.end());
+  std::set<std::uint64_t> hashes;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    if (out.contains(i))
+      hashes.insert(table.rows[i].hash);
+    else
+      kept.push_back(i);
+  }
+  Without w{table, {}};
+  keep_rows(w.rest, kept);
+  rank_and_sum(w.rest, w.rest.has_noise);
+  if (!budget || !table.has_noise) return w;
+  Curves const c = curves_without(hashes, coupling, *budget);
+  for (std::size_t k = 0; k < table.frequencies.size(); ++k) {
+    double const hz = table.frequencies[k];
+    w.strain.push_back(
+        {hz, table.total_strain[k], strain_at(c.after, budget->grid, hz), strain_at(c.factor, budget->grid, hz)});
+    w.rest.total_strain[k] = w.strain.back().after;
+  }
+  return w;
+}
+
+ReplicaPattern pattern_of(CouplingTable const& table, CouplingClass const& c) {
+  auto const& histories = table.replica_histories;
+  if (std::find(histories.begin(), histories.end(), 0u) != histories.end()) return {};
+  double const sum = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
+  double const mean = sum / double(std::accumulate(histories.begin(), histories.end(), std::uint64_t{}));
+  ReplicaPattern off;
+  double square = 0;
+  for (std::size_t r = 0; r < replica_count; ++r) {
+    off[r] = c.replica_sum[r] - mean * double(histories[r]);
+    square += off[r] * off[r];
+  }
+  if (!(square > 1e-24 * sum * sum)) return {};  // equal sums: what is left is rounding
+  for (double& x : off) x /= std::sqrt(square);
+  return off;
+}
+
+ReplicaSum::ReplicaSum(WithError value, ReplicaPattern const& pattern) : value_(value.value), off_(pattern) {
+  bool const alone = std::all_of(pattern.begin(), pattern.end(), [](double x) { return x == 0; });
+  if (alone) independent_ = value.sigma * value.sigma;
+  for (double& x : off_) x *= value.sigma;
+}
+
+void ReplicaSum::add(ReplicaSum const& other) {
+  value_ += other.value_;
+  independent_ += other.independent_;
+  for (std::size_t r = 0; r < replica_count; ++r) off_[r] += other.off_[r];
+}
+
+WithError ReplicaSum::result() const {
+  double variance = independent_;
+  for (double const x : off_) variance += x * x;
+  return {value_, std::sqrt(variance)};
+}
+
+// d(p/P) = (dp - s dP)/P; the part of dP without a pattern holds that of dp.
+WithError ReplicaSum::share_of(ReplicaSum const& total) const {
+  if (!(total.value_ > 0)) return {not_a_number, not_a_number};
+  double const s = value_ / total.value_;
+  double variance = (1 - 2 * s) * independent_ + s * s * total.independent_;
+  for (std::size_t r = 0; r < replica_count; ++r) {
+    double const off = off_[r] - s * total.off_[r];
+    variance += off * off;
+  }
+  return {s, std::sqrt(std::fmax(variance, 0)) / total.value_};
+}
+
+}  // namespace straytrace

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Path tables of some of the routes: those a filter lets through, or those that are left when an object is absent.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "results/results.hpp"
+
+namespace straytrace {
+
+// Ranks, verdicts and sums of what `rows` holds. With `shares` of their own noise power; else those they have.
+void rank_and_sum(PathTable&, bool shares);
+
+// These rows, in this order, resolved ones first; ranks, shares and total_strain are those of the whole table.
+PathTable part_of(PathTable const&, std::vector<std::size_t> const& rows);
+
+// What leaving routes out does to the total at one frequency [Hz].
+struct StrainWithout {
+  double hz = 0;
+  WithError before, after;  // 1/sqrt(Hz); `after` NaN when no resolved route is left
+  WithError factor;         // after/before; what both have in common is in neither error twice
+};
+
+struct Without {
+  PathTable rest;  // ranks, shares and totals of what is left
+  std::vector<StrainWithout> strain;
+};
+
+// `left_out`: rows. The noise of a route that is left out is taken away; what its light would do instead is not known.
+Without without_rows(PathTable const&, std::vector<std::size_t> const& left_out, CouplingTable const&,
+                     NoiseBudget const*);
+
+// Sum line and lines `further routes` are about the rows of `part`, shares are of `all`.
+std::string path_text(PathTable const& part, std::size_t show, PathTable const& all);
+
+// Errors of sums over routes. Routes share histories, and a route may carry the numbers of its reverse: then they go up
+// and down together, and the squares of their errors do not simply add up. What they have in common is seen in the
+// replicas of the trace (docs/theory/errors.md, errors of sums).
+
+
+// Deviations of a route's coupling from its mean in the replicas, scaled so that their squares add up to 1; zeros: some
+// replica has no histories, or all have the same sum.
+ReplicaPattern pattern_of(CouplingTable const&, CouplingClass const&);
+
+// A number with its deviation in each replica, in its own unit: their squares add up to its variance.
+class ReplicaSum {
+ public:
+  ReplicaSum() = default;
+  // `sigma`: one standard error of the value; it goes up and down as the pattern does. A pattern of zeros: independent
+  // of all else.
+  ReplicaSum(WithError value, ReplicaPattern const& pattern);
+
+  void add(ReplicaSum const& other);
+  WithError result() const;
+  double value() const { return value_; }
+  // This over a total that this is part of; NaN when the total is not positive.
+  WithError share_of(ReplicaSum const& total) const;
+
+ private:
+  double value_ = 0;
+  ReplicaPattern off_ = {};
+  double independent_ = 0;  // variance of what has no pattern
+};
+
+}  // namespace straytrace

@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/errors.hpp"
+#include "results/route_table/merit.hpp"
+#include "results/run_file/checksum_header.hpp"
+#include "results/run_file/run_file.hpp"
+#include "results/run_file/run_part.hpp"
+
+namespace straytrace {
+namespace {
+
+void check_kind(hdf5::Reader const& in, std::string const& file) {
+  std::string const kind = in.attribute_text("/", "file_type");
+  if (kind != "straytrace-run")
+    throw InputError(fmt::format("'{}' is not a straytrace run file: its type is '{}'", file, kind));
+  std::vector<std::uint64_t> const schema = in.attribute_counts("/", "schema");
+  if (schema.front() == std::uint64_t(run_schema_major)) return;
+  throw InputError(
+      fmt::format("'{}' has format {} and was written by {} {}; this program reads format {}. Use that "
+                  "version, or make the run again with this one",
+                  file, fmt::join(schema, "."), in.attribute_text("/", "program"), in.attribute_text("/", "version"),
+                  run_schema_major));
+}
+
+Stopped read_stop(hdf5::Reader const& in) {
+  std::string const word = in.attribute_text("/", "stopped_by");
+  if (word == "histories") return Stopped::by_histories;
+  if (word == "error") return Stopped::by_error;
+  if (word == "signal") return Stopped::by_signal;
+  if (word == "time") return Stopped::by_time;
+  if (word == "checkpoint") return Stopped::by_checkpoint;
+  if (word == "gaps") return Stopped::by_gaps;
+  damaged_run(fmt::format("stopped by '{}'", word));
+}
+
+// Files before schema 1.7 hold whole runs from the first block on.
+void read_slice(hdf5::Reader const& in, TraceResult& trace) {
+  if (!in.has_attribute("/", "slice")) {
+    trace.all_blocks = trace.total.blocks;
+    return;
+  }
+  std::vector<std::uint64_t> const slice = in.attribute_counts("/", "slice");
+  if (slice.size() != 2 || slice[0] < 1 || slice[0] > slice[1]) damaged_run("it is an impossible slice");
+  trace.slice = {slice[0], slice[1]};
+  trace.all_blocks = in.attribute_count("/", "all_blocks");
+}
+
+void read_about(hdf5::Reader const& in, RunFile& run) {
+  Provenance& p = run.about.provenance;
+  p.program = in.attribute_text("/", "program");
+  p.version = in.attribute_text("/", "version");
+  p.commit = in.attribute_text("/", "commit");
+  p.build_flags = in.attribute_text("/", "build_flags");
+  p.created = in.attribute_text("/", "created");
+  run.about.title = in.attribute_text("/", "title");
+  run.about.model_hash = in.attribute_text("/", "model_hash");
+  run.about.interferometer = in.attribute_text("/", "interferometer");
+  run.complete = in.attribute_count("/", "complete") != 0;
+  std::uint64_t const block = in.attribute_count("/", "block_size");
+  if (block > largest_block || block_size_of(enough_blocks * block) != block)
+    damaged_run(fmt::format("blocks of {} histories", block));
+}
+
+void read_input(hdf5::Reader const& in, RunContent& run) {
+  for (std::size_t i = 0; in.has(fmt::format("/input/files/{}", i)); ++i) {
+    std::string const path = fmt::format("/input/files/{}", i);
+    std::string text;
+    if (in.shape(path).empty()) {
+      text = in.text(path);
+    } else {
+      std::vector<std::uint8_t> const bytes = in.array<std::uint8_t>(path);
+      text.assign(bytes.begin(), bytes.end());
+    }
+    std::string const name = in.attribute_text(path, "name");
+    if (in.attribute_text(path, "sha256") != sha256(text))
+      damaged_run(fmt::format("input file '{}' has changed", name));
+    run.files.emplace(name, std::move(text));
+  }
+  run.main_file = in.text("/input/main");
+  run.overrides = in.strings("/input/overrides");
+  run.resolved = in.text("/input/resolved");
+}
+
+void read_timing(hdf5::Reader const& in, RunFile& run) {
+  std::vector<std::string> const stages = in.strings("/timing/stage");
+  std::vector<double> const seconds = in.rows<double>("/timing/seconds", stages.size());
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    if (stages[i] == "trace")
+      run.trace.seconds = seconds[i];
+    else if (stages[i] == "noise" && run.noise)
+      run.noise->seconds = seconds[i];
+    else
+      run.about.timing[stages[i]] = seconds[i];
+  }
+}
+
+}  // namespace
+
+[[noreturn]] void damaged_run(std::string const& what) { throw InputError("the run file is damaged: " + what); }
+
+std::vector<std::uint64_t> read_offsets(hdf5::Reader const& in, std::string const& path, std::size_t lists,
+                                        std::size_t total) {
+  std::vector<std::uint64_t> const offset = in.rows<std::uint64_t>(path, lists + 1);
+  bool good = offset.front() == 0 && offset.back() == total;
+  for (std::size_t i = 0; i < lists; ++i) good = good && offset[i] <= offset[i + 1];
+  if (!good) damaged_run(fmt::format("'{}' does not fit its lists", path));
+  return offset;
+}
+
+RunContent RunFile::content() const {
+  RunContent all = about;
+  all.trace = &trace;
+  all.noise = noise ? &*noise : nullptr;
+  return all;
+}
+
+namespace {
+
+hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wanted = {}) {
+  std::string const image = unsealed(read_file(file), file);
+  try {
+    return hdf5::contents_of(image, wanted);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("'{}': {}", file, e.what()));
+  }
+}
+
+// What `read` takes from a sound file; all that can be wrong with it is an InputError that names the file.
+template <class Result, class Read>
+Result read_from(hdf5::Contents contents, std::string const& file, Read const& read) {
+  hdf5::Reader const in(std::move(contents));
+  check_kind(in, file);
+  Result result;
+  try {
+    read(in, result);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("'{}': {}", file, e.what()));
+  } catch (std::logic_error const& e) {
+    throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()));
+  }
+  return result;
+}
+
+// No blocks: no light on every group and receiver.
+void add_nothing(BlockSums& total, CouplingTable const& table) {
+  total.arrived.resize(table.groups.size());
+  total.absorbed.resize(table.groups.size() + 1);
+  total.receivers.resize(table.receivers.size());
+}
+
+void read_all(hdf5::Reader const& in, RunFile& run) {
+  read_about(in, run);
+  read_input(in, run.about);
+  run.trace.coupling = read_classes(in);
+  run.trace.tree = read_nodes(in);
+  run.trace.total = run.trace.tree.total();
+  read_slice(in, run.trace);
+  if (run.trace.total.blocks == 0) add_nothing(run.trace.total, run.trace.coupling);
+  BlockSums const& total = run.trace.total;
+  for (ReceiverSums const& r : total.receivers)
+    run.trace.coupling.received_power.push_back(estimate(r.power, total.histories, total.blocks));
+  read_receivers(in, run.trace.coupling.receivers.size(), run.about);
+  run.about.importance = read_importance(in, run.trace.coupling.groups.size());
+  run.trace.stopped = read_stop(in);
+  run.trace.stop_rule = in.attribute_text("/", "stop_rule");
+  run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));
+  run.about.motion_file = in.attribute_text("/", "motion_file");
+  run.trace.warnings = in.strings("/warnings/trace");
+  run.about.warnings = in.strings("/warnings/scene");
+  if (in.has("/noise")) run.noise = read_noise(in);
+  if (run.noise) find_bounds(*run.noise, run.trace.coupling);
+  read_timing(in, run);
+}
+
+std::string hash_of_texts(RunContent const& about) {
+  std::vector<std::string> texts{about.main_file, about.motion_file};
+  texts.insert(texts.end(), about.overrides.begin(), about.overrides.end());
+  for (auto const& [name, text] : about.files) texts.insert(texts.end(), {name, text});
+  return model_hash(texts);
+}
+
+void read_head(hdf5::Reader const& in, PartHead& head) {
+  RunFile run;
+  read_about(in, run);
+  read_input(in, run.about);
+  read_timing(in, run);
+  run.about.motion_file = in.attribute_text("/", "motion_file");
+  head.provenance = run.about.provenance;
+  head.model_hash = run.about.model_hash;
+  head.texts_hash = hash_of_texts(run.about);
+  head.seed = in.attribute_count("/", "seed");
+  head.block_size = in.attribute_count("/", "block_size");
+  head.seconds = run.trace.seconds;
+  head.done = read_done(in);
+  for (BlockRange const& range : head.done) run.trace.total.blocks += range.size();
+  read_slice(in, run.trace);
+  head.slice = run.trace.slice;
+  head.all_blocks = std::max(run.trace.all_blocks, head.done.empty() ? 0 : head.done.back().end);
+}
+
+}  // namespace
+
+RunFile read_run(std::string const& file) { return run_of(sound_contents_of(file), file); }
+
+RunFile run_of(hdf5::Contents contents, std::string const& file) {
+  return read_from<RunFile>(std::move(contents), file, read_all);
+}
+
+PartHead read_part_head(std::string const& file) {
+  auto const wanted = [](std::string const& path) {
+    return path.starts_with("/input/") || path.starts_with("/timing/") || path == "/nodes/first_block" ||
+           path == "/nodes/level";
+  };
+  PartHead head = read_from<PartHead>(sound_contents_of(file, {wanted}), file, read_head);
+  head.file = file;
+  return head;
+}
+
+SumTree read_part_sums(std::string const& file) {
+  auto const wanted = [](std::string const& path) { return path.starts_with("/nodes/"); };
+  return read_from<SumTree>(sound_contents_of(file, {wanted}), file,
+                            [](hdf5::Reader const& in, SumTree& tree) { tree = read_nodes(in); });
+}
+
+std::string nodes_image(SumTree const& tree) {
+  hdf5::Writer out;
+  write_nodes(out, tree);
+  return out.bytes();
+}
+
+SumTree nodes_of_image(std::string const& image) { return read_nodes(hdf5::Reader(hdf5::own_contents(image))); }
+
+namespace {
+
+constexpr char const* stop_words[] = {"histories", "error", "signal", "time", "checkpoint", "gaps"};
+
+void write_about(hdf5::Writer& out, RunContent const& run) {
+  auto count = [&](char const* name, std::vector<std::uint64_t> const& value) { out.attribute("/", name, value); };
+  out.attribute("/", "file_type", "straytrace-run");
+  count("schema", {run_schema_major, run_schema_minor});
+  out.attribute("/", "program", run.provenance.program);
+  out.attribute("/", "version", run.provenance.version);
+  out.attribute("/", "commit", run.provenance.commit);
+  out.attribute("/", "build_flags", run.provenance.build_flags);
+  out.attribute("/", "created", run.provenance.created);
+  out.attribute("/", "title", run.title);
+  out.attribute("/", "model_hash", run.model_hash);
+  out.attribute("/", "interferometer", run.interferometer);
+  out.attribute("/", "stopped_by", stop_words[std::size_t(run.trace->stopped)]);
+  out.attribute("/", "stop_rule", run.trace->stop_rule);
+  count("good_looks", {run.trace->good_looks});
+  out.attribute("/", "motion_file", run.motion_file);
+  count("seed", {run.trace->coupling.seed});
+  count("histories", {run.trace->coupling.histories});
+  count("block_size", {run.trace->coupling.block_size});
+  count("slice", {run.trace->slice.number, run.trace->slice.of});
+  bool const all = run.trace->slice.whole() && !run.trace->checkpointed();
+  count("all_blocks", {all ? run.trace->total.blocks : run.trace->all_blocks});
+  count("complete", {!run.trace->checkpointed()});
+}
+
+// Whether a fixed-length text holds the content: UTF-8 without zeros. Large ones are better off compressed.
+bool stored_as_text(std::string const& content) {
+  if (content.size() > std::size_t{1} << 20) return false;
+  int following = 0;
+  for (char const byte : content) {
+    auto const c = static_cast<unsigned char>(byte);
+    bool const continues = (c & 0xc0) == 0x80;
+    if (c == 0 || c > 0xf4 || continues != (following > 0)) return false;
+    if (continues)
+      --following;
+    else
+      following = c < 0x80 ? 0 : c < 0xe0 ? 1 : c < 0xf0 ? 2 : 3;
+  }
+  return following == 0;
+}
+
+void write_input(hdf5::Writer& out, RunContent const& run) {
+  out.group("/input", "everything the run was made from");
+  out.group("/input/files", "texts as read, by number");
+  std::size_t number = 0;
+  for (auto const& [name, text] : run.files) {
+    std::string const path = fmt::format("/input/files/{}", number++);
+    if (stored_as_text(text))
+      out.text(path, text);
+    else
+      out.array(path, std::vector<std::uint8_t>(text.begin(), text.end()), "bytes");
+    out.attribute(path, "name", name);
+    out.attribute(path, "sha256", sha256(text));
+  }
+  out.text("/input/main", run.main_file);
+  out.strings("/input/overrides", run.overrides);
+  out.text("/input/resolved", run.resolved);
+}
+
+void write_warnings(hdf5::Writer& out, RunContent const& run) {
+  out.group("/warnings", "in words");
+  out.strings("/warnings/scene", run.warnings);
+  out.strings("/warnings/trace", run.trace->warnings);
+}
+
+void write_timing(hdf5::Writer& out, RunContent const& run) {
+  std::vector<std::string> stages = {"trace"};
+  std::vector<double> seconds = {run.trace->seconds};
+  if (run.noise) {
+    stages.push_back("noise");
+    seconds.push_back(run.noise->seconds);
+  }
+  for (auto const& [stage, time] : run.timing) {
+    stages.push_back(stage);
+    seconds.push_back(time);
+  }
+  out.group("/timing", "wall-clock time; the only group that may differ between equal runs");
+  out.strings("/timing/stage", stages);
+  out.array("/timing/seconds", seconds, "s");
+  std::vector<std::string> of;
+  std::vector<double> values;
+  for (Merit const& m : merits(run)) {
+    of.push_back(m.what);
+    values.push_back(m.value);
+  }
+  out.strings("/timing/merit_of", of);
+  out.array("/timing/merit", values, "1/s");
+}
+
+void write_estimates(hdf5::Writer& out, std::string const& path, std::vector<Moments> const& all, BlockSums const& of) {
+  std::vector<double> mean, error;
+  for (Moments const& m : all) {
+    Estimate const e = estimate(m, of.histories, of.blocks);
+    mean.push_back(e.mean);
+    error.push_back(e.std_error);
+  }
+  out.array(path + "/mean", mean, "1");
+  out.array(path + "/std_error", error, "1");
+}
+
+}  // namespace
+
+void write_ledger(hdf5::Writer& out, TraceResult const& trace) {
+  BlockSums const& total = trace.total;
+  out.group("/ledger", "where the light went: mean power per history, emitted = sum of the fates");
+  for (auto [name, value] :
+       {std::pair{"blocks", total.blocks}, {"bounces", total.bounces}, {"rays", total.rays}, {"lost", total.lost}})
+    out.attribute("/ledger", name, std::vector<std::uint64_t>{value});
+  std::vector<std::string> names = {"emitted"};
+  std::vector<Moments> all = {total.emitted};
+  for (int i = 0; i < fate_count; ++i) {
+    names.push_back(name_of(Fate(i)));
+    all.push_back(total.ledger[std::size_t(i)]);
+  }
+  out.strings("/ledger/name", names);
+  write_estimates(out, "/ledger", all, total);
+  out.group("/arrived", "power arriving on each group per history; rows as in /names/groups");
+  write_estimates(out, "/arrived", total.arrived, total);
+  out.group("/absorbed", "power absorbed by each group per history; rows as in /names/groups, then all media");
+  write_estimates(out, "/absorbed", total.absorbed, total);
+}
+
+void write_run(std::string const& file, RunContent const& run) {
+  if (!run.trace) throw NumericalError("nothing to write: no trace result");
+  std::string bytes;
+  try {
+    hdf5::Writer out;
+    write_about(out, run);
+    write_input(out, run);
+    write_classes(out, run.trace->coupling);
+    write_receivers(out, run);
+    write_importance(out, run.importance);
+    write_ledger(out, *run.trace);
+    write_maps_of(out, run.trace->total);
+    write_nodes(out, run.trace->tree);
+    if (run.noise) write_noise(out, *run.noise);
+    write_warnings(out, run);
+    write_timing(out, run);
+    bytes = out.bytes();
+  } catch (H5::Exception const& e) {
+    throw NumericalError(fmt::format("cannot make the run file '{}': HDF5 says '{}'", file, e.getDetailMsg()));
+  }
+  write_file(file, sealed(bytes));
+}
+
+}  // namespace straytrace

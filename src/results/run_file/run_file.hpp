@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The groups of a run file, each written and read in one place. Paths and columns: schema/run-1.txt.
+#pragma once
+
+#include "io/hdf5/reader.hpp"
+#include "io/hdf5/writer.hpp"
+#include "results/results.hpp"
+
+namespace straytrace {
+
+void write_classes(hdf5::Writer&, CouplingTable const&);  // /names, /classes, /records
+CouplingTable read_classes(hdf5::Reader const&);
+
+void write_nodes(hdf5::Writer&, SumTree const&);  // /nodes
+SumTree read_nodes(hdf5::Reader const&);
+std::vector<BlockRange> read_done(hdf5::Reader const&);  // which blocks they hold, ascending
+
+void write_node_maps(hdf5::Writer&, SumTree const&);  // what /nodes holds of receivers
+void read_node_maps(hdf5::Reader const&, std::vector<BlockSums>&);
+
+void write_receivers(hdf5::Writer&, RunContent const&);  // /receivers
+void read_receivers(hdf5::Reader const&, std::size_t count, RunContent&);
+void write_maps_of(hdf5::Writer&, BlockSums const& total);  // /maps
+
+void write_importance(hdf5::Writer&, ImportanceMap const&);              // /importance
+ImportanceMap read_importance(hdf5::Reader const&, std::size_t groups);  // empty in files before schema 1.3
+
+void write_ledger(hdf5::Writer&, TraceResult const&);  // /ledger, /arrived
+
+void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
+NoiseBudget read_noise(hdf5::Reader const&);
+
+// Offsets of lists laid end to end: n + 1 numbers that begin with 0, never fall and end with `total`.
+std::vector<std::uint64_t> read_offsets(hdf5::Reader const&, std::string const& path, std::size_t lists,
+                                        std::size_t total);
+// What the HDF5 file behind the checksum holds; `file` names it in messages.
+RunFile run_of(hdf5::Contents, std::string const& file);
+[[noreturn]] void damaged_run(std::string const& what);
+
+}  // namespace straytrace

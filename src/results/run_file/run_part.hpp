@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Run files as parts of a larger run: what must agree, and their sums, without the rest; and sums as bytes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "results/results.hpp"
+
+namespace straytrace {
+
+// What is known of a part before its sums are read.
+struct PartHead {
+  std::string file;
+  Provenance provenance;
+  std::string model_hash, texts_hash;  // texts: files, overrides and motion
+  std::uint64_t seed = 0, all_blocks = 0, block_size = 0;
+  double seconds = 0;
+  Slice slice;
+  std::vector<BlockRange> done;  // ascending
+};
+// Both read the whole file and check its seal. Throw InputError as read_run() does.
+PartHead read_part_head(std::string const& run_file);
+SumTree read_part_sums(std::string const& run_file);
+
+// Sums as bytes: an HDF5 image with /nodes alone.
+std::string nodes_image(SumTree const&);
+SumTree nodes_of_image(std::string const&);
+
+}  // namespace straytrace

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files for other programs: h_asd.txt, paths.csv, JSON.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "results/curves/band.hpp"
+#include "results/receivers/receivers.hpp"
+#include "results/text/columns.hpp"
+
+namespace straytrace {
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string file_header(RunContent const& run) {
+  Provenance const& p = run.provenance;
+  std::string title = run.title;
+  std::replace(title.begin(), title.end(), '\n', ' ');  // a second line would not be a comment
+  return fmt::format("# {}\n# {} {} ({}), created {}\n# model {}\n# seed {}, histories {}\n", title, p.program,
+                     p.version, p.commit, p.created, run.model_hash, run.trace->coupling.seed,
+                     run.trace->coupling.histories);
+}
+
+std::string csv_text(std::string const& text) {
+  std::string quoted = "\"";
+  for (char const c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text.find_first_of(",\"\n") == std::string::npos ? text : quoted + "\"";
+}
+
+std::string csv_number(bool known, double value) {
+  return known && !std::isnan(value) ? fmt::format("{}", value) : "nan";
+}
+
+std::string reverse_words(bool on) {
+  return on ? "C_rev on: a route and its reverse add in amplitude"
+            : "C_rev off: reverse routes are not added in amplitude";
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string csv_titles(PathTable const& table) {
+  std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
+  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
+  text +=
+      ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
+      "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement";
+  for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz_input_low,h_{0:g}Hz_input_high", f);
+  return text + ",bound\n";
+}
+
+std::string csv_row(PathRow const& row) {
+  bool const ok = row.resolved;
+  auto number = [](double x) { return csv_number(true, x); };
+  std::string text = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.rank, hash_text(row.hash), csv_text(row.port),
+                                 csv_text(row.sequence), row.vertices, csv_number(ok, row.coupling.mean),
+                                 csv_number(ok, row.coupling.std_error), number(row.coupling.mean),
+                                 csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
+  for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
+  text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", number(100 * row.share.value),
+                      number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
+                      number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
+                      number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
+                      number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself", name_of(row.kind),
+                      csv_text(row.statement));
+  for (std::size_t i = 0; i < row.strain.size(); ++i)
+    text += "," + number(row.input_low[i]) + "," + number(row.input_high[i]);
+  return text + (row.upper_bound() ? ",upper\n" : ",\n");
+}
+
+Json json_of(WithError const& m) {
+  Json j{{"value", m.value}, {"sigma", m.sigma}};
+  if (m.at_most) j["at_most"] = true;
+  return j;
+}
+
+Json json_of(std::vector<FoldedRow> const& rows) {
+  Json all = Json::array();
+  for (FoldedRow const& f : rows)
+    all.push_back({{"id", hash_text(f.hash)},
+                   {"sequence", f.sequence},
+                   {"coupling", f.trusted ? json_of(f.coupling) : Json(nullptr)},
+                   {"coupling_hint", f.coupling.value},
+                   {"why", f.why}});
+  return all;
+}
+
+Json json_of(PathTable const& table, PathRow const& row) {
+  Json j;
+  j["rank"] = row.rank;
+  j["id"] = hash_text(row.hash);
+  j["port"] = row.port;
+  j["sequence"] = row.sequence;
+  j["kind"] = name_of(row.kind);
+  if (!row.statement.empty()) j["statement"] = row.statement;
+  j["vertices"] = row.vertices;
+  j["resolved"] = row.resolved;
+  j["why_not"] = row.why_not;
+  j["coupling"] = row.resolved ? json_of(row.coupling_with_error()) : Json(nullptr);
+  j["coupling_hint"] = row.coupling.mean;
+  j["C_rev"] = row.reverse;
+  j["sampled_on"] = row.by_reverse ? "reverse" : "itself";
+  j["strain"] = Json::array();
+  for (std::size_t i = 0; i < row.strain.size(); ++i) {
+    Json h = json_of(row.strain[i]);
+    h["frequency_Hz"] = table.frequencies[i];
+    if (!std::isnan(row.input_low[i])) h["input"] = {row.input_low[i], row.input_high[i]};
+    j["strain"].push_back(h);
+  }
+  j["share"] = json_of(row.share);
+  j["moving_body"] = row.body;
+  j["lever_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.lever);
+  j["rms_phase_rad"] = row.rms_phase;
+  j["regime"] = row.regime;
+  j["path_length_m"] = {{"mean", row.length_mean}, {"min", row.length_min}, {"max", row.length_max}};
+  j["histories_scored"] = row.coupling.scored;
+  j["largest_history_share"] = row.coupling.largest_share;
+  j["effective_scores"] = row.coupling.effective_scores;
+  if (row.folded_routes > 0) {
+    j["folded_routes"] = row.folded_routes;
+    j["folded"] = json_of(row.folded);
+  }
+  return j;
+}
+
+Json origin(RunContent const& run) {
+  Provenance const& p = run.provenance;
+  return {{"program", p.program},
+          {"version", p.version},
+          {"commit", p.commit},
+          {"created", p.created},
+          {"model_hash", run.model_hash},
+          {"seed", run.trace->coupling.seed},
+          {"histories", run.trace->coupling.histories},
+          {"reverse_routes", run.trace->coupling.reverse_routes}};
+}
+
+Json books(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  auto entry = [&](Moments const& m) {
+    Estimate const e = estimate(m, total.histories, total.blocks);
+    return json_of({e.mean, e.std_error});
+  };
+  Json ledger;
+  ledger["emitted"] = entry(total.emitted);
+  for (int i = 0; i < fate_count; ++i) ledger[name_of(Fate(i))] = entry(total.ledger[std::size_t(i)]);
+  ledger["lost_histories"] = total.lost;
+  return ledger;
+}
+
+// Where the watts end, by object; "(in media)": absorbed on the way through glass.
+Json objects(RunContent const& run) {
+  BlockSums const& total = run.trace->total;
+  std::vector<std::string> const& groups = run.trace->coupling.groups;
+  auto const entry = [&](std::vector<Moments> const& list, std::size_t i) {
+    if (i >= list.size()) return Json(nullptr);
+    Estimate const e = estimate(list[i], total.histories, total.blocks);
+    return json_of({e.mean, e.std_error});
+  };
+  Json all = Json::array();
+  for (std::size_t i = 0; i < std::max(groups.size(), total.absorbed.size()); ++i)
+    all.push_back({{"name", i < groups.size() ? groups[i] : "(in media)"},
+                   {"arriving", entry(total.arrived, i)},
+                   {"absorbed", entry(total.absorbed, i)}});
+  return all;
+}
+
+Json total_strain(PathTable const& table) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < table.total_strain.size(); ++i) {
+    Json h = json_of(table.total_strain[i]);
+    h["frequency_Hz"] = table.frequencies[i];
+    if (BinLine const& line = table.lines[i]; !std::isnan(line.rms.value)) {
+      h["line_rms"] = json_of(line.rms);
+      h["line_rms"]["bin_Hz"] = {line.low, line.high};
+    }
+    all.push_back(h);
+  }
+  return all;
+}
+
+void add_receivers(Json& j, RunContent const& run) {
+  if (run.trace->coupling.receivers.empty()) return;
+  Json const table = Json::parse(receiver_json(receiver_table(run), run));
+  j["beam_power_W"] = table["beam_power_W"];
+  j["receivers"] = table["receivers"];
+}
+
+void add_bands(Json& j, NoiseBudget const& b, std::vector<double> const& frequencies) {
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    double const hz = frequencies[i];
+    Json& h = j["total_strain"][i];
+    h["input"] = {band_at(b.bands.input_low, b.grid, hz), band_at(b.bands.input_high, b.grid, hz)};
+    h["speckle_percentiles"] = {{"5", band_at(b.bands.speckle_05, b.grid, hz)},
+                                {"50", band_at(b.bands.speckle_50, b.grid, hz)},
+                                {"95", band_at(b.bands.speckle_95, b.grid, hz)}};
+    h["coherent_sum"] = band_at(b.bands.coherent, b.grid, hz);
+  }
+  j["inputs"] = Json::array();
+  for (InputSource const& s : b.bands.sources)
+    j["inputs"].push_back({{"name", s.name},
+                           {"statement", s.statement},
+                           {"factor_on_total", {s.low, s.high}},
+                           {"share", s.share > 0 ? Json(s.share) : Json(nullptr)}});
+  j["taken_as_exact"] = b.bands.taken_as_exact;
+}
+
+// Names may hold bytes that are not UTF-8; they are replaced, never thrown at.
+std::string dumped(Json const& j) { return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace
+
+std::string path_csv(PathTable const& table, RunContent const& run) {
+  std::string text =
+      file_header(run) + "# one row per ordered route; coupling: recoupled power fraction [1], C_rev not included\n";
+  text +=
+      "# h: one-sided strain ASD [1/sqrt(Hz)], mean over static phases; " + reverse_words(table.reverse_routes) + "\n";
+  text +=
+      fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
+  text += "# sigma: one standard error; lever: rms over paths; nan: not resolved or not computed, see verdict\n";
+  text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open of h\n";
+  text += csv_titles(table);
+  for (PathRow const& row : table.rows) text += csv_row(row);
+  return text;
+}
+
+std::string path_json(PathTable const& table, RunContent const& run) {
+  Json j;
+  j["run"] = origin(run);
+  j["band_Hz"] = {table.low, table.high};
+  j["lower_bound"] = table.lower_bound();
+  j["total_strain"] = total_strain(table);
+  j["routes"] = Json::array();
+  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  j["objects"] = objects(run);
+  add_receivers(j, run);
+  return dumped(j);
+}
+
+std::string summary_json(RunContent const& run, PathTable const& table) {
+  Json j;
+  j["title"] = run.title;
+  j["run"] = origin(run);
+  j["complete"] = !run.trace->checkpointed();
+  if (run.noise) j["verdict"] = verdict_sentence(*run.noise, table.low, table.high);
+  j["lower_bound"] = table.lower_bound();
+  j["total_strain"] = total_strain(table);
+  if (run.noise && run.noise->bands.made()) add_bands(j, *run.noise, table.frequencies);
+  j["unresolved"] = Json::array();
+  for (PathRow const& row : table.rows)
+    if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});
+  j["ledger"] = books(run);
+  j["objects"] = objects(run);
+  j["warnings"] = run.warnings;
+  for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);
+  if (run.noise)
+    for (std::string const& warning : run.noise->warnings) j["warnings"].push_back(warning);
+  j["routes"] = Json::array();
+  for (PathRow const& row : table.rows) j["routes"].push_back(json_of(table, row));
+  add_receivers(j, run);
+  return dumped(j);
+}
+
+// h_asd.txt: the total over frequency, for other programs.
+
+
+std::string asd_text(RunContent const& run) {
+  if (!run.noise) throw InputError("this run has no noise yet; write: straytrace noise RUN_FILE");
+  NoiseBudget const& b = *run.noise;
+  std::string text = file_header(run) + "# one-sided strain ASD, mean over static phases\n# " +
+                     reverse_words(run.trace->coupling.reverse_routes) + "\n";
+  text += "# h_low, h_high: one standard error of the Monte Carlo\n";
+  text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open\n";
+  text += "# speckle_05, _50, _95: percentiles of one realisation of the static phases\n";
+  text += "# coherent: linear sum of the ASDs of all routes, as if all were in phase: upper bound\n";
+  text += "# resolved: 1, or 0 where the values are lower bounds\n";
+  text += "# bound_share: part of h_mean^2 that is an upper bound (routes of kind edge)\n";
+  text += "# design: " + (b.design.empty() ? "none" : b.design.front().name) + "; ratio = h_mean/design\n";
+  text += b.unresolved.empty()
+              ? "# unresolved: none\n"
+              : "# LOWER BOUND: of these unresolved routes h holds what was seen, with an error as large:\n";
+  for (std::string const& name : b.unresolved) text += "#   " + name + "\n";
+  std::size_t bounds = 0;
+  for (std::size_t i = 0; i < b.grid.size(); ++i) bounds += at_most(b.total, i);
+  if (bounds > 0) text += fmt::format("# AT MOST: in {} of {} bins h is an upper bound\n", bounds, b.grid.size());
+  text += "# units: frequency Hz, ratio 1, all others 1/sqrt(Hz)\n";
+  text +=
+      "# frequency_Hz h_mean h_low h_high input_low input_high speckle_05 speckle_50 speckle_95 resolved sigma "
+      "phase_only amplitude_only coherent design ratio bound_share\n";
+  for (std::size_t i = 0; i < b.grid.size(); ++i) {
+    double const h = b.total.asd.at(i), s = b.total.sigma.at(i);
+    double const design = b.design.empty() ? not_a_number : b.design.front().asd.at(i);
+    auto const band = [&](std::vector<double> const& curve) { return curve.empty() ? not_a_number : curve.at(i); };
+    NoiseBands const& d = b.bands;
+    double const low = h < s ? 0 : h - s;  // nan stays nan: not resolved is not zero
+    text += fmt::format("{:.9e} {:.9e} {:.9e} {:.9e}", b.grid.centre(i), h, low, h + s);
+    for (auto const* curve : {&d.input_low, &d.input_high, &d.speckle_05, &d.speckle_50, &d.speckle_95})
+      text += fmt::format(" {:.9e}", band(*curve));
+    text += fmt::format(" {} {:.3e} {:.9e} {:.9e} {:.9e} {:.9e} {:.6e} {:.4g}\n", int(b.unresolved.empty()), s,
+                        b.total.phase_asd.at(i), b.total.amplitude_asd.at(i), band(d.coherent), design, h / design,
+                        b.total.bound_share.empty() ? 0 : b.total.bound_share.at(i));
+  }
+  return text;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <regex>
+
+#include "base/input/table.hpp"
+#include "base/math/constants.hpp"
+#include "base/text/bounded_regex.hpp"
+#include "session/common_options.hpp"
+#include "session/model.hpp"
+
+namespace straytrace {
+namespace {
+
+// Numbers as people write them, 1e6 as well.
+CLI::Validator number_between(double low, double high, std::string const& example) {
+  return {[=](std::string const& text) -> std::string {
+            double value = 0;
+            if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+            return fmt::format("'{}' is not a number from {:g} to {:g}; write for example {}", text, low, high,
+                               example);
+          },
+          ""};
+}
+
+}  // namespace
+
+CLI::Validator whole_between(double low, double high, std::string const& example) {
+  return {[=](std::string const& text) -> std::string {
+            bool const digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+            if (digits && text.size() < 17 && std::stod(text) >= low && std::stod(text) <= high) return {};
+            return fmt::format("'{}' is not a whole number from {:.0f} to {:.0f}; write for example {}", text, low,
+                               high, example);
+          },
+          ""};
+}
+
+void add_format_option(CLI::App& command, Options& options) {
+  command.add_option("--format", options.format, "text or json")->check(CLI::IsMember({"text", "json"}));
+}
+
+void refuse_two_formats(Options const& options) {
+  if (options.csv && options.json())
+    throw InputError("error: --csv and --format json are two forms of one answer\n  choose one of them");
+}
+
+void throw_all(std::vector<InputError> const& errors) {
+  if (errors.empty()) return;
+  if (errors.size() == 1) throw errors.front();
+  std::vector<Problem> problems;
+  std::vector<std::string> files{""}, texts;
+  for (InputError const& e : errors) {
+    auto const first = std::uint32_t(files.size());
+    files.insert(files.end(), e.files.begin(), e.files.end());
+    for (Problem p : e.problems) {
+      p.place.file += first;
+      problems.push_back(p);
+    }
+    std::string const text = e.what();
+    if (e.problems.empty()) problems.push_back({{}, text.starts_with("error: ") ? text.substr(7) : text, ""});
+    texts.push_back(text.find("error: ") == text.npos ? "error: " + text : text);
+  }
+  throw InputError(problems, fmt::format("{}", fmt::join(texts, "\n")), files);
+}
+
+void add_scene_options(CLI::App& command, Options& options, char const* input) {
+  command.add_option("scene", options.input, input)->required();
+  command.add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")
+      ->allow_extra_args(false);
+  command.add_flag("--quiet", options.quiet, "no progress, no warnings");
+  add_format_option(command, options);
+}
+
+void add_history_options(CLI::App& command, Options& options) {
+  command
+      .add_option_function<double>(
+          "--histories", [&](double n) { options.histories = std::uint64_t(n); },
+          "at most so many histories, rounded up to whole blocks of 4096 (few ones: of 512, 64 or 8)")
+      ->check(number_between(1, 1e12, "1e6"));
+  command.add_option("--seed", options.seed, "of the random numbers; the same seed gives the same bits")
+      ->check(whole_between(0, 9e15, "7"));
+}
+
+void add_trace_options(CLI::App& command, Options& options) {
+  add_history_options(command, options);
+  command
+      .add_option("--until", options.until,
+                  "stop rule: \"h_total < 5 %\", \"routes < 10 %\", \"receiver:PD < 5 %\", \"class:* < 10 %\", \"10 "
+                  "min\", or a list; 'histories' of the scene stays the upper limit")
+      ->check([](std::string const& rule) { return std::string(rule.empty() ? "'' is not a stop rule" : ""); });
+  command.add_option("--threads", options.threads, "default: all cores; does not change the result")
+      ->check(whole_between(1, 1024, "4"));
+  command.add_option(
+      "--backend", options.backend,
+      "cpu; cuda: histories run on a GPU; of trace also mpi: all processes that mpirun starts; the same bits");
+  command.add_option_function<std::string>(
+      "--max-time", [&](std::string const& text) { options.max_seconds = parse_duration(text); },
+      "stop after this time, for example 50min, with a result that can be continued");
+  command.add_option_function<std::string>(
+      "--checkpoint",
+      [&](std::string const& text) { options.checkpoint_seconds = text == "off" ? infinity : parse_duration(text); },
+      "write the run file while it is traced, so that a kill loses no more than this time; default 20min; or off");
+  add_force_option(command, options);
+}
+
+void add_force_option(CLI::App& command, Options& options) {
+  command.add_flag("--force", options.force, "overwrite the results of another model");
+}
+
+namespace {
+
+std::vector<std::string> words_of(CLI::App const& app) {
+  std::vector<std::string> words;
+  for (CLI::Option const* option : app.get_options())
+    for (std::string const& name : option->get_lnames()) words.push_back("--" + name);
+  for (CLI::App const* command : app.get_subcommands(nullptr)) words.push_back(command->get_name());
+  return words;
+}
+
+// What the command line held that nobody asked for; empty when only the command is missing.
+std::string unknown_word(CLI::App const& command, CLI::App const& app) {
+  for (CLI::App const* a : {&command, &app})
+    for (std::string const& word : a->remaining())
+      if (word.starts_with('-')) return word.substr(0, word.find('='));
+  auto const rest = app.remaining(true);
+  return rest.empty() ? "" : rest.front();
+}
+
+std::string choices_of(std::string const& option, std::string const& word, std::string const& list) {
+  std::vector<std::string> known;
+  for (std::size_t at = 0; at <= list.size();) {
+    std::size_t const comma = std::min(list.find(',', at), list.size());
+    known.push_back(list.substr(at, comma - at));
+    at = comma + 1;
+  }
+  std::string const near = nearest_word(word, known);
+  return fmt::format("{} cannot be '{}'\n  {}write one of: {}", option, word,
+                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), fmt::join(known, ", "));
+}
+
+// The sentences of the library that people meet, in our grammar; empty for others.
+std::string rewritten(std::string const& text, std::string const& named) {
+  static std::regex const twice(R"((.+): At Most (\d+) required but received (\d+))"),
+      value(R"((.+): \d+ required .*missing)"), choice(R"((.+): (.*) not in \{(.*)\})"), missing(R"((.+) is required)"),
+      number(R"(Could not convert: (.+) = (.*))");
+  std::smatch m;
+  if (has_form(text, m, twice)) return fmt::format("{} is given {} times\n  give it once", m[1].str(), m[3].str());
+  if (has_form(text, m, value)) return fmt::format("{} needs a value\n  write it behind it", m[1].str());
+  if (has_form(text, m, choice)) return choices_of(m[1], m[2], m[3]);
+  if (has_form(text, m, number))
+    return fmt::format("{} cannot be '{}'\n  write a number without a unit", m[1].str(), m[2].str());
+  if (text == "A subcommand is required") return "a command is missing\n  write one behind the name";
+  if (has_form(text, m, missing))
+    return m[1].str().starts_with('-') ? fmt::format("{} is missing\n  add it with its value", m[1].str())
+                                       : fmt::format("'{0}' is missing\n  write straytrace {1}{0}", m[1].str(), named);
+  return "";
+}
+
+}  // namespace
+
+std::string in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const& e,
+                         std::string const& named) {
+  std::string const help = fmt::format("see straytrace {}--help", named);
+  bool const takes_commands = !command.get_subcommands(nullptr).empty();
+  std::string const name =
+      takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
+  if (name.empty()) {
+    std::string const ours = rewritten(e.what(), named);
+    return ours.empty() ? fmt::format("{}\n  {}", e.what(), help) : fmt::format("{}; {}", ours, help);
+  }
+  std::string const near = nearest_word(name, words_of(command));
+  std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
+  return fmt::format("'{}' is not {} here\n  {}{}", name, what,
+                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help);
+}
+
+}  // namespace straytrace

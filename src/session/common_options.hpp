@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Options that several commands share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+#include "base/errors.hpp"
+#include "session/options.hpp"
+
+namespace straytrace {
+
+void add_scene_options(CLI::App&, Options&, char const* input = "scene file (YAML)");  // SCENE, -p, --quiet, --format
+void add_history_options(CLI::App&, Options&);                                         // --histories, --seed
+void add_trace_options(CLI::App&, Options&);  // these, --until, --threads, --max-time, --checkpoint, --force
+void add_force_option(CLI::App&, Options&);
+void add_format_option(CLI::App&, Options&);
+void refuse_two_formats(Options const&);  // InputError for --csv with --format json
+
+// Nothing without errors, otherwise one InputError that says them all.
+void throw_all(std::vector<InputError> const&);
+
+// "'x' is not a whole number from 1 to 1e6; write for example 20"
+CLI::Validator whole_between(double low, double high, std::string const& example);
+
+}  // namespace straytrace
+
+namespace CLI {
+class App;
+class ParseError;
+}  // namespace CLI
+
+namespace straytrace {
+
+// What is wrong with a command line and what to write instead, "what\n  remedy". `named`: the commands so far, each
+// with a space behind it.
+std::string in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&,
+                         std::string const& named);
+
+}  // namespace straytrace

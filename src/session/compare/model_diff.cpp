@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/math/constants.hpp"
+#include "results/results.hpp"
+#include "session/compare/model_diff.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::array<std::string_view, 13> sections{"materials", "media",     "scene", "bodies", "beams",
+                                                    "ports",     "receivers", "edges", "ghosts", "interferometer",
+                                                    "noise",     "trace",     "report"};
+constexpr double rounding = 1e-12;  // relative: 84 cm and 0.84 m
+
+struct Leaf {
+  std::string text;
+  std::optional<Quantity> quantity;
+  bool is_default = false;
+  std::string printed() const { return is_default ? text + " (default)" : text; }
+};
+using Leaves = std::map<std::string, Leaf>;
+
+// Peak to peak is twice the peak.
+Quantity comparable(Quantity q) {
+  if (q.amplitude == Amplitude::peak_to_peak) return {q.si / 2, q.dimension, Amplitude::peak};
+  return q;
+}
+
+bool same(Leaf const& a, Leaf const& b) {
+  if (!a.quantity || !b.quantity) return a.text == b.text;
+  Quantity const p = comparable(*a.quantity), q = comparable(*b.quantity);
+  bool const kind = p.dimension == q.dimension && p.amplitude == q.amplitude;
+  return kind && (p.si == q.si || std::fabs(p.si - q.si) <= rounding * std::max(std::fabs(p.si), std::fabs(q.si)));
+}
+
+class Flattener {
+ public:
+  explicit Flattener(Scene const& scene) : files_(scene.files()) {}
+
+  void add(ModelValue const& v, std::string const& named, Leaves& into) const {
+    std::string const path = one_of_list(v) ? named + "[0]" : named;
+    // Where numbers come from; `like` is taken over already.
+    bool const remark = v.key == "source" || v.key == "note" || v.key == "status" || v.key == "override";
+    if (remark || (v.key == "like" && v.how.form != Asked::Form::choice)) return;  // of a motion it is a choice
+    if (v.kind == Node::Kind::none || v.kind == Node::Kind::scalar) {
+      if (!v.value.empty()) into[path] = leaf(v);
+      return;
+    }
+    for (std::size_t i = 0; i < v.children.size(); ++i) {
+      ModelValue const& c = v.children[i];
+      if (v.kind == Node::Kind::list)
+        add(c, fmt::format("{}[{}]", path, i), into);
+      else
+        add(c, path.empty() ? c.key : path + "." + c.key, into);
+    }
+    if (v.children.empty() && !path.empty()) into[path] = {"{}", {}, false};
+  }
+
+ private:
+  // A single value counts as a list of one.
+  static bool one_of_list(ModelValue const& v) {
+    return v.kind != Node::Kind::list && v.given() && v.by_key && v.how.form == Asked::Form::list;
+  }
+
+  Leaf leaf(ModelValue const& v) const {
+    auto const folder = v.origin.substr(0, v.origin.rfind('/') + 1);  // names are relative to the file they stand in
+    for (std::string const& name : {v.value, folder + v.value})
+      if (auto const hit = files_.find(name); v.given() && hit != files_.end())
+        return {fmt::format("{} (content {:.8})", v.value, sha256(hit->second)), {}, false};
+    return {v.value, v.quantity, !v.given()};
+  }
+
+  FileTexts const& files_;
+};
+
+// Files are the same when their content is, whatever they are called.
+std::string content_of(std::string const& text) {
+  auto const at = text.find(" (content ");
+  return at == text.npos ? text : text.substr(at);
+}
+
+void compare(Leaves const& before, Leaves const& after, std::string const& section, std::string const& name,
+             std::vector<Difference>& into) {
+  for (auto const& [key, b] : before) {
+    auto const hit = after.find(key);
+    if (hit == after.end()) {
+      if (!b.is_default) into.push_back({section, name, key, b.printed(), "", 1, b.quantity, {}});
+    } else if (!same(b, hit->second) && content_of(b.text) != content_of(hit->second.text)) {
+      into.push_back({section, name, key, b.printed(), hit->second.printed(), 1, b.quantity, hit->second.quantity});
+    }
+  }
+  for (auto const& [key, a] : after)
+    if (!before.contains(key) && !a.is_default)
+      into.push_back({section, name, key, "", a.printed(), 1, {}, a.quantity});
+}
+
+// name -> leaves of a section whose keys are names; "" for one that is a single table.
+std::map<std::string, Leaves> named(ModelValue const* section, Flattener const& flat) {
+  std::map<std::string, Leaves> out;
+  if (!section || !section->given()) return out;
+  for (ModelValue const& child : section->children) {
+    if (section->listed)
+      flat.add(child, "", out[child.key]);
+    else
+      flat.add(child, child.key, out[""]);
+  }
+  return out;
+}
+
+// What decides where a shape stands and what it is made of.
+Leaves placed(PlacedValue const& p, Flattener const& flat) {
+  Leaves out;
+  for (ModelValue const* table : {&p.entry, &p.face})  // the face has the last word
+    for (char const* key : {"shape", "file", "units", "body", "material", "side", "medium", "surfaces"})
+      if (ModelValue const* v = table->find(key); v && v->given()) flat.add(*v, key, out);
+  for (std::size_t i = 0; i < p.frames.size(); ++i)
+    for (char const* key : {"at", "facing", "rotate"})
+      if (ModelValue const* v = p.frames[i].find(key); v && v->given())
+        flat.add(*v, i == 0 ? key : fmt::format("frame {}.{}", i, key), out);
+  if (p.axis >= 0)
+    out[fmt::format("repeat along {}", "xyz"[p.axis])] = {fmt::format("{} m", p.offset),
+                                                          Quantity{p.offset, dim::length, {}}, false};
+  return out;
+}
+
+// Equal changes of instances of one group are one line.
+void fold(std::vector<Difference>& of_group) {
+  std::vector<Difference> folded;
+  for (Difference& d : of_group) {
+    auto const hit = std::find_if(folded.begin(), folded.end(), [&](Difference const& f) {
+      return f.key == d.key && f.before == d.before && f.after == d.after;
+    });
+    if (hit == folded.end())
+      folded.push_back(std::move(d));
+    else
+      ++hit->instances;
+  }
+  of_group = std::move(folded);
+}
+
+void compare_scenes(Scene const& before, Scene const& after, std::vector<Difference>& into) {
+  Flattener const flat_before(before), flat_after(after);
+  std::map<std::string, std::pair<std::string, Leaves>> b, a;  // by instance: group and leaves
+  for (PlacedValue const& p : placed_values(before)) b[p.name] = {p.group, placed(p, flat_before)};
+  for (PlacedValue const& p : placed_values(after)) a[p.name] = {p.group, placed(p, flat_after)};
+  std::map<std::string, std::vector<Difference>> by_group;
+  for (auto const& [name, entry] : b) {
+    auto& own = by_group[entry.first];
+    auto const hit = a.find(name);
+    if (hit == a.end()) {
+      own.push_back({"scene", entry.first, "", "present", ""});
+      continue;
+    }
+    compare(entry.second, hit->second.second, "scene", entry.first, own);
+  }
+  for (auto const& [name, entry] : a)
+    if (!b.contains(name)) by_group[entry.first].push_back({"scene", entry.first, "", "", "present"});
+  for (auto& [group, list] : by_group) {
+    fold(list);
+    into.insert(into.end(), list.begin(), list.end());
+  }
+}
+
+}  // namespace
+
+std::vector<Difference> differences(Scene const& before, Scene const& after) {
+  ModelValue const b = model_tree(before), a = model_tree(after);
+  std::vector<Difference> all;
+  for (std::string_view const section : sections) {
+    if (section == "report") continue;
+    if (section == "scene") {
+      compare_scenes(before, after, all);
+      continue;
+    }
+    auto const x = named(b.find(section), Flattener(before)), y = named(a.find(section), Flattener(after));
+    for (auto const& [name, leaves] : x) {
+      if (auto const hit = y.find(name); hit != y.end())
+        compare(leaves, hit->second, std::string(section), name, all);
+      else
+        all.push_back({std::string(section), name, "", "present", ""});
+    }
+    for (auto const& [name, leaves] : y)
+      if (!x.contains(name)) all.push_back({std::string(section), name, "", "", "present"});
+  }
+  return all;
+}
+
+std::vector<Difference> parameter_differences(Scene const& before, Scene const& after) {
+  auto const values = [](Scene const& scene) {
+    Leaves out;
+    ModelValue const model = model_tree(scene);
+    if (ModelValue const* params = model.find("params"))
+      for (ModelValue const& p : params->children) out[p.key] = {p.value, p.quantity, false};
+    return out;
+  };
+  std::vector<Difference> all;
+  compare(values(before), values(after), "params", "", all);
+  std::stable_partition(all.begin(), all.end(),
+                        [](Difference const& d) { return !d.before.empty() && !d.after.empty(); });
+  return all;
+}
+
+// What differs between two models, for people: readable numbers, and one line for what many instances do.
+
+namespace {
+
+struct Unit {
+  Dimension dimension;
+  double factor;
+  char const* name;
+};
+constexpr double degree = 0.017453292519943295;
+// Of one dimension the largest first; the last one is for all that is smaller.
+constexpr std::array<Unit, 15> units{
+    Unit{dim::length, 1e3, "km"}, {dim::length, 1, "m"},     {dim::length, 1e-2, "cm"},   {dim::length, 1e-3, "mm"},
+    {dim::length, 1e-6, "um"},    {dim::length, 1e-9, "nm"}, {dim::angle, degree, "deg"}, {dim::angle, 1e-3, "mrad"},
+    {dim::angle, 1e-6, "urad"},   {dim::power, 1e6, "MW"},   {dim::power, 1e3, "kW"},     {dim::power, 1, "W"},
+    {dim::power, 1e-3, "mW"},     {dim::power, 1e-6, "uW"},  {dim::mass, 1, "kg"}};
+
+Unit const* unit_for(Quantity const& q) {
+  Unit const* best = nullptr;
+  for (Unit const& u : units)
+    if (u.dimension == q.dimension && (!best || std::fabs(q.si) < best->factor)) best = &u;
+  return best;
+}
+
+std::string in_unit(double si, Unit const& u, int digits) {
+  return fmt::format("{:.{}g} {}", si / u.factor, digits, u.name);
+}
+
+// "49.5 cm -> 48 cm": as many digits as tell them apart.
+std::string change(Difference const& d) {
+  if (!d.was || !d.is || d.was->dimension != d.is->dimension) return d.before + " -> " + d.after;
+  Quantity const larger = std::fabs(d.was->si) > std::fabs(d.is->si) ? *d.was : *d.is;
+  Unit const* const unit = unit_for(larger);
+  auto const text = [&](Quantity const& q, std::string const& as_given, int digits) {
+    std::string out =
+        unit ? in_unit(q.si, *unit, digits) : with_unit(fmt::format("{:.{}g}", q.si, digits), q.dimension);
+    if (!unit && q.dimension == dim::angle) return as_given;  // in rad
+    out += q.amplitude == Amplitude::peak ? " peak" : q.amplitude == Amplitude::rms ? " rms" : "";
+    out += q.amplitude == Amplitude::peak_to_peak ? " pp" : "";
+    return out + (as_given.ends_with(" (default)") ? " (default)" : "");
+  };
+  for (int digits = 5; digits < 17; digits += 3)
+    if (std::string const a = text(*d.was, d.before, digits), b = text(*d.is, d.after, digits); a != b)
+      return a + " -> " + b;
+  return d.before + " -> " + d.after;
+}
+
+// A number that is there once.
+std::string alone(std::string const& text, std::optional<Quantity> const& q) {
+  Unit const* const unit = q ? unit_for(*q) : nullptr;
+  return unit ? in_unit(q->si, *unit, 5) : text;
+}
+
+std::string in_words(Difference const& d) {
+  if (d.before.empty()) return d.key.empty() ? "is new" : "now " + alone(d.after, d.is);
+  if (d.after.empty()) return d.key.empty() ? "is gone" : "no longer given, was " + alone(d.before, d.was);
+  return change(d);
+}
+
+constexpr std::size_t most_lines = 3;  // of one key of a group
+
+bool same_key(Difference const& a, Difference const& b) {
+  return a.section == b.section && a.name == b.name && a.key == b.key;
+}
+
+// "60 instances, by 1.2 mm to 3.4 m; the first: 55.2 m -> 55.1 m"
+std::string many(std::vector<Difference>::const_iterator first, std::vector<Difference>::const_iterator last) {
+  std::size_t instances = 0;
+  double least = infinity, most = 0;
+  bool numbers = true;
+  for (auto d = first; d != last; ++d) {
+    instances += d->instances;
+    numbers = numbers && d->was && d->is;
+    if (!d->was || !d->is) continue;
+    least = std::min(least, std::fabs(d->is->si - d->was->si));
+    most = std::max(most, std::fabs(d->is->si - d->was->si));
+  }
+  std::string text = fmt::format("{} instances", instances);
+  if (Unit const* const u = numbers ? unit_for({most, first->was->dimension}) : nullptr)
+    text += fmt::format(", by {} to {}", in_unit(least, *u, 3), in_unit(most, *u, 3));
+  return text + "; the first: " + in_words(*first);
+}
+
+}  // namespace
+
+std::string difference_text(std::vector<Difference> const& parameters, std::vector<Difference> const& all) {
+  if (all.empty()) return "no physical difference between the models\n";
+  std::string text = parameters.empty() ? "" : "parameters\n", section;
+  for (Difference const& p : parameters) text += fmt::format("  {}: {}\n", p.key, in_words(p));
+  std::vector<Difference> sorted = all;  // lines of one key together, where its first stood
+  for (auto d = sorted.begin(); d != sorted.end(); ++d)
+    d = std::prev(std::stable_partition(d, sorted.end(), [key = *d](Difference const& o) { return same_key(o, key); }));
+  for (auto d = sorted.cbegin(); d != sorted.cend();) {
+    if (d->section != section) text += (section = d->section) + "\n";
+    std::string const named = d->name + (d->name.empty() || d->key.empty() ? "" : " ") + d->key;
+    std::string const what = named.empty() ? section : named;
+    auto const last = std::find_if(d, sorted.cend(), [&](Difference const& o) { return !same_key(o, *d); });
+    if (std::size_t(last - d) > most_lines) {
+      text += fmt::format("  {}: {}\n", what, many(d, last));
+      d = last;
+    }
+    for (; d != last; ++d)
+      text += fmt::format("  {}: {}{}\n", what, in_words(*d),
+                          d->instances > 1 ? fmt::format(" ({} instances)", d->instances) : "");
+  }
+  return text;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/compare/run_diff.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "base/errors.hpp"
+#include "noise/interpolate/spectrum_interpolator.hpp"
+#include "results/curves/band.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::array<double, 6> ends{1, 3, 10, 30, 100, 300};  // Hz, between bands
+constexpr std::size_t shown = 12;
+constexpr double significant = 3;
+
+// Root of the power in the band. The errors of neighbouring bins come from the same paths: they are added as if wholly
+// correlated, sigma(h^2) = sum of 2 h sigma df, so that of the rms is never too small.
+WithError band_rms(NoiseTrace const& t, FrequencyGrid const& grid, double low, double high) {
+  double power = 0, error = 0, bound = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    double const width = std::min(high, grid.edges[i + 1]) - std::max(low, grid.edges[i]);
+    if (!(width > 0)) continue;
+    power += t.asd[i] * t.asd[i] * width;
+    bound += (t.upper_bound ? 1 : i < t.bound_share.size() ? t.bound_share[i] : 0) * t.asd[i] * t.asd[i] * width;
+    error += 2 * t.asd[i] * t.sigma[i] * width;
+  }
+  double const h = std::sqrt(power), sigma = h > 0 ? error / (2 * h) : 0;
+  return {h, sigma, h > 0 && at_most(h, sigma, bound / power)};
+}
+
+bool same_histories(RunFile const& before, RunFile const& after) {
+  CouplingTable const &b = before.trace.coupling, &a = after.trace.coupling;
+  return before.about.model_hash == after.about.model_hash && b.seed == a.seed && b.histories == a.histories;
+}
+
+struct Listed {
+  NoiseTrace const* noise;
+  CouplingClass const* route;
+};
+using ById = std::map<std::uint64_t, Listed>;
+
+ById by_id(RunFile const& run) {
+  ById out;
+  auto const& classes = run.trace.coupling.classes;
+  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
+    out[run.noise->routes[r].hash] = {&run.noise->routes[r], &classes[r]};
+  return out;
+}
+
+std::string port_of(RunFile const& run, CouplingClass const& c) { return run.trace.coupling.ports.at(c.port.value); }
+
+// The row of `run` for what has no row of its own at this port.
+NoiseTrace const* other_of(RunFile const& run, std::string const& port) {
+  auto const& classes = run.trace.coupling.classes;
+  for (std::size_t r = 0; r < run.noise->routes.size() && r < classes.size(); ++r)
+    if (classes[r].steps.empty() && port_of(run, classes[r]) == port) return &run.noise->routes[r];
+  return nullptr;
+}
+
+// Whether light may take this route of `from` in `to` as well: all that it meets is there.
+bool exists_in(RunFile const& to, RunFile const& from, CouplingClass const& c) {
+  auto const& names = to.trace.coupling.groups;
+  return std::all_of(c.steps.begin(), c.steps.end(), [&](PathStep const& s) {
+    return std::count(names.begin(), names.end(), from.trace.coupling.groups.at(s.group.value)) > 0;
+  });
+}
+
+// How far two rms of the same light may differ by their spectra alone: those that paths share are held to `tolerance`
+// of the PSD of a path, twice its share of the rms.
+double held_change(WithError const& before, WithError const& after, bool common) {
+  return common ? StrengthNodes::tolerance / 2 * std::hypot(before.value, after.value) : 0;
+}
+
+// Error of the change of a route's rms, or of independent values.
+double error_of_change(WithError const& before, WithError const& after, bool common) {
+  return common ? std::fabs(before.sigma - after.sigma) : std::hypot(before.sigma, after.sigma);
+}
+
+Change route_change(NoiseTrace const* b, NoiseTrace const* a, FrequencyGrid const& before, FrequencyGrid const& after,
+                    RunDifference const& d) {
+  NoiseTrace const& any = b ? *b : *a;
+  bool const open = (b && !b->resolved) || (a && !a->resolved);
+  WithError const x = b ? band_rms(*b, before, d.low, d.high) : WithError{},
+                  y = a ? band_rms(*a, after, d.low, d.high) : WithError{};
+  return {any.name, fmt::format("{:016x}", any.hash), x, y, error_of_change(x, y, d.common), open,
+          {},       held_change(x, y, d.common)};
+}
+
+// Rows of one run that are compared together. Their errors may come from the same histories: up to twice the squares.
+struct Together {
+  double power = 0, variance = 0;  // of the power
+  bool open = false, at_most = false;
+  void add(NoiseTrace const& t, FrequencyGrid const& grid, RunDifference const& d) {
+    WithError const h = band_rms(t, grid, d.low, d.high);
+    power += h.value * h.value;
+    variance += std::pow(2 * h.value * h.sigma, 2);
+    open = open || !t.resolved;
+    at_most = at_most || h.at_most;
+  }
+  WithError rms() const {
+    double const h = std::sqrt(power);
+    return {h, h > 0 ? std::sqrt(2 * variance) / (2 * h) : 0, at_most};
+  }
+};
+
+// Row `other` of one port in both runs, with the routes that only one of them lists.
+struct Rest {
+  Together before, after;
+  std::size_t routes = 0;
+};
+
+void add_rest(std::map<std::string, Rest>& rests, std::string const& port, NoiseTrace const& only, bool is_before,
+              RunFile const& b, RunFile const& a, RunDifference const& d) {
+  auto const [at, is_new] = rests.try_emplace(port);
+  Rest& rest = at->second;
+  if (is_new) {
+    if (NoiseTrace const* row = other_of(b, port)) rest.before.add(*row, b.noise->grid, d);
+    if (NoiseTrace const* row = other_of(a, port)) rest.after.add(*row, a.noise->grid, d);
+  }
+  (is_before ? rest.before : rest.after).add(only, (is_before ? b : a).noise->grid, d);
+  ++rest.routes;
+}
+
+std::vector<Change> route_changes(RunFile const& b, RunFile const& a, RunDifference const& d) {
+  ById const x = by_id(b), y = by_id(a);
+  std::map<std::string, Rest> rests;
+  std::vector<Change> all, others;
+  auto const only_one = [&](Listed const& one, bool is_before) {
+    RunFile const &own = is_before ? b : a, &other = is_before ? a : b;
+    std::string const port = port_of(own, *one.route);
+    Change c =
+        route_change(is_before ? one.noise : nullptr, is_before ? nullptr : one.noise, b.noise->grid, a.noise->grid, d);
+    NoiseTrace const* const row = other_of(other, port);
+    if (row && !one.route->steps.empty() && exists_in(other, own, *one.route)) {
+      c.within = row->name;
+      add_rest(rests, port, *one.noise, is_before, b, a, d);
+    }
+    all.push_back(std::move(c));
+  };
+  for (auto const& [id, one] : x) {
+    auto const hit = y.find(id);
+    if (hit == y.end())
+      only_one(one, true);
+    else
+      (one.route->steps.empty() ? others : all)
+          .push_back(route_change(one.noise, hit->second.noise, b.noise->grid, a.noise->grid, d));
+  }
+  for (auto const& [id, one] : y)
+    if (!x.contains(id)) only_one(one, false);
+  for (auto const& [port, rest] : rests) {
+    NoiseTrace const* const row = other_of(b, port) ? other_of(b, port) : other_of(a, port);
+    WithError const before = rest.before.rms(), after = rest.after.rms();
+    std::erase_if(others, [&](Change const& c) { return c.what == row->name; });
+    others.push_back({fmt::format("{} and {} route{} of one run", row->name, rest.routes, rest.routes == 1 ? "" : "s"),
+                      fmt::format("{:016x}", row->hash), before, after, error_of_change(before, after, false),
+                      rest.before.open || rest.after.open});
+  }
+  all.insert(all.end(), others.begin(), others.end());
+  auto const change = [](Change const& c) {
+    return std::fabs(c.after.value * c.after.value - c.before.value * c.before.value);
+  };
+  std::stable_sort(all.begin(), all.end(), [&](auto const& p, auto const& q) { return change(p) > change(q); });
+  return all;
+}
+
+// Of the total in one band, x and y, when both runs are of the same histories.
+double common_error(NoiseBudget const& b, NoiseBudget const& a, WithError const& x, WithError const& y, double low,
+                    double high) {
+  std::map<std::uint64_t, NoiseTrace const*> after;
+  for (NoiseTrace const& t : a.routes) after[t.hash] = &t;
+  auto const share = [](WithError const& route, WithError const& total) {
+    return total.value > 0 ? route.value * route.value / (2 * total.value) : 0;
+  };
+  double variance = 0;
+  for (NoiseTrace const& t : b.routes) {
+    auto const found = after.find(t.hash);
+    WithError const p = band_rms(t, b.grid, low, high),
+                    q = found == after.end() ? WithError{} : band_rms(*found->second, a.grid, low, high);
+    WithError const& known = p.value > 0 ? p : q;
+    if (!(known.value > 0)) continue;
+    double const error = (share(q, y) - share(p, x)) * 2 * known.sigma / known.value;
+    variance += error * error;
+  }
+  return std::sqrt(variance);
+}
+
+Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, double high, bool common) {
+  WithError const x = band_rms(b.total, b.grid, low, high), y = band_rms(a.total, a.grid, low, high);
+  double const error = common ? common_error(b, a, x, y, low, high) : error_of_change(x, y, false);
+  bool const open = !b.total.resolved || !a.total.resolved;
+  return {fmt::format("{:g} to {:g} Hz", low, high), "", x, y, error, open, {}, held_change(x, y, common)};
+}
+
+std::string line(Change const& c, std::size_t width) {
+  double const s = c.sigmas();
+  std::string const verdict = !c.within.empty()                 ? fmt::format("compared within '{}'", c.within)
+                              : c.before.value == c.after.value ? "the same"
+                              : c.too_small()                   ? "the same within the error of the spectra"
+                              : std::isfinite(s)
+                                  ? fmt::format("{:+.1f} sigma{}", s, std::fabs(s) < significant ? "" : ", significant")
+                              : c.before.at_most || c.after.at_most ? "an upper bound: speckle may hide the change"
+                                                                    : "changed, without an error";
+  auto const value = [&](WithError const& w) {
+    return w.value > 0 ? with_error(w) : c.within.empty() ? std::string("none") : "in '" + c.within + "'";
+  };
+  return fmt::format("  {:<{}}  {} -> {}  {}{}\n", c.what, width, value(c.before), value(c.after), verdict,
+                     c.bound ? " (unresolved: more may be missed)" : "");
+}
+
+std::string lines(std::vector<Change> const& all, std::size_t most) {
+  std::size_t width = 0;
+  for (std::size_t i = 0; i < std::min(most, all.size()); ++i) width = std::max(width, all[i].what.size());
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, all.size()); ++i) text += line(all[i], width);
+  if (all.size() > most) text += fmt::format("  and {} more; --format json has all\n", all.size() - most);
+  return text;
+}
+
+nlohmann::ordered_json as_json(std::vector<Change> const& all) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  auto const value = [](WithError const& w) {
+    nlohmann::ordered_json j{{"value", w.value}, {"sigma", w.sigma}};
+    if (w.at_most) j["at_most"] = true;
+    return j;
+  };
+  for (Change const& c : all) {
+    nlohmann::ordered_json one{{"what", c.what}};
+    if (!c.id.empty()) one["id"] = c.id;
+    one["before"] = value(c.before);
+    one["after"] = value(c.after);
+    if (!c.within.empty()) one["within"] = c.within;
+    one["sigmas"] = std::isfinite(c.sigmas()) ? nlohmann::ordered_json(c.sigmas()) : nlohmann::ordered_json();
+    one["unresolved"] = c.bound;
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+}  // namespace
+
+bool Change::too_small() const { return std::fabs(after.value - before.value) < held; }
+
+double Change::sigmas() const {
+  double const change = too_small() ? 0 : after.value - before.value;
+  if (!within.empty() || (change != 0 && (before.at_most || after.at_most))) return not_a_number;
+  return error > 0 ? change / error : change == 0 ? 0 : not_a_number;
+}
+
+RunDifference run_differences(RunFile const& before, RunFile const& after) {
+  if (!before.noise || !after.noise)
+    throw InputError(
+        "error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'; "
+        "one that was only traced gets its noise by 'straytrace noise RUN -o DIR'");
+  NoiseBudget const &b = *before.noise, &a = *after.noise;
+  RunDifference d;
+  d.common = same_histories(before, after);
+  d.low = std::max(b.grid.edges.front(), a.grid.edges.front());
+  d.high = std::min(b.grid.edges.back(), a.grid.edges.back());
+  if (!(d.low < d.high))
+    throw InputError(
+        "error: the bands of the two runs do not overlap\n  project one again with another 'band' in 'noise'");
+  std::vector<double> at{d.low};
+  for (double const f : ends)
+    if (f > d.low && f < d.high) at.push_back(f);
+  at.push_back(d.high);
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) d.bands.push_back(band_change(b, a, at[i], at[i + 1], d.common));
+  d.routes = route_changes(before, after, d);
+  return d;
+}
+
+std::string run_difference_text(RunDifference const& d) {
+  return fmt::format(
+      "\nrms strain of the total, in bands (one Monte-Carlo standard error of each; {})\n{}"
+      "\nrms strain of routes, {:g} to {:g} Hz, largest change first\n{}",
+      d.common ? "same histories: sigmas of what changes, since both err alike" : "runs taken as independent",
+      lines(d.bands, d.bands.size()), d.low, d.high, lines(d.routes, shown));
+}
+
+nlohmann::ordered_json run_difference_json(RunDifference const& d) {
+  return {{"low_hz", d.low},
+          {"high_hz", d.high},
+          {"same_histories", d.common},
+          {"bands", as_json(d.bands)},
+          {"routes", as_json(d.routes)}};
+}
+
+}  // namespace straytrace

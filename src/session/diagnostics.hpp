@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Warnings on stderr: sentences for people, JSON lists with --format json, nothing with --quiet.
+#pragma once
+
+#include <string>
+
+#include "session/model.hpp"
+#include "session/options.hpp"
+
+namespace straytrace {
+
+void tell_warnings(Model const&, Options const&);
+void tell_warnings(Scene const&, Options const&);
+void tell_warning(std::string const& sentence, Options const&);  // without a place in a file
+
+}  // namespace straytrace

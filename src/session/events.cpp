@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/events.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <iostream>
+
+namespace straytrace {
+namespace {
+
+using SortedJson = nlohmann::json;
+bool told = false;
+
+void tell(SortedJson const& event) {
+  std::cerr << event.dump(-1, ' ', false, SortedJson::error_handler_t::replace) << '\n' << std::flush;
+}
+
+}  // namespace
+
+void tell_events() { told = true; }
+bool events_told() { return told; }
+
+void tell_progress(TraceProgress const& p, std::string const& line) {
+  tell({{"event", "progress"},
+        {"histories", p.histories},
+        {"wanted_histories", p.wanted_histories},
+        {"seconds", p.seconds},
+        {"histories_per_s", p.histories_per_s},
+        {"rays_per_s", p.rays_per_s},
+        {"error", p.error},  // not a number: null
+        {"wanted_error", p.wanted_error},
+        {"line", line}});
+}
+
+void tell_problems(InputError const& e) {
+  if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
+}
+
+}  // namespace straytrace

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/injection_points.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "session/light/ghost_noise.hpp"
+#include "world/ghosts/beam_tree.hpp"
+
+namespace straytrace {
+namespace {
+
+// Footprints of a cavity: its first mirror, then its second.
+bool is_second_mirror(World const& world, std::uint32_t footprint) {
+  std::vector<Footprint> const& all = world.footprints();
+  return std::any_of(all.begin(), all.begin() + footprint,
+                     [&](Footprint const& f) { return f.standing && f.beam == all[footprint].beam; });
+}
+
+// Where light that comes back at this footprint joins an arm.
+Entrance entrance_of(World const& world, std::uint32_t footprint) {
+  bool const standing = world.footprints()[footprint].standing;
+  std::uint32_t const mirror = standing ? footprint : world.feeds()[footprint].mirror;
+  if (mirror == Feed::none || !is_second_mirror(world, mirror)) return Entrance::arm;
+  return standing ? Entrance::end_mirror : Entrance::through_end;
+}
+
+// Of the mirrors of a cavity, m; 0: the beam is none.
+double cavity_length(World const& world, std::uint32_t beam) {
+  std::vector<Vec3> mirrors;
+  for (Footprint const& f : world.footprints())
+    if (f.standing && f.beam == beam) mirrors.push_back(f.centre);
+  return mirrors.size() == 2 ? length(mirrors[1] - mirrors[0]) : 0;
+}
+
+double power_of_beam(Scene const& scene, World const& world, std::string const& name) {
+  auto const beams = scene.table("beams").items();
+  for (std::size_t i = 0; i < beams.size(); ++i)
+    if (beams[i].first == name) return world.beam_powers[i];
+  return 0;
+}
+
+}  // namespace
+
+std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
+  std::vector<TracedPort> ports;
+  for (std::string const& name : world.ports()) ports.push_back({.name = name, .entrance = Entrance::through_end});
+  std::vector<bool> lit(ports.size(), false);
+  for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (!f.port.valid()) continue;
+    TracedPort& port = ports[f.port.value];
+    port.entrance = std::min(port.entrance, entrance_of(world, i));
+    if (lit[f.port.value]) continue;
+    port.power = world.beam_powers[f.beam];
+    port.cavity_length = cavity_length(world, f.beam);
+    lit[f.port.value] = true;
+  }
+  for (auto const& [name, node] : scene.table("ports").items())
+    if (std::find(world.ports().begin(), world.ports().end(), name) == world.ports().end())
+      ports.push_back({.name = name, .power = power_of_beam(scene, world, node["beam"].text())});
+  return ports;
+}
+
+void check_entrances(Node const& interferometer, World const& world) {
+  Node const ports = interferometer.table("ports");
+  if (!ports) return;
+  for (std::size_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (!f.port.valid() || world.feeds()[i].mirror == Feed::none) continue;
+    Node const entry = ports[world.ports()[f.port.value]];
+    if (entry.kind() != Node::Kind::table || !entry.has("at")) continue;
+    std::string const at = entry.word("at");
+    if (at == "end-bench" || at == "short-arm")
+      return entry["at"].problem("'lit' has followed this light through the mirror: its transmission would count twice",
+                                 "leave 'at' out: couplings of the port are relative to the light in the arm");
+  }
+}
+
+// Behind the input mirror the light of the arm interferes with the light that the splitter sends, which `lit` does not
+// follow: on resonance a quarter of what the mirror passes stands there (physics.md eq. 9.5).
+void refuse_input_mirrors(Scene const& scene, World const& world) {
+  auto const beams = scene.table("beams").items();
+  auto const name = [&](Footprint const& f) { return world.groups()[world.surfaces()[f.surface.value].group.value]; };
+  for (BeamLaunch const& launch : launches(world)) {
+    if (!launch.through_input_mirror() || launch.beam >= beams.size()) continue;
+    std::set<std::string> lit;
+    for (std::size_t i = 0; i < world.footprints().size(); ++i)
+      if (world.feeds()[i].mirror == launch.footprint) lit.insert('"' + name(world.footprints()[i]) + '"');
+    if (lit.empty()) continue;
+    beams[launch.beam].second["lit"].problem(
+        fmt::format("{} lit through '{}', which passes {:.2g} of the light: the light that the splitter sends "
+                    "interferes there and is not followed",
+                    lit.size() == 1 ? *lit.begin() + " is" : fmt::format("{} surfaces are", lit.size()), launch.name,
+                    launch.passes),
+        fmt::format(
+            "write 'lit: {{except: [{}]}}', or name what stands behind the end mirror by 'only'; light the "
+            "splitter side, in a scene of its own, by a beam 'from' behind '{}', with 'at: short-arm' for its port",
+            fmt::join(lit, ", "), launch.name));
+  }
+}
+
+void warn_of_ghosts_left_out(Scene const& scene, World const& world) {
+  if (!read_ghosts(scene)) return;
+  BeamSink nobody;
+  for (BeamLaunch const& launch : launches(world)) {
+    if (!launch.through_input_mirror() || grow_tree(world, launch, {0, 0, 1}, nobody).spots < 2) continue;
+    scene.root()["ghosts"].warning(
+        fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name),
+        fmt::format("for these write a scene of the splitter side: a beam 'from' behind '{}', with 'at: short-arm' for "
+                    "its port",
+                    launch.name));
+  }
+}
+
+}  // namespace straytrace

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/interrupt.hpp"
+
+namespace straytrace {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+int guards = 0;
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  if (guards++ > 0) return;
+  stop_requested = false;
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = true; };
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    bool const from_batch_system = signals[i] == SIGUSR1 || signals[i] == SIGUSR2;  // may come several times
+    // Restarted, a line that waits for a slow reader of stderr is not lost.
+    action.sa_flags = static_cast<int>(SA_RESTART | (from_batch_system ? 0u : SA_RESETHAND));
+    sigaction(signals[i], &action, &before_[i]);
+  }
+}
+
+InterruptGuard::~InterruptGuard() {
+  if (--guards > 0) return;
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
+}
+
+std::atomic<bool> const& InterruptGuard::stop() const { return stop_requested; }
+
+}  // namespace straytrace

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/first_order.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iostream>
+
+#include "session/open_run.hpp"
+#include "base/errors.hpp"
+#include "results/text/columns.hpp"
+#include "results/results.hpp"
+#include "trace/camera/first_order.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string cell(Estimate const& e) {
+  if (e.scored == 0) return "-";
+  if (!resolved(e)) return "unresolved";
+  return e.std_error > 0 ? with_brackets(e.mean, e.std_error) : fmt::format("{:.4g}", e.mean);
+}
+
+std::string name_of(Model const& model, Ending ending) {
+  if (!ending.port) return "receiver " + model.world.receiver_names()[ending.index];
+  Footprint const& f = model.world.footprints()[ending.index];
+  return fmt::format("port {} at {}", model.world.ports()[f.port.value],
+                     model.world.groups()[model.world.surfaces()[f.surface.value].group.value]);
+}
+std::string group_name(Model const& model, FirstOrderRow const& row) { return model.world.groups()[row.group.value]; }
+
+bool is_suspect(FirstOrderRow const& row) { return row.product.mean > 0; }
+
+void print_lit(Model const& model, std::vector<FirstOrderRow> rows, std::size_t show) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](FirstOrderRow const& a, FirstOrderRow const& b) { return a.power.mean > b.power.mean; });
+  Columns table{{"illuminated", "power"}, {true}, {}};
+  std::size_t left = 0;
+  for (FirstOrderRow const& row : rows)
+    if (row.power.scored > 0) {
+      if (table.rows.size() < show)
+        table.rows.push_back({group_name(model, row), cell(row.power)});
+      else
+        ++left;
+    }
+  std::cout << "Lit by the first scatter of the beams, or by free beams, directly or by mirrors and lenses.\n"
+            << "Power relative to the main mode.\n"
+            << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
+}
+
+void print_seen(Model const& model, FirstOrderList const& list, std::size_t show) {
+  std::vector<FirstOrderRow> rows = list.rows;
+  std::stable_sort(rows.begin(), rows.end(), [](FirstOrderRow const& a, FirstOrderRow const& b) {
+    return is_suspect(a) != is_suspect(b) ? is_suspect(a)
+           : is_suspect(a)                ? a.product.mean > b.product.mean
+                                          : a.throughput.mean > b.throughput.mean;
+  });
+  Columns table{{"#", "critical", "throughput", "power", "single scatter"}, {false, true}, {}};
+  std::size_t left = 0, rank = 0;
+  for (FirstOrderRow const& row : rows) {
+    if (row.throughput.scored == 0) continue;
+    bool const both = is_suspect(row);
+    if (both) ++rank;
+    if (table.rows.size() >= show) {
+      ++left;
+      continue;
+    }
+    bool const sure = resolved(row.power) && resolved(row.throughput);
+    table.rows.push_back({both ? fmt::format("{}", rank) : "", group_name(model, row), cell(row.throughput),
+                          cell(row.power),
+                          !both  ? "-"
+                          : sure ? with_brackets(row.product.mean, row.product.std_error)
+                                 : "unresolved"});
+  }
+  std::cout << fmt::format("Seen from {}: throughput {:.4g} m^2 sr in all", name_of(model, list.ending), list.total);
+  if (list.outside.scored > 0) std::cout << fmt::format(", of it {} past everything", cell(list.outside));
+  if (table.rows.empty())
+    std::cout << "\nno walk met a surface: narrow or distant ones may be missed, more walks see more (--histories)\n\n";
+  else
+    std::cout << '\n' << aligned(table) << (left ? fmt::format("and {} more; --csv has all\n", left) : "") << '\n';
+}
+
+void print_csv(Model const& model, std::vector<FirstOrderList> const& lists) {
+  std::cout << "ending,surface,power,power_error,throughput_m2_sr,throughput_error,single_scatter,single_scatter_error,"
+               "resolved\n";
+  for (FirstOrderList const& list : lists)
+    for (FirstOrderRow const& r : list.rows)
+      std::cout << fmt::format("\"{}\",\"{}\",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{}\n",
+                               name_of(model, list.ending), group_name(model, r), r.power.mean, r.power.std_error,
+                               r.throughput.mean, r.throughput.std_error, r.product.mean, r.product.std_error,
+                               resolved(r.power) && resolved(r.throughput) ? "yes" : "no");
+}
+
+void print_json(Model const& model, std::vector<FirstOrderList> const& lists) {
+  nlohmann::json out = nlohmann::json::array();
+  auto const with_error = [](Estimate const& e) {
+    return nlohmann::json{{"value", e.mean}, {"error", e.std_error}, {"resolved", resolved(e)}};
+  };
+  for (FirstOrderList const& list : lists) {
+    nlohmann::json rows = nlohmann::json::array();
+    for (FirstOrderRow const& r : list.rows) {
+      nlohmann::json const product{{"value", r.product.mean},
+                                   {"error", r.product.std_error},
+                                   {"resolved", resolved(r.power) && resolved(r.throughput)}};
+      rows.push_back({{"surface", group_name(model, r)},
+                      {"power", with_error(r.power)},
+                      {"throughput", with_error(r.throughput)},
+                      {"single_scatter", product}});
+    }
+    out.push_back({{"ending", name_of(model, list.ending)},
+                   {"throughput", list.total},
+                   {"outside", with_error(list.outside)},
+                   {"surfaces", rows}});
+  }
+  std::cout << out.dump() << '\n';
+}
+
+}  // namespace
+
+int print_first_order(Options const& options) {
+  Earlier const input(options.input);
+  Model const model = input.read(options.overrides);
+  FirstOrderSettings settings;
+  settings.seed = options.seed.value_or(model.seed);
+  settings.histories = options.histories.value_or(settings.histories);
+  settings.threads = options.threads;
+  std::vector<FirstOrderList> lists = first_order(model.world, settings);
+  if (!options.by.empty()) {
+    std::erase_if(lists, [&](FirstOrderList const& list) { return list.ending.port != (options.by == "port"); });
+    if (lists.empty()) throw InputError(fmt::format("error: the scene has no {}s\n  leave out --by", options.by));
+  }
+  if (options.csv) {
+    print_csv(model, lists);
+  } else if (options.json()) {
+    print_json(model, lists);
+  } else {
+    std::size_t const show = options.show ? options.show : model.paths_shown;
+    if (!lists.empty()) print_lit(model, lists.front().rows, show);
+    for (FirstOrderList const& list : lists) print_seen(model, list, show);
+    std::cout << "single scatter: into this ending, relative to the main mode, as if surfaces were Lambertian\n";
+  }
+  return done;
+}
+
+}  // namespace straytrace

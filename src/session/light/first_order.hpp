@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "session/options.hpp"
+#include "trace/coupling.hpp"
+
+namespace straytrace {
+
+// straytrace paths FILE --first-order: what is lit, what is seen, and both. Returns the exit code.
+int print_first_order(Options const&);
+
+// Of an entry of these lists, whose histories are batches: with fewer the spread says nothing about the error.
+constexpr std::uint64_t least_batches = 4;
+inline bool resolved(Estimate const& e) { return e.scored >= least_batches; }
+
+}  // namespace straytrace

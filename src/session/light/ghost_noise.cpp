@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/ghost_noise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <span>
+
+#include "noise/wrapped/phase_pairs.hpp"
+#include "results/curves/band.hpp"
+#include "trace/deterministic/deterministic_classes.hpp"
+
+namespace straytrace {
+namespace {
+
+char const* statement_of(GhostFamily const& f) {
+  return f.sum == GhostSum::coherent
+             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written "
+               "(docs/theory/ghosts.md, eq. 10.5)"
+             : "ghosts with equal levers, powers added: their static phases are independent (docs/theory/ghosts.md, "
+               "eq. 10.5)";
+}
+
+PathRecord record_of(GhostFamily const& f) {
+  PathRecord record;
+  record.coupling = record.weight = f.share();
+  record.path_length = f.path_length;
+  record.levers = f.levers;
+  return record;
+}
+
+// How many of the families, strongest first, add as fields.
+std::size_t coherent_of(std::span<GhostFamily const* const> by_share) {
+  bool const fields = by_share.size() > 1 && by_share.front()->sum == GhostSum::coherent;
+  return fields ? std::min(by_share.size(), most_coherent) : 0;
+}
+
+// Turns the two states of polarisation so that the first holds all it can: what is alike in both is one field with one
+// common phase. Sums over the states, and so the spectra, stay.
+void to_principal_states(std::vector<PathRecord>& records) {
+  double first = 0, second = 0;
+  std::complex<double> both = 0;
+  for (PathRecord const& r : records) {
+    first += std::norm(r.field[0]);
+    second += std::norm(r.field[1]);
+    both += std::conj(r.field[0]) * r.field[1];
+  }
+  double const angle = std::atan2(2 * std::abs(both), first - second) / 2;
+  std::complex<double> const turn = std::polar(1.0, -std::arg(both));
+  for (PathRecord& r : records) {
+    auto const [a, b] = r.field;
+    r.field = {std::cos(angle) * a + std::sin(angle) * turn * b, std::cos(angle) * turn * b - std::sin(angle) * a};
+    if (std::norm(r.field[1]) < 1e-24 * r.weight) r.field[1] = 0;  // rounding
+  }
+}
+
+// All of them as one route, named by the strongest; its parts stand in `folded`.
+CouplingClass family_class(std::span<GhostFamily const* const> members, PortId port) {
+  std::vector<PathRecord> records;
+  std::vector<FoldedRoute> parts;
+  std::uint64_t ghosts = 0;
+  for (GhostFamily const* f : members) {
+    records.push_back(record_of(*f));
+    records.back().field = f->field;
+    ghosts += f->ghosts;
+    std::uint64_t const hash = deterministic_class(ClassKind::ghost, f->steps, port, 1, {}, "").hash;
+    if (parts.size() < folded_kept) parts.push_back({hash, f->steps, f->share(), 0, true, "added as a field"});
+  }
+  to_principal_states(records);
+  CouplingClass c = deterministic_class(
+      ClassKind::ghost, members.front()->steps, port, 1, std::move(records),
+      fmt::format(
+          "coherent family: {} ghosts of {} different levers, fields added with the phases of the geometry as "
+          "it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: sum of powers",
+          ghosts, members.size()));
+  c.hash = ~c.hash;  // of the strongest alone it is another route
+  c.folded_routes = members.size();
+  c.folded = std::move(parts);
+  return c;
+}
+
+}  // namespace
+
+std::optional<GhostSettings> read_ghosts(Scene const& scene) {
+  Node const table = scene.root()["ghosts"];
+  GhostSettings settings;
+  if (table.kind() != Node::Kind::table)
+    return scene.root().flag("ghosts", false) ? std::optional(settings) : std::nullopt;
+  settings.floor = table.number("floor", dim::plain, settings.floor, 1e-40, 1);
+  if (table.has("order")) settings.order = std::uint32_t(table.whole("order", 1, 0, 1e6));
+  static constexpr std::array<std::string_view, 2> sums = {"independent", "coherent"};
+  settings.sum = table.choice("sum", sums, "independent") == "coherent" ? GhostSum::coherent : GhostSum::independent;
+  table.refuse_unknown("'ghosts'");
+  return settings;
+}
+
+GhostClasses ghosts_beside(World const& world, GhostSettings const& settings) {
+  GhostClasses all;
+  for (BeamLaunch const& launch : launches(world)) {
+    if (launch.through_input_mirror()) continue;
+    TreeLimits const limits = settings.limits(launch);
+    MainBeam const main(world, launch, limits);
+    GhostFamilies families(world, launch, main, ghost_port(world, launch, main), settings.sum);
+    if (!families.port()) continue;
+    find_ghosts(world, launch, limits, main, [&](Ghost const& g) { families.add(g); });
+    GhostClasses made = ghost_classes(families);
+    std::move(made.classes.begin(), made.classes.end(), std::back_inserter(all.classes));
+    for (std::string const& warning : made.warnings)
+      all.warnings.push_back(fmt::format("ghosts of the beam '{}': {}", launch.name, warning));
+  }
+  return all;
+}
+
+GhostClasses ghost_classes(GhostFamilies const& families) {
+  std::vector<GhostFamily const*> by_share;
+  for (GhostFamily const& f : families.all())
+    if (f.share() > 0) by_share.push_back(&f);
+  std::stable_sort(by_share.begin(), by_share.end(), [](auto* a, auto* b) { return a->share() > b->share(); });
+  std::size_t const fields = coherent_of(by_share);
+  GhostClasses all;
+  if (fields > 0) all.classes.push_back(family_class(std::span(by_share).first(fields), *families.port()));
+  std::map<std::uint64_t, CouplingClass> apart;  // by route: parts that share a name share a row, powers added
+  double left = 0;
+  for (GhostFamily const* f : std::span(by_share).subspan(fields)) {
+    CouplingClass made =
+        deterministic_class(ClassKind::ghost, f->steps, *families.port(), 1, {record_of(*f)}, statement_of(*f));
+    left += f->share();
+    auto const [at, added] = apart.emplace(made.hash, made);
+    if (added) continue;
+    at->second.records.push_back(made.records.front());
+    at->second.coupling.mean += made.coupling.mean;
+  }
+  for (auto& [hash, c] : apart) all.classes.push_back(std::move(c));
+  if (fields > 0 && !apart.empty())
+    all.warnings.push_back(fmt::format(
+        "{} different levers: the fields of the strongest {} are added, the others, {:.2g} of the light, in "
+        "power; raise 'floor' or lower 'order' to leave them out",
+        by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
+  return all;
+}
+
+GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
+  CouplingTable table;
+  table.groups = model.world.groups();
+  table.bodies = model.world.body_names();
+  table.ports = model.world.ports();
+  table.wavelength = model.world.wavelength;
+  NoiseSettings settings = model.noise;
+  settings.grid = logarithmic_grid(5, 200, 60);
+  // The strain is linear in the share: each family once with a share of 1, whatever its fields sum to.
+  for (std::size_t i = 0; i < families.all().size(); ++i) {
+    PathRecord record;
+    record.coupling = record.weight = 1;
+    record.levers = families.all()[i].levers;
+    CouplingClass one =
+        deterministic_class(ClassKind::ghost, families.all()[i].steps, *families.port(), 1, {record}, "");
+    one.hash = i;
+    table.classes.push_back(std::move(one));
+  }
+  NoiseBudget const budget = project_noise(table, model.motion, *model.detector, settings);
+  GhostStrain square{};
+  for (std::size_t i = 0; i < families.all().size(); ++i)
+    for (std::size_t k = 0; k < ghost_frequencies.size(); ++k) {
+      GhostFamily& f = families.all()[i];
+      f.per_root_power[k] = strain_at(budget.routes[i], budget.grid, ghost_frequencies[k]).value;
+      square[k] += f.share() * f.per_root_power[k] * f.per_root_power[k];
+    }
+  GhostStrain all;
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = std::sqrt(square[k]);
+  table.classes = ghost_classes(families).classes;
+  if (std::none_of(table.classes.begin(), table.classes.end(), [](auto& c) { return c.adds_fields(); })) return all;
+  NoiseTrace const total = project_noise(table, model.motion, *model.detector, settings).total;
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = strain_at(total, settings.grid, ghost_frequencies[k]).value;
+  return all;
+}
+
+}  // namespace straytrace

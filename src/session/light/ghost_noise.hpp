@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ghosts through the same noise stage as scattered light.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "session/model.hpp"
+#include "results/ghosts/ghost_table.hpp"
+
+namespace straytrace {
+
+// The key `ghosts` of a scene, a table or on: how far ghosts are followed for the noise of a run; nothing without it or
+// when it is off.
+std::optional<GhostSettings> read_ghosts(Scene const&);
+
+struct GhostClasses {
+  std::vector<CouplingClass> classes;
+  std::vector<std::string> warnings;
+};
+
+// Classes of all beams of a world, to stand beside the scattered light of its trace.
+GhostClasses ghosts_beside(World const&, GhostSettings const&);
+
+// A deterministic class for each family of equal levers; powers of classes add. With GhostSum::coherent one class for
+// the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning says what it leaves out.
+GhostClasses ghost_classes(GhostFamilies const&);
+
+// Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.
+GhostStrain project_ghosts(Model const&, GhostFamilies&);
+
+}  // namespace straytrace

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/lit_table.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+#include "results/text/columns.hpp"
+#include "world/ghosts/lit_surfaces.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string name_of(World const& world, Footprint const& f) {
+  return world.groups()[world.surfaces()[f.surface.value].group.value];
+}
+std::string port_of(World const& world, Footprint const& f) {
+  return f.port.valid() ? world.ports()[f.port.value] : "";
+}
+std::string beside(LitRow const& row) {
+  return row.clipped > row.resolution ? fmt::format("{:.2g}", row.clipped) : fmt::format("< {:.1g}", row.resolution);
+}
+
+}  // namespace
+
+std::string lit_table(Model const& model) {
+  World const& world = model.world;
+  auto const followed = [](Feed const& feed) { return feed.propagated; };
+  if (std::none_of(world.feeds().begin(), world.feeds().end(), followed)) return {};
+  auto const beams = model.scene.table("beams").items();
+  Columns table{{"lit by", "surface", "order", "radius [mm]", "power", "beside", "path [m]", "incidence", "port"},
+                {true, true},
+                {}};
+  for (LitRow const& row : lit_rows(world)) {
+    Footprint const& f = world.footprints()[row.footprint];
+    Feed const& feed = world.feeds()[row.footprint];
+    bool const round = row.major - row.minor < 5e-4 * row.major;
+    table.rows.push_back({beams[f.beam].first, name_of(world, f), fmt::format("{}", feed.order),
+                          round ? fmt::format("{:.4g}", 1e3 * row.major)
+                                : fmt::format("{:.4g} x {:.4g}", 1e3 * row.major, 1e3 * row.minor),
+                          fmt::format("{:.4g}", f.share), beside(row), fmt::format("{:.6g}", feed.path_length),
+                          std::isnan(row.incidence)
+                              ? "-"
+                              : fmt::format("{:.4g} deg", row.incidence > 1e-9 ? row.incidence * 180 / pi : 0),
+                          row.scatters ? port_of(world, f) : "scatters nothing"});
+  }
+  return "lit surfaces: 1/e^2 intensity radius, power over that of the main mode, share of it beside the surface\n" +
+         aligned(table);
+}
+
+std::string lit_json(Model const& model) {
+  World const& world = model.world;
+  auto const beams = model.scene.table("beams").items();
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (LitRow const& row : lit_rows(world)) {
+    Footprint const& f = world.footprints()[row.footprint];
+    Feed const& feed = world.feeds()[row.footprint];
+    nlohmann::ordered_json j = {{"beam", beams[f.beam].first},
+                                {"surface", name_of(world, f)},
+                                {"order", feed.order},
+                                {"radii_m", {row.major, row.minor}},
+                                {"power", f.share},
+                                {"path_length_m", feed.path_length},
+                                {"incidence_rad", row.incidence},
+                                {"scatters", row.scatters}};
+    if (row.clipped > row.resolution)
+      j["beside"] = row.clipped;
+    else
+      j["beside_below"] = row.resolution;
+    if (f.port.valid()) j["port"] = world.ports()[f.port.value];
+    list.push_back(std::move(j));
+  }
+  return list.dump();
+}
+
+}  // namespace straytrace

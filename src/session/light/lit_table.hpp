@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the beams light that are followed through the scene, for `straytrace check`.
+#pragma once
+
+#include <string>
+
+#include "session/model.hpp"
+
+namespace straytrace {
+
+std::string lit_table(Model const&);  // empty when no beam says `lit`
+std::string lit_json(Model const&);   // a list
+
+}  // namespace straytrace

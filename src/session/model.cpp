@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "base/errors.hpp"
+#include "base/input/document.hpp"
+#include "ifo/ports.hpp"
+#include "noise/bands/speckle_band.hpp"
+#include "results/results.hpp"
+#include "scene/diagnostics.hpp"
+#include "session/compare/other_detector.hpp"
+#include "session/injection_points.hpp"
+#include "session/light/ghost_noise.hpp"
+#include "session/light/ghost_search.hpp"
+#include "session/model.hpp"
+#include "session/report_page.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double most_histories = 1e12;
+
+void read_orders(Model& model) {
+  Node const t = model.scene.table("trace");
+  if (t) {
+    model.seed = t.whole("seed", 1, 0, 9e15);
+    model.histories = t.whole("histories", 0, 0, most_histories);
+    if (Node const until = t["until"]) try {
+        model.until = parse_stop_rule(until.as_word());
+        if (auto const complaint = complaint_about(model.until, model); complaint && until.healthy())
+          until.problem(complaint->what, complaint->suggestion);
+      } catch (InputError const& e) {
+        until.problem(e.what(), "write for example until: \"h_total < 5 %\"");
+      }
+    t.refuse_unknown("'trace'");
+  }
+  model.histories_stated = model.histories > 0;
+  if (!model.histories_stated) model.histories = model.until.by_error() ? no_limit : 1 << 20;
+  model.world.block_size = block_size_of(model.histories);
+  if (Node const r = model.scene.table("report")) {
+    model.paths_shown = r.whole("paths", 12, 1, 1e6);
+    read_pictures(r);
+    r.refuse_unknown("'report'");
+  }
+}
+
+void read_noise(Model& model, Scene const& scene) {
+  Node const table = scene.table("noise");
+  model.noise = read_noise_settings(table);
+  model.design = read_design_curves(table, model.noise);
+  if (table) table.refuse_unknown("'noise'");
+}
+
+Band band_of(Model const& model) {
+  FrequencyGrid const& grid = model.noise.grid;
+  return {grid.centre(0), grid.centre(grid.size() - 1)};
+}
+
+// Whether light can meet a body, and with it its elastic modes.
+std::vector<bool> with_surfaces(World const& world) {
+  std::vector<bool> has(world.bodies().size());
+  for (Surface const& s : world.surfaces())
+    if (s.body.valid()) has.at(s.body.value) = true;
+  for (std::size_t b = 0; b < world.bodies().size(); ++b)
+    for (ElasticMode const& mode : world.bodies()[b].modes) has.at(mode.id.value) = has[b];
+  return has;
+}
+
+MotionSet read_bodies(Node const& bodies, World const& world, bool traced) {
+  return read_motion(bodies, world.body_names(), traced, with_surfaces(world));
+}
+
+std::unique_ptr<Interferometer> read_detector(Model const& model, Node const& table) {
+  std::unique_ptr<Interferometer> detector =
+      make_interferometer(table, traced_ports(model.scene, model.world), model.world.wavelength, band_of(model));
+  check_entrances(table, model.world);
+  return detector;
+}
+
+// Without a preset it is the one of the run, with other responses at some ports.
+void replace_interferometer(Model& model, Node const& table) {
+  if (table.has("preset") || !table.has("responses")) {
+    model.detector = read_detector(model, table);
+  } else if (model.detector) {
+    model.detector =
+        with_responses(std::move(model.detector), table, traced_ports(model.scene, model.world), band_of(model));
+    table.refuse_unknown("interferometer with the responses of ports alone");
+  } else {
+    table.problem("the run has no interferometer whose responses could be replaced", "add a 'preset'");
+  }
+}
+
+}  // namespace
+
+Model read_model(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
+  Model model;
+  model.scene = read_scene(file, overrides, texts);
+  model.world = build_world(model.scene);
+  model.motion = read_bodies(model.scene.table("bodies"), model.world, false);
+  read_noise(model, model.scene);
+  bool const noiseless = model.world.ports().empty() && model.scene.root().has("receivers") &&
+                         !model.scene.root().has("interferometer") && !model.scene.root().has("ports");
+  bool const without = !noiseless && !model.scene.root().has("interferometer");
+  if (without && !model.scene.root().data()->misspelt)  // otherwise it may be what is misspelt
+    model.scene.root().problem(
+        "there is no 'interferometer' that turns light at the ports into strain",
+        "add 'interferometer: {preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, "
+        "input_transmission: 1.4 %}', or count watts on 'receivers'");
+  else if (!without && !noiseless)
+    model.detector = read_detector(model, model.scene.table("interferometer"));
+  if (model.detector) refuse_input_mirrors(model.scene, model.world);
+  if (model.detector && model.motion.inputs.empty() && model.scene.table("bodies"))
+    model.scene.table("bodies").warning("no body moves, so no route makes noise", "give a body a 'motion'");
+  read_orders(model);
+  read_ghosts(model.scene);
+  warn_of_ghosts_left_out(model.scene, model.world);
+  if (Node const table = model.scene.root()["scan"])
+    table.problem("a model has no table 'scan'",
+                  "name parameters on the command line: straytrace scan MODEL NAME=lo..hi:n");
+  model.scene.throw_if_problems();
+  warn_of_gaps(model.motion, model.noise, model.scene.table("bodies"), model.world.wavelength);
+  warn_of_other_detector(model, model.scene.table("noise")["compare"]);
+  warn_of_uncounted_ghosts(model);
+  model.warnings = model.scene.warnings();
+  model.warnings_json = warnings_as_json(model.scene);
+  return model;
+}
+
+MotionSet read_motion_file(Scene const& scene) {
+  constexpr double usual_wavelength = 1064e-9;  // m
+  Node const bodies = scene.table("bodies"), noise = scene.table("noise");
+  for (auto const& [name, node] : bodies.items())
+    if (node.kind() == Node::Kind::table) node.has("pivot");
+  MotionSet motion = read_motion(bodies, bodies_and_modes(bodies));
+  Model settings;
+  read_noise(settings, scene);
+  scene.throw_if_problems();
+  warn_of_gaps(motion, settings.noise, bodies, usual_wavelength);
+  return motion;
+}
+
+void warn_of_gaps(MotionSet const& motion, NoiseSettings const& noise, Node const& table, double wavelength) {
+  Band const band{noise.grid.edges.front(), noise.grid.edges.back()};
+  for (Problem& p : warnings_of_gaps(motion.files, band, wavelength)) {
+    if (p.place.line == 0) p.place = table.place();
+    table.document()->add(std::move(p));
+  }
+}
+
+void replace_motion(Model& model, std::string const& file, FileTexts const* texts, FileTexts* read, bool responses) {
+  Scene const other = read_scene(file, {}, texts);
+  Node const bodies = other.table("bodies"), noise = other.table("noise");
+  if (bodies) model.motion = read_bodies(bodies, model.world, true);
+  if (noise) read_noise(model, other);
+  Node const interferometer = other.table("interferometer");
+  if (interferometer)
+    replace_interferometer(model, interferometer);
+  else if (noise && model.detector)  // its files must cover the new band too
+    model.detector = read_detector(model, model.scene.table("interferometer"));
+  if (responses && !(interferometer && interferometer.has("responses")))
+    other.root().problem("this file holds no responses", "write 'interferometer: {responses: {PORT: {...}}}'");
+  else if (responses && (bodies || noise))
+    (bodies ? bodies : noise)
+        .problem("a file of responses holds nothing else", "give 'bodies' and 'noise' in the file of --motion");
+  else if (!bodies && !interferometer && !noise && other.root().healthy())
+    other.root().problem("this file replaces nothing", "give 'bodies' (also 'interferometer', 'noise')");
+  other.throw_if_problems();
+  model.scene.throw_if_problems();
+  if (!bodies)  // the files stand in another scene
+    for (MotionFile& measured : model.motion.files) measured.place = {};
+  if (noise || interferometer) warn_of_other_detector(model, noise ? noise["compare"] : interferometer);
+  if (bodies || noise) warn_of_gaps(model.motion, model.noise, bodies ? bodies : noise, model.world.wavelength);
+  model.warnings = (bodies ? "" : model.warnings) + other.warnings();
+  model.warnings_json = (bodies ? "" : model.warnings_json) + warnings_as_json(other);
+  if (!read) return;
+  for (auto const& [name, text] : other.files())
+    if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
+      throw InputError(
+          fmt::format("error: the run already holds a file '{}' with other content\n"
+                      "  give the new file another name",
+                      name));
+}
+
+std::string Model::hash() const {
+  std::string const parts[] = {world.fingerprint()};
+  return model_hash(parts);
+}
+
+NoiseBudget Model::project(CouplingTable const& coupling) const {
+  if (!detector)
+    throw InputError(
+        "error: without an interferometer there is no noise to project\n  add 'ports' and 'interferometer' to the "
+        "scene, or look at the receivers: straytrace paths RUN --by receiver");
+  NoiseBudget budget = project_noise(coupling, motion, *detector, noise);
+  budget.design = design;
+  budget.margin = noise.margin;
+  return budget;
+}
+
+NoiseBudget Model::project_with_bands(CouplingTable const& coupling) const {
+  NoiseBudget budget = project(coupling);
+  add_input_band(budget, coupling, motion, *detector, noise, material_spreads(world));
+  add_speckle_band(budget, coupling, motion, *detector);
+  return budget;
+}
+
+std::vector<MaterialSpread> material_spreads(World const& world) {
+  std::vector<MaterialSpread> all;
+  for (PlacedMaterial const& m : placed_materials(world))
+    all.push_back(
+        {m.name, m.spread.status, m.spread.low, m.spread.high, m.spread.factor, m.spread.of_reflection, m.groups});
+  return all;
+}
+
+std::vector<std::string> Model::assumptions() const {
+  std::vector<std::string> lines = world.notes;
+  if (detector)
+    lines.push_back("frozen geometry: paths do not move while the surfaces shake (docs/theory/phase.md, eq. 2.6)");
+  if (detector)
+    lines.push_back("scalar light; each route with a diffuse vertex has an independent random static phase");
+  lines.push_back(world.edges.groups.empty() ? "diffraction at rims is not counted: the scene has no table 'edges'"
+                                             : "diffraction at the rims of 'edges': routes of kind edge, upper bounds");
+  bool const ghosts = read_ghosts(scene).has_value();
+  lines.push_back(ghosts                       ? "ghost beams: routes of kind ghost, by the beam tree"
+                  : scene.root().has("ghosts") ? "ghost beams are not counted: the scene says 'ghosts: off'"
+                                               : "ghost beams are not counted: the scene has no table 'ghosts'");
+  if (ghosts)
+    for (BeamLaunch const& launch : launches(world))
+      if (launch.through_input_mirror())
+        lines.push_back(
+            fmt::format("ghosts behind '{}' are not counted: light from the splitter interferes there", launch.name));
+  for (auto const& [name, material] : scene.table("materials").items())
+    if (Node const source = material["source"]; source && !material.has("status"))
+      lines.push_back(fmt::format("material {}: {}", name, source.as_word()));
+  return lines;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<char const*, 11> form_names{"named",  "number", "whole", "amplitude", "quantity", "word",
+                                                 "choice", "switch", "table", "list",      "numbers"};
+
+Json asked_as_json(Asked const& how, bool by_key) {
+  Json out;
+  auto const form = std::size_t(how.form);
+  out["type"] = form_names[form];
+  bool const number = form >= std::size_t(Asked::Form::number) && form <= std::size_t(Asked::Form::quantity);
+  if (number || how.form == Asked::Form::numbers) {
+    out["dimension"] = how.form == Asked::Form::quantity ? "any" : name_of(how.dimension);
+    out["units"] = how.form == Asked::Form::quantity ? "" : accepted_units(how.dimension);
+    out["unit"] = example_unit(how.dimension);
+  }
+  if (std::isfinite(how.low)) out["low"] = how.low;
+  if (std::isfinite(how.high)) out["high"] = how.high;
+  if (number && std::isfinite(how.fallback)) out["default"] = how.fallback;
+  if (!how.word.empty()) out["default"] = how.word;
+  if (how.count > 0) out["count"] = how.count;
+  if (!how.choices.empty()) out["choices"] = how.choices;
+  bool const one = (how.form == Asked::Form::word || how.form == Asked::Form::choice) && how.word.empty();
+  if (by_key && (one || how.form == Asked::Form::amplitude || (number && std::isnan(how.fallback))))
+    out["required"] = true;
+  return out;
+}
+
+Json value_as_json(ModelValue const& v) {
+  Json out;
+  if (!v.key.empty()) out["key"] = v.key;
+  if (v.given())
+    out["from"] = v.origin;
+  else
+    out["from"] = "default";
+  if (v.kind == Node::Kind::scalar && v.written != v.value) out["written"] = v.written;
+  if (v.kind == Node::Kind::scalar || !v.value.empty()) out["value"] = v.value;
+  if (v.quantity && std::isfinite(v.quantity->si)) out["si"] = v.quantity->si;
+  out["asked"] = asked_as_json(v.how, v.by_key);
+  if (!v.role.empty()) out["role"] = v.role;
+  if (v.listed) out["names"] = true;
+  if (v.kind != Node::Kind::table && v.kind != Node::Kind::list) return out;
+  Json& children = out[v.kind == Node::Kind::table ? "keys" : "elements"] = Json::array();
+  for (ModelValue const& c : v.children) children.push_back(value_as_json(c));
+  return out;
+}
+
+}  // namespace
+
+Json model_as_json(Scene const& scene) {
+  Json out{{"file", scene.main_file()}, {"model", value_as_json(model_tree(scene))}};
+  Json& placed = out["placed"] = Json::array();
+  std::set<std::string> told;
+  for (PlacedValue const& p : placed_values(scene)) {
+    if (!told.insert(p.group).second) continue;
+    placed.push_back({{"group", p.group}, {"first", p.name}, {"face", value_as_json(p.face)}});
+  }
+  return out;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "base/errors.hpp"
+#include "base/files/file_bytes.hpp"
+#include "session/model.hpp"
+#include "session/open_run.hpp"
+
+namespace straytrace {
+namespace {
+
+Model traced_model(RunFile const& file, std::vector<std::string> const& overrides) {
+  std::vector<std::string> all = file.about.overrides;
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  return read_model(file.about.main_file, all, &file.about.files);
+}
+
+std::vector<std::string> lines_of(std::string const& text) {
+  std::vector<std::string> all;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  return all;
+}
+
+// Of the files that the run was projected with, those that hold responses of ports and nothing else.
+std::vector<std::string> files_of_responses(RunFile const& file) {
+  std::vector<std::string> all;
+  for (std::string const& name : lines_of(file.about.motion_file)) {
+    Scene const held = read_scene(name, {}, &file.about.files);
+    if (held.table("interferometer").has("responses") && !held.table("bodies") && !held.table("noise"))
+      all.push_back(name);
+  }
+  return all;
+}
+
+}  // namespace
+
+Model model_of(RunFile const& file, std::vector<std::string> const& overrides) {
+  Model model = traced_model(file, overrides);
+  for (std::string const& name : lines_of(file.about.motion_file))
+    replace_motion(model, name, &file.about.files, nullptr);
+  return model;
+}
+
+RunFile read_run_file(std::string const& path) {
+  if ((path.ends_with(".yaml") || path.ends_with(".yml")) && !is_run_file(path))
+    throw InputError(fmt::format(
+        "error: '{0}' is a scene, not a run\n  trace it first: straytrace run {0} -o out/, which writes out/run.h5",
+        path));
+  return read_run(path);
+}
+
+OpenRun::OpenRun(std::string const& path)
+    : file(read_run_file(path)), model(model_of(file)), projected_with(file.about.motion_file) {}
+
+// A new motion file acts before the responses that stay, which its band must not undo; one that says what the
+// interferometer is acts after them.
+OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* files)
+    : file(read_run_file(path)),
+      model(motion.empty() ? model_of(file) : traced_model(file, {})),
+      projected_with(file.about.motion_file) {
+  if (files) *files = file.about.files;
+  if (motion.empty()) return;
+  std::vector<std::string> names = files_of_responses(file);
+  bool const last = bool(read_scene(motion, {}).table("interferometer"));
+  auto const stay = [&] {
+    for (std::string const& name : names) replace_motion(model, name, &file.about.files, nullptr);
+  };
+  if (last) stay();
+  replace_motion(model, motion, nullptr, files);
+  if (!last) stay();
+  names.insert(last ? names.end() : names.begin(), std::filesystem::path(motion).filename().string());
+  projected_with = fmt::format("{}", fmt::join(names, "\n"));
+}
+
+Earlier::Earlier(std::string input) : input_(std::move(input)) {
+  if (input_.ends_with(".h5")) file_ = read_run(input_);
+}
+
+Model Earlier::read(std::vector<std::string> const& overrides) const {
+  if (!file_) return read_model(input_, overrides);
+  Model model = model_of(*file_, overrides);
+  model.seed = file_->trace.coupling.seed;
+  model.world.block_size = file_->trace.coupling.block_size;
+  if (file_->trace.stop_rule.empty()) {
+    bool const in_pieces = file_->trace.stopped == Stopped::by_gaps || !file_->trace.slice.whole();
+    model.until = {};
+    model.histories =
+        in_pieces ? file_->trace.all_blocks * file_->trace.coupling.block_size : file_->trace.coupling.histories;
+  } else {
+    model.until = parse_stop_rule(file_->trace.stop_rule);
+  }
+  return model;
+}
+
+Model Earlier::read_to_the_end(std::vector<std::string> const& overrides) const {
+  Model model = read(overrides);
+  if (file_) model.histories = file_->trace.all_blocks * file_->trace.coupling.block_size;
+  return model;
+}
+
+RunContent Earlier::completed(RunContent content) const {
+  if (!file_ || file_->about.motion_file.empty()) return content;
+  content.files = file_->about.files;
+  content.motion_file = file_->about.motion_file;
+  return content;
+}
+
+bool is_run_file(std::string const& file) {
+  constexpr std::string_view seal = "straytrace-run ", hdf5 = "\x89HDF\r\n\x1a\n";
+  std::string const head = head_of_file(file, seal.size());
+  return head == seal || head.starts_with(hdf5);
+}
+
+bool only_motion(Scene const& scene) {
+  return scene.table("bodies") && !scene.root().has("scene") && !scene.root().has("beams");
+}
+
+Scene read_by_all(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts) {
+  if (Scene scene = read_scene(file, overrides, texts); only_motion(scene)) {
+    read_motion_file(scene);
+    return scene;
+  }
+  return std::move(read_model(file, overrides, texts).scene);
+}
+
+}  // namespace straytrace

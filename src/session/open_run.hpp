@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a run file to its model, in one place: what was projected with another motion is read with that motion.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "results/results.hpp"
+#include "scene/scene.hpp"
+#include "session/model.hpp"
+
+namespace straytrace {
+
+// The model of a run: the scene inside the file with the parameters of the run, then `overrides`; motion and responses
+// that the run was projected with take the place of those of the scene. Refers to the texts in the file.
+Model model_of(RunFile const&, std::vector<std::string> const& overrides = {});
+
+// read_run(), which tells the way to a run where this is a scene.
+RunFile read_run_file(std::string const& path);
+
+struct OpenRun {
+  explicit OpenRun(std::string const& path);
+  // With the motion in the file `motion` on disk instead of that which the run was projected with, unless it is empty.
+  // Responses of ports that the run was projected with stay, except those that `motion` gives itself. `files`: gets the
+  // texts of the run and of that file; throws where two of one name differ.
+  OpenRun(std::string const& path, std::string const& motion, FileTexts* files = nullptr);
+  OpenRun(OpenRun const&) = delete;  // the model refers to the texts in the file
+  OpenRun& operator=(OpenRun const&) = delete;
+
+  RunFile file;
+  Model model;
+  std::string projected_with;  // files of motion and responses in the order in which they act, a line each
+};
+
+// The input of `run`: a scene file, or a run file that is made again from the texts, seed and stop rule inside it.
+
+
+class Earlier {
+ public:
+  explicit Earlier(std::string input);
+  Model read(std::vector<std::string> const& overrides) const;  // refers to the texts held here
+  // The same with as many histories as were asked for, where the run was stopped before.
+  Model read_to_the_end(std::vector<std::string> const& overrides) const;
+  Slice slice() const { return file_ ? file_->trace.slice : Slice{}; }
+  RunContent completed(RunContent) const;  // with the motion file the run was projected with
+
+ private:
+  std::string input_;
+  std::optional<RunFile> file_;
+};
+
+// A file of the language, a model or motion alone, read by every room that has a part in it.
+
+
+// By its first bytes; whether it is sound read_run() tells.
+bool is_run_file(std::string const& file);
+
+// A file with nothing to trace holds motion for `straytrace noise --motion`.
+bool only_motion(Scene const&);
+
+// Throws one InputError with all problems. `texts`: of a run file, instead of disk.
+Scene read_by_all(std::string const& file, std::vector<std::string> const& overrides, FileTexts const* texts = nullptr);
+
+}  // namespace straytrace

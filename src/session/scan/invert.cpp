@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <regex>
+
+#include "base/errors.hpp"
+#include "base/text/bounded_regex.hpp"
+#include "base/text/words.hpp"
+#include "noise/bands/inversion.hpp"
+#include "results/text/columns.hpp"
+#include "session/diagnostics.hpp"
+#include "session/interrupt.hpp"
+#include "session/open_run.hpp"
+#include "session/scan/invert.hpp"
+#include "session/scan/scan_points.hpp"
+#include "session/session.hpp"
+#include "world/model/material_view.hpp"
+
+namespace straytrace {
+namespace {
+
+// What a one-run inversion needs.
+struct Traced {
+  std::unique_ptr<RunFile> file;  // of a run: the model refers to its texts
+  Model model;
+  CouplingTable coupling;
+  bool complete = true;
+};
+
+// Refuses before anything is traced.
+void ask(Requirement const& requirement, Model& model, Options const& options) {
+  apply(requirement, model);
+  tell_warnings(model, options);
+  if (!model.detector)
+    throw InputError(
+        "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
+  if (model.design.empty())
+    throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
+}
+
+Traced traced(Options const& options, Requirement const& requirement) {
+  Traced t;
+  if (options.input.ends_with(".h5")) {
+    t.file = std::make_unique<RunFile>(read_run(options.input));
+    t.model = model_of(*t.file);
+    ask(requirement, t.model, options);
+    t.coupling = std::move(t.file->trace.coupling);
+  } else {
+    t.model = read_model(options.input, options.overrides);
+    apply(options, t.model);
+    ask(requirement, t.model, options);
+    std::string const run = options.out.empty() ? "" : options.out + "/run.h5";
+    std::optional<OutputFolder> folder;
+    if (!options.out.empty()) folder.emplace(options.out);
+    TraceResult result = trace_model(t.model, options, run);
+    t.complete = !result.checkpointed();
+    if (!run.empty()) write_run(run, content_of(t.model, result, nullptr));
+    t.coupling = std::move(result.coupling);
+  }
+  return t;
+}
+
+[[noreturn]] void refuse_name(std::string const& word, char const* kind, std::vector<std::string> const& known) {
+  std::string const near = nearest_word(word, known);
+  throw InputError(fmt::format(
+      "error: --invert: there is no {} '{}' here\n  {}", kind, word,
+      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+}
+
+Answer scatter_answer(Traced const& t, std::string const& name, Options const& options) {
+  std::vector<std::string> names;
+  for (MaterialSpread const& m : material_spreads(t.model.world)) names.push_back(m.name);
+  for (MaterialSpread const& m : material_spreads(t.model.world)) {
+    if (m.name != name) continue;
+    NoiseBudget const budget = t.model.project(t.coupling);
+    tell_warnings(budget, options);
+    Answer a = answer_about(t.model, budget, invert_scatter(budget, t.coupling, m, line_of(t.model)));
+    for (MaterialInfo const& info : t.model.world.materials)
+      if (info.name == name) a.tis = scattered_share(t.model.world, info);
+    a.subject = Answer::Subject::scatter;
+    return a;
+  }
+  refuse_name(name, "material that scatters", names);
+}
+
+Answer motion_answer(Traced const& t, std::string const& name, Options const& options) {
+  std::vector<std::string> const& bodies = t.model.motion.bodies;
+  auto const hit = std::find(bodies.begin(), bodies.end(), name);
+  if (hit == bodies.end()) refuse_name(name, "body", bodies);
+  BodyId const body{std::uint32_t(hit - bodies.begin())};
+  NoiseBudget const budget = t.model.project(t.coupling);
+  tell_warnings(budget, options);
+  auto const at = [&](double scale) {
+    return project_noise(t.coupling, with_scaled_body(t.model.motion, body, scale), *t.model.detector, t.model.noise)
+        .total;
+  };
+  Answer a = answer_about(t.model, budget, invert_motion(at, line_of(t.model)));
+  a.subject = Answer::Subject::motion;
+  a.motion = root_spectrum(t.model.motion, body, t.model.noise.grid);
+  return a;
+}
+
+void print(Answer const& a, Options const& options, bool per_frequency) {
+  std::cout << (options.json() ? answer_json(a) : answer_text(a, per_frequency));
+}
+
+}  // namespace
+
+int invert(Options const& options, Requirement const& requirement, InvertOrder const& order,
+           std::vector<ScanAxis> const& axes) {
+  static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
+  std::smatch m;
+  if (!has_form(order.what, m, form))
+    throw InputError(
+        fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
+                    "or \"param(NAME)\" with NAME=lo..hi",
+                    order.what));
+  std::string const kind = m[1], name = m[2];
+  if (kind == "param") return invert_parameter(options, requirement, order, name, axes);
+  if (!axes.empty())
+    throw InputError(fmt::format("error: --invert \"{}\" looks at one model\n  set parameters with -p", order.what));
+  Traced const t = traced(options, requirement);
+  Answer answer = kind == "brdf" ? scatter_answer(t, name, options) : motion_answer(t, name, options);
+  answer.what = order.what;
+  answer.complete = t.complete;
+  print(answer, options, order.per_frequency);
+  return t.complete ? done : checkpointed;
+}
+
+// --invert "param(NAME)" NAME=lo..hi: traces at both ends and halves the range as far as the errors allow.
+
+namespace {
+
+constexpr double sure = 2;  // standard errors
+
+struct Probe {
+  double number;
+  ScanPoint point;
+  bool meets() const { return point.unresolved.empty() && point.ratio.value + sure * point.ratio.sigma < 1; }
+  bool fails() const { return point.ratio.value - sure * point.ratio.sigma > 1; }
+};
+
+class Search {
+ public:
+  Search(Scanner& scanner, ScanAxis const& axis, bool quiet, std::atomic<bool> const& stop)
+      : scanner_(scanner), axis_(axis), quiet_(quiet), stop_(stop) {}
+
+  // None when stopped.
+  std::optional<Probe> at(double number) {
+    if (stop_) return {};
+    std::string const value =
+        axis_.unit.empty() ? fmt::format("{:.12g}", number) : fmt::format("{:.12g} {}", number, axis_.unit);
+    if (!quiet_) std::cerr << fmt::format("scan  {} = {}\n", axis_.name, value);
+    Probe p{number, scanner_.at({axis_.name + "=" + value})};
+    if (!p.point.complete) return {};
+    if (std::isnan(p.point.ratio.value))
+      throw InputError("error: there is no line to stay under, or no answer\n  name a design curve: --against adv-lal");
+    return p;
+  }
+
+ private:
+  Scanner& scanner_;
+  ScanAxis const& axis_;
+  bool quiet_;
+  std::atomic<bool> const& stop_;
+};
+
+std::string words(Probe const& p, std::string const& unit) {
+  return fmt::format("{:.6g}{}{} (h/line {}{})", p.number, unit.empty() ? "" : " ", unit,
+                     p.point.unresolved.empty() || p.point.ratio.at_most ? "" : "> ", with_error(p.point.ratio));
+}
+
+struct Bracket {
+  Probe meets, fails;        // the nearest known ends
+  std::vector<Probe> doubt;  // between them, from `meets` to `fails`, within two standard errors of the line
+  bool stopped = false;
+};
+
+struct Gap {
+  double from, to;
+  double width() const { return std::fabs(to - from); }
+};
+
+// Beside the doubt, where an answer is still to be had; the wider one of both sides.
+Gap widest(Bracket const& b) {
+  if (b.doubt.empty()) return {b.meets.number, b.fails.number};
+  Gap const near{b.meets.number, b.doubt.front().number}, far{b.doubt.back().number, b.fails.number};
+  return near.width() > far.width() ? near : far;
+}
+
+void place(Bracket& b, Probe const& p, bool before_doubt) {
+  if (!p.meets() && !p.fails()) {
+    b.doubt.insert(before_doubt ? b.doubt.begin() : b.doubt.end(), p);
+    return;
+  }
+  if (p.meets() != before_doubt) b.doubt.clear();  // it lies beyond them
+  (p.meets() ? b.meets : b.fails) = p;
+}
+
+// The ratio between two probes lies between theirs, within errors.
+void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis) {
+  auto const above = [](Probe const& x, Probe const& y) {  // x clearly above y
+    return x.point.ratio.value - y.point.ratio.value > 3 * std::hypot(x.point.ratio.sigma, y.point.ratio.sigma);
+  };
+  if (!above(p, b.fails) && !above(b.meets, p)) return;
+  throw InputError(
+      fmt::format("error: h/line does not go one way with '{}': {}, {} and {}\n  scan the range first, and ask where "
+                  "it is monotonic",
+                  axis.name, words(b.meets, axis.unit), words(p, axis.unit), words(b.fails, axis.unit)));
+}
+
+// Halves what is not known; about the line itself the errors leave a doubt that no halving removes.
+void narrow(Bracket& b, Search& search, ScanAxis const& axis, double wanted) {
+  for (Gap gap = widest(b); gap.width() > wanted; gap = widest(b)) {
+    std::optional<Probe> const p = search.at(0.5 * (gap.from + gap.to));
+    b.stopped = !p;
+    if (b.stopped) return;
+    refuse_other_shapes(b, *p, axis);
+    place(b, *p, gap.from == b.meets.number);
+  }
+}
+
+std::string text_of(Bracket const& b, ScanAxis const& axis, std::string const& what, std::string const& line) {
+  std::string text = fmt::format("{}: the total stays under {} at {} and exceeds it at {}.\n", what, line,
+                                 words(b.meets, axis.unit), words(b.fails, axis.unit));
+  if (!b.doubt.empty())
+    text += fmt::format("{}{} it is within two standard errors of the line: trace longer for a narrower answer.\n",
+                        b.doubt.size() > 1 ? "Between, as at " : "At ", words(b.doubt[b.doubt.size() / 2], axis.unit));
+  if (b.stopped) text += "Stopped before it was as narrow as wanted.\n";
+  return text;
+}
+
+nlohmann::ordered_json json_of(Bracket const& b, ScanAxis const& axis) {
+  return {{"verdict", "found"}, {"meets", b.meets.number}, {"exceeds", b.fails.number},
+          {"unit", axis.unit},  {"complete", !b.stopped},  {"limited_by_errors", !b.doubt.empty()}};
+}
+
+int stopped_early(Options const& options) {
+  if (!options.quiet) std::cerr << (options.out.empty() ? no_way_to_go_on : how_to_go_on);
+  return checkpointed;
+}
+
+}  // namespace
+
+int invert_parameter(Options const& options, Requirement const& requirement, InvertOrder const& order,
+                     std::string const& name, std::vector<ScanAxis> const& axes) {
+  if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
+    throw InputError(
+        fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
+  ScanAxis const& axis = axes.front();
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) folder.emplace(options.out + "/runs");
+  InterruptGuard const guard;
+  Scanner scanner(options, requirement, options.out);
+  Search search(scanner, axis, options.quiet, guard.stop());
+  std::optional<Probe> const low = search.at(axis.numbers.front()),
+                             high = low ? search.at(axis.numbers.back()) : std::nullopt;
+  if (!high) return stopped_early(options);  // one end is no answer
+  std::string const ends = fmt::format("{} and {}", words(*low, axis.unit), words(*high, axis.unit));
+  nlohmann::ordered_json answer;
+  std::string text;
+  bool stopped = false;
+  if (low->meets() && high->meets()) {
+    answer["verdict"] = "always";
+    text = fmt::format("{}: both ends stay under {}: {}.\n", order.what, scanner.line(), ends);
+  } else if (!low->meets() && !high->meets()) {
+    answer["verdict"] = low->fails() && high->fails() ? "never" : "undecided";
+    text = fmt::format("{}: neither end is known to stay under {}: {}.\n", order.what, scanner.line(), ends);
+  } else if (!low->fails() && !high->fails()) {
+    answer["verdict"] = "undecided";
+    text = fmt::format("{}: neither end is known to exceed {}: {}. Trace longer.\n", order.what, scanner.line(), ends);
+  } else {
+    Bracket b{low->meets() ? *low : *high, low->meets() ? *high : *low, {}};
+    narrow(b, search, axis, order.tolerance * std::fabs(high->number - low->number));
+    answer = json_of(b, axis);
+    text = text_of(b, axis, order.what, scanner.line());
+    stopped = b.stopped;
+  }
+  nlohmann::ordered_json const j{{"question", order.what}, {"line", scanner.line()}, {"answer", answer}};
+  std::cout << (options.json() ? j.dump(2) + "\n" : text);
+  return stopped ? stopped_early(options) : done;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Verdict = Allowed::Verdict;
+
+std::string hertz(double hz) { return fmt::format("{:.3g} Hz", hz); }
+
+char const* word_of(Verdict verdict) {
+  constexpr char const* words[] = {"found", "always", "never", "no line"};
+  return words[std::size_t(verdict)];
+}
+
+std::string subject_words(Answer const& a) {
+  return a.subject == Answer::Subject::scatter ? "the BRDF of the material" : "the motion (ASD) of the body";
+}
+
+// What the factor means in numbers of the trade.
+std::string in_numbers(Answer const& a) {
+  Allowed const& all = a.inversion.all;
+  if (a.subject == Answer::Subject::scatter && std::isfinite(a.tis)) {
+    double const tis = all.scale * a.tis;
+    std::string text = fmt::format("Scattered share at normal incidence: {:.3g} now, {} allowed.\n", a.tis,
+                                   with_error(tis, all.sigma * a.tis));
+    if (tis > 1) text += "That is more than all light: no scatter of this material alone breaks the line.\n";
+    return text;
+  }
+  if (a.subject == Answer::Subject::motion && a.motion[a.inversion.decides] > 0)
+    return fmt::format("Motion of the body at {}: {:.3g} m/sqrt(Hz) now (root sum of x, y, z), {:.3g} allowed.\n",
+                       hertz(a.grid.centre(a.inversion.decides)), a.motion[a.inversion.decides],
+                       all.scale * a.motion[a.inversion.decides]);
+  return "";
+}
+
+std::string sentence(Answer const& a) {
+  Allowed const& all = a.inversion.all;
+  std::string const at = hertz(a.grid.centre(a.inversion.decides));
+  switch (all.verdict) {
+    case Verdict::found:
+      return fmt::format("{}: the total stays under {} up to {} times {} as traced; {} decides.\n", a.what, a.line,
+                         with_error(all.scale, all.sigma), subject_words(a), at) +
+             in_numbers(a);
+    case Verdict::always:
+      return fmt::format("{}: every factor that was looked at stays under {}: it does not decide.\n", a.what, a.line);
+    case Verdict::never:
+      return fmt::format("{}: nothing helps: light that it does not touch alone is a factor {:.3g} above {} at {}.\n",
+                         a.what, all.rest, a.line, at);
+    default:
+      return fmt::format("{}: {} has no value in the band: nothing was compared.\n", a.what, a.line);
+  }
+}
+
+std::string table(Answer const& a) {
+  Columns c;
+  c.titles = {"frequency/Hz", "line", "largest factor"};
+  if (!a.motion.empty()) c.titles.emplace_back("motion/(m/sqrt(Hz))");
+  for (std::size_t i = 0; i < a.grid.size(); ++i) {
+    Allowed const& one = a.inversion.bins[i];
+    if (one.verdict == Verdict::no_answer) continue;
+    bool const found = one.verdict == Verdict::found;
+    c.rows.push_back({fmt::format("{:.4g}", a.grid.centre(i)), fmt::format("{:.3e}", a.line_asd[i]),
+                      found ? with_brackets(one.scale, one.sigma) : word_of(one.verdict)});
+    if (!a.motion.empty())
+      c.rows.back().push_back(found && a.motion[i] > 0 ? fmt::format("{:.3e}", one.scale * a.motion[i]) : "-");
+  }
+  return "\n" + aligned(c) +
+         "\nEach frequency alone. never: the rest is above the line; always: every factor meets it.\n";
+}
+
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json json_of(Allowed const& a) {
+  return {{"verdict", word_of(a.verdict)},
+          {"scale", finite_or_null(a.scale)},
+          {"sigma", finite_or_null(a.sigma)},
+          {"rest_over_line", finite_or_null(a.rest)}};
+}
+
+}  // namespace
+
+Answer answer_about(Model const& model, NoiseBudget const& budget, Inversion inversion) {
+  Answer a;
+  a.line = name_of_line(model);
+  a.grid = model.noise.grid;
+  a.line_asd = line_of(model);
+  a.inversion = std::move(inversion);
+  a.unresolved = budget.unresolved;
+  return a;
+}
+
+std::vector<double> root_spectrum(MotionSet const& motion, BodyId body, FrequencyGrid const& grid) {
+  std::vector<double> psd(grid.size());
+  for (MotionInput const& input : motion.inputs)
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i < psd.size(); ++i) {
+        double const low = grid.edges[i], high = grid.edges[i + 1], hz = input.tone_frequency;
+        double const power = hz > 0 ? (hz >= low && hz < high ? 0.5 : 0) : input.spectrum.power(low, high);
+        std::complex<double> gain = 0;  // gains of one input on one axis add before they are squared
+        for (Gain const& g : input.gains)
+          if (g.body == body && g.axis == axis)
+            gain += g.value * (g.transfer && hz == 0 ? (*g.transfer)(grid.centre(i)) : 1.0);
+        psd[i] += std::norm(gain) * power / (high - low);
+      }
+    }
+  for (double& p : psd) p = std::sqrt(p);
+  return psd;
+}
+
+std::string answer_text(Answer const& a, bool per_frequency) {
+  std::string text = sentence(a);
+  if (a.inversion.touched > 0)
+    text += fmt::format("Routes that it acts on carry at most {:.3g} % of the noise power at any frequency.\n",
+                        100 * a.inversion.touched);
+  else
+    text += "No resolved route is touched by it.\n";
+  if (a.inversion.first_order)
+    text += "Rows 'other' are scaled as their named routes are; without any, as one scatter: first order.\n";
+  text += fmt::format("Errors: {}one standard error, Monte Carlo only.\n",
+                      a.subject == Answer::Subject::scatter ? "at most " : "");
+  if (!a.unresolved.empty())
+    text += fmt::format("This is no safe answer: {} unresolved, and in the total by what was seen. Trace longer.\n",
+                        counted(a.unresolved.size(), "route", "is", "are"));
+  return per_frequency ? text + table(a) : text;
+}
+
+std::string answer_json(Answer const& a) {
+  Json j;
+  j["question"] = a.what;
+  j["line"] = a.line;
+  j["answer"] = json_of(a.inversion.all);
+  j["decides_Hz"] = a.grid.centre(a.inversion.decides);
+  j["touched_share"] = a.inversion.touched;
+  j["first_order"] = a.inversion.first_order;
+  j["scattered_share"] = finite_or_null(a.tis);
+  j["unresolved"] = a.unresolved;
+  j["complete"] = a.complete;
+  j["frequencies"] = Json::array();
+  for (std::size_t i = 0; i < a.grid.size(); ++i) {
+    Json one = json_of(a.inversion.bins[i]);
+    one["frequency_Hz"] = a.grid.centre(i);
+    one["line"] = finite_or_null(a.line_asd[i]);
+    if (!a.motion.empty()) one["motion_m_per_sqrtHz"] = a.motion[i];
+    j["frequencies"].push_back(one);
+  }
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace straytrace

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <map>
+
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "base/process/threads.hpp"
+#include "io/csv_cells.hpp"
+#include "noise/fundamental/budget.hpp"
+#include "noise/fundamental/design.hpp"
+#include "results/curves/band.hpp"
+#include "results/results.hpp"
+#include "session/common_options.hpp"
+#include "session/compare/other_detector.hpp"
+#include "session/diagnostics.hpp"
+#include "session/scan/scan_axes.hpp"
+#include "session/scan/scan_points.hpp"
+#include "spectra/files/text_table.hpp"
+
+namespace straytrace {
+
+namespace {
+
+// A built-in curve by its name, or a file of this machine.
+DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
+  DesignCurve curve{name, {}};
+  std::vector<std::string> const known(built_in_designs().begin(), built_in_designs().end());
+  if (std::find(known.begin(), known.end(), name) != known.end()) {
+    for (std::size_t i = 0; i < grid.size(); ++i) curve.asd.push_back(design_asd(name, grid.centre(i)));
+    return curve;
+  }
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(name, ignored)) {
+    std::string const near = nearest_word(name, known);
+    throw InputError(fmt::format(
+        "error: --against: '{}' is neither a design curve nor a file\n  {}", name,
+        near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+  }
+  Curve const table = parse_named_curve(read_file(name), strain_columns);
+  if (!table.error.empty())
+    throw InputError(
+        fmt::format("error: --against: '{}' is not a design curve: {}\n  give two columns: frequency in Hz, "
+                    "strain in 1/sqrt(Hz)",
+                    name, table.error));
+  for (std::size_t i = 0; i < grid.size(); ++i) curve.asd.push_back(read_off(table.hz, table.value, grid.centre(i)));
+  return curve;
+}
+
+}  // namespace
+
+void apply(Requirement const& requirement, Model& model) {
+  if (requirement.margin) model.noise.margin = *requirement.margin;
+  if (requirement.against.empty()) return;
+  model.design = {curve_named(requirement.against, model.noise.grid)};
+  if (!model.detector) return;
+  if (auto const other = other_detector(requirement.against, *model.detector)) {
+    model.warnings += fmt::format("warning: --against: {}\n  {}\n", other->what, other->suggestion);
+    Problem const warning{{}, other->what, other->suggestion, Severity::warning};
+    model.warnings_json += problems_as_json(InputError({warning}, ""));
+  }
+}
+
+std::string name_of_line(Model const& model) {
+  return model.design.empty() ? "" : fmt::format("{:.3g} x {}", model.noise.margin, model.design.front().name);
+}
+
+std::vector<double> line_of(Model const& model) {
+  std::vector<double> line(model.noise.grid.size(), not_a_number);
+  for (std::size_t i = 0; i < line.size() && !model.design.empty(); ++i)
+    line[i] = model.noise.margin * model.design.front().asd[i];
+  return line;
+}
+
+void judge(ScanPoint& point, NoiseBudget const& b, std::vector<double> const& line) {
+  point.unresolved = b.unresolved;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    double const ratio = b.total.asd[i] / line[i];
+    if (!(line[i] > 0) || std::isnan(ratio) || !(std::isnan(point.ratio.value) || ratio > point.ratio.value)) continue;
+    point.ratio = {ratio, b.total.sigma[i] / line[i], at_most(b.total, i)};
+    point.worst_hz = b.grid.centre(i);
+  }
+}
+
+std::string run_name(std::string const& model_hash, std::uint64_t seed) {
+  return fmt::format("{}-{}", model_hash.substr(0, 16), seed);
+}
+
+Scanner::Scanner(Options options, Requirement requirement, std::string folder)
+    : options_(std::move(options)), requirement_(std::move(requirement)), folder_(std::move(folder)) {}
+
+std::shared_ptr<CouplingTable const> Scanner::trace_of(Model& model, ScanPoint& point) {
+  std::string const name = run_name(point.model_hash, model.seed);
+  if (auto const known = traced_.find(name); known != traced_.end()) {
+    point.from = ScanPoint::From::shared;
+    return known->second;
+  }
+  std::string const file = folder_.empty() ? "" : fmt::format("{}/runs/{}.h5", folder_, name);
+  std::uint64_t before = 0;
+  if (auto const stored = file.empty() ? std::nullopt : earlier_run(file, point.model_hash, model.seed, options_.force))
+    before = stored->trace.coupling.histories;
+  TraceResult result = trace_model(model, options_, file);
+  point.complete = !result.checkpointed();
+  bool const unchanged = result.coupling.histories == before;
+  point.from = unchanged && !made_.contains(name) ? ScanPoint::From::stored : ScanPoint::From::traced;
+  if (!file.empty() && !unchanged) write_run(file, content_of(model, result, nullptr));
+  auto const coupling = std::make_shared<CouplingTable const>(std::move(result.coupling));
+  if (point.complete) traced_.emplace(name, coupling);
+  return coupling;
+}
+
+ScanPoint Scanner::at(std::vector<std::string> const& settings) {
+  ScanPoint point;
+  point.settings = settings;
+  std::vector<std::string> overrides = options_.overrides;
+  overrides.insert(overrides.end(), settings.begin(), settings.end());
+  Model model;
+  try {
+    model = read_model(options_.input, overrides);
+    apply(options_, model);
+    apply(requirement_, model);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("{}\nat the point {}", e.what(), fmt::join(settings, ", ")));
+  }
+  if (!model.detector)
+    throw InputError("error: a scan looks at noise, and the scene has no 'interferometer'\n  add one, and 'ports'");
+  if (model.warnings != told_) tell_warnings(model, options_);
+  told_ = model.warnings;
+  point.model_hash = model.hash();
+  auto const coupling = trace_of(model, point);
+  point.histories = coupling->histories;
+  NoiseBudget const budget = model.project(*coupling);
+  tell_warnings(budget, options_, fmt::format("{}", fmt::join(settings, ", ")));
+  point.warnings = budget.warnings;
+  for (double const hz : frequencies) point.strain.push_back(strain_at(budget.total, budget.grid, hz));
+  judge(point, budget, line_of(model));
+  line_ = name_of_line(model);
+  return point;
+}
+
+namespace {
+
+using Settings = std::vector<std::string>;
+
+struct Job {
+  Settings const* point = nullptr;
+  std::string run;  // name of its file
+};
+
+// One point for each model; points that cannot be read are left out.
+std::vector<Job> different_models(std::vector<Settings> const& points, Options const& options) {
+  std::vector<Job> jobs;
+  std::set<std::string> known;
+  for (Settings const& point : points) try {
+      std::vector<std::string> overrides = options.overrides;
+      overrides.insert(overrides.end(), point.begin(), point.end());
+      Model model = read_model(options.input, overrides);
+      apply(options, model);
+      std::string const run = run_name(model.hash(), model.seed);
+      if (known.insert(run).second) jobs.push_back({&point, run});
+    } catch (InputError const&) {
+    }
+  return jobs;
+}
+
+// A child; it ends its blocks and writes when the scan is killed.
+[[noreturn]] void work(Job const& job, Options options, Requirement const& requirement, unsigned jobs) {
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  options.quiet = true;
+  if (options.threads == 0) options.threads = std::max(1u, thread_count(0) / jobs);
+  int code = input_error;
+  try {
+    code = Scanner(options, requirement, options.out).at(*job.point).complete ? done : checkpointed;
+  } catch (std::exception const&) {  // said again, to people, by the scan that follows
+  }
+  ::_exit(code);
+}
+
+// What a run file is, to see whether a job changed it.
+std::filesystem::file_time_type age(std::string const& folder, std::string const& run) {
+  std::error_code none;
+  return std::filesystem::last_write_time(fmt::format("{}/runs/{}.h5", folder, run), none);
+}
+
+}  // namespace
+
+std::set<std::string> trace_together(std::vector<Settings> const& points, Options const& options,
+                                     Requirement const& requirement, unsigned jobs, std::atomic<bool> const& stop) {
+  std::vector<Job> const all = different_models(points, options);
+  std::map<std::string, std::filesystem::file_time_type> before;
+  for (Job const& job : all) before[job.run] = age(options.out, job.run);
+  std::map<pid_t, Job const*> running;
+  std::size_t next = 0, finished = 0;
+  while (next < all.size() || !running.empty()) {
+    while (next < all.size() && running.size() < jobs && !stop) {
+      std::cout.flush();
+      pid_t const child = ::fork();
+      if (child == 0) work(all[next], options, requirement, jobs);
+      if (child < 0) throw InputError("error: no further process can be started\n  take fewer with --jobs");
+      running[child] = &all[next++];
+    }
+    if (running.empty()) break;  // stopped
+    int status = 0;
+    pid_t const child = ::waitpid(-1, &status, 0);
+    if (child < 0 && errno == EINTR) {  // Ctrl-C the jobs have had too; what was sent to this process alone goes on
+      for (auto const& [process, ignored] : running)
+        if (stop) ::kill(process, SIGTERM);
+      continue;
+    }
+    auto const job = running.find(child);
+    if (job == running.end()) continue;
+    ++finished;
+    if (!options.quiet)
+      std::cerr << fmt::format("scan  traced {} of {}: {}\n", finished, all.size(),
+                               fmt::join(*job->second->point, ", "));
+    running.erase(job);
+  }
+  std::set<std::string> made;
+  for (auto const& [run, time] : before)
+    if (age(options.out, run) != time) made.insert(run);
+  return made;
+}
+
+namespace {
+
+constexpr std::size_t most_listed_points = 10000;
+
+class ListReader {
+ public:
+  explicit ListReader(std::string name) : name_(std::move(name)) {}
+
+  ScanList read(std::string_view text) {
+    for (std::size_t at = 0; at < text.size(); ++line_) {
+      std::size_t const end = std::min(text.find('\n', at), text.size());
+      if (std::string_view const line = without_blanks(text.substr(at, end - at)); !line.empty() && line[0] != '#')
+        list_.axes.empty() ? header(line) : row(line);
+      at = end + 1;
+    }
+    if (list_.points.empty() && problems_.empty()) problem(0, 0, "it holds no points", example);
+    throw_problems();
+    return std::move(list_);
+  }
+
+ private:
+  static constexpr char const* example = "write a header such as 'rim [cm], baffles' and a row for each point";
+
+  void header(std::string_view line) {
+    for (CsvCell const& cell : csv_cells(line)) {
+      auto const known = csv_name(cell.text);
+      if (!known) problem(line_, cell.column, fmt::format("'{}' does not name a parameter", cell.text), example);
+      std::size_t const open = cell.text.find('['), close = cell.text.rfind(']');
+      std::string const unit = known && open != cell.text.npos && close > open
+                                   ? std::string(without_blanks(cell.text.substr(open + 1, close - open - 1)))
+                                   : "";
+      list_.axes.push_back({known ? std::string(known->name) : "", {}, {}, unit, false});
+    }
+  }
+
+  void row(std::string_view line) {
+    auto const cells = csv_cells(line);
+    if (cells.size() != list_.axes.size())
+      return problem(line_, 1, fmt::format("{} values for {} parameters", cells.size(), list_.axes.size()),
+                     "give one value for each column of the header");
+    std::vector<std::string> point;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      ScanAxis& axis = list_.axes[i];
+      auto const number = csv_number(cells[i].text, {1, dim::plain, {}});
+      if (!number)
+        problem(line_, cells[i].column, fmt::format("'{}' is not a number", cells[i].text),
+                "write a number without unit; the unit stands in the header");
+      axis.values.push_back(std::string(cells[i].text) + (axis.unit.empty() ? "" : " " + axis.unit));
+      axis.numbers.push_back(number.value_or(not_a_number));
+      point.push_back(axis.name + "=" + axis.values.back());
+    }
+    list_.points.push_back(std::move(point));
+    if (list_.points.size() == most_listed_points + 1)
+      problem(line_, 1, fmt::format("more than {} points", most_listed_points), "take fewer");
+  }
+
+  void problem(std::uint32_t line, std::uint32_t column, std::string what, std::string suggestion) {
+    if (problems_.size() < 20) problems_.push_back({{0, line, column}, std::move(what), std::move(suggestion)});
+  }
+
+  void throw_problems() const {
+    if (problems_.empty()) return;
+    std::string text;
+    for (Problem const& p : problems_)
+      text +=
+          fmt::format("{}:{}:{}: error: {}\n      | {}\n", name_, p.place.line, p.place.column, p.what, p.suggestion);
+    throw InputError(problems_, text, {name_});
+  }
+
+  std::string name_;
+  std::uint32_t line_ = 1;
+  ScanList list_;
+  std::vector<Problem> problems_;
+};
+
+}  // namespace
+
+ScanList read_points(std::string const& file) { return ListReader(file).read(read_file(file)); }
+
+}  // namespace straytrace

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One model per point of a scan: traced once per model hash, its noise projected.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "session/session.hpp"
+
+namespace straytrace {
+
+struct ScanPoint {
+  std::vector<std::string> settings;  // "aperture=0.5 m"
+  std::string model_hash;
+  std::uint64_t histories = 0;
+  enum class From { traced, stored, shared } from = From::traced;  // shared: the trace of an earlier point
+  bool complete = true;                                            // false: interrupted
+  std::vector<WithError> strain;                                   // at the frequencies of the scan, 1/sqrt(Hz)
+  WithError ratio{not_a_number, not_a_number};                     // worst total over margin line
+  double worst_hz = not_a_number;
+  std::vector<std::string> unresolved;  // the total is then a lower bound
+  std::vector<std::string> warnings;    // of its noise
+};
+
+// The line that a total is held against.
+struct Requirement {
+  std::optional<double> margin;  // of the model where not given
+  std::string against;           // design curve by name or file; of the model where empty
+};
+void apply(Requirement const&, Model&);
+std::string name_of_line(Model const&);                                       // "0.1 x adv-lal"; empty without a curve
+std::vector<double> line_of(Model const&);                                    // ASD per bin; NaN: none
+void judge(ScanPoint&, NoiseBudget const&, std::vector<double> const& line);  // ratio, worst_hz, unresolved
+
+// Of the run file of a model under `runs/`, without its ending.
+std::string run_name(std::string const& model_hash, std::uint64_t seed);
+
+class Scanner {
+ public:
+  static constexpr double frequencies[] = {10, 30, 100};  // Hz
+
+  // `folder`: where runs are kept, by hash; empty: nowhere.
+  Scanner(Options options, Requirement requirement, std::string folder);
+  // Throws InputError for a model that cannot be read, with the settings of the point in front.
+  ScanPoint at(std::vector<std::string> const& settings);
+  // Runs that this scan has made already, by name: they count as traced, not as stored.
+  void made(std::set<std::string> runs) { made_ = std::move(runs); }
+  std::string const& line() const { return line_; }  // as the last point named it
+
+ private:
+  std::shared_ptr<CouplingTable const> trace_of(Model& model, ScanPoint& point);
+
+  Options options_;
+  Requirement requirement_;
+  std::string folder_, line_, told_;  // the warnings of the last point
+  std::set<std::string> made_;
+  std::map<std::string, std::shared_ptr<CouplingTable const>> traced_;  // by hash and seed
+};
+
+// Points of a scan traced by several processes. Each run is what one process alone would have written, bit for bit: a
+// trace depends on model, seed and histories only.
+
+
+// Fills `runs/` of the folder with the traces that the points need, at most `jobs` at a time, each model once. The
+// names of the run files that were made or continued. Complaints about a point are left to the scan that follows.
+std::set<std::string> trace_together(std::vector<std::vector<std::string>> const& points, Options const&,
+                                     Requirement const&, unsigned jobs, std::atomic<bool> const& stop);
+
+}  // namespace straytrace

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+#include "session/build_info.hpp"
+#include "base/errors.hpp"
+#include "base/files/growing_file.hpp"
+#include "base/text/words.hpp"
+#include "results/receivers/receivers.hpp"
+#include "results/route_table/merit.hpp"
+#include "results/run_file/run_part.hpp"
+#include "results/text/columns.hpp"
+#include "results/text/picture.hpp"
+#include "session/diagnostics.hpp"
+#include "session/events.hpp"
+#include "session/importance_map.hpp"
+#include "session/interrupt.hpp"
+#include "session/light/ghost_noise.hpp"
+#include "session/session.hpp"
+#include "trace/deterministic/edges.hpp"
+#include "trace/importance/importance.hpp"
+#include "trace/run/early_looks.hpp"
+#include "trace/run/ranks.hpp"
+#include "trace/run/trace.hpp"
+
+namespace straytrace {
+namespace {
+
+std::string name_of(Slice const& slice, std::uint64_t histories) {
+  if (slice.whole()) return "a whole run";
+  return fmt::format("slice {}/{} of {} histories", slice.number, slice.of, histories);
+}
+
+std::string duration(double seconds) {
+  if (!(seconds < 1e6)) return "days";
+  return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
+std::string progress_line(TraceProgress const& p, StopRule const& rule) {
+  double left = double(p.wanted_histories - std::min(p.wanted_histories, p.histories)) / p.histories_per_s;
+  std::string goal = fmt::format("{:.3g} of {:.3g} histories", double(p.histories), double(p.wanted_histories));
+  if (rule.by_error()) {
+    double const want = p.wanted_error, seen = double(p.error_histories);
+    goal = std::isfinite(p.error) ? fmt::format("error {:.2g} % at {:.3g}", 100 * p.error, seen)
+           : std::isnan(p.error)  ? "no look yet"
+                                  : fmt::format("something unresolved at {:.3g}", seen);
+    goal += fmt::format("  (want {:g} %)", 100 * want);
+    left = infinity;
+    if (std::isfinite(p.error)) {  // it falls as the root, and must be seen twice, at looks a factor 1.4 apart
+      double const needed = std::max(seen * std::pow(p.error / want, 2), double(p.histories)) * std::sqrt(2.0);
+      left = (std::min(needed, double(p.wanted_histories)) - double(p.histories)) / p.histories_per_s;
+    }
+  }
+  if (std::isfinite(rule.max_seconds)) {
+    if (!rule.by_error()) goal = fmt::format("{} asked for", duration(rule.max_seconds));
+    left = std::fmin(left, std::fmax(rule.max_seconds - p.seconds, 0));
+  }
+  std::string const time = std::isfinite(left) ? "about " + duration(left) + " left" : "";
+  return fmt::format("trace  {}  {:.3g} histories  {:.2g} histories/s  {:.2g} rays/s  {}", goal, double(p.histories),
+                     p.histories_per_s, p.rays_per_s, time);
+}
+
+// The blocks already traced for this model and seed. Few histories are traced in smaller blocks, which a longer run
+// cannot take over.
+void resume_earlier(Model& model, Options const& options, std::string const& run_file, TraceSettings& settings) {
+  auto const found = earlier_run(run_file, model.hash(), model.seed, options.force);
+  if (!found) return;
+  RunFile const& earlier = *found;
+  require_this_program(earlier.about.provenance, run_file,
+                       "choose another place with -o, or trace it anew with --force");
+  std::uint64_t& size = model.world.block_size;
+  std::uint64_t const size_before = earlier.trace.coupling.block_size, histories = earlier.trace.total.histories;
+  Slice const& before = earlier.trace.slice;
+  BlockRange const now = settings.slice.blocks(blocks_of(settings.histories, size));
+  if (before.number != settings.slice.number || before.of != settings.slice.of ||
+      (!before.whole() && (size_before != size || !(before.blocks(earlier.trace.all_blocks) == now))))
+    throw InputError(
+        fmt::format("error: '{}' holds {}, which is not {}\n  choose another place with -o, or overwrite "
+                    "it with --force; parts become one run by straytrace merge",
+                    run_file, name_of(before, earlier.trace.all_blocks * size_before),
+                    name_of(settings.slice, settings.histories)));
+  // Looks count only when they were at the same noise: a rule about h_total depends on motion and detector as well.
+  if (earlier.trace.stop_rule == settings.stop_rule && earlier.about.files == model.scene.files() &&
+      earlier.about.overrides == model.scene.overrides())
+    settings.good_looks = earlier.trace.good_looks;
+  bool const enough = histories >= settings.histories || settings.good_looks >= 2,
+             anew = size != size_before && !enough;
+  if (!options.quiet)
+    std::cerr << (anew ? fmt::format("the {:.3g} histories in '{}' are a whole small run: a longer one begins anew\n",
+                                     double(histories), run_file)
+                       : fmt::format("going on from {:.3g} histories in '{}'\n", double(histories), run_file));
+  if (anew) {
+    settings.good_looks = 0;
+    return;
+  }
+  size = size_before;
+  settings.resume = earlier.trace.tree;
+  settings.seconds_before = earlier.trace.seconds;
+}
+
+// What stands beside the walk, with what must be known of it.
+struct Beside {
+  std::vector<CouplingClass> classes;
+  std::vector<std::string> warnings;
+
+  explicit Beside(Model const& model) {
+    EdgeClasses edges = edge_classes(model.world);
+    classes = std::move(edges.classes);
+    warnings = std::move(edges.warnings);
+    GhostClasses ghosts;
+    if (auto const wanted = read_ghosts(model.scene)) ghosts = ghosts_beside(model.world, *wanted);
+    classes.insert(classes.end(), ghosts.classes.begin(), ghosts.classes.end());
+    warnings.insert(warnings.end(), ghosts.warnings.begin(), ghosts.warnings.end());
+  }
+  TraceResult completed(TraceResult result) const {
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return result;
+  }
+};
+
+// A full disk is no reason to stop: the file that stood there still does.
+void save(std::string const& run_file, RunContent const& content, Options const& options) {
+  try {
+    write_run(run_file, content);
+  } catch (InputError const& e) {
+    std::string why = e.what();  // "error: what\n  remedy"
+    why.resize(std::min(why.find('\n'), why.size()));
+    if (why.starts_with("error: ")) why.erase(0, 7);
+    tell_warning(
+        fmt::format("no checkpoint was written: {}\n  the trace goes on; make room or it ends without a result", why),
+        options);
+  }
+}
+
+// What must be the same on all ranks.
+std::string identity_of(Model const& model) {
+  return fmt::format("{} {} {} {}", model.hash(), model.seed, build_info::version, build_info::commit);
+}
+
+}  // namespace
+
+FolderLock::FolderLock(std::string const& folder) : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY)) {
+  if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(descriptor_);
+    throw InputError(
+        fmt::format("error: another run is writing to '{}'\n  wait for it, or choose another one with -o", folder));
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::optional<RunFile> earlier_run(std::string const& run_file, std::string const& model_hash, std::uint64_t seed,
+                                   bool force) {
+  std::filesystem::path const folder = std::filesystem::path(run_file).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    throw InputError(fmt::format(
+        "error: there is no folder '{}' to write to\n  make it first, or choose another one with -o", folder.string()));
+  if (std::filesystem::is_directory(run_file))
+    throw InputError(fmt::format("error: '{}' is a folder\n  name a file with -o, for example -o {}", run_file,
+                                 (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
+  GrowingFile const can_be_written(run_file);  // or hours of tracing would be lost
+  if (force || !std::filesystem::exists(run_file)) return {};
+  RunFile earlier;
+  try {
+    earlier = read_run(run_file);
+  } catch (InputError const& e) {
+    throw InputError(fmt::format("error: {}\n  choose another place with -o, or overwrite it with --force", e.what()));
+  }
+  if (earlier.about.model_hash != model_hash || earlier.trace.coupling.seed != seed)
+    throw InputError(
+        fmt::format("error: '{}' holds a run of another model or seed; nothing was run\n"
+                    "  choose another place with -o, or overwrite it with --force",
+                    run_file));
+  return earlier;
+}
+
+void apply(Options const& options, Model& model) {
+  if (options.seed) model.seed = *options.seed;
+  if (!options.until.empty()) {
+    model.until = parse_stop_rule(options.until);
+    if (auto const complaint = complaint_about(model.until, model))
+      throw InputError(fmt::format("error: --until: {}\n  {}", complaint->what, complaint->suggestion));
+    if (model.until.by_error() && !model.histories_stated) model.histories = no_limit;
+  }
+  if (options.histories) {
+    model.histories = *options.histories;
+    if (options.until.empty()) model.until = {};
+  }
+  if (options.histories || model.until.by_error()) model.world.block_size = block_size_of(model.histories);
+  if (options.max_seconds > 0) model.until.max_seconds = std::min(model.until.max_seconds, options.max_seconds);
+}
+
+void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy) {
+  if (about.version == build_info::version && about.commit == build_info::commit) return;
+  throw InputError(
+      fmt::format("error: '{}' was traced by straytrace {} ({}), this is {} ({}): their histories are not mixed\n  {}",
+                  file, about.version, about.commit, build_info::version, build_info::commit, remedy));
+}
+
+TraceResult trace_model(Model& model, Options const& options, std::string const& run_file, Transport* transport) {
+  InterruptGuard const guard;
+  if (model.histories < fewest_histories)
+    tell_warning(
+        fmt::format("{} histories are too few for an error\n  ask for {} or more", model.histories, fewest_histories),
+        options);
+  TraceSettings settings;
+  settings.stop_rule = model.until.error_rule;
+  settings.histories = model.histories;
+  settings.slice = {options.slice, options.slices};
+  resume_earlier(model, options, run_file, settings);
+  settings.seed = model.seed;
+  auto const backend = make_backend(transport ? "cpu" : options.backend);
+  settings.threads = options.threads > 0 ? options.threads : backend->callers();
+  settings.max_seconds = model.until.max_seconds;
+  if (model.until.by_error()) {
+    settings.wanted_error = model.until.wanted_error();
+    settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
+  }
+  Beside const beside(model);
+  settings.beside = beside.classes;
+  steer(model.world, options.threads);
+  ProgressLine progress(options.quiet);
+  settings.progress = [&](TraceProgress const& p) {
+    if (events_told()) return tell_progress(p, progress_line(p, model.until));
+    progress.at(p.seconds, [&] { return progress_line(p, model.until); });
+  };
+  settings.stop = &guard.stop();
+  if (!run_file.empty()) settings.checkpoint_seconds = options.checkpoint_seconds;
+  settings.checkpoint = [&](TraceResult const& so_far) {
+    TraceResult const result = beside.completed(so_far);
+    save(run_file, content_of(model, result, nullptr), options);
+  };
+  std::optional<Ranks> ranks;
+  if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
+  settings.ranks = ranks ? &*ranks : nullptr;
+  TraceResult result = beside.completed(trace_to_rule(model.world, settings, *backend));
+  for (std::string const& warning : result.warnings) tell_warning(warning, options);
+  return result;
+}
+
+TraceResult result_of(Model& model, SumTree tree, Options const& options) {
+  Beside const beside(model);
+  TraceSettings settings;
+  settings.seed = model.seed;
+  settings.beside = beside.classes;
+  steer(model.world, options.threads);
+  TraceResult result = beside.completed(result_of(model.world, settings, std::move(tree)));
+  for (std::string const& warning : result.warnings) tell_warning(warning, options);
+  return result;
+}
+
+void work_for_rank_0(Model& model, Options const& options, Transport& transport) {
+  InterruptGuard const guard;
+  steer(model.world, options.threads);
+  TraceSettings settings;
+  settings.seed = model.seed;
+  settings.threads = options.threads;
+  settings.stop = &guard.stop();
+  work_for_rank_0(model.world, settings, *make_backend("cpu"),
+                  {transport, identity_of(model), nodes_image, nodes_of_image});
+}
+
+PathTable table_for(CouplingTable const& coupling, NoiseBudget const* budget, Model const& model) {
+  return path_table(coupling, budget, budget ? &model.motion : nullptr, {});
+}
+
+RunContent content_of(Model const& model, TraceResult const& traced, NoiseBudget const* budget) {
+  RunContent content;
+  content.files = model.scene.files();
+  content.main_file = model.scene.main_file();
+  content.title = model.scene.title();
+  content.overrides = model.scene.overrides();
+  content.resolved = model.scene.resolved();
+  content.model_hash = model.hash();
+  content.interferometer = model.detector ? model.detector->description() : "";
+  if (!model.warnings.empty()) content.warnings.push_back(model.warnings);
+  content.receivers = model.world.receivers();
+  content.importance = importance_map(model.world);
+  content.beam_power = model.world.beam_power;
+  content.provenance.version = build_info::version;
+  content.provenance.commit = build_info::commit;
+  content.provenance.build_flags = build_info::flags;
+  content.provenance.created = utc_now();
+  content.trace = &traced;
+  content.noise = budget;
+  return content;
+}
+
+std::string write_results(std::string const& folder, RunContent const& content, PathTable const& paths,
+                          Model const& model) {
+  write_run(folder + "/run.h5", content);
+  std::vector<std::pair<std::string, std::string>> texts{
+      {folder + "/paths.csv", path_csv(paths, content)},
+      {folder + "/report.txt", text_report(content, paths, model.paths_shown, model.assumptions())}};
+  if (content.noise) texts.emplace_back(folder + "/h_asd.txt", asd_text(content));
+  if (!content.receivers.empty())
+    texts.emplace_back(folder + "/receivers.csv", receiver_csv(receiver_table(content), content));
+  write_files(texts);
+  std::string message;
+  return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
+}
+
+void tell_traced(RunContent const& content, Model const& model, Options const& options) {
+  PathTable const paths = table_for(content.trace->coupling, nullptr, model);
+  if (options.json()) {
+    std::cout << path_json(paths, content) << '\n';
+  } else {
+    if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
+    if (!content.receivers.empty()) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
+    std::cout << "Where the light went\n\n" << books_text(content) << '\n' << objects_text(content);
+  }
+  if (options.quiet) return;
+  std::cerr << merit_text(merits(content), merits_shown);
+  if (model.detector)
+    std::cerr << fmt::format("coupling table in {}; project motion with: straytrace noise {}\n", options.out,
+                             options.out);
+  else
+    std::cerr << fmt::format("light on receivers in {}; more with: straytrace paths {} --census\n", options.out,
+                             options.out);
+}
+
+void tell_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {
+  for (std::string const& warning : budget.warnings)
+    tell_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
+}
+
+// Of a total that is zero everywhere: why. Motion outside the band makes nothing in it as long as its phase is small.
+static std::string silence(NoiseBudget const& budget) {
+  double phase = 0;
+  for (NoiseTrace const& t : budget.routes) phase = std::max(phase, std::sqrt(t.mean_square_phase));
+  if (!(phase > 0)) return "stray light makes no strain noise here: nothing on its routes moves";
+  return fmt::format(
+      "stray light makes no strain noise between {:g} and {:g} Hz: what moves on its routes moves at other "
+      "frequencies, "
+      "by {:.2g} rad rms at most, which does not wrap into this band",
+      budget.grid.edges.front(), budget.grid.edges.back(), phase);
+}
+
+std::string headline(NoiseBudget const& budget, PathTable const& paths) {
+  std::string values, at, ratios, lines;
+  bool bound = false;
+  auto const outside = [&](double f) {
+    return budget.grid.size() > 0 && !(f >= budget.grid.edges.front() && f < budget.grid.edges.back());
+  };
+  bool const nowhere = std::all_of(paths.frequencies.begin(), paths.frequencies.end(), outside);
+  for (std::size_t i = 0; i < paths.frequencies.size(); ++i) {
+    double const f = paths.frequencies[i];
+    if (outside(f) && !nowhere) continue;
+    char const* const comma = values.empty() ? "" : ", ";
+    at += fmt::format("{}{:g}", comma, f);
+    values += comma + with_error(paths.total_strain[i]);
+    bound = bound || paths.total_strain[i].at_most;
+    if (!std::isnan(paths.lines[i].rms.value))
+      lines += fmt::format("; at {:g} Hz a line of {} rms", f, with_error(paths.lines[i].rms));
+    if (budget.design.empty()) continue;
+    double const design = design_at(budget.design.front(), budget.grid, f);
+    ratios += comma + with_error(paths.total_strain[i].over(design));
+  }
+  if (budget.total.resolved &&
+      std::all_of(budget.total.asd.begin(), budget.total.asd.end(), [](double h) { return h == 0; }))
+    return silence(budget);
+  std::string line = fmt::format("stray light h = {} /sqrt(Hz) at {} Hz", values, at);
+  if (!ratios.empty()) line += fmt::format("; over {}: {}", budget.design.front().name, ratios);
+  line += lines;
+  if (!paths.lower_bound()) return line;
+  return line + fmt::format("  ({}: {} unresolved)", bound ? "not of all light" : "lower bound",
+                            counted(paths.unresolved - paths.faint, "route"));
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Folders alone, and empty ones.
+void remove_empty(std::vector<fs::path> const& folders) {
+  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) ::rmdir(folder->c_str());
+}
+
+// With its parents; returns why it was not made.
+std::string make(fs::path const& folder, std::vector<fs::path>& made) {
+  fs::path above;
+  int error = 0;  // of the last part
+  for (fs::path const& part : fs::absolute(folder)) {
+    above /= part;
+    error = ::mkdir(above.c_str(), 0777) == 0 ? 0 : errno;
+    if (error == 0) made.push_back(above);
+  }
+  std::error_code code;
+  if (fs::is_directory(folder, code)) return "";
+  if (fs::is_symlink(folder, code)) return "a link has this name, and what it leads to is not there";
+  return fs::exists(folder, code) ? "a file has this name" : std::strerror(error);
+}
+
+[[noreturn]] void refuse_folder(std::string const& verb, fs::path const& folder, std::string const& why) {
+  throw InputError(
+      fmt::format("error: cannot {} the folder '{}': {}\n  choose another one with -o", verb, folder.string(), why));
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(std::string const& name, std::vector<std::string> const& files) : folder_(name) {
+  if (std::string const why = make(folder_, made_); !why.empty()) {
+    remove_empty(made_);
+    refuse_folder("make", folder_, why);
+  }
+  if (::faccessat(AT_FDCWD, folder_.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    std::string const why = std::strerror(errno);
+    remove_empty(made_);
+    refuse_folder("write to", folder_, why);
+  }
+  std::error_code ignored;
+  for (std::string const& file : files)
+    if (fs::is_directory(folder_ / file, ignored))
+      refuse_folder("write to", folder_, fmt::format("'{}' is a folder", file));
+}
+
+OutputFolder::~OutputFolder() { remove_empty(made_); }
+
+}  // namespace straytrace

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "base/errors.hpp"
+#include "base/files/file_bytes.hpp"
+#include "base/input/table.hpp"
+#include "base/units/quantity.hpp"
+#include "spectra/files/gps.hpp"
+#include "spectra/files/series_file.hpp"
+#include "spectra/files/text_table.hpp"
+#include "spectra/files/unit_text.hpp"
+
+namespace straytrace {
+namespace series_source {
+
+void refuse(std::string const& file, std::string const& what, std::string const& suggestion) {
+  Problem const problem{{1, 0, 0}, what, suggestion, Severity::error, 1};
+  throw InputError({problem}, fmt::format("{}: error: {}\n  {}", file, what, suggestion), {"", file});
+}
+
+namespace {
+
+// Counts, volts and plain numbers await a calibration, which a unit on the command line may be.
+bool is_calibrated(Quantity const& unit) {
+  return unit.dimension.count == 0 && unit.dimension.volt == 0 && !(unit.dimension == dim::plain);
+}
+
+void refuse_contradiction(std::string const& file, std::string const& place, std::string const& found,
+                          std::string const& wanted) {
+  auto const in_file = unit_of_file(found), said = unit_of_file(wanted);
+  if (!in_file || !said) return;
+  auto const a = parse_unit(*in_file), b = parse_unit(*said);
+  if (is_calibrated(*a) && !(a->dimension == b->dimension && a->si == b->si))
+    refuse(file, fmt::format("{} is in {}, not in {}", place, *in_file, *said),
+           "leave the unit to the file, or correct it: straytrace signal convert --unit");
+}
+
+void refuse_second_calibration(std::string const& file, std::string const& place, std::string const& found) {
+  auto const in_file = unit_of_file(found);
+  auto const unit = in_file ? parse_unit(*in_file) : std::nullopt;
+  if (unit && is_calibrated(*unit))
+    refuse(file, fmt::format("{} is in {}, which needs no calibration", place, *in_file),
+           "a number before the unit is for counts, volts and plain numbers: leave it out");
+}
+
+}  // namespace
+
+std::string unit_or_refuse(std::string const& file, std::string const& place, std::string const* found,
+                           SeriesRequest const& request) {
+  std::string const& wanted = request.unit;
+  if (wanted.empty() && !found)
+    refuse(file, fmt::format("{} has no unit", place),
+           "say it with --unit, or the option that names the unit of this record, for example --unit um/s^2");
+  if (found && request.calibrates) refuse_second_calibration(file, place, *found);
+  if (found && !wanted.empty() && !request.contradicts) refuse_contradiction(file, place, *found, wanted);
+  std::string const text = wanted.empty() ? *found : wanted;
+  if (auto const unit = unit_of_file(text)) return *unit;
+  std::string const near = likely_unit(text);
+  refuse(file, fmt::format("'{}' of {} is not a unit", text, place),
+         near.empty() ? "say the unit with --unit, for example --unit m/s^2, V or count"
+                      : fmt::format("did you mean '{}'? say it with --unit", near));
+}
+
+std::string choices(std::vector<std::string> const& names) {
+  std::size_t const most = 12;
+  std::vector<std::string> const shown(names.begin(), names.begin() + std::ptrdiff_t(std::min(names.size(), most)));
+  return fmt::format("{}{}", fmt::join(shown, ", "),
+                     names.size() > most ? fmt::format(" and {} more", names.size() - most) : "");
+}
+
+}  // namespace series_source
+
+namespace {
+
+bool is_hdf5_file(std::string const& bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
+
+std::string bytes_of(std::string const& file) {
+  FileBytes read = bytes_of_file(file);
+  if (!read.why.empty())
+    throw InputError(fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, read.why));
+  return std::move(read.bytes);
+}
+
+double one_time(std::string const& text, std::string const& all) {
+  double value = 0;
+  auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code == std::errc() && end == text.data() + text.size() && std::abs(value) < 1e12) return value;
+  if (auto const utc = gps_of_utc(text)) return *utc;
+  throw InputError(
+      fmt::format("error: '{}' in '{}' is neither a GPS time nor UTC\n  write for example 1234567890..1234567950, or "
+                  "2019-02-01T12:00:00..2019-02-01T12:01:00",
+                  text, all));
+}
+
+struct Calibration {
+  double factor = 1;
+  std::string unit;
+};
+
+// "2e-6 m/s^2": so much is one count, volt or 1 of the file. Units alone, such as "1/m", have no factor.
+Calibration calibration_of(std::string const& text) {
+  Calibration c{1, text};
+  auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), c.factor);
+  std::string const rest(end, text.data() + text.size());
+  std::size_t const unit = rest.find_first_not_of(' ');
+  if (code != std::errc() || unit == rest.npos || rest[0] != ' ' || rest[unit] == '/' || rest[unit] == '*')
+    return {1, text};
+  if (!(std::isfinite(c.factor) && c.factor != 0))
+    throw InputError(
+        fmt::format("error: '{}' calibrates with {:g}\n  write what one count is: \"2e-6 m/s^2\"", text, c.factor));
+  c.unit = rest.substr(unit);
+  return c;
+}
+
+std::string without_blanks_around(std::string const& text) {
+  auto const first = text.find_first_not_of(' ');
+  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
+}  // namespace
+
+TimeSeries parse_series(std::string const& bytes, std::string const& file, SeriesRequest const& wanted) {
+  if (is_hdf5_file(bytes)) return series_source::from_hdf5(bytes, file, wanted);
+  return series_source::from_text(bytes, file, wanted);
+}
+
+TimeSeries series_argument(std::string const& argument, std::string const& unit, GpsSpan span, bool corrects) {
+  auto const mark = argument.find("::");
+  std::string const file = argument.substr(0, mark);
+  auto const [factor, name] = calibration_of(unit);
+  SeriesRequest const wanted{mark == argument.npos ? "" : argument.substr(mark + 2), name, span, corrects,
+                             name != unit && !corrects};
+  TimeSeries s = parse_series(bytes_of(file), std::filesystem::path(file).filename().string(), wanted);
+  if (factor != 1)
+    for (double& x : s.samples) x *= factor;
+  return s;
+}
+
+GpsSpan parse_gps(std::string const& text) {
+  auto const mark = text.find("..");
+  std::string const from = without_blanks_around(text.substr(0, mark));
+  GpsSpan span;
+  if (mark == text.npos) return {one_time(from, text), span.to};
+  std::string const to = without_blanks_around(text.substr(mark + 2));
+  if (!from.empty()) span.from = one_time(from, text);
+  if (!to.empty()) span.to = one_time(to, text);
+  if (!(span.from < span.to))
+    throw InputError(fmt::format("error: '{}' ends before it begins\n  write the earlier time first", text));
+  return span;
+}
+
+}  // namespace straytrace
+
+// Series in columns of text: the first is time in GPS seconds, at regular steps.
+namespace straytrace::series_source {
+namespace {
+
+NamedColumns read_columns(std::string const& text, std::string const& file) {
+  NamedColumns table = parse_named_columns(text);
+  if (!table.error.empty()) refuse(file, table.error, "series are columns of numbers, the first of them time in s");
+  if (table.column.size() < 2)
+    refuse(file, "it has one column, and a series needs the times too", "write two columns: time in s, value");
+  if (auto const unit = parse_unit(table.unit[0]); !table.unit[0].empty() && !(unit && unit->dimension == dim::time))
+    refuse(file, fmt::format("the first column is '{}' in {}, not time", table.name[0], table.unit[0]),
+           "a series has time in s in its first column; a spectrum is read by other commands");
+  if (table.line.size() < 2) refuse(file, "it has one row of numbers", "a series has at least two samples");
+  return table;
+}
+
+// Names, or numbers from 1 where a column has none; time is not counted.
+std::vector<std::string> names_of(NamedColumns const& table) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < table.column.size(); ++i)
+    names.push_back(table.name[i].empty() ? fmt::format("{}", i) : table.name[i]);
+  return names;
+}
+
+std::size_t column_of(NamedColumns const& table, std::string const& file, std::string const& wanted) {
+  std::vector<std::string> const names = names_of(table);
+  if (wanted.empty() && names.size() == 1) return 1;
+  if (wanted.empty())
+    refuse(file, fmt::format("it has {} channels", names.size()),
+           fmt::format("name one, for example {}::{}; there are {}", file, names[0], choices(names)));
+  auto const hit = std::find(names.begin(), names.end(), wanted);
+  if (hit != names.end()) return 1 + std::size_t(hit - names.begin());
+  std::size_t number = 0;
+  auto const [end, code] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+  if (code == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= names.size())
+    return number;
+  std::string const near = nearest_word(wanted, names);
+  refuse(file, fmt::format("it has no channel '{}'", wanted),
+         near.empty() ? "there are " + choices(names) : fmt::format("did you mean '{}'?", near));
+}
+
+std::string at_line(NamedColumns const& table, std::size_t row) { return fmt::format("line {}: ", table.line[row]); }
+
+// Refuses NaN, times that stand still or run back, gaps, and steps that vary by more than a quarter of one.
+double regular_step(NamedColumns const& table, std::vector<double> const& t, std::string const& file) {
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!std::isfinite(t[i]))
+      refuse(file, at_line(table, i) + "the time is not a number", "remove the row, or choose a span without it");
+    if (i > 0) steps.push_back(t[i] - t[i - 1]);
+  }
+  std::vector<double> sorted = steps;
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  double const usual = sorted[sorted.size() / 2];
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] <= 0)
+      refuse(file,
+             fmt::format("{}the time {} s does not come after {} s", at_line(table, i + 1), gps_text(t[i + 1]),
+                         gps_text(t[i])),
+             "times rise from row to row, written with enough digits");
+    if (steps[i] > 1.5 * usual)
+      refuse(file,
+             fmt::format("{}a gap of {:.6g} s after {} s, where samples stand {:.6g} s apart", at_line(table, i + 1),
+                         steps[i], gps_text(t[i]), usual),
+             fmt::format("choose a span without it, for example --gps {}..{}", gps_text(t[0]), gps_text(t[i])));
+    if (std::abs(steps[i] / usual - 1) > 0.25)
+      refuse(file,
+             fmt::format("{}the times are not regular: {:.6g} s after steps of {:.6g} s", at_line(table, i + 1),
+                         steps[i], usual),
+             "resample the record at a constant rate, or write the times with more digits");
+  }
+  double const mean = (t.back() - t.front()) / double(t.size() - 1);
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (std::abs(t[i] - t[0] - double(i) * mean) > 0.5 * mean)
+      refuse(file, at_line(table, i) + "the clock drifts by more than half a sample",
+             "resample the record at a constant rate");
+  if (!(mean >= shortest_step && mean <= longest_step))
+    refuse(file, fmt::format("its step is {:g} s", mean), "times are in seconds, or say their unit: time [ms]");
+  return mean;
+}
+
+// Times are printed with few digits: the whole rate or whole step is meant where the record cannot tell it from ours.
+double meant_rate(double step, std::size_t samples) {
+  double const rate = 1 / step, close = 0.1 / double(samples);
+  if (double const whole = std::round(rate); whole >= 1 && std::abs(rate / whole - 1) < close) return whole;
+  if (double const whole = std::round(step); whole >= 1 && std::abs(step / whole - 1) < close) return 1 / whole;
+  return rate;
+}
+
+// Rows within the span and one beyond each end, so that cut() can judge; gaps elsewhere do not matter.
+NamedColumns near_span(NamedColumns table, GpsSpan span, double to_seconds) {
+  for (double& t : table.column[0]) t *= to_seconds;
+  std::vector<double> const& t = table.column[0];
+  if (!(span.from < t.back() && span.to > t.front())) return table;  // cut() says what there is
+  std::size_t first = 0, last = t.size();
+  while (first + 1 < t.size() && t[first + 1] <= span.from) ++first;
+  while (last > first + 2 && t[last - 2] >= span.to) --last;
+  auto const keep = [&](auto& v) {
+    v.erase(v.begin() + std::ptrdiff_t(last), v.end());
+    v.erase(v.begin(), v.begin() + std::ptrdiff_t(first));
+  };
+  for (auto& c : table.column) keep(c);
+  keep(table.line);
+  return table;
+}
+
+}  // namespace
+
+TimeSeries from_text(std::string const& text, std::string const& file, SeriesRequest const& wanted) {
+  NamedColumns table = read_columns(text, file);
+  std::size_t const channel = column_of(table, file, wanted.channel);
+  std::string const place = table.name[channel].empty() ? fmt::format("column {}", channel + 1)
+                                                        : fmt::format("column '{}'", table.name[channel]);
+  std::string const& written = table.unit[channel];
+  std::string const unit = unit_or_refuse(file, place, written.empty() ? nullptr : &written, wanted);
+  double const to_seconds = table.unit[0].empty() ? 1 : parse_unit(table.unit[0])->si;
+  table = near_span(std::move(table), wanted.span, to_seconds);
+  double const step = regular_step(table, table.column[0], file);
+  TimeSeries series{table.name[channel].empty() ? file : table.name[channel], unit, table.column[0].front(),
+                    meant_rate(step, table.line.size()), std::move(table.column[channel])};
+  for (std::size_t i = 0; i < series.samples.size(); ++i)
+    if (!std::isfinite(series.samples[i]))
+      refuse(file, fmt::format("{}{} is not a number at {} s", at_line(table, i), place, gps_text(series.time(i))),
+             "choose a span without such samples with --gps A..B");
+  return cut(series, wanted.span);
+}
+
+}  // namespace straytrace::series_source

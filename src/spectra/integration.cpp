@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/integration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/math/constants.hpp"
+#include "base/errors.hpp"
+#include "base/units/quantity.hpp"
+#include "spectra/fourier.hpp"
+#include "spectra/sections.hpp"
+
+namespace straytrace {
+namespace {
+
+// In SI, with the unit after `times` integrations.
+TimeSeries prepared(TimeSeries const& s, int times, double corner) {
+  auto const unit = parse_unit(s.unit);
+  auto const seconds = power_of(dim::time, times);
+  auto const after = unit && seconds ? straytrace::times(unit->dimension, *seconds) : std::nullopt;
+  if (times < 0 || times > 2 || !after)
+    throw InputError(
+        fmt::format("error: '{}' in {} cannot be integrated {} times\n  give its unit with --unit, for example m/s^2",
+                    s.name, s.unit, times));
+  if (!(corner > 0 && corner < s.rate / 4))
+    throw InputError(
+        fmt::format("error: a high pass at {:g} Hz for '{}' with {:g} Hz\n  choose it above 0 and below a quarter of "
+                    "the sample rate",
+                    corner, s.name, s.rate));
+  TimeSeries out = s;
+  out.unit = example_unit(*after);
+  if (out.unit.empty()) out.unit = "1";
+  for (double& x : out.samples) x = to_si(x, *unit);
+  return out;
+}
+
+}  // namespace
+
+int integrations_to_displacement(std::string const& unit) {
+  auto const u = parse_unit(unit);
+  for (int times = 0; u && times <= 2; ++times)
+    if (u->dimension == Dimension{2, 0, static_cast<std::int8_t>(-2 * times)}) return times;
+  throw InputError(
+      fmt::format("error: '{}' is no unit of displacement, velocity or acceleration\n  say which it is with --unit or "
+                  "--witness-unit: m, "
+                  "m/s, m/s^2; of counts or volts with what one of them is, \"2e-6 m/s^2\"",
+                  unit));
+}
+
+double integrated_asd(double asd, double hz, int times) { return asd / std::pow(2 * pi * hz, times); }
+
+TimeSeries integrated(TimeSeries const& s, int times, double corner) {
+  TimeSeries out = prepared(s, times, corner);
+  double const mean = std::accumulate(out.samples.begin(), out.samples.end(), 0.0) / double(out.samples.size());
+  for (double& x : out.samples) x -= mean;
+  out.samples = filtered(out.samples, std::size_t(std::ceil(3 * s.rate / corner)), [&](double cycles) {
+    double const f = cycles * s.rate, ratio = std::pow(f / corner, 4);
+    return f == 0 ? 0 : ratio / (1 + ratio) / std::pow(std::complex<double>(0, 2 * pi * f), times);
+  });
+  return out;
+}
+
+TimeSeries settled(TimeSeries const& s, double corner) {
+  if (s.duration() * corner < 6)
+    throw InputError(
+        fmt::format("error: --corner: '{}' has {:.3g} s, fewer than six periods of {:g} Hz\n  give a longer "
+                    "record or a higher corner",
+                    s.name, s.duration(), corner));
+  return cut(s, {s.start + 2 / corner, s.end() - 2 / corner});
+}
+
+double rms_below(TimeSeries const& s, int times, double corner) {
+  double const lower = corner / 2;
+  if (s.duration() * lower < 6) return not_a_number;
+  TimeSeries const all = settled(integrated(s, times, lower), lower),
+                   kept = cut(integrated(s, times, corner), {all.start, all.end()});
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < all.samples.size(); ++i) {
+    double const lost = all.samples[i] - kept.samples[i];
+    sum += lost;
+    squares += lost * lost;
+  }
+  double const n = double(all.samples.size());
+  return std::sqrt(std::max(squares / n - sum / n * sum / n, 0.0));
+}
+
+TimeSeries integrated_causal(TimeSeries const& s, int times, double corner) {
+  TimeSeries out = prepared(s, times, corner);
+  out.samples = once(butterworth(2 * times + 2, 2 * corner / s.rate, 1), std::move(out.samples));
+  for (int i = 0; i < times; ++i) {
+    double sum = 0, before = 0;
+    for (double& x : out.samples) {
+      sum += (before + x) / 2 / s.rate;
+      before = x;
+      x = sum;
+    }
+  }
+  return out;
+}
+
+}  // namespace straytrace

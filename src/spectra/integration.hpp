@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Accelerometers and velocity meters to displacement (physics.md eq. 11.3; R6.05).
+#pragma once
+
+#include "spectra/series.hpp"
+
+namespace straytrace {
+
+// How often to integrate until metres are reached: 2 from m/s^2, 1 from m/s, 0 from m. Throws InputError for other
+// units, with what to write.
+int integrations_to_displacement(std::string const& unit);
+
+// One-sided ASD divided by (2 pi f)^times (eq. 11.3); f > 0.
+double integrated_asd(double asd, double hz, int times);
+
+// The record integrated `times` times, in SI units. Throws InputError when the unit does not hold a time to integrate.
+// In the frequency domain: lines divided by (2 pi i f)^times behind the high pass (f/c)^4/(1 + (f/c)^4), c = corner_hz,
+// both without phase error: 1 % too small at 3.2 c, right above. The mean is taken; beyond its ends the record goes on
+// by odd reflection, and within about 1/c of them the result is uncertain.
+TimeSeries integrated(TimeSeries const&, int times, double corner_hz);
+// An integrated record without its ends: integration knows nothing of what lies before and behind it. What the high
+// pass makes of that falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are left out at both ends.
+// Throws InputError with fewer than six periods.
+TimeSeries settled(TimeSeries const&, double corner_hz);
+// rms of what the high pass at corner_hz takes from the integrated record and one at half of it leaves: motion, or
+// noise of the sensor, right below the corner. NaN with fewer than six periods of half the corner.
+double rms_below(TimeSeries const&, int times, double corner_hz);
+// From past samples only: trapezoidal rule behind a causal Butterworth high pass of order 2 times + 2 at corner_hz,
+// whose phase it has. Settles within a few 1/corner_hz. The trapezoidal rule multiplies by (x cot x)^times,
+// x = pi f/rate: for two integrations 1 % too small at 1/26 of the rate.
+TimeSeries integrated_causal(TimeSeries const&, int times, double corner_hz);
+
+}  // namespace straytrace

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One-sided power spectral densities as functions of frequency with EXACT integrals over bins, so that rms values
+// survive any choice of grid (physics.md 0.4).
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace straytrace {
+
+// One-sided PSD [x^2/Hz]: tables interpolated in log-log (a power law between knots, integrated in closed form; a
+// straight line where one of two neighbours is zero), zero outside their range. A sum keeps its terms, so it is exact.
+class Spectrum {
+ public:
+  Spectrum() = default;                                       // zero everywhere
+  Spectrum(std::vector<double> hz, std::vector<double> psd);  // strictly increasing hz > 0; psd >= 0
+
+  double at(double hz) const;                         // x^2/Hz
+  double power(double low_hz, double high_hz) const;  // integral over the band, x^2
+  double total() const;                               // variance, x^2
+  double lowest() const;                              // Hz; first and last knot; 0 when zero everywhere
+  double highest() const;
+  // Integral of (2 pi f)^2 S over [0, high_hz]: variance of the rate, (x/s)^2.
+  double rate_power(double high_hz) const;
+  Spectrum scaled(double factor) const;  // PSD times factor
+  // PSD times a smooth function of frequency, which is resolved by the knots there are and by `extra` ones [Hz].
+  Spectrum multiplied(std::function<double(double)> const& factor, std::span<double const> extra) const;
+  std::vector<double> hz() const;   // all knots, increasing
+  std::vector<double> psd() const;  // at these knots
+  friend Spectrum operator+(Spectrum const&, Spectrum const&);
+
+ private:
+  struct Table {
+    std::vector<double> hz, psd, slope;  // slope: exponent of each interval, NaN for a straight line
+  };
+  static double at(Table const&, double hz);
+  static double moment(Table const&, double low_hz, double high_hz, int order);  // integral of f^order S
+
+  std::vector<Table> tables_;
+};
+
+// Equal up to a factor: normalised PSDs agree within 1e-6 at all knots of both. Only for spectra of non-zero power.
+bool same_shape(Spectrum const&, Spectrum const&);
+
+// Where responses are asked for, Hz.
+struct Band {
+  double low = 10, high = 100;
+  double clamped(double hz) const { return hz < low ? low : hz > high ? high : hz; }
+};
+
+}  // namespace straytrace

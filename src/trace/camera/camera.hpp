@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pictures computed by rays from a camera, to see whether a scene is built as meant (requirements.md R3.36). No light
+// is simulated: a headlight shows shapes. Page: docs/reference/render.md.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "world/model/world.hpp"
+
+namespace straytrace {
+
+struct Camera {
+  // perspective: pinhole. flat: parallel rays, with scales of its own along both sides. fisheye: the angle from the
+  // middle grows evenly along the picture's radius.
+  enum class Lens : std::uint8_t { perspective, flat, fisheye } lens = Lens::perspective;
+  Vec3 eye, right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  // m; orthonormal
+  std::uint32_t columns = 800, rows = 600;
+  double half_width = 1, half_height = 1;  // of the picture: tangents, m (flat), rad (fisheye)
+  Departure from;                          // surface on which the eye stands, if any
+
+  // Through a point of the picture in pixels from the upper left corner; pixel (i, j) has its centre at i + 0.5,
+  // j + 0.5. t_max is 0 where a fisheye picture has no direction.
+  Ray ray(double column, double row) const;
+  double focal_length() const { return 0.5 * rows / half_height; }  // pixels per unit of half_height
+};
+
+// `field`: full angle from the lower to the upper edge, rad. Only the part of `up` across the direction of view counts.
+Camera looking_at(Vec3 eye, Vec3 look, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows);
+// Round picture of all directions within field/2 of `look`; `up` as above.
+Camera fisheye_at(Vec3 eye, Vec3 look, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows);
+
+// Half space that is not drawn: points with dot(p, normal) > offset.
+struct Cut {
+  Vec3 normal;
+  double offset = 0;  // m
+};
+
+// A view in which everything in the box is seen.
+struct Framing {
+  Camera camera;
+  std::vector<Cut> cuts;
+};
+Box bounds_of(WorldView const&, std::function<bool(SurfaceId)> const& wanted);
+// From above, beside and in front; what stands nearer than the box is cut away. Flat when the box is more than
+// `longest_aspect` times as long as wide: the half beyond the axis, each side of the picture with its own scale.
+constexpr double longest_aspect = 12;
+bool is_long(Box const&);
+Framing framing(Box const&, double field, std::uint32_t columns, std::uint32_t rows);
+Framing section(Box const&, std::uint32_t columns, std::uint32_t rows);
+
+enum class Look : std::uint8_t {
+  solid,
+  glass,  // bounds a medium and transmits: a tint over what is behind, no refraction
+  open    // carries no material on this side, but does on the other: not drawn
+};
+std::vector<Look> looks_of(WorldView const&);  // two per surface: front, back
+
+struct Seen {
+  SurfaceId surface;
+  std::uint32_t piece = 0;
+  double distance = infinity;  // m from where the ray starts
+  Vec3 point, normal;          // m; towards the eye
+  bool front = true;
+};
+struct Sight {
+  static constexpr int most_glass = 8;
+  Seen solid;              // invalid surface: nothing
+  Seen glass[most_glass];  // before it, from the eye on
+  int panes = 0;
+};
+struct LookSettings {
+  std::vector<Cut> cuts;
+  std::vector<Look> looks;  // empty: all solid
+  unsigned threads = 0;     // 0: all cores
+};
+Sight sight(WorldView const&, Ray, Departure from, LookSettings const&);
+
+// One per pixel centre, row by row.
+std::vector<Seen> seen_by(WorldView const&, Camera const&, LookSettings const&);
+
+struct Rgb {
+  double r = 0, g = 0, b = 0;  // 0 to 1
+};
+using Paint = std::function<Rgb(Seen const&)>;
+// Three bytes per pixel, row by row; headlight, dark edges, four rays per pixel. `visible`, one flag per surface, is
+// set for what is in the picture.
+std::vector<std::uint8_t> shaded(WorldView const&, Camera const&, LookSettings const&, Paint const&,
+                                 std::vector<bool>& visible);
+
+}  // namespace straytrace

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// First-order stray light: what is lit (illuminated) and what is seen (critical), both directly or by mirrors and
+// lenses. A surface on both lists makes stray light by a single scatter. Page: docs/reference/commands.md.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "base/math/rng.hpp"
+#include "trace/step/scatter.hpp"
+#include "trace/run/trace.hpp"
+
+namespace straytrace {
+
+// Where a backward walk begins: light could arrive there. A port (a lit surface and its mode) or a receiver.
+struct Ending {
+  bool port = false;
+  std::uint32_t index = 0;  // footprint or receiver
+};
+std::vector<Ending> endings_of(WorldView const&);
+
+// Backward walks have numbers of their own, away from those of histories.
+constexpr std::uint64_t first_backward_history = std::uint64_t{1} << 62;
+
+struct NoBooks {
+  template <class... T>
+  void emitted(T const&...) {}
+  template <class... T>
+  void visit(T const&...) {}
+  template <class... T>
+  void score(T const&...) {}
+  void book(Fate, double) {}
+};
+
+// Follows a path that has been started, as long as it meets specular surfaces; `visit(path, vertex)` hears of each
+// surface reached, with path.power there. Light that is scattered ends. What escapes goes to `escaped(path.power)`.
+template <class Visit, class Escaped>
+void follow_specular(WorldView const& world, std::uint64_t seed, PathState& path, Visit&& visit, Escaped&& escaped) {
+  NoBooks sink;
+  while (path.order < world.limits.max_order) {
+    Hit const hit = world.closest(path.ray, path.from);
+    Vertex vertex;
+    if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
+    path.power *= complete(world, path, hit.surface.valid() ? &vertex : nullptr);
+    lost_in_medium(world, path, hit.surface.valid() ? hit.distance : 0);
+    if (!(path.power > 0)) return;
+    if (!hit.surface.valid()) return escaped(path.power);
+    ++path.event;
+    ++path.order;
+    look(world, path, path.ray.dir, vertex);
+    visit(path, vertex);
+    if (!scatter(world, seed, path, vertex, sink) || path.hop.left_by == Event::scatter) return;
+  }
+}
+
+// Starts backward walk number `number` from an ending. path.power is the throughput of the walk: for a receiver the
+// etendue pi A [m^2 sr], for a port lambda^2 times its share [m^2], to which the hop adds its weight on arrival.
+bool start_backward(WorldView const&, std::uint64_t seed, std::uint64_t number, Ending, PathState& path);
+
+// One row: a group of surfaces. Errors are one standard error.
+struct FirstOrderRow {
+  GroupId group;
+  Estimate power;       // arriving there by specular ways only, relative to the main mode
+  Estimate throughput;  // m^2 sr, with which the ending sees it
+  Estimate product;     // single scatter there into the ending, relative to the main mode
+};
+struct FirstOrderList {
+  Ending ending;
+  std::vector<FirstOrderRow> rows;  // one per group that is lit or seen, largest product first
+  Estimate outside;                 // throughput with which it sees past everything
+  double total = 0;                 // throughput in all
+};
+
+struct FirstOrderSettings {
+  std::uint64_t seed = 1, histories = 1 << 17;  // forward, and for each ending backward
+  unsigned threads = 0;
+};
+// The product adds, strip by strip and side by side, (scattered power) x (throughput)/(pi area): exact for a Lambertian
+// surface that is lit or seen evenly within each strip.
+std::vector<FirstOrderList> first_order(World const&, FirstOrderSettings const&);
+
+}  // namespace straytrace

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Diffraction at rims between the mirrors of a cavity: light scattered at a small angle by one mirror, cut off by a
+// rim, rejoins the mode at the other (physics.md eq. 8.11 to 8.14). The walk knows nothing of it: it follows light that
+// a surface absorbs, reflects or scatters, while this is the wave that a rim sends out because the light beside it is
+// missing, whatever the baffle is made of.
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "trace/coupling.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace {
+
+// What one rim carries from footprint `source` to footprint `goal`. `amplitude`: recoupled field over that of the mode,
+// its phase against the straight way from mirror to mirror. `gradient`: its derivative by the six coordinates of each
+// body, as those of a Lever.
+struct EdgeWave {
+  struct Gradient {
+    BodyId body;
+    std::complex<double> d[6] = {};
+  };
+  std::complex<double> amplitude;
+  std::vector<Gradient> gradient;
+  double smooth = 0;              // amplitude of a centred rim without teeth, J0 = 1
+  double path_length = 0;         // m, mean over the rim
+  double seen = 0;                // part of the rim that both mirrors see
+  double patches = 0;             // of speckle around the rim: 2 pi a w/(lambda l), at the mirror where there are more
+  std::vector<PathRecord> teeth;  // what random teeth scatter besides the mean field; powers add
+};
+EdgeWave edge_wave(World const&, std::uint32_t source, std::uint32_t goal, InnerRim const&);
+
+struct EdgeClasses {
+  std::vector<CouplingClass> classes;
+  std::vector<std::string> warnings;
+};
+// As the table `edges` of the scene asks: one class for each group of rims and each direction between two mirrors.
+EdgeClasses edge_classes(World const&);
+
+}  // namespace straytrace

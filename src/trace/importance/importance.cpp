@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trace/importance/importance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/process/threads.hpp"
+#include "trace/importance/exchange.hpp"
+#include "trace/importance/law_share.hpp"
+#include "trace/tally/map_cells.hpp"
+#include "trace/importance/patches.hpp"
+#include "trace/importance/pilot.hpp"
+#include "trace/importance/targets.hpp"
+
+namespace straytrace {
+namespace {
+
+class Builder {
+ public:
+  Builder(World const& world, ImportanceSettings const& settings)
+      : world_(world), settings_(settings), tables_(make_strips(world)), goals_(goals_of(world.view())) {
+    if (tables_.strips.size() > settings.most_strips) merge_strips(world, settings.most_patches, tables_);
+  }
+
+  SteeringTables build() {
+    if (tables_.strips.empty()) return {};
+    sides_ = exchanges(world_, tables_, goals_, settings_.samples, settings_.threads);
+    solve_all();
+    choose_targets();
+    if (settings_.pilot_histories > 0) {
+      learn();
+      choose_targets();
+    }
+    return std::move(tables_);
+  }
+
+ private:
+  // In units of what each goal receives in all; goals that no light reaches are left out.
+  std::vector<Worth> in_own_units() const {
+    std::vector<Worth> all;
+    bool const lit = std::any_of(sides_.begin(), sides_.end(), [](Exchange const& e) { return !e.by_law.empty(); });
+    for (Worth worth : worths_) {
+      std::vector<double>& adjoint = worth.adjoint;
+      double total = 0;
+      for (std::size_t i = 0; i < sides_.size(); ++i)
+        if (!sides_[i].by_law.empty()) total += forward_score(i, adjoint);
+      if (!lit) total = *std::max_element(adjoint.begin(), adjoint.end());  // free beams alone: any unit will do
+      if (!(total > 0)) continue;
+      for (double& a : adjoint) a /= total;
+      all.push_back(std::move(worth));
+    }
+    return all;
+  }
+  // Where the pilot has seen enough paths it may raise an adjoint: the exchange knows no mirrors and no glass.
+  void learn() {
+    constexpr std::uint64_t enough = 64;
+    World steered = world_;
+    steered.steer(tables_);
+    Pilot const pilot = run_pilot(steered, settings_.pilot_histories);
+    for (std::size_t g = 0; g < goals_.size(); ++g)
+      for (std::size_t i = 0; i < sides_.size(); ++i)
+        if (pilot.visits[i] >= enough && pilot.arrived[i] > 0)
+          worths_[g].adjoint[i] = std::max(worths_[g].adjoint[i], pilot.scored[goals_[g]][i] / pilot.arrived[i]);
+  }
+  // Adjoint of one goal, and the hops of the walk that are still to come, a mean over the score: with n hops to come
+  // the terms of the series count n times, B = albedo F (B + A).
+  Worth solved(std::size_t goal) const {
+    std::size_t const n = sides_.size();
+    std::vector<double> adjoint(n), next(n), counted(n), next_counted(n);
+    for (int sweep = 0; sweep < 40; ++sweep) {
+      double change = 0, largest = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        double coming = 0, hops = 0;
+        for (std::size_t j = 0; j < sides_[i].diffuse.share.size(); ++j) {
+          double const share = sides_[i].diffuse.share[j];
+          coming += share * adjoint[j];
+          hops += share * counted[j];
+        }
+        double const albedo = std::min(sides_[i].albedo, 0.95);
+        next[i] = sides_[i].direct[goal] + albedo * coming;
+        next_counted[i] = albedo * (hops + coming);
+        change = std::max(change, std::fabs(next[i] - adjoint[i]));
+        largest = std::max(largest, next[i]);
+      }
+      std::swap(adjoint, next);
+      std::swap(counted, next_counted);
+      if (change <= 1e-3 * largest) break;
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      counted[i] = 1 + std::min(adjoint[i] > 0 ? counted[i] / adjoint[i] : 0, double(world_.limits.max_order));
+    return {std::move(adjoint), std::move(counted)};
+  }
+  void solve_all() {
+    worths_.resize(goals_.size());
+    in_parallel(goals_.size(), settings_.threads, [&](std::size_t g) { worths_[g] = solved(g); });
+  }
+  double forward_score(std::size_t side, std::vector<double> const& adjoint) const {
+    double sum = 0;
+    for (std::size_t j = 0; j < adjoint.size(); ++j) sum += double(sides_[side].by_law.share[j]) * adjoint[j];
+    return sum;
+  }
+
+  void choose_targets() {
+    std::vector<Worth> const worths = in_own_units();
+    Parts const parts = parts_of(world_, tables_);
+    double level = 0;
+    tables_.targets.clear();
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+      PatchSide& side = tables_.sides[i] = {};
+      Exchange const& exchange = sides_[i];
+      bool const emits = !exchange.by_law.empty();  // few sides do: they get whole lists
+      for (Worth const& w : worths) {
+        side.adjoint += w.adjoint[i];
+        if (emits) level += forward_score(i, w.adjoint);
+      }
+      Arriving const& arriving = emits ? exchange.by_law : exchange.diffuse;
+      std::vector<Target> const list =
+          targets_of(parts, arriving.share, worths, emits ? tables_.patches.size() : settings_.most_targets);
+      side.first = std::uint32_t(tables_.targets.size());
+      side.count = std::uint32_t(list.size());
+      if (side.count > 0)
+        side.alpha = best_law_share(arriving, emits ? exchange.emitted : 1, list, worths, i, parts.of_patch,
+                                    std::max(settings_.alpha, 0.1));
+      tables_.targets.insert(tables_.targets.end(), list.begin(), list.end());
+    }
+    tables_.level = settings_.window ? level : 0;
+  }
+
+  World const& world_;
+  ImportanceSettings const& settings_;
+  SteeringTables tables_;
+  std::vector<std::uint32_t> goals_;  // footprints where light rejoins, then receivers
+  std::vector<Exchange> sides_;       // two per patch
+  std::vector<Worth> worths_;         // by goal; adjoints as score per unit of power arriving
+};
+
+}  // namespace
+
+SteeringTables make_importance(World const& world, ImportanceSettings const& settings) {
+  return Builder(world, settings).build();
+}
+
+void steer(World& world, unsigned threads) {
+  find_covered_receivers(world);
+  if (world.limits.targets) {
+    ImportanceSettings settings;
+    settings.alpha = world.limits.law_share;
+    settings.window = world.limits.window;
+    settings.threads = threads;
+    if (world.receivers().empty()) settings.pilot_histories = 0;
+    world.steer(make_importance(world, settings));
+  }
+  find_map_cells(world);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "trace/importance/importance.hpp"
+#include "trace/step/specular_connection.hpp"
+
+namespace straytrace {
+namespace {
+
+// Surfaces on which light of beams starts or, of free beams, is scattered first.
+std::vector<bool> lit_surfaces(WorldView const& world) {
+  constexpr int across = 16;  // lines of a free beam in radius, and in azimuth
+  std::vector<bool> lit(world.surfaces.size);
+  for (std::size_t e = 0; e < world.emitters.size; ++e) {
+    Footprint const& beam = world.lit[world.emitters[e]];
+    if (!beam.free) lit[beam.surface.value] = true;
+    if (!beam.free || beam.profile == Profile::point) continue;
+    for (int i = 0; i < across * across; ++i) {
+      Vec3 const start = beam.sample((i / across + 0.5) / across, (i % across + 0.5) / across).origin;
+      Hit const hit = world.closest({start, beam.direction(start)}, {});
+      if (!hit.surface.valid()) continue;
+      Surface const& met = world.surfaces[hit.surface.value];
+      if (world.optics[met.front].laws + world.optics[met.back].laws > 0) lit[hit.surface.value] = true;
+    }
+  }
+  return lit;
+}
+
+bool specular(WorldView const& world, SurfaceId id) {
+  Surface const& surface = world.surfaces[id.value];
+  for (std::uint32_t const side : {surface.front, surface.back}) {
+    Optic const& optic = world.optics[side];
+    if (optic.has_interface || optic.reflect > 0 || optic.transmit > 0) return !surface.clear;
+  }
+  return false;
+}
+
+// Sub-paths of a receiver, tried out.
+class Trials {
+ public:
+  Trials(WorldView const& world, std::uint32_t receiver, std::vector<bool> const& lit)
+      : world_(world), receiver_(receiver), lit_(lit) {}
+
+  // Sub-paths that found something that scatters, or that a beam lights. Sums of 1/density and of its square.
+  struct Found {
+    int hits = 0;
+    double etendue = 0, square = 0;
+    bool enough() const { return hits >= 4; }
+  };
+  // Of `tries` started as `r` says; only those that met `first` first, when it is given.
+  Found found(Receiver const& r, std::uint64_t tries, SurfaceId first = {}) const {
+    Found sum;
+    for (std::uint64_t n = 0; n < tries; ++n) {
+      PathState path;
+      path.history = n;
+      Rng rng = backward_numbers(0, path, receiver_);
+      SurfaceId passed;
+      bool lit = false;
+      double start = 0;
+      Backward const back = backward_from(
+          world_, r, rng,
+          [&](Vertex const& at, bool) {
+            if (!passed.valid()) passed = at.surface;
+          },
+          [&](Backward const& met) {
+            lit = lit || lit_[met.z.value];
+            start = met.etendue;
+          });
+      if ((first.valid() && passed != first) || !(lit || back.tau > 0)) continue;
+      ++sum.hits;
+      sum.etendue += start;
+      sum.square += start * start;
+    }
+    return sum;
+  }
+  // The mirrors and glass by way of which it sees most, each tried alone: those so small or far that aiming at them
+  // starts useful sub-paths four times as often as the cosine law, which has the density 1/`even`.
+  std::vector<SurfaceId> aims() const {
+    std::vector<std::pair<double, SurfaceId>> all;
+    Receiver r = world_.receivers[receiver_];
+    double const even = pi * r.sides() / receiver_density(world_, r);
+    for (std::uint32_t id = 0; id < world_.surfaces.size && id < 4096; ++id) {
+      if (!specular(world_, {id}) || r.surface == SurfaceId{id}) continue;
+      r.aims = 1;
+      r.aim[0] = {id};
+      Found const seen = found(r, 256, {id});
+      if (seen.enough() && 4 * seen.square < even * seen.etendue) all.push_back({seen.etendue, {id}});
+    }
+    std::stable_sort(all.begin(), all.end(), [](auto const& a, auto const& b) { return a.first > b.first; });
+    if (all.size() > Receiver::most_aims) all.resize(Receiver::most_aims);
+    std::vector<SurfaceId> ids;
+    for (auto const& [seen, id] : all) ids.push_back(id);
+    return ids;
+  }
+
+ private:
+  WorldView const& world_;
+  std::uint32_t receiver_;
+  std::vector<bool> const& lit_;
+};
+
+}  // namespace
+
+void find_covered_receivers(World& world) {
+  WorldView const view = world.view();
+  std::vector<bool> const lit = lit_surfaces(view);
+  for (std::uint32_t i = 0; i < view.receivers.size; ++i) {
+    if (view.polarised) {  // sub-paths know no polarisation: the walk alone does
+      world.cover_receiver(i, false);
+      continue;
+    }
+    if (view.receivers[i].clear) continue;
+    Trials const trials(view, i, lit);
+    std::vector<SurfaceId> const aims = trials.aims();
+    Receiver even = view.receivers[i];
+    even.aims = 0;
+    world.cover_receiver(i, even.behind_glass || !aims.empty() || trials.found(even, 4096).enough(), aims);
+  }
+}
+
+}  // namespace straytrace

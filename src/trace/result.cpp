@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <stdexcept>
+
+#include "base/math/constants.hpp"
+#include "trace/result.hpp"
+#include "trace/tally/add_total.hpp"
+#include "trace/tally/block_sink.hpp"
+
+namespace straytrace {
+
+char const* name_of(Fate fate) {
+  static constexpr char const* names[] = {"absorbed", "escaped", "limit", "window", "sampling"};
+  return names[static_cast<int>(fate)];
+}
+
+bool before(ScoreAddress const& a, ScoreAddress const& b) {
+  if (a.priority != b.priority) return a.priority > b.priority;
+  if (a.history != b.history) return a.history < b.history;
+  if (a.event != b.event) return a.event < b.event;
+  return a.connection < b.connection;
+}
+
+std::size_t records_kept(std::uint64_t blocks) {
+  return std::clamp<std::size_t>(2 * blocks, records_per_class, most_records);
+}
+
+void keep_largest(ClassSums& sums, std::size_t most) {
+  std::erase_if(sums.kept, [&](ScoreAddress const& a) { return a.priority < sums.threshold; });
+  std::sort(sums.kept.begin(), sums.kept.end(), before);
+  if (sums.kept.size() <= most) return;
+  sums.threshold = std::max(sums.threshold, sums.kept[most].priority);
+  sums.kept.resize(most);
+}
+
+namespace {
+
+// Scores with what only they have: the sum over the first blocks stays as it is set in `into`.
+void merge_scores(Moments& into, Moments const& from) {
+  double const first = into.first_sum;
+  into = merged(into, from);
+  into.first_sum = first;
+}
+
+void merge_class(ClassSums& into, ClassSums const& from, std::size_t records) {
+  into.port = from.port;
+  merge_scores(into.moments, from.moments);
+  for (int r = 0; r < replica_count; ++r) into.replica_sum[r] += from.replica_sum[r];
+  into.kept.insert(into.kept.end(), from.kept.begin(), from.kept.end());
+  into.off_list += from.off_list;
+  into.threshold = std::max(into.threshold, from.threshold);
+  keep_largest(into, records);
+  into.levers.add(from.levers);
+}
+
+void add_to(std::vector<double>& into, std::vector<double> const& from) {
+  into.resize(std::max(into.size(), from.size()));
+  for (std::size_t i = 0; i < from.size(); ++i) into[i] += from[i];
+}
+
+void merge_receiver(ReceiverSums& into, ReceiverSums const& from) {
+  merge_scores(into.power, from.power);
+  for (auto const map : {&ReceiverSums::image, &ReceiverSums::angles, &ReceiverSums::quadrants}) {
+    add_to((into.*map).sum, (from.*map).sum);
+    add_to((into.*map).sum2, (from.*map).sum2);
+  }
+  for (auto const& [route, field] : from.fields)
+    for (auto const part : {&FieldSums::power, &FieldSums::real, &FieldSums::imaginary})
+      add_to(into.fields[route].*part, field.*part);
+}
+
+// Moves the border between the first blocks and the rest to where it lies after `more` blocks have been added.
+void move_border(BlockSums& sums, std::uint64_t more) {
+  std::uint64_t const border = first_part(sums.blocks + more);
+  if (border == first_part(sums.blocks)) return;
+  auto const move = [&](Moments& m) { m.first_sum = border == sums.blocks ? m.sum : not_a_number; };
+  for (auto& [route, c] : sums.classes) move(c.moments);
+  for (ReceiverSums& r : sums.receivers) move(r.power);
+}
+
+}  // namespace
+
+BlockSums merged(BlockSums left, BlockSums const& right) {
+  if (left.blocks == 0 && left.classes.empty()) return right;
+  move_border(left, right.blocks);
+  // What only the right has scored in has nothing before the border, unless that lies inside the right.
+  double const before_border = first_part(left.blocks + right.blocks) > left.blocks ? not_a_number : 0;
+  left.histories += right.histories;
+  left.blocks += right.blocks;
+  std::size_t const records = records_kept(left.blocks);
+  left.bounces += right.bounces;
+  left.rays += right.rays;
+  left.lost += right.lost;
+  for (auto const& [route, sums] : right.classes) {
+    auto const [place, is_new] = left.classes.try_emplace(route);
+    if (is_new) place->second.moments.first_sum = before_border;
+    merge_class(place->second, sums, records);
+  }
+  left.receivers.resize(std::max(left.receivers.size(), right.receivers.size()));
+  for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);
+  left.emitted = merged(left.emitted, right.emitted);
+  left.window_variance += right.window_variance;
+  for (int f = 0; f < fate_count; ++f) left.ledger[f] = merged(left.ledger[f], right.ledger[f]);
+  for (auto const list : {&BlockSums::arrived, &BlockSums::absorbed}) {
+    std::vector<Moments>& into = left.*list;
+    std::vector<Moments> const& from = right.*list;
+    into.resize(std::max(into.size(), from.size()));
+    for (std::size_t g = 0; g < from.size(); ++g) into[g] = merged(into[g], from[g]);
+  }
+  return left;
+}
+
+void SumTree::add(unsigned level, std::uint64_t index, BlockSums sums) {
+  std::uint64_t const first = index << level, end = (index + 1) << level;
+  auto const next = nodes_.lower_bound({first, 0});
+  bool twice = next != nodes_.end() && next->first.first < end;
+  if (next != nodes_.begin()) {
+    auto const [start, height] = std::prev(next)->first;
+    twice = twice || start + (std::uint64_t(1) << height) > first;
+  }
+  if (twice) throw std::logic_error("block counted twice");
+  auto const sibling = nodes_.find({(index ^ 1) << level, level});
+  if (sibling == nodes_.end()) {
+    nodes_.emplace(std::pair{first, level}, std::move(sums));
+    return;
+  }
+  BlockSums other = std::move(sibling->second);
+  nodes_.erase(sibling);
+  add(level + 1, index / 2, index & 1 ? merged(std::move(other), sums) : merged(std::move(sums), other));
+}
+
+namespace {
+
+// How many numbers below n are `rest` modulo replica_count.
+std::uint64_t below(std::uint64_t n, std::uint64_t rest) {
+  return n / replica_count + (n % replica_count > rest ? 1 : 0);
+}
+
+}  // namespace
+
+BlockSums SumTree::total() const {
+  BlockSums all;
+  for (auto const& [place, sums] : nodes_) all = merged(std::move(all), sums);
+  std::vector<BlockRange> const ranges = done();
+  for (std::uint64_t r = 0; r < replica_count; ++r) {
+    all.replica_blocks[r] = 0;
+    for (BlockRange const& range : ranges) all.replica_blocks[r] += below(range.end, r) - below(range.first, r);
+  }
+  return all;
+}
+
+std::vector<BlockRange> SumTree::done() const {
+  std::vector<BlockRange> ranges;
+  for (auto const& [place, sums] : nodes_) {
+    std::uint64_t const first = place.first, end = first + (std::uint64_t(1) << place.second);
+    if (!ranges.empty() && ranges.back().end == first)
+      ranges.back().end = end;
+    else
+      ranges.push_back({first, end});
+  }
+  return ranges;
+}
+
+std::vector<BlockRange> SumTree::missing(BlockRange of) const {
+  std::vector<BlockRange> gaps;
+  for (BlockRange const& range : done()) {
+    if (range.end <= of.first) continue;
+    if (range.first >= of.end) break;
+    if (range.first > of.first) gaps.push_back({of.first, range.first});
+    of.first = range.end;
+  }
+  if (of.first < of.end) gaps.push_back(of);
+  return gaps;
+}
+
+BlockRange Slice::blocks(std::uint64_t all) const {
+  auto const border = [&](std::uint64_t n) { return all / of * n + all % of * n / of; };
+  return {border(number - 1), border(number)};
+}
+
+void Moments::add(double total, std::uint64_t history) { add_total(*this, total, history); }
+
+namespace {
+
+// Drops all but the largest, unordered.
+void shorten(std::vector<double>& tail) {
+  if (tail.size() <= tail_size) return;
+  std::nth_element(tail.begin(), tail.begin() + tail_size, tail.end(), std::greater<>());
+  tail.resize(tail_size);
+}
+
+}  // namespace
+
+void Moments::add_score(double total, std::uint64_t history) {
+  add(total, history);
+  if (!(total > 0)) return;
+  tail.push_back(total);
+  if (tail.size() == 2 * tail_size) shorten(tail);
+}
+
+void Moments::close_block() {
+  block_sum2 = sum * sum;
+  shorten(tail);
+  std::sort(tail.begin(), tail.end(), std::greater<>());
+}
+
+Moments merged(Moments const& left, Moments const& right) {
+  Moments m = left;
+  m.first_sum += right.first_sum;
+  m.tail.resize(left.tail.size() + right.tail.size());
+  std::merge(left.tail.begin(), left.tail.end(), right.tail.begin(), right.tail.end(), m.tail.begin(),
+             std::greater<>());
+  m.tail.resize(std::min(m.tail.size(), tail_size));
+  m.sum += right.sum;
+  m.sum2 += right.sum2;
+  m.sum3 += right.sum3;
+  m.sum4 += right.sum4;
+  m.block_sum2 += right.block_sum2;
+  m.scored += right.scored;
+  if (right.largest > m.largest) {
+    m.largest = right.largest;
+    m.largest_history = right.largest_history;
+  }
+  return m;
+}
+
+std::uint64_t first_part(std::uint64_t blocks) {
+  std::uint64_t const power = std::bit_floor(blocks);
+  return blocks - power < power / 2 ? power / 2 : blocks == power ? 0 : power;
+}
+
+namespace {
+
+// Exponent p of x^-p that the largest totals follow (Hill); the variance is finite above 3. Asked when they are the
+// upper 1 % at most: further down they are no tail, and bounded distributions look like flat powers there.
+double slope_of(std::vector<double> const& tail, std::uint64_t scored) {
+  if (tail.size() < tail_size || scored < 100 * tail_size || std::isinf(tail[0])) return not_a_number;
+  double logs = 0;
+  for (double const x : tail) logs += std::log(x / tail.back());
+  return logs > 0 ? 1 + double(tail_size - 1) / logs : infinity;
+}
+
+// Standard error of that exponent.
+double error_of_slope(double slope) { return (slope - 1) / std::sqrt(double(tail_size)); }
+
+// Mean of the first blocks less that of the rest, in standard errors from the spread of all blocks.
+double difference_of_halves(Moments const& m, double blocks, double first) {
+  double const rest = blocks - first, spread = (m.block_sum2 - m.sum * m.sum / blocks) / (blocks - 1);
+  if (!(first > 0 && spread > 1e-12 * m.block_sum2)) return not_a_number;
+  double const error = std::sqrt(spread * (1 / first + 1 / rest));
+  return (m.first_sum / first - (m.sum - m.first_sum) / rest) / error;
+}
+
+constexpr double fewest = 100;  // scores, effective ones too
+
+}  // namespace
+
+std::string tail_objection(Estimate const& e) {
+  if (double(e.scored) < fewest || e.effective_scores < fewest) return {};
+  if (e.largest_share > 0.05) return fmt::format("one history carries {:.0f} % of the sum", 100 * e.largest_share);
+  if (e.variance_of_variance > 0.1) return fmt::format("variance of variance is {:.2f}", e.variance_of_variance);
+  // By two errors, not by chance: half of all good rows at the limit would be refused, those that met their tail.
+  if (double const error = error_of_slope(e.tail_slope); e.tail_slope + 2 * error < 3)
+    return fmt::format("the largest histories fall as slowly as x^-{:.2f} ± {:.2f}: too slowly for an error bar",
+                       e.tail_slope, error);
+  if (std::fabs(e.halves) > 5)
+    return fmt::format("its first and second half differ by {:.0f} standard errors", std::fabs(e.halves));
+  return {};
+}
+
+namespace {
+
+// Why an estimate is not to be trusted, in words (estimators.md 13); empty when it is.
+std::string objection(Estimate const& e, std::uint64_t blocks) {
+  if (e.scored == 0) return "no history has scored";
+  if (double(e.scored) < fewest)
+    return e.scored == 1 ? "only 1 history has scored" : fmt::format("only {} histories have scored", e.scored);
+  if (e.effective_scores < fewest) return fmt::format("only {:.0f} effective scores", e.effective_scores);
+  if (std::string tail = tail_objection(e); !tail.empty()) return tail;
+  if (blocks < 32)
+    return fmt::format("only {} run (32 are needed)",
+                       blocks == 1 ? "1 block of histories was" : fmt::format("{} blocks of histories were", blocks));
+  return {};
+}
+
+}  // namespace
+
+Estimate estimate(Moments const& m, std::uint64_t histories, std::uint64_t blocks) {
+  Estimate e;
+  e.scored = m.scored;
+  double const n = double(histories), b = double(blocks);
+  if (histories == 0 || m.scored == 0) {
+    e.std_error = not_a_number;
+    e.why_not = objection(e, blocks);
+    return e;
+  }
+  e.mean = m.sum / n;
+  double const spread = m.sum2 - m.sum * m.sum / n;  // of history totals
+  double const history_error = n > 1 ? std::sqrt(std::fmax(spread, 0) / (n * (n - 1))) : not_a_number;
+  if (blocks >= 32) {  // sum over blocks of (block sum - mean block sum)^2
+    double const between = std::fmax(m.block_sum2 - m.sum * m.sum / b, 0);
+    e.std_error = std::sqrt(between * b / (b - 1)) / n;
+  } else {
+    e.std_error = history_error;
+  }
+  if (spread * spread > 1e-10 * m.sum4) {  // below, equal totals: what is left is rounding
+    double const mean = e.mean;
+    double const fourth = m.sum4 - 4 * mean * m.sum3 + 6 * mean * mean * m.sum2 - 3 * n * mean * mean * mean * mean;
+    e.variance_of_variance = std::fmax(fourth / (spread * spread) - 1 / n, 0);
+  }
+  e.effective_scores = m.sum2 > 0 ? m.sum * m.sum / m.sum2 : 0;
+  e.largest_share = m.sum != 0 ? m.largest / std::fabs(m.sum) : 0;
+  e.tail_slope = slope_of(m.tail, m.scored);
+  if (blocks >= 32) e.halves = difference_of_halves(m, b, double(first_part(blocks)));
+  e.why_not = objection(e, blocks);
+  e.trusted = e.why_not.empty();
+  return e;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trace/run/runner.hpp"
+
+#include <exception>
+#include <thread>
+
+#include "base/process/threads.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double report_seconds = 0.5;  // between reports of progress
+constexpr std::chrono::milliseconds with_helpers{2}, alone{500};
+
+std::uint64_t blocks_in(SumTree const& tree) {
+  std::uint64_t blocks = 0;
+  for (BlockRange const& range : tree.done()) blocks += range.size();
+  return blocks;
+}
+
+}  // namespace
+
+Runner::Runner(World const& world, TraceSettings const& settings, Backend const& backend, SumTree done)
+    : world_(world),
+      settings_(settings),
+      backend_(backend),
+      tree_(std::move(done)),
+      blocks_(blocks_in(tree_)),
+      first_of_session_(blocks_),
+      error_(settings.error_before),
+      error_histories_(settings.histories_before) {}
+
+void Runner::saw(double error, std::uint64_t blocks) {
+  error_ = error;
+  error_histories_ = blocks * world_.block_size;
+}
+
+bool Runner::run(BlockRange range, Helpers* helpers) {
+  Handout handout(tree_.missing(range));
+  unsigned const threads = thread_count(settings_.threads);
+  unsigned working = threads;
+  std::exception_ptr failure;
+  {
+    std::vector<std::jthread> workers;
+    for (unsigned i = 0; i < threads; ++i)
+      workers.emplace_back([&] {
+        std::exception_ptr mine;
+        try {
+          work(handout);
+        } catch (...) {
+          mine = std::current_exception();
+          handout.end();
+        }
+        std::scoped_lock const lock(mutex_);
+        if (mine) failure = mine;
+        --working;
+        wake_.notify_all();
+      });
+    try {
+      watch(handout, helpers, working);
+    } catch (...) {
+      handout.end();
+      throw;
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+  report();
+  return tree_.missing(range).empty();
+}
+
+void Runner::work(Handout& handout) {
+  while (!interrupted() && !out_of_time()) {
+    auto const taken = handout.take(1);
+    if (!taken) return;
+    BlockSums sums = backend_.run_block(world_, settings_.seed, taken->first);
+    sum_levers(world_, settings_.seed, taken->first % replica_count, sums);
+    std::scoped_lock const lock(mutex_);
+    ++blocks_;
+    rays_ += sums.rays;
+    tree_.add(0, taken->first, std::move(sums));
+  }
+}
+
+void Runner::add(SumTree const& done) {
+  std::scoped_lock const lock(mutex_);
+  for (auto const& [place, sums] : done.nodes()) {
+    blocks_ += sums.blocks;
+    rays_ += sums.rays;
+    tree_.add(place.second, place.first >> place.second, sums);
+  }
+}
+
+void Runner::watch(Handout& handout, Helpers* helpers, unsigned const& working) {
+  for (;;) {
+    bool mine_done = false;
+    {
+      std::unique_lock lock(mutex_);
+      mine_done = wake_.wait_for(lock, helpers ? with_helpers : alone, [&] { return working == 0; });
+    }
+    if (mine_done && (!helpers || helpers->idle())) return;
+    if (mine_done) std::this_thread::sleep_for(with_helpers);
+    if (helpers) helpers->serve(handout, interrupted() || out_of_time(), [&](SumTree const& done) { add(done); });
+    if (seconds() - last_report_ >= report_seconds) report();
+    if (at_checkpoint && seconds() - last_checkpoint_ >= settings_.checkpoint_seconds) checkpoint(handout);
+  }
+}
+
+// Not when all blocks have been handed out: a stop rule may be looked at as soon as they are done, and a run that goes
+// on from here must look at the same moment.
+void Runner::checkpoint(Handout const& handout) {
+  SumTree done;
+  {
+    std::scoped_lock const lock(mutex_);
+    if (handout.left() == 0) return;
+    done = tree_;
+  }
+  at_checkpoint(std::move(done));
+  last_checkpoint_ = seconds();
+}
+
+void Runner::report() {
+  last_report_ = seconds();
+  if (!settings_.progress) return;
+  TraceProgress p;
+  {
+    std::scoped_lock const lock(mutex_);
+    p.histories = blocks_ * world_.block_size;
+    p.seconds = last_report_;
+    p.histories_per_s = double((blocks_ - first_of_session_) * world_.block_size) / p.seconds;
+    p.rays_per_s = double(rays_) / p.seconds;
+  }
+  p.wanted_histories = wanted_blocks * world_.block_size;
+  p.error = error_;
+  p.error_histories = error_histories_;
+  p.wanted_error = settings_.wanted_error;
+  settings_.progress(p);
+}
+
+}  // namespace straytrace

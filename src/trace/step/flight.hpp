@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many histories in flight, each depth first. Their rays are searched together, so that one waits for memory while
+// others go on. What they score is kept apart and handed over in the order of their numbers: sums do not depend on who
+// was first, nor on how many fly (architecture.md 7).
+#pragma once
+
+#include <vector>
+
+#include "trace/step/step.hpp"
+
+namespace straytrace {
+
+template <class Tally>
+class Flight {
+ public:
+  static constexpr std::uint32_t in_flight = 16;    // paths
+  static constexpr std::uint64_t kept_apart = 128;  // histories: one far ahead of the oldest waits for it
+
+  // The view must live as long as this.
+  Flight(WorldView const& world, std::uint64_t seed)
+      : world_(world), seed_(seed), histories_(in_flight), tallies_(kept_apart, {Tally(world, seed)}) {
+    for (std::uint32_t i = 0; i < in_flight; ++i) flying_[i] = &histories_[i];
+  }
+
+  // Histories [first, last), each handed to land(tally) in order.
+  template <class Land>
+  void run(std::uint64_t first, std::uint64_t last, Land const& land) {
+    next_ = oldest_ = first;
+    while (oldest_ < last) {
+      while (count_ < in_flight && next_ < last && next_ - oldest_ < kept_apart) start();
+      search();
+      for (std::uint32_t i = count_; i-- > 0;)
+        if (!goes_on(i)) std::swap(flying_[i], flying_[--count_]);
+      for (; oldest_ < next_ && slot(oldest_).over; ++oldest_) land(slot(oldest_).tally);
+    }
+  }
+
+ private:
+  struct Slot {
+    Tally tally;
+    bool over = false;
+  };
+  Slot& slot(std::uint64_t history) { return tallies_[history % kept_apart]; }
+
+  void start() {
+    std::uint64_t const number = next_++;
+    History& history = *flying_[count_];
+    Slot& mine = slot(number);
+    history.begin(number);
+    mine.tally.begin(number);
+    mine.over = !emit(world_, seed_, history.path, mine.tally);
+    if (!mine.over) ++count_;
+  }
+  void search() {
+    RayQuery rays[in_flight];
+    for (std::uint32_t i = 0; i < count_; ++i) rays[i] = {flying_[i]->path.ray, flying_[i]->path.from};
+    world_.closest_together(rays, hits_, count_);
+  }
+  bool goes_on(std::uint32_t i) {
+    History& history = *flying_[i];
+    Slot& mine = slot(history.path.history);
+    mine.over = !step(world_, seed_, history, hits_[i], mine.tally) && !next_path(world_, seed_, history, mine.tally);
+    return !mine.over;
+  }
+
+  WorldView const& world_;
+  std::uint64_t seed_, next_ = 0, oldest_ = 0;
+  std::vector<History> histories_;
+  std::vector<Slot> tallies_;
+  History* flying_[in_flight];
+  Hit hits_[in_flight];
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace straytrace

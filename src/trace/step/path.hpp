@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The state of one path, what a vertex does to it, and the rolling name of its route.
+#pragma once
+
+#include "optics/polarisation.hpp"
+#include "optics/coating/refraction.hpp"
+#include "optics/coating/specular.hpp"
+#include "trace/result.hpp"
+#include "world/model/vertex.hpp"
+
+namespace straytrace {
+
+// How the present direction was chosen. The density of the mixture depends on what is hit, so the weight of the hop is
+// completed on arrival (trace/step/mixture.hpp).
+struct Hop {
+  double kept = 1;                       // share of the power at the vertex left that travels on, on average
+  double cosine = 1;                     // of a scattered direction with the normal left
+  double value = 1;                      // f |cos| [1/sr]; specular: 1
+  double lobe = 1;                       // probability with which the lobe was chosen
+  double law_pdf = 0;                    // 1/sr, of the scatter law; 0 marks a specular hop, which has no density
+  double pdf = 0;                        // 1/sr, of the whole mixture with its lobe; set on arrival
+  Event left_by = Event::emit;           // what happened at the vertex left
+  std::uint32_t side = WorldView::none;  // whose targets take part in the mixture
+  bool aimed = false;                    // some target could have been drawn
+  bool off_list = false;                 // drawn by the law, and it met nothing that was on the list of targets
+  SurfaceId aim;                         // surface of the target drawn; invalid: the scatter law chose the direction
+  double aim_distance = 0;               // m to the point drawn on it: anything hit earlier hides it
+};
+
+struct PathState {
+  std::uint64_t history = 0;
+  std::uint32_t event = 0;  // number of this vertex in its history, siblings counted; the source is 0
+  std::uint32_t order = 0;  // surface events since the source
+  Ray ray;
+  Departure from;      // what the ray starts on
+  double power = 0;    // carried, relative to the main mode
+  double emitted = 0;  // first scattered out of the mode by this history, relative to the main mode
+  Hop hop;
+  double reached_pdf = 0;  // 1/m^2, with which the last scattering vertex was drawn or reached; 0: not by a direct hop
+  double left_pdf = 0;     // 1/sr over the cosine and n^2, with which it was left
+  bool coherent = false;   // a free beam that has met specular surfaces only
+  double path_length = 0;  // optical, sum of n d since the source, m
+  double turned = 0;       // by interfaces, of the phase of coherent light (s polarised), in turns
+  MediaStack media;        // filled volumes the ray runs in
+  Polarisation polarisation;
+  std::uint64_t route = 0;   // rolling hash of (group, event) of all vertices left so far
+  std::uint32_t source = 0;  // footprint it started from
+  double level = 0;          // power x adjoint that the weight window keeps; 0 before the first vertex with an adjoint
+  double stratum = -1;       // decides lobe and target of the first hop; negative: a random number does
+};
+
+// One history: its path and the siblings that wait, depth first.
+struct History {
+  static constexpr std::uint32_t most_waiting = 16;
+  PathState path;
+  std::uint32_t events = 0;  // vertices numbered so far
+  std::uint32_t waiting = 0;
+  PathState sibling[most_waiting];
+  PathState parent;  // at the first vertex, when `children` asks for more paths from there
+  Vertex parent_vertex;
+  std::uint32_t children = 0;  // still to come
+  STRAY_HD void begin(std::uint64_t number) {
+    path = {};
+    path.history = number;
+    events = waiting = children = 0;
+  }
+  STRAY_HD std::uint32_t new_event() { return ++events; }
+  STRAY_HD bool next_sibling() {
+    if (waiting == 0) return false;
+    path = sibling[--waiting];
+    return true;
+  }
+};
+
+// What the vertex does to light: media on both sides, then shares scattered, reflected and transmitted.
+STRAY_HD void look(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
+  if (!(v.wi.z > 0)) return;
+  find_media(world, path.media, travel, v);
+  v.albedo = scatter_albedo(world.laws, *v.optic, v.wi, v.n_in, v.n_out);
+  if (world.polarised && v.optic->has_interface) {
+    Amplitudes const a = specular_amplitudes(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front);
+    double const r = reflected(path.polarisation, travel, v.frame.e3, a).power;
+    double const t = transmitted(path.polarisation, travel, v.frame.e3, a).power;
+    double const left = specular_remainder(world.interfaces, *v.optic, r + t, v.albedo);
+    v.reflect = left * r;
+    v.transmit = left * t;
+    return;
+  }
+  SpecularShares const s = specular_shares(world.interfaces, *v.optic, v.wi.z, v.n_in, v.n_out, v.front, v.albedo);
+  v.reflect = s.reflect;
+  v.transmit = s.transmit;
+}
+
+STRAY_HD Vertex vertex_at(WorldView const& world, PathState const& path, Hit const& hit) {
+  Vertex v = make_vertex(world, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir, hit.piece);
+  v.leg = hit.distance;
+  return v;
+}
+
+// Absorption on a leg (Beer-Lambert) and its optical length; returns the power lost.
+STRAY_HD double lost_in_medium(WorldView const& world, PathState& path, double leg) {
+  path.path_length += index_of(world, path.media.current()) * leg;
+  double const left = path.power * kept_along(world, path.media, leg);
+  double const lost = path.power - left;
+  path.power = left;
+  return lost;
+}
+
+// Routes are named by what they visit: the hash of a route does not depend on ids of other routes or on order of
+// arrival.
+STRAY_HD std::uint64_t mixed(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+STRAY_HD std::uint64_t extended(std::uint64_t route, GroupId group, Event event) {
+  return mixed(route * 0x9e3779b97f4a7c15ull + (std::uint64_t(group.value) << 8 | std::uint64_t(event)) + 1);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Light counted in watts: receivers met by the walk itself and connections to points drawn on them, combined by the
+// balance heuristic like those to modes (estimators.md 5). A score is power relative to the main mode.
+#pragma once
+
+#include "trace/step/connect.hpp"
+
+namespace straytrace {
+
+STRAY_HD std::uint32_t goal_of_receiver(WorldView const& world, std::uint32_t receiver) {
+  return std::uint32_t(world.lit.size) + receiver;
+}
+
+// Density of a point drawn evenly on a surface, 1/m^2.
+STRAY_HD double area_density(WorldView const& world, SurfaceId id) {
+  return 1 / world.shapes.visit(world.surfaces[id.value].shape, [](auto const& s) { return s.area(); });
+}
+// Density per area with which a connection draws its point.
+STRAY_HD double receiver_density(WorldView const& world, Receiver const& r) { return area_density(world, r.surface); }
+
+// Density with which sub-paths behind glass (through_glass.hpp) start along `out`, per area and projected solid angle,
+// 1/(m^2 sr): by the cosine law on the sides that count, or towards a point drawn evenly on one of the aims, whatever
+// stands before it. `cosine`: at the receiver.
+STRAY_HD double start_density(WorldView const& world, Receiver const& r, Ray const& out, double cosine) {
+  double density = 1 / (pi * r.sides());
+  if (r.aims > 0) {
+    double towards = 0;
+    for (std::uint32_t i = 0; i < r.aims; ++i) {
+      Crossing const met = world.cross(r.aim[i].value, out, {});
+      if (!(met.distance < infinity)) continue;
+      Vec3 const normal = world.normal(r.aim[i], out.origin + met.distance * out.dir, met.piece);
+      towards += per_solid_angle(area_density(world, r.aim[i]), met.distance, std::fabs(dot(normal, out.dir)));
+    }
+    density = (1 - Receiver::aimed_share) * density + Receiver::aimed_share * towards / (r.aims * cosine);
+  }
+  return receiver_density(world, r) * density;
+}
+
+template <class Sink>
+STRAY_HD void receive_at(WorldView const& world, PathState const& path, Vertex const& y, std::uint32_t receiver,
+                         double power, Sink& sink) {
+  Receiver const& r = world.receivers[receiver];
+  if (!r.counts(y.front) || !(power > 0)) return;
+  std::uint32_t const goal = goal_of_receiver(world, receiver);
+  double const walk = per_area(path.hop.pdf, y.leg, y.wi.z);
+  double const density = receiver_density(world, r);
+  double weight = path.hop.pdf > 0 ? walk / (walk + density) : 1;
+  if (r.behind_glass && !(path.hop.pdf > 0) && path.reached_pdf > 0) {  // shared with through_glass.hpp
+    double const through = path.reached_pdf * path.left_pdf;
+    Vec3 const back = y.frame.to_world(y.wi);
+    weight = through / (through + start_density(world, r, {y.point, back}, y.wi.z));
+  }
+  sink.score(path, y, goal, arrival_number(goal), y, power * weight);
+}
+
+// Light that has reached a receiver by itself: the surface it stands on, or a measuring plane on the way.
+template <class Sink>
+STRAY_HD void receive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
+  if (world.receivers.size == 0) return;
+  std::uint32_t const first = world.receiver_of_surface[vertex.surface.value];
+  if (first == WorldView::none) return;
+  for (std::uint32_t i = first; i < world.receivers.size; ++i)
+    if (world.receivers[i].surface == vertex.surface) receive_at(world, path, vertex, i, path.power, sink);
+}
+template <class Sink>
+STRAY_HD void pass_planes(WorldView const& world, PathState const& path, double to, Sink& sink) {
+  for (std::uint32_t i = 0; i < world.receivers.size; ++i) {
+    SurfaceId const id = world.receivers[i].surface;
+    if (!world.receivers[i].clear) continue;
+    Crossing const met = world.cross(id.value, {path.ray.origin, path.ray.dir, to}, {});
+    if (!(met.distance < infinity)) continue;
+    Vertex y = make_vertex(world, id, path.ray.origin + met.distance * path.ray.dir, path.ray.dir, met.piece);
+    y.leg = met.distance;
+    receive_at(world, path, y, i, path.power * kept_along(world, path.media, y.leg), sink);
+  }
+}
+
+// Density per area at a measuring plane with which the walk itself would have passed there; it depends on what lies
+// behind. Negative: hidden. `y`: there.
+STRAY_HD double walk_past(WorldView const& world, PathState const& path, Vertex const& vertex, Way const& way,
+                          Vertex const& y) {
+  Hit const behind = world.closest({vertex.point, way.out}, {vertex.surface, vertex.piece, vertex.contact});
+  if (!behind.surface.valid()) return walk_density(world, path, vertex, way, WorldView::none, y.wi.z);
+  if (behind.distance < way.length - world.slack(y.surface, way.length, y.wi.z)) return -1;
+  Vertex const end =
+      make_vertex(world, behind.surface, vertex.point + behind.distance * way.out, way.out, behind.piece);
+  double const there =
+      walk_density(world, path, vertex, {way.out, way.wo, behind.distance, way.bsdf}, end.patch, end.wi.z);
+  return per_area(per_solid_angle(there, behind.distance, end.wi.z), way.length, y.wi.z);
+}
+
+// Connection to a point drawn evenly on the receiver.
+template <class Sink>
+STRAY_HD void connect_to_receiver(WorldView const& world, PathState const& path, Vertex const& vertex,
+                                  std::uint32_t receiver, double u, double v, Sink& sink) {
+  Receiver const& r = world.receivers[receiver];
+  SurfacePoint const drawn =
+      world.shapes.visit(world.surfaces[r.surface.value].shape, [&](auto const& s) { return sample_of(s, u, v); });
+  Way const way = way_to(world, vertex, drawn.point);
+  if (!(way.bsdf > 0)) return;
+  Vertex const y = make_vertex(world, r.surface, drawn.point, way.out, drawn.piece);
+  if (!(y.wi.z > 0) || !r.counts(y.front)) return;
+  if (!r.clear && blocked(world, vertex, way, y)) return;
+  double const walk =
+      r.clear ? walk_past(world, path, vertex, way, y) : walk_density(world, path, vertex, way, y.patch, y.wi.z);
+  if (walk < 0) return;
+  double const density = receiver_density(world, r);
+  double const power = path.power * way.bsdf * way.kept * way.geometry(y.wi.z) / (density + walk);
+  std::uint32_t const goal = goal_of_receiver(world, receiver);
+  if (power > 0) sink.score(path, vertex, goal, connection_number(goal), y, power);
+}
+
+template <class Sink>
+STRAY_HD void connect_receivers(WorldView const& world, std::uint64_t seed, PathState const& path, Vertex const& vertex,
+                                Sink& sink) {
+  if (world.receivers.size == 0 || !(vertex.albedo > 0)) return;
+  Rng rng(seed, path.history, path.event, Stream::receiver);
+  for (std::uint32_t i = 0; i < world.receivers.size; ++i) {
+    double const u = rng.uniform(), v = rng.uniform();
+    connect_to_receiver(world, path, vertex, i, u, v, sink);
+  }
+}
+
+}  // namespace straytrace

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Beams of the interferometer -> lit surfaces, and the ports where light rejoins them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "base/errors.hpp"
+#include "base/input/document.hpp"
+#include "beams/cavity_mode.hpp"
+#include "beams/clipping.hpp"
+#include "world/build/file_parts.hpp"
+#include "world/build/read_beams.hpp"
+#include "world/build/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+// A route and its reverse are one coherent pair: C_rev counts on both ends being ports (physics.md eq. 1.5).
+void warn_of_closed_ends(Scene const& scene, World const& world) {
+  for (Footprint const& f : world.footprints())
+    if (f.standing && !f.receives && !world.ports().empty())
+      scene.table("ports").warning(
+          fmt::format("no port is open at '{}', a mirror of a cavity: light that rejoins there is not counted",
+                      world.groups()[world.surfaces()[f.surface.value].group.value]),
+          "open a port at each mirror of the cavity");
+}
+
+}  // namespace
+
+void read_beams(Scene const& scene, World& world, Registry const& names) {
+  Beams beams;
+  bool first = true;
+  for (auto const& [name, node] : scene.table("beams").items()) {
+    double const wavelength = node.number("wavelength", dim::length, 1.064e-6, 1e-7, 1e-4);
+    if (!first && wavelength != world.wavelength)
+      node.problem("all beams of a scene share one wavelength", "trace other wavelengths in scenes of their own");
+    world.wavelength = wavelength;
+    first = false;
+    Lighting light{name, std::uint32_t(beams.names.size())};
+    std::size_t const spots = world.footprints().size();
+    world.beam_powers.push_back(0);
+    if (node.has("power")) {
+      double const power = node.number("power", dim::power, required, 1e-12, 1e9);
+      bool const wrong = std::isnan(power);
+      if (world.beam_power == 0) world.beam_power = wrong ? 1 : power;
+      if (!wrong) light.power = power / world.beam_power;
+      world.beam_powers.back() = wrong ? 1 : power;  // then it is not also a missing one
+    }
+    if (Node const cavity = node["cavity"])
+      read_cavity(node, cavity, names, world, light);
+    else if (node.has("on"))
+      read_spot(node, names, world, light);
+    else if (node.has("from"))
+      read_free(node, names, world, light);
+    else
+      node.problem(fmt::format("beam '{}' lights nothing", name),
+                   "give 'cavity: [MIRROR, MIRROR]', 'on: SURFACE', or 'from' and 'facing'");
+    node.refuse_unknown(fmt::format("beam '{}'", name));
+    beams.names.push_back(name);
+    bool const unfollowed = node.has("lit") && !node.healthy();
+    beams.broken.push_back(world.footprints().size() == spots || unfollowed);
+  }
+  read_ports(scene, world, names, beams);
+  warn_of_closed_ends(scene, world);
+  if (scene.root().data()->misspelt) return;  // which may be what is missing
+  if (beams.names.empty())
+    scene.root().problem("no beam lights the scene", "add 'beams: {arm: {cavity: [ITM, ETM]}}'");
+  else if (scene.table("ports").items().empty() && scene.table("receivers").items().empty())
+    scene.root().problem("there is no port where light could rejoin, and no receiver",
+                         "add 'ports: {ITM: {beam: arm, at: ITM}}', or 'receivers: {PD: {on: SURFACE}}'");
+}
+
+// Cavities: their modes are computed, not typed (physics.md eq. 6.3).
+
+namespace {
+
+struct Mirror {
+  SurfaceId id;
+  Vec3 vertex, axis;
+  double curvature = 0, radius = 0;
+};
+
+// A cap or disk can be a cavity mirror.
+bool read_mirror(Node const& node, Registry const& names, World const& world, Mirror& mirror) {
+  mirror.id = find_surface(node, names);
+  if (!mirror.id.valid()) return false;
+  return world.view().shapes.visit(world.surfaces()[mirror.id.value].shape, [&](auto const& s) {
+    using Shape = std::decay_t<decltype(s)>;
+    if constexpr (std::is_same_v<Shape, Cap> || std::is_same_v<Shape, Disk>) {
+      mirror.vertex = s.reference();
+      mirror.axis = s.axis;
+      mirror.radius = s.outer_radius;
+      if constexpr (std::is_same_v<Shape, Cap>) mirror.curvature = s.curvature;
+      return true;
+    }
+    node.problem(fmt::format("a mirror of a cavity cannot be of shape '{}'", Shape::key), "use shape 'cap' or 'disk'");
+    return false;
+  });
+}
+
+Footprint cavity_spot(Mirror const& m, double w, Lighting const& beam) {
+  Footprint f;
+  f.surface = m.id;
+  f.centre = m.vertex;
+  f.travel = -m.axis;
+  f.radius = w;
+  f.curvature = m.curvature;  // the wavefront fits the mirror; arriving there it diverges
+  f.share = beam.power;
+  f.beam = beam.number;
+  f.standing = true;
+  f.receives = false;
+  return f;
+}
+
+}  // namespace
+
+void read_cavity(Node const& beam, Node const& cavity, Registry const& names, World& world, Lighting const& light) {
+  std::string const& name = light.name;
+  LitWish const lit = read_lit(beam, names);
+  auto const mirrors = cavity.as_list();
+  Mirror one, two;
+  if (mirrors.size() != 2) {
+    cavity.problem("a cavity has two mirrors here", "write for example cavity: [ITM, ETM]");
+    return;
+  }
+  bool const found = read_mirror(mirrors[0], names, world, one);
+  if (!read_mirror(mirrors[1], names, world, two) || !found) return;
+  Vec3 const span = two.vertex - one.vertex;
+  double const distance = length(span);
+  if (!std::isfinite(distance + one.curvature + two.curvature)) return;  // a number is missing, and reported
+  double const miss = std::fmax(length(cross(span, one.axis)), length(cross(span, two.axis)));
+  if (!(distance > 0) || miss > 1e-9 * distance || dot(span, one.axis) < 0 || dot(span, two.axis) > 0) {
+    cavity.problem(fmt::format("the mirrors of '{}' do not face each other", name),
+                   "set 'at' and 'facing' so that each axis points at the other mirror's vertex");
+    return;
+  }
+  try {
+    CavityMode const mode = cavity_mode(distance, 1 / one.curvature, 1 / two.curvature, world.wavelength);
+    world.add_footprint(cavity_spot(one, mode.w1, light));
+    world.add_footprint(cavity_spot(two, mode.w2, light));
+    world.notes.push_back(fmt::format(
+        "beam {}: cavity of {:.6g} m, radius {:.4g} mm and {:.4g} mm on the mirrors, waist {:.4g} mm; light beyond the "
+        "clear apertures: {:.3g} and {:.3g} (eq. 5.5)",
+        name, distance, 1e3 * mode.w1, 1e3 * mode.w2, 1e3 * mode.waist, clipped_share(one.radius, mode.w1),
+        clipped_share(two.radius, mode.w2)));
+    for (auto const& [m, w] : {std::pair{&one, mode.w1}, std::pair{&two, mode.w2}})
+      if (clipped_share(m->radius, w) > 1e-3)
+        beam.warning(fmt::format("{:.2g} of the light of '{}' falls beside a mirror of radius {:g} m",
+                                 clipped_share(m->radius, w), name, m->radius),
+                     "enlarge the mirror or change the curvatures");
+  } catch (NumericalError const& e) {
+    cavity.problem(e.what(), "change the mirror curvatures or the length");
+    return;
+  }
+  WorldView const view = world.view();
+  Ray const chief{one.vertex, (1 / distance) * span, distance * (1 - 1e-9)};
+  for (std::uint32_t id = 0; id < world.surfaces().size(); ++id)
+    if (id != one.id.value && id != two.id.value && !world.surfaces()[id].clear &&
+        view.shapes.visit(world.surfaces()[id].shape,
+                          [&](auto const& s) { return crossing_of(s, chief, false, 0).distance; }) < infinity) {
+      beam.problem(fmt::format("'{}' stands in the beam '{}'", world.groups()[world.surfaces()[id].group.value], name),
+                   "give it a hole or move it");
+      return;
+    }
+  if (lit.wanted) light_up(beam, lit, names, world, light);
+}
+
+// Beams that are stated: a spot on a surface, or one that starts in empty space.
+
+namespace {
+
+Profile read_profile(Node const& beam) {
+  static constexpr std::array<std::string_view, 3> profiles = {"gaussian", "even", "point"};
+  std::string const profile = beam.choice("profile", profiles, "gaussian");
+  return profile == "even" ? Profile::even : profile == "point" ? Profile::point : Profile::gaussian;
+}
+
+bool known_place(Vec3 v) { return std::isfinite(length(v)); }
+
+// Linear, along the part of the vector that lies across the travel.
+void read_polarisation(Node const& beam, Vec3 travel, World& world, Footprint& f) {
+  Node const given = beam["polarisation"];
+  if (!given) return;
+  auto const vector = read_direction(given);
+  if (!vector) return;
+  Vec3 const across = *vector - dot(*vector, travel) * travel;
+  if (!(length(across) > 1e-6))
+    return given.problem("the polarisation lies along the beam", "give a direction across it");
+  f.polarisation = {unit(across), 1, 0, 0};
+  world.polarised = true;
+}
+
+// Radius and curvature of the wavefront where the beam starts; of a Gaussian also from its waist:
+// w^2 = w0^2 (1 + z^2/zR^2), 1/R = z/(z^2 + zR^2), zR = pi w0^2/lambda, at z behind the waist (physics.md eq. 0.6).
+void read_wavefront(Node const& beam, World const& world, Footprint& f) {
+  Node const waist = beam.table("waist");
+  if (!waist) {
+    f.radius = f.profile == Profile::point ? 0 : beam.number("radius", dim::length, required, 1e-6, 10);
+    f.curvature = beam.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3);
+    return;
+  }
+  for (char const* key : {"radius", "wavefront_curvature"})
+    if (Node const other = beam[key]) other.problem(fmt::format("'waist' and '{}' are both given", key), "keep one");
+  if (f.profile != Profile::gaussian) waist.problem("only a Gaussian beam has a waist", "give 'radius' instead");
+  double const w0 = waist.number("radius", dim::length, required, 1e-7, 10);
+  double const z = -waist.number("ahead", dim::length, 0, -1e6, 1e6);
+  waist.refuse_unknown("'waist'");
+  double const rayleigh = pi * w0 * w0 / world.wavelength;
+  f.radius = w0 * std::hypot(1, z / rayleigh);
+  f.curvature = z / (z * z + rayleigh * rayleigh);
+}
+
+}  // namespace
+
+// A beam that starts in empty space, at the plane through `from` across `facing`.
+void read_free(Node const& beam, Registry const& names, World& world, Lighting const& light) {
+  LitWish const lit = read_lit(beam, names);
+  Footprint f;
+  f.free = true;
+  f.receives = false;
+  f.beam = light.number;
+  f.profile = read_profile(beam);
+  f.centre = read_vector(beam["from"], dim::length);
+  if (!beam.has("facing"))
+    beam.problem(fmt::format("beam '{}' goes nowhere", light.name), "give 'facing', for example [0, 0, 1]");
+  auto const facing = read_direction(beam["facing"]);
+  f.travel = facing.value_or(Vec3{0, 0, 1});
+  read_wavefront(beam, world, f);
+  f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
+  read_polarisation(beam, f.travel, world, f);
+  if (std::find(world.groups().begin(), world.groups().end(), light.name) != world.groups().end())
+    return beam.problem(fmt::format("an entry of 'scene' is called '{}' already", light.name),
+                        "routes begin with the name of the beam: choose another");
+  if (!facing || !known_place(f.centre)) return;  // all else of the beam has been read
+  f.origin = world.add_group(light.name);
+  f.emits = !lit.wanted;  // then it is followed as a mode, not as rays
+  world.add_footprint(f);
+  if (!lit.wanted) return;
+  if (f.profile != Profile::gaussian)
+    return beam["lit"].problem("only a Gaussian beam can be followed through the scene", "leave 'profile' out");
+  light_up(beam, lit, names, world, light);
+}
+
+void read_spot(Node const& beam, Registry const& names, World& world, Lighting const& light) {
+  if (read_lit(beam, names).wanted)
+    beam["lit"].problem("'on' states what the beam lights, so 'lit' finds nothing more",
+                        "launch the beam with 'from' and 'facing', or leave 'lit' out");
+  Footprint f;
+  f.surface = find_surface(beam["on"], names);
+  f.profile = read_profile(beam);
+  f.radius = f.profile == Profile::point ? 0 : beam.number("radius", dim::length, required, 1e-6, 10);
+  auto const travel = beam.has("travel") ? read_direction(beam["travel"]) : Vec3{0, 0, -1};
+  f.travel = travel.value_or(Vec3{0, 0, -1});
+  f.curvature = beam.number("wavefront_curvature", dim::per_metre, 0, -1e3, 1e3);
+  f.share = light.power * beam.number("share", dim::plain, 1, 0, 1);
+  read_polarisation(beam, f.travel, world, f);
+  f.emits = beam.flag("emits", true);
+  f.beam = light.number;
+  f.receives = false;
+  bool const aimed = beam.has("centre");
+  if (aimed) f.centre = read_vector(beam["centre"], dim::length);
+  if (!f.surface.valid() || !travel || !known_place(f.centre) || std::isnan(f.radius)) return;
+  if (!aimed)
+    f.centre =
+        world.view().shapes.visit(world.surfaces()[f.surface.value].shape, [](auto const& s) { return s.reference(); });
+  place_spot(world, f);
+  world.add_footprint(f);
+}
+
+namespace {
+
+struct Met {
+  double at;   // m along the travel, from the plane across it through the centre
+  bool front;  // on the side the normal points to
+  std::uint32_t piece;
+};
+
+// All crossings of a line from `before` m before its start, in their order.
+std::vector<Met> crossings(WorldView const& view, SurfaceId id, Ray line, double before) {
+  constexpr std::size_t most = 64;
+  std::vector<Met> all;
+  Departure from;
+  double at = -before;
+  line.origin = line.origin - before * line.dir;
+  while (all.size() < most) {
+    Crossing const next = view.cross(id.value, line, from);
+    if (!(next.distance < infinity)) break;
+    at += next.distance;
+    line.origin = view.project(id, line.origin + next.distance * line.dir, next.piece);
+    all.push_back({at, dot(view.normal(id, line.origin, next.piece), line.dir) < 0, next.piece});
+    from = {id, next.piece};
+  }
+  return all;
+}
+
+// Which of them is lit.
+std::size_t lit_one(std::vector<Met> const& all, double radius, auto const& alive) {
+  constexpr double least = 1e-3;  // m, to which a place is stated
+  std::size_t nearest = 0, first = all.size();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (std::fabs(all[i].at) < std::fabs(all[nearest].at)) nearest = i;
+    if (first == all.size() && alive(all[i])) first = i;
+  }
+  if (std::fabs(all[nearest].at) <= std::fmax(radius, least)) return nearest;
+  return first < all.size() ? first : 0;
+}
+
+}  // namespace
+
+void place_spot(World const& world, Footprint& f) {
+  constexpr int across = 8;  // lines tried in radius, and in azimuth
+  WorldView const view = world.view();
+  Surface const& surface = world.surfaces()[f.surface.value];
+  double low = 0, high = 0, r_min = 0, r_max = 0;
+  Vec3 reference;
+  view.shapes.visit(surface.shape, [&](auto const& shape) {
+    shape.extent(low, high, r_min, r_max);
+    reference = shape.reference();
+  });
+  double const before = 2 * (r_max + std::fmax(std::fabs(low), std::fabs(high))) + length(f.centre - reference);
+  std::vector<Met> const chief = crossings(view, f.surface, {f.centre, f.travel}, before);
+  if (chief.size() < 2) return;
+  auto const alive = [&](Met const& m) { return !only_absorbs(view.optics[m.front ? surface.front : surface.back]); };
+  std::size_t const lit = lit_one(chief, f.radius, alive);
+  double const place = chief[lit].at;
+  double start = lit > 0 ? chief[lit - 1].at : -infinity, end = place;
+  for (int i = 0; i < across; ++i)
+    for (int k = 0; k < across; ++k) {
+      std::vector<Met> const line =
+          crossings(view, f.surface, f.sample((i + 0.5) / across, (k + 0.5) / across), before);
+      std::size_t same = line.size();
+      for (std::size_t j = 0; j < line.size(); ++j)
+        if (line[j].front == chief[lit].front &&
+            (same == line.size() || std::fabs(line[j].at - place) < std::fabs(line[same].at - place)))
+          same = j;
+      if (same == line.size()) continue;
+      end = std::min(end, line[same].at);
+      if (same > 0) start = std::max(start, line[same - 1].at);
+    }
+  if (!(start > -infinity)) return;
+  f.centre = f.centre + place * f.travel;
+  f.backoff = place - 0.5 * (start + end);
+}
+
+// Where light rejoins the beams: at the surfaces named, or at all that a beam lights.
+
+namespace {
+
+struct Port {
+  std::string name;
+  Node node;
+  std::uint32_t beam = 0;
+  enum class At : std::uint8_t { surface, pattern, everywhere } at = At::everywhere;
+  std::vector<SurfaceId> surfaces;  // unless everywhere
+};
+
+bool is_pattern(std::string const& name) { return name.find('*') != std::string::npos; }
+
+// The key `at`; false: a problem was recorded.
+bool read_place(Port& port, Registry const& names) {
+  if (!port.node.has("at")) return true;
+  std::string const at = port.node.word("at");
+  if (!is_pattern(at)) {
+    port.at = Port::At::surface;
+    port.surfaces = {find_surface(port.node["at"], names)};
+    return port.surfaces.front().valid();
+  }
+  port.at = Port::At::pattern;
+  for (auto const& [name, id] : names.surfaces)
+    if (matches(at, name)) port.surfaces.push_back(id);
+  return true;
+}
+
+// Footprints that the port stands for. Surfaces that scatter nothing count only where they are named themselves.
+std::vector<std::uint32_t> footprints_of(Port const& port, World const& world) {
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    bool const idle = !f.emits && world.feeds()[i].propagated;
+    if (f.beam != port.beam || f.free || (idle && port.at != Port::At::surface)) continue;
+    if (port.at == Port::At::everywhere ||
+        std::find(port.surfaces.begin(), port.surfaces.end(), f.surface) != port.surfaces.end())
+      all.push_back(i);
+  }
+  return all;
+}
+
+void open(Port const& port, World& world, Beams const& beams) {
+  std::vector<std::uint32_t> footprints = footprints_of(port, world);
+  bool const lit = !footprints.empty();
+  std::string taken;
+  std::erase_if(footprints, [&](std::uint32_t i) {
+    PortId const other = world.footprints()[i].port;
+    if (other.valid()) taken = world.ports()[other.value];
+    return other.valid();
+  });
+  if (!footprints.empty()) return world.open_port(port.name, footprints);
+  if (beams.broken[port.beam]) return;
+  std::string const& beam = beams.names[port.beam];
+  Node const place = port.at == Port::At::everywhere ? port.node["beam"] : port.node["at"];
+  if (lit)
+    place.problem(fmt::format("the port '{}' is open there already", taken), "a spot of a beam belongs to one port");
+  else if (port.at == Port::At::everywhere)
+    place.problem(fmt::format("beam '{}' lights no surface that scatters", beam), "nothing can rejoin it");
+  else
+    place.problem(fmt::format("beam '{}' does not light '{}'", beam, port.node.word("at")),
+                  "ports lie where their beam meets a surface");
+}
+
+}  // namespace
+
+void read_ports(Scene const& scene, World& world, Registry const& names, Beams const& beams) {
+  std::vector<Port> ports;
+  for (auto const& [name, node] : scene.table("ports").items()) {
+    std::string const beam = node.word("beam");
+    auto const number = std::size_t(std::find(beams.names.begin(), beams.names.end(), beam) - beams.names.begin());
+    bool const known = number < beams.names.size();
+    if (!known && !beams.names.empty() && node.has("beam")) {
+      std::string const near = nearest_word(beam, beams.names);
+      node["beam"].problem(fmt::format("beam '{}' is not defined", beam),
+                           near.empty() ? "name one of 'beams'" : fmt::format("did you mean '{}'?", near));
+    }
+    Port port;
+    port.name = name;
+    port.node = node;
+    port.beam = std::uint32_t(number);
+    bool const placed = read_place(port, names);
+    node.refuse_unknown(fmt::format("port '{}'", name));
+    if (known && placed) ports.push_back(port);
+  }
+  // The more is said about a port, the sooner it takes its spots; otherwise in the order of the scene.
+  for (Port::At const at : {Port::At::surface, Port::At::pattern, Port::At::everywhere})
+    for (Port const& port : ports)
+      if (port.at == at) open(port, world, beams);
+}
+
+}  // namespace straytrace

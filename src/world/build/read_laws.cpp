@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "optics/scatter/height_spectrum.hpp"
+#include "world/build/read_laws.hpp"
+
+namespace straytrace {
+namespace {
+
+// One of two keys for the same thing; returns whether `first` is given.
+bool first_of(Node const& law, char const* first, char const* second) {
+  bool const given = law.has(first);
+  if (given && law.has(second))
+    law.problem(fmt::format("'{}' and '{}' say the same thing twice", second, first), "keep one of them");
+  return given;
+}
+
+}  // namespace
+
+double law_wavelength(Node const& law, World const& world) {
+  return law.number("wavelength", dim::length, world.wavelength, 1e-8, 1e-3);
+}
+
+void read_lambertian(Node const& law, LawReading& out) {
+  double const reflectance = first_of(law, "brdf", "tis") ? pi * law.number("brdf", dim::brdf, required, 0, 1 / pi)
+                                                          : law.number("tis", dim::plain, required, 0, 1);
+  out.add(Lambertian{reflectance});
+}
+
+void read_power_law(Node const& law, LawReading& out) {
+  PowerLaw p;
+  p.exponent = law.number("exponent", dim::plain, 2, 0, 8);
+  p.above = law.number("above", dim::angle, required, 1e-9, 1.5);
+  if (law.has("tis")) {
+    if (law.has("kappa")) law.problem("'tis' and 'kappa' say the same thing twice", "keep one of them");
+    if (p.exponent != 2)
+      law.problem("a total is defined for exponent 2 only (docs/theory/surfaces.md, eq. 3.19)", "give 'kappa'");
+    double const tis = law.number("tis", dim::plain, required, 0, 1);
+    p.kappa = p.above > 0 ? tis * statistical_kappa(p.above) / (2 * pi) : 0;
+  } else {
+    p.kappa = law.number("kappa", dim::brdf, required, 0, 1e3);
+  }
+  if (!(p.above > 0 && p.kappa >= 0 && std::isfinite(p.exponent))) return;
+  p.prepare();
+  out.add(p);
+}
+
+void read_abg(Node const& law, LawReading& out) {
+  Abg p;
+  p.a = law.number("a", dim::brdf, required, 0, 1e6);
+  p.b = law.number("b", dim::plain, required, 1e-12, 1e6);
+  p.g = law.number("g", dim::plain, required, 0, 8);
+  if (!(p.a >= 0 && p.b > 0 && p.g >= 0)) return;
+  p.prepare();
+  out.add(p);
+}
+
+void read_harvey(Node const& law, LawReading& out) {
+  Harvey p;
+  p.width = law.number("l", dim::plain, required, 1e-7, 10);
+  p.slope = law.number("s", dim::plain, required, -8, 0);
+  if (law.has("l_across")) p.across = law.number("l_across", dim::plain, required, 1e-7, 10);
+  if (p.across > 0 && (p.across > 4 * p.width || p.across < p.width / 4))
+    law.problem("'l_across' is more than a factor 4 from 'l'", "use two laws, or a factor of 4 at most");
+  bool const absolute = first_of(law, "b0", "tis");
+  double const given =
+      absolute ? law.number("b0", dim::brdf, required, 0, 1e9) : law.number("tis", dim::plain, required, 0, 1);
+  if (!(p.width > 0 && std::isfinite(p.slope) && given >= 0 && p.across >= 0)) return;
+  p.b0 = 1;
+  p.b0 = absolute ? given : given / p.tis();
+  p.prepare();
+  out.add(p);
+}
+
+void read_gaussian(Node const& law, LawReading& out) {
+  Gaussian p;
+  p.width = law.number("width", dim::plain, required, 1e-7, 10);
+  bool const absolute = first_of(law, "peak", "tis");
+  double const given =
+      absolute ? law.number("peak", dim::brdf, required, 0, 1e12) : law.number("tis", dim::plain, required, 0, 1);
+  if (!(p.width > 0 && given >= 0)) return;
+  double const square = 2 * p.width * p.width;
+  p.peak = absolute ? given : given / (-pi * square * std::expm1(-1 / square));
+  p.prepare();
+  out.add(p);
+}
+
+void read_polynomial(Node const& law, LawReading& out) {
+  Polynomial p;
+  auto const rows = law.list("diffuse");
+  if (rows.empty()) law.problem("key 'diffuse' (coefficients c_jk) is missing", "add 'diffuse: [[5e-3 /sr]]'");
+  bool whole = !rows.empty() && rows.size() <= std::size_t(Polynomial::terms);
+  if (!whole && !rows.empty()) law["diffuse"].problem("more than 4 rows of coefficients", "use powers 0 to 3");
+  for (std::size_t j = 0; whole && j < rows.size(); ++j) {
+    auto const row = rows[j].as_numbers(dim::brdf, rows.size());
+    whole = !some_missing(row);
+    for (std::size_t k = 0; whole && k < row.size(); ++k) p.c[j][k] = row[k];
+  }
+  for (int j = 0; whole && j < Polynomial::terms; ++j)
+    for (int k = 0; k < j; ++k)
+      if (p.c[j][k] != p.c[k][j]) {
+        whole = false;
+        law["diffuse"].problem(fmt::format("c_{}{} and c_{}{} differ, so the law is not reciprocal", j, k, k, j),
+                               "make the table symmetric: [[a, b], [b, c]]");
+        j = Polynomial::terms;
+        break;
+      }
+  if (Node const lobe = law.table("lobe")) {
+    p.peak = lobe.number("peak", dim::brdf, required, 0, 1e9);
+    p.width = lobe.number("width", dim::plain, required, 1e-4, 10);
+    p.rise = lobe.number("rise", dim::plain, 1, 0, 8);
+    lobe.refuse_unknown("'lobe'");
+    whole = whole && p.peak >= 0 && p.width > 0 && p.rise >= 0;
+  }
+  for (int i = 0; whole && i <= 100; ++i)
+    for (int k = 0; whole && k <= i; ++k)
+      if (double const value = p.diffuse(i / 100.0, k / 100.0); value < -1e-15) {
+        whole = false;
+        law["diffuse"].problem(fmt::format("the BRDF is negative, {:.3g} /sr, at {:.0f} deg in and {:.0f} deg out",
+                                           value, std::acos(i / 100.0) * 180 / pi, std::acos(k / 100.0) * 180 / pi),
+                               "raise the constant term");
+      }
+  if (!whole) return;
+  p.prepare();
+  out.add(p);
+}
+
+void read_microfacet(Node const& law, LawReading& out) {
+  Microfacet p;
+  p.alpha = law.number("roughness", dim::plain, required, 1e-4, 1);
+  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
+  p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
+  if (!(p.alpha > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
+  p.prepare();
+  out.add(p);
+}
+
+namespace {
+
+// How the grooves run; all of one material run one way.
+bool read_lay(Node const& law, Optic& optic) {
+  static constexpr std::array<std::string_view, 2> words = {"around", "along"};
+  Node const node = law["lay"];
+  if (!node) {
+    law.problem("key 'lay' (how the grooves run) is missing",
+                "write lay: around (turned), lay: along (drawn) or a direction of the scene, [1, 0, 0]");
+    return false;
+  }
+  Lay lay = Lay::given;
+  Vec3 direction;
+  if (node.kind() == Node::Kind::list) {
+    auto const given = read_direction(node);
+    if (!given) return false;
+    direction = *given;
+  } else {
+    lay = law.choice("lay", words) == "along" ? Lay::along : Lay::around;
+  }
+  bool const other = optic.lay != Lay::free && (optic.lay != lay || length(optic.lay_direction - direction) > 1e-9);
+  if (other) node.problem("the grooves of one material run one way", "give all laws of the material the same 'lay'");
+  optic.lay = lay;
+  optic.lay_direction = direction;
+  return !other;
+}
+
+}  // namespace
+
+void read_grooves(Node const& law, LawReading& out) {
+  Grooves p;
+  p.across = law.number("across", dim::plain, required, 1e-3, 1);
+  p.along = law.number("along", dim::plain, required, 1e-4, 1);
+  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
+  p.grazing = law.number("grazing", dim::plain, p.reflectance, 0, 1);
+  bool sound = read_lay(law, *out.optic) && p.along <= p.across;
+  for (char const* key : {"through", "weight"})
+    if (Node const other = law[key]) {
+      other.problem(fmt::format("'grooves' has no '{}'", key), "leave it out, or use another law");
+      sound = false;
+    }
+  if (p.along > p.across)
+    law["along"].problem("'along' is larger than 'across': grooves are steep across and smooth along", "swap the two");
+  if (!(sound && p.across > 0 && p.along > 0 && p.reflectance >= 0 && p.grazing >= 0)) return;
+  p.prepare();
+  out.add(p);
+}
+
+// physics.md 3.5, 3.4: isotropic floor; obstacles take twice their area out of the beam, half of it by diffraction.
+void read_defects(Node const& law, LawReading& out) {
+  if (first_of(law, "tis", "coverage")) {
+    out.add(Lambertian{law.number("tis", dim::plain, required, 0, 1)});
+    return;
+  }
+  double const covered = law.number("coverage", dim::plain, required, 0, 0.4),
+               diameter = law.number("diameter", dim::length, required, 1e-7, 1),
+               wavelength = law_wavelength(law, out.world);
+  double const albedo = law.number("albedo", dim::plain, 1, 0, 1);
+  if (!(covered >= 0 && diameter > 0 && wavelength > 0 && albedo >= 0)) return;
+  if (diameter < 2 * wavelength) {
+    law["diameter"].problem(
+        "defects this small are not obstacles (docs/theory/surfaces.md, eq. 3.24 is for large ones)",
+        "give their total as 'tis', or use 'dust' with its size");
+    return;
+  }
+  out.add(Lambertian{albedo * covered});
+  Harvey lobe;  // slope -3: the envelope of the Airy pattern; peak and total as diffraction at discs of this diameter
+  lobe.width = std::sqrt(2.0) * wavelength / (pi * diameter);
+  lobe.slope = -3;
+  lobe.b0 = covered / (2 * pi * lobe.width * lobe.width);
+  lobe.prepare();
+  out.add(lobe);
+}
+
+void read_dust(Node const& law, LawReading& out) {
+  Dust p;
+  double const wavelength = law_wavelength(law, out.world), index = law.number("index", dim::plain, 1.5, 0.01, 20),
+               extinction = law.number("extinction", dim::plain, 0, 0, 20);
+  p.reflectance = law.number("reflectance", dim::plain, required, 0, 1);
+  std::vector<Grain> sizes;
+  if (law.has("diameter")) {
+    if (law.has("level")) law.problem("'diameter' and 'level' both give the sizes", "keep one of them");
+    double const diameter = law.number("diameter", dim::length, required, 1e-9, 1e-3),
+                 coverage = law.number("coverage", dim::plain, required, 0, 0.4);
+    if (diameter > 0 && coverage >= 0) sizes = {{diameter, coverage / (pi * diameter * diameter / 4)}};
+  } else {
+    Cleanliness c;
+    c.level = law.number("level", dim::plain, required, 2, 2000);
+    c.slope = law.number("slope", dim::plain, 0.926, 0.1, 2);
+    c.smallest = law.number("smallest", dim::length, 1e-6, 1e-8, 1e-3);
+    if (c.smallest < c.level * 1e-6 && c.slope > 0) {
+      sizes = grains(c);
+      out.note(fmt::format("dust covers {:.3g} % of the area (fit of the standard: {:.3g} %)", 100 * c.covered(),
+                           100 * c.covered_by_fit()));
+    } else if (c.level > 0 && c.smallest > 0) {
+      law.problem("'smallest' is not below the level, so there are no particles",
+                  "the level is the largest size in um");
+    }
+  }
+  if (sizes.empty() || !(wavelength > 0 && index > 0 && extinction >= 0 && p.reflectance >= 0)) return;
+  set_grains(p, sizes, wavelength, index, extinction, out.world.storage);
+  p.prepare();
+  out.add(p);
+}
+
+// Laws from a power spectrum of heights: k-correlation, psd, harvey-shack (physics.md 3.2).
+
+namespace {
+
+constexpr Dimension metre3{6}, metre4{8};
+
+void read_factor(Node const& law, Roughness& p) {
+  if (law.has("index")) {
+    if (law.has("reflectance")) law.problem("'reflectance' and 'index' both give the factor Q", "keep one of them");
+    double const n = law.number("index", dim::plain, required, 0, 100),
+                 k = law.number("extinction", dim::plain, 0, 0, 100);
+    p.factor.permittivity_re = n * n - k * k;
+    p.factor.permittivity_im = 2 * n * k;
+  } else {
+    if (law.has("extinction")) law.problem("'extinction' without 'index'", "give 'index', the real part, too");
+    p.factor.reflectance = law.number("reflectance", dim::plain, 1, 0, 1);
+  }
+}
+
+void read_theory(Node const& law, Roughness& p) {
+  static constexpr std::string_view theories[] = {"rayleigh-rice", "harvey-shack"};
+  p.harvey_shack = law.choice("theory", theories, "rayleigh-rice") == "harvey-shack";
+}
+
+// Checks the range of the theory, then prepares.
+void finish(Node const& law, LawReading& out, Roughness& p, double wavelength) {
+  double const rms = std::sqrt(p.variance(0, 1)), g = std::pow(4 * pi * rms, 2);
+  if (!(g < 1e6)) return law.problem("the spectrum has no finite roughness below 1/wavelength", "give it a lower end");
+  out.note(
+      fmt::format("rms roughness {:.3g} nm at spatial frequencies below 1/wavelength, (4 pi sigma/lambda)^2 = {:.3g}",
+                  rms * wavelength * 1e9, g));
+  if (!p.harvey_shack && g > 0.1)
+    law.warning(fmt::format("(4 pi sigma/lambda)^2 is {:.2g}: too rough for Rayleigh-Rice", g),
+                "write 'theory: harvey-shack'");
+  if (g > 6)
+    return law.problem(fmt::format("(4 pi sigma/lambda)^2 is {:.3g}: too rough for a law of mirrors (at most 6)", g),
+                       "describe the surface by a diffuse law, or measure it ('model: table')");
+  p.prepare();
+  out.add(p);
+}
+
+void read_knee(Node const& law, LawReading& out, Roughness& p) {
+  double const wavelength = law_wavelength(law, out.world);
+  double const knee = law.number("b", dim::length, required, 1e-9, 100),
+               c = law.number("c", dim::plain, required, 1e-3, 20);
+  double a = 0;
+  if (law.has("rms")) {
+    if (law.has("a")) law.problem("'rms' and 'a' both give the height", "keep one of them");
+    double const rms = law.number("rms", dim::length, required, 0, 1e-3);
+    if (c <= 1)
+      law["rms"].problem("the total roughness is infinite for c <= 1 (docs/theory/surfaces.md, eq. 3.13)",
+                         "give 'a' instead");
+    a = rms * rms * (c - 1) * knee * knee / (2 * pi);
+  } else {
+    a = law.number("a", metre4, required, 0, 1);
+  }
+  read_factor(law, p);
+  if (!(wavelength > 0 && knee > 0 && c > 0 && a >= 0) || (law.has("rms") && c <= 1)) return;
+  p.a = a / std::pow(wavelength, 4);
+  p.b = knee / wavelength;
+  p.c = c;
+  finish(law, out, p, wavelength);
+}
+
+// Two columns: spatial frequency and spectrum; at least two rows, frequencies increasing, values above zero.
+HeightSpectrum points_of(Node const& law, std::string const& name, bool profile) {
+  std::string const example = profile ? "f [1/mm], s1 [nm^2*mm]" : "f [1/mm], s2 [nm^4]";
+  ColumnFile const file = read_columns(law["file"], name, example);
+  HeightSpectrum points;
+  if (file.rows.empty()) return points;
+  auto const problem = [&](std::uint32_t line, std::uint32_t at, std::string what, std::string suggestion) {
+    law["file"].file_problem(name, line, at, std::move(what), std::move(suggestion));
+    return HeightSpectrum();
+  };
+  Dimension const wanted = profile ? metre3 : metre4;
+  if (file.columns.size() != 2 || file.columns[0].unit.dimension != dim::per_metre ||
+      file.columns[1].unit.dimension != wanted)
+    return problem(file.columns[0].line, 1,
+                   fmt::format("a {} spectrum needs a frequency in 1/m and a density in {}", profile ? "1d" : "2d",
+                               profile ? "m^3" : "m^4"),
+                   fmt::format("begin with the header '{}'", example));
+  for (ColumnFile::Row const& row : file.rows) {
+    double const f = row.values[0], value = row.values[1];
+    if (!(f > 0) || (!points.empty() && f <= points.back().f))
+      return problem(row.line, row.at[0], "the frequency is not above the one before",
+                     "sort the rows; leave out f = 0");
+    if (!(value > 0))
+      return problem(row.line, row.at[1], fmt::format("spectrum {:g} at {:g} 1/m", value, f),
+                     "a density is above zero; leave out points below the noise floor");
+    points.push_back({f, value});
+  }
+  if (points.size() < 2) return problem(file.rows[0].line, 1, "fewer than two rows", "give at least two frequencies");
+  return points;
+}
+
+void tabulate(Roughness& p, HeightSpectrum const& points, double wavelength, std::string const& beyond) {
+  std::size_t const n = points.size();
+  double const low = points.front().f, high = points.back().f, end = points[n - 2].f;
+  p.first = low * wavelength;
+  p.last = high * wavelength;
+  p.cut_below = p.cut_above = beyond == "zero";
+  p.slope = beyond == "power" ? std::log(points[n - 1].value / points[n - 2].value) / std::log(high / end) : 0;
+  for (int i = 0; i < Roughness::points; ++i) {
+    double const f = low * std::pow(high / low, double(i) / (Roughness::points - 1));
+    p.log_value[i] = std::log(spectrum_at(points, std::fmin(f, high))) - 4 * std::log(wavelength);
+  }
+}
+
+void read_file(Node const& law, LawReading& out, Roughness& p) {
+  static constexpr std::string_view kinds[] = {"1d", "2d"}, sides[] = {"one", "two"},
+                                    rules[] = {"constant", "power", "zero"};
+  std::string const kind = law.choice("dimension", kinds), side = law.choice("sides", sides),
+                    beyond = law.choice("beyond", rules);
+  double const wavelength = law_wavelength(law, out.world);
+  read_factor(law, p);
+  std::string const name = law.word("file");
+  if (name.empty() || kind.empty() || side.empty() || beyond.empty() || !(wavelength > 0)) return;
+  if (kind == "2d" && side == "one")
+    return law["sides"].problem("a 2d spectrum is over the whole plane of frequencies, so two-sided",
+                                "write 'sides: two'");
+  auto points = points_of(law, name, kind == "1d");
+  if (points.empty()) return;
+  if (side == "one")
+    for (SpectrumPoint& q : points) q.value /= 2;
+  double const low = points.front().f, high = points.back().f;
+  double const rms = std::sqrt(kind == "1d" ? variance_1d(points, low, high) : variance_2d(points, low, high));
+  if (kind == "1d") points = surface_of_profile(points);
+  for (SpectrumPoint const& q : points)
+    if (!(q.value > 0))
+      return law["file"].problem(
+          fmt::format("the profile spectrum rises beyond {:.3g} 1/m, so no isotropic surface has it", q.f),
+          "smooth it or cut it there");
+  tabulate(p, points, wavelength, beyond);
+  out.note(fmt::format("rms roughness {:.4g} nm between {:.3g} and {:.3g} 1/m, where '{}' is given; {} beyond",
+                       1e9 * rms, low, high, name, beyond));
+  finish(law, out, p, wavelength);
+}
+
+}  // namespace
+
+void read_k_correlation(Node const& law, LawReading& out) {
+  Roughness p;
+  read_theory(law, p);
+  read_knee(law, out, p);
+}
+
+void read_psd(Node const& law, LawReading& out) {
+  Roughness p;
+  read_theory(law, p);
+  read_file(law, out, p);
+}
+
+void read_harvey_shack(Node const& law, LawReading& out) {
+  Roughness p;
+  p.harvey_shack = 1;
+  if (law.has("file"))
+    read_file(law, out, p);
+  else
+    read_knee(law, out, p);
+}
+
+}  // namespace straytrace

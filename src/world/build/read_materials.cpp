@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/files/embedded.hpp"
+#include "base/input/uncertainty.hpp"
+#include "optics/angle_weight.hpp"
+#include "optics/coating/coating_table.hpp"
+#include "optics/coating/specular.hpp"
+#include "optics/scatter/scatter_share.hpp"
+#include "scene/library.hpp"
+#include "world/build/read_laws.hpp"
+#include "world/build/read_materials.hpp"
+
+namespace straytrace {
+namespace {
+
+// Pairs [angle, weight], linear in the angle between them and constant outside.
+View<AngleWeight const> read_weight(Node const& law, World& world, PoolRef ref) {
+  std::vector<std::pair<double, double>> points;
+  bool whole = true;
+  for (Node const& pair : law.list("weight")) {
+    auto const parts = pair.as_list();
+    if (pair.kind() != Node::Kind::list || parts.size() != 2) {
+      pair.problem("'weight' is a list of pairs of angle and weight", "write [[0 deg, 1], [80 deg, 3]]");
+      return {};
+    }
+    double const angle = parts[0].as_number(dim::angle, 0, pi / 2), value = parts[1].as_number(dim::plain, 0, 1e6);
+    whole = whole && std::isfinite(angle) && std::isfinite(value);
+    if (whole && !points.empty() && angle <= points.back().first) {
+      pair.problem("the angles of 'weight' do not increase", "sort the pairs");
+      return {};
+    }
+    points.emplace_back(angle, value);
+  }
+  if (!whole || points.empty()) return {};
+  auto const at = [&](double cosine) {
+    double const angle = 2 * atan_positive(std::sqrt((1 - cosine) / (1 + cosine)));
+    std::size_t i = 0;
+    while (i < points.size() && points[i].first <= angle) ++i;
+    if (i == 0) return points.front().second;
+    if (i == points.size()) return points.back().second;
+    double const share = (angle - points[i - 1].first) / (points[i].first - points[i - 1].first);
+    return points[i - 1].second + share * (points[i].second - points[i - 1].second);
+  };
+  std::vector<AngleWeight> one{weight_of(world.view().laws, ref, at)};
+  return world.storage.keep(std::move(one));
+}
+
+void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info) {
+  if (law.kind() != Node::Kind::table)
+    return law.problem("a scatter law is a table", "write {model: lambertian, tis: 1 %}");
+  static std::vector<std::string_view> const names = [] {
+    std::vector<std::string_view> all;
+    for (LawReader const& reader : law_readers) all.push_back(reader.model);
+    return all;
+  }();
+  std::string const model = law.choice("model", names);
+  std::size_t const before = out.laws.size();
+  out.wavelength.clear();
+  for (LawReader const& reader : law_readers)
+    if (model == reader.model) reader.read(law, out);
+  bool const through = law.flag("through", false);
+  LawInfo about{model, law.word("source", "not given"),
+                law.has("wavelength")    ? law["wavelength"].as_word()
+                : out.wavelength.empty() ? "not given"
+                                         : out.wavelength};
+  for (std::size_t i = before; i < out.laws.size() && i < std::size_t(Optic::most_laws); ++i) {
+    optic.law[i] = out.laws[i];
+    optic.through[i] = through;
+    optic.weight[i] = {};
+    if (law.has("weight")) optic.weight[i] = read_weight(law, out.world, out.laws[i]);
+    info.laws.push_back(about);
+  }
+  info.spread.widen(read_spread(law));
+  if (!model.empty()) law.refuse_unknown(fmt::format("scatter law '{}'", model));
+}
+
+// Dust scatters all light at grazing: stated shares become a coating, which never sends out more than is left.
+void yield_to_dust(MaterialInfo const& info, World& world, Optic& optic) {
+  bool dusty = false;
+  for (LawInfo const& law : info.laws) dusty = dusty || law.model == "dust";
+  if (!dusty || optic.has_interface || !(optic.reflect + optic.transmit > 0)) return;
+  double const r = optic.reflect, t = optic.transmit;
+  CoatingRow const rows[] = {{0, r, r, t, t, 0}, {pi / 2, r, r, t, t, 0}};
+  optic.interface = world.add_interface(make_coating(rows, false, world.storage));
+  optic.has_interface = true;
+}
+
+// "assumed; SOURCE; NOTE", as a material says it beside its laws; empty when it does not.
+std::string said_of(Node const& material) {
+  std::string said = read_status(material);
+  for (char const* key : {"source", "wavelength", "note"})
+    if (Node const text = material[key]) said += (said.empty() ? "" : "; ") + text.as_word();
+  return said;
+}
+
+Vec3 incoming(double cosine, double turn) {
+  double const sine = std::sqrt((1 - cosine) * (1 + cosine));
+  SinCos const azimuth = sincos_turn(turn);
+  return {sine * azimuth.cos, sine * azimuth.sin, cosine};
+}
+
+// physics.md eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum. What the quadrature behind a
+// table adds to an albedo of 1 is no light.
+void check_energy(std::string const& name, Node const& node, Optic const& optic, WorldView const& world) {
+  constexpr double quadrature = 1e-4;
+  for (int i = AlbedoTable::size - 1; i >= 0; --i) {
+    double const cosine = AlbedoTable::cosine(i);
+    double scattered = scatter_albedo(world.laws, optic, cosine);
+    for (double const turn : {0.0, 0.125, 0.25})  // grooves: the direction counts
+      if (optic.lay != Lay::free)
+        scattered = std::max(scattered, scatter_albedo(world.laws, optic, incoming(cosine, turn)));
+    SpecularShares const s = specular_shares(world.interfaces, optic, cosine, 1, 1, true, scattered);
+    if (!(s.reflect + s.transmit + (1 - quadrature) * scattered > 1 + 1e-9))
+      continue;  // NaN: a value is missing, and reported
+    node.problem(
+        fmt::format("material '{}' makes light: at {:.0f} deg of incidence it reflects {:.6g}, transmits {:.6g} "
+                    "and scatters {:.6g}, together more than 1",
+                    name, std::acos(cosine) * 180 / pi, s.reflect, s.transmit, scattered),
+        "lower one of them; what is left over is absorbed");
+    return;
+  }
+}
+
+}  // namespace
+
+void read_materials(Scene const& scene, World& world, Registry& names) {
+  names.black = world.add_optic({});
+  for (auto const& [name, node] : scene.table("materials").items()) {
+    Optic optic;
+    MaterialInfo info{name, node.word("source", "not given"), {}, 0, {}};
+    read_specular(node, world, names, optic);
+    optic.depolarise = node.number("depolarise", dim::plain, 1, 0, 1);
+    LawReading reading{world, name, {}, &optic};
+    std::string const said = said_of(node);
+    node.has("like");  // taken over already
+    if (node.has("preset")) {
+      LawInfo const about = read_preset(node, reading, optic);
+      for (std::size_t i = 0; i < reading.laws.size(); ++i) {
+        optic.law[i] = reading.laws[i];
+        info.laws.push_back(about);
+      }
+      info.spread = reading.spread;
+      info.spread.factor = read_uncertainty(node["uncertainty"], info.spread.factor);
+    } else {
+      info.spread = read_spread(node);
+      info.spread.status = read_status(node);
+      if (node.has("status")) reading.note(said);
+    }
+    for (Node const& law : node.list("scatter")) read_law(law, reading, optic, info);
+    if (reading.laws.size() > std::size_t(Optic::most_laws))
+      node.problem(fmt::format("more than {} scatter laws in one material", int(Optic::most_laws)),
+                   "join some of them");
+    optic.laws = std::min(int(reading.laws.size()), Optic::most_laws);
+    yield_to_dust(info, world, optic);
+    prescribe_scatter(node, world, optic);
+    node.refuse_unknown(fmt::format("material '{}'", name));
+    check_energy(name, node, optic, world.view());
+    info.optic = names.materials[name] = world.add_optic(optic);
+    world.materials.push_back(std::move(info));
+  }
+}
+
+namespace {
+
+constexpr std::string_view cases[] = {"low", "mid", "high"};
+
+// `take`: low, mid or high, or a number 0, 1, 2, which may be a parameter.
+int case_of(Node const& material) {
+  Node const take = material["take"];
+  if (!take) return 1;
+  for (int i = 0; i < 3; ++i)
+    if (take.kind() == Node::Kind::scalar && take.text() == cases[i]) return i;
+  double const number = take.as_number(dim::plain, 0, 2);
+  if (std::isfinite(number) && number != std::floor(number))
+    take.problem("'take' is one of three cases", "write low, mid or high, or 0, 1, 2 for a parameter");
+  return std::isfinite(number) ? int(number) : 1;
+}
+
+// The preset of a material: a name of the list, or its own numbers.
+std::optional<MaterialPreset> preset_of(std::string const& name, Node const& material) {
+  if (Node const own = material["preset"]; own.kind() == Node::Kind::table) return read_preset_numbers(name, own);
+  std::vector<std::string_view> names;
+  for (MaterialPreset const& p : material_presets()) names.push_back(p.name);
+  std::string const wanted = material.choice("preset", names);
+  for (MaterialPreset const& p : material_presets())
+    if (p.name == wanted) return p;
+  return {};
+}
+
+// Largest share of the light that the laws read so far scatter at any incidence.
+double most_scattered(LawReading const& out) {
+  double most = 0;
+  for (int i = 0; i < AlbedoTable::size; ++i) {
+    double sum = 0;
+    for (PoolRef const law : out.laws)
+      sum += out.world.view().laws.visit(law, [&](auto const& l) { return l.albedo(AlbedoTable::cosine(i)); });
+    most = std::fmax(most, sum);
+  }
+  return most;
+}
+
+}  // namespace
+
+LawInfo read_preset(Node const& material, LawReading& out, Optic& optic) {
+  int const which = case_of(material);
+  auto const preset = preset_of(out.material, material);
+  if (!preset) {
+    material.has("bracket");
+    return {};
+  }
+  using Gives = MaterialPreset::Gives;
+  Dimension const dimension = preset->gives == Gives::brdf ? dim::brdf : dim::plain;
+  double values[3] = {preset->values[0], preset->values[1], preset->values[2]};
+  bool const own = material.has("bracket");
+  if (own) {
+    auto const given = material["bracket"].as_numbers(dimension, 3);
+    if (some_missing(given)) return {};
+    if (!(given[0] >= 0 && given[0] <= given[1] && given[1] <= given[2])) {
+      material["bracket"].problem("a bracket is low, mid, high, in this order", "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");
+      return {};
+    }
+    for (int i = 0; i < 3; ++i) values[i] = given[std::size_t(i)];
+  }
+  double const value = values[which];
+  if (value > 0) {
+    out.spread.low = values[0] / value;
+    out.spread.high = values[2] / value;
+  }
+  out.spread.of_reflection = preset->gives == Gives::reflect;
+  out.spread.status = preset->status;
+  if (preset->gives == Gives::reflect) {
+    optic.reflect = value;
+  } else if (preset->gives == Gives::tis_75 && !own) {
+    constexpr double per_peak = 0.0868071;  // albedo at 75 deg of a forward lobe of peak 1/sr, width 0.3, rise 1
+    Polynomial p;
+    p.c[0][0] = value / pi;
+    p.width = 0.3;
+    p.peak = (preset->at_75[which] - value) / per_peak;
+    p.prepare();
+    out.add(p);
+  } else {
+    double const tis = preset->gives == Gives::brdf ? pi * value : value;
+    if (tis > 1) material.problem("the preset would scatter more than 1", "lower its bracket");
+    out.add(Lambertian{std::fmin(tis, 1)});
+  }
+  if (preset->through > 0) {
+    optic.through[out.laws.size()] = true;
+    out.add(Lambertian{preset->through});
+  }
+  if (preset->reflect > 0 && !material.has("specular")) {
+    optic.reflect = preset->reflect;
+    if (preset->through > 0) optic.transmit = std::fmax(0, 1 - preset->reflect - most_scattered(out));  // a window
+  }
+  out.note(fmt::format("preset {}, {} of [{:g}, {:g}, {:g}]{}; {}, {}, {}{}{}", preset->name, cases[which], values[0],
+                       values[1], values[2], dimension == dim::brdf ? " /sr" : "", preset->status, preset->source,
+                       preset->wavelength, preset->note.empty() ? "" : "; ", preset->note));
+  if (!own && !preset->has_bracket())
+    material["preset"].warning(
+        fmt::format("preset '{}' comes without a bracket", preset->name),
+        fmt::format("name a material of your own: {{preset: {}, bracket: [low, mid, high]}}", preset->name));
+  return {"preset " + preset->name, fmt::format("{}, {}", preset->status, preset->source), preset->wavelength};
+}
+
+namespace {
+
+// One value, or low, mid, high.
+bool read_case_values(Node const& node, Dimension dimension, double (&into)[3]) {
+  if (node.kind() == Node::Kind::list) {
+    auto const given = node.as_numbers(dimension, 3);
+    if (given.size() != 3) return false;
+    std::copy(given.begin(), given.end(), into);
+  } else {
+    std::fill(into, into + 3, node.as_number(dimension));
+  }
+  if (into[0] >= 0 && into[0] <= into[1] && into[1] <= into[2]) return true;
+  if (node.healthy())
+    node.problem("a bracket is low, mid, high, in this order", "write [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]");
+  return false;
+}
+
+std::vector<MaterialPreset> presets_of_library() {
+  FileTexts texts;
+  std::string include;
+  for (EmbeddedFile const& file : embedded_files())
+    if (file.name.starts_with("library/materials/")) {
+      texts[std::string(file.name)] = file.text;
+      include += (include.empty() ? "" : ", ") + std::string(file.name);
+    }
+  texts["presets"] = fmt::format("straytrace: 1\ninclude: [{}]\nscene: [{{name: all, file: all}}]\n", include);
+  Scene const scene = read_scene("presets", {}, &texts);
+  std::vector<MaterialPreset> all;
+  for (auto const& [name, node] : scene.table("materials").items())
+    if (Node const table = node["preset"]; table.kind() == Node::Kind::table)
+      if (auto const preset = read_preset_numbers(name, table)) all.push_back(*preset);
+  return all;
+}
+
+}  // namespace
+
+std::optional<MaterialPreset> read_preset_numbers(std::string const& name, Node const& table) {
+  using Gives = MaterialPreset::Gives;
+  MaterialPreset p;
+  p.name = name;
+  p.status = read_status(table);
+  p.wavelength = table.word("wavelength", "wavelength not given");
+  p.source = table.word("source", "source not given");
+  if (table.has("note")) p.note = table.word("note");
+  bool const brdf = table.has("brdf"), tis = table.has("tis"), at_75 = table.has("tis_at_75_deg");
+  bool const mirror = !brdf && !tis && table.has("reflect");
+  if (!brdf && !tis && !mirror) {
+    table.problem("a table 'preset' has numbers", "write {brdf: [1e-3 /sr, 3e-3 /sr, 1e-2 /sr]}, 'tis' or 'reflect'");
+    return {};
+  }
+  p.gives = brdf ? Gives::brdf : mirror ? Gives::reflect : at_75 ? Gives::tis_75 : Gives::tis;
+  bool whole = read_case_values(table[brdf     ? "brdf"
+                                      : mirror ? "reflect"
+                                               : "tis"],
+                                brdf ? dim::brdf : dim::plain, p.values);
+  if (p.gives == Gives::tis_75) whole = read_case_values(table["tis_at_75_deg"], dim::plain, p.at_75) && whole;
+  if (!mirror) p.reflect = table.number("reflect", dim::plain, 0, 0, 1);
+  p.through = table.number("through", dim::plain, 0, 0, 1);
+  table.refuse_unknown("'preset'");
+  return whole ? std::optional(p) : std::nullopt;
+}
+
+std::span<MaterialPreset const> material_presets() {
+  static std::vector<MaterialPreset> const all = presets_of_library();
+  return all;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Table `receivers` -> where light is counted in watts. Page: docs/reference/receivers.md.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "world/build/read_parts.hpp"
+#include "world/model/surface_chart.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double most_pixels = 4096, most_cells = 1 << 20;
+
+// Frame of a map: centre and turn are given in the frame of the surface.
+Pose read_frame(Node const& table, Pose const& surface) {
+  double x = 0, y = 0;
+  if (Node const centre = table["centre"]) {
+    auto const v = centre.as_numbers(dim::length, 2);
+    if (v.size() == 2) {
+      x = v[0];
+      y = v[1];
+    }
+  }
+  Pose frame = turned_about_normal(surface, table.number("turn", dim::angle, 0, -2 * pi, 2 * pi));
+  frame.origin = surface.point({x, y, 0});
+  return frame;
+}
+
+// All of the surface; rectangles are charted by their own sides.
+void chart_surface(Node const& map, World const& world, Receiver& r) {
+  for (char const* key : {"height", "centre"})
+    if (Node const value = map[key])
+      value.problem(fmt::format("'{}' is for a map with a 'width'", key),
+                    "give 'width', or leave it out: the map then has the whole surface");
+  if (!r.surface.valid()) return;
+  WorldView const view = world.view();
+  auto const [chart, whole] = chart_of(view, std::span(&r.surface, 1));
+  r.chart = chart;
+  r.whole = whole;
+  view.shapes.visit(view.surfaces[r.surface.value].shape, [&](auto const& s) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(s)>, Rectangle>)
+      r.whole = {-0.5 * s.width, 0.5 * s.width, -0.5 * s.height, 0.5 * s.height};
+    if (dot(s.axis, r.frame.e3) < 1 - 1e-12) r.frame = facing_along(s.reference(), s.axis);
+    r.frame.origin = s.reference();
+  });
+}
+
+// Cells where the light is: of the whole surface, or of a stated part.
+void read_map_by_light(Node const& map, Pose const& surface, World const& world, Receiver& r) {
+  r.by_light = true;
+  if (map.has("width")) {
+    r.half_width = 0.5 * map.number("width", dim::length, required, 1e-9, 1e6);
+    r.half_height = 0.5 * map.number("height", dim::length, 2 * r.half_width, 1e-9, 1e6);
+    r.whole = {-r.half_width, r.half_width, -r.half_height, r.half_height};
+    r.frame = read_frame(map, surface);
+  } else {
+    r.frame = turned_about_normal(surface, map.number("turn", dim::angle, 0, -2 * pi, 2 * pi));
+    chart_surface(map, world, r);
+  }
+  map.refuse_unknown("'map'");
+}
+
+void read_map(Node const& map, Pose const& surface, World const& world, Receiver& r) {
+  if (!map) return;
+  Node const pixels = map["pixels"];
+  if (!pixels) return read_map_by_light(map, surface, world, r);
+  auto const count = pixels.as_numbers(dim::plain, 2);
+  bool sound = count.size() == 2;
+  for (double const n : count) sound = sound && n >= 1 && n <= most_pixels && n == std::floor(n);
+  if (count.size() == 2 && !sound && pixels.healthy())
+    pixels.problem("pixels are counted", fmt::format("write two whole numbers from 1 to {:g}", most_pixels));
+  r.half_width = 0.5 * map.number("width", dim::length, required, 1e-9, 1e6);
+  double const square = sound ? 2 * r.half_width * count[1] / count[0] : 1;
+  r.half_height = 0.5 * map.number("height", dim::length, square > 0 ? square : 1, 1e-9, 1e6);
+  r.frame = read_frame(map, surface);
+  map.refuse_unknown("'map'");
+  if (sound && count[0] * count[1] > most_cells) {
+    pixels.problem("the map has more than a million pixels", "write for example pixels: [512, 512]");
+    sound = false;
+  }
+  if (!sound) return;
+  r.columns = std::uint32_t(count[0]);
+  r.rows = std::uint32_t(count[1]);
+}
+
+void read_angles(Node const& angles, Receiver& r) {
+  if (!angles) return;
+  r.angle_bins = std::uint32_t(angles.whole("bins", 32, 1, 1024));
+  r.half_angle_sine = std::sin(angles.number("half_angle", dim::angle, 0.5 * pi, 1e-9, 0.5 * pi));
+  angles.refuse_unknown("'angles'");
+}
+
+void read_quadrants(Node const& quadrants, Pose const& surface, Receiver& r) {
+  if (!quadrants) return;
+  r.quadrants = true;
+  r.gap = quadrants.number("gap", dim::length, 0, 0, 1e3);
+  r.quadrant_frame = read_frame(quadrants, surface);
+  quadrants.refuse_unknown("'quadrants'");
+}
+
+// A plane of its own: light passes, or ends on it.
+bool read_own(std::string const& name, Node const& node, World& world, Registry const& names, Pose& frame,
+              Receiver& r) {
+  frame = read_pose(node);
+  if (std::find(world.groups().begin(), world.groups().end(), name) != world.groups().end())
+    node.problem(fmt::format("an entry of 'scene' is called '{}' already", name), "names are unique: choose another");
+  r.clear = node.flag("passes", true);
+  Surface as;
+  as.front = as.back = names.black;
+  as.group = world.add_group(name);
+  r.surface = read_shape(node["shape"], as, frame, world);
+  if (!r.surface.valid()) return false;
+  bool const flat = world.view().shapes.visit(world.surfaces()[r.surface.value].shape, [](auto const& s) {
+    using Shape = std::decay_t<decltype(s)>;
+    return std::is_base_of_v<PlaneFrame, Shape> || std::is_same_v<Shape, Disk>;
+  });
+  if (r.clear && !flat) {
+    node["shape"].problem("a measuring plane is flat", "use shape disk, rectangle, ellipse or polygon, or passes: no");
+    return false;
+  }
+  return true;
+}
+
+bool read_place(std::string const& name, Node const& node, World& world, Registry const& names, Pose& frame,
+                Receiver& r) {
+  Node const on = node["on"];
+  if (on && node.has("shape")) {
+    node.problem("'on' and 'shape' are both given", "name a surface of the scene, or describe a plane: not both");
+    return false;
+  }
+  if (node.has("shape")) return read_own(name, node, world, names, frame, r);
+  if (!on) {
+    node.problem(fmt::format("receiver '{}' stands nowhere", name),
+                 "give 'on: SURFACE', or 'shape: {disk: {outer_radius: 5 cm}}' with 'at' and 'facing'");
+    return false;
+  }
+  r.surface = find_surface(on, names);
+  if (!r.surface.valid()) return false;
+  auto const known = names.frames.find(r.surface.value);
+  frame = known != names.frames.end()
+              ? known->second
+              : world.view().shapes.visit(world.surfaces()[r.surface.value].shape,
+                                          [](auto const& s) { return facing_along(s.reference(), s.axis); });
+  for (char const* key : {"passes", "at", "facing", "rotate"})
+    if (Node const value = node[key])
+      value.problem(fmt::format("'{}' is for a plane of its own", key),
+                    "a surface stands where the scene says; what passes it is up to its material");
+  return true;
+}
+
+bool name_allowed(std::string const& name) {
+  return !name.empty() && name.find_first_of("*:,<>|\"'\\ \t") == name.npos && name[0] != '.';
+}
+
+void read_receiver(std::string const& name, Node const& node, World& world, Registry const& names) {
+  if (node.kind() != Node::Kind::table) {
+    node.problem(fmt::format("receiver '{}' is a table of keys", name), "write {on: SURFACE}");
+    return;
+  }
+  if (!name_allowed(name))
+    node.problem(fmt::format("'{}' cannot name a receiver", name), "use letters, digits, '_', '-' and '/'");
+  static constexpr std::array<std::string_view, 3> sides = {"both", "front", "back"};
+  Receiver r;
+  Pose frame;
+  bool const placed = read_place(name, node, world, names, frame, r);
+  std::string const side = node.choice("side", sides, "both");
+  r.front = side != "back";
+  r.back = side != "front";
+  r.frame = frame;
+  r.behind_glass = node.flag("behind_glass", false);
+  read_map(node.table("map"), frame, world, r);
+  read_angles(node.table("angles"), r);
+  read_quadrants(node.table("quadrants"), frame, r);
+  node.refuse_unknown(fmt::format("receiver '{}'", name));
+  if (placed) world.add_receiver(name, r);
+}
+
+}  // namespace
+
+Pose turned_about_normal(Pose const& p, double angle) {
+  double const c = std::cos(angle), s = std::sin(angle);
+  return {p.origin, c * p.e1 + s * p.e2, c * p.e2 - s * p.e1, p.e3};
+}
+
+SurfaceId find_surface(Node const& node, Registry const& names) {
+  std::string const name = node.as_word();
+  auto const found = names.surfaces.find(name);
+  if (found != names.surfaces.end()) return found->second;
+  if (names.refused.contains(name.substr(0, name.find_first_of("/[")))) return {};
+  std::vector<std::string> known, faces;
+  for (auto const& [n, id] : names.surfaces) {
+    known.push_back(n);
+    if (n.starts_with(name + "/")) faces.push_back(n);
+  }
+  if (!faces.empty()) {
+    node.problem(
+        fmt::format("'{}' has several faces", name),
+        fmt::format("name one: {}{}", fmt::join(std::span(faces).first(std::min<std::size_t>(4, faces.size())), ", "),
+                    faces.size() > 4 ? ", ..." : ""));
+    return {};
+  }
+  std::string const near = nearest_word(name, known);
+  node.problem(fmt::format("'{}' is not a surface of the scene", name),
+               near.empty() ? "name an entry of 'scene'" : fmt::format("did you mean '{}'?", near));
+  return {};
+}
+
+void read_receivers(Scene const& scene, World& world, Registry const& names) {
+  for (auto const& [name, node] : scene.table("receivers").items()) read_receiver(name, node, world, names);
+}
+
+}  // namespace straytrace

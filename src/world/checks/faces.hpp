@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pairs of surfaces that share space: faces that lie on each other, and faces that pass through each other. Found by
+// points drawn on every surface, so that a contact smaller than about 1 % of both surfaces may stay unseen.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "optics/media_stack.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace {
+
+struct FacePair {
+  SurfaceId first, second;  // first < second
+  Vec3 at;                  // m, a place where it is seen
+  double depth = 0;         // m, how far the surface that ends sooner reaches past the other; 0: they coincide
+};
+
+// Surfaces within a nanometre of each other, over an area, where light can come to: which of them it meets is decided
+// by rounding or by their order in the scene. Left out are boundaries of two filled volumes (a cemented lens, which the
+// walk passes as one boundary) and contacts that light cannot come to (inside closed bodies, or black on all sides).
+std::vector<FacePair> coincident_faces(World const&);
+
+// Surfaces of which each reaches past the other by more than `least_depth`, m. A surface that ends on another one
+// (a baffle in its tube) is no crossing.
+std::vector<FacePair> crossing_faces(World const&, double least_depth);
+
+// Points on a regular lattice over every surface, and all surfaces near such a point. Inside the room.
+
+
+// Asks for every surface that a ray meets, but the one it starts on.
+struct AllHitsQuery {
+  struct Found {
+    std::uint32_t surface;
+    Crossing crossing;
+  };
+  WorldView const& view;
+  Ray const& ray;
+  Departure from;
+  std::vector<Found>& found;
+  bool leaves(std::uint32_t id) const { return from.on(id); }
+  double end() const { return ray.t_max; }
+  bool cross(SurfaceRef ref, double&) {
+    if (from.on(ref.surface)) return false;
+    Crossing const c = view.cross(ref.surface, ray, from);
+    if (c.distance < infinity) found.push_back({ref.surface, c});
+    return false;
+  }
+  bool offer(std::uint32_t id, double t, double&) {
+    if (t < infinity && !from.on(id)) found.push_back({id, {t, 0}});
+    return false;
+  }
+};
+
+inline std::vector<AllHitsQuery::Found> surfaces_along(WorldView const& view, Ray const& ray, Departure from) {
+  std::vector<AllHitsQuery::Found> found;
+  view.search(ray, AllHitsQuery{view, ray, from, found});
+  return found;
+}
+
+struct FaceSample {
+  SurfaceId surface;
+  std::uint32_t piece = 0;
+  Vec3 point, normal;
+};
+
+// How many points each surface gets: 256, fewer where there are many surfaces, so that all together stay near a
+// million.
+inline int samples_per_face(std::size_t surfaces) {
+  return int(std::clamp<std::size_t>(1'000'000 / std::max<std::size_t>(surfaces, 1), 16, 256));
+}
+
+inline std::vector<FaceSample> face_samples(WorldView const& view, std::uint32_t id, int count) {
+  std::vector<FaceSample> all;
+  view.shapes.visit(view.surfaces[id].shape, [&](auto const& shape) {
+    if (!(shape.area() > 0)) return;
+    for (int i = 0; i < count; ++i) {
+      double const turns = (i + 0.5) * 0.6180339887498949;  // golden ratio: points fill the unit square evenly
+      SurfacePoint const drawn = sample_of(shape, (i + 0.5) / count, turns - std::floor(turns));
+      Vec3 const point = projected_on(shape, drawn.point, drawn.piece);
+      all.push_back({{id}, drawn.piece, point, normal_of(shape, point, drawn.piece)});
+    }
+  });
+  return all;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Glass that does nothing: boundaries without glass, glass that no light gets into, or none out of.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <type_traits>
+
+#include "optics/coating/specular.hpp"
+#include "world/build/read_parts.hpp"
+
+namespace straytrace {
+namespace {
+
+bool is_bare_boundary(World const& world, std::uint32_t optic) {
+  Optic const& o = world.view().optics[optic];
+  if (!o.has_interface) return false;
+  return world.view().interfaces.visit(o.interface, [](auto const& interface) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(interface)>, Fresnel>)
+      return interface.opaque.re == 0 && interface.opaque.im == 0;
+    else
+      return false;
+  });
+}
+
+// Shares at normal incidence on the outer side (front) or the inner side of a face of glass.
+SpecularShares shares(World const& world, std::uint32_t optic, bool front) {
+  constexpr double glass = 1.45;  // what film and bare boundary need; no coating depends on it
+  WorldView const view = world.view();
+  return specular_shares(view.interfaces, view.optics[optic], 1, front ? 1 : glass, front ? glass : 1, front);
+}
+
+std::string const& name_of(World const& world, std::uint32_t surface) {
+  return world.groups()[world.surfaces()[surface].group.value];
+}
+
+void warn_of_bare_boundaries(Scene const& scene, World const& world) {
+  std::set<std::uint32_t> told;
+  for (Surface const& s : world.surfaces()) {
+    if (s.volume != Surface::none || !(is_bare_boundary(world, s.front) || is_bare_boundary(world, s.back))) continue;
+    if (!told.insert(s.group.value).second) continue;
+    std::string const name = world.groups()[s.group.value], part = name.substr(name.rfind('/') + 1);
+    scene.root()["scene"].warning(
+        fmt::format("'{}' is a bare boundary (specular: fresnel), but nothing is filled with glass there: it neither "
+                    "reflects nor refracts",
+                    name),
+        fmt::format("give it a medium, 'medium: fused_silica'; one part of a file: 'medium: {{{}: fused_silica}}'",
+                    part));
+  }
+}
+
+// The entry that places a surface; of faces of a file the scene as a whole.
+Node entry_of(Scene const& scene, Registry const& names, std::uint32_t surface) {
+  for (Scene::Instance const& instance : scene.instances()) {
+    auto const found = names.surfaces.find(instance.name);
+    if (found != names.surfaces.end() && found->second.value == surface) return instance.placement;
+  }
+  return scene.root()["scene"];
+}
+
+// Glass whose faces all send back most of the light: what gets in runs between them, and next to nothing comes out.
+void warn_of_traps(Scene const& scene, World const& world, Registry const& names) {
+  std::set<std::string> told;
+  for (std::vector<std::uint32_t> const& faces : faces_of_volumes(world)) {
+    std::string text;
+    std::size_t clear = 0;
+    bool trap = true;
+    for (std::uint32_t const id : faces) {
+      Surface const& s = world.surfaces()[id];
+      if (!lets_light_in(world, s.front)) continue;
+      double const reflected = shares(world, s.back, false).reflect;
+      trap = trap && reflected > 0.5;
+      if (++clear <= 3) text += fmt::format("{}'{}' {:.6g}", clear > 1 ? ", " : "", name_of(world, id), reflected);
+    }
+    if (!trap || clear < 2 || !told.insert(text).second) continue;
+    entry_of(scene, names, faces.front())
+        .warning(
+            fmt::format(
+                "light that enters glass is trapped in it, since all its clear faces reflect most of it ({}{}): next "
+                "to nothing passes",
+                text, clear > 3 ? ", ..." : ""),
+            "'material' of an entry covers all its faces: give the others their own, 'surfaces: {back: ar_window, "
+            "barrel: "
+            "black}'");
+  }
+}
+
+// A part, or a single shape, of the scene.
+struct Solid {
+  std::string entry;
+  Node where;
+  Node medium;  // as it is said
+  std::vector<std::uint32_t> faces;
+  std::size_t clear = 0;  // faces that let light in
+  bool filled = false;
+};
+
+std::map<std::string, Solid> solids(Scene const& scene, World const& world, Registry const& names) {
+  std::map<std::string, Solid> all;
+  for (Scene::Instance const& instance : scene.instances()) {
+    auto const found = names.surfaces.find(instance.name);
+    if (found == names.surfaces.end() || instance.node["file"]) continue;
+    std::size_t const slash = instance.name.rfind('/');
+    Solid& solid = all[instance.name.substr(0, slash)];
+    solid.entry = instance.group.substr(0, instance.group.find_first_of("["));
+    if (slash != instance.name.npos) solid.entry = instance.group.substr(0, instance.group.rfind('/'));
+    solid.where = instance.placement;
+    Surface const& s = world.surfaces()[found->second.value];
+    if (Node const at_face = instance.node["medium"], medium = at_face ? at_face : instance.placement["medium"]; medium)
+      solid.medium = medium;
+    solid.faces.push_back(found->second.value);
+    solid.filled = solid.filled || s.volume != Surface::none;
+    solid.clear += lets_light_in(world, s.front);
+  }
+  return all;
+}
+
+void warn_of_solids(Scene const& scene, World const& world, Registry const& names) {
+  std::set<std::string> told;
+  for (auto const& [name, solid] : solids(scene, world, names)) {
+    if (solid.filled && solid.medium && solid.clear == 0) {
+      if (told.insert(solid.entry).second)
+        solid.where.warning(fmt::format("'{}' is filled with '{}', but none of its faces lets light in", solid.entry,
+                                        solid.medium.text()),
+                            "give a face 'specular: {reflect: ..., transmit: ...}', or leave out 'medium'");
+      continue;
+    }
+    bool const alone = solid.faces.size() == 1;
+    if (solid.filled || solid.medium || solid.clear < (alone ? 1 : 2)) continue;
+    if (!encloses(world, solid.faces) || !told.insert(solid.entry).second) continue;
+    solid.where.warning(
+        fmt::format("'{}' lets light through its faces, but nothing is between them: it does not refract", solid.entry),
+        "give it a medium, 'medium: fused_silica', or say that there is none, 'medium: none'");
+  }
+}
+
+}  // namespace
+
+bool lets_light_in(World const& world, std::uint32_t optic) {
+  Optic const& o = world.view().optics[optic];
+  if (std::any_of(o.through, o.through + o.laws, [](bool through) { return through; })) return true;
+  return shares(world, optic, true).transmit > 0;
+}
+
+void check_glass(Scene const& scene, World const& world, Registry const& names) {
+  warn_of_bare_boundaries(scene, world);
+  warn_of_traps(scene, world, names);
+  warn_of_solids(scene, world, names);
+}
+
+// Grooves without a direction: their lay is the normal of a flat surface.
+
+namespace {
+
+// Whether the direction of the grooves is the normal of a flat surface: then they run anyhow.
+bool lay_vanishes(WorldView const& view, Surface const& s, Optic const& o) {
+  if (o.lay != Lay::along && o.lay != Lay::given) return false;
+  return view.shapes.visit(s.shape, [&](auto const& shape) {
+    using Shape = std::decay_t<decltype(shape)>;
+    if constexpr (std::is_same_v<Shape, Disk> || std::is_base_of_v<PlaneFrame, Shape>)
+      return o.lay == Lay::along || length(cross(o.lay_direction, shape.axis)) < 1e-9;
+    else
+      return false;
+  });
+}
+
+}  // namespace
+
+void check_lays(Scene const& scene, World const& world) {
+  WorldView const view = world.view();
+  for (Surface const& s : world.surfaces())
+    if (lay_vanishes(view, s, view.optics[s.front]) || lay_vanishes(view, s, view.optics[s.back]))
+      scene.root()["scene"].warning(
+          fmt::format("the grooves of '{}' run along its normal: on the surface they have no direction",
+                      world.groups()[s.group.value]),
+          "write lay: around, or a direction that lies in the surface");
+}
+
+}  // namespace straytrace

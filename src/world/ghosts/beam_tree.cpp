@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/curvature.hpp"
+#include "optics/coating/specular.hpp"
+#include "world/ghosts/beam_tree.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double weaker = 0.5, slight = 0.1;  // what makes a departure: of the other way; reflected, of what arrives
+constexpr double least_met = 0.01;            // share of a beam that has to meet a surface for it to go on
+
+void scale(BeamField& field, double power) {
+  double const factor = std::sqrt(power);
+  for (Jones& j : field.state) j = {factor * j.a, factor * j.b};
+}
+
+// A beam that waits to be followed, and the step it leaves by.
+struct Branch {
+  LeavingBeam beam;
+  BeamStep step;
+  Departure from;
+  MediaStack media;
+  std::size_t depth = 0;  // steps on its way; 0: the launched beam
+  double beside = -1;     // share of what arrives that passes beside the next surface; < 0: not known
+};
+
+struct Way {
+  BeamField field;
+  double power = 0;
+  bool through = false, departure = false;
+};
+
+class Tree {
+ public:
+  Tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink)
+      : view_(world.view()), screens_(view_), launch_(launch), limits_(limits), sink_(sink) {
+    ledger_.objects.resize(world.groups().size());
+  }
+
+  BeamLedger grow() {
+    Branch first;
+    first.beam.mode = launch_.mode;
+    first.beam.field = launch_.field;
+    if (launch_.arrives_at.valid())
+      arrive(first, {launch_.arrives_at, 0, launch_.piece});
+    else
+      waiting_.push_back(first);
+    while (!waiting_.empty() && ledger_.beams < limits_.beams && !(limits_.stop && *limits_.stop)) {
+      Branch const branch = waiting_.back();
+      waiting_.pop_back();
+      follow(branch);
+    }
+    for (Branch const& branch : waiting_) ledger_.stopped += branch.beam.field.power();
+    return ledger_;
+  }
+
+ private:
+  void follow(Branch const& branch) {
+    way_.resize(branch.depth > 0 ? branch.depth - 1 : 0);
+    if (branch.depth > 0) way_.push_back(branch.step);
+    sink_.left(branch.beam, way_);
+    if (back_in_cavity(branch)) return end(BeamEnd::rejoined, ledger_.rejoined, branch);
+    Mode const& mode = branch.beam.mode;
+    Hit const hit = view_.closest({mode.origin, mode.travel}, branch.from);
+    Branch arriving = branch;
+    double const kept = kept_along(view_, branch.media, hit.surface.valid() ? hit.distance : 0);
+    if (kept < 1) {
+      ledger_.media += (1 - kept) * branch.beam.field.power();
+      scale(arriving.beam.field, kept);
+    }
+    pass_screens(arriving, hit);
+    if (!hit.surface.valid()) return end(BeamEnd::escaped, ledger_.escaped, arriving);
+    arrive(arriving, hit);
+  }
+
+  // What stands beside the chief ray takes its share.
+  void pass_screens(Branch& branch, Hit const& hit) {
+    LeavingBeam& beam = branch.beam;
+    double const power = beam.field.power();
+    std::uint32_t const volume = branch.media.depth > 0 ? branch.media.current() : Surface::none;
+    double const least = std::clamp(limits_.floor / power, 1e-17, 1e-3);
+    FlightLoss const loss = screens_.loss({beam.mode, branch.from, hit, volume, least});
+    branch.beside = loss.beside;
+    if (loss.screens.empty()) return;
+    for (Screened const& s : loss.screens) book(branch, s, power);
+    scale(beam.field, std::max(0.0, 1 - loss.taken()));
+  }
+  void book(Branch const& branch, Screened const& screen, double power) {
+    LeavingBeam const& beam = branch.beam;
+    Vertex const vertex = make_vertex(view_, screen.surface, screen.point, beam.mode.travel, screen.piece);
+    double const index = view_.wavelength / beam.mode.wavelength, taken = power * screen.share;
+    BeamLedger::Object& object = ledger_.objects[view_.surfaces[screen.surface.value].group.value];
+    object.landed += taken;
+    if (vertex.wi.z > 0) object.scattered += taken * scatter_albedo(view_.laws, *vertex.optic, vertex.wi, index, 1);
+    if (beam.order > 0) object.ghosts += taken;
+    sink_.screened(
+        {screen, vertex.front, power, beam.path_length + index * screen.along, index, beam.field, beam.order}, way_);
+  }
+
+  void end(BeamEnd how, LongSum& column, Branch const& branch) {
+    column += branch.beam.field.power();
+    ++ledger_.beams;
+    sink_.ended(how, nullptr, branch.beam, way_);
+  }
+
+  bool is_back_of_mirror(SurfaceId surface, bool front) const {
+    auto const& mirrors = launch_.cavity;
+    return !front && std::find(mirrors.begin(), mirrors.end(), surface) != mirrors.end();
+  }
+  bool back_in_cavity(Branch const& branch) const {
+    return branch.step.event == Event::transmit && is_back_of_mirror(branch.step.surface, branch.step.front);
+  }
+
+  void arrive(Branch const& branch, Hit const& hit) {
+    bool const launched_here = branch.depth == 0 && launch_.arrives_at.valid();
+    LeavingBeam const& beam = branch.beam;
+    Vec3 const travel = beam.mode.travel;
+    Vertex vertex = make_vertex(view_, hit.surface, beam.mode.origin + hit.distance * travel, travel, hit.piece);
+    find_media(view_, branch.media, travel, vertex);
+    BeamSpot spot;
+    spot.surface = hit.surface;
+    spot.piece = hit.piece;
+    spot.front = vertex.front;
+    spot.normal = vertex.frame.e3;
+    spot.mode = hit.distance > 0 ? propagated(beam.mode, hit.distance) : beam.mode;
+    spot.mode.origin = vertex.point;
+    spot.index = vertex.n_in;
+    spot.field = beam.field;
+    spot.power = beam.field.power();
+    spot.clipped = branch.beside >= 0 ? branch.beside : beside_rim(view_, hit.surface, spot.mode);
+    spot.path_length = beam.path_length + vertex.n_in * hit.distance;
+    spot.gouy = beam.gouy + (hit.distance > 0 ? gouy(beam.mode, hit.distance) : 0);
+    spot.parent = branch.depth > 0 ? branch.step.spot : BeamSpot::none;
+    spot.event = branch.depth > 0 ? branch.step.event : Event::start;
+    spot.order = std::max(beam.order, branch.media.depth > 0 ? rounds(spot) : 0);
+    if (spot.order > limits_.order) {
+      ledger_.order += spot.power;
+      return;
+    }
+    auto const number = std::uint32_t(ledger_.spots++);
+    sink_.arrived(spot, number, way_);
+    split(branch, spot, number, vertex, launched_here);
+  }
+
+  // How often the beam has met this side of the surface along the same line before.
+  std::uint32_t rounds(BeamSpot const& at) const {
+    double const width = spot(at.mode).major;
+    return std::uint32_t(std::count_if(way_.begin(), way_.end(), [&](BeamStep const& s) {
+      return s.surface == at.surface && s.front == at.front && dot(s.in, at.mode.travel) > 0.995 &&
+             length(s.point - at.mode.origin) < width;
+    }));
+  }
+
+  // Reflected and transmitted parts of what meets the surface; books what stays there.
+  std::array<Way, 2> ways(BeamSpot const& spot, Vertex const& vertex, bool cavity) {
+    std::array<Way, 2> both;
+    both[1].through = true;
+    BeamLedger::Object& object = ledger_.objects[view_.surfaces[spot.surface.value].group.value];
+    double const beside = spot.power * spot.clipped, meets = spot.power - beside;
+    double scattered = 0, left = 1;
+    if (vertex.wi.z > 0) {
+      Amplitudes const a =
+          specular_amplitudes(view_.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);
+      scattered = scatter_albedo(view_.laws, *vertex.optic, vertex.wi, vertex.n_in, vertex.n_out);
+      for (Way& w : both) {
+        w.field = spot.field;
+        Vec3 axis = spot.field.axis;
+        for (int i = 0; i < spot.field.states; ++i) {
+          axis = spot.field.axis;
+          Jones const& in = spot.field.state[std::size_t(i)];
+          w.field.state[std::size_t(i)] = w.through ? transmitted(in, spot.mode.travel, spot.normal, a, axis)
+                                                    : reflected(in, spot.mode.travel, spot.normal, a, axis);
+        }
+        w.field.axis = axis;
+        scale(w.field, 1 - spot.clipped);
+      }
+      double const specular = meets > 0 ? (both[0].field.power() + both[1].field.power()) / meets : 0;
+      left = specular_remainder(view_.interfaces, *vertex.optic, specular, scattered);
+    }
+    for (Way& w : both) {
+      scale(w.field, left);
+      w.power = w.field.power();
+    }
+    if (vertex.n_in > vertex.n_out && both[1].power > 0 && beyond_critical(vertex)) turn_back(both);
+    double const back = both[0].power, through = both[1].power;
+    both[0].departure = back < weaker * through || back < slight * meets;
+    both[1].departure = through < weaker * back && !both[0].departure;
+    if (cavity) {  // the mode itself is reflected; what passes is the main beam outside
+      ledger_.rejoined += both[0].power;
+      both[0].power = 0;
+      both[1].departure = false;
+    }
+    double const stays = meets - both[0].power - both[1].power - (cavity ? both[0].field.power() : 0);
+    object.landed += stays;
+    object.scattered += scattered * meets;
+    object.beside += beside;
+    if (spot.order > 0) object.ghosts += stays + beside;
+    return both;
+  }
+
+  static bool beyond_critical(Vertex const& v) { return v.n_in * v.n_in * (1 - v.wi.z * v.wi.z) >= v.n_out * v.n_out; }
+  // A coating of stated shares knows nothing of the critical angle: what cannot pass is reflected.
+  static void turn_back(std::array<Way, 2>& both) {
+    double const all = both[0].power + both[1].power;
+    if (both[0].power > 0)
+      scale(both[0].field, all / both[0].power);
+    else
+      both[0].field = both[1].field;
+    both[0].power = all;
+    both[1].power = 0;
+  }
+
+  void split(Branch const& branch, BeamSpot const& spot, std::uint32_t number, Vertex const& vertex,
+             bool launched_here) {
+    std::array<Way, 2> both = ways(spot, vertex, launched_here && !launch_.cavity.empty());
+    if (both[1].power > both[0].power) std::swap(both[0], both[1]);
+    bool const too_long = branch.depth >= limits_.longest, wide = 1 - spot.clipped < least_met;
+    bool goes_on = false, faint = false;
+    bool const two = both[1].power > 0 && !both[0].departure && !both[1].departure;
+    for (int i : {1, 0}) {  // the stronger one is put last, and followed first
+      Way const& w = both[std::size_t(i)];
+      if (!(w.power > 0)) continue;
+      bool const returns = w.through && is_back_of_mirror(spot.surface, spot.front);
+      std::uint32_t const order = returns ? std::max(spot.order, 1u) : spot.order + (w.departure ? 1 : 0);
+      bool const dim = !returns && w.power < limits_.floor;
+      goes_on = goes_on || !w.departure;
+      faint = faint || (!w.departure && dim);
+      if (order > limits_.order)
+        ledger_.order += w.power;
+      else if (dim)
+        ledger_.floor += w.power;
+      else if (wide)
+        ledger_.wide += w.power;
+      else if (too_long)
+        ledger_.longest += w.power;
+      else
+        waiting_.push_back(leave(branch, spot, number, vertex, w, order, two));
+    }
+    if (goes_on && !faint && !wide && !too_long) return;
+    ++ledger_.beams;
+    LeavingBeam const here{spot.mode, spot.field, spot.path_length, spot.gouy, spot.order};
+    BeamEnd const stopped = faint ? BeamEnd::faint : wide ? BeamEnd::wide : BeamEnd::longest;
+    sink_.ended(goes_on ? stopped : BeamEnd::landed, &spot, here, way_);
+  }
+
+  Branch leave(Branch const& branch, BeamSpot const& spot, std::uint32_t number, Vertex const& vertex, Way const& w,
+               std::uint32_t order, bool two) const {
+    Branch next;
+    SurfaceCurvature const curvature = view_.shapes.visit(view_.surfaces[spot.surface.value].shape, [&](auto const& s) {
+      return curvature_of(s, vertex.point, vertex.piece);
+    });
+    Vec3 const normal = vertex.front ? spot.normal : -spot.normal;  // the one of the shape
+    next.beam.mode = !w.through                    ? reflected(spot.mode, normal, curvature)
+                     : vertex.n_in == vertex.n_out ? spot.mode
+                                                   : refracted(spot.mode, normal, curvature, vertex.n_in, vertex.n_out);
+    next.beam.field = w.field;
+    next.beam.path_length = spot.path_length;
+    next.beam.gouy = spot.gouy;
+    next.beam.order = order;
+    next.step.surface = spot.surface;
+    next.step.point = vertex.point;
+    next.step.in = spot.mode.travel;
+    next.step.out = next.beam.mode.travel;
+    next.step.n_in = vertex.n_in;
+    next.step.n_out = w.through ? vertex.n_out : vertex.n_in;
+    next.step.path_length = spot.path_length;
+    next.step.spot = number;
+    next.step.front = spot.front;
+    next.step.event = w.through ? Event::transmit : Event::reflect;
+    next.step.departure = w.departure;
+    next.step.split = two;
+    next.from = {vertex.surface, vertex.piece, vertex.contact};
+    next.media = w.through ? vertex.after : vertex.before;
+    next.depth = branch.depth + 1;
+    return next;
+  }
+
+  WorldView view_;
+  Screens screens_;
+  BeamLaunch const& launch_;
+  TreeLimits limits_;
+  BeamSink& sink_;
+  BeamLedger ledger_;
+  std::vector<Branch> waiting_;
+  std::vector<BeamStep> way_;
+};
+
+}  // namespace
+
+BeamLedger grow_tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink) {
+  return Tree(world, launch, limits, sink).grow();
+}
+
+// Beams of the scene, as the beam tree starts with them.
+
+namespace {
+
+Mode mode_of(Footprint const& f, double wavelength) {
+  if (f.profile == Profile::gaussian) return circular_mode(f.centre, f.travel, f.radius, f.curvature, wavelength);
+  Astigmatism const& a = f.astigmatism;
+  double const side = dot(cross(a.e1, a.e2), f.travel) < 0 ? -1 : 1;  // e1, e2 and the travel are right-handed
+  Mode m;
+  m.origin = f.centre;
+  m.travel = f.travel;
+  m.e1 = a.e1;
+  m.e2 = side * a.e2;
+  m.wavelength = wavelength;
+  m.q11 = {a.c11, wavelength / (pi * a.w1 * a.w1)};
+  m.q12 = side * a.c12;
+  m.q22 = {a.c22, wavelength / (pi * a.w2 * a.w2)};
+  return m;
+}
+
+// A state of the scene is linear; without one the light is unpolarised: two states at right angles.
+BeamField field_of(Footprint const& f, bool polarised) {
+  BeamField field;
+  field.axis = any_normal(f.travel);
+  Polarisation const& p = f.polarisation;
+  if (polarised && p.q * p.q + p.u * p.u + p.v * p.v > 0.5) {
+    field.axis = p.axis;
+    double const half = std::sqrt(0.5 * (1 + p.q));  // of q: |a|^2 = (1 + q)/2, 2 conj(a) b = u + i v
+    field.state[0] = half > 0 ? Jones{{half, 0}, {0.5 * p.u / half, 0.5 * p.v / half}} : Jones{{0, 0}, {1, 0}};
+    return field;
+  }
+  field.states = 2;
+  field.state[1] = {{0, 0}, {1, 0}};
+  return field;
+}
+
+// What goes on from the mirror of the launch: a tree of no step.
+double passed_at_launch(World const& world, BeamLaunch const& launch) {
+  BeamSink nobody;
+  return grow_tree(world, launch, {0, 0, 0}, nobody).longest;
+}
+
+}  // namespace
+
+std::vector<BeamLaunch> launches(World const& world) {
+  WorldView const view = world.view();
+  std::vector<BeamLaunch> all;
+  for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
+    Footprint const& f = world.footprints()[i];
+    if (world.feeds()[i].propagated) continue;
+    if (f.profile != Profile::gaussian && f.profile != Profile::astigmatic) continue;
+    BeamLaunch launch;
+    launch.footprint = i;
+    launch.beam = f.beam;
+    launch.mode = mode_of(f, world.wavelength / f.index);
+    launch.field = field_of(f, world.polarised);
+    if (f.free) {
+      launch.name = world.groups()[f.origin.value];
+    } else {
+      Crossing const met = view.cross(f.surface.value, {f.centre - f.backoff * f.travel, f.travel}, {});
+      if (!(met.distance < infinity)) continue;  // the chief ray misses its own surface
+      launch.arrives_at = f.surface;
+      launch.piece = met.piece;
+      launch.mode = propagated(launch.mode, met.distance - f.backoff);
+      launch.name = world.groups()[world.surfaces()[f.surface.value].group.value];
+      if (f.standing)
+        for (Footprint const& other : world.footprints())
+          if (other.standing && other.beam == f.beam) launch.cavity.push_back(other.surface);
+      if (!launch.cavity.empty()) launch.passes = passed_at_launch(world, launch);
+    }
+    all.push_back(std::move(launch));
+  }
+  return all;
+}
+
+// Sums and lists of what a beam tree brings.
+
+namespace {
+
+class SpotList final : public BeamSink {
+ public:
+  explicit SpotList(std::size_t most) : most_(most) {}
+  void arrived(BeamSpot const& spot, std::uint32_t, std::span<BeamStep const>) override {
+    spots_.push_back(spot);
+    if (spots_.size() >= 2 * most_) keep();
+  }
+  std::vector<BeamSpot> take() {
+    keep();
+    return std::move(spots_);
+  }
+
+ private:
+  void keep() {
+    std::stable_sort(spots_.begin(), spots_.end(), [](BeamSpot const& a, BeamSpot const& b) {
+      return a.order != b.order ? a.order < b.order : a.power > b.power;
+    });
+    if (spots_.size() > most_) spots_.resize(most_);
+  }
+  std::size_t most_;
+  std::vector<BeamSpot> spots_;
+};
+
+}  // namespace
+
+char const* name_of(BeamEnd end) {
+  static constexpr char const* names[] = {"landed", "escaped", "rejoined", "faint", "longest", "wide"};
+  return names[std::size_t(end)];
+}
+
+double BeamLedger::total() const {
+  LongSum sum;
+  for (double column : {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest),
+                        double(wide), double(stopped)})
+    sum += column;
+  for (Object const& o : objects) {
+    sum += o.landed;
+    sum += o.beside;
+  }
+  return sum;
+}
+
+std::vector<BeamSpot> beam_spots(World const& world, BeamLaunch const& launch, TreeLimits const& limits,
+                                 std::size_t most) {
+  SpotList list(most);
+  grow_tree(world, launch, limits, list);
+  return list.take();
+}
+
+}  // namespace straytrace

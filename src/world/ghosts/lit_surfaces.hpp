@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Surfaces that a beam lights on its way through the scene (physics.md 1.1): spots of the beam tree -> footprints,
+// where light leaves the mode and rejoins it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "world/ghosts/beam_tree.hpp"
+
+namespace straytrace {
+
+// Place, profile and wavefront of a mode that arrives in a medium of this index.
+Footprint footprint_of(Mode const&, double index);
+
+// What the surfaces on the way of a beam do to its phase: levers over the wave number, by body (eq. 2.2, 2.3).
+std::vector<Lever> levers_of_way(World const&, std::span<BeamStep const>);
+
+// Adds the footprint of a spot. `share`: q of the launched beam; `mirror`: footprint of the cavity mirror that the beam
+// was launched through, or Feed::none. On a side that scatters nothing it neither emits nor receives.
+void add_lit_surface(World&, std::uint32_t beam, double share, std::uint32_t mirror, BeamSpot const&,
+                     std::span<BeamStep const> way);
+
+// The same of a screen that the beam touches: lit by the mode outside of the hole, with the power that the ledger of
+// the tree has for it.
+void add_lit_screen(World&, std::uint32_t beam, double share, std::uint32_t mirror, ScreenSpot const&,
+                    std::span<BeamStep const> way);
+
+// A row of the list that `straytrace check` prints.
+struct LitRow {
+  std::uint32_t footprint = 0;
+  double major = 0, minor = 0;  // m, 1/e^2 intensity radii across the beam
+  double incidence = 0;         // rad, of the chief ray; NaN: that passes beside a surface which is not flat
+  double clipped = 0;           // share that passes beside the surface; smaller than `resolution`: not resolved
+  double resolution = 0;
+  bool scatters = true;
+};
+std::vector<LitRow> lit_rows(World const&);  // of a finished world; free beams light nothing by themselves
+
+}  // namespace straytrace

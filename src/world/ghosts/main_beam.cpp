@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/ghosts/main_beam.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "beams/overlap.hpp"
+#include "world/model/levers.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr double in_line = 0.2;  // rad: beams farther apart have no overlap that counts
+
+// Field as a vector of space.
+struct Field {
+  std::complex<double> x, y, z;
+};
+Field in_space(Jones const& j, Vec3 axis, Vec3 travel) {
+  Vec3 const other = cross(travel, axis);
+  std::complex<double> const a(j.a.re, j.a.im), b(j.b.re, j.b.im);
+  return {a * axis.x + b * other.x, a * axis.y + b * other.y, a * axis.z + b * other.z};
+}
+std::complex<double> product(Field const& u, Field const& v) { return u.x * v.x + u.y * v.y + u.z * v.z; }
+Field conjugate(Field const& u) { return {std::conj(u.x), std::conj(u.y), std::conj(u.z)}; }
+
+std::complex<double> turned(double phase) { return std::polar(1.0, phase); }
+
+// Relative to the main beam that leaves with it: E_main* . E_ghost over |E_main|, by state.
+std::array<std::complex<double>, 2> with_main(LeavingBeam const& ghost, LeavingBeam const& main, double k) {
+  std::complex<double> const shape =
+      overlap(ghost.mode, main.mode) * turned(k * (ghost.path_length - main.path_length) - (ghost.gouy - main.gouy));
+  double const power = main.field.power() * main.field.states;
+  std::array<std::complex<double>, 2> field{};
+  for (std::size_t i = 0; i < std::size_t(main.field.states); ++i) {
+    Jones const& j = main.field.state[i];
+    double const size = norm(j.a) + norm(j.b);
+    if (!(size > 0)) continue;
+    field[i] = shape / std::sqrt(size * power) *
+               product(conjugate(in_space(j, main.field.axis, main.mode.travel)),
+                       in_space(ghost.field.state[i], ghost.field.axis, ghost.mode.travel));
+  }
+  return field;
+}
+
+// Into the reversed main beam, as it arrives at the plane of the launch: by reciprocity E_main . E_ghost at the
+// surface, without a conjugate.
+std::array<std::complex<double>, 2> against_main(LeavingBeam const& ghost, BeamSpot const& main, double k) {
+  std::complex<double> const shape = overlap(ghost.mode, reversed(main.mode)) *
+                                     turned(k * (ghost.path_length + main.path_length) - (ghost.gouy + main.gouy));
+  std::array<std::complex<double>, 2> field{};
+  for (std::size_t i = 0; i < std::size_t(main.field.states); ++i)
+    field[i] = shape / std::sqrt(double(main.field.states)) *
+               product(in_space(main.field.state[i], main.field.axis, main.mode.travel),
+                       in_space(ghost.field.state[i], ghost.field.axis, ghost.mode.travel));
+  return field;
+}
+
+bool same_medium(Mode const& a, Mode const& b) { return std::fabs(a.wavelength / b.wavelength - 1) < 1e-9; }
+
+// Collects the main beam, which is all of order 0.
+class MainSink final : public BeamSink {
+ public:
+  MainSink(World const& world, std::vector<MainNode>& nodes) : world_(world), nodes_(nodes) {}
+  void arrived(BeamSpot const& spot, std::uint32_t number, std::span<BeamStep const> way) override {
+    if (nodes_.size() >= MainBeam::most_nodes) {
+      complete = false;
+      return;
+    }
+    node_of_spot_[number] = std::uint32_t(nodes_.size());
+    MainNode node;
+    node.spot = spot;
+    node.way.assign(way.begin(), way.end());
+    add_levers(node.levers, world_, way);
+    nodes_.push_back(std::move(node));
+  }
+  void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
+    if (way.empty()) return;
+    auto const at = node_of_spot_.find(way.back().spot);
+    if (at == node_of_spot_.end()) return;
+    MainNode::Way gone{beam, way.back().event, {}};
+    add_levers(gone.levers, world_, way);
+    nodes_[at->second].ways.push_back(std::move(gone));
+  }
+  bool complete = true;
+
+ private:
+  World const& world_;
+  std::vector<MainNode>& nodes_;
+  std::map<std::uint32_t, std::uint32_t> node_of_spot_;
+};
+
+void add(std::vector<Lever>& to, std::vector<Lever> const& what, double factor) {
+  for (Lever const& l : what) {
+    Lever& at = lever_of(to, l.body);
+    for (int i = 0; i < 6; ++i) at.d[i] += factor * l.d[i];
+  }
+}
+
+}  // namespace
+
+void add_levers(std::vector<Lever>& levers, World const& world, std::span<BeamStep const> way) {
+  double const k = 2 * pi / world.wavelength;
+  for (BeamStep const& s : way) add_hit(levers, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
+}
+
+MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limits) : world_(world), launch_(launch) {
+  limits.order = 0;
+  MainSink sink(world, nodes_);
+  grow_tree(world, launch, limits, sink);
+  complete_ = sink.complete;
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) on_surface_.emplace(nodes_[i].spot.surface.value, i);
+}
+
+// What it comes in line with at one surface, and the nearest in direction.
+struct MainBeam::Candidate {
+  Standing best;
+  bool found = false, already = false;  // a new line; the one it is in already
+
+  void look(Standing const& at, bool same, double k, LeavingBeam const& ghost, MainNode const& node) {
+    if (!best.known || at.angle < best.angle) {
+      Recoupling const kept = best.recoupled;
+      best = at;
+      best.recoupled = kept;
+    }
+    Recoupling r = at.recoupled;
+    Mode const& main = r.against ? node.spot.mode : node.ways[r.way].beam.mode;
+    if (!(at.angle < in_line) || !same_medium(ghost.mode, main)) return;
+    if (same) {
+      already = true;
+      return;
+    }
+    r.field = r.against ? against_main(ghost, node.spot, k) : with_main(ghost, node.ways[r.way].beam, k);
+    if (!found || r.share() > best.recoupled.share()) best.recoupled = r;
+    found = true;
+  }
+};
+
+Standing MainBeam::standing(Standing const& before, LeavingBeam const& ghost, std::span<BeamStep const> way) const {
+  if (ghost.order == 0 || way.empty()) return {};
+  BeamStep const& step = way.back();
+  double const k = 2 * pi / world_.wavelength;
+  auto const [first, last] = on_surface_.equal_range(step.surface.value);
+  Candidate all;
+  for (auto at = first; at != last; ++at) {
+    MainNode const& node = nodes_[at->second];
+    bool const split = node.ways.size() > 1;
+    bool goes_so = false;
+    for (std::uint32_t w = 0; w < node.ways.size(); ++w) {
+      MainNode::Way const& main = node.ways[w];
+      bool const same = main.event == step.event;
+      goes_so = goes_so || same;
+      Standing s{true,
+                 false,
+                 angle_between(ghost.mode.travel, main.beam.mode.travel),
+                 ghost.path_length - main.beam.path_length,
+                 {true, false, at->second, w, way.size(), {}}};
+      all.look(s, same && !split, k, ghost, node);
+    }
+    Standing s{true,
+               true,
+               angle_between(ghost.mode.travel, -node.spot.mode.travel),
+               ghost.path_length + node.spot.path_length,
+               {true, true, at->second, 0, way.size(), {}}};
+    all.look(s, goes_so && !split, k, ghost, node);
+  }
+  if (first == last) {  // no surface of the main beam: what departs here is another light
+    Standing s = before;
+    if (step.departure) s.recoupled = {};
+    return s;
+  }
+  if (!all.found) all.best.recoupled = all.already ? before.recoupled : Recoupling{};
+  return all.best;
+}
+
+std::vector<Lever> MainBeam::levers(Recoupling const& r, std::span<BeamStep const> way) const {
+  std::vector<Lever> levers;
+  if (!r.any) return levers;
+  add_levers(levers, world_, way.first(r.steps));
+  MainNode const& node = nodes_[r.node];
+  if (r.against) {
+    add(levers, node.levers, 1);  // the way back: each hit adds the same again
+    if (!launch_.cavity.empty())  // the mode itself is reflected there
+      add_hit(levers, world_, launch_.arrives_at, launch_.mode.origin,
+              -4 * pi / world_.wavelength * launch_.mode.travel);
+  } else {
+    add(levers, node.ways[r.way].levers, -1);
+  }
+  std::sort(levers.begin(), levers.end(), [](Lever const& a, Lever const& b) { return a.body < b.body; });
+  return levers;
+}
+
+}  // namespace straytrace

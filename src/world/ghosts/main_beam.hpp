@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The main beam as its ghosts meet it again: how much of a ghost that leaves a surface of the main beam is in the mode
+// of the main beam (physics.md section 5, eq. 5.4), and with which phase levers (eq. 2.3, 2.5).
+#pragma once
+
+#include <array>
+#include <complex>
+#include <map>
+
+#include "world/ghosts/beam_tree.hpp"
+
+namespace straytrace {
+
+// Where the main beam meets a surface, and the one or two ways it goes on.
+struct MainNode {
+  struct Way {
+    LeavingBeam beam;
+    Event event = Event::transmit;
+    std::vector<Lever> levers;  // of the way to here, this surface with it, rad/m and rad
+  };
+  BeamSpot spot;
+  std::vector<BeamStep> way;  // to here, without this surface
+  std::vector<Lever> levers;  // of the way to here, without this surface
+  std::vector<Way> ways;
+};
+
+// A ghost that has come into the line of the main beam.
+struct Recoupling {
+  // The plane is the surface itself. `against`: it runs back along the main beam, and the share is that of the
+  // light that reaches the plane of the launch in the reversed mode, over the launched power; otherwise it runs with
+  // the main beam, and the share is over the power of the main beam there.
+  bool any = false, against = false;
+  std::uint32_t node = 0, way = 0;              // of the main beam; way: not against
+  std::size_t steps = 0;                        // of the ghost, up to that surface
+  std::array<std::complex<double>, 2> field{};  // by state of polarisation; their squares sum to the share
+  double share() const { return std::norm(field[0]) + std::norm(field[1]); }
+};
+
+// Where a ghost stands to the main beam, at the last surface that both have left.
+struct Standing {
+  bool known = false, against = false;
+  double angle = 0;       // between it and the main beam leaving that surface; against: and the one arriving; rad
+  double difference = 0;  // of optical path: behind the main beam; against: from the launch and back to it; m
+  Recoupling recoupled;   // the last time it came into line: it counts once
+};
+
+class MainBeam {
+ public:
+  static constexpr std::size_t most_nodes = 4096;
+  MainBeam(World const&, BeamLaunch const&, TreeLimits);
+
+  std::vector<MainNode> const& nodes() const { return nodes_; }
+  bool complete() const { return complete_; }  // false: it meets more surfaces than are kept
+  // After the last step of `way`; `before`: at the surface before.
+  Standing standing(Standing const& before, LeavingBeam const&, std::span<BeamStep const> way) const;
+  // Of a ghost relative to the main mode; empty without recoupling.
+  std::vector<Lever> levers(Recoupling const&, std::span<BeamStep const> way) const;
+
+ private:
+  struct Candidate;
+  World const& world_;
+  BeamLaunch const& launch_;
+  std::vector<MainNode> nodes_;
+  std::multimap<std::uint32_t, std::uint32_t> on_surface_;
+  bool complete_ = true;
+};
+
+// Phase Jacobians of the steps, rad/m and rad: each hit k (n_in in - n_out out) (eq. 2.2).
+void add_levers(std::vector<Lever>&, World const&, std::span<BeamStep const>);
+
+}  // namespace straytrace

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is odd about a mesh: holes, edges of more than two triangles, flipped, doubled and flat triangles, scale. That
+// triangles pass through each other is not checked.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "world/import/mesh_file.hpp"
+
+namespace straytrace {
+
+struct MeshHealth {
+  struct Part {
+    double area = 0;    // unit of the file, squared
+    double volume = 0;  // cubed; of the closed body it belongs to, by the divergence theorem: negative when inside out
+    bool closed = false;
+    std::size_t open_edges = 0;
+  };
+  std::vector<Part> parts;            // as in the file
+  std::size_t open_edges = 0;         // of one triangle only, corners of all parts compared by position
+  std::size_t crowded_edges = 0;      // of more than two
+  std::size_t opposed_edges = 0;      // of two triangles that show different sides there
+  std::size_t doubled = 0;            // triangles on the corners of another one
+  std::size_t flat = 0;               // triangles without area
+  std::vector<std::string> inverted;  // parts of closed bodies whose normals look inwards
+  Vec3 first_open;                    // middle of one open edge, unit of the file
+};
+MeshHealth examine(MeshFile const&);
+
+// Takes away triangles with two equal corners and turns closed bodies that are inside out; true: something was done.
+bool repair(MeshFile&, MeshHealth const&);
+
+struct MeshAdvice {
+  std::string what, suggestion;
+};
+std::vector<MeshAdvice> advice(MeshFile const&, MeshHealth const&);
+// Whether a box of this size, in units of `unit` metres, is likely to be what was meant. Empty: it is.
+MeshAdvice scale_advice(Box const&, double unit);
+
+std::string size_text(Box const&, double unit);  // "1.2 m x 300 mm x 5 mm"
+
+}  // namespace straytrace

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/model/cell_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+namespace straytrace {
+
+namespace {
+constexpr std::uint32_t most_depth = 24;  // a side is halved about twelve times
+}
+
+double area_of(Chart chart, MapCell const& c) {
+  double const du = c.u_high - c.u_low, dv = c.v_high - c.v_low;
+  return chart == Chart::polar ? 0.5 * (c.u_low + c.u_high) * du * dv : du * dv;
+}
+
+CellTree::CellTree(Chart chart, MapCell const& whole) : chart_(chart), nodes_(1), extents_{{whole}}, cells_{whole} {}
+
+bool CellTree::halve(std::uint32_t number) {
+  auto const [c, depth] = extents_[number];
+  if (depth >= most_depth) return false;
+  MapCell const& whole = extents_.front().cell;
+  double du = c.u_high - c.u_low, dv = c.v_high - c.v_low;
+  if (chart_ == Chart::unrolled) {
+    du /= whole.u_high - whole.u_low;
+    dv /= whole.v_high - whole.v_low;
+  }
+  if (chart_ == Chart::polar) dv *= 0.5 * (c.u_low + c.u_high);
+  bool const along_u = du >= dv;
+  double const middle = !along_u                 ? 0.5 * (c.v_low + c.v_high)
+                        : chart_ == Chart::polar ? std::sqrt(0.5 * (c.u_low * c.u_low + c.u_high * c.u_high))
+                                                 : 0.5 * (c.u_low + c.u_high);
+  MapCell low = c, high = c;
+  (along_u ? low.u_high : low.v_high) = middle;
+  (along_u ? high.u_low : high.v_low) = middle;
+  std::uint32_t const cell = nodes_[number].cell;
+  nodes_[number] = {middle, std::uint32_t(nodes_.size()), cell, along_u};
+  nodes_.push_back({0, 0, cell, 0});
+  nodes_.push_back({0, 0, std::uint32_t(cells_.size()), 0});
+  extents_.push_back({low, depth + 1});
+  extents_.push_back({high, depth + 1});
+  cells_[cell] = low;
+  cells_.push_back(high);
+  return true;
+}
+
+namespace {
+
+struct Filled {
+  std::uint32_t node;
+  std::vector<WeightedPlace> places;
+  double count = 0;
+
+  Filled(std::uint32_t number, std::vector<WeightedPlace> here) : node(number), places(std::move(here)) {
+    double sum = 0, squares = 0;
+    for (WeightedPlace const& p : places) {
+      sum += p.weight;
+      squares += p.weight * p.weight;
+    }
+    count = squares > 0 ? sum * sum / squares : 0;
+  }
+  bool operator<(Filled const& o) const { return count != o.count ? count < o.count : node > o.node; }
+};
+
+}  // namespace
+
+void CellTree::refine(std::vector<WeightedPlace> const& places, double most_in_cell, std::size_t most_cells) {
+  std::priority_queue<Filled> queue;
+  queue.emplace(0, places);
+  while (!queue.empty() && cells_.size() < most_cells) {
+    Filled const full = queue.top();
+    queue.pop();
+    if (!(full.count > most_in_cell)) return;
+    if (!halve(full.node)) continue;
+    CellNode const n = nodes_[full.node];
+    std::vector<WeightedPlace> low, high;
+    for (WeightedPlace const& p : full.places) ((n.along_u ? p.place.u : p.place.v) < n.at ? low : high).push_back(p);
+    queue.emplace(n.halves, std::move(low));
+    queue.emplace(n.halves + 1, std::move(high));
+  }
+}
+
+}  // namespace straytrace

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where light is counted in watts: photodiodes, quadrants, cameras, measuring planes. Any surface can be one.
+#pragma once
+
+#include "base/memory/ids.hpp"
+#include "base/math/vec3.hpp"
+#include "world/model/cell_map.hpp"
+
+namespace straytrace {
+
+struct Receiver {
+  SurfaceId surface;
+  bool front = true, back = false;  // sides of the surface that count
+  bool clear = false;         // a measuring plane: light passes as if it were not there (such surfaces hide nothing)
+  bool behind_glass = false;  // also reached by sub-paths through lenses and mirrors (trace/step/specular_connection.hpp)
+  // Mirrors and glass that sub-paths start towards, and the share of them that does; the others start by the cosine
+  // law.
+  static constexpr std::uint32_t most_aims = 8;
+  static constexpr double aimed_share = 0.75;
+  std::uint32_t aims = 0;
+  SurfaceId aim[most_aims];
+  Pose frame;  // e3: its normal; origin and e1, e2: centre and axes of the maps
+  // Map over the surface: columns x rows pixels over 2 half_width x 2 half_height, m, along e1 and e2. 0: none.
+  std::uint32_t columns = 0, rows = 0;
+  double half_width = 0, half_height = 0;
+  // A map without stated pixels: cells of a chart about `frame`, as small as the light of a pilot allows
+  // (trace/tally/map_cells.hpp); none until that has run. With a half_width light beyond the whole is left out.
+  bool by_light = false;
+  Chart chart = Chart::plane;
+  MapCell whole;
+  View<CellNode const> nodes;
+  View<MapCell const> cells;
+  // Map over directions of arrival: direction cosines along e1 and e2 within +-half_angle_sine, square pixels. 0: none.
+  std::uint32_t angle_bins = 0;
+  double half_angle_sine = 1;
+  // Quadrants: signs of x and y in a frame of their own; what falls within half the gap of its axes is in none.
+  bool quadrants = false;
+  Pose quadrant_frame;
+  double gap = 0;                                     // m, full width
+  static constexpr std::uint32_t quadrant_cells = 5;  // lower left, lower right, upper left, upper right, gap
+  static constexpr std::uint32_t outside = 0xffffffffu;
+
+  STRAY_HD bool counts(bool lit_front) const { return lit_front ? front : back; }
+  STRAY_HD int sides() const { return (front ? 1 : 0) + (back ? 1 : 0); }
+  STRAY_HD std::uint32_t pixel(Vec3 p) const {
+    Vec3 const q = frame.local_point(p);
+    if (by_light) return map_cell(place_in(chart, q));
+    return cell(q.x / half_width, q.y / half_height, columns, rows);
+  }
+  // Of the map by light: without a half_width it has the whole surface, rims that are rounded outwards too.
+  STRAY_HD bool inside(MapPlace p) const {
+    return half_width == 0 || (p.u >= whole.u_low && p.u < whole.u_high && p.v >= whole.v_low && p.v < whole.v_high);
+  }
+  STRAY_HD std::uint32_t map_cell(MapPlace p) const {
+    return nodes.size > 0 && inside(p) ? cell_at(nodes, p) : outside;
+  }
+  STRAY_HD std::uint32_t map_size() const { return by_light ? std::uint32_t(cells.size) : columns * rows; }
+  // Of the map, m^2.
+  double area(std::size_t i) const {
+    return by_light ? area_of(chart, cells[i]) : 4 * half_width * half_height / (double(columns) * rows);
+  }
+  STRAY_HD std::uint32_t angle_pixel(Vec3 travel) const {
+    Vec3 const d = frame.local_direction(travel);
+    return cell(d.x / half_angle_sine, d.y / half_angle_sine, angle_bins, angle_bins);
+  }
+  STRAY_HD std::uint32_t quadrant(Vec3 p) const {
+    Vec3 const q = quadrant_frame.local_point(p);
+    if (2 * std::fabs(q.x) < gap || 2 * std::fabs(q.y) < gap) return quadrant_cells - 1;
+    return (q.x < 0 ? 0 : 1) + (q.y < 0 ? 0 : 2);
+  }
+  // Cell of a point of the square [-1, 1]^2, row by row from the lower left.
+  STRAY_HD static std::uint32_t cell(double x, double y, std::uint32_t columns, std::uint32_t rows) {
+    if (columns == 0 || !(x >= -1 && x < 1 && y >= -1 && y < 1)) return outside;
+    auto const i = static_cast<std::uint32_t>(0.5 * (x + 1) * columns);
+    auto const j = static_cast<std::uint32_t>(0.5 * (y + 1) * rows);
+    return (j < rows ? j : rows - 1) * columns + (i < columns ? i : columns - 1);
+  }
+};
+
+}  // namespace straytrace

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A point on a surface that light has reached: its frame, and the media on both sides. Rays of the trace and beams of
+// the beam tree stand on the same vertices.
+#pragma once
+
+#include "geometry/strips.hpp"
+#include "optics/media_stack.hpp"
+#include "world/model/world.hpp"
+
+namespace straytrace {
+
+struct Vertex {
+  SurfaceId surface;
+  std::uint32_t piece = 0;
+  bool front = true;           // lit on the side its normal points to
+  Vec3 point;                  // put back on its surface
+  Frame frame;                 // e3 = normal on the lit side
+  Vec3 wi;                     // towards where the light came from, local
+  double leg = 0;              // m from the previous vertex
+  double n_in = 1, n_out = 1;  // indices on the lit side and behind it
+  MediaStack before, after;    // volumes there
+  SurfaceId contact;           // a second surface that touches this one here
+  Optic const* optic = nullptr;
+  double albedo = 0, reflect = 0, transmit = 0;  // shares scattered, reflected and transmitted for this incidence
+  std::uint32_t patch = WorldView::none;         // of the steering tables
+  STRAY_HD double kept() const { return albedo + reflect + transmit; }
+  STRAY_HD std::uint32_t side() const {
+    return patch == WorldView::none ? WorldView::none : 2 * patch + (front ? 0 : 1);
+  }
+};
+
+STRAY_HD std::uint32_t patch_of(WorldView const& world, SurfaceId id, Vec3 point, std::uint32_t piece) {
+  if (!world.steering.on()) return WorldView::none;
+  double const u = world.shapes.visit(world.surfaces[id.value].shape,
+                                      [&](auto const& s) { return strip_coordinate(s, point, piece); });
+  return world.steering.strips[world.steering.strip_at(id, u)].patch;
+}
+
+// Turns the frame about its normal so that e2 runs along the grooves; where they have no direction it stays.
+STRAY_HD void lay_frame(WorldView const& world, Surface const& surface, Vec3 point, Optic const& optic, Frame& frame) {
+  Vec3 run = optic.lay_direction;
+  if (optic.lay != Lay::given)
+    run = world.shapes.visit(surface.shape, [&](auto const& s) {
+      return optic.lay == Lay::along ? s.axis : cross(s.axis, point - s.reference());
+    });
+  Vec3 const flat = run - dot(run, frame.e3) * frame.e3;
+  double const size = length(flat);
+  if (!(size > 1e-9 * length(run))) return;
+  frame.e2 = (1 / size) * flat;
+  frame.e1 = cross(frame.e2, frame.e3);
+}
+
+STRAY_HD Vertex make_vertex(WorldView const& world, SurfaceId id, Vec3 point, Vec3 travel, std::uint32_t piece = 0) {
+  Vertex v;
+  v.surface = id;
+  v.piece = piece;
+  v.point = world.project(id, point, piece);
+  Vec3 const normal = world.normal(id, v.point, piece);
+  v.front = dot(travel, normal) < 0;
+  Surface const& surface = world.surfaces[id.value];
+  v.optic = &world.optics[v.front ? surface.front : surface.back];
+  v.frame = Frame::around(v.front ? normal : -normal);
+  if (v.optic->lay != Lay::free) lay_frame(world, surface, v.point, *v.optic, v.frame);
+  v.wi = v.frame.to_local(-travel);
+  v.patch = patch_of(world, id, v.point, piece);
+  return v;
+}
+
+STRAY_HD double index_of(WorldView const& world, std::uint32_t volume) {
+  return volume == Passage::none ? 1 : world.media[world.volumes[volume].medium].index;
+}
+
+// Media on both sides of the vertex; a surface within a nanometre counts as in contact with it.
+STRAY_HD void find_media(WorldView const& world, MediaStack const& media, Vec3 travel, Vertex& v) {
+  if (world.volumes.size == 0) return;
+  Passage const here{world.surfaces[v.surface.value].volume, v.front};
+  MediumSides found = sides(media, here);
+  if (here.volume != Passage::none && world.volumes.size > 1) {
+    Ray const probe{v.point - contact_distance * travel, travel, 2 * contact_distance};
+    Hit const other = world.closest(probe, {v.surface, v.piece});
+    if (other.surface.valid() && world.surfaces[other.surface.value].volume != Passage::none) {
+      Vec3 const normal = world.normal(other.surface, v.point, other.piece);
+      found = sides(media, here, {world.surfaces[other.surface.value].volume, dot(travel, normal) < 0});
+      v.contact = other.surface;
+    }
+  }
+  v.before = found.before;
+  v.after = found.after;
+  v.n_in = index_of(world, found.in);
+  v.n_out = index_of(world, found.out);
+}
+
+// Share of power left after a leg in the medium that fills these volumes.
+STRAY_HD double kept_along(WorldView const& world, MediaStack const& media, double leg) {
+  if (media.depth == 0) return 1;
+  return kept_on_the_way(world.media[world.volumes[media.current()].medium].absorption, leg);
+}
+
+}  // namespace straytrace

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/model/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "world/search/search_item.hpp"
+
+namespace straytrace {
+namespace {
+
+template <class List, class Vectors, std::size_t... I>
+Pool<List> pool_of(Vectors const& vectors, std::index_sequence<I...>) {
+  Pool<List> pool;
+  ((std::get<I>(pool.arrays) = {std::get<I>(vectors).data(), std::get<I>(vectors).size()}), ...);
+  return pool;
+}
+
+}  // namespace
+
+void World::too_many_shapes(std::string_view kind) const {
+  throw InputError(
+      fmt::format("error: the scene has more than {} surfaces of the shape '{}'\n"
+                  "  repeat less, or describe many small surfaces by one mesh or one larger shape\n",
+                  most_shapes, kind));
+}
+
+std::uint32_t World::add_optic(Optic const& optic) {
+  optics_.push_back(optic);
+  return std::uint32_t(optics_.size() - 1);
+}
+
+std::uint32_t World::add_volume(Medium const& medium) {
+  media_.push_back(medium);
+  volumes_.push_back({std::uint32_t(media_.size() - 1)});
+  return std::uint32_t(volumes_.size() - 1);
+}
+
+BodyId World::add_body(std::string name, Vec3 pivot) {
+  bodies_.push_back({std::move(name), pivot, !std::isnan(pivot.x)});
+  return {std::uint32_t(bodies_.size() - 1)};
+}
+
+BodyId World::add_mode(BodyId of, std::string name, ElasticMode mode) {
+  mode.id = add_body(std::move(name), {});
+  bodies_[of.value].modes.push_back(mode);
+  return mode.id;
+}
+
+GroupId World::add_group(std::string const& name) {
+  auto const found = std::find(groups_.begin(), groups_.end(), name);
+  if (found != groups_.end()) return {std::uint32_t(found - groups_.begin())};
+  groups_.push_back(name);
+  return {std::uint32_t(groups_.size() - 1)};
+}
+
+PortId World::add_port(std::string name) {
+  ports_.push_back(std::move(name));
+  return {std::uint32_t(ports_.size() - 1)};
+}
+
+void World::add_footprint(Footprint f, Feed feed) {
+  feeds_.push_back(std::move(feed));
+  if (f.free) return lit_.push_back(f);
+  PoolRef const ref = surfaces_[f.surface.value].shape;
+  double low = 0, high = 0, r_min = 0, r_max = 0;
+  WorldView const now = view();
+  now.shapes.visit(ref, [&](auto const& shape) { shape.extent(low, high, r_min, r_max); });
+  double const given = f.backoff > 0 ? f.backoff : infinity;
+  f.backoff = std::fmin(given, r_max + (high - low));
+  if (feeds_.back().propagated) {  // it may have passed another part of this surface on its way
+    double const before = now.cross(f.surface.value, {f.centre - 1e-6 * f.travel, -f.travel}, {}).distance;
+    f.backoff = std::fmin(f.backoff, 0.5 * before);
+  }
+  lit_.push_back(f);
+}
+
+void World::add_receiver(std::string name, Receiver receiver) {
+  surfaces_[receiver.surface.value].clear = receiver.clear;
+  receivers_.push_back(receiver);
+  receiver_names_.push_back(std::move(name));
+}
+
+bool World::open_port(SurfaceId surface, std::uint32_t beam, std::string const& name) {
+  std::vector<std::uint32_t> lit;
+  for (std::uint32_t i = 0; i < lit_.size(); ++i)
+    if (lit_[i].surface == surface && lit_[i].beam == beam) lit.push_back(i);
+  open_port(name, lit);
+  return !lit.empty();
+}
+
+void World::open_port(std::string const& name, std::vector<std::uint32_t> const& footprints) {
+  if (footprints.empty()) return;
+  PortId const port = add_port(name);
+  for (std::uint32_t const i : footprints) {
+    lit_[i].port = port;
+    lit_[i].receives = true;
+  }
+}
+
+void World::anchor(BodyId id, Vec3 place) {
+  if (!id.valid() || bodies_[id.value].pivot_given) return;
+  auto const on_it = [id](Surface const& s) { return s.body.value == id.value; };
+  if (std::any_of(surfaces_.begin(), surfaces_.end(), on_it)) return;
+  bodies_[id.value].pivot = place;
+  bodies_[id.value].pivot_given = true;
+}
+
+void World::settle_pivots() {
+  WorldView const now = view();
+  for (auto s = surfaces_.rbegin(); s != surfaces_.rend(); ++s) {  // backwards: the first surface has the last word
+    if (!s->body.valid()) continue;
+    Body& body = bodies_[s->body.value];
+    if (body.pivot_given) continue;
+    body.pivot = now.shapes.visit(s->shape, [](auto const& shape) { return shape.reference(); });
+  }
+}
+
+void World::build_search() {
+  std::vector<SearchItem> items;
+  WorldView const now = view();
+  for (std::uint32_t id = 0; id < surfaces_.size(); ++id) {
+    if (surfaces_[id].clear) continue;
+    items.push_back(now.shapes.visit(surfaces_[id].shape, [](auto const& shape) { return search_item(shape); }));
+    items.back().ref = SurfaceRef::of(id, surfaces_[id].shape);
+  }
+  tree_.build(items);
+  searched_ = surfaces_.size();
+}
+
+void World::finish() {
+  if (searched_ != surfaces_.size()) build_search();
+  receiver_of_surface_.assign(surfaces_.size(), WorldView::none);
+  for (std::size_t i = receivers_.size(); i-- > 0;)
+    if (!receivers_[i].clear) receiver_of_surface_[receivers_[i].surface.value] = std::uint32_t(i);
+  lit_of_surface_.assign(surfaces_.size(), WorldView::none);
+  emitters_.clear();
+  for (std::uint32_t i = 0; i < lit_.size(); ++i) {
+    if (lit_[i].receives)
+      if (std::uint32_t& first = lit_of_surface_[lit_[i].surface.value]; first == WorldView::none) first = i;
+    if (lit_[i].emits) emitters_.push_back(i);
+  }
+}
+
+WorldView World::view() const {
+  WorldView v;
+  v.shapes = pool_of<ShapeTypes>(shapes_, std::make_index_sequence<std::tuple_size_v<ShapeTypes>>());
+  v.laws = pool_of<LawTypes>(laws_, std::make_index_sequence<std::tuple_size_v<LawTypes>>());
+  v.interfaces = pool_of<SpecularTypes>(interfaces_, std::make_index_sequence<std::tuple_size_v<SpecularTypes>>());
+  v.volumes = {volumes_.data(), volumes_.size()};
+  v.media = {media_.data(), media_.size()};
+  v.surfaces = {surfaces_.data(), surfaces_.size()};
+  v.optics = {optics_.data(), optics_.size()};
+  v.lit = {lit_.data(), lit_.size()};
+  v.lit_of_surface = {lit_of_surface_.data(), lit_of_surface_.size()};
+  v.emitters = {emitters_.data(), emitters_.size()};
+  v.receivers = {receivers_.data(), receivers_.size()};
+  v.receiver_of_surface = {receiver_of_surface_.data(), receiver_of_surface_.size()};
+  v.polarised = polarised;
+  v.tree = tree_.view();
+  v.steering = steering_.view();
+  v.limits = limits;
+  v.wavelength = wavelength;
+  v.block_size = block_size;
+  return v;
+}
+
+std::vector<std::string> World::body_names() const {
+  std::vector<std::string> names;
+  for (Body const& b : bodies_) names.push_back(b.name);
+  return names;
+}
+
+}  // namespace straytrace

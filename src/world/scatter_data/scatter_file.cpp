@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/math/constants.hpp"
+#include "optics/scatter/measured.hpp"
+#include "world/scatter_data/scatter_file.hpp"
+#include "world/scatter_data/text_tokens.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr std::string_view columns = "laboratory CSV", zemax = "Zemax tabular BSDF", abg = "Zemax ABg catalogue",
+                           astm = "ASTM E1392/E2387 text", ssdd = "SSDD", rgl = "RGL binary BSDF",
+                           lighttools = "LightTools BSDF", binary = "binary file";
+
+struct Refused {
+  std::string_view format, what, suggestion;
+};
+constexpr Refused refused[] = {
+    {rgl, "an RGL binary BSDF: visible light (360 to 1000 nm) on an adaptive grid, without the steep lobe of a mirror",
+     "evaluate it with the library of its authors at the directions you need and write those as laboratory CSV"},
+    {lighttools, "a LightTools BSDF: angles by side and quadrant, which this program does not read",
+     "export it as tabular Zemax BSDF, or write laboratory CSV"},
+    {binary, "a binary file of no known format",
+     "export it as text: laboratory CSV, Zemax tabular BSDF, ASTM or SSDD"}};
+
+bool begins(TextLine const& line, std::string_view word) {
+  auto const words = words_of(line);
+  return !words.empty() && words[0].text == word;
+}
+
+std::string_view known_format(std::string_view text) {
+  if (text.starts_with("tensor_file")) return rgl;
+  if (text.substr(0, 4096).find('\0') != text.npos || text.starts_with("\x89HDF")) return binary;
+  auto const lines = lines_of(text.substr(0, 65536));
+  auto const any = [&](std::string_view word) {
+    return std::any_of(lines.begin(), lines.end(), [&](TextLine const& l) { return begins(l, word); });
+  };
+  if (lines.empty()) return {};
+  if (any("DATA_TYPE") || (any("VERSION") && any("COLOR_MODEL"))) return ssdd;
+  if (any("SampleRotation") || any("ScatterAzimuth") || any("ScatterRadial")) return zemax;
+  if (any("Symmetry") && any("SpectralContent")) return any("AOI") ? lighttools : zemax;
+  if (any("VARS")) return astm;
+  if (any("NAME") && (any("WAVE") || any("WAVELENGTH"))) return abg;
+  std::string_view const first = lines[0].text;
+  if (first.find("theta") != first.npos || first.find("brdf") != first.npos || first.find("bsdf") != first.npos)
+    return columns;
+  return {};
+}
+
+void adopt(ScatterFile& file, ScatterDeclared const& given, std::vector<Problem>& problems) {
+  ScatterDeclared& d = file.declared;
+  auto const differ = [&](std::string_view key, std::string const& in_file, std::string const& said) {
+    complain(problems, {}, fmt::format("the file declares {} {}, but {} is asked for", key, in_file, said),
+             "keep one of them");
+  };
+  if (d.wavelength > 0 && given.wavelength > 0 && std::fabs(d.wavelength / given.wavelength - 1) > 1e-3)
+    differ("wavelength", fmt::format("{:g} nm", d.wavelength * 1e9), fmt::format("{:g} nm", given.wavelength * 1e9));
+  if (!d.angles.empty() && !given.angles.empty() && d.angles != given.angles) differ("angles", d.angles, given.angles);
+  if (!(d.wavelength > 0)) d.wavelength = given.wavelength;
+  if (d.angles.empty()) d.angles = given.angles;
+  d.entry = given.entry;
+}
+
+constexpr std::string_view layout =
+    "# wavelength: 1064 nm\n"
+    "    # angles: from_normal          (or from_specular)\n"
+    "    # polarisation_in: s           (s, p or unpolarised)\n"
+    "    # polarisation_out: both       (s, p or both)\n"
+    "    # noise_floor: 1e-7 /sr        (or none)\n"
+    "    theta_i [deg], theta_s [deg], brdf [1/sr]";
+
+void demand(ScatterFile const& file, std::vector<Problem>& problems) {
+  std::string missing;
+  if (!(file.declared.wavelength > 0)) missing = "wavelength";
+  bool const text = file.format == columns;
+  bool const turned =
+      std::any_of(file.points.begin(), file.points.end(), [](auto const& p) { return p.theta_s == p.theta_s; });
+  if (text && turned && file.declared.angles.empty()) missing += missing.empty() ? "angles" : " and angles";
+  if (missing.empty()) return;
+  complain(problems, {}, fmt::format("nothing declares {} of the measurement", missing),
+           text ? fmt::format("begin the file with what holds for it:\n    {}", layout)
+                : "write 'wavelength: 1064 nm' into the table, --wavelength \"1064 nm\" in the command, or '# "
+                  "wavelength: 1064 nm' into the file");
+}
+
+void mark_limits(ScatterFile& file, std::vector<Problem>& problems) {
+  std::size_t said = 0;
+  for (ScatterPoint& p : file.points) {
+    double const floor = file.declared.noise_floor;
+    if (p.value < 0 && ++said <= 10)
+      complain(problems, {" ", p.line, p.column},
+               p.theta_s == p.theta_s ? fmt::format("BRDF {:g} /sr at {:g} deg", p.value, p.theta_s * 180 / pi)
+                                      : fmt::format("BRDF {:g} /sr at offset {:g}", p.value, p.offset),
+               "a BSDF is not negative: leave the point out, or write 0 and declare '# noise_floor: 1e-7 /sr'");
+    if (p.value == 0 && !(floor > 0) && file.format == columns && ++said <= 10)
+      complain(problems, {" ", p.line, p.column}, "BRDF 0 /sr and no noise floor",
+               "declare the floor, '# noise_floor: 1e-7 /sr', and it counts as an upper limit; or leave the point out");
+    p.limit = floor > 0 && p.value <= floor;
+    if (p.limit) p.value = floor;
+  }
+  if (file.format != columns) std::erase_if(file.points, [](ScatterPoint const& p) { return p.value == 0; });
+}
+
+// At most as many incidences as the law holds, even in their order, the first and the last among them.
+void thin(ScatterFile& file) {
+  auto const groups = by_incidence(file.points);
+  constexpr std::size_t most = Measured::most_incidences;
+  if (groups.size() <= most) return;
+  file.points.clear();
+  for (std::size_t i = 0; i < most; ++i) {
+    auto const& group = groups[(i * (groups.size() - 1) + (most - 1) / 2) / (most - 1)];
+    file.points.insert(file.points.end(), group.begin(), group.end());
+  }
+  file.incidences_left_out = groups.size() - most;
+  file.notes.push_back(fmt::format("{} incidences, of which {} are used", groups.size(), most));
+}
+
+}  // namespace
+
+ScatterPoint scatter_point(double theta_i, double theta_s, double phi, double value) {
+  ScatterPoint p;
+  p.theta_i = theta_i;
+  p.theta_s = theta_s;
+  p.phi = phi;
+  p.value = value;
+  p.offset = std::hypot(std::sin(theta_s) * std::cos(phi) - std::sin(theta_i), std::sin(theta_s) * std::sin(phi));
+  return p;
+}
+
+std::vector<std::vector<ScatterPoint>> by_incidence(std::vector<ScatterPoint> const& points) {
+  std::vector<std::vector<ScatterPoint>> out;
+  for (ScatterPoint const& p : points) {
+    auto const there = std::find_if(out.begin(), out.end(), [&](auto const& group) {
+      return std::fabs(std::sin(group[0].theta_i) - std::sin(p.theta_i)) < 1e-6;
+    });
+    if (there == out.end())
+      out.push_back({p});
+    else
+      there->push_back(p);
+  }
+  std::sort(out.begin(), out.end(), [](auto const& a, auto const& b) { return a[0].theta_i < b[0].theta_i; });
+  return out;
+}
+
+std::string scatter_format(std::string_view text) { return std::string(known_format(text)); }
+
+ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& given, std::vector<Problem>& problems) {
+  std::string_view const format = known_format(text);
+  ScatterFile file;
+  for (Refused const& r : refused)
+    if (format == r.format) {
+      complain(problems, {}, fmt::format("this is {}", r.what), std::string(r.suggestion));
+      return file;
+    }
+  if (format.empty()) {
+    complain(
+        problems, {}, "no known format of measured scatter",
+        fmt::format("Zemax tabular BSDF, ABg catalogue, ASTM text, SSDD, or laboratory CSV, which begins with\n    {}",
+                    layout));
+    return file;
+  }
+  file.format = format;
+  std::size_t const before = problems.size();
+  file.declared = read_declarations(text, problems);
+  adopt(file, given, problems);
+  if (format == columns) read_scatter_columns(text, file, problems);
+  if (format == zemax) read_zemax_table(text, file, problems);
+  if (format == abg) read_abg_catalogue(text, file, problems);
+  if (format == astm) read_astm(text, file, problems);
+  if (format == ssdd) read_ssdd(text, file, problems);
+  mark_limits(file, problems);
+  thin(file);
+  if (problems.size() == before && file.points.empty())
+    complain(problems, {}, "the file holds no point above the surface", "check its angles");
+  if (problems.size() == before || !file.points.empty()) demand(file, problems);
+  return file;
+}
+
+void check_scatter_points(std::vector<ScatterPoint> const& points, std::vector<Problem>& problems) {
+  auto const groups = by_incidence(points);
+  for (auto const& group : groups) {
+    auto const [low, high] = std::minmax_element(group.begin(), group.end(),
+                                                 [](auto const& a, auto const& b) { return a.offset < b.offset; });
+    if (high->offset < 1.5 * low->offset || high->offset < 1e-6)
+      complain(
+          problems, {},
+          fmt::format("the points at {:.4g} deg of incidence cover no range of angles", group[0].theta_i * 180 / pi),
+          "measure several angles of scatter for each incidence, or leave this one out");
+  }
+}
+
+Measured law_of_points(std::vector<ScatterPoint> const& points, std::string_view beyond, MeasuredSummary& summary) {
+  std::vector<MeasuredPoint> all;
+  for (ScatterPoint const& p : points) all.push_back({std::sin(p.theta_i), p.offset, p.value});
+  Measured law;
+  summary = fit_measured(law, all,
+                         beyond == "constant" ? Beyond::constant
+                         : beyond == "power"  ? Beyond::power
+                                              : Beyond::zero);
+  return law;
+}
+
+}  // namespace straytrace

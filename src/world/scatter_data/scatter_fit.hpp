@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Laws of three parameters through measured points: ABg (physics.md eq. 3.16), Harvey (eq. 3.14), and k-correlation
+// through Rayleigh-Rice (eq. 3.13, 3.8), with a constant floor (eq. 3.18) where the points show one. One set of
+// parameters for all incidences; least squares in ln(BSDF), Huber's beyond 2.5 standard errors, upper limits by the
+// probability that the measured value lies below them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "world/scatter_data/scatter_file.hpp"
+
+namespace straytrace {
+
+struct FitParameter {
+  std::string name, unit;
+  double value = 0, error = 0;  // as the law takes it; infinite error: not resolved
+};
+
+struct ScatterFit {
+  std::string model;                     // abg, harvey, k-correlation
+  std::string why;                       // not empty: no fit, and the reason
+  std::vector<FitParameter> parameters;  // three of the law, and the floor
+  double chi2 = 0;                       // of residuals over their errors, upper limits included
+  std::size_t freedom = 0;               // points that are no limits, less the parameters
+  std::size_t outliers = 0;              // beyond 2.5 standard errors
+  double rms = 0;                        // of log10(measured/fitted), points that are no limits
+  bool scaled = false;                   // errors of the parameters are multiplied by sqrt(chi2/freedom)
+  double tis = 0;                        // at normal incidence
+  std::vector<double> fitted;            // BSDF at each point, 1/sr
+  std::string yaml;                      // the law for a scene
+
+  // BSDF in 1/sr where the cosines of incidence and of scatter are these.
+  double at(double offset, double cos_i, double cos_s) const;
+  std::vector<double> raw;  // ln of height, ln of width, exponent; ln of the floor
+};
+
+// Relative error of a point that comes without one.
+constexpr double assumed_scatter_error = 0.1;
+
+std::vector<ScatterFit> fit_scatter(ScatterFile const&, std::string const& source);
+
+}  // namespace straytrace
