@@ -11,8 +11,8 @@
 #include <time.h>
 #include <vector>
 
-#include "baffled_tube.hpp"
-#include "trace_received.hpp"
+#include "support/baffled_tube.hpp"
+#include "support/trace_received.hpp"
 
 namespace straytrace::bench {
 namespace {

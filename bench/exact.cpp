@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "exact_tube.hpp"
+#include "support/exact_tube.hpp"
 #include "scenes.hpp"
 
 namespace straytrace::bench {

@@ -4,7 +4,7 @@
 #include "base/errors.hpp"
 #include "fuzz.hpp"
 #include "results/route_table/route_filter.hpp"
-#include "unit/report_synthetic.hpp"
+#include "unit/results/synthetic.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
   using namespace straytrace;

@@ -8,7 +8,7 @@
 #include "fuzz.hpp"
 #include "results/run_file/run_file.hpp"
 #include "results/run_file/checksum_header.hpp"
-#include "unit/report_synthetic.hpp"
+#include "unit/results/synthetic.hpp"
 
 namespace {
 

@@ -97,7 +97,7 @@ def missing_tests(root):
 
 def missing_pages(root):
     for room, folders in PAGES.items():
-        keys = [k for header in sorted((root / "src" / room).glob("*.hpp")) for k in KEY.findall(header.read_text())]
+        keys = [k for header in sorted((root / "src" / room).rglob("*.hpp")) for k in KEY.findall(header.read_text())]
         if not keys:
             yield f"src/{room}: no keys found; is the path right?"
         for key in keys:

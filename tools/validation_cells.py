@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the tests recorded, as the cells "obtained" and "error" of docs/theory/validation.md; used by validation.py.
 
-A record (build/validation/NAME.json, written by tests/recorded.cpp and tests/tools/records.py) holds the comparisons of
+A record (build/validation/NAME.json, written by tests/support/recorded.cpp and tests/tools/records.py) holds the comparisons of
 one test that passed: kind, text in the source, count, the first numbers and those nearest to the limit.
 """
 import json
@@ -12,7 +12,7 @@ import re
 PIECES = 10                                             # numbers of a row that are shown
 LISTED = 10                                             # longer series are told by their worst number
 LABEL = 36                                              # letters of a label
-STANDARD_ERRORS = 5                                     # what a Monte-Carlo mean may be off (tests/statistics.hpp)
+STANDARD_ERRORS = 5                                     # what a Monte-Carlo mean may be off (tests/support/statistics.hpp)
 NUMBER = r"(<1|−?\d+(?:\.\d+)?(?:e[-−]?\d+)?)"
 
 

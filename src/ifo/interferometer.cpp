@@ -43,7 +43,7 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
 }
 
 // Detectors of physics.md 12.1; sources and marks in docs/reference/interferometer.md. Where budgets of the same
-// detectors (data/detectors) differ, tests/unit/report_presets.cpp says why.
+// detectors (data/detectors) differ, tests/unit/results/presets.cpp says why.
 
 
 std::span<DualRecycledPreset const> dual_recycled_presets() {

@@ -6,13 +6,13 @@
 #include <mutex>
 #include <thread>
 
-#include "contract/geometry_instances.hpp"
+#include "contract/geometry/instances.hpp"
 #include "device/blocks.hpp"
 #include "device/laws.hpp"
-#include "mesh_shapes.hpp"
+#include "support/mesh_shapes.hpp"
 #include "trace/importance/importance.hpp"
 #include "trace/tally/block_sink.hpp"
-#include "trace_support.hpp"
+#include "support/trace_support.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "device/laws.hpp"
 
-#include "contract/optics_instances.hpp"
+#include "contract/optics/instances.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What takes minutes: the scenes of estimators.md 17 at the accuracy that it states.
-#include "baffled_tube.hpp"
-#include "diffuse_tube.hpp"
+#include "support/baffled_tube.hpp"
+#include "support/diffuse_tube.hpp"
 
 namespace straytrace::testing {
 namespace {

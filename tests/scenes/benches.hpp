@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "recorded.hpp"
+#include "support/recorded.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 

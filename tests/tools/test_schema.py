@@ -21,9 +21,9 @@ BLOCK = re.compile(r"^```yaml\n(straytrace:.*?)^```$", re.MULTILINE | re.DOTALL)
 # Keys as the source writes them: t.number("tis", ...), law["file"], {"arm_length", &P::arm_length, ...}.
 ASKED = re.compile(r'\b\w+(?:\.|->)(?:number|whole|amplitude|word|choice|flag|table|list|has)\("([a-z][\w-]*)"')
 ROW = re.compile(r'^\s*\{"([a-z]\w*)", &\w+(?:<\w+>)?::\w+, (?:dim::|Dimension)', re.MULTILINE)
-READERS = ("src/world/read_*.cpp", "src/world/mode_*.cpp", "src/motion/*.cpp", "src/ifo/*.cpp", "src/scene/instances.cpp",
-           "src/noise/project/project.cpp", "src/noise/fundamental/design.cpp", "src/spectra/transfer_function.cpp", "src/trace/*.cpp",
-           "src/world/limits*.cpp", "src/session/model.cpp", "src/session/light/ghost_noise.cpp", "src/geometry/*.cpp")
+READERS = ("src/world/build/*.cpp", "src/motion/*.cpp", "src/ifo/*.cpp", "src/scene/instances.cpp", "src/noise/project/project.cpp",
+           "src/noise/fundamental/design.cpp", "src/spectra/transfer_function.cpp", "src/trace/**/*.cpp", "src/session/model.cpp",
+           "src/session/light/ghost_noise.cpp", "src/geometry/**/*.cpp")
 NOT_KEYS = {"scan"}          # refused with a hint, src/session/model.cpp
 
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Elementary functions with the same bits on every processor: libm picks different kernels on different machines.
 // Errors stay within a few units in the last place over the ranges the trace uses, those of power_positive within
-// 3 + 1.6 |exponent ln(base)| (tests/unit/base_functions.cpp).
+// 3 + 1.6 |exponent ln(base)| (tests/unit/base/functions.cpp).
 #pragma once
 
 #include <cmath>

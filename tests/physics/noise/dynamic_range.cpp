@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A quiet body under strong slow motion: the transform alone would show its own rounding (physics.md eq. 7.14).
+#include "noise/wrapped/wrapped_spectrum.hpp"
+#include "physics/noise/support.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+Spectrum const slow = gaussian_line(0.2, 0.05, 2e-6);
+Spectrum const quiet = power_law_asd(1e-16, 100, -3, 20, 1000);  // suspended: 1e-16 m/sqrt(Hz) at 100 Hz
+
+// Half the mean of S_H over the Gaussian spread of the fringe frequency (eq. 7.8), one-sided S_H, direct sum.
+double expected(double f) {
+  double const sigma = 2 * std::sqrt(slow.rate_power(infinity)) / wavelength;
+  double sum = 0, norm = 0;
+  for (double g = -8 * sigma; g <= 8 * sigma; g += sigma / 200) {
+    double const w = std::exp(-g * g / (2 * sigma * sigma));
+    sum += w * quiet.at(std::fabs(f + g));
+    norm += w;
+  }
+  return two_k * two_k * sum / norm / 2;
+}
+
+TEST(DynamicRange, QuietBodyUnderStrongSlowMotion) {  // tolerance 1e-3, at levels down to 1e-24 1/Hz
+  std::vector<double> const edges = {99.5, 100.5, 399, 401, 799, 801};
+  for (MotionSet const& motion : {moving({slow + quiet}), [] {
+                                    MotionSet two = moving({slow, quiet});
+                                    two.inputs[1].gains[0].body = BodyId{0};
+                                    return two;
+                                  }()}) {
+    std::vector<double> const psd = fringe_psd(motion, edges);
+    EXPECT_LT(psd[0], 1e-17);
+    EXPECT_LT(deviation(psd[0], expected(100)), 1e-3);
+    EXPECT_LT(deviation(psd[2], expected(400)), 1e-3);
+    EXPECT_LT(deviation(psd[4], expected(800)), 1e-3);
+  }
+  // Twin: one transform of everything loses the quiet motion altogether.
+  MotionClass const whole{slow + quiet, 0, {}};
+  double const kappa = two_k * two_k;
+  SlowPhase const all{1000, std::sqrt(kappa * whole.reference.rate_power(infinity)) / (2 * pi), {}};
+  auto const covariance = [&](LagGrid const& lags) {
+    return ClassCovariances().sum({&whole, 1}, {&kappa, 1}, 1000, lags);
+  };
+  LowPart const plain = transform(all, covariance, 0.01);
+  auto const k = static_cast<std::size_t>(std::lround(100 / plain.spacing));
+  double const at_100 = k < plain.density.size() ? plain.density[k] : 0;  // it may end before
+  EXPECT_GT(deviation(at_100, expected(100)), 0.5);
+}
+
+TEST(DynamicRange, WeakLineUnderStrongSlowMotion) {  // a calibration line is spread as the fringes are; tolerance 2e-3
+  MotionSet motion = moving({slow});
+  double const z = 1e-7, sigma = 2 * std::sqrt(slow.rate_power(infinity)) / wavelength;
+  motion.inputs.push_back(tone(100, z / two_k));
+  std::vector<double> const psd = fringe_psd(motion, {99.9, 100.1, 104.9, 105.1});
+  double const peak = z * z / 4 / (std::sqrt(2 * pi) * sigma);
+  EXPECT_LT(deviation(psd[0], peak), 2e-3);
+  EXPECT_LT(deviation(psd[2], peak * std::exp(-25 / (2 * sigma * sigma))), 2e-3);
+  EXPECT_GT(deviation(psd[0], z * z / 4 / 0.2), 0.5);  // twin: an unspread line
+}
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Requirements from a line, against closed forms (docs/theory/errors.md).
+#include "noise/bands/inversion.hpp"
+#include "physics/noise/support.hpp"
+
+namespace straytrace::testing::noise_inversion {
+namespace {
+
+using Verdict = Allowed::Verdict;
+constexpr GroupId mirror{0}, steel{1};
+
+CouplingClass by_steel(std::uint64_t hash, int scatters, double mean, std::uint32_t body = 0) {
+  CouplingClass c = known_class(hash, mean, {record(0, mean, {lever(body, 2, two_k)})});
+  c.steps.push_back({mirror, Event::emit});
+  for (int i = 0; i < scatters; ++i) c.steps.push_back({steel, Event::scatter});
+  c.steps.push_back({mirror, Event::couple});
+  return c;
+}
+
+MaterialSpread material(GroupId group) { return {"m", "", 1, 1, 1, false, {group}}; }
+MotionSet linear_motion() {
+  return moving({power_law_asd(1e-13, 10, -2, 1, 100), power_law_asd(1e-13, 10, -2, 1, 100)});
+}
+
+struct Case {
+  CouplingTable table;
+  NoiseBudget budget;
+};
+Case of(std::vector<CouplingClass> classes) {
+  Case c{known_table(std::move(classes)), {}};
+  c.table.groups = {"mirror", "steel"};
+  c.budget = project_noise(c.table, linear_motion(), UnitDetector(), on({9.8, 10.2, 10.6}));
+  return c;
+}
+std::vector<double> times(double factor, std::vector<double> asd) {
+  for (double& h : asd) h *= factor;
+  return asd;
+}
+
+TEST(Inversion, MirrorsScatterTwiceSoNoiseIsProportional) {  // h ~ beta
+  Case const c = of({by_steel(1, 1, 1e-20)});
+  Inversion const i = invert_scatter(c.budget, c.table, material(mirror), times(0.2, c.budget.total.asd));
+  EXPECT_EQ(i.all.verdict, Verdict::found);
+  EXPECT_NEAR(i.all.scale, 0.2, 1e-9);
+  EXPECT_NEAR(i.touched, 1, 1e-12);
+}
+
+TEST(Inversion, OneScatterGoesWithTheRoot) {  // h ~ sqrt(beta)
+  Case const c = of({by_steel(1, 1, 1e-20)});
+  EXPECT_NEAR(invert_scatter(c.budget, c.table, material(steel), times(0.2, c.budget.total.asd)).all.scale, 0.04, 1e-9);
+  EXPECT_NEAR(invert_scatter(c.budget, c.table, material(steel), times(3, c.budget.total.asd)).all.scale, 9, 1e-7);
+}
+
+TEST(Inversion, OrdersAddAsAPolynomial) {  // total(s)^2 = 0.5 + 0.3 s + 0.2 s^2 of the whole
+  Case const c = of({by_steel(1, 0, 5e-21), by_steel(2, 1, 3e-21), by_steel(3, 2, 2e-21)});
+  Inversion const up = invert_scatter(c.budget, c.table, material(steel), times(std::sqrt(1.9), c.budget.total.asd));
+  EXPECT_NEAR(up.all.scale, 2, 1e-6);  // 0.5 + 0.6 + 0.8 = 1.9
+  Inversion const rest = invert_scatter(c.budget, c.table, material(steel), times(0.5, c.budget.total.asd));
+  EXPECT_EQ(rest.all.verdict, Verdict::never);
+  EXPECT_NEAR(rest.all.rest, std::sqrt(0.5) / 0.5, 1e-9);
+}
+
+TEST(Inversion, TheStrictestFrequencyDecides) {
+  Case const c = of({by_steel(1, 1, 1e-20)});
+  std::vector<double> line = times(2, c.budget.total.asd);
+  line[1] *= 0.25;
+  Inversion const i = invert_scatter(c.budget, c.table, material(mirror), line);
+  EXPECT_EQ(i.decides, 1u);
+  EXPECT_NEAR(i.bins[0].scale, 2, 1e-9);
+  EXPECT_NEAR(i.all.scale, 0.5, 1e-9);
+  line[1] = not_a_number;  // no line there
+  EXPECT_NEAR(invert_scatter(c.budget, c.table, material(mirror), line).all.scale, 2, 1e-9);
+}
+
+TEST(Inversion, TheErrorIsThatOfTheTotalOverTheSlope) {  // h known to 3 %, h ~ sqrt(s): s to 6 %, twice for pairs
+  Case c = of({by_steel(1, 1, 1e-20)});
+  c.budget.routes[0].sigma = times(0.03, c.budget.routes[0].asd);
+  Inversion const i = invert_scatter(c.budget, c.table, material(steel), times(0.5, c.budget.total.asd));
+  EXPECT_NEAR(i.all.sigma / i.all.scale, std::sqrt(2.0) * 0.06, 1e-6);
+}
+
+Inversion by_motion(Case const& c, MotionSet const& motion, std::vector<double> const& line) {
+  return invert_motion(
+      [&](double scale) {
+        return project_noise(c.table, with_scaled_body(motion, BodyId{0}, scale), UnitDetector(), on({9.8, 10.2, 10.6}))
+            .total;
+      },
+      line);
+}
+
+TEST(Inversion, LinearMotionIsProportional) {  // h ~ x
+  Case const c = of({by_steel(1, 1, 1e-20)});
+  Inversion const i = by_motion(c, linear_motion(), times(5, c.budget.total.asd));
+  EXPECT_LT(deviation(i.all.scale, 5), 2e-3);
+  EXPECT_LT(deviation(i.bins[0].scale, 5), 2e-3);
+}
+
+TEST(Inversion, LightOnOtherBodiesStays) {
+  Case const c = of({by_steel(1, 1, 1e-20), by_steel(2, 1, 4e-20, 1)});
+  Inversion const i = by_motion(c, linear_motion(), times(0.5, c.budget.total.asd));
+  EXPECT_EQ(i.all.verdict, Verdict::never);
+  EXPECT_LT(deviation(i.all.rest, std::sqrt(0.8) / 0.5), 1e-3);
+  EXPECT_LT(deviation(i.touched, 0.2), 1e-3);
+}
+
+// h saturates once fringes wrap: S has its largest value near sigma_f = f, and falls beyond (eq. 7.8).
+TEST(Inversion, WrappedNoiseHasALargestValue) {
+  Case const c = of({by_steel(1, 1, 1e-20)});
+  MotionSet const motion = moving({gaussian_line(0.35, 0.05, 3e-6), power_law_asd(1e-13, 10, -2, 1, 100)});
+  NoiseBudget const wrapped = project_noise(c.table, motion, UnitDetector(), on({9.8, 10.2, 10.6}));
+  EXPECT_EQ(by_motion(c, motion, times(3, wrapped.total.asd)).all.verdict, Verdict::always);
+  Inversion const i = by_motion(c, motion, times(0.5, wrapped.total.asd));
+  ASSERT_EQ(i.all.verdict, Verdict::found);
+  EXPECT_GT(i.all.scale, 0.2);
+  EXPECT_LT(i.all.scale, 0.95);  // the first crossing, though larger motion comes below the line again
+  Inversion const much = by_motion(c, with_scaled_body(motion, BodyId{0}, 10), times(0.5, wrapped.total.asd));
+  EXPECT_LT(deviation(much.all.scale, i.all.scale / 10), 0.02);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::noise_inversion

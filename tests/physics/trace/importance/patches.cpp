@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Aiming in scenes of more strips than the tables of importance have rows (estimators.md 6, 7): neighbours share a
+// patch; a patch is drawn, then a point of it. The mean is that of the scatter law alone, the error is smaller.
+#include <gtest/gtest.h>
+
+#include "base/errors.hpp"
+#include "support/mesh_shapes.hpp"
+#include "support/shapes.hpp"
+#include "trace/importance/patches.hpp"
+#include "support/trace_received.hpp"
+
+namespace straytrace::testing {
+namespace {
+
+// Centres and normals of 3000 small plates above a scattering spot.
+std::vector<Placement> plates() {
+  std::vector<Placement> all;
+  for (int i = 0; i < 30; ++i)
+    for (int j = 0; j < 10; ++j)
+      for (int k = 0; k < 10; ++k) {
+        double const turn = 0.61803398875 * (i + 31 * j + 317 * k);  // no two planes alike
+        SinCos const t = sincos_turn(turn - std::floor(turn));
+        Vec3 const at{-2 + 4 * (i + 0.5) / 30, -1 + 2 * (j + 0.5) / 10, 1 + (k + 0.5 + 0.3 * t.sin) / 10};
+        all.push_back({at, unit({0.2 * t.cos, 0.2 * t.sin, -1})});
+      }
+  return all;
+}
+// The same as squares in one mesh.
+TriangleMesh meshed_plates(double half_side) {
+  Soup soup;
+  for (Placement const& p : plates()) {
+    Frame const frame = Frame::around(p.along);
+    auto const first = std::uint32_t(soup.vertices.size());
+    for (auto const& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      Vec3 const v = p.at + half_side * frame.to_world({double(x), double(y), 0});
+      soup.vertices.push_back({float(v.x), float(v.y), float(v.z)});
+    }
+    soup.triangles.push_back({{first, first + 1, first + 2}});
+    soup.triangles.push_back({{first, first + 2, first + 3}});
+  }
+  return mesh_of(soup, Pose{});
+}
+
+// A receiver deep in a black tube sees few of the plates, and nothing else.
+World cloud(bool mesh = false, double top = 0.9) {
+  World world;
+  BodyId const body = world.add_body("all", {});
+  std::uint32_t const black = black_optic(world), grey = lambertian_optic(world, 0.5);
+  SurfaceId const source =
+      world.add_surface(disk(0, 0.1), lambertian_optic(world, 1e-3), black, body, world.add_group("source"));
+  GroupId const group = world.add_group("plates");
+  if (mesh)
+    world.add_surface(meshed_plates(5e-3), grey, black, body, group);
+  else
+    for (Placement const& p : plates()) world.add_surface(disk(0, 5e-3, p), grey, black, body, group);
+  world.add_surface(cylinder(0.2, 0.2, top, {{1.5, 0, 0}, {0, 0, 1}}), black, black, body, world.add_group("tube"));
+  receive_on(world, "eye",
+             world.add_surface(disk(0, 0.05, {{1.5, 0, 0.2}, {0, 0, 1}}), black, black, body, world.add_group("eye")));
+  world.add_footprint(spot(source, {}, {0, 0, -1}, Profile::even, 0.05));
+  world.limits.max_order = 8;
+  world.finish();
+  return world;
+}
+
+ImportanceSettings few_rows() {
+  ImportanceSettings settings;
+  settings.most_patches = 300;
+  settings.pilot_histories = 1 << 10;
+  return settings;
+}
+
+TEST(Patches, SceneOfManyStripsIsAimedAt) {
+  World world = cloud();
+  SampleMean const law = received_share(run_histories(world, 1 << 19));
+  SteeringTables const tables = make_importance(world, few_rows());
+  ASSERT_GT(tables.strips.size(), 2500u);
+  EXPECT_LE(tables.patches.size(), 300u);
+  world.steer(tables);
+  SampleMean const aimed = received_share(run_histories(world, 1 << 17));
+  double const relative = law.std_error / law.mean;
+  EXPECT_LT(relative, 0.1);
+  expect_mean("power on the eye, aimed less by law", difference(aimed, law), 0, 8 * 0.1 * law.mean);
+  // at a quarter of the histories
+  EXPECT_LT(aimed.std_error / aimed.mean, relative / 10) << relative;
+}
+
+// Twin: a density that is not the one drawn with.
+TEST(Patches, WrongPatchAreaIsRefused) {
+  World world = cloud();
+  SteeringTables tables = make_importance(world, few_rows());
+  world.steer(tables);
+  SampleMean const right = received_share(run_histories(world, 1 << 16));
+  for (Patch& p : tables.patches)
+    if (p.count > 1) p.area *= 1.1;
+  world.steer(tables);
+  try {
+    SampleMean const wrong = received_share(run_histories(world, 1 << 16));
+    expect_rejected("patches a tenth too large", difference(wrong, right), 0);
+  } catch (NumericalError const&) {
+    SUCCEED() << "the books refuse it";
+  }
+}
+
+// Neighbours of one kind: no patch mixes groups, lit surfaces and receivers stay by themselves, all strips are listed
+// once, and patches near the beam are smaller than those far away.
+TEST(Patches, NeighboursAreJoined) {
+  World const world = cloud();
+  SteeringTables tables = make_strips(world);
+  merge_strips(world, 300, tables);
+  EXPECT_EQ(tables.patches.size(), 300u);
+  EXPECT_EQ(tables.sides.size(), 600u);
+  std::vector<int> listed(tables.strips.size(), 0);
+  WorldView const view = world.view();
+  double largest = 0;
+  for (std::uint32_t p = 0; p < tables.patches.size(); ++p) {
+    Patch const& patch = tables.patches[p];
+    Box box;
+    double area = 0;
+    for (std::uint32_t m = patch.first; m < patch.first + patch.count; ++m) {
+      std::uint32_t const strip = tables.members[m].strip;
+      ++listed[strip];
+      EXPECT_EQ(tables.strips[strip].patch, p);
+      EXPECT_EQ(tables.members[m].before, area);
+      area += tables.strips[strip].area;
+      Surface const& first = view.surfaces[tables.strips[tables.members[patch.first].strip].surface.value];
+      Surface const& here = view.surfaces[tables.strips[strip].surface.value];
+      EXPECT_EQ(first.group.value, here.group.value);
+      EXPECT_TRUE(patch.count == 1 || here.group.value == 1 || here.group.value == 2);  // discs, tube
+      box.add(bounds_of(view, tables.strips[strip]));
+    }
+    EXPECT_EQ(patch.area, area);
+    if (patch.count > 1) largest = std::max(largest, length(box.upper - box.lower));
+  }
+  for (int const times : listed) EXPECT_EQ(times, 1);
+  EXPECT_LT(largest, 1.2);  // of a cloud of 4.6 m
+  SteeringTables few = make_strips(world);
+  merge_strips(world, 3, few);  // fewer than there are groups
+  EXPECT_EQ(few.patches.size(), 3u);
+}
+
+// One mesh of many triangles is aimed at by its parts.
+TEST(Patches, MeshIsAimedAtByItsParts) {
+  World world = cloud(true, 0.5);
+  SampleMean const law = received_share(run_histories(world, 1 << 19));
+  SteeringTables const tables = make_importance(world);
+  EXPECT_GE(tables.strips.size(), 64u);
+  world.steer(tables);
+  SampleMean const aimed = received_share(run_histories(world, 1 << 17));
+  expect_mean("power on the eye, aimed less by law", difference(aimed, law), 0, 0.5 * law.mean);
+  EXPECT_LT(aimed.std_error / aimed.mean, law.std_error / law.mean / 2);  // at a quarter of the histories
+}
+
+}  // namespace
+}  // namespace straytrace::testing

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// straytrace noise --response: other responses of ports on a finished run.
+#include <cmath>
+#include <sstream>
+
+#include "scenes/program.hpp"
+#include "results/results.hpp"
+
+namespace straytrace::testing::app_noise_response {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Columns h_mean, phase_only and amplitude_only of h_asd.txt.
+struct Columns {
+  std::vector<double> mean, phase, amplitude;
+};
+Columns columns_of(std::string const& file) {
+  Columns c;
+  std::istringstream lines(text_of(file));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::vector<double> values;  // a word may be 'nan', which a stream does not read as a number
+    std::istringstream words(line);
+    for (std::string word; words >> word;) values.push_back(std::stod(word));
+    c.mean.push_back(values.at(1)), c.phase.push_back(values.at(11)), c.amplitude.push_back(values.at(12));
+  }
+  return c;
+}
+
+std::string response_of(std::string const& port, std::string const& table) {
+  return "straytrace: 1\ninterferometer:\n  responses: {" + port + ": {" + table +
+         ", columns: [Hz, re, im], unit: strain}}\n";
+}
+
+struct NoiseResponse : ::testing::Test {
+  Folder const folder;
+  std::string const run = folder / "run/run.h5";
+  void SetUp() override {
+    ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
+    // Of light inside an arm: h = lambda/(4 pi L) Im s (eq. 9.1), twice that, and nothing for Re s.
+    double const k = 1.064e-6 / (4 * std::acos(-1.0) * 2999.8);
+    write_text(folder / "one.txt",
+               "1 " + std::to_string(k * 1e12) + "e-12 0\n2000 " + std::to_string(k * 1e12) + "e-12 0\n");
+    write_text(folder / "two.txt",
+               "1 0 " + std::to_string(2e12 * k) + "e-12\n2000 0 " + std::to_string(2e12 * k) + "e-12\n");
+    write_text(folder / "zero.txt", "1 1e-40 0\n2000 1e-40 0\n");
+  }
+  Columns projected(Words words, std::string const& out) const {
+    words.insert(words.end(), {"-o", folder / out, "--quiet"});
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return columns_of(folder / (out + "/h_asd.txt"));
+  }
+  std::string projected_run(Words words, std::string const& out) const {  // its run file
+    words.insert(words.begin(), {"noise", run});
+    projected(words, out);
+    return folder / (out + "/run.h5");
+  }
+  std::string both(std::string const& name, std::string const& file) const {
+    std::string const table = "phase: " + file + ", columns: [Hz, re, im], unit: strain";
+    write_text(folder / name,
+               "straytrace: 1\ninterferometer: {responses: {ITM: {" + table + "}, ETM: {" + table + "}}}\n");
+    return folder / name;
+  }
+};
+
+TEST_F(NoiseResponse, TakesThePlaceOfThatOfTheScene) {
+  Columns const own = columns_of(folder / "run/h_asd.txt"),
+                one = projected({"noise", run, "--response", both("one.yaml", "one.txt")}, "one"),
+                two = projected({"noise", run, "--response", both("two.yaml", "two.txt")}, "two");
+  ASSERT_EQ(own.mean.size(), one.mean.size());
+  for (std::size_t i = 0; i < own.mean.size(); ++i) {
+    EXPECT_NEAR(one.phase[i] / own.phase[i], 1, 2e-6);  // the text of the numbers has seven digits
+    EXPECT_EQ(one.amplitude[i], 0);
+    EXPECT_NEAR(two.mean[i] / one.mean[i], 2, 1e-6);  // the modulus counts
+  }
+  EXPECT_GT(std::fabs(own.mean.front() / own.phase.front() - 1), 0.1);  // twin: the scene has radiation pressure
+}
+
+TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
+  write_text(folder / "itm.yaml", response_of("ITM", "phase: zero.txt, amplitude: zero.txt"));
+  write_text(folder / "etm.yaml", response_of("ETM", "phase: zero.txt, amplitude: zero.txt"));
+  Columns const own = columns_of(folder / "run/h_asd.txt"),
+                without_itm = projected({"noise", run, "--response", folder / "itm.yaml"}, "without_itm"),
+                without_etm = projected({"noise", run, "--response", folder / "etm.yaml"}, "without_etm");
+  for (std::size_t i = 0; i < own.mean.size(); ++i)  // powers of the two ports add
+    EXPECT_NEAR(std::hypot(without_itm.mean[i], without_etm.mean[i]) / own.mean[i], 1, 1e-6);
+  // The file that was written holds the responses; motion and a second response come on top.
+  std::string const kept = folder / "without_itm/run.h5";
+  projected({"noise", kept}, "again");
+  EXPECT_EQ(data_hash(folder / "again/run.h5"), data_hash(kept));
+  Columns const none = projected({"noise", kept, "--response", folder / "etm.yaml"}, "none");
+  EXPECT_LT(none.mean.front(), 1e-9 * own.mean.front());
+  Columns const loud = projected({"noise", run, "--motion", storm, "--response", both("one.yaml", "one.txt")}, "loud"),
+                storms = projected({"noise", run, "--motion", storm}, "storms");
+  EXPECT_NEAR(loud.mean.front() / storms.phase.front(), 1, 2e-6);
+  projected({"noise", folder / "loud/run.h5"}, "loud_again");
+  EXPECT_EQ(data_hash(folder / "loud_again/run.h5"), data_hash(folder / "loud/run.h5"));
+}
+
+// Another motion does not change what the interferometer makes of the light: the response stays, unless the motion file
+// says what the interferometer is. Twins: as it was, with the response of the scene; the response of another file.
+TEST_F(NoiseResponse, StaysWithAnotherMotion) {
+  std::string const quiet = projected_run({"--response", both("one.yaml", "one.txt")}, "quiet");
+  Columns const kept = projected({"noise", quiet, "--motion", storm}, "kept"),
+                at_once = projected({"noise", run, "--motion", storm, "--response", folder / "one.yaml"}, "at_once"),
+                dropped = projected({"noise", run, "--motion", storm}, "dropped");
+  ASSERT_EQ(kept.mean.size(), at_once.mean.size());
+  for (std::size_t i = 0; i < kept.mean.size(); ++i) EXPECT_EQ(kept.mean[i], at_once.mean[i]);
+  EXPECT_GT(std::fabs(kept.mean.front() / dropped.mean.front() - 1), 0.1);
+  projected({"noise", folder / "kept/run.h5"}, "kept_again");
+  EXPECT_EQ(data_hash(folder / "kept_again/run.h5"), data_hash(folder / "kept/run.h5"));
+  Columns const two = projected({"noise", quiet, "--motion", both("two.yaml", "two.txt")}, "two"),
+                one = columns_of(folder / "quiet/h_asd.txt");
+  EXPECT_NEAR(two.mean.front() / one.mean.front(), 2, 1e-6);
+}
+
+TEST_F(NoiseResponse, RefusesWhatIsNoResponse) {
+  auto const refused = [&](std::string const& text, std::vector<std::string> const& says) {
+    write_text(folder / "bad.yaml", text);
+    Finished const done = straytrace({"noise", run, "--response", folder / "bad.yaml", "-o", folder / "no"});
+    EXPECT_EQ(done.code, 2);
+    for (std::string const& s : says) EXPECT_THAT(done.err, HasSubstr(s));
+    EXPECT_FALSE(fs::exists(folder / "no"));
+  };
+  refused("straytrace: 1\n", {"this file holds no responses"});
+  refused(text_of(storm), {"this file holds no responses"});
+  refused(response_of("ITM", "phase: one.txt") + "noise: {band: [5 Hz, 1 kHz]}\n",
+          {"bad.yaml:4:", "a file of responses holds nothing else"});
+  refused("straytrace: 1\ninterferometer: {responses: {}, mirror_mass: 40 kg}\n", {"mirror_mass"});
+  refused(response_of("ITN", "phase: one.txt"), {"bad.yaml:3:", "ITN", "ITM"});
+  refused(response_of("ITM", "phase: none.txt"), {"bad.yaml:3:", "none.txt"});
+  refused("straytrace: 1\ninterferometer: {responses: {ITM: {phase: one.txt, columns: [Hz, re, im]}}}\n",
+          {"bad.yaml:2:", "unit"});
+}
+
+// Another motion into the folder of the run replaces what the run wrote there: told; elsewhere nothing is lost.
+TEST_F(NoiseResponse, IntoTheFolderOfTheRunItself) {
+  auto const said = [&](Words const& words) {
+    Finished const done = straytrace(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return done.err;
+  };
+  EXPECT_THAT(said({"noise", run, "-o", folder / "run"}), Not(HasSubstr("the run itself"))) << "twin: its own motion";
+  EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "storm"}), Not(HasSubstr("the run itself")));
+  EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "run"}),
+              HasSubstr("is the folder of the run itself: its results and run file now are those of storm.yaml"));
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_noise_response

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rows of two runs are compared where they hold the same light: a route with a row of its own in one run only is part
+// of the row `other` of the other run.
+#include "session/compare/run_diff.hpp"
+#include "scenes/program.hpp"
+
+namespace straytrace::testing::app_run_diff {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Row {
+  std::vector<std::uint32_t> steps;  // groups; empty: `other`
+  double h;                          // 1/sqrt(Hz), its error 2 %
+};
+
+RunFile run_of(std::uint64_t seed, std::vector<std::string> groups, std::vector<Row> const& rows) {
+  RunFile run;
+  run.trace.coupling.seed = seed;
+  run.trace.coupling.groups = std::move(groups);
+  run.trace.coupling.ports = {"ITM"};
+  run.noise.emplace();
+  run.noise->grid.edges = {10, 20};
+  auto const trace = [](double h) {
+    NoiseTrace t;
+    t.asd = {h};
+    t.sigma = {0.02 * h};
+    return t;
+  };
+  double power = 0;
+  for (Row const& row : rows) {
+    CouplingClass c;
+    c.port = {0};
+    c.hash = 1;
+    for (std::uint32_t const group : row.steps) {
+      c.steps.push_back({{group}, Event::scatter});
+      c.hash = 10 * c.hash + group;
+    }
+    NoiseTrace t = trace(row.h);
+    t.hash = c.hash;
+    t.name = route_name(run.trace.coupling, c);
+    run.noise->routes.push_back(t);
+    run.trace.coupling.classes.push_back(c);
+    power += row.h * row.h;
+  }
+  run.noise->total = trace(std::sqrt(power));
+  return run;
+}
+
+Change const& row(RunDifference const& d, std::string const& begin) {
+  for (Change const& c : d.routes)
+    if (c.what.starts_with(begin)) return c;
+  ADD_FAILURE() << "no row " << begin;
+  return d.routes.front();
+}
+
+std::vector<std::string> const groups = {"ITM", "wall", "tube"};
+RunFile const before = run_of(1, groups, {{{0, 1, 0}, 1e-22}, {{}, 5e-23}});
+
+// 5^2 = 3^2 + 4^2: nothing has changed. Twin: `other` against `other` alone, 8 standard errors.
+TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
+  RunFile const after = run_of(2, groups, {{{0, 1, 0}, 1e-22}, {{0, 2, 0}, 3e-23}, {{}, 4e-23}});
+  RunDifference const d = run_differences(before, after), back = run_differences(after, before);
+  for (RunDifference const* one : {&d, &back}) {
+    Change const &route = row(*one, "ITM·S > tube"), &rest = row(*one, "other > ITM");
+    EXPECT_EQ(route.within, "other > ITM");
+    EXPECT_TRUE(std::isnan(route.sigmas()));
+    EXPECT_EQ(rest.what, "other > ITM and 1 route of one run");
+    EXPECT_LT(std::fabs(rest.sigmas()), 1e-6);
+    EXPECT_EQ(one->routes.size(), 3u) << "each row once";
+  }
+  EXPECT_THAT(run_difference_text(d), HasSubstr("compared within 'other > ITM'"));
+  EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "twin";
+}
+
+// What is in `other` rises, with and without a route that got a row of its own. Twin: it rises by less than its error.
+TEST(RunDiff, AChangeInsideOtherIsOne) {
+  auto const sigmas = [](std::vector<Row> rows) {
+    rows.push_back({{0, 1, 0}, 1e-22});
+    return row(run_differences(before, run_of(2, groups, rows)), "other > ITM").sigmas();
+  };
+  EXPECT_GT(sigmas({{{}, 7e-23}}), 8);
+  EXPECT_GT(sigmas({{{0, 2, 0}, 3e-23}, {{}, 6e-23}}), 8);
+  EXPECT_LT(sigmas({{{0, 2, 0}, 3e-23}, {{}, 2e-23}}), -5);
+  EXPECT_LT(std::fabs(sigmas({{{}, 5.1e-23}})), 1) << "twin";
+}
+
+// A route by a surface that the other run has not is a change of its own, and `other` stays what it was.
+TEST(RunDiff, ANewSurfaceIsNotWithinOther) {
+  RunFile const after =
+      run_of(2, {"ITM", "wall", "tube", "baffle"}, {{{0, 1, 0}, 1e-22}, {{0, 3, 0}, 3e-23}, {{}, 5e-23}});
+  RunDifference const d = run_differences(before, after);
+  EXPECT_GT(row(d, "ITM·S > baffle").sigmas(), 40);
+  EXPECT_EQ(row(d, "other > ITM").sigmas(), 0);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::app_run_diff

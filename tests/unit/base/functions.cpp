@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Elementary functions against the standard library in 80-bit arithmetic. Bounds are in units of the last place (ulp)
+// of the exact answer, over the ranges the trace uses.
+#include <gtest/gtest.h>
+
+#include "base/math/functions.hpp"
+#include "base/math/rng.hpp"
+#include "support/chi_square.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr long double pi_l = 3.141592653589793238462643383279502884L;
+constexpr int draws = 100000;
+
+double ulps(double value, long double exact) {
+  double const rounded = static_cast<double>(exact);
+  double const unit = std::nextafter(std::fabs(rounded), infinity) - std::fabs(rounded);
+  return static_cast<double>(std::fabs(value - exact) / unit);
+}
+
+// Largest error in ulp of f(x) against exact(x), x drawn log-uniformly between low and high.
+template <class F, class Exact>
+double worst(double low, double high, F f, Exact exact) {
+  double most = 0;
+  Rng rng(1, 0, 0, Stream::source);
+  for (int i = 0; i < draws; ++i) {
+    double const x = low * std::pow(high / low, rng.uniform());
+    most = std::fmax(most, ulps(f(x), exact(x)));
+  }
+  return most;
+}
+
+auto const sine = [](double x) { return sincos_turn(x).sin; };
+auto const cosine = [](double x) { return sincos_turn(x).cos; };
+auto const exact_sine = [](double x) { return std::sin(2 * pi_l * x); };
+auto const exact_cosine = [](double x) { return std::cos(2 * pi_l * x); };
+
+TEST(functions, sincos_turn_within_three_ulp_up_to_an_eighth_of_a_turn) {
+  EXPECT_LT(worst(1e-12, 0.125, sine, exact_sine), 3);
+  EXPECT_LT(worst(1e-12, 0.125, cosine, exact_cosine), 3);
+}
+
+TEST(functions, sincos_turn_within_3e_16_over_whole_turns) {
+  double most = 0;
+  Rng rng(2, 0, 0, Stream::source);
+  for (int i = 0; i < draws; ++i) {
+    double const x = 8 * rng.uniform() - 4;
+    SinCos const a = sincos_turn(x);
+    most = std::fmax(most, static_cast<double>(std::fabs(a.sin - exact_sine(x))));
+    most = std::fmax(most, static_cast<double>(std::fabs(a.cos - exact_cosine(x))));
+  }
+  EXPECT_LT(most, 3e-16);
+}
+
+TEST(functions, sincos_turn_exact_at_quarter_turns) {
+  double const expected[4][2] = {{0, 1}, {1, 0}, {0, -1}, {-1, 0}};
+  for (int q = -8; q < 8; ++q) {
+    SinCos const a = sincos_turn(0.25 * q);
+    EXPECT_EQ(a.sin, expected[q & 3][0]) << q;
+    EXPECT_EQ(a.cos, expected[q & 3][1]) << q;
+  }
+}
+
+TEST(functions, log_within_two_ulp) {
+  auto const exact = [](double x) { return std::log(static_cast<long double>(x)); };
+  EXPECT_LT(worst(1e-300, 1e300, log_positive, exact), 2);
+  EXPECT_LT(worst(0.5, 2, log_positive, exact), 2);
+  EXPECT_EQ(log_positive(1), 0);
+  EXPECT_LT(ulps(log_positive(1 - 0x1p-53), exact(1 - 0x1p-53)), 2);  // the largest number Rng gives
+}
+
+TEST(functions, exp_within_two_ulp) {
+  auto const exact = [](double x) { return std::exp(static_cast<long double>(x)); };
+  auto const negative = [](double x) { return exp_number(-x); };
+  auto const exact_negative = [](double x) { return std::exp(-static_cast<long double>(x)); };
+  EXPECT_LT(worst(1e-9, 709, exp_number, exact), 2);
+  EXPECT_LT(worst(1e-9, 708, negative, exact_negative), 2);
+  EXPECT_EQ(exp_number(-800), 0);
+  EXPECT_EQ(exp_number(800), infinity);
+  EXPECT_EQ(exp_number(0), 1);
+}
+
+// The rounding of the exponent is magnified by |y ln x|: at 5e-5 rad and n = 2.4 the bound is 41 ulp, 9e-15.
+TEST(functions, power_error_grows_only_with_the_logarithm) {
+  for (double y : {-3.0, -2.3986, -2.0, -1.0, 0.5, 1.8})
+    for (double low : {1e-6, 5e-5, 1e-2}) {
+      double const bound = 3 + 1.6 * std::fabs(y * std::log(low));
+      auto const exact = [&](double x) { return std::pow(static_cast<long double>(x), y); };
+      EXPECT_LT(worst(
+                    low, 3.2, [&](double x) { return power_positive(x, y); }, exact),
+                bound)
+          << y << " " << low;
+    }
+}
+
+TEST(functions, atan_within_five_ulp) {
+  auto const exact = [](double x) { return std::atan(static_cast<long double>(x)); };
+  EXPECT_LT(worst(1e-15, 1, atan_positive, exact), 5);
+  EXPECT_LT(worst(1, 1e15, atan_positive, exact), 5);
+  EXPECT_EQ(atan_positive(0), 0);
+  EXPECT_EQ(atan_positive(infinity), pi / 2);
+}
+
+// Largest relative error of angle(a, b) for vectors 1e-9 to 3 rad apart, against 80-bit arithmetic on the same doubles.
+template <class Angle>
+double worst_angle(Angle angle) {
+  double most = 0;
+  Rng rng(3, 0, 0, Stream::source);
+  for (int i = 0; i < draws; ++i) {
+    double const z = 2 * rng.uniform() - 1, r = std::sqrt(1 - z * z);
+    SinCos const turn = sincos_turn(rng.uniform());
+    Frame const f = Frame::around({r * turn.cos, r * turn.sin, z});
+    double const theta = 1e-9 * std::pow(3e9, rng.uniform());
+    SinCos const s = sincos_turn(theta / (2 * pi));
+    Vec3 const a = f.e3, b = unit(s.cos * f.e3 + s.sin * f.e1);
+    long double const ex = b.x - (long double)a.x, ey = b.y - (long double)a.y, ez = b.z - (long double)a.z;
+    long double const x = a.y * ez - a.z * ey, y = a.z * ex - a.x * ez, w = a.x * ey - a.y * ex;  // a x (b - a)
+    long double const along = (long double)a.x * b.x + (long double)a.y * b.y + (long double)a.z * b.z;
+    long double const exact = std::atan2(std::sqrt(x * x + y * y + w * w), along);
+    most = std::fmax(most, static_cast<double>(std::fabs(angle(a, b) / exact - 1)));
+  }
+  return most;
+}
+
+TEST(functions, angle_between_is_exact_for_small_angles) {
+  EXPECT_LT(worst_angle(angle_between), 1e-13);  // 1e-9 rad apart, unequal lengths (1e-16) count in quadrature
+  EXPECT_GT(worst_angle([](Vec3 a, Vec3 b) { return std::acos(std::fmin(1, dot(a, b))); }), 0.9);  // broken twin
+}
+
+TEST(functions, angle_between_equal_and_opposite_vectors) {
+  Vec3 const a = unit({1, 2, 3});
+  EXPECT_EQ(angle_between(a, a), 0);
+  EXPECT_EQ(angle_between(a, -a), pi);
+}
+
+// Requirements R3.21: a proper rotation for every axis, -z included. The twin mirrors the frame.
+double handedness_error(Frame const& f) {
+  double most = std::fabs(dot(cross(f.e1, f.e2), f.e3) - 1);
+  for (double d : {dot(f.e1, f.e2), dot(f.e2, f.e3), dot(f.e3, f.e1), length(f.e1) - 1, length(f.e2) - 1})
+    most = std::fmax(most, std::fabs(d));
+  return most;
+}
+
+TEST(vectors, frames_are_right_handed) {
+  for (Vec3 axis :
+       {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, unit({1, 1, 1}), unit({0.5, 0, -1})}) {
+    Frame const f = Frame::around(axis);
+    EXPECT_LT(handedness_error(f), 5e-16);
+    EXPECT_GT(handedness_error({f.e1, -f.e2, f.e3}), 1);
+    EXPECT_LT(length(f.to_world(f.to_local({3, -1, 2})) - Vec3{3, -1, 2}), 3e-15);
+  }
+}
+
+// Requirements R3.22: angle in = angle out to 1e-15. The twin forgets the factor 2.
+TEST(vectors, reflection_keeps_the_angle) {
+  Rng rng(4, 0, 0, Stream::source);
+  auto const random_unit = [&] { return unit({rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5}); };
+  double most = 0, twin = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Vec3 const d = random_unit(), n = random_unit();
+    most = std::fmax(most, std::fabs(dot(reflected(d, n), n) + dot(d, n)));
+    twin = std::fmax(twin, std::fabs(dot(d - dot(d, n) * n, n) + dot(d, n)));
+  }
+  EXPECT_LT(most, 1e-15);
+  EXPECT_GT(twin, 1e-3);
+}
+
+// Azimuth against atan2; tolerance 4 units in the last place of a turn. The twin takes the wrong half of the plane.
+TEST(functions, turn_of_is_the_azimuth) {
+  Rng rng(8, 0, 0, Stream::source);
+  double most = 0, twin = 0;
+  for (int i = 0; i < 20000; ++i) {
+    double const x = rng.uniform() - 0.5, y = (rng.uniform() - 0.5) * std::pow(10, -6 * rng.uniform());
+    double const exact = std::atan2(y, x) / (2 * pi);
+    most = std::fmax(most, std::fabs(turn_of(x, y) - (exact < 0 ? exact + 1 : exact)));
+    twin = std::fmax(twin, std::fabs(turn_of(-x, y) - (exact < 0 ? exact + 1 : exact)));
+  }
+  EXPECT_LT(most, 4 * 0x1p-53);
+  EXPECT_GT(twin, 0.4);
+  EXPECT_EQ(turn_of(1, 0), 0);
+  EXPECT_EQ(turn_of(0, 1), 0.25);
+  EXPECT_EQ(turn_of(-1, 0), 0.5);
+  EXPECT_EQ(turn_of(0, -1), 0.75);
+  EXPECT_EQ(turn_of(0, 0), 0);
+}
+
+// Upper tails of chi-square against published tables (Abramowitz and Stegun, table 26.8), which the contracts rest on.
+TEST(statistics, chi_square_tail) {
+  EXPECT_NEAR(testing::chi_square_tail(3.841458821, 1), 0.05, 1e-9);
+  EXPECT_NEAR(testing::chi_square_tail(18.30703805, 10), 0.05, 1e-9);
+  EXPECT_NEAR(testing::chi_square_tail(149.4492528, 100) / 0.001, 1, 1e-6);
+  EXPECT_NEAR(testing::chi_square_tail(30, 2) / std::exp(-15), 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace straytrace

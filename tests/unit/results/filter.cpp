@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Filters of the path table (interface.md section 7), and sums of some of its rows.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "results/curves/band.hpp"
+#include "results/route_table/route_filter.hpp"
+#include "results/route_table/route_sums.hpp"
+#include "unit/results/synthetic.hpp"
+
+namespace straytrace::report_filter {
+namespace {
+
+using namespace straytrace::test;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+using Rows = std::vector<std::size_t>;
+
+class ReportFilter : public ::testing::Test {
+ protected:
+  FilterAnswer ask(std::string const& text) { return filtered(text, columns); }
+  Rows rows(std::string const& text) {
+    FilterAnswer const answer = ask(text);
+    EXPECT_EQ(rendered("--where", text, answer.problems), "");
+    return answer.rows;
+  }
+  // Those of which a test of the row is true.
+  template <class Test>
+  Rows those(Test test) const {
+    Rows all;
+    for (std::size_t i = 0; i < table.rows.size(); ++i)
+      if (test(table.rows[i])) all.push_back(i);
+    return all;
+  }
+
+  TraceResult trace = trace_result();
+  NoiseBudget noise = noise_budget(trace.coupling);
+  MotionSet shake = motion();
+  PathTable table = path_table(trace.coupling, &noise, &shake, {{10, 30, 100}, 10, 500, 12});
+  RouteColumns columns{table, trace.coupling, &noise};
+};
+
+bool meets(PathRow const& row, std::string const& name) {
+  auto const objects = objects_of(row.sequence);
+  return std::find(objects.begin(), objects.end(), name) != objects.end();
+}
+
+TEST_F(ReportFilter, picks_what_it_says) {
+  Rows const via = those([](PathRow const& r) { return meets(r, "baffles"); });
+  ASSERT_FALSE(via.empty());
+  ASSERT_LT(via.size(), table.rows.size());
+  EXPECT_EQ(rows("via(\"baf*\")"), via);
+  EXPECT_EQ(rows("VIA('baffles', 'nothing')"), via);
+  EXPECT_EQ(rows("not (not via(\"baffles\"))"), via);
+  EXPECT_EQ(rows("baffles"), via);  // plain words
+  EXPECT_EQ(rows("  ").size(), table.rows.size());
+  EXPECT_EQ(rows("resolved"), those([](PathRow const& r) { return r.resolved; }));
+  EXPECT_EQ(rows("not resolved"), those([](PathRow const& r) { return !r.resolved; }));
+  EXPECT_EQ(rows("share >= 10 % and rank < 3 or rank == 5"),
+            those([](PathRow const& r) { return (r.share.value >= 0.1 && r.rank < 3) || r.rank == 5; }));
+  EXPECT_EQ(rows("rank == 5 or rank < 3 and share >= 10 %"), rows("(share >= 10 % and rank < 3) or rank == 5"));
+  EXPECT_NE(rows("rank == 5 or rank == 1 and rank == 9"), rows("(rank == 5 or rank == 1) and rank == 9"));  // twin
+}
+
+// A number means the same in every unit; without a unit nothing is guessed.
+TEST_F(ReportFilter, units) {
+  double const half = table.rows[1].length_mean;
+  Rows const longer = those([&](PathRow const& r) { return r.length_mean > half * 1.001; });
+  ASSERT_FALSE(longer.empty());
+  EXPECT_EQ(rows(fmt::format("opl > {} m", half * 1.001)), longer);
+  EXPECT_EQ(rows(fmt::format("opl>{}km", half * 1.001e-3)), longer);
+  EXPECT_EQ(rows(fmt::format("delay > {} us", half * 1.001e6 / speed_of_light)), longer);
+  EXPECT_NE(rows(fmt::format("opl > {} km", half * 1.001)), longer);  // twin: a unit that is not read
+  EXPECT_EQ(rows("share > 10 %"), rows("share > 100000 ppm"));
+  EXPECT_EQ(rows("coupling > 1e-20"), rows("coupling > 1e-18 %"));
+}
+
+// h at any frequency of the grid is that of the curves; unresolved rows are never let through by a number.
+TEST_F(ReportFilter, strain_at_any_frequency) {
+  std::size_t const before = columns.all().size();
+  Rows loud;
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    for (NoiseTrace const& t : noise.routes)
+      if (t.hash == table.rows[i].hash && table.rows[i].resolved && strain_at(t, noise.grid, 47.5).value > 1e-25)
+        loud.push_back(i);
+  ASSERT_FALSE(loud.empty());
+  ASSERT_LT(loud.size(), table.rows.size() - 1);
+  EXPECT_EQ(rows("h(47.5 Hz) > 1e-25"), loud);
+  EXPECT_EQ(rows("h(0.0475 kHz) > 1e-25/sqrt(Hz)"), loud);
+  EXPECT_EQ(columns.all().size(), before + 1);
+  EXPECT_EQ(rows("h(30 Hz) > 0").size() + rows("not resolved").size(), table.rows.size());
+  EXPECT_THAT(rows("not resolved and (coupling > 0 or coupling <= 0 or coupling != 0)"), IsEmpty());
+}
+
+TEST_F(ReportFilter, mistakes_are_told_with_their_place) {
+  struct {
+    char const *text, *what, *suggestion;
+    std::size_t begin;
+  } const all[] = {
+      {"scaters == 2", "'scaters' is not known", "did you mean 'scatters'?", 0},
+      {"resolved and xyzzyx > 1", "'xyzzyx' is not known", "known are h, rank", 13},
+      {"share > 5", "share needs a unit", "write 5 %", 8},
+      {"opl > 5 kHz", "'kHz' is no unit of opl", "write m, km", 8},
+      {"rank < 3 m", "'m' is no unit of rank", "leave it out", 9},
+      {"scatters = 2", "'=' compares nothing", "write ==", 9},
+      {"2 == scatters", "a number stands first", "write the name first", 0},
+      {"via(baffles)", "'baffles' is not expected here", "write via(\"*\")", 4},
+      {"via(\"baffles)", "a quotation is not closed", "add \"", 4},
+      {"(resolved", "a bracket is not closed", "add ')'", 0},
+      {"resolved and", "the condition ends too early", "write a condition", 12},
+      {"h(30) > 1", "the frequency has no unit", "write h(30 Hz)", 2},
+      {"h(30 m) > 1", "'m' is no unit of a frequency", "write Hz, kHz", 5},
+      {"h(7 MHz) > 1", "h is not known there", "h is known from 5 Hz", 2},
+      {"share >", "the condition ends too early", "share > 1 %", 7},
+      {"share and resolved > 1", "'share' is compared with nothing", "share > 1 %", 0},
+      {"resolved resolved(", "'resolved' is not expected here", "'and' or 'or'", 9},
+      {"rank == 1 § 2", "'§' is not expected here", "'and' or 'or'", 10},
+  };
+  for (auto const& c : all) {
+    FilterAnswer const answer = ask(c.text);
+    ASSERT_EQ(answer.problems.size(), 1u) << c.text;
+    EXPECT_EQ(answer.problems[0].what, c.what) << c.text;
+    EXPECT_THAT(answer.problems[0].suggestion, HasSubstr(c.suggestion)) << c.text;
+    EXPECT_EQ(answer.problems[0].begin, c.begin) << c.text;
+    EXPECT_THAT(answer.rows, IsEmpty()) << c.text;
+  }
+}
+
+TEST_F(ReportFilter, several_mistakes_are_told_at_once_with_carets) {
+  std::string const text = "kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s";
+  EXPECT_EQ(rendered("--where", text, ask(text).problems),
+            "error: --where, column 15: 'scaters' is not known\n"
+            "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
+            "                ^^^^^^^ did you mean 'scatters'?\n"
+            "error: --where, column 40: share needs a unit\n"
+            "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
+            "                                         ^ write 5 %\n"
+            "error: --where, column 54: 's' is no unit of opl\n"
+            "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
+            "                                                       ^ write m, km, cm, mm, um, nm, in");
+  std::string const deep = std::string(100000, '(') + "resolved";
+  EXPECT_THAT(ask(deep).problems.at(0).what, HasSubstr("too deeply"));
+  EXPECT_THAT(ask("via(\"bafles\")").notes, ElementsAre("no route has via(\"bafles\"); did you mean \"baffles\"?"));
+}
+
+TEST_F(ReportFilter, sorts_with_the_unknown_last) {
+  Rows all(table.rows.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  Rows const by_length = sorted_by("opl", all, columns).rows;
+  for (std::size_t i = 0; i + 1 < by_length.size(); ++i)
+    EXPECT_GE(table.rows[by_length[i]].length_mean, table.rows[by_length[i + 1]].length_mean);
+  EXPECT_NE(by_length, all);
+  EXPECT_FALSE(table.rows[sorted_by("h(50 Hz)", all, columns).rows.back()].resolved);
+  EXPECT_EQ(sorted_by("rank", all, columns).rows, all);
+  EXPECT_EQ(sorted_by("shar", all, columns).problems.at(0).suggestion, "did you mean 'share'?");
+}
+
+// Nothing left out: the total. Left out: h_rest^2 = h^2 - sum of h_i^2, since routes add in power (physics.md 10.1).
+TEST_F(ReportFilter, sums_without_some_routes) {
+  Without const same = without_rows(table, {}, trace.coupling, &noise);
+  Rows const out = rows("via(\"baffles\")");
+  Without const less = without_rows(table, out, trace.coupling, &noise);
+  ASSERT_EQ(less.rest.rows.size() + out.size(), table.rows.size());
+  for (std::size_t k = 0; k < table.frequencies.size(); ++k) {
+    EXPECT_NEAR(same.strain[k].after.value / same.strain[k].before.value, 1, 1e-12);
+    EXPECT_NEAR(same.strain[k].factor.value, 1, 1e-12);
+    EXPECT_NEAR(same.strain[k].factor.sigma, 0, 1e-9);  // the whole of itself has no error
+    double square = std::pow(table.total_strain[k].value, 2), linear = table.total_strain[k].value;
+    for (std::size_t const i : out) {
+      double const h = table.rows[i].resolved ? table.rows[i].strain[k].value : table.rows[i].hint[k];
+      square -= h * h;
+      linear -= h;
+    }
+    EXPECT_NEAR(less.strain[k].after.value / std::sqrt(square), 1, 2e-3);  // curves are read between bins
+    EXPECT_GT(std::fabs(less.strain[k].after.value / linear - 1), 0.02);   // twin: amplitudes that add up
+    EXPECT_GT(less.strain[k].after.sigma, 0);
+  }
+  double shares = 0;
+  for (PathRow const& row : less.rest.rows)
+    if (row.resolved) shares += row.share.value;
+  EXPECT_NEAR(shares, 1, 1e-12);
+  EXPECT_EQ(less.rest.rows.front().rank, 1u);
+  Rows all(table.rows.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  EXPECT_TRUE(std::isnan(without_rows(table, all, trace.coupling, &noise).strain[0].after.value));
+}
+
+TEST_F(ReportFilter, a_part_keeps_its_shares_of_the_whole) {
+  PathTable const part = part_of(table, rows("rank >= 2"));
+  EXPECT_EQ(part.rows.front().rank, 2u);
+  EXPECT_EQ(part.rows.front().share.value, table.rows[1].share.value);
+  std::string const text = path_text(part, 12, table);
+  EXPECT_THAT(text, HasSubstr(fmt::format("{} shown routes", part.rows.size() - part.unresolved)));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr(" 100 ")));
+}
+
+}  // namespace
+}  // namespace straytrace::report_filter

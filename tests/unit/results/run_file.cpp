@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Run files: what was written comes back bit by bit, and nothing else is accepted.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <H5Cpp.h>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "base/errors.hpp"
+#include "io/hdf5/writer.hpp"
+#include "support/message_of.hpp"
+#include "results/run_file/checksum_header.hpp"
+#include "unit/results/same.hpp"
+#include "unit/results/synthetic.hpp"
+
+namespace straytrace::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ReportRunFile : public ::testing::Test {
+ protected:
+  std::string written(std::string const& name = "run.h5") {
+    write_run(folder / name, content(trace, &noise));
+    return folder / name;
+  }
+  Folder folder;
+  TraceResult trace = trace_result();
+  NoiseBudget noise = noise_budget(trace.coupling);
+};
+
+TEST_F(ReportRunFile, ComesBackBitByBit) {
+  trace.coupling.classes[0].records[3].levers[0].d[4] = -0.0;
+  trace.coupling.classes[1].records[3].field = {{{1e-5, -2e-6}, {-0.0, 3e-7}}};
+  trace.coupling.classes[1].kind = ClassKind::edge;
+  trace.coupling.classes[1].statement = "upper bound: one smooth spherical wave";
+  noise.design[0].asd[5] = not_a_number;
+  RunFile const back = read_run(written());
+  EXPECT_TRUE(same(trace.coupling, back.trace.coupling));
+  EXPECT_TRUE(same(trace.total, back.trace.total));
+  EXPECT_TRUE(same(noise, *back.noise));
+  EXPECT_TRUE(back.complete);
+  RunContent const was = content(trace, &noise);
+  EXPECT_EQ(back.about.files, was.files);
+  EXPECT_EQ(back.about.main_file, "arm.yaml");
+  EXPECT_EQ(back.about.overrides, was.overrides);
+  EXPECT_EQ(back.about.resolved, was.resolved);
+  EXPECT_EQ(back.about.model_hash, was.model_hash);
+  EXPECT_EQ(back.about.interferometer, was.interferometer);
+  EXPECT_EQ(back.about.provenance.build_flags, "g++ 12 -O3");
+  EXPECT_EQ(back.about.timing, was.timing);
+  EXPECT_EQ(back.about.warnings, was.warnings);
+  EXPECT_EQ(back.trace.warnings, trace.warnings);
+  EXPECT_EQ(back.trace.seconds, 12.5);
+}
+
+// The comparison itself sees one changed last bit, and -0 where 0 was.
+TEST_F(ReportRunFile, ComparisonSeesOneBit) {
+  CouplingTable other = trace.coupling;
+  double& lever = other.classes[2].records[7].levers[1].d[5];
+  lever = -lever;
+  EXPECT_FALSE(same(trace.coupling, other));
+  CouplingTable kinds = trace.coupling;
+  kinds.classes[2].kind = ClassKind::ghost;
+  EXPECT_FALSE(same(trace.coupling, kinds));
+  CouplingTable turned = trace.coupling;
+  turned.classes[2].records[7].field[1] = {0, 1e-9};
+  EXPECT_FALSE(same(trace.coupling, turned));
+  NoiseBudget louder = noise;
+  louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
+  EXPECT_FALSE(same(noise, louder));
+}
+
+TEST_F(ReportRunFile, ResumesToTheSameBits) {
+  RunFile half;
+  TraceResult first;
+  for (std::uint64_t i = 0; i < 20; ++i) first.tree.add(0, i, block(i));
+  first.total = first.tree.total();
+  first.coupling = coupling_table();
+  first.stopped = Stopped::by_time;
+  write_run(folder / "half.h5", content(first, nullptr));
+  half = read_run(folder / "half.h5");
+  EXPECT_FALSE(half.complete);
+  EXPECT_TRUE(half.trace.checkpointed());
+  EXPECT_FALSE(half.noise.has_value());
+  EXPECT_TRUE(same(first.tree, half.trace.tree));
+  for (std::uint64_t i = 20; i < 37; ++i) half.trace.tree.add(0, i, block(i));
+  EXPECT_TRUE(same(half.trace.tree, trace.tree));
+  EXPECT_TRUE(same(half.trace.tree.total(), trace.total));
+}
+
+TEST_F(ReportRunFile, ResumingWithASkippedBlockDiffers) {
+  SumTree tree;
+  for (std::uint64_t i = 0; i < 36; ++i) tree.add(0, i, block(i));
+  EXPECT_FALSE(same(tree.total(), trace.total));
+}
+
+TEST_F(ReportRunFile, CanBeWrittenAgainFromWhatWasRead) {
+  RunFile const back = read_run(written());
+  write_run(folder / "again.h5", back.content());
+  EXPECT_EQ(read_file(folder / "run.h5"), read_file(folder / "again.h5"));
+}
+
+// Files without the columns of schema 1.2: what is not known is not judged.
+TEST_F(ReportRunFile, ReadsFilesOfSchema1_1) {
+  std::string const file = folder / "old.h5";
+  std::ofstream(file, std::ios::binary) << unsealed(read_file(written()), "run.h5");
+  {
+    H5::H5File old(file, H5F_ACC_RDWR);
+    for (char const* path :
+         {"/nodes/class_off_list", "/nodes/class_first_sum", "/nodes/class_largest_offset", "/nodes/class_largest",
+          "/classes/tail_slope", "/classes/halves", "/classes/kind", "/classes/statement"})
+      old.unlink(path);
+  }
+  std::ofstream(folder / "sealed.h5", std::ios::binary) << sealed(read_file(file));
+  RunFile const back = read_run(folder / "sealed.h5");
+  EXPECT_FALSE(same(trace.total, back.trace.total));
+  Moments const& m = back.trace.total.classes.at(1000).moments;
+  EXPECT_EQ(m.sum, trace.total.classes.at(1000).moments.sum);
+  Estimate const e = estimate(m, back.trace.total.histories, back.trace.total.blocks);
+  EXPECT_TRUE(std::isnan(e.tail_slope));
+  EXPECT_TRUE(std::isnan(e.halves));
+  EXPECT_TRUE(std::isnan(back.trace.coupling.classes[0].coupling.tail_slope));
+  EXPECT_EQ(back.trace.coupling.classes[0].kind, ClassKind::scattered);
+}
+
+TEST_F(ReportRunFile, HoldsAnEmptyResult) {
+  TraceResult nothing;
+  NoiseBudget quiet;
+  quiet.grid.edges = {10, 20};
+  quiet.total = {"total", 0, {0}, {0}, {}, {}, {}, {0}, {0}, {}, {}, {}, 0, true, "", false, false, {}};
+  RunContent c = content(nothing, &quiet);
+  c.files.clear();
+  c.overrides.clear();
+  c.warnings.clear();
+  c.importance = {};
+  write_run(folder / "empty.h5", c);
+  RunFile const back = read_run(folder / "empty.h5");
+  EXPECT_TRUE(back.trace.coupling.classes.empty());
+  EXPECT_TRUE(back.about.files.empty());
+  EXPECT_EQ(back.noise->total.asd.size(), 1u);
+}
+
+TEST_F(ReportRunFile, EqualContentGivesEqualBytesAndHash) {
+  std::string const one = written("one.h5"), two = written("two.h5");
+  EXPECT_EQ(read_file(one), read_file(two));
+  EXPECT_EQ(data_hash(one), data_hash(two));
+}
+
+TEST_F(ReportRunFile, HashIgnoresOnlyTimeAndTiming) {
+  std::string const before = data_hash(written());
+  RunContent later = content(trace, &noise);
+  later.provenance.created = "2031-01-01T00:00:00Z";
+  later.timing["scene"] = 99;
+  later.timing["extra"] = 1;
+  write_run(folder / "later.h5", later);
+  EXPECT_EQ(data_hash(folder / "later.h5"), before);
+  EXPECT_NE(read_file(folder / "later.h5"), read_file(folder / "run.h5"));
+}
+
+TEST_F(ReportRunFile, HashSeesOneChangedBitOrName) {
+  std::string const before = data_hash(written());
+  std::set<std::string> hashes = {before};
+  double& weight = trace.coupling.classes[1].records[2].weight;
+  weight = std::nextafter(weight, 1);
+  hashes.insert(data_hash(written()));
+  trace.coupling.groups[3] = "tubes";
+  hashes.insert(data_hash(written()));
+  noise.margin = 0.2;
+  hashes.insert(data_hash(written()));
+  EXPECT_EQ(hashes.size(), 4u);
+}
+
+TEST_F(ReportRunFile, NoObjectHasATimeStamp) {
+  write_file(folder / "plain.h5", unsealed(read_file(written()), "run.h5"));
+  H5::H5File const in(folder / "plain.h5", H5F_ACC_RDONLY);
+  for (char const* path : {"/", "/classes", "/classes/mean", "/noise/total", "/records/lever", "/input/files/0"}) {
+    H5O_info_t info = {};
+    ASSERT_GE(H5Oget_info_by_name2(in.getId(), path, &info, H5O_INFO_TIME, H5P_DEFAULT), 0) << path;
+    EXPECT_EQ(info.mtime, 0) << path;
+    EXPECT_EQ(info.ctime, 0) << path;
+  }
+}
+
+TEST_F(ReportRunFile, RefusesWhatIsNotARun) {
+  write_file(folder / "text.h5", "hello");
+  write_file(folder / "none.h5", "");
+  { H5::H5File const other(folder / "other.h5", H5F_ACC_TRUNC); }
+  EXPECT_THAT(message_of([&] { read_run(folder / "text.h5"); }), HasSubstr("is not a straytrace run file"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "none.h5"); }), HasSubstr("the file is empty"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "other.h5"); }), HasSubstr("HDF5 file of another program"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "missing.h5"); }), HasSubstr("there is no such file"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "."); }), HasSubstr("it is not a regular file"));
+}
+
+std::string made(std::string const& kind, std::uint64_t major) {
+  hdf5::Writer out;
+  out.attribute("/", "file_type", kind);
+  out.attribute("/", "schema", std::vector<std::uint64_t>{major, 0});
+  out.attribute("/", "program", "straytrace");
+  out.attribute("/", "version", "9.1");
+  return sealed(out.bytes());
+}
+
+TEST_F(ReportRunFile, RefusesOtherKindsAndNewerSchemas) {
+  write_file(folder / "kind.h5", made("straytrace-scan", 1));
+  write_file(folder / "new.h5", made("straytrace-run", 2));
+  write_file(folder / "bare.h5", made("straytrace-run", 1));
+  EXPECT_THAT(message_of([&] { read_run(folder / "kind.h5"); }), HasSubstr("its type is 'straytrace-scan'"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "new.h5"); }),
+              HasSubstr("format 2.0 and was written by straytrace 9.1"));
+  EXPECT_THAT(message_of([&] { read_run(folder / "bare.h5"); }), HasSubstr("is damaged"));
+}
+
+TEST_F(ReportRunFile, RefusesTruncatedAndChangedFiles) {
+  std::string const good = read_file(written());
+  for (std::size_t const length :
+       {std::size_t{10}, std::size_t{100}, std::size_t{512}, good.size() / 2, good.size() - 1}) {
+    write_file(folder / "cut.h5", good.substr(0, length));
+    EXPECT_THAT(message_of([&] { read_run(folder / "cut.h5"); }),
+                HasSubstr(length > 21 ? "damaged" : "not a straytrace"));
+  }
+  for (std::size_t place = 3; place < good.size(); place += good.size() / 23) {
+    std::string bad = good;
+    bad[place] = char(bad[place] ^ 4);
+    write_file(folder / "bad.h5", bad);
+    std::string const message = message_of([&] { read_run(folder / "bad.h5"); });
+    // Behind the line of the checksum the first block is empty and has no meaning.
+    bool const padding = place > 110 && place < 512;
+    EXPECT_EQ(message == "no error", padding) << place << message;
+  }
+}
+
+TEST_F(ReportRunFile, LeavesNothingBehindWhenItCannotWrite) {
+  EXPECT_THAT(message_of([&] { write_run(folder / "missing/run.h5", content(trace, &noise)); }),
+              HasSubstr("cannot write"));
+  std::filesystem::create_directory(folder / "taken");
+  EXPECT_THAT(message_of([&] { write_run(folder / "taken", content(trace, &noise)); }), HasSubstr("cannot write"));
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+// A full disk, played by a limit on the size of files: the old file stays, no part of the new one.
+TEST_F(ReportRunFile, KeepsTheOldFileWhenTheDiskIsFull) {
+  std::string const old = read_file(written());
+  rlimit before = {};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  auto const handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit const small = {4096, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  std::string const message = message_of([&] { write_run(folder / "run.h5", content(trace, nullptr)); });
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(message, HasSubstr("cannot write"));
+  EXPECT_EQ(read_file(folder / "run.h5"), old);
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST_F(ReportRunFile, HoldsNoPathsOfThisMachine) {
+  std::string const bytes = read_file(written());
+  EXPECT_EQ(bytes.find(folder / ""), std::string::npos);
+  EXPECT_EQ(bytes.find("/tmp"), std::string::npos);
+  EXPECT_EQ(bytes.find("/home"), std::string::npos);
+}
+
+TEST(ReportHash, IsThePublishedOne) {
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2
+  EXPECT_NE(sha256("abd"), sha256("abc"));
+}
+
+TEST(ReportHash, ModelHashKeepsTextsApart) {
+  EXPECT_NE(model_hash(std::vector<std::string>{"ab", "c"}), model_hash(std::vector<std::string>{"a", "bc"}));
+  EXPECT_EQ(model_hash(std::vector<std::string>{"ab", "c"}), model_hash(std::vector<std::string>{"ab", "c"}));
+}
+
+}  // namespace
+}  // namespace straytrace::test

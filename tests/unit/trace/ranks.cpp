@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several ranks trace the bits of one, whoever runs which block, and whoever leaves before the end. Here ranks are
+// threads; under mpirun they are tried by tests/tools/test_mpi.py.
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "base/errors.hpp"
+#include "results/run_file/run_part.hpp"
+#include "support/small_tube.hpp"
+#include "trace/run/ranks.hpp"
+
+namespace straytrace::testing::trace_ranks {
+namespace {
+
+constexpr std::uint64_t blocks = 40;
+
+struct Mail {
+  std::mutex mutex;
+  std::vector<std::deque<Transport::Message>> boxes;
+};
+
+class ByMail final : public Transport {
+ public:
+  ByMail(Mail& mail, int rank) : mail_(mail), rank_(rank) {}
+  int rank() const override { return rank_; }
+  int size() const override { return int(mail_.boxes.size()); }
+  void send(int to, std::string const& bytes) override {
+    std::scoped_lock const lock(mail_.mutex);
+    mail_.boxes[std::size_t(to)].push_back({rank_, bytes});
+  }
+  std::optional<Message> receive() override {
+    std::scoped_lock const lock(mail_.mutex);
+    auto& box = mail_.boxes[std::size_t(rank_)];
+    if (box.empty()) return {};
+    Message message = std::move(box.front());
+    box.pop_front();
+    return message;
+  }
+  void lost(int rank) override {
+    ++losses;
+    std::scoped_lock const lock(mail_.mutex);
+    if (!said_late.empty()) mail_.boxes[std::size_t(rank_)].push_back({rank, said_late});
+  }
+  int losses = 0;
+  std::string said_late;  // by a rank that was given up
+
+ private:
+  Mail& mail_;
+  int rank_;
+};
+
+// The HDF5 library is for one thread at a time.
+std::mutex hdf5_lock;
+std::string packed(SumTree const& tree) {
+  std::scoped_lock const lock(hdf5_lock);
+  return nodes_image(tree);
+}
+SumTree unpacked(std::string const& bytes) {
+  std::scoped_lock const lock(hdf5_lock);
+  return nodes_of_image(bytes);
+}
+
+TraceSettings settings_for(unsigned threads) {
+  TraceSettings settings;
+  settings.histories = blocks * largest_block;
+  settings.threads = threads;
+  return settings;
+}
+
+// The cpu backend that notes how many blocks it ran, and may raise a flag after some.
+class Counting final : public Backend {
+ public:
+  std::string_view name() const override { return "counting"; }
+  BlockSums run_block(World const& world, std::uint64_t seed, std::uint64_t block) const override {
+    if (++done == stop_after) stop = true;
+    if (fail) throw NumericalError("the test wants it");
+    return cpu_->run_block(world, seed, block);
+  }
+  mutable std::atomic<std::uint64_t> done{0};
+  mutable std::atomic<bool> stop{false};
+  std::uint64_t stop_after = 0;
+  bool fail = false;
+
+ private:
+  std::unique_ptr<Backend> cpu_ = make_backend("cpu");
+};
+
+struct Job {
+  explicit Job(int ranks) : backends(std::size_t(ranks)) { mail.boxes.resize(std::size_t(ranks)); }
+  TraceResult run(TraceSettings settings) {
+    std::vector<std::jthread> others;
+    for (int rank = 1; rank < int(backends.size()); ++rank)
+      others.emplace_back([this, rank, settings] {
+        ByMail transport(mail, rank);
+        TraceSettings mine = settings_for(settings.threads);
+        mine.seed = settings.seed;
+        mine.stop = &backends[std::size_t(rank)].stop;
+        Ranks const ranks{transport, rank == stranger ? "another" : "same", packed, unpacked};
+        try {
+          work_for_rank_0(world, mine, backends[std::size_t(rank)], ranks);
+        } catch (std::exception const& e) {
+          report_failure(transport, e.what());
+        }
+      });
+    ByMail transport(mail, 0);
+    Ranks const ranks{transport, "same", packed, unpacked};
+    settings.ranks = &ranks;
+    settings.stop = &backends[0].stop;
+    return trace(world, settings, backends[0]);
+  }
+  Mail mail;
+  std::vector<Counting> backends;
+  World const world = two_plates();
+  int stranger = 0;
+};
+
+TEST(Ranks, AnyNumberOfThemIsOneRun) {
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  for (int const ranks : {1, 2, 4})
+    for (unsigned const threads : {1u, 2u}) {
+      Job job(ranks);
+      TraceResult const r = job.run(settings_for(threads));
+      EXPECT_TRUE(same(r.total, one.total)) << ranks << " ranks, " << threads << " threads";
+      EXPECT_EQ(r.stopped, Stopped::by_histories);
+      std::uint64_t done = 0;
+      for (Counting const& backend : job.backends) done += backend.done;
+      EXPECT_EQ(done, blocks);
+      if (ranks > 1) {
+        EXPECT_LT(job.backends[0].done, blocks);  // the others have worked too
+      }
+    }
+  Job twin(2);
+  TraceSettings other = settings_for(1);
+  other.seed = 2;
+  EXPECT_FALSE(same(twin.run(other).total, one.total));
+}
+
+TEST(Ranks, StopRulesLookAtTheSameMoments) {
+  auto const looks = [](int ranks) {
+    std::vector<std::uint64_t> seen;
+    TraceSettings settings = settings_for(2);
+    settings.histories = 200 * largest_block;
+    settings.wanted_error = 1;
+    settings.error = [&](CouplingTable const& table) {
+      seen.push_back(table.histories / largest_block);
+      return seen.size() < 2 ? 2 : 0.5;
+    };
+    Job job(ranks);
+    TraceResult const r = job.run(settings);
+    EXPECT_EQ(r.stopped, Stopped::by_error);
+    EXPECT_EQ(r.total.blocks, seen.back());
+    return seen;
+  };
+  EXPECT_EQ(looks(3), (std::vector<std::uint64_t>{32, 45, 64}));
+}
+
+// A rank that ends on a signal of its own gives back what it has not done.
+TEST(Ranks, OneMayLeave) {
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  Job job(3);
+  job.backends[2].stop_after = 2;
+  TraceResult const r = job.run(settings_for(1));
+  EXPECT_TRUE(same(r.total, one.total));
+  EXPECT_LE(job.backends[2].done, 3u);
+}
+
+// One that hangs (its node is gone, and nobody ended the job) costs its share of the work, not the run. When it comes
+// back late, its sums are not counted twice.
+TEST(Ranks, OneMayFallSilent) {
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  for (bool const comes_back : {false, true}) {
+    Mail mail;
+    mail.boxes.resize(2);
+    ByMail here(mail, 0), there(mail, 1);
+    World const world = two_plates();
+    auto const cpu = make_backend("cpu");
+    Ranks const ranks{here, "same", packed, unpacked, 0.2};
+    if (comes_back) here.said_late = "sums\n" + packed(one.tree);
+    there.send(0, "hello\nsame");
+    TraceSettings settings = settings_for(1);
+    settings.ranks = &ranks;
+    TraceResult const r = trace(world, settings, *cpu);
+    EXPECT_TRUE(same(r.total, one.total)) << comes_back;
+    EXPECT_GE(here.losses, 1);
+  }
+}
+
+TEST(Ranks, InterruptedAndResumed) {
+  TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
+  Job job(3);
+  job.backends[0].stop_after = 2;
+  TraceResult const part = job.run(settings_for(1));
+  EXPECT_EQ(part.stopped, Stopped::by_signal);
+  EXPECT_LT(part.total.blocks, blocks);
+  std::uint64_t done = 0;
+  for (Counting const& backend : job.backends) done += backend.done;
+  EXPECT_EQ(part.total.blocks, done);  // nothing that was done is lost
+  TraceSettings on = settings_for(2);
+  on.resume = part.tree;
+  EXPECT_TRUE(same(Job(2).run(on).total, one.total));
+}
+
+TEST(Ranks, FailuresAndStrangersEndTheJob) {
+  Job failing(2);
+  failing.backends[1].fail = true;
+  try {
+    failing.run(settings_for(1));
+    FAIL() << "a rank has failed";
+  } catch (NumericalError const& e) {
+    EXPECT_NE(std::string(e.what()).find("rank 1 has failed: the test wants it"), std::string::npos) << e.what();
+  }
+  Job mixed(3);
+  mixed.stranger = 2;
+  EXPECT_THROW(mixed.run(settings_for(1)), InputError);
+}
+
+}  // namespace
+}  // namespace straytrace::testing::trace_ranks
