@@ -16,9 +16,10 @@ LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 ABOUT = {"scene": "the scene file: docs/reference/scene.md", "world": "what stands in the scene: docs/reference/scene.md",
          "motion": "motion: docs/reference/scene.md#bodies", "ifo": "the detector: docs/reference/interferometer.md",
          "base": "values and units: docs/reference/scene.md#quantities", "geometry": "shapes: docs/reference/index.md#shapes",
-         "noise": "noise: docs/reference/scene.md#noise", "signal": "records and spectra: docs/reference/signal.md",
-         "report": "run files: docs/reference/run_file.md", "app": "commands: docs/reference/commands.md",
-         "commission": "measurements: docs/reference/couple.md"}
+         "io": "values and units: docs/reference/scene.md#quantities", "noise": "noise: docs/reference/scene.md#noise",
+         "spectra": "records and spectra: docs/reference/signal.md", "results": "run files: docs/reference/run_file.md",
+         "session": "commands: docs/reference/commands.md", "cli": "commands: docs/reference/commands.md",
+         "analysis": "measurements: docs/reference/couple.md"}
 
 
 def closing(text, at):

@@ -64,14 +64,14 @@ class CheckCalls(unittest.TestCase):
     def test_words_of_a_user_never_meet_a_shell(self):
         for line in ("std::system(name.c_str());", "popen(name, mode);", "::execvp(a, b);", "std::ifstream in(name);",
                      "::socket(AF_INET, 0, 0);", "fork();", "H5::H5File file(name, 0);", "std::regex_match(text, form)"):
-            self.expect("src/app/a.cpp", line, 1)
+            self.expect("src/cli/a.cpp", line, 1)
         for line in ("os.system(name)", "subprocess.run(name, shell=True)", "eval(text)", "pickle.load(file)",
                      "import urllib.request", "np.load(file, allow_pickle=True)"):
             self.expect("python/straytrace/a.py", line, 1)
 
     def test_where_it_is_meant_it_passes(self):
         self.expect("src/base/process/child_process.cpp", "::posix_spawnp(a, b, c, d, e, f);", 0)
-        self.expect("src/app/a.cpp", "solve_system(matrix);  // no system()", 0)
+        self.expect("src/cli/a.cpp", "solve_system(matrix);  // no system()", 0)
         self.expect("python/straytrace/a.py", "subprocess.run([program, name]); frame.eval(name)", 0)
 
     def test_nothing_found_fails(self):
