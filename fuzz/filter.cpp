@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The language of filters, of columns to sort by and of stop rules.
-#include "session/model.hpp"
 #include "base/errors.hpp"
 #include "fuzz.hpp"
 #include "results/route_table/route_filter.hpp"
+#include "session/model.hpp"
 #include "unit/results/synthetic.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Records of motion as text and HDF5, spectra, responses, coupling functions.
-#include "base/errors.hpp"
 #include "analysis/coupling/coupling_file.hpp"
+#include "base/errors.hpp"
 #include "fuzz.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"

@@ -6,8 +6,8 @@
 
 #include "base/errors.hpp"
 #include "fuzz.hpp"
-#include "results/run_file/run_file.hpp"
 #include "results/run_file/checksum_header.hpp"
+#include "results/run_file/run_file.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The carrier of a face in OpenCASCADE's millimetres, and its equal-area chart (src/geometry/cad/cad_face.hpp) in metres.
+// The carrier of a face in OpenCASCADE's millimetres, and its equal-area chart (src/geometry/cad/cad_face.hpp) in
+// metres.
 #pragma once
 
 #include <BRepAdaptor_Surface.hxx>

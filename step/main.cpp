@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "session/build_info.hpp"
-#include "base/files/growing_file.hpp"
 #include "base/errors.hpp"
+#include "base/files/growing_file.hpp"
 #include "base/units/quantity.hpp"
+#include "session/build_info.hpp"
 #include "step/read_step.hpp"
 #include "step/write_cad.hpp"
 

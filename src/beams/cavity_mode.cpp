@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace {
 namespace {

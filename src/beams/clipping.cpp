@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "beams/overlap.hpp"
 #include "beams/mode.hpp"
+#include "beams/overlap.hpp"
 
 namespace straytrace {
 

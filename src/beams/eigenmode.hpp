@@ -8,7 +8,6 @@
 #include <string>
 
 #include "beams/ray_matrix.hpp"
-#include "beams/ray_matrix.hpp"
 
 namespace straytrace {
 

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "base/math/functions.hpp"
-#include "base/memory/ids.hpp"
 #include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
 #include "optics/polarisation.hpp"
 
 namespace straytrace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/errors.hpp"
 #include "beams/higher_modes.hpp"
+
+#include "base/errors.hpp"
 #include "beams/overlap.hpp"
 
 namespace straytrace {

@@ -13,7 +13,6 @@ namespace straytrace {
 
 // A Gaussian beam as a sum over the higher modes of another one (requirements.md R2.11).
 
-
 // Amplitudes c(a, b) for a + b <= order. With the powers of all orders they sum to 1.
 class ModeCoefficients {
  public:
@@ -51,7 +50,6 @@ std::complex<double> hermite_field(Mode const& basis, int n, int m, Vec3 p);
 ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order);
 
 // Laguerre-Gauss modes about a circular beam (requirements.md R2.11).
-
 
 // sqrt(p!/(p + l)!) x^(l/2) exp(-x/2) L_p^l(x), l >= 0: the integral over x > 0 of the product of two of one l is 1 for
 // equal p, else 0.

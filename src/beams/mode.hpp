@@ -67,7 +67,6 @@ Wavefront wavefront(Mode const&);
 
 // Symmetric 2x2 matrices, real or complex: curvatures and sizes of beams in a plane.
 
-
 // Eigenvalues, the one nearer to m11 first.
 template <class T>
 std::array<T, 2> eigenvalues(T m11, T m12, T m22) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "beams/overlap.hpp"
+
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
 #include "beams/mode.hpp"
-#include "beams/overlap.hpp"
 
 namespace straytrace {
 

@@ -23,7 +23,6 @@ double log_power_overlap(Mode const&, Mode const&);
 
 // What a beam leaves on a plane that it crosses at a small angle, and the product of two of these.
 
-
 // Through `point`, unit axes t1 and t2; the beams run along t1 x t2, more or less.
 struct Plane {
   Vec3 point, t1, t2;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "beams/ray_matrix.hpp"
+
 #include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
-#include "beams/ray_matrix.hpp"
 
 namespace straytrace {
 

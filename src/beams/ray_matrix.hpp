@@ -41,7 +41,6 @@ Eigen::Matrix2cd transformed(RayMatrix const&, Eigen::Matrix2cd const& n_q);
 // A beam through a given list of mirrors and refracting faces: telescopes, cavities, benches. (In a scene the beam tree
 // finds the list itself.)
 
-
 struct OpticalElement {
   Vec3 point, normal;  // where the chief ray meets it, m; unit normal, either side
   SurfaceCurvature curvature;

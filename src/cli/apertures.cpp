@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace apertures: what every rim that a beam passes does to it, in closed form and by the Fresnel integral.
+#include "world/ghosts/apertures.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,13 +11,12 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "session/common_options.hpp"
-#include "session/model.hpp"
-#include "session/diagnostics.hpp"
 #include "base/errors.hpp"
 #include "base/units/quantity.hpp"
 #include "results/text/columns.hpp"
-#include "world/ghosts/apertures.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 namespace {

@@ -5,13 +5,13 @@
 
 #include <iostream>
 
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "scene/diagnostics.hpp"
 #include "session/common_options.hpp"
 #include "session/light/lit_table.hpp"
 #include "session/model.hpp"
 #include "session/open_run.hpp"
-#include "base/text/words.hpp"
-#include "base/errors.hpp"
-#include "scene/diagnostics.hpp"
 
 namespace straytrace {
 namespace {

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <iostream>
 
-#include "session/build_info.hpp"
 #include "base/errors.hpp"
 #include "scene/expression.hpp"
+#include "session/build_info.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/window.hpp"
 

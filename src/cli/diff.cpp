@@ -5,11 +5,11 @@
 
 #include <iostream>
 
+#include "base/errors.hpp"
 #include "session/common_options.hpp"
 #include "session/compare/model_diff.hpp"
-#include "session/open_run.hpp"
 #include "session/compare/run_diff.hpp"
-#include "base/errors.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace explain: a key, a table, a unit, a message, or the chain of factors of one path. straytrace schema.
+#include "cli/explain.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +16,6 @@
 #include "base/files/embedded.hpp"
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
-#include "cli/explain.hpp"
 #include "cli/library.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "session/common_options.hpp"

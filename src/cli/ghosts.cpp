@@ -11,16 +11,15 @@
 #include <iostream>
 #include <memory>
 
+#include "base/errors.hpp"
+#include "base/files/growing_file.hpp"
+#include "results/text/picture.hpp"
 #include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/interrupt.hpp"
 #include "session/light/ghost_noise.hpp"
 #include "session/light/ghost_search.hpp"
-#include "session/interrupt.hpp"
 #include "session/session.hpp"
-#include "session/session.hpp"
-#include "session/diagnostics.hpp"
-#include "base/files/growing_file.hpp"
-#include "base/errors.hpp"
-#include "results/text/picture.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace importance: where light must not go.
+#include "trace/importance/importance.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,12 +10,11 @@
 #include <iostream>
 #include <optional>
 
-#include "session/common_options.hpp"
-#include "session/importance_map.hpp"
-#include "session/diagnostics.hpp"
 #include "base/errors.hpp"
 #include "results/text/columns.hpp"
-#include "trace/importance/importance.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/importance_map.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace library: the materials, parts and detectors that come with the program.
+#include "cli/library.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,7 +12,6 @@
 
 #include "base/files/embedded.hpp"
 #include "base/input/document.hpp"
-#include "cli/library.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "scene/library.hpp"

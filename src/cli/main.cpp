@@ -8,16 +8,16 @@
 #include <new>
 #include <string_view>
 
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "results/results.hpp"
+#include "scene/scene_document.hpp"
 #include "session/build_info.hpp"
 #include "session/common_options.hpp"
 #include "session/device.hpp"
 #include "session/events.hpp"
 #include "session/mpi.hpp"
 #include "session/options.hpp"
-#include "base/errors.hpp"
-#include "base/text/words.hpp"
-#include "results/results.hpp"
-#include "scene/scene_document.hpp"
 
 namespace straytrace {
 namespace {

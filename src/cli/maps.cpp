@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <iostream>
 
+#include "base/errors.hpp"
+#include "results/receivers/receivers.hpp"
+#include "results/text/picture.hpp"
 #include "session/common_options.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
-#include "session/session.hpp"
-#include "base/errors.hpp"
-#include "results/text/picture.hpp"
-#include "results/receivers/receivers.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <iostream>
 
-#include "session/common_options.hpp"
-#include "session/open_run.hpp"
-#include "session/jobs/merge_parts.hpp"
-#include "session/session.hpp"
-#include "session/diagnostics.hpp"
 #include "base/text/words.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/jobs/merge_parts.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
 
 namespace straytrace {
 namespace {

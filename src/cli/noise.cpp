@@ -7,12 +7,11 @@
 #include <filesystem>
 #include <iostream>
 
+#include "results/curves/band.hpp"
 #include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
-#include "session/session.hpp"
-#include "session/diagnostics.hpp"
-#include "results/curves/band.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace paths: the ranked table of routes of a run, by port or by receiver.
+#include "cli/paths.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +16,6 @@
 
 #include "base/errors.hpp"
 #include "cli/data_options.hpp"
-#include "cli/paths.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/route_filter.hpp"
 #include "session/common_options.hpp"

@@ -4,11 +4,11 @@
 
 #include <iostream>
 
+#include "base/errors.hpp"
 #include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
 #include "session/model.hpp"
 #include "session/open_run.hpp"
-#include "session/diagnostics.hpp"
-#include "base/errors.hpp"
 
 namespace straytrace {
 

@@ -6,15 +6,14 @@
 #include <filesystem>
 #include <iostream>
 
-#include "session/common_options.hpp"
-#include "session/open_run.hpp"
-#include "session/session.hpp"
-#include "session/report_page.hpp"
-#include "session/session.hpp"
-#include "session/diagnostics.hpp"
 #include "report/exports.hpp"
 #include "report/scene_drawing.hpp"
 #include "results/text/picture.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/open_run.hpp"
+#include "session/report_page.hpp"
+#include "session/session.hpp"
 #include "trace/importance/importance.hpp"
 
 namespace straytrace {

@@ -5,16 +5,15 @@
 
 #include <iostream>
 
+#include "results/curves/band.hpp"
+#include "results/receivers/receivers.hpp"
+#include "results/route_table/merit.hpp"
 #include "session/common_options.hpp"
-#include "session/open_run.hpp"
+#include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
-#include "session/session.hpp"
+#include "session/open_run.hpp"
 #include "session/report_page.hpp"
 #include "session/session.hpp"
-#include "session/diagnostics.hpp"
-#include "results/curves/band.hpp"
-#include "results/route_table/merit.hpp"
-#include "results/receivers/receivers.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <iostream>
 
+#include "base/errors.hpp"
+#include "results/text/picture.hpp"
 #include "session/common_options.hpp"
 #include "session/interrupt.hpp"
 #include "session/scan/invert.hpp"
-#include "session/session.hpp"
 #include "session/scan/scan_points.hpp"
 #include "session/scan/scan_view.hpp"
-#include "base/errors.hpp"
-#include "results/text/picture.hpp"
+#include "session/session.hpp"
 
 namespace straytrace {
 namespace {

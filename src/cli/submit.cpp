@@ -7,16 +7,14 @@
 #include <iostream>
 #include <regex>
 
-#include "session/common_options.hpp"
-#include "session/open_run.hpp"
-#include "session/jobs/job_files.hpp"
-#include "session/session.hpp"
-#include "session/session.hpp"
-#include "session/jobs/job_files.hpp"
-#include "session/diagnostics.hpp"
-#include "base/text/words.hpp"
 #include "base/text/bounded_regex.hpp"
+#include "base/text/words.hpp"
 #include "results/run_file/run_part.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/jobs/job_files.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
 #include "trace/run/trace.hpp"
 
 namespace straytrace {

@@ -7,16 +7,16 @@
 #include <iostream>
 #include <regex>
 
-#include "session/common_options.hpp"
-#include "session/open_run.hpp"
-#include "session/interrupt.hpp"
-#include "session/mpi.hpp"
-#include "session/session.hpp"
-#include "session/diagnostics.hpp"
 #include "base/text/bounded_regex.hpp"
 #include "report/html/page_json.hpp"
 #include "report/ray_paths.hpp"
 #include "results/text/columns.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/interrupt.hpp"
+#include "session/mpi.hpp"
+#include "session/open_run.hpp"
+#include "session/session.hpp"
 #include "trace/importance/importance.hpp"
 #include "trace/run/ranks.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/drawing.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
-
-#include "geometry/drawing.hpp"
 
 namespace straytrace {
 namespace {

@@ -19,23 +19,18 @@
 #include <tuple>
 
 #include "geometry/cad/cad_face.hpp"
+#include "geometry/common/pieces.hpp"
+#include "geometry/mesh/triangle_mesh.hpp"
 #include "geometry/shapes/cap.hpp"
 #include "geometry/shapes/cone.hpp"
 #include "geometry/shapes/conic.hpp"
 #include "geometry/shapes/cuboid.hpp"
 #include "geometry/shapes/cylinder.hpp"
-#include "geometry/shapes/cylinder.hpp"
 #include "geometry/shapes/disk.hpp"
-#include "geometry/shapes/disk.hpp"
-#include "geometry/common/pieces.hpp"
-#include "geometry/shapes/cylinder.hpp"
 #include "geometry/shapes/polygon.hpp"
 #include "geometry/shapes/rectangle.hpp"
-#include "geometry/shapes/cone.hpp"
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
-#include "geometry/mesh/triangle_mesh.hpp"
-#include "geometry/shapes/sphere.hpp"
 
 namespace straytrace {
 

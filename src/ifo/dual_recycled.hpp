@@ -23,7 +23,6 @@ namespace straytrace {
 
 // Lengths of a dual-recycled interferometer and the degrees of freedom that light and loops see (R2.13).
 
-
 // Arms, short arms from the splitter, power- and signal-recycling mirror from the splitter.
 enum class Length : std::uint8_t { arm_x, arm_y, short_x, short_y, recycling, signal };
 // The sixth, the mean short arm with PRCL and SRCL held, moves every mirror but the splitter's alike: no light sees it.

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/memory/ids.hpp"
 #include "base/input/table.hpp"
+#include "base/memory/ids.hpp"
 #include "ifo/injection_point.hpp"
 #include "spectra/spectrum.hpp"
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "motion/axis_motion.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <cmath>
 
 #include "base/input/uncertainty.hpp"
-#include "motion/axis_motion.hpp"
 #include "motion/motion_files.hpp"
 #include "motion/series_motion.hpp"
 #include "spectra/shapes.hpp"

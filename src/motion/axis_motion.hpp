@@ -62,7 +62,6 @@ void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
 
 // Bodies that hang: `suspended: {from: ground, vertical: y, stages: [...], vertical_stages: [...]}`.
 
-
 // Adds to the coordinates of a body what comes down its suspension: the two horizontal ones through `stages`, the one
 // named by `vertical` through `vertical_stages` if there are any; rotations of the support are not passed on. Returns
 // which coordinates are stated by it.

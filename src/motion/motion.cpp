@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "motion/motion.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "motion/motion.hpp"
 #include "motion/motion_reader.hpp"
 
 namespace straytrace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/memory/ids.hpp"
 #include "base/input/table.hpp"
+#include "base/memory/ids.hpp"
 #include "motion/motion_files.hpp"
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "motion/motion_files.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "motion/calibration.hpp"
-#include "motion/motion_files.hpp"
 #include "spectra/files/text_table.hpp"
 #include "spectra/shapes.hpp"
 

@@ -8,8 +8,8 @@
 #include <cstdlib>
 
 #include "base/input/document.hpp"
-#include "spectra/fourier.hpp"
 #include "spectra/files/series_file.hpp"
+#include "spectra/fourier.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace {

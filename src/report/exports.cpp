@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "report/exports.hpp"
+
 #include <assimp/Exporter.hpp>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -11,7 +13,6 @@
 
 #include "base/errors.hpp"
 #include "io/markup.hpp"
-#include "report/exports.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that appear complete or not at all.
+#include "results/results.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
 
+#include "base/errors.hpp"
 #include "base/files/file_bytes.hpp"
 #include "base/files/growing_file.hpp"
-#include "base/errors.hpp"
-#include "results/results.hpp"
 
 namespace straytrace {
 

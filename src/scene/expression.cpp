@@ -2,13 +2,13 @@
 // Grammar, binding from loose to tight; a unit belongs to the number right before it:
 //   sum = product {(+|-) product}   product = signed {(*|/) signed}   signed = [-|+] power   power = primary [^ signed]
 //   primary = number [unit] | name | function ( sum {, sum} ) | ( sum )
+#include "scene/expression.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-
-#include "scene/expression.hpp"
 
 namespace straytrace {
 namespace {

@@ -38,7 +38,6 @@ bool is_parameter_name(std::string_view);
 
 // Dimension-checked arithmetic of expressions. Every function throws ExpressionProblem for what it refuses.
 
-
 // A value and the bytes of the text it came from.
 struct Operand {
   Value value;

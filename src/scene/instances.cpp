@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/instances.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "io/csv_cells.hpp"
 #include "io/number_rows.hpp"
 #include "scene/axes.hpp"
-#include "scene/instances.hpp"
 #include "scene/merge.hpp"
 #include "scene/part_document.hpp"
 #include "scene/parts.hpp"

@@ -16,7 +16,6 @@ std::vector<Scene::Instance> expand_scene(SceneDocument&, Node const& root);
 
 // `repeat`: where the instances of an entry stand and which parameters each of them has (interface.md 3.2).
 
-
 // A column of a table besides the position: sets the parameter of that name.
 struct RepeatColumn {
   std::string name;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/merge.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "base/input/document.hpp"
 #include "scene/diagnostics.hpp"
 #include "scene/library.hpp"
-#include "scene/merge.hpp"
 #include "scene/yaml_tree.hpp"
 
 namespace straytrace {

@@ -19,7 +19,6 @@ constexpr std::uint32_t builtin_source(std::uint32_t main) { return main + 1; }
 // `like: NAME` in a material: everything of another material that is not stated here; scatter laws stated here are
 // added.
 
-
 void take_over_materials(SceneDocument&, NodeData& model);
 
 }  // namespace straytrace

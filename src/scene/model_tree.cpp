@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/model_tree.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "base/input/document.hpp"
 #include "scene/axes.hpp"
 #include "scene/merge.hpp"
-#include "scene/model_tree.hpp"
 #include "scene/parts.hpp"
 #include "scene/scope.hpp"
 

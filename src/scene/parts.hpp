@@ -41,7 +41,6 @@ class FaceCounter {
 
 // `limits` of a part: what its parameters must keep to, so that its faces fit together.
 
-
 // False, with a problem at the value in `entry` (or at the entry, when it gives none), for the first parameter that is
 // not `above`, `at_least` or `at_most` what the part says; `name` is that of the entry.
 bool within_limits(Node const& entry, std::string const& name, Node const& part, std::shared_ptr<Scope const> const&);

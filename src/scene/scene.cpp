@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/scene.hpp"
 
+#include "scene/diagnostics.hpp"
 #include "scene/instances.hpp"
 #include "scene/merge.hpp"
-#include "scene/diagnostics.hpp"
 #include "scene/model_tree.hpp"
 #include "scene/scene_document.hpp"
 #include "scene/scope.hpp"

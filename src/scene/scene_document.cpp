@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/scene_document.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include "base/files/embedded.hpp"
 #include "base/files/file_bytes.hpp"
 #include "scene/library.hpp"
-#include "scene/scene_document.hpp"
 #include "scene/scope.hpp"
 
 namespace straytrace {

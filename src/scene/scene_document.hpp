@@ -86,7 +86,6 @@ constexpr std::size_t data_file_limit = std::size_t{256} << 20;
 
 // Texts that another program holds and has not saved: an editor, or Python.
 
-
 // From now on `text` is read where a model names `file`, which need not exist. Before anything is read.
 void set_unsaved(std::filesystem::path const& file, std::string text);
 std::optional<std::string> unsaved_text(std::filesystem::path const& file);

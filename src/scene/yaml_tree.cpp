@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "scene/yaml_tree.hpp"
+
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
@@ -8,8 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
-
-#include "scene/yaml_tree.hpp"
 
 namespace straytrace {
 namespace {

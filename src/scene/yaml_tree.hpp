@@ -27,7 +27,6 @@ void report_syntax(SceneDocument&, std::uint32_t file, std::vector<Problem> cons
 
 // What is refused before a text is read as YAML: size, broken UTF-8, control characters, tabs, directives.
 
-
 // The text to hand to the parser (byte order mark and tabs blanked), or nothing when it cannot be read.
 // All that is refused is recorded.
 std::optional<std::string> checked_text(SceneDocument&, std::uint32_t file);

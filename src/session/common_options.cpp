@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "session/common_options.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +10,6 @@
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
 #include "base/text/bounded_regex.hpp"
-#include "session/common_options.hpp"
 #include "session/model.hpp"
 
 namespace straytrace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "session/open_run.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,7 +10,6 @@
 #include "base/errors.hpp"
 #include "base/files/file_bytes.hpp"
 #include "session/model.hpp"
-#include "session/open_run.hpp"
 
 namespace straytrace {
 namespace {

@@ -35,7 +35,6 @@ struct OpenRun {
 
 // The input of `run`: a scene file, or a run file that is made again from the texts, seed and stop rule inside it.
 
-
 class Earlier {
  public:
   explicit Earlier(std::string input);
@@ -51,7 +50,6 @@ class Earlier {
 };
 
 // A file of the language, a model or motion alone, read by every room that has a part in it.
-
 
 // By its first bytes; whether it is sound read_run() tells.
 bool is_run_file(std::string const& file);

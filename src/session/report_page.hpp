@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "session/model.hpp"
 #include "report/html/html.hpp"
 #include "report/ray_paths.hpp"
 #include "results/ghosts/ghost_table.hpp"
 #include "results/results.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
+#include "session/session.hpp"
+
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <iostream>
+#include <unistd.h>
 
-#include "session/build_info.hpp"
 #include "base/errors.hpp"
 #include "base/files/growing_file.hpp"
 #include "base/text/words.hpp"
@@ -21,12 +22,12 @@
 #include "results/run_file/run_part.hpp"
 #include "results/text/columns.hpp"
 #include "results/text/picture.hpp"
+#include "session/build_info.hpp"
 #include "session/diagnostics.hpp"
 #include "session/events.hpp"
 #include "session/importance_map.hpp"
 #include "session/interrupt.hpp"
 #include "session/light/ghost_noise.hpp"
-#include "session/session.hpp"
 #include "trace/deterministic/edges.hpp"
 #include "trace/importance/importance.hpp"
 #include "trace/run/early_looks.hpp"

@@ -72,7 +72,6 @@ void tell_warnings(NoiseBudget const&, Options const&, std::string const& where 
 
 // A folder for results that is there before anything is computed, and gone again when nothing came of it.
 
-
 class OutputFolder {
  public:
   // Made with its parents. Throws InputError when it cannot be made or written to, or when one of the `files` it is for

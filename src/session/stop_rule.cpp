@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <regex>
 
-#include "session/model.hpp"
-#include "base/text/bounded_regex.hpp"
 #include "base/errors.hpp"
+#include "base/text/bounded_regex.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 namespace {

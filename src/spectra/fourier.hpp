@@ -32,7 +32,6 @@ std::size_t good_length(std::size_t);
 
 // Operations on whole records in the frequency domain. Inside the room.
 
-
 // Multiplies the lines of a record by `factor` of their frequency in cycles per sample. The record is continued beyond
 // both ends by odd reflection over `beyond` samples (no more than it has), so that its ends do not meet in a step.
 inline std::vector<double> filtered(std::vector<double> const& x, std::size_t beyond,

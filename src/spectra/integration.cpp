@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "base/units/quantity.hpp"
 #include "spectra/fourier.hpp"
 #include "spectra/sections.hpp"

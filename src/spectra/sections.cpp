@@ -7,8 +7,8 @@
 #include <cmath>
 #include <complex>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace {
 namespace {

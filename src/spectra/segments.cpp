@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace {
 namespace {

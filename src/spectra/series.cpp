@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/series.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "base/math/constants.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/filters.hpp"
-#include "spectra/series.hpp"
 
 namespace straytrace {
 namespace {

@@ -35,7 +35,6 @@ std::vector<TimeSeries> aligned(std::vector<TimeSeries> const&);
 
 // A series between its samples.
 
-
 // Values at first, first + 1/rate, ... (GPS s): sinc of 32 samples under a Kaiser window, right to 1e-5 of the
 // amplitude for content below 0.8 of half the series' own rate; on a sample, the sample itself. Beyond the ends the
 // series goes on as its point reflection. Throws InputError where a time is more than 16 samples outside.

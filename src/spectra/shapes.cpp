@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/shapes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "base/math/constants.hpp"
-#include "spectra/shapes.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"
 
 namespace straytrace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/welch.hpp"
+
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
@@ -9,7 +11,6 @@
 #include "base/math/constants.hpp"
 #include "spectra/filters.hpp"
 #include "spectra/segments.hpp"
-#include "spectra/welch.hpp"
 
 namespace straytrace {
 namespace {

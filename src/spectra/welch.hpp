@@ -53,7 +53,6 @@ double median_bias(std::size_t n);
 
 // How much a record moves within a band of frequencies.
 
-
 struct BandPower {
   double power = 0, sigma = 0;  // integral of the PSD over the band, x^2; one standard error for Gaussian noise
 };

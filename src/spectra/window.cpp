@@ -8,9 +8,9 @@
 #include <cmath>
 #include <span>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
 #include "base/input/table.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trace/result.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include <stdexcept>
 
 #include "base/math/constants.hpp"
-#include "trace/result.hpp"
 #include "trace/tally/add_total.hpp"
 #include "trace/tally/block_sink.hpp"
 

@@ -10,9 +10,9 @@
 #include "device/blocks.hpp"
 #include "device/laws.hpp"
 #include "support/mesh_shapes.hpp"
+#include "support/trace_support.hpp"
 #include "trace/importance/importance.hpp"
 #include "trace/tally/block_sink.hpp"
-#include "support/trace_support.hpp"
 
 namespace straytrace::testing {
 namespace {

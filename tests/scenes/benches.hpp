@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "support/recorded.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing {
 

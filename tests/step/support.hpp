@@ -13,7 +13,6 @@
 #include "base/errors.hpp"
 #include "step/samples/samples.hpp"
 #include "world/import/cad_file.hpp"
-#include "world/import/cad_file.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::test {

@@ -3,8 +3,8 @@
 // 8.15). One direction, one arm, static phase 0 unless said.
 #pragma once
 
-#include "support/aimed_walls.hpp"
 #include "optics/scatter/shift_invariant.hpp"
+#include "support/aimed_walls.hpp"
 #include "trace/tally/replay.hpp"
 
 namespace straytrace::testing::arm_tube {

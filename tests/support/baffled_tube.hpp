@@ -7,8 +7,8 @@
 
 #include "support/laws.hpp"
 #include "support/shapes.hpp"
-#include "trace/importance/importance.hpp"
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing {
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "beams/ray_matrix.hpp"
 #include "beams/mode.hpp"
+#include "beams/ray_matrix.hpp"
 #include "optics/coating/refraction.hpp"
 
 namespace straytrace::testing {

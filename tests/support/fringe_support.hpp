@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "analysis/fringes/fringe_fit.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
-#include "analysis/fringes/fringe_fit.hpp"
 
 namespace straytrace::testing {
 

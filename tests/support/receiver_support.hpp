@@ -4,8 +4,8 @@
 
 #include "results/receivers/receivers.hpp"
 #include "support/test_backend.hpp"
-#include "trace/tally/map_cells.hpp"
 #include "trace/run/trace.hpp"
+#include "trace/tally/map_cells.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing {

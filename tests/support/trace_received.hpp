@@ -2,8 +2,8 @@
 // Black and other receivers in worlds built by hand, and what they received.
 #pragma once
 
-#include "trace/importance/importance.hpp"
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing {
 

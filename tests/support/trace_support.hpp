@@ -9,8 +9,8 @@
 #include "support/shapes.hpp"
 #include "support/statistics.hpp"
 #include "support/test_backend.hpp"
-#include "trace/step/step.hpp"
 #include "trace/run/trace.hpp"
+#include "trace/step/step.hpp"
 
 namespace straytrace::testing {
 

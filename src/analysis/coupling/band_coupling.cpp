@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/coupling/band_coupling.hpp"
+
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
@@ -6,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/coupling/band_coupling.hpp"
 #include "base/math/constants.hpp"
 
 namespace straytrace {

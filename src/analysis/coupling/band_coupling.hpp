@@ -27,7 +27,6 @@ BandCoupling band_coupling(CrossSpectra const& injection, CrossSpectra const& qu
 // How surely one averaged spectrum lies above another (requirements.md R6.01). A PSD averaged over n independent
 // segments of Gaussian noise is chi-square with 2 n degrees of freedom; the ratio of two of them follows Fisher's F.
 
-
 struct AveragedPsd {
   double psd = 0;       // x^2/Hz
   double averages = 0;  // independent ones; infinity: known exactly

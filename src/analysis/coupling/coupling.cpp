@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/errors.hpp"
 #include "analysis/coupling/band_coupling.hpp"
 #include "analysis/coupling/coupling.hpp"
+#include "base/errors.hpp"
 #include "spectra/files/unit_text.hpp"
 
 namespace straytrace {

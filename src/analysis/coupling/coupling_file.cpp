@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "io/number_rows.hpp"
 #include "base/units/quantity.hpp"
+#include "io/number_rows.hpp"
 
 namespace straytrace {
 namespace {

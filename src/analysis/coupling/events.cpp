@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/errors.hpp"
 #include "analysis/coupling/band_coupling.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/coupling/impulse.hpp"
+
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
@@ -7,7 +9,6 @@
 #include <utility>
 
 #include "analysis/coupling/coupling.hpp"
-#include "analysis/coupling/impulse.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/fourier.hpp"

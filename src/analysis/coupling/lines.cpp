@@ -8,8 +8,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "spectra/window.hpp"
 
 namespace straytrace {

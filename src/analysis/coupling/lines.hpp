@@ -53,7 +53,6 @@ std::vector<LinePoint> follow_line(TimeSeries const&, std::span<LinePoint const>
 
 // Straight lines through a few points with known errors.
 
-
 struct WeightedMean {
   double value = 0, sigma = 0;  // standard error, larger by sqrt(chi^2/dof) where the values disagree
 };

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <map>
 
-#include "base/errors.hpp"
 #include "analysis/coupling/band_coupling.hpp"
 #include "analysis/coupling/coupling.hpp"
+#include "base/errors.hpp"
 #include "spectra/segments.hpp"
 
 namespace straytrace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/coupling/taps.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include "analysis/coupling/band_coupling.hpp"
 #include "analysis/coupling/coupling.hpp"
 #include "analysis/coupling/lines.hpp"
-#include "analysis/coupling/taps.hpp"
 #include "base/errors.hpp"
 #include "io/number_rows.hpp"
 #include "spectra/segments.hpp"

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/fringes/fringe_fit.hpp"
+
 #include <Eigen/Dense>
 #include <fmt/format.h>
 #include <unsupported/Eigen/FFT>
@@ -8,7 +10,6 @@
 #include <complex>
 
 #include "analysis/fringes/fringe_clock.hpp"
-#include "analysis/fringes/fringe_fit.hpp"
 #include "analysis/fringes/fringe_search.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"

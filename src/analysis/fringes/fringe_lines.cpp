@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/errors.hpp"
-#include "analysis/fringes/scan.hpp"
 #include "analysis/coupling/coupling.hpp"
+#include "analysis/fringes/scan.hpp"
+#include "base/errors.hpp"
 
 namespace straytrace {
 namespace {

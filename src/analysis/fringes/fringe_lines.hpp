@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "base/math/constants.hpp"
 #include "analysis/coupling/lines.hpp"
+#include "base/math/constants.hpp"
 
 namespace straytrace {
 

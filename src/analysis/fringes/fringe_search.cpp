@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/fringes/fringe_search.hpp"
+
 #include <Eigen/Dense>
 #include <fmt/format.h>
 #include <unsupported/Eigen/FFT>
@@ -9,7 +11,6 @@
 #include <optional>
 #include <utility>
 
-#include "analysis/fringes/fringe_search.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
-#include "base/errors.hpp"
 #include "spectra/series.hpp"
 
 namespace straytrace {

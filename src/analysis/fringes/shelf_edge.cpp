@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/math/constants.hpp"
-#include "base/errors.hpp"
-#include "analysis/fringes/shelf_shape.hpp"
 #include "analysis/coupling/coupling.hpp"
+#include "analysis/fringes/shelf_shape.hpp"
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "spectra/series.hpp"
 #include "spectra/welch.hpp"
 

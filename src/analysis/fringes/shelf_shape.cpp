@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/fringes/shelf_shape.hpp"
+
 #include <Eigen/Dense>
 #include <unsupported/Eigen/FFT>
 
@@ -7,7 +9,6 @@
 #include <cmath>
 #include <complex>
 
-#include "analysis/fringes/shelf_shape.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
 #include "base/math/rng.hpp"

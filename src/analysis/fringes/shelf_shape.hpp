@@ -63,7 +63,6 @@ class ShelfSpectrum {
 
 // Errors of a shelf edge by repetition (docs/theory/fit.md, shelf edge).
 
-
 constexpr double factor_step = 0.005;  // of ln(factor) in a profile
 
 // 2 ln L over ln(factor), best floor and response at each.

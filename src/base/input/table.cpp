@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/input/table.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <cmath>
 
 #include "base/input/document.hpp"
-#include "base/input/table.hpp"
 
 namespace straytrace {
 namespace {

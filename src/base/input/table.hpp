@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "base/units/quantity.hpp"
 
 namespace straytrace {

@@ -17,8 +17,8 @@
 #include <string_view>
 #include <unistd.h>
 
-#include "base/process/child_process.hpp"
 #include "base/errors.hpp"
+#include "base/process/child_process.hpp"
 #include "base/process/sanitized.hpp"
 
 namespace straytrace {

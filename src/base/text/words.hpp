@@ -20,7 +20,6 @@ std::string counted(Count n, std::string const& noun, std::string const& verb_of
 
 // The letters A to Z of a text as a to z, everything else unchanged, whatever the locale.
 
-
 inline std::string lower_case(std::string_view text) {
   std::string out(text);
   for (char& c : out)
@@ -29,7 +28,6 @@ inline std::string lower_case(std::string_view text) {
 }
 
 // What files of others say, as a terminal may have it.
-
 
 // Control characters but line ends and tabs become '?', so that no text steers a terminal; of lines beyond 8000 bytes
 // the rest is left out.

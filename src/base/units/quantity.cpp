@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/units/quantity.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include <utility>
 
 #include "base/math/constants.hpp"
-#include "base/units/quantity.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,12 +7,12 @@
 #include <iostream>
 #include <optional>
 
+#include "base/errors.hpp"
 #include "cli/budget/budget_inputs.hpp"
+#include "results/results.hpp"
+#include "results/text/picture.hpp"
 #include "session/common_options.hpp"
 #include "session/session.hpp"
-#include "base/errors.hpp"
-#include "results/text/picture.hpp"
-#include "results/results.hpp"
 
 namespace straytrace {
 namespace {

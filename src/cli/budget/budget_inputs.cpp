@@ -9,20 +9,20 @@
 #include <filesystem>
 #include <optional>
 
-#include "cli/budget/budget_sources.hpp"
-#include "session/common_options.hpp"
-#include "session/open_run.hpp"
-#include "session/compare/other_detector.hpp"
 #include "base/errors.hpp"
-#include "base/units/quantity.hpp"
 #include "base/input/table.hpp"
-#include "noise/fundamental/design.hpp"
+#include "base/units/quantity.hpp"
+#include "cli/budget/budget_sources.hpp"
 #include "noise/fundamental/closed_forms.hpp"
+#include "noise/fundamental/design.hpp"
 #include "noise/fundamental/fundamental.hpp"
 #include "noise/fundamental/quantum.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
+#include "session/common_options.hpp"
+#include "session/compare/other_detector.hpp"
+#include "session/open_run.hpp"
 #include "spectra/files/text_table.hpp"
 
 namespace straytrace {

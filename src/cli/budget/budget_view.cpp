@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/budget/budget_view.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "session/build_info.hpp"
-#include "cli/budget/budget_view.hpp"
 #include "results/curves/band.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
+#include "session/build_info.hpp"
 
 namespace straytrace {
 namespace {

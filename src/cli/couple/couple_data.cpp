@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/couple/couple_data.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -7,10 +9,9 @@
 #include <iostream>
 
 #include "analysis/coupling/coupling_file.hpp"
-#include "session/build_info.hpp"
 #include "base/errors.hpp"
-#include "cli/couple/couple_data.hpp"
 #include "results/results.hpp"
+#include "session/build_info.hpp"
 #include "session/common_options.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"

@@ -85,7 +85,6 @@ std::string plus_minus(double value, double sigma);  // "1.23e-9 ± 0.04e-9"; ba
 
 // A driven line in witness and target: what `couple lines` and `couple ramp` begin with.
 
-
 struct LineOptions {
   DataOptions data;
   PairOptions pair;

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace couple impulse: what rings after a knock; straytrace couple events: when something was injected.
+#include "analysis/coupling/impulse.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
 
-#include "cli/couple/couple_data.hpp"
-#include "base/math/constants.hpp"
-#include "base/errors.hpp"
 #include "analysis/coupling/events.hpp"
-#include "analysis/coupling/impulse.hpp"
 #include "analysis/coupling/taps.hpp"
-#include "results/text/columns.hpp"
+#include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "cli/couple/couple_data.hpp"
 #include "results/results.hpp"
+#include "results/text/columns.hpp"
 #include "spectra/files/gps.hpp"
 
 namespace straytrace {

@@ -9,10 +9,10 @@
 #include <memory>
 #include <optional>
 
-#include "session/common_options.hpp"
-#include "cli/couple/couple_data.hpp"
 #include "base/errors.hpp"
+#include "cli/couple/couple_data.hpp"
 #include "results/text/columns.hpp"
+#include "session/common_options.hpp"
 #include "spectra/segments.hpp"
 
 namespace straytrace {

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cli/couple/couple_data.hpp"
-#include "base/text/words.hpp"
-#include "base/errors.hpp"
-#include "base/units/quantity.hpp"
 #include "analysis/coupling/coupling_file.hpp"
-#include "results/text/columns.hpp"
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "base/units/quantity.hpp"
+#include "cli/couple/couple_data.hpp"
 #include "results/results.hpp"
+#include "results/text/columns.hpp"
 
 namespace straytrace {
 namespace {

@@ -8,15 +8,15 @@
 #include <cmath>
 #include <memory>
 
-#include "session/common_options.hpp"
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"
 #include "cli/couple/overlay.hpp"
-#include "session/open_run.hpp"
-#include "base/text/words.hpp"
-#include "base/errors.hpp"
 #include "noise/project/predicted_coupling.hpp"
 #include "results/text/columns.hpp"
 #include "scene/expression.hpp"
+#include "session/common_options.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace {
 namespace {

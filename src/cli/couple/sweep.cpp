@@ -7,12 +7,12 @@
 #include <cmath>
 #include <memory>
 
-#include "session/common_options.hpp"
-#include "cli/couple/couple_data.hpp"
-#include "base/text/words.hpp"
-#include "base/errors.hpp"
 #include "analysis/coupling/ridge.hpp"
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "cli/couple/couple_data.hpp"
 #include "results/text/columns.hpp"
+#include "session/common_options.hpp"
 
 namespace straytrace {
 namespace {

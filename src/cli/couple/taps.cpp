@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace couple taps: a hammer at many places, ranked per frequency.
+#include "analysis/coupling/taps.hpp"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -9,13 +11,12 @@
 #include <map>
 #include <memory>
 
-#include "session/common_options.hpp"
-#include "cli/couple/couple_data.hpp"
-#include "base/text/words.hpp"
 #include "base/errors.hpp"
-#include "analysis/coupling/taps.hpp"
-#include "results/text/columns.hpp"
+#include "base/text/words.hpp"
+#include "cli/couple/couple_data.hpp"
 #include "results/results.hpp"
+#include "results/text/columns.hpp"
+#include "session/common_options.hpp"
 
 namespace straytrace {
 namespace {

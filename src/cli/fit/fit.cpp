@@ -6,9 +6,9 @@
 
 #include <iostream>
 
-#include "session/common_options.hpp"
 #include "cli/fit/fit_report.hpp"
 #include "results/results.hpp"
+#include "session/common_options.hpp"
 
 namespace straytrace {
 namespace {

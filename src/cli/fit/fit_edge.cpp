@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iostream>
 
-#include "cli/fit/fit_options.hpp"
-#include "base/errors.hpp"
 #include "analysis/fringes/shelf_edge.hpp"
+#include "base/errors.hpp"
+#include "cli/fit/fit_options.hpp"
 #include "results/results.hpp"
 #include "spectra/files/gps.hpp"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "analysis/fringes/fringe_fit.hpp"
 #include "cli/data_options.hpp"
 #include "session/options.hpp"
-#include "analysis/fringes/fringe_fit.hpp"
 
 namespace straytrace {
 

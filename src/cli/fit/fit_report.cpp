@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/fit/fit_report.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -7,7 +9,6 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "cli/fit/fit_report.hpp"
 #include "noise/bands/speckle_band.hpp"
 #include "results/results.hpp"
 #include "spectra/files/gps.hpp"

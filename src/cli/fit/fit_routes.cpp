@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "cli/fit/fit_options.hpp"
 #include "session/open_run.hpp"
 #include "session/session.hpp"
-#include "base/errors.hpp"
 
 namespace straytrace {
 namespace {

@@ -9,23 +9,23 @@
 #include <iostream>
 #include <optional>
 
-#include "session/common_options.hpp"
+#include "base/errors.hpp"
+#include "base/files/file_bytes.hpp"
 #include "cli/inspect/inspect_geometry.hpp"
 #include "cli/inspect/inspect_motion.hpp"
 #include "cli/inspect/inspect_scatter.hpp"
 #include "cli/library.hpp"
-#include "session/open_run.hpp"
-#include "session/diagnostics.hpp"
-#include "base/files/file_bytes.hpp"
-#include "base/errors.hpp"
 #include "io/hdf5/reader.hpp"
 #include "report/html/material_json.hpp"
-#include "results/text/picture.hpp"
 #include "results/results.hpp"
+#include "results/text/picture.hpp"
+#include "session/common_options.hpp"
+#include "session/diagnostics.hpp"
+#include "session/open_run.hpp"
 #include "world/build/read_materials.hpp"
-#include "world/model/material_view.hpp"
 #include "world/build/read_newmtl.hpp"
 #include "world/build/read_parts.hpp"
+#include "world/model/material_view.hpp"
 
 namespace straytrace {
 namespace {

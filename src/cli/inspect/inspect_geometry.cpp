@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/inspect/inspect_geometry.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +16,6 @@
 #include "base/files/file_bytes.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
-#include "cli/inspect/inspect_geometry.hpp"
 #include "cli/render/render_paint.hpp"
 #include "results/text/png.hpp"
 #include "world/build/read_cad.hpp"

@@ -19,7 +19,6 @@ int inspect_geometry(std::string const& file, std::string const& units, std::str
 
 // A CAD or mesh file as a list of parts, and as a world to draw.
 
-
 struct GeometryPart {
   std::string name, material, colour;        // empty: the file says none
   std::map<std::string, std::size_t> faces;  // by kind: plane, cylinder ... freeform, triangle

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <iostream>
 
-#include "session/model.hpp"
-#include "session/diagnostics.hpp"
 #include "noise/classes/motion_classes.hpp"
 #include "results/curves/curve_file.hpp"
+#include "session/diagnostics.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "session/options.hpp"
 #include "scene/scene.hpp"
+#include "session/options.hpp"
 
 namespace straytrace {
 

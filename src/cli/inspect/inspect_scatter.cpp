@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/inspect/inspect_scatter.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +13,6 @@
 #include "base/files/file_bytes.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
-#include "cli/inspect/inspect_scatter.hpp"
 #include "io/csv_cells.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"

@@ -20,7 +20,6 @@ int inspect_scatter(ScatterRequest const&, Options const&);
 
 // Audit and fits of measured scatter as text.
 
-
 std::string scatter_text(std::string const& name, ScatterFile const&, ScatterAudit const&,
                          std::vector<ScatterFit> const&, std::string const& beyond);
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "results/text/colour_bar.hpp"
 #include "results/results.hpp"
+#include "results/text/colour_bar.hpp"
 #include "trace/camera/flash_camera.hpp"
 
 namespace straytrace {

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <memory>
 
-#include "session/options.hpp"
-#include "cli/signal/signal.hpp"
 #include "base/errors.hpp"
+#include "cli/signal/signal.hpp"
+#include "session/options.hpp"
 #include "spectra/files/gps.hpp"
-#include "spectra/spectrogram.hpp"
 #include "spectra/files/unit_text.hpp"
+#include "spectra/spectrogram.hpp"
 #include "spectra/whitening.hpp"
 
 namespace straytrace {

@@ -9,15 +9,15 @@
 #include <memory>
 #include <numeric>
 
-#include "session/options.hpp"
-#include "cli/signal/signal.hpp"
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "cli/signal/signal.hpp"
 #include "results/results.hpp"
-#include "spectra/welch.hpp"
+#include "session/options.hpp"
+#include "spectra/files/unit_text.hpp"
 #include "spectra/filters.hpp"
 #include "spectra/integration.hpp"
-#include "spectra/files/unit_text.hpp"
+#include "spectra/welch.hpp"
 #include "spectra/whitening.hpp"
 
 namespace straytrace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace signal: spectra, transfer functions, displacement, maps of recorded data.
+#include "cli/signal/signal.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "cli/signal/signal.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "session/options.hpp"

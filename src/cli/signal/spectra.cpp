@@ -5,10 +5,10 @@
 #include <cmath>
 #include <memory>
 
-#include "session/options.hpp"
-#include "cli/signal/signal.hpp"
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
+#include "cli/signal/signal.hpp"
+#include "session/options.hpp"
 #include "spectra/cross_spectra.hpp"
 #include "spectra/files/unit_text.hpp"
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <iostream>
 
-#include "session/common_options.hpp"
 #include "cli/data_options.hpp"
 #include "cli/time/time_results.hpp"
 #include "noise/time_domain/fringe_rate.hpp"
 #include "results/text/columns.hpp"
+#include "session/common_options.hpp"
 #include "spectra/files/gps.hpp"
 
 namespace straytrace {

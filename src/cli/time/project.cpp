@@ -7,12 +7,12 @@
 #include <cmath>
 #include <iostream>
 
-#include "session/common_options.hpp"
 #include "cli/data_options.hpp"
-#include "session/device.hpp"
-#include "session/interrupt.hpp"
 #include "cli/time/project_coupling.hpp"
 #include "cli/time/time_results.hpp"
+#include "session/common_options.hpp"
+#include "session/device.hpp"
+#include "session/interrupt.hpp"
 
 namespace straytrace {
 namespace {

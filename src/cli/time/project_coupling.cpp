@@ -6,13 +6,13 @@
 #include <cmath>
 #include <iostream>
 
-#include "session/options.hpp"
-#include "base/text/words.hpp"
-#include "base/errors.hpp"
-#include "base/units/quantity.hpp"
 #include "analysis/coupling/coupling_file.hpp"
 #include "analysis/coupling/coupling_projection.hpp"
+#include "base/errors.hpp"
+#include "base/text/words.hpp"
+#include "base/units/quantity.hpp"
 #include "results/results.hpp"
+#include "session/options.hpp"
 #include "spectra/files/unit_text.hpp"
 
 namespace straytrace {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "session/common_options.hpp"
 #include "cli/data_options.hpp"
-#include "session/session.hpp"
 #include "motion/axis_motion.hpp"
+#include "session/common_options.hpp"
+#include "session/session.hpp"
 #include "spectra/integration.hpp"
 
 namespace straytrace {

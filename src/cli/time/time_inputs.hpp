@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "session/open_run.hpp"
 #include "motion/series_motion.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "results/results.hpp"
+#include "session/open_run.hpp"
 
 namespace straytrace {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cli/time/time_results.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -7,7 +9,6 @@
 
 #include "base/text/words.hpp"
 #include "cli/data_options.hpp"
-#include "cli/time/time_results.hpp"
 #include "motion/axis_motion.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"

@@ -11,10 +11,10 @@
 #pragma once
 
 #include "geometry/cad/cad_outline.hpp"
-#include "geometry/shapes/cone.hpp"
-#include "geometry/shapes/cylinder.hpp"
 #include "geometry/common/plane_frame.hpp"
 #include "geometry/common/redraw.hpp"
+#include "geometry/shapes/cone.hpp"
+#include "geometry/shapes/cylinder.hpp"
 #include "geometry/shapes/sphere.hpp"
 #include "geometry/shapes/torus.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "base/memory/storage.hpp"
 #include "base/math/vec3.hpp"
+#include "base/memory/storage.hpp"
 
 namespace straytrace {
 

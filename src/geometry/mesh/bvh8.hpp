@@ -11,9 +11,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/memory/ids.hpp"
 #include "base/math/simd.hpp"
 #include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
 
 namespace straytrace {
 

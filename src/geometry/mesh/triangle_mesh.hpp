@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/memory/storage.hpp"
-#include "geometry/mesh/bvh8.hpp"
 #include "geometry/common/pieces.hpp"
+#include "geometry/mesh/bvh8.hpp"
 #include "geometry/mesh/triangle.hpp"
 
 namespace straytrace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/shapes/cone.hpp"
+
 #include <fmt/format.h>
 
 #include "geometry/keys.hpp"
-#include "geometry/shapes/cone.hpp"
 
 namespace straytrace {
 

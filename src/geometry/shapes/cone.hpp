@@ -97,7 +97,6 @@ struct Cone {
 // is placed, the valleys between them at inner_radius + tooth_depth; in between the radius of the rim is linear in
 // azimuth. Keys: serrated_cone.cpp; page: docs/reference/shapes/serrated_cone.md.
 
-
 struct SerratedCone : Cone {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};
   double tooth_depth = 0.01, teeth = 100, phase = 0;  // m, measured across the axis; 1; rad, azimuth of a tip

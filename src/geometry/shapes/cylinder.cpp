@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/shapes/cylinder.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "geometry/keys.hpp"
-#include "geometry/shapes/cylinder.hpp"
 
 namespace straytrace {
 

@@ -80,7 +80,6 @@ struct Cylinder {
 // Side wall of a cylinder whose upper end is cut by a tilted plane: barrels of wedged plates. The end lies at
 // to + x tan(tilt), x along e1. Keys: cut_cylinder.cpp; page: docs/reference/shapes/cut_cylinder.md.
 
-
 struct CutCylinder : Cylinder {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};
   double tilt = 0;   // rad
@@ -114,7 +113,6 @@ struct CutCylinder : Cylinder {
 
 // Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only (requirements.md
 // R3.14). Keys: pierced_cylinder.cpp; page: docs/reference/shapes/pierced_cylinder.md.
-
 
 struct PiercedCylinder : Cylinder {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};

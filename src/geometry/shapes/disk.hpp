@@ -51,7 +51,6 @@ struct Disk {
 
 // Elliptic disk, with or without an elliptic hole. Keys: ellipse.cpp; page: docs/reference/shapes/ellipse.md.
 
-
 struct Ellipse : PlaneFrame {
   double semi_x = 1, semi_y = 1;  // m, semi-axes along e1 and e2
   double hole_x = 0, hole_y = 0;  // m, semi-axes of the hole

@@ -56,7 +56,6 @@ struct Sphere {
 
 // Sphere between two heights: partial spheres, bowls, collars. Keys: zone.cpp; page: docs/reference/shapes/zone.md.
 
-
 struct Zone : Sphere {
   double from = -1, to = 1;  // m, along the axis, measured from the centre
   static constexpr char const* key = "zone";

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "io/hdf5/contents.hpp"
+
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
 #include "base/memory/pack.hpp"
 #include "base/process/sandbox.hpp"
-#include "io/hdf5/contents.hpp"
 #include "io/hdf5/load_contents.hpp"
 
 namespace straytrace::hdf5 {

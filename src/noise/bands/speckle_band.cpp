@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "noise/bands/speckle_band.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
 
 #include "noise/bands/percentiles.hpp"
-#include "noise/bands/speckle_band.hpp"
 #include "noise/classes/motion_classes.hpp"
 
 namespace straytrace {

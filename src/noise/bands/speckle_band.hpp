@@ -27,7 +27,6 @@ double surviving_phase(double gaussian_mean_square, double tone_mean_square, boo
 
 // What Gaussian amplitudes of many inputs do together, in independent parts (docs/theory/spectra.md).
 
-
 // Second moments of the complex amplitudes of some inputs: E H H^+ and E H H^T. Routes tie inputs together; inputs of
 // different blocks have no moments in common, so that the work grows with the cube of the largest block alone.
 struct SpeckleMoments {
@@ -46,7 +45,6 @@ struct SpeckleMode {
 std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions);
 
 // One realisation against the speckle mean (physics.md section 10).
-
 
 // Power |sum of fields|^2 of one speckle that a share `below` of the realisations stays under, over its mean; eq. 10.2.
 double speckle_percentile(double below);

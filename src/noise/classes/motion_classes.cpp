@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "noise/classes/motion_classes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-#include "noise/classes/motion_classes.hpp"
 #include "spectra/shapes.hpp"
 
 namespace straytrace {

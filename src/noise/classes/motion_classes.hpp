@@ -58,7 +58,6 @@ std::vector<KappaSum> kappa_sums(MotionSet const&, std::vector<MotionClass> cons
 
 // Paths as directions in the space of the independent inputs of the motion.
 
-
 // A column is what an input does through one transfer function; the two quadratures of a tone are columns of their own.
 class MotionDirections {
  public:

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "base/input/document.hpp"
 #include "base/files/embedded.hpp"
+#include "base/input/document.hpp"
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
 #include "spectra/files/text_table.hpp"

@@ -58,7 +58,6 @@ class MixtureLattice {
 
 // Interpolation on a lattice of constant step.
 
-
 // Lagrange polynomials of the points -m...m at x; m <= 4.
 inline std::array<double, 9> lagrange(double x, int m) {
   std::array<double, 9> out{};

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "noise/interpolate/spectrum_interpolator.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,7 +8,6 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "noise/interpolate/mixture_lattice.hpp"
-#include "noise/interpolate/spectrum_interpolator.hpp"
 
 namespace straytrace {
 namespace {
@@ -350,7 +351,6 @@ void StrengthNodes::refine_cells(std::size_t most) {
 
 // Paths computed by themselves, where spectra of nodes do not hold.
 
-
 void StrengthNodes::compute_paths(std::size_t most) {
   Lattice each{same, same, {}, {}};
   if (!sort_into(each, most)) return use_sample(most);
@@ -436,7 +436,6 @@ void StrengthNodes::add_variance(std::span<double const> weights, std::vector<do
 }
 
 // Paths that several classes of Gaussian motion move strongly.
-
 
 // Of the slow part of the strongest path: what lies above is linear and has no part in the wrapping of fringes.
 std::vector<double> StrengthNodes::square_rates() const {

@@ -10,10 +10,8 @@
 #include <vector>
 
 #include "noise/interpolate/mixture_lattice.hpp"
+#include "noise/interpolate/strength_sample.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
-#include "noise/interpolate/strength_sample.hpp"
-#include "noise/interpolate/strength_sample.hpp"
-#include "noise/interpolate/strength_sample.hpp"
 
 namespace straytrace {
 

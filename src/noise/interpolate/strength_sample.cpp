@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "noise/interpolate/strength_sample.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,7 +9,6 @@
 
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
-#include "noise/interpolate/strength_sample.hpp"
 
 namespace straytrace {
 namespace {

@@ -14,7 +14,6 @@ namespace straytrace {
 
 // Strengths of phase modulation of many paths.
 
-
 // One number kappa per path and class of motion, path by path.
 struct Strengths {
   std::size_t classes = 0;
@@ -64,7 +63,6 @@ class StrengthSample {
 };
 
 // Some paths' own spectra, held against those that they share with others.
-
 
 // What was found on one path.
 struct SpotCheck {

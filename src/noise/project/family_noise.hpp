@@ -2,8 +2,8 @@
 // A coherent family turned into the spectrum of Im s at its port (physics.md eq. 10.5).
 #pragma once
 
-#include "noise/wrapped/phase_spectra.hpp"
 #include "noise/project/route_noise.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 
 namespace straytrace {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "noise/wrapped/phase_spectra.hpp"
 #include "noise/interpolate/strength_sample.hpp"
+#include "noise/wrapped/phase_spectra.hpp"
 #include "trace/coupling.hpp"
 
 namespace straytrace {

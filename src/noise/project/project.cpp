@@ -237,7 +237,6 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
 
 // Which curves are upper bounds (docs/theory/diffraction.md, eq. 8.11: rims as one smooth wave; speckle lowers that).
 
-
 void find_bounds(NoiseBudget& b, CouplingTable const& table) {
   std::size_t const bins = b.grid.size();
   std::vector<double> bound(bins);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "noise/project/route_noise.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <numeric>
 
 #include "base/math/constants.hpp"
-#include "noise/project/route_noise.hpp"
 
 namespace straytrace {
 namespace {

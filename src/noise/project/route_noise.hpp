@@ -51,7 +51,6 @@ double jackknife_variance(std::span<double const> without);
 
 // Drawn paths that stand for all, in words.
 
-
 struct DrawnError {
   double share = 0;  // standard error over the ASD of the total
   std::size_t bin = 0;

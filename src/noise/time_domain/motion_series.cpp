@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "noise/time_domain/motion_series.hpp"
+
 #include <fmt/format.h>
 #include <unsupported/Eigen/FFT>
 
@@ -11,7 +13,6 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
-#include "noise/time_domain/motion_series.hpp"
 
 namespace straytrace {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <thread>
 
-#include "base/process/threads.hpp"
 #include "base/math/simd_phasor.hpp"
+#include "base/process/threads.hpp"
 
 namespace straytrace {
 namespace {

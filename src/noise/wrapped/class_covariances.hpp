@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "noise/wrapped/wrapped_spectrum.hpp"
 #include "noise/classes/motion_classes.hpp"
+#include "noise/wrapped/wrapped_spectrum.hpp"
 
 namespace straytrace {
 

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "noise/wrapped/class_covariances.hpp"
-#include "noise/wrapped/wrapped_spectrum.hpp"
 #include "noise/classes/motion_classes.hpp"
 #include "noise/noise.hpp"
+#include "noise/wrapped/class_covariances.hpp"
 #include "noise/wrapped/sidebands.hpp"
+#include "noise/wrapped/wrapped_spectrum.hpp"
 
 namespace straytrace {
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The motion is made periodic with period 1/spacing: exact power in every line, hence no leakage and nothing that has
 // to decay. Motion slower than half a spacing is a static phase.
+#include "noise/wrapped/wrapped_spectrum.hpp"
+
 #include <fmt/format.h>
-#include <math.h>
 #include <unsupported/Eigen/FFT>
 
 #include <algorithm>
@@ -11,11 +12,11 @@
 #include <complex>
 #include <cstdint>
 #include <map>
+#include <math.h>
 #include <numeric>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "noise/wrapped/wrapped_spectrum.hpp"
 
 namespace straytrace {
 namespace {

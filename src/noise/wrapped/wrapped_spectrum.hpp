@@ -70,7 +70,6 @@ double total(LowPart const&);  // its power, constant included: 1/2
 
 // Sums of cosines on points half a step off the origin: an even record of 2m points from m numbers.
 
-
 //   x_n = sum over k < m of a_k cos(pi k (n + 1/2) / m),   0 <= n < m
 //
 // Either way by one real transform of m numbers (J. Makhoul, IEEE Trans. ASSP 28 (1980) 27). m is a multiple of 4.

@@ -2,8 +2,8 @@
 // What a side of a surface reflects and transmits as a mirror does, whatever it is made of.
 #pragma once
 
-#include "optics/optic.hpp"
 #include "optics/coating/specular_types.hpp"
+#include "optics/optic.hpp"
 
 namespace straytrace {
 

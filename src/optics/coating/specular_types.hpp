@@ -5,8 +5,8 @@
 //                               index n_in, with n_out behind it; `front`: it comes from the side the normal points to
 //   scattered(cos_i)            share it says is scattered; negative: it says nothing, the laws of the material do
 //   yields_to_scatter           true: what the laws scatter is missing from the amplitudes' powers
-//   (optics/coating/specular.hpp) numbers(f)                  calls f(double) with everything that decides the above, tables
-//   included
+//   (optics/coating/specular.hpp) numbers(f)                  calls f(double) with everything that decides the above,
+//   tables included
 #pragma once
 
 #include <tuple>

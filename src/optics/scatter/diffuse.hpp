@@ -26,7 +26,6 @@ struct Lambertian {
 // grazing: BSDF = sum_jk c_jk cos_i^j cos_s^k + peak exp(-|alpha - alpha_0|^2/(2 width^2)) [(1-cos_i)(1-cos_s)]^rise.
 // Page: docs/reference/scatter/polynomial.md.
 
-
 struct Polynomial {
   static constexpr int terms = 4;
   double c[terms][terms] = {};             // 1/sr, c_jk = c_kj

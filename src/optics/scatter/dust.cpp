@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "optics/scatter/dust.hpp"
+
 #include <array>
 
 #include "optics/lobes/lobe_prepare.hpp"
-#include "optics/scatter/dust.hpp"
 #include "optics/scatter/mie.hpp"
 
 namespace straytrace {

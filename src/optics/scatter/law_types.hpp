@@ -6,18 +6,14 @@
 
 #include <tuple>
 
-#include "optics/scatter/shift_invariant.hpp"
-#include "optics/scatter/dust.hpp"
-#include "optics/scatter/shift_invariant.hpp"
-#include "optics/scatter/grooves.hpp"
-#include "optics/scatter/shift_invariant.hpp"
-#include "optics/scatter/diffuse.hpp"
-#include "optics/scatter/measured.hpp"
-#include "optics/scatter/microfacet.hpp"
 #include "optics/optic.hpp"
 #include "optics/scatter/diffuse.hpp"
-#include "optics/scatter/shift_invariant.hpp"
+#include "optics/scatter/dust.hpp"
+#include "optics/scatter/grooves.hpp"
+#include "optics/scatter/measured.hpp"
+#include "optics/scatter/microfacet.hpp"
 #include "optics/scatter/roughness.hpp"
+#include "optics/scatter/shift_invariant.hpp"
 #include "optics/scatter/through.hpp"
 
 namespace straytrace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "base/math/functions.hpp"
 #include "base/errors.hpp"
+#include "base/math/functions.hpp"
 #include "base/process/threads.hpp"
 
 namespace straytrace {

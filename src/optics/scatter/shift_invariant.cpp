@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "optics/scatter/shift_invariant.hpp"
+
 #include <cmath>
 
 #include "optics/lobes/lobe_prepare.hpp"
-#include "optics/scatter/shift_invariant.hpp"
 
 namespace straytrace {
 

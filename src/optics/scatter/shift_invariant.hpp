@@ -24,7 +24,6 @@ struct Abg {
 // Gaussian lobe in direction cosines: BSDF = peak exp(-|alpha - alpha_0|^2/(2 width^2)).
 // Page: docs/reference/scatter/gaussian.md.
 
-
 struct Gaussian {
   double peak = 0, width = 0.1;  // 1/sr, 1
   LobeTable<OffsetRings> lobe;   // set by prepare()
@@ -45,7 +44,6 @@ struct Gaussian {
 // Harvey scatter law: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (physics.md eq. 3.14). Extended: two widths, along
 // and across the plane of travel. That plane holds the mean of the incident and the outgoing travelling direction, so
 // that the law stays reciprocal. Page: docs/reference/scatter/harvey.md.
-
 
 struct Harvey {
   double b0 = 0, width = 0.01, slope = -1.5,
@@ -75,7 +73,6 @@ struct Harvey {
 // Small-angle scatter of mirrors: BSDF = kappa theta^-n for theta >= above, theta = angle from the specular direction
 // (physics.md eq. 3.18). Below `above` the light belongs to the modes (hand-over angle, requirements.md R2.31).
 // Page: docs/reference/scatter/power-law.md.
-
 
 struct PowerLaw {
   double kappa = 0;            // 1/sr, with theta in rad

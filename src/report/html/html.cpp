@@ -7,11 +7,11 @@
 #include <cmath>
 #include <regex>
 
-#include "base/files/embedded.hpp"
 #include "base/errors.hpp"
+#include "base/files/embedded.hpp"
+#include "io/markup.hpp"
 #include "report/html/page_json.hpp"
 #include "report/html/scripts.hpp"
-#include "io/markup.hpp"
 
 namespace straytrace {
 namespace {

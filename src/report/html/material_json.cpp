@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "world/model/material_view.hpp"
 #include "world/build/read_laws.hpp"
+#include "world/model/material_view.hpp"
 
 namespace straytrace {
 

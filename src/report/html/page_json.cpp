@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Geometry and light of a page.
+#include "report/html/page_json.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <map>
 
 #include "io/markup.hpp"
-#include "report/html/page_json.hpp"
 #include "results/curves/band.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/filter_parser.hpp"
@@ -169,7 +170,6 @@ PageJson maps_json(std::vector<SurfaceMap> const& maps, double beam_power) {
 }
 
 // Path table and noise budget of a page.
-
 
 PageJson number(double x) {
   if (!std::isfinite(x)) return nullptr;

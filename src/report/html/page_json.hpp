@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "report/html/surface_maps.hpp"
 #include "report/ray_paths.hpp"
 #include "report/scene_drawing.hpp"
-#include "report/html/surface_maps.hpp"
 #include "results/results.hpp"
 
 namespace straytrace {

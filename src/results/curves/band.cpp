@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Curves hold averages over bins, which stand at the centres: in between they are straight lines in log-log. A line
 // fills one bin and no other, so beside it, and where a curve is 0, the average of the bin is all there is to say.
+#include "results/curves/band.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "results/curves/band.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/curves/curve_file.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -9,7 +11,6 @@
 #include "base/errors.hpp"
 #include "io/hdf5/writer.hpp"
 #include "io/markup.hpp"
-#include "results/curves/curve_file.hpp"
 #include "results/results.hpp"
 #include "results/text/columns.hpp"
 #include "results/text/picture.hpp"

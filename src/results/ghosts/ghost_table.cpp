@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/ghosts/ghost_table.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -8,7 +10,6 @@
 #include <set>
 
 #include "base/text/words.hpp"
-#include "results/ghosts/ghost_table.hpp"
 #include "results/text/columns.hpp"
 
 namespace straytrace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/pygwinc/pygwinc_parts.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "base/math/constants.hpp"
 #include "noise/fundamental/surroundings.hpp"
-#include "results/pygwinc/pygwinc_parts.hpp"
 
 namespace straytrace {
 namespace {

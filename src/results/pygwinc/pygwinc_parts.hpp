@@ -19,7 +19,6 @@ std::optional<Squeezer> read_squeezer(IfoTree&);  // none: no squeezed light
 
 // What the numbers of an ifo.yaml may be, by the end of their path.
 
-
 // Empty when the number may stand at this path ("Suspension.Stage.0.Mass"), otherwise what it must be.
 std::string out_of_range(std::string_view path, double value);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/pygwinc/pygwinc_trace.hpp"
+
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -10,7 +12,6 @@
 #include "base/errors.hpp"
 #include "io/hdf5/reader.hpp"
 #include "io/hdf5/writer.hpp"
-#include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
 
 namespace straytrace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/math/constants.hpp"
 #include "base/input/table.hpp"
+#include "base/math/constants.hpp"
 #include "results/pygwinc/pygwinc_parts.hpp"
 
 namespace straytrace {

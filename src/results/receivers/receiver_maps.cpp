@@ -7,8 +7,8 @@
 #include <bit>
 #include <cmath>
 
-#include "results/text/columns.hpp"
 #include "results/receivers/receivers.hpp"
+#include "results/text/columns.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The numbers behind the tables and maps of receivers.
+#include "results/receivers/receivers.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "results/receivers/receivers.hpp"
 #include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
 

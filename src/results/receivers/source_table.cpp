@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "results/text/columns.hpp"
 #include "results/receivers/receivers.hpp"
+#include "results/text/columns.hpp"
 
 namespace straytrace {
 namespace {

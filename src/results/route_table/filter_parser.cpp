@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // filter = both {or both}    both = one {and one}    one = not one | ( filter ) | resolved | text | comparison
 // text = via("NAME" {, "NAME"})    comparison = name sign number [unit]    name = share | h(number unit) | ...
+#include "results/route_table/filter_parser.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 
 #include "base/text/bounded_regex.hpp"
 #include "base/units/quantity.hpp"
-#include "results/route_table/filter_parser.hpp"
 #include "results/route_table/route_columns.hpp"
 #include "world/build/file_parts.hpp"
 

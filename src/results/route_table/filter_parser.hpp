@@ -26,7 +26,6 @@ ParsedFilter parse_column(std::string_view key, RouteColumns&);
 
 // Words of a filter with their places.
 
-
 using FilterUnits = std::vector<std::pair<std::string, double>>;  // name and factor
 
 struct FilterWord {

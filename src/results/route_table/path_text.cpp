@@ -7,9 +7,8 @@
 
 #include "base/text/words.hpp"
 #include "results/curves/band.hpp"
+#include "results/route_table/route_sums.hpp"
 #include "results/text/columns.hpp"
-#include "results/route_table/route_sums.hpp"
-#include "results/route_table/route_sums.hpp"
 
 namespace straytrace {
 namespace {

@@ -7,9 +7,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "results/route_table/filter_parser.hpp"
 #include "results/text/columns.hpp"
-#include "results/route_table/filter_parser.hpp"
-#include "results/route_table/filter_parser.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/route_table/route_sums.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
 
 #include "results/curves/band.hpp"
-#include "results/route_table/route_sums.hpp"
 
 namespace straytrace {
 namespace {

@@ -38,7 +38,6 @@ std::string path_text(PathTable const& part, std::size_t show, PathTable const& 
 // and down together, and the squares of their errors do not simply add up. What they have in common is seen in the
 // replicas of the trace (docs/theory/errors.md, errors of sums).
 
-
 // Deviations of a route's coupling from its mean in the replicas, scaled so that their squares add up to 1; zeros: some
 // replica has no histories, or all have the same sum.
 ReplicaPattern pattern_of(CouplingTable const&, CouplingClass const&);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/run_file/checksum_header.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -7,7 +9,6 @@
 #include "base/errors.hpp"
 #include "io/hdf5/reader.hpp"
 #include "results/results.hpp"
-#include "results/run_file/checksum_header.hpp"
 
 namespace straytrace {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
-#include "results/run_file/run_nodes.hpp"
 #include "results/run_file/run_file.hpp"
+#include "results/run_file/run_nodes.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "results/run_file/run_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include "base/errors.hpp"
 #include "results/route_table/merit.hpp"
 #include "results/run_file/checksum_header.hpp"
-#include "results/run_file/run_file.hpp"
 #include "results/run_file/run_part.hpp"
 
 namespace straytrace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // /nodes: every node of the tree of sums, so that merging and resuming give the same bits as one long run.
+#include "results/run_file/run_nodes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "results/run_file/run_nodes.hpp"
 
 namespace straytrace {
 namespace {

@@ -91,7 +91,6 @@ struct ScoreColumns {
 
 // Second moments of levers as columns of a run file.
 
-
 // Products of levers, row after row.
 struct ProductColumns {
   std::vector<std::uint32_t> replica, body;  // body: two of each

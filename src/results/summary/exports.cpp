@@ -267,7 +267,6 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
 
 // h_asd.txt: the total over frequency, for other programs.
 
-
 std::string asd_text(RunContent const& run) {
   if (!run.noise) throw InputError("this run has no noise yet; write: straytrace noise RUN_FILE");
   NoiseBudget const& b = *run.noise;

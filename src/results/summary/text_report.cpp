@@ -8,8 +8,8 @@
 
 #include "base/text/words.hpp"
 #include "results/curves/band.hpp"
-#include "results/text/columns.hpp"
 #include "results/receivers/receivers.hpp"
+#include "results/text/columns.hpp"
 
 namespace straytrace {
 namespace {

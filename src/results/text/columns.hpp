@@ -20,7 +20,6 @@ std::size_t width_of(std::string const& utf8);  // code points
 
 // What all text exports share.
 
-
 std::string file_header(RunContent const&);        // "# " lines: title, program, model, seed
 std::string hash_text(std::uint64_t);              // 16 hexadecimal digits
 std::string csv_text(std::string const&);          // quoted where it must be

@@ -10,8 +10,8 @@
 #include <unistd.h>
 #include <vector>
 
-#include "base/process/child_process.hpp"
 #include "base/errors.hpp"
+#include "base/process/child_process.hpp"
 #include "results/results.hpp"
 
 extern char** environ;

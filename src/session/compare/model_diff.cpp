@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "session/compare/model_diff.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 
 #include "base/math/constants.hpp"
 #include "results/results.hpp"
-#include "session/compare/model_diff.hpp"
 
 namespace straytrace {
 namespace {

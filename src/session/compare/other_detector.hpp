@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "session/model.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "session/jobs/job_files.hpp"
 #include "base/errors.hpp"
+#include "session/jobs/job_files.hpp"
 
 namespace straytrace {
 namespace {

@@ -34,7 +34,6 @@ std::string part_name(std::uint64_t number, std::uint64_t of);
 
 // Words for a POSIX shell, whatever is in them.
 
-
 // As one word that the shell takes as it is: plain words stay, others are put between single quotes.
 inline std::string shell_word(std::string_view text) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <map>
 
-#include "session/common_options.hpp"
-#include "session/session.hpp"
-#include "session/jobs/job_files.hpp"
 #include "base/text/words.hpp"
+#include "session/common_options.hpp"
+#include "session/jobs/job_files.hpp"
+#include "session/session.hpp"
 
 namespace straytrace {
 namespace {

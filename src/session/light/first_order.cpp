@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <iostream>
 
-#include "session/open_run.hpp"
 #include "base/errors.hpp"
-#include "results/text/columns.hpp"
 #include "results/results.hpp"
+#include "results/text/columns.hpp"
+#include "session/open_run.hpp"
 #include "trace/camera/first_order.hpp"
 
 namespace straytrace {

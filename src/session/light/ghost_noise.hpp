@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "session/model.hpp"
 #include "results/ghosts/ghost_table.hpp"
+#include "session/model.hpp"
 
 namespace straytrace {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "session/light/ghost_search.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "session/light/ghost_noise.hpp"
-#include "session/light/ghost_search.hpp"
 
 namespace straytrace {
 namespace {

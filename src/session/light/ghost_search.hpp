@@ -32,7 +32,6 @@ void require_strain(GhostSearch const&, std::vector<BeamLaunch> const&);
 
 // Ghosts that a scene does not count.
 
-
 // A scene that says nothing of `ghosts` while some come back to a port: a warning with the power and the strain that
 // a quick search finds. `ghosts: off` says that it is known.
 void warn_of_uncounted_ghosts(Model const&);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "session/scan/invert.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -16,7 +18,6 @@
 #include "session/diagnostics.hpp"
 #include "session/interrupt.hpp"
 #include "session/open_run.hpp"
-#include "session/scan/invert.hpp"
 #include "session/scan/scan_points.hpp"
 #include "session/session.hpp"
 #include "world/model/material_view.hpp"

@@ -28,7 +28,6 @@ int invert_parameter(Options const&, Requirement const&, InvertOrder const&, std
 
 // The answer of an inversion in words and as JSON.
 
-
 struct Answer {
   enum class Subject { scatter, motion } subject = Subject::scatter;
   std::string what, line;  // "brdf(steel)", "0.1 x adv-lal"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "session/scan/scan_points.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <unistd.h>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
@@ -25,7 +27,6 @@
 #include "session/compare/other_detector.hpp"
 #include "session/diagnostics.hpp"
 #include "session/scan/scan_axes.hpp"
-#include "session/scan/scan_points.hpp"
 #include "spectra/files/text_table.hpp"
 
 namespace straytrace {

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "results/text/columns.hpp"
-#include "results/text/columns.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/files/series_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 #include "spectra/files/gps.hpp"
-#include "spectra/files/series_file.hpp"
 #include "spectra/files/text_table.hpp"
 #include "spectra/files/unit_text.hpp"
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trace/camera/camera.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "base/process/threads.hpp"
 #include "optics/coating/specular.hpp"
-#include "trace/camera/camera.hpp"
 
 namespace straytrace {
 namespace {

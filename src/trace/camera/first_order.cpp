@@ -6,8 +6,8 @@
 #include <map>
 
 #include "base/process/threads.hpp"
-#include "trace/step/emit.hpp"
 #include "trace/importance/importance.hpp"
+#include "trace/step/emit.hpp"
 
 namespace straytrace {
 

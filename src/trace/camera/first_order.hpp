@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/math/rng.hpp"
-#include "trace/step/scatter.hpp"
 #include "trace/run/trace.hpp"
+#include "trace/step/scatter.hpp"
 
 namespace straytrace {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trace/deterministic/edges.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <cmath>
 
 #include "trace/deterministic/deterministic_classes.hpp"
-#include "trace/deterministic/edges.hpp"
 #include "trace/step/connect.hpp"
 #include "trace/tally/replay.hpp"
 

@@ -7,10 +7,10 @@
 #include "base/process/threads.hpp"
 #include "trace/importance/exchange.hpp"
 #include "trace/importance/law_share.hpp"
-#include "trace/tally/map_cells.hpp"
 #include "trace/importance/patches.hpp"
 #include "trace/importance/pilot.hpp"
 #include "trace/importance/targets.hpp"
+#include "trace/tally/map_cells.hpp"
 
 namespace straytrace {
 namespace {

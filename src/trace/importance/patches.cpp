@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trace/importance/patches.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 
 #include "geometry/strips.hpp"
 #include "trace/importance/importance.hpp"
-#include "trace/importance/patches.hpp"
 
 namespace straytrace {
 namespace {

@@ -2,9 +2,9 @@
 // The state of one path, what a vertex does to it, and the rolling name of its route.
 #pragma once
 
-#include "optics/polarisation.hpp"
 #include "optics/coating/refraction.hpp"
 #include "optics/coating/specular.hpp"
+#include "optics/polarisation.hpp"
 #include "trace/result.hpp"
 #include "world/model/vertex.hpp"
 

@@ -14,10 +14,10 @@
 #pragma once
 
 #include "trace/step/connect.hpp"
-#include "trace/step/weight_window.hpp"
 #include "trace/step/emit.hpp"
 #include "trace/step/scatter.hpp"
 #include "trace/step/specular_connection.hpp"
+#include "trace/step/weight_window.hpp"
 
 namespace straytrace {
 

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "trace/step/path.hpp"
 #include "trace/result.hpp"
+#include "trace/step/path.hpp"
 #include "trace/tally/route.hpp"
 
 namespace straytrace {

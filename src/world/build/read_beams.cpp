@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Beams of the interferometer -> lit surfaces, and the ports where light rejoins them.
+#include "world/build/read_beams.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include "beams/cavity_mode.hpp"
 #include "beams/clipping.hpp"
 #include "world/build/file_parts.hpp"
-#include "world/build/read_beams.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace {

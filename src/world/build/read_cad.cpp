@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/build/read_cad.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "base/input/document.hpp"
-#include "world/build/read_cad.hpp"
 #include "world/import/cad_file.hpp"
 #include "world/import/mesh_doctor.hpp"
 

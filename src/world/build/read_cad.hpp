@@ -17,7 +17,6 @@ namespace straytrace {
 // Faces of a CAD file as shapes: full cylinders, cones, caps and disks become those, all others a CadFace. All normals
 // point out of the part.
 
-
 using CadShape = std::variant<CadFace, Disk, Cap, Sphere, Zone, Cylinder, Cone, Torus>;
 
 // A shape with where it stands in the frame of the file.

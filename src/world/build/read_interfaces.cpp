@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `specular` of a material: one of fixed shares, Fresnel, a film, a coating table (docs/reference/interfaces).
+#include "world/build/read_interfaces.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 #include "optics/coating/film_table.hpp"
 #include "optics/coating/specular.hpp"
 #include "optics/scatter/scatter_share.hpp"
-#include "world/build/read_interfaces.hpp"
 #include "world/build/read_parts.hpp"
 #include "world/model/degree.hpp"
 

@@ -18,7 +18,6 @@ std::optional<Coating> read_coating(Node const& specular, World&);
 
 // Tables of shares of power against the angle of incidence and the wavelength, in the scene or in a file.
 
-
 struct ShareTable {
   std::vector<double> angle;                           // rad
   std::vector<double> wavelength;                      // m, of each row; empty: the same numbers at every wavelength

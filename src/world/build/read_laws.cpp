@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/build/read_laws.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 
 #include "base/errors.hpp"
 #include "optics/scatter/height_spectrum.hpp"
-#include "world/build/read_laws.hpp"
 
 namespace straytrace {
 namespace {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "world/scatter_data/column_file.hpp"
 #include "world/build/read_parts.hpp"
+#include "world/scatter_data/column_file.hpp"
 
 namespace straytrace {
 

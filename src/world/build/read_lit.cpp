@@ -8,8 +8,8 @@
 
 #include "beams/overlap.hpp"
 #include "world/build/file_parts.hpp"
-#include "world/ghosts/lit_surfaces.hpp"
 #include "world/build/read_beams.hpp"
+#include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/build/read_materials.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include "optics/scatter/scatter_share.hpp"
 #include "scene/library.hpp"
 #include "world/build/read_laws.hpp"
-#include "world/build/read_materials.hpp"
 
 namespace straytrace {
 namespace {

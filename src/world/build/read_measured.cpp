@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "world/scatter_data/scatter_file.hpp"
-#include "world/scatter_data/scatter_file.hpp"
 #include "world/build/read_laws.hpp"
+#include "world/scatter_data/scatter_file.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table `media`: what volumes are filled with. Also the wavelength, which indices and films need first.
+#include "world/build/read_media.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "optics/media_presets.hpp"
-#include "world/build/read_media.hpp"
 #include "world/build/read_parts.hpp"
 
 namespace straytrace {

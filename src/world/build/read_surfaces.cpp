@@ -264,7 +264,6 @@ void read_surfaces(Scene const& scene, World& world, Registry& names) {
 
 // Where a part stands: the keys at, facing and rotate.
 
-
 namespace {
 
 // Turns by `angle` about the unit vector `axis` (Rodrigues).
@@ -305,7 +304,6 @@ Pose read_pose(Node const& table) {
 }
 
 // Vectors and directions of a scene. What does not name a number is reported where it stands, and only there.
-
 
 Vec3 read_vector(Node const& list, Dimension dimension) {
   auto const v = list.as_numbers(dimension, 3);

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "world/ghosts/apertures.hpp"
 #include "world/build/read_parts.hpp"
+#include "world/ghosts/apertures.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Surfaces that share space: faces on each other, where rounding decides what light meets, and faces that pass through
 // each other, which is seldom meant.
+#include "world/checks/faces.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,7 +11,6 @@
 #include <utility>
 
 #include "world/build/read_parts.hpp"
-#include "world/checks/faces.hpp"
 
 namespace straytrace {
 namespace {
@@ -22,7 +23,8 @@ struct SharedSpace {
 };
 
 // By the two groups, so that a hundred baffles in one tube are one sentence.
-std::map<std::pair<std::string, std::string>, SharedSpace> by_group(World const& world, std::vector<FacePair> const& pairs) {
+std::map<std::pair<std::string, std::string>, SharedSpace> by_group(World const& world,
+                                                                    std::vector<FacePair> const& pairs) {
   std::map<std::pair<std::string, std::string>, SharedSpace> all;
   auto const group = [&](SurfaceId id) { return world.groups()[world.surfaces()[id.value].group.value]; };
   for (FacePair const& p : pairs) {

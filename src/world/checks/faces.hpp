@@ -29,7 +29,6 @@ std::vector<FacePair> crossing_faces(World const&, double least_depth);
 
 // Points on a regular lattice over every surface, and all surfaces near such a point. Inside the room.
 
-
 // Asks for every surface that a ray meets, but the one it starts on.
 struct AllHitsQuery {
   struct Found {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/ghosts/beam_tree.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "geometry/curvature.hpp"
 #include "optics/coating/specular.hpp"
-#include "world/ghosts/beam_tree.hpp"
 
 namespace straytrace {
 namespace {

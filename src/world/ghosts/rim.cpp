@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/ghosts/rim.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -6,7 +8,6 @@
 #include "beams/clipping.hpp"
 #include "beams/mode.hpp"
 #include "world/ghosts/beam_tree.hpp"
-#include "world/ghosts/rim.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/ghosts/screens.hpp"
+
 #include <algorithm>
 #include <complex>
 #include <optional>
@@ -6,7 +8,6 @@
 #include "beams/mode.hpp"
 #include "world/ghosts/beam_tree.hpp"
 #include "world/ghosts/obstacle.hpp"
-#include "world/ghosts/screens.hpp"
 
 namespace straytrace {
 

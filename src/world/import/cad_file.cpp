@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/import/cad_file.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,13 +12,13 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <unistd.h>
 #include <vector>
 
 #include "base/files/file_bytes.hpp"
 #include "base/files/sha256.hpp"
 #include "base/process/child_process.hpp"
 #include "base/text/words.hpp"
-#include "world/import/cad_file.hpp"
 
 namespace straytrace {
 namespace {

@@ -48,7 +48,6 @@ MeshFault read_cad_file(std::string const& text, CadFile& out);
 
 // Starts straytrace-step on a STEP file and keeps what it makes, by content, in the cache of the user.
 
-
 struct StepConversion {
   std::string text;  // a *.cad.json; empty: see fault
   MeshFault fault;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/import/mesh_file.hpp"
+
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
@@ -21,7 +23,6 @@
 #include "base/memory/pack.hpp"
 #include "base/process/sandbox.hpp"
 #include "base/text/words.hpp"
-#include "world/import/mesh_file.hpp"
 
 namespace straytrace {
 namespace {

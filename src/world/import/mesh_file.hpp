@@ -50,7 +50,6 @@ void set_library_colours(std::string const& library, MeshFile&);
 
 // Colours that mesh files give, as "#rrggbb" of sRGB.
 
-
 // "#RRGGBB" of three shares of 1.
 std::string colour_text(double red, double green, double blue);
 // Of the material of a glTF file, whose numbers are linear; empty: it has none.

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/memory/ids.hpp"
 #include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
 
 namespace straytrace {
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/model/material_view.hpp"
+
 #include <cmath>
 
 #include "optics/coating/specular.hpp"
 #include "world/model/degree.hpp"
-#include "world/model/material_view.hpp"
 
 namespace straytrace {
 namespace {}  // namespace

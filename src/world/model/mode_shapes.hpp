@@ -31,7 +31,6 @@ ElasticMode read_elastic_mode(Node const& shape);
 
 // Shapes of elastic modes as tables of points, from a finite-element program or a tapping test.
 
-
 struct ModePoint {
   Vec3 place, displacement;  // m; per unit of the coordinate
 };

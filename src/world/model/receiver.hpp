@@ -2,8 +2,8 @@
 // Where light is counted in watts: photodiodes, quadrants, cameras, measuring planes. Any surface can be one.
 #pragma once
 
-#include "base/memory/ids.hpp"
 #include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
 #include "world/model/cell_map.hpp"
 
 namespace straytrace {
@@ -11,8 +11,9 @@ namespace straytrace {
 struct Receiver {
   SurfaceId surface;
   bool front = true, back = false;  // sides of the surface that count
-  bool clear = false;         // a measuring plane: light passes as if it were not there (such surfaces hide nothing)
-  bool behind_glass = false;  // also reached by sub-paths through lenses and mirrors (trace/step/specular_connection.hpp)
+  bool clear = false;  // a measuring plane: light passes as if it were not there (such surfaces hide nothing)
+  bool behind_glass =
+      false;  // also reached by sub-paths through lenses and mirrors (trace/step/specular_connection.hpp)
   // Mirrors and glass that sub-paths start towards, and the share of them that does; the others start by the cosine
   // law.
   static constexpr std::uint32_t most_aims = 8;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/memory/ids.hpp"
 #include "base/input/table.hpp"
+#include "base/memory/ids.hpp"
 
 namespace straytrace {
 

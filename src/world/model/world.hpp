@@ -6,24 +6,24 @@
 #include <string>
 #include <vector>
 
+#include "base/math/vec3.hpp"
 #include "base/memory/blocks.hpp"
 #include "base/memory/pool.hpp"
 #include "base/memory/storage.hpp"
-#include "base/math/vec3.hpp"
 #include "beams/footprint.hpp"
-#include "geometry/shape_types.hpp"
 #include "geometry/common/slack.hpp"
-#include "optics/scatter/law_types.hpp"
+#include "geometry/shape_types.hpp"
 #include "optics/coating/specular_types.hpp"
+#include "optics/scatter/law_types.hpp"
 #include "scene/scene.hpp"
-#include "world/search/hit.hpp"
 #include "world/model/inner_rim.hpp"
 #include "world/model/mode_shapes.hpp"
 #include "world/model/receiver.hpp"
 #include "world/model/scatter_spread.hpp"
-#include "world/search/search.hpp"
 #include "world/model/search_kernels.hpp"
 #include "world/model/steering.hpp"
+#include "world/search/hit.hpp"
+#include "world/search/search.hpp"
 
 namespace straytrace {
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "io/csv_cells.hpp"
-#include "base/input/document.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 #include "world/scatter_data/text_tokens.hpp"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include "io/csv_cells.hpp"
 #include "base/input/document.hpp"
-#include "world/scatter_data/text_tokens.hpp"
+#include "io/csv_cells.hpp"
 #include "world/build/read_laws.hpp"
+#include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {
 namespace {

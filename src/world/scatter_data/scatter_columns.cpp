@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "io/csv_cells.hpp"
-#include "base/input/document.hpp"
-#include "world/scatter_data/column_file.hpp"
 #include "world/model/degree.hpp"
+#include "world/scatter_data/column_file.hpp"
 #include "world/scatter_data/scatter_file.hpp"
 #include "world/scatter_data/text_tokens.hpp"
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "world/scatter_data/scatter_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 
 #include "base/math/constants.hpp"
 #include "optics/scatter/measured.hpp"
-#include "world/scatter_data/scatter_file.hpp"
 #include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {

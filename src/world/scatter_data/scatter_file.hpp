@@ -76,7 +76,6 @@ void read_ssdd(std::string_view text, ScatterFile&, std::vector<Problem>&);
 
 // The law that measured points make.
 
-
 // Beyond this relative difference the total a file states and the integral of its values are said to disagree.
 constexpr double stated_tis_tolerance = 0.05;
 

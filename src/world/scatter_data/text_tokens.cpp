@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "io/csv_cells.hpp"
 #include "base/input/document.hpp"
+#include "io/csv_cells.hpp"
 #include "io/number_rows.hpp"
 
 namespace straytrace {

@@ -6,8 +6,8 @@
 
 #include <cstdint>
 
-#include "base/memory/ids.hpp"
 #include "base/math/simd.hpp"
+#include "base/memory/ids.hpp"
 #include "geometry/mesh/bvh8.hpp"
 #include "world/search/tube.hpp"
 

@@ -8,10 +8,10 @@
 
 #include <cstdint>
 
-#include "base/memory/ids.hpp"
-#include "base/memory/pool.hpp"
 #include "base/math/simd.hpp"
 #include "base/math/vec3.hpp"
+#include "base/memory/ids.hpp"
+#include "base/memory/pool.hpp"
 
 namespace straytrace {
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The curvature of every shape is the slope of its normal: n(p + r) - n(p) = -K r along the surface. A shape without a
 // closed form of its own counts as flat and is caught here.
+#include "geometry/curvature.hpp"
+
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
-#include "geometry/curvature.hpp"
 #include "contract/geometry/instances.hpp"
 #include "support/recorded.hpp"
 

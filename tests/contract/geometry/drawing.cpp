@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Triangles of every shape for pictures: their corners lie on it, and they cover its area.
+#include "geometry/drawing.hpp"
+
 #include <gtest/gtest.h>
 
-#include "geometry/drawing.hpp"
 #include "contract/geometry/instances.hpp"
 
 namespace straytrace::testing::geometry_drawing {

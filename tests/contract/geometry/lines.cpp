@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "support/chi_square.hpp"
 #include "contract/geometry/instances.hpp"
+#include "support/chi_square.hpp"
 
 namespace straytrace::testing {
 namespace {

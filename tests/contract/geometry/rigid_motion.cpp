@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A point drawn on a shape is seen or hidden alike wherever the shape stands, from another point of the shape and from
 // beside it: rounding moves where a line meets a shape by no more than eq. 1.14 (docs/theory/sampling.md) says.
-#include "geometry/common/slack.hpp"
 #include "contract/geometry/instances.hpp"
+#include "geometry/common/slack.hpp"
 #include "support/mesh_shapes.hpp"
 
 namespace straytrace::testing::geometry_rigid_motion {

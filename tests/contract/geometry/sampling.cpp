@@ -2,8 +2,8 @@
 // Area and sampling of every shape: area() against quadrature of the profile, sample() uniform in area by chi-square.
 #include <gtest/gtest.h>
 
-#include "support/chi_square.hpp"
 #include "contract/geometry/instances.hpp"
+#include "support/chi_square.hpp"
 
 namespace straytrace::testing::geometry_sampling {
 namespace {

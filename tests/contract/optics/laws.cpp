@@ -3,8 +3,8 @@
 // the integral of eval cos (eq. 3.4), reciprocity (eq. 3.2), energy (eq. 3.1). Each with broken variants.
 #include <gtest/gtest.h>
 
-#include "support/chi_square.hpp"
 #include "contract/optics/quadrature.hpp"
+#include "support/chi_square.hpp"
 #include "support/statistics.hpp"
 
 namespace straytrace::testing::optics_laws {

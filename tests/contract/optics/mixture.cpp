@@ -3,8 +3,8 @@
 // describe scatter_eval. Broken variants: the pdf of the chosen law alone, laws chosen evenly but weighed by albedo.
 #include <gtest/gtest.h>
 
-#include "support/chi_square.hpp"
 #include "contract/optics/quadrature.hpp"
+#include "support/chi_square.hpp"
 #include "support/statistics.hpp"
 
 namespace straytrace::testing::optics_mixture {

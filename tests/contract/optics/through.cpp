@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter to the other side (optics/scatter/through.hpp) out of any law, and angle-dependent weights: reciprocity across the
-// interface (physics.md eq. 3.2), albedo = integral of eval cos over the far side, sample follows pdf.
+// Scatter to the other side (optics/scatter/through.hpp) out of any law, and angle-dependent weights: reciprocity
+// across the interface (physics.md eq. 3.2), albedo = integral of eval cos over the far side, sample follows pdf.
 #include <gtest/gtest.h>
 
-#include "support/chi_square.hpp"
-#include "optics/scatter/scatter_share.hpp"
 #include "contract/optics/quadrature.hpp"
+#include "optics/scatter/scatter_share.hpp"
+#include "support/chi_square.hpp"
 #include "support/statistics.hpp"
 
 namespace straytrace::testing::optics_through {

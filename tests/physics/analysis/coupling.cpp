@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Couplings from injections against synthetic truth (requirements.md R6.01, R6.08).
+#include "analysis/coupling/coupling.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/errors.hpp"
-#include "analysis/coupling/coupling.hpp"
-#include "analysis/coupling/coupling_projection.hpp"
 #include "analysis/coupling/band_coupling.hpp"
+#include "analysis/coupling/coupling_projection.hpp"
+#include "base/errors.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

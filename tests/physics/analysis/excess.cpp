@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "analysis/coupling/band_coupling.hpp"
-#include "support/recorded.hpp"
 #include "spectra/welch.hpp"
+#include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 
 namespace straytrace {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fits of synthetic fringe noise find what was put in (requirements R6.06, R6.07).
+#include "analysis/fringes/fringe_fit.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/fringes/fringe_fit.hpp"
+#include "spectra/welch.hpp"
 #include "support/fringe_support.hpp"
 #include "support/recorded.hpp"
-#include "spectra/welch.hpp"
 
 namespace straytrace::commission_fringe_fit {
 namespace {

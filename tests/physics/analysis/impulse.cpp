@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Knocks, the response they ring and when something was injected (requirements.md R6.01, R6.02).
+#include "analysis/coupling/impulse.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/errors.hpp"
 #include "analysis/coupling/events.hpp"
-#include "analysis/coupling/impulse.hpp"
+#include "base/errors.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/errors.hpp"
-#include "analysis/fringes/fringe_lines.hpp"
 #include "analysis/coupling/ridge.hpp"
+#include "analysis/fringes/fringe_lines.hpp"
+#include "base/errors.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

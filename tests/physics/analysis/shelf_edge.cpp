@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The edge of a shelf tells the effective motion (requirements R2.40, R2.41).
+#include "analysis/fringes/shelf_edge.hpp"
+
 #include <gtest/gtest.h>
 #include <unsupported/Eigen/FFT>
 
 #include <cmath>
 #include <complex>
 
-#include "analysis/fringes/shelf_edge.hpp"
 #include "support/fringe_support.hpp"
 #include "support/recorded.hpp"
 

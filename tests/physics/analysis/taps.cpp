@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tapping with known answers (requirements.md R6.02).
+#include "analysis/coupling/taps.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 
 #include "base/errors.hpp"
-#include "analysis/coupling/taps.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

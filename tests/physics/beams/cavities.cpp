@@ -3,8 +3,8 @@
 // mirrors (eq. 6.2); validation cases A9, B7, B8 and requirements R2.07, R2.10.
 #include <gtest/gtest.h>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "beams/cavity_mode.hpp"
 #include "beams/eigenmode.hpp"
 #include "support/recorded.hpp"

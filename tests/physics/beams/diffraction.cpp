@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Gaussian beams behind apertures (requirements.md R2.26, R2.27; physics.md eq. 5.5 to 5.7, A8).
+#include "beams/diffraction.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
-#include "beams/diffraction.hpp"
+#include "base/math/constants.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing::beams_diffraction {

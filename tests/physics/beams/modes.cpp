@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
-#include "beams/ray_matrix.hpp"
 #include "beams/mode.hpp"
+#include "beams/ray_matrix.hpp"
 #include "support/beams_support.hpp"
 #include "support/recorded.hpp"
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Overlap of two Gaussian beams: eq. 5.1-5.3 (validation case A7), numerical integrals, and what any lossless system
 // must leave as it is.
+#include "beams/overlap.hpp"
+
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
-#include "beams/overlap.hpp"
 #include "support/beams_support.hpp"
 #include "support/recorded.hpp"
 

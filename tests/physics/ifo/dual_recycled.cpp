@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Dual-recycled interferometers from parameters: physics.md 6, 12.1 and 14.4, B6, requirements.md R2.03, R2.09, R2.13.
+#include "ifo/dual_recycled.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "ifo/cavity.hpp"
-#include "ifo/dual_recycled.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_dual_recycled {

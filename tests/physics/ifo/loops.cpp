@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "ifo/linear_response.hpp"
-#include "support/recorded.hpp"
 #include "spectra/transfer_function.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::ifo_loops {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plane waves in networks against closed forms: requirements.md R2.02 to R2.09, physics.md eq. 6.4 to 6.11, A10, B6.
+#include "ifo/network.hpp"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "ifo/cavity.hpp"
-#include "ifo/network.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::ifo_network {

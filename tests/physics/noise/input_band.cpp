@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What uncertain scatter and motion do to the total, against closed forms (docs/theory/errors.md).
 #include "noise/bands/input_band.hpp"
+
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_input_band {

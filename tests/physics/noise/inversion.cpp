@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Requirements from a line, against closed forms (docs/theory/errors.md).
 #include "noise/bands/inversion.hpp"
+
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_inversion {

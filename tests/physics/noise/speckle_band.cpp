@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Percentiles of one realisation of the static phases (physics.md eq. 10.1 to 10.5, case A20).
+#include "noise/bands/speckle_band.hpp"
+
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/gamma.hpp>
 
 #include "base/math/rng.hpp"
 #include "noise/bands/percentiles.hpp"
-#include "noise/bands/speckle_band.hpp"
 #include "noise/bands/speckle_band.hpp"
 #include "physics/noise/support.hpp"
 #include "spectra/welch.hpp"

@@ -8,8 +8,8 @@
 
 #include "noise/noise.hpp"
 #include "noise/wrapped/phase_spectra.hpp"
-#include "support/recorded.hpp"
 #include "spectra/shapes.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing {
 

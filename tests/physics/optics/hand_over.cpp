@@ -8,9 +8,9 @@
 #include <complex>
 
 #include "base/math/rng.hpp"
-#include "support/laws.hpp"
 #include "optics/scatter/height_spectrum.hpp"
 #include "optics/scatter/roughness.hpp"
+#include "support/laws.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::testing::optics_hand_over {

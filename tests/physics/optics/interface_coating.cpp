@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "optics/coating/coating_table.hpp"
-#include "optics/scatter/scatter_share.hpp"
 #include "optics/coating/specular.hpp"
+#include "optics/scatter/scatter_share.hpp"
 
 namespace straytrace::optics_interface_coating {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Polarisation along paths: Jones and Stokes against each other and against the electric field in space.
+#include "optics/polarisation.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "base/math/rng.hpp"
 #include "optics/coating/film.hpp"
 #include "optics/coating/fresnel.hpp"
-#include "optics/polarisation.hpp"
 #include "optics/coating/refraction.hpp"
 
 namespace straytrace::optics_polarisation {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"
-#include "optics/scatter/height_spectrum.hpp"
 #include "optics/scatter/diffuse.hpp"
+#include "optics/scatter/height_spectrum.hpp"
 #include "optics/scatter/mie.hpp"
 #include "support/recorded.hpp"
 

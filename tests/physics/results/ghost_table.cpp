@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table of ghosts keeps as many rows as it is asked for, the strongest, and counts all of them.
+#include "results/ghosts/ghost_table.hpp"
+
 #include <gmock/gmock.h>
 
-#include "results/ghosts/ghost_table.hpp"
 #include "support/trace_support.hpp"
 
 namespace straytrace::testing::report_ghost_table {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "support/recorded.hpp"
 #include "spectra/welch.hpp"
+#include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 
 namespace straytrace::signal_confidence {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coherence and transfer functions (requirements.md R6.05).
+#include "spectra/cross_spectra.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "base/errors.hpp"
 #include "support/recorded.hpp"
-#include "spectra/cross_spectra.hpp"
 #include "support/signal_support.hpp"
 
 namespace straytrace::signal_cross_spectra {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Accelerometer to displacement (physics.md eq. 11.3; requirements.md R6.05).
+#include "spectra/integration.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "base/errors.hpp"
 #include "support/recorded.hpp"
-#include "spectra/integration.hpp"
 #include "support/signal_support.hpp"
 
 namespace straytrace::signal_integration {

@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
-#include "support/recorded.hpp"
-#include "spectra/welch.hpp"
 #include "spectra/filters.hpp"
 #include "spectra/spectrogram.hpp"
+#include "spectra/welch.hpp"
 #include "spectra/whitening.hpp"
+#include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 
 namespace straytrace::signal_maps {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "support/recorded.hpp"
 #include "spectra/shapes.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::signal_peterson {
 namespace {

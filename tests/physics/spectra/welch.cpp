@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Averaged periodograms (requirements.md R2.15): scale, sides, axis, error.
+#include "spectra/welch.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "base/math/constants.hpp"
 #include "base/errors.hpp"
+#include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
 #include "support/recorded.hpp"
-#include "spectra/welch.hpp"
 
 namespace straytrace::signal_welch {
 namespace {

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "base/errors.hpp"
-#include "trace/importance/importance.hpp"
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -5,8 +5,8 @@
 #include <complex>
 #include <random>
 
-#include "trace/tally/replay.hpp"
 #include "support/trace_support.hpp"
+#include "trace/tally/replay.hpp"
 
 namespace straytrace::testing::trace_reverse_fields {
 namespace {

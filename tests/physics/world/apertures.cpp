@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The rims that main beams pass, at any angle and for elliptic beams (physics.md eq. 5.5 to 5.7, R2.26).
+#include "world/ghosts/apertures.hpp"
+
 #include <gtest/gtest.h>
 
 #include "beams/clipping.hpp"
 #include "support/ghost_support.hpp"
-#include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing::world_apertures {
 namespace {

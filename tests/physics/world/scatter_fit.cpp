@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fits and audit of measured scatter against the closed forms of physics.md 3.2 and 3.3, on points made from them.
+#include "world/scatter_data/scatter_fit.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include "base/math/constants.hpp"
 #include "support/recorded.hpp"
 #include "world/scatter_data/scatter_audit.hpp"
-#include "world/scatter_data/scatter_fit.hpp"
 
 namespace straytrace::testing::world_scatter_fit {
 namespace {

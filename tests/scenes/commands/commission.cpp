@@ -7,8 +7,8 @@
 #include <functional>
 #include <sstream>
 
-#include "support/recorded.hpp"
 #include "scenes/answers.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing::app_commission {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "support/recorded.hpp"
 #include "scenes/answers.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -2,9 +2,9 @@
 // A result is a function of scene, seed and number of histories, and of nothing else (architecture.md 7).
 #include <map>
 
-#include "support/recorded.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -57,8 +57,8 @@ receivers: {photodiode: {on: photodiode, side: front, map: {width: 4 mm, pixels:
 trace: {order_limit: 8, window: no}
 )";
 
-// The instruction set of search and meshes (world/model/search_kernels.hpp, geometry/mesh/triangle_mesh.cpp); what a processor
-// lacks is replaced by what it has.
+// The instruction set of search and meshes (world/model/search_kernels.hpp, geometry/mesh/triangle_mesh.cpp); what a
+// processor lacks is replaced by what it has.
 TEST(Determinism, InstructionSetsDoNotMatter) {
   Folder const folder;
   std::string const mixed = folder / "mixed.yaml";

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "scenes/program.hpp"
 #include "results/results.hpp"
+#include "scenes/program.hpp"
 
 namespace straytrace::testing::app_noise_response {
 namespace {

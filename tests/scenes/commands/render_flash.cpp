@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "support/recorded.hpp"
 #include "scenes/answers.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

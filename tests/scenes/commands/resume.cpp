@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs that are stopped, continued, rerun or in the way (interface.md 2: exit code 85, manners).
-#include "support/recorded.hpp"
 #include "results/results.hpp"
 #include "scenes/program.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -2,6 +2,7 @@
 // Rows of two runs are compared where they hold the same light: a route with a row of its own in one run only is part
 // of the row `other` of the other run.
 #include "session/compare/run_diff.hpp"
+
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_run_diff {

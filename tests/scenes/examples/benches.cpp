@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The small benches of examples/benches against their closed forms (requirements.md E.2, E.3; physics.md 5, 7, 9).
+#include "scenes/benches.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <complex>
 
 #include "support/recorded.hpp"
-#include "scenes/benches.hpp"
 #include "trace/camera/sequential.hpp"
 #include "world/model/world.hpp"
 

@@ -3,9 +3,9 @@
 // magnified differently, so that fields sqrt(P/area) have contrast 0.9757; rays counted as amplitudes 0.9085.
 #include <complex>
 
-#include "support/recorded.hpp"
 #include "results/receivers/receivers.hpp"
 #include "scenes/benches.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::testing::app_michelson {
 namespace {

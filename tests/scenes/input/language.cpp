@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "session/interrupt.hpp"
 #include "scenes/answers.hpp"
+#include "session/interrupt.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Elementary functions against the standard library in 80-bit arithmetic. Bounds are in units of the last place (ulp)
 // of the exact answer, over the ranges the trace uses.
+#include "base/math/functions.hpp"
+
 #include <gtest/gtest.h>
 
-#include "base/math/functions.hpp"
 #include "base/math/rng.hpp"
 #include "support/chi_square.hpp"
 

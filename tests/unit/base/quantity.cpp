@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Units and dimensions of interface.md 3.1, and the nearest word of interface.md 4.
+#include "base/units/quantity.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/input/document.hpp"
-#include "base/units/quantity.hpp"
 
 namespace straytrace {
 namespace {

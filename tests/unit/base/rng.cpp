@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/math/rng.hpp"
+
 #include <gtest/gtest.h>
 
 #include <set>
 #include <vector>
 
-#include "base/math/rng.hpp"
 #include "support/chi_square.hpp"
 
 namespace straytrace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Strain, length and phase with the sign of each arm (physics.md section 0.3, requirements.md R2.01).
+#include "base/math/strain.hpp"
+
 #include <gtest/gtest.h>
 
-#include "base/math/strain.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work divided among threads.
+#include "base/process/threads.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
 #include <thread>
 #include <vector>
-
-#include "base/process/threads.hpp"
 
 namespace straytrace::testing::base_threads {
 namespace {

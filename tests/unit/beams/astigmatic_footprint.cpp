@@ -8,8 +8,8 @@
 
 #include "base/math/rng.hpp"
 #include "beams/footprint.hpp"
-#include "support/chi_square.hpp"
 #include "geometry/shapes/disk.hpp"
+#include "support/chi_square.hpp"
 #include "support/shapes.hpp"
 
 namespace straytrace::beams_astigmatic_footprint {

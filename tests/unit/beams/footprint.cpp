@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A footprint as density, as sampler and as wavefront.
+#include "beams/footprint.hpp"
+
 #include <gtest/gtest.h>
 
 #include "base/math/rng.hpp"
 #include "beams/cavity_mode.hpp"
-#include "beams/footprint.hpp"
 #include "beams/ray_matrix.hpp"
-#include "support/chi_square.hpp"
 #include "geometry/shapes/cap.hpp"
+#include "support/chi_square.hpp"
 
 namespace straytrace::beams_footprint {
 namespace {

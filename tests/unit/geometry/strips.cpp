@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Strips of meshes: drawn in the order of the tree, triangles come up by their area, points know their strip, and
 // neighbours on the list are neighbours in space.
+#include "geometry/strips.hpp"
+
 #include <gtest/gtest.h>
 
 #include "support/chi_square.hpp"
-#include "geometry/strips.hpp"
 #include "support/mesh_shapes.hpp"
 #include "support/statistics.hpp"
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table `bodies`.
+#include "motion/motion.hpp"
+
 #include <cmath>
 #include <map>
 
-#include "motion/motion.hpp"
 #include "unit/noise/support_scene.hpp"
 
 namespace straytrace::testing::noise_motion {

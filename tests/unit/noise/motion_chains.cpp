@@ -6,8 +6,8 @@
 
 #include "motion/joint_motion.hpp"
 #include "motion/motion.hpp"
-#include "unit/noise/support_scene.hpp"
 #include "support/recorded.hpp"
+#include "unit/noise/support_scene.hpp"
 
 namespace straytrace::testing::noise_motion_chains {
 namespace {

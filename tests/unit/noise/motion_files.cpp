@@ -5,9 +5,9 @@
 #include "base/math/rng.hpp"
 #include "motion/motion.hpp"
 #include "motion/series_motion.hpp"
-#include "unit/noise/support_scene.hpp"
-#include "support/recorded.hpp"
 #include "spectra/files/series_file.hpp"
+#include "support/recorded.hpp"
+#include "unit/noise/support_scene.hpp"
 
 namespace straytrace::testing::noise_motion_files {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "motion/motion.hpp"
-#include "unit/noise/support_scene.hpp"
-#include "support/recorded.hpp"
 #include "spectra/files/series_file.hpp"
+#include "support/recorded.hpp"
+#include "unit/noise/support_scene.hpp"
 
 namespace straytrace::testing::noise_motion_gaps {
 namespace {

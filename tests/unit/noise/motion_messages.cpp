@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "motion/motion.hpp"
-#include "unit/noise/support_scene.hpp"
 #include "spectra/files/series_file.hpp"
+#include "unit/noise/support_scene.hpp"
 
 namespace straytrace::testing {
 namespace {

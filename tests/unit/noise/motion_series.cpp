@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion drawn, recorded, filtered (R4.04; physics.md 0.3, 0.4).
+#include "noise/time_domain/motion_series.hpp"
+
 #include <numbers>
 
+#include "noise/time_domain/motion_series.hpp"
 #include "physics/noise/support.hpp"
-#include "noise/time_domain/motion_series.hpp"
-#include "noise/time_domain/motion_series.hpp"
 #include "support/statistics.hpp"
 
 namespace straytrace::testing {

@@ -2,8 +2,8 @@
 // The sum over fields, its tables, and the choice of paths (R4.05, R4.09, physics.md 1.6, eq. 10.5).
 #include <numeric>
 
-#include "physics/noise/time_domain/time_support.hpp"
 #include "base/math/rng.hpp"
+#include "physics/noise/time_domain/time_support.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Curves read at a frequency.
+#include "results/curves/band.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "results/curves/band.hpp"
 
 namespace straytrace::test {
 

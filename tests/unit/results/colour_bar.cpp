@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scale of a picture stands in it.
+#include "results/text/colour_bar.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "results/text/colour_bar.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tables of text for people.
-#include <gtest/gtest.h>
-
 #include "results/text/columns.hpp"
+
+#include <gtest/gtest.h>
 
 namespace straytrace::testing::report_columns {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Curves as text, CSV, JSON; HDF5 and pictures are looked at by tests/tools/test_signal.py.
+#include "results/curves/curve_file.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/errors.hpp"
-#include "results/curves/curve_file.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/files/text_table.hpp"
 

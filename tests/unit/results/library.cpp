@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A detector stands in the library as a scene needs it, and in data/detectors and ifo/interferometer.cpp as budgets and
 // networks need it. What two of them say must agree, but for the differences listed here.
+#include "scene/library.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include "base/files/embedded.hpp"
 #include "ifo/dual_recycled.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
-#include "scene/library.hpp"
 
 namespace straytrace::report_library {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The Python side on a run file written here: tests/tools/test_plot.py, and the picture through a child process.
+#include "results/text/picture.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
-#include "results/text/picture.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace straytrace::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detectors stand in two places: as presets of interferometers (ifo/interferometer.cpp) and as budgets (data/detectors). What
-// both say must agree, but for the differences listed here.
+// Detectors stand in two places: as presets of interferometers (ifo/interferometer.cpp) and as budgets
+// (data/detectors). What both say must agree, but for the differences listed here.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 #include "ifo/dual_recycled.hpp"
 #include "noise/fundamental/design.hpp"
 #include "noise/fundamental/quantum.hpp"
-#include "support/recorded.hpp"
 #include "results/pygwinc/pygwinc_ifo.hpp"
+#include "support/recorded.hpp"
 
 namespace straytrace::report_presets {
 namespace {

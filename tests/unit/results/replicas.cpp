@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "support/recorded.hpp"
-#include "results/route_table/merit.hpp"
 #include "results/receivers/receivers.hpp"
+#include "results/route_table/merit.hpp"
 #include "results/route_table/route_sums.hpp"
+#include "support/recorded.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace straytrace::test {

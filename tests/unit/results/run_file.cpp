@@ -13,8 +13,8 @@
 
 #include "base/errors.hpp"
 #include "io/hdf5/writer.hpp"
-#include "support/message_of.hpp"
 #include "results/run_file/checksum_header.hpp"
+#include "support/message_of.hpp"
 #include "unit/results/same.hpp"
 #include "unit/results/synthetic.hpp"
 

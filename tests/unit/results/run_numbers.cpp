@@ -6,8 +6,8 @@
 #include <H5Cpp.h>
 #include <cmath>
 
-#include "support/message_of.hpp"
 #include "results/run_file/checksum_header.hpp"
+#include "support/message_of.hpp"
 #include "unit/results/synthetic.hpp"
 
 namespace straytrace::test {

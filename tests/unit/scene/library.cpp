@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The library that comes with the program as scenes take from it (docs/reference/library.md).
+#include "scene/library.hpp"
+
 #include <filesystem>
 #include <fstream>
 
 #include "base/files/embedded.hpp"
-#include "scene/library.hpp"
 #include "unit/scene/support.hpp"
 
 namespace straytrace::test::scene_library {

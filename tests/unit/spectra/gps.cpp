@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // GPS time, UTC and spans of the command line.
+#include "spectra/files/gps.hpp"
+
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
-#include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"
 #include "spectra/files/unit_text.hpp"
 

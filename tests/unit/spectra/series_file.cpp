@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Series from text and CSV. HDF5 is compared with h5py by tests/tools/test_signal.py.
+#include "spectra/files/series_file.hpp"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "base/errors.hpp"
-#include "spectra/files/series_file.hpp"
 #include "spectra/files/text_table.hpp"
 
 namespace straytrace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/spectrum.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/math/constants.hpp"
-#include "spectra/shapes.hpp"
-#include "spectra/spectrum.hpp"
 #include "spectra/files/text_table.hpp"
+#include "spectra/shapes.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Histories in flight together leave the same sums as one after the other (architecture.md 7).
+#include "trace/step/flight.hpp"
+
 #include <gtest/gtest.h>
 
 #include "support/mesh_shapes.hpp"
 #include "support/shapes.hpp"
-#include "trace/step/flight.hpp"
-#include "trace/tally/block_sink.hpp"
 #include "support/trace_support.hpp"
+#include "trace/tally/block_sink.hpp"
 
 namespace straytrace::testing {
 namespace {

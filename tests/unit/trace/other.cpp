@@ -2,8 +2,8 @@
 // Verdict of rows `other`: summing routes does not mend their tails.
 #include <gmock/gmock.h>
 
-#include "trace/tally/coupling_table.hpp"
 #include "support/trace_support.hpp"
+#include "trace/tally/coupling_table.hpp"
 
 namespace straytrace::testing::trace_other {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several ranks trace the bits of one, whoever runs which block, and whoever leaves before the end. Here ranks are
 // threads; under mpirun they are tried by tests/tools/test_mpi.py.
+#include "trace/run/ranks.hpp"
+
 #include <deque>
 #include <mutex>
 #include <thread>
@@ -8,7 +10,6 @@
 #include "base/errors.hpp"
 #include "results/run_file/run_part.hpp"
 #include "support/small_tube.hpp"
-#include "trace/run/ranks.hpp"
 
 namespace straytrace::testing::trace_ranks {
 namespace {

@@ -4,9 +4,9 @@
 #include <set>
 #include <unordered_set>
 
+#include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
 #include "trace/tally/route.hpp"
-#include "support/trace_support.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -5,9 +5,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "support/trace_support.hpp"
 #include "trace/tally/block_sink.hpp"
 #include "trace/tally/route.hpp"
-#include "support/trace_support.hpp"
 
 namespace straytrace::testing {
 namespace {

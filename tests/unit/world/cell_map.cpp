@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cells of surface maps: they fill the chart, are fine where the light is, and hold as many places as their area says.
+#include "world/model/cell_map.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <random>
 
 #include "base/math/functions.hpp"
-#include "world/model/cell_map.hpp"
 
 namespace straytrace {
 namespace {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Surfaces that share space: which are refused, which are warned of, and which are left alone.
+#include "world/checks/faces.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <tuple>
 
-#include "support/built_scene.hpp"
 #include "contract/geometry/instances.hpp"
-#include "world/checks/faces.hpp"
+#include "support/built_scene.hpp"
 
 namespace straytrace::world_faces {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "base/files/embedded.hpp"
+#include "scene/library.hpp"
 #include "support/built_scene.hpp"
 #include "support/message_of.hpp"
-#include "scene/library.hpp"
 #include "world/ghosts/beam_tree.hpp"
 
 namespace straytrace::world_glass {

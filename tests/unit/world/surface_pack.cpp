@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sorting out surfaces by the rings they lie in loses no hit: at rims, at grazing incidence, from afar (performance.md,
 // Structure). The twin without widening loses hits; and the test is worth its time: nearly all it lets pass is hit.
+#include "world/search/surface_pack.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +11,6 @@
 #include "base/math/rng.hpp"
 #include "support/shapes.hpp"
 #include "world/search/search_item.hpp"
-#include "world/search/surface_pack.hpp"
 
 namespace straytrace::world_surface_pack {
 namespace {

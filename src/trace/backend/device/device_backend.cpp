@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trace/backend/device/device_backend.hpp"
+
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
@@ -6,7 +8,6 @@
 
 #include "base/errors.hpp"
 #include "trace/backend/cpu.hpp"
-#include "trace/backend/device/device_backend.hpp"
 #include "trace/backend/device/world_image.hpp"
 #include "trace/step/step.hpp"
 #include "trace/tally/block_sink.hpp"

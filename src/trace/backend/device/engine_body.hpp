@@ -7,10 +7,10 @@
 
 #include <array>
 
-#include "trace/backend/device/ledger_sums.hpp"
 #include "trace/backend/device/engine.hpp"
-#include "trace/backend/device/phases.hpp"
 #include "trace/backend/device/history_kernel.hpp"
+#include "trace/backend/device/ledger_sums.hpp"
+#include "trace/backend/device/phases.hpp"
 
 namespace straytrace::device {
 

@@ -3,8 +3,8 @@
 // so that threads which march together do the same work as long as there is any.
 #pragma once
 
-#include "trace/backend/device/noinline.hpp"
 #include "trace/backend/device/device_tally.hpp"
+#include "trace/backend/device/noinline.hpp"
 
 namespace straytrace {
 

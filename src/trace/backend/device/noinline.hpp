@@ -10,42 +10,38 @@
 // What the headers below include is left as it is.
 #include "base/math/vec3.hpp"
 #include "beams/footprint.hpp"
-#include "optics/scatter/shift_invariant.hpp"
-#include "optics/scatter/dust.hpp"
-#include "optics/scatter/shift_invariant.hpp"
-#include "optics/scatter/grooves.hpp"
-#include "optics/scatter/shift_invariant.hpp"
-#include "optics/scatter/diffuse.hpp"
-#include "optics/scatter/measured.hpp"
-#include "optics/scatter/microfacet.hpp"
+#include "optics/coating/specular_types.hpp"
 #include "optics/optic.hpp"
 #include "optics/scatter/diffuse.hpp"
-#include "optics/scatter/shift_invariant.hpp"
+#include "optics/scatter/dust.hpp"
+#include "optics/scatter/grooves.hpp"
+#include "optics/scatter/measured.hpp"
+#include "optics/scatter/microfacet.hpp"
 #include "optics/scatter/roughness.hpp"
-#include "optics/coating/specular_types.hpp"
+#include "optics/scatter/shift_invariant.hpp"
 #include "optics/scatter/through.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD
 #define STRAY_HD STRAY_CALLED
 #include "geometry/common/pieces.hpp"
-#include "optics/scatter/law_types.hpp"
 #include "optics/coating/specular.hpp"
+#include "optics/scatter/law_types.hpp"
 #pragma pop_macro("STRAY_HD")
 
 #include "base/math/rng.hpp"
 #include "geometry/strips.hpp"
+#include "optics/coating/refraction.hpp"
 #include "optics/media_stack.hpp"
 #include "optics/polarisation.hpp"
-#include "optics/coating/refraction.hpp"
 #include "trace/result.hpp"
-#include "world/search/hit.hpp"
 #include "world/model/mode_shapes.hpp"
 #include "world/model/receiver.hpp"
 #include "world/model/scatter_spread.hpp"
-#include "world/search/search.hpp"
 #include "world/model/search_kernels.hpp"
 #include "world/model/steering.hpp"
+#include "world/search/hit.hpp"
+#include "world/search/search.hpp"
 
 #pragma push_macro("STRAY_HD")
 #undef STRAY_HD

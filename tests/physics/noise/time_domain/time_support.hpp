@@ -4,10 +4,10 @@
 
 #include <functional>
 
-#include "support/chi_square.hpp"
 #include "noise/time_domain/time_domain.hpp"
 #include "physics/noise/support.hpp"
 #include "spectra/welch.hpp"
+#include "support/chi_square.hpp"
 
 namespace straytrace::testing {
 

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "scene/scene.hpp"
-#include "trace/tally/replay.hpp"
 #include "support/trace_support.hpp"
+#include "trace/tally/replay.hpp"
 #include "world/model/levers.hpp"
 #include "world/model/mode_shapes.hpp"
 

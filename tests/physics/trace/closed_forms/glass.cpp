@@ -3,8 +3,8 @@
 // (requirements.md R3.23), absorption, and receivers that are only seen through glass (estimators.md 9).
 #include <gtest/gtest.h>
 
-#include "trace/importance/importance.hpp"
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing::trace_glass {
 namespace {

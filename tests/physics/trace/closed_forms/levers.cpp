@@ -4,9 +4,9 @@
 #include <functional>
 #include <random>
 
+#include "support/trace_support.hpp"
 #include "trace/camera/sequential.hpp"
 #include "trace/tally/replay.hpp"
-#include "support/trace_support.hpp"
 
 namespace straytrace::testing::trace_levers {
 namespace {

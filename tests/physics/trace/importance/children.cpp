@@ -2,8 +2,8 @@
 // Children at a hit (requirements.md R3.26, C2.1): N paths that share the power, whatever N; and a walk that splits and
 // ends paths by chance keeps its books (estimators.md 4, 8).
 #include "base/errors.hpp"
-#include "trace/importance/importance.hpp"
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stop rules that few histories meet: they are met by few, and stopping there favours no value
 // (docs/theory/errors.md, Determinism).
-#include "support/small_tube.hpp"
 #include "trace/run/early_looks.hpp"
+
+#include "support/small_tube.hpp"
 
 namespace straytrace::testing::early_looks {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "base/errors.hpp"
 #include "support/shapes.hpp"
-#include "trace/importance/importance.hpp"
 #include "support/trace_support.hpp"
+#include "trace/importance/importance.hpp"
 
 namespace straytrace::testing::trace_mixture {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene 11 of estimators.md 17 (tests/support/baffled_tube.hpp), and the missed-path trap of its section 15.
 #include "support/baffled_tube.hpp"
+
 #include "base/errors.hpp"
 
 namespace straytrace::testing {

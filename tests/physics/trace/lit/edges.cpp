@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Diffraction at baffle rims (physics.md 8.5, eq. 8.11 to 8.14, case A19), against closed forms and against integrals
 // that know nothing of them: over the rim, and over the blocked area.
+#include "trace/deterministic/edges.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <complex>
 
-#include "trace/deterministic/edges.hpp"
 #include "support/trace_support.hpp"
 
 namespace straytrace::testing::trace_edges {

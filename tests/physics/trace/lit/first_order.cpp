@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // First-order lists: what a detector sees by mirrors (closed forms of etendue and visibility), and single scatter.
 #include "trace/camera/first_order.hpp"
+
 #include "support/trace_support.hpp"
 
 namespace straytrace::testing::trace_first_order {

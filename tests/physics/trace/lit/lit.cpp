@@ -4,8 +4,8 @@
 #include <functional>
 #include <random>
 
-#include "trace/tally/replay.hpp"
 #include "support/trace_support.hpp"
+#include "trace/tally/replay.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::testing::trace_lit {

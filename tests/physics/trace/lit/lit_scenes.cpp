@@ -5,8 +5,8 @@
 
 #include "beams/cavity_mode.hpp"
 #include "scene/scene.hpp"
-#include "trace/tally/replay.hpp"
 #include "support/trace_support.hpp"
+#include "trace/tally/replay.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::testing::trace_lit_scenes {
