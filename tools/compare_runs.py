@@ -37,11 +37,16 @@ def contents(path):
     return values
 
 
+def bits(value):
+    array = np.asarray(value)
+    return array.tolist() if array.dtype == object else array.tobytes()    # texts are objects
+
+
 def differences(old, new):
     for name in sorted(old.keys() | new.keys()):
         if name not in old or name not in new:
             yield f"{name} is only in the {'new' if name in new else 'old'} file"
-        elif np.asarray(old[name]).tobytes() != np.asarray(new[name]).tobytes():
+        elif bits(old[name]) != bits(new[name]):
             yield f"{name} differs"
 
 
@@ -68,7 +73,7 @@ def main():
     parser.add_argument("new")
     parser.add_argument("scenes", nargs="*")
     parser.add_argument("--histories", default="20000")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     scenes = options.scenes or sorted(str(p) for p in (ROOT / "examples").rglob("*.yaml"))
     programs = [str(pathlib.Path(p).resolve()) for p in (options.old, options.new)]
     failed = 0
