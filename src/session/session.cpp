@@ -109,7 +109,7 @@ void resume_earlier(Model& model, Options const& options, std::string const& run
   settings.seconds_before = earlier.trace.seconds;
 }
 
-// What stands beside the walk, with what must be known of it.
+// The deterministic classes of a world, with their coherence and bounds.
 struct Beside {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;

@@ -27,7 +27,7 @@ inline std::string lower_case(std::string_view text) {
   return out;
 }
 
-// What files of others say, as a terminal may have it.
+// Escapes untrusted text for terminal output.
 
 // Control characters but line ends and tabs become '?', so that no text steers a terminal; of lines beyond 8000 bytes
 // the rest is left out.

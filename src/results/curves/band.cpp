@@ -96,7 +96,7 @@ WithError band_power(NoiseTrace const& trace, FrequencyGrid const& grid, double 
   return power;
 }
 
-// What stands beside the Monte-Carlo error, in words.
+// The errors that are not Monte-Carlo errors, in words.
 
 namespace {
 

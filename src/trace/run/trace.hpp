@@ -44,7 +44,7 @@ struct TraceSettings {
   Ranks const* ranks = nullptr;  // this process is rank 0 of several (trace/run/ranks.hpp)
   SumTree resume;                // blocks done before; what is missing between them is done first
   double seconds_before = 0;     // that they took
-  // Deterministic classes that stand beside the walk (trace/deterministic/deterministic_classes.hpp); they enter the
+  // Deterministic classes, computed without the walk (trace/deterministic/deterministic_classes.hpp); they enter the
   // table, also that of `error`.
   std::vector<CouplingClass> beside;
 };
