@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The law `table`: measured scatter from a file of any format that world/measured reads.
+// The law `table`: measured scatter from a file of any format that world/scatter_data reads.
 #include <fmt/format.h>
 
 #include <algorithm>
