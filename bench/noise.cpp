@@ -90,7 +90,7 @@ MotionSet motion(int classes) {
   return set;
 }
 
-// One route of equal weights; levers along the axes scatter by a factor e^0.3 about 2k times the sine or cosine of a
+// One route of equal weights; phase sensitivities along the axes scatter by a factor e^0.3 about 2k times the sine or cosine of a
 // small angle of scattering.
 CouplingTable table(std::size_t count) {
   CouplingTable t;
@@ -107,11 +107,11 @@ CouplingTable table(std::size_t count) {
     r.weight = r.coupling = 1 / double(count);
     double const length = two_k * std::exp(0.3 * normal(rng)), angle = 0.1 * std::exp(0.3 * normal(rng));
     double const around = 2 * pi * rng.uniform();
-    Lever l{BodyId{0}, {}};
+    PhaseSensitivity l{BodyId{0}, {}};
     l.d[2] = length;
     l.d[1] = length * angle * std::cos(around);
     l.d[0] = length * angle * std::sin(around);
-    r.levers = {l};
+    r.phase_sensitivities = {l};
     c.records.push_back(std::move(r));
   }
   t.classes = {c};
@@ -163,7 +163,7 @@ class TimeSeries {
 Strengths strengths_of(CouplingTable const& t, MotionSet const& m, PhaseSpectra const& spectra) {
   Strengths out{spectra.classes().size(), {}, {}};
   for (PathRecord const& r : t.classes[0].records)
-    for (double k : kappa_of(m, spectra.classes(), r.levers)) out.kappa.push_back(k);
+    for (double k : kappa_of(m, spectra.classes(), r.phase_sensitivities)) out.kappa.push_back(k);
   return out;
 }
 
@@ -173,15 +173,15 @@ double error_of(int classes, std::size_t count) {
   MotionSet const m = motion(classes);
   PhaseSpectra const spectra(group_by_shape(m), settings().grid);
   Strengths const strengths = strengths_of(t, m, spectra);
-  StrengthNodes const nodes(spectra, strengths);
+  SpectrumInterpolator const nodes(spectra, strengths);
   std::vector<double> direct(settings().grid.size()), shared(direct);
-  std::vector<StrengthNodes::Share> shares;
+  std::vector<SpectrumInterpolator::Share> shares;
   for (std::size_t p = 0; p < count; ++p) {
     nodes.shares(p, shares);
     std::vector<double> const one = spectra(strengths.of(p)).psd;
     for (std::size_t i = 0; i < one.size(); ++i) {
       direct[i] += one[i];
-      for (StrengthNodes::Share const& s : shares) shared[i] += s.weight * nodes.basis()[s.basis].psd[i];
+      for (SpectrumInterpolator::Share const& s : shares) shared[i] += s.weight * nodes.basis()[s.basis].psd[i];
     }
   }
   double worst = 0;
@@ -218,7 +218,7 @@ void projection(int classes, double error, double goal_seconds, std::size_t coun
                                        {"ratio", median(ratios)},
                                        {"repeats", repeats},
                                        {"error", error},
-                                       {"nodes", StrengthNodes(spectra, strengths).nodes()},
+                                       {"nodes", SpectrumInterpolator(spectra, strengths).nodes()},
                                        {"theirs_error", one_series},
                                        {"memory", bytes},
                                        {"theirs_memory", yardstick.bytes()},

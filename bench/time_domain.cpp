@@ -22,7 +22,7 @@ struct Problem {
   PhaseTerms terms;
 };
 
-// Tones of 1 um, 5 Hz, in each coordinate; levers up to 2k.
+// Tones of 1 um, 5 Hz, in each coordinate; phase sensitivities up to 2k.
 Problem problem(std::size_t paths, std::size_t coordinates, std::size_t samples, double rate) {
   Problem p;
   Rng rng(1, 0, 0, Stream::source);
@@ -38,7 +38,7 @@ Problem problem(std::size_t paths, std::size_t coordinates, std::size_t samples,
   for (std::size_t j = 0; j < paths; ++j) {
     p.terms.amplitude.push_back(1 / std::sqrt(double(paths)));
     p.terms.turns.push_back(rng.uniform());
-    for (std::size_t c = 0; c < coordinates; ++c) p.terms.lever.push_back(two_over_lambda * (2 * rng.uniform() - 1));
+    for (std::size_t c = 0; c < coordinates; ++c) p.terms.phase_sensitivity.push_back(two_over_lambda * (2 * rng.uniform() - 1));
   }
   return p;
 }
@@ -56,7 +56,7 @@ std::vector<std::complex<double>> plain_sum(PhaseTerms const& t) {
     for (std::size_t i = 0; i < out.size(); ++i) {
       double turns = t.turns[j];
       for (std::size_t c = 0; c < t.coordinate.size(); ++c)
-        turns += t.lever[j * t.coordinate.size() + c] * t.coordinate[c][i];
+        turns += t.phase_sensitivity[j * t.coordinate.size() + c] * t.coordinate[c][i];
       out[i] += std::complex(t.amplitude[j] * std::cos(2 * pi * turns), t.amplitude[j] * std::sin(2 * pi * turns));
     }
   return out;

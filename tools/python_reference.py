@@ -27,7 +27,7 @@ and a test compares. Arrays are numpy's, `[n]` is over frequency, tables are pan
 """
 PARTS = (
     ("Models", "straytrace", ("Model", "Table", "Items", "quantity", "Check", "check", "run", "trace")),
-    ("Results", "straytrace", ("open", "Run", "Noise", "Curve", "Bands", "Routes", "Ledger", "Receiver", "Receivers", "Progress")),
+    ("Results", "straytrace", ("open", "Run", "Noise", "Curve", "Bands", "Routes", "EnergyBalance", "Receiver", "Receivers", "Progress")),
     ("Paths", "straytrace", ("Paths", "Path")),
     ("Scans", "straytrace", ("scan", "Scan", "ScanPoint")),
     ("Errors", "straytrace", ("Problem", "InputError", "RunError", "NumericalError", "StraytraceWarning")),

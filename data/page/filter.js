@@ -4,7 +4,7 @@
 // compares the two. Names, units and values are those of the table.
 "use strict";
 
-const textNames = ["via", "route", "first", "last", "body", "port", "kind", "verdict", "regime", "id"];
+const textNames = ["via", "route", "first", "last", "body", "port", "kind", "status", "regime", "id"];
 const deepest = 64;
 
 // * stands for any characters.
@@ -156,7 +156,7 @@ class Predicate {
     return this.named(word, word.text.toLowerCase());
   }
   named(word, name) {
-    if (name === "resolved") return i => this.about.get("verdict").values[i] === "resolved";
+    if (name === "resolved") return i => this.about.get("status").values[i] === "resolved";
     if (name === "h") return this.compared(word, name, this.strain());
     if (textNames.includes(name)) return this.texts(name);
     const numbers = Predicate.numbers(this.about);

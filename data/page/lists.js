@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ghosts, first-order list, materials, assumptions, books of the light, convergence, provenance.
+// Ghosts, first-order list, materials, assumptions, energy balance, convergence, provenance.
 "use strict";
 
 function addGhosts(reports) {
@@ -100,22 +100,22 @@ function addAssumptions(assumptions, inputs, materials) {
     part.append(el("p", {class: "note"}, "Taken as exact, because nothing is stated: " + inputs.exact.join(", ") + "."));
 }
 
-function addLedger(ledger) {
-  const part = section("Where the light went", "ledger"), emitted = ledger.emitted.value;
-  const fates = ledger.fates.filter(f => f.power.value !== 0);
+function addEnergyBalance(balance) {
+  const part = section("Where the light went", "energy-balance"), emitted = balance.emitted.value;
+  const terms = balance.terms.filter(f => f.power.value !== 0);
   const share = e => withError(100 * e.value / emitted, 100 * e.sigma / emitted);
   part.append(el("p", {class: "note"}, "Of the light that scatters out of the main mode and of free beams; (n): one standard error."),
-              simpleTable(["fate", "power / main mode", "share of emitted [%]"],
-                          [["emitted", withError(emitted, ledger.emitted.sigma), "100"],
-                           ...fates.map(f => [f.name, withError(f.power.value, f.power.sigma), share(f.power)])], [0]),
-              el("p", {class: "note"}, "escaped: left the scene. limit: was still on its way at the largest number of surface events that " +
-                 "is followed. window and sampling: what the random choices took and gave; zero on average."));
-  const objects = ledger.objects.filter(o => o.absorbed && o.absorbed.value > 0 || o.arriving && o.arriving.value > 0)
+              simpleTable(["term", "power / main mode", "share of emitted [%]"],
+                          [["emitted", withError(emitted, balance.emitted.sigma), "100"],
+                           ...terms.map(f => [f.name, withError(f.power.value, f.power.sigma), share(f.power)])], [0]),
+              el("p", {class: "note"}, "escaped: left the scene. truncated: was still on its way at the largest number of surface events that " +
+                 "is followed. roulette and sampling: what the random choices took and gave; zero on average."));
+  const objects = balance.objects.filter(o => o.absorbed && o.absorbed.value > 0 || o.arriving && o.arriving.value > 0)
       .sort((a, b) => (b.absorbed ? b.absorbed.value : 0) - (a.absorbed ? a.absorbed.value : 0));
   const cell = e => e ? withError(e.value, e.sigma) : "–";
   part.append(el("h3", {}, "Objects"), simpleTable(["object", "arriving / main mode", "absorbed / main mode", "absorbed of emitted [%]"],
       objects.slice(0, 30).map(o => [o.name, cell(o.arriving), cell(o.absorbed), o.absorbed ? share(o.absorbed) : "–"]), [0]),
-      el("details", {}, el("summary", {}, "Books and closure"), el("pre", {}, ledger.closure)));
+      el("details", {}, el("summary", {}, "Energy balance and closure"), el("pre", {}, balance.closure)));
 }
 
 function addConvergence(convergence) {

@@ -117,7 +117,7 @@ function build() {
   addFirstOrder(data.first_order);
   if (data.materials) addMaterials(data.materials);
   addAssumptions(data.assumptions, data.inputs, data.materials);
-  addLedger(data.ledger);
+  addEnergyBalance(data.energy_balance);
   if (data.convergence) addConvergence(data.convergence);
   const warnings = section("Warnings", "warnings");
   warnings.append(data.warnings.length === 0 ? el("p", {}, "none") : el("ul", {}, data.warnings.map(w => el("li", {}, w))));

@@ -14,7 +14,7 @@ class PathTable {
     this.about = new Map(table.columns.map(c => [c.key, c]));
     this.texts = new Set(table.columns.filter(c => typeof c.values.find(v => v !== null) === "string").map(c => c.key));
     this.shown = shownAtFirst.filter(key => this.about.has(key));
-    if (!this.about.has("h10") && !this.columns.has("h30")) this.shown.push("lever");
+    if (!this.about.has("h10") && !this.columns.has("h30")) this.shown.push("phase_sensitivity");
     this.sortKey = "rank";
     this.falling = false;
     this.widest = new Map();
@@ -176,9 +176,9 @@ class PathTable {
     this.body.replaceChildren(...shown);
   }
   row(i) {
-    const id = this.columns.get("id")[i], bad = this.columns.get("verdict")[i] !== "resolved";
+    const id = this.columns.get("id")[i], bad = this.columns.get("status")[i] !== "resolved";
     return el("div", {class: "row" + (this.chosen.has(id) ? " chosen" : "") + (bad ? " faint" : "") + (this.off.has(id) ? " off" : ""), "data-id": id,
-                      title: bad ? this.columns.get("verdict")[i] : null,
+                      title: bad ? this.columns.get("status")[i] : null,
                       on: {click: event => this.choose(id, event.ctrlKey || event.shiftKey || event.metaKey)}},
               this.shown.map(key => {
                 const text = this.cell(key, i);

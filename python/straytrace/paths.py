@@ -32,7 +32,7 @@ class Path:
     share: float                      # of the resolved strain noise power
     share_sigma: float
     body: str                         # whose motion contributes most
-    lever: float                      # rad/m
+    phase_sensitivity: float                      # rad/m
     rms_phase: float                  # rad
     regime: str
     opl: float                        # m, mean optical path
@@ -92,7 +92,7 @@ class Paths(Sequence[Path]):
         import pandas
 
         names = ("id", "port", "sequence", "kind", "scatters", "coupling", "coupling_sigma", "share", "share_sigma", "body",
-                 "lever", "rms_phase", "regime", "opl", "at_most", "resolved", "why_not", "histories")
+                 "phase_sensitivity", "rms_phase", "regime", "opl", "at_most", "resolved", "why_not", "histories")
         columns: dict[str, list[Any]] = {name: [getattr(row, name) for row in self.rows] for name in names}
         columns |= {f"h({f:g} Hz)": [row.strain(f) for row in self.rows] for f in frequencies}
         return pandas.DataFrame(columns, index=pandas.Index([row.rank for row in self.rows], name="rank"))
@@ -118,7 +118,7 @@ def paths_from(answer: Mapping[str, Any], noise: Noise | None, ask: Callable[[st
             why_not=r["why_not"], coupling=_number(coupling["value"]), coupling_sigma=_number(coupling["sigma"]),
             hint=_number(r["coupling_hint"]), C_rev=r["C_rev"], share=_number(r["share"]["value"]),
             share_sigma=_number(r["share"]["sigma"]), body=r["moving_body"],
-            lever=_number(r["lever_rad_per_m"]), rms_phase=_number(r["rms_phase_rad"]), regime=r["regime"],
+            phase_sensitivity=_number(r["phase_sensitivity_rad_per_m"]), rms_phase=_number(r["rms_phase_rad"]), regime=r["regime"],
             opl=_number(r["path_length_m"]["mean"]), vertices=r["vertices"], histories=r["histories_scored"],
             strain=strain_of(r["sequence"], r["resolved"])))
     return Paths(rows, ask)

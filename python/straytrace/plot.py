@@ -21,7 +21,7 @@ ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9
 DESIGN_STYLES = ("-", (0, (8, 1.5)), (0, (3, 1, 1, 1)))
 GREY = "#6b6b6b"
 LIGHT = "#d9d9d9"
-FATE_COLOURS = {"absorbed": "#0072B2", "escaped": "#56B4E9", "limit": "#E69F00"}
+TERM_COLOURS = {"absorbed": "#0072B2", "escaped": "#56B4E9", "truncated": "#E69F00"}
 CLOSED = 1e-12  # of the emitted power: what lies below is rounding, as in report.txt
 TOP = 6
 SIZE = (16.0, 10.0)  # inches at 100 dpi: 1600 x 1000 pixels
@@ -127,20 +127,20 @@ def draw_shares(axes, run, band):
         axes.text(0.5, 0.5, "no resolved route", ha="center", va="center", transform=axes.transAxes)
 
 
-def draw_books(axes, run):
+def draw_energy_balance(axes, run):
     """Where the emitted light went: shares of the emitted power."""
-    emitted = run.ledger.get("emitted", (0.0, 0.0))[0]
-    fates = [(name, *value) for name, value in run.ledger.items() if name != "emitted"]
-    place = np.arange(len(fates))[::-1]
+    emitted = run.energy_balance.get("emitted", (0.0, 0.0))[0]
+    terms = [(name, *value) for name, value in run.energy_balance.items() if name != "emitted"]
+    place = np.arange(len(terms))[::-1]
     if emitted <= 0:
         axes.text(0.5, 0.5, "no light was emitted", ha="center", va="center", transform=axes.transAxes)
         emitted = 1.0
-    seen = [bool(np.isfinite(s)) for _, _, s in fates]
-    values = np.array([v if ok else 0.0 for (_, v, _), ok in zip(fates, seen)]) / emitted
-    errors = np.array([s if ok else 0.0 for (_, _, s), ok in zip(fates, seen)]) / emitted
+    seen = [bool(np.isfinite(s)) for _, _, s in terms]
+    values = np.array([v if ok else 0.0 for (_, v, _), ok in zip(terms, seen)]) / emitted
+    errors = np.array([s if ok else 0.0 for (_, _, s), ok in zip(terms, seen)]) / emitted
     rounding = np.abs(values) < CLOSED
     errors = np.where(rounding, 0.0, errors)
-    axes.barh(place, 100 * values, height=0.6, color=[FATE_COLOURS.get(n, GREY) for n, _, _ in fates],
+    axes.barh(place, 100 * values, height=0.6, color=[TERM_COLOURS.get(n, GREY) for n, _, _ in terms],
               xerr=100 * errors, error_kw={"lw": 1.2, "capsize": 3, "ecolor": "black"})
     for y, value, error, ok, nothing in zip(place, values, errors, seen, rounding):
         if not ok:
@@ -153,12 +153,12 @@ def draw_books(axes, run):
             words = plain(100 * value, 100 * error, " %")
         axes.annotate(words, (100 * max(value + error, 0), y), xytext=(6, 0), textcoords="offset points", va="center",
                       fontsize=9.5)
-    axes.set_yticks(place, [n for n, _, _ in fates])
+    axes.set_yticks(place, [n for n, _, _ in terms])
     axes.tick_params(axis="y", length=0)
     widest = 100 * max(values.max(initial=0.0), 0.01)
     axes.set_xlim(min(0.0, 100 * float(np.min(values - errors, initial=0.0))), 1.5 * widest)
     axes.set_xticks([t for t in axes.get_xticks() if 0 <= t <= min(1.2 * widest, 100)])
-    axes.set_ylim(-0.6, len(fates) - 0.4)
+    axes.set_ylim(-0.6, len(terms) - 0.4)
     axes.set_xlabel("share of emitted power [%]")
     axes.set_title("Where the light went")
 
@@ -231,14 +231,14 @@ def draw(run, band=None):
     figure = plt.figure(figsize=SIZE, dpi=100)
     figure.text(0.055, 0.962, shortened(run.attributes.get("title") or "Stray light", 110), fontsize=16, weight="bold")
     figure.text(0.055, 0.012, footer(run), fontsize=9, color=GREY)
-    place, books, width = (0.70, 0.90), (0.72, 0.085, 0.25, 0.295), 62
+    place, balance, width = (0.70, 0.90), (0.72, 0.085, 0.25, 0.295), 62
     rows = strongest(run) if run.noise is None else []
     if rows:
         draw_couplings(figure.add_axes((0.055, 0.085, 0.56, 0.825)), run, rows)
     elif run.noise is None:
         words = "receiver is resolved" if receivers_only(run) else "route is resolved" if run.routes.name else "route was found"
         figure.text(0.055, 0.90, f"No {words}: there is no answer yet.", fontsize=12, va="top")
-        place, books, width = (0.055, 0.86), (0.11, 0.085, 0.5, 0.5), 150
+        place, balance, width = (0.055, 0.86), (0.11, 0.085, 0.5, 0.5), 150
     else:
         band = band or tuple(run.noise.edges[[0, -1]])
         top = figure.add_axes((0.055, 0.455, 0.595, 0.465))
@@ -249,7 +249,7 @@ def draw(run, band=None):
         draw_shares(figure.add_axes((0.055, 0.085, 0.56, 0.295)), run, band)
     text, alarming = notes(run, width)
     figure.text(*place, text, fontsize=9.5, va="top", color="#a23b00" if alarming else GREY, linespacing=1.35)
-    draw_books(figure.add_axes(books), run)
+    draw_energy_balance(figure.add_axes(balance), run)
     return figure
 
 

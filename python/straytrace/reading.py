@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From the datasets of a run file to objects. Layout: schema/run-1.txt."""
+"""From the datasets of a run file to objects. Layout: schema/run-2.txt."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .curves import Bands, Curve, Noise
 from .errors import RunError
 from .routes import Receiver, Receivers, Routes
 
-SCHEMA_MAJOR = 1
+SCHEMA_MAJORS = (1, 2)
 KINDS = ("scattered", "ghost", "edge")
 USER_BLOCK = 512  # bytes
 
@@ -35,6 +35,13 @@ def texts(dataset: Any) -> list[str]:
 def pairs(names: list[str], group: Any) -> dict[str, tuple[float, float]]:
     """Mean and standard error by name."""
     return dict(zip(names, zip(group["mean"][()].tolist(), group["std_error"][()].tolist())))
+
+
+def energy_balance_of(file: Any) -> dict[str, tuple[float, float]]:
+    """Power emitted and the terms it ends in. Files of schema 1 use other names."""
+    group = file["energy_balance"] if "energy_balance" in file else file["ledger"]
+    names = {"limit": "truncated", "window": "roulette"}
+    return pairs([names.get(name, name) for name in texts(group["name"])], group)
 
 
 def attributes(file: Any) -> dict[str, Any]:
@@ -65,9 +72,9 @@ def refuse_other(about: dict[str, Any], path: pathlib.Path) -> None:
     """RunError for a file that is no run file, or of a schema that is not known here."""
     if about.get("file_type") != "straytrace-run":
         raise RunError(f"'{path}' is not a straytrace run file")
-    if int(about["schema"][0]) != SCHEMA_MAJOR:
+    if int(about["schema"][0]) not in SCHEMA_MAJORS:
         version = ".".join(str(n) for n in about["schema"])
-        raise RunError(f"'{path}' has format {version}; this program reads format {SCHEMA_MAJOR}")
+        raise RunError(f"'{path}' has format {version}; this program reads formats {SCHEMA_MAJORS[0]} and {SCHEMA_MAJORS[1]}")
 
 
 def routes_of(file: Any, ports: list[str]) -> Routes:

@@ -86,13 +86,13 @@ class Receivers(list[Receiver]):
                                 index=pandas.Index([r.name for r in self], name="receiver"))
 
 
-class Ledger(dict[str, tuple[float, float]]):
+class EnergyBalance(dict[str, tuple[float, float]]):
     """Where the light went: name to (mean, standard error) of the power per history."""
 
     def table(self) -> pandas.DataFrame:
-        """A row per fate, with its share of what was emitted."""
+        """A row per term, with its share of what was emitted."""
         import pandas
 
-        table = pandas.DataFrame(list(self.values()), columns=["mean", "sigma"], index=pandas.Index(list(self), name="fate"))
+        table = pandas.DataFrame(list(self.values()), columns=["mean", "sigma"], index=pandas.Index(list(self), name="term"))
         table["share"] = table["mean"] / self["emitted"][0] if self.get("emitted", (0, 0))[0] > 0 else np.nan
         return table

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A run file: arrays, tables, pictures, and its noise under other motion. Layout: schema/run-1.txt."""
+"""A run file: arrays, tables, pictures, and its noise under other motion. Layout: schema/run-2.txt."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from . import engine, reading
 from .curves import Noise
 from .errors import RunError, StraytraceWarning
 from .paths import Paths, Where, paths_from
-from .routes import Ledger, Receiver, Receivers, Routes
+from .routes import EnergyBalance, Receiver, Receivers, Routes
 from .scratch import Scratch
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Run:
     path: pathlib.Path
     attributes: dict[str, Any]        # of the root: version, model_hash, seed, histories ...
     routes: Routes
-    ledger: Ledger                    # name: (mean, standard error) of the power per history
+    energy_balance: EnergyBalance                    # name: (mean, standard error) of the power per history
     arrived: dict[str, tuple[float, float]]     # group: (mean, standard error)
     absorbed: dict[str, tuple[float, float]]    # group, then "(in media)"; empty before schema 1.3
     groups: list[str]
@@ -180,7 +180,7 @@ def _read(file: Any, path: pathlib.Path) -> Run:
         path=path,
         attributes=about,
         routes=reading.routes_of(file, ports),
-        ledger=Ledger(pairs(texts(file["ledger/name"]), file["ledger"])),
+        energy_balance=EnergyBalance(reading.energy_balance_of(file)),
         arrived=pairs(groups, file["arrived"]),
         absorbed=pairs([*groups, "(in media)"], file["absorbed"]) if "absorbed" in file else {},
         groups=groups,

@@ -179,7 +179,7 @@ void print_profile(Named const& n, AperturesRequest const& wanted, bool json) {
 
 int apertures(Options const& options, AperturesRequest const& wanted) {
   Model const model = read_model(options.input, options.overrides);
-  tell_warnings(model.scene, options);
+  print_warnings(model.scene, options);
   std::vector<Named> const all = named_apertures(model);
   if (!wanted.profile.empty()) {
     print_profile(chosen(all, wanted.profile), wanted, options.json());

@@ -126,9 +126,9 @@ class Answers {
     if (csv_) entry["surfaces"] = outlines(world_, report);
     all_.push_back(std::move(entry));
     if (options_.quiet) return;
-    if (report.ledger.stopped > 0)
+    if (report.energy_balance.stopped > 0)
       std::cerr << fmt::format("stopped early: beam '{}': {:.2g} of the launched power was not followed\n", report.beam,
-                               double(report.ledger.stopped));
+                               double(report.energy_balance.stopped));
     for (std::string const& w : report.warnings) std::cerr << fmt::format("warning: beam '{}': {}\n", report.beam, w);
   }
   void finish() {
@@ -159,7 +159,7 @@ class Answers {
 int ghosts(Options const& options, GhostsRequest const& wanted) {
   refuse_two_formats(options);
   Model const model = read_for_ghosts(options);
-  tell_warnings(model.scene, options);
+  print_warnings(model.scene, options);
   GhostSearch search{
       model, settings_of(model, wanted), rank_of(wanted.by), options.show ? options.show : rows_shown, nullptr, {}};
   std::vector<BeamLaunch> const beams = choose_beams(model, wanted.beam);

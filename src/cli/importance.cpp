@@ -50,7 +50,7 @@ std::vector<ImportanceRow> find_rows(Options const& options) {
       file ? read_scene(file->about.main_file, overrides, &file->about.files) : read_scene(options.input, overrides);
   World world = build_world(scene);
   scene.throw_if_problems();
-  if (!file) tell_warnings(scene, options);
+  if (!file) print_warnings(scene, options);
   world.limits.targets = true;
   steer(world);
   return rows_of(importance_map(world), world.groups());

@@ -28,7 +28,7 @@ void say(std::string const& what, bool json) {
     std::cerr << problems_as_json(InputError(what)) << '\n';
   else
     std::cerr << "error: " << printable(what) << '\n';
-  tell_problems(InputError(what));
+  print_problems(InputError(what));
 }
 
 // One sentence and what to write instead; the exit code.
@@ -73,7 +73,7 @@ std::string version_text() {
 
 // For programs that start this one.
 void add_program_options(CLI::App& app) {
-  app.add_flag_callback("--events", tell_events, "progress and problems as lines of JSON on stderr");
+  app.add_flag_callback("--events", print_events, "progress and problems as lines of JSON on stderr");
   app.add_option_function<std::vector<std::string>>(
          "--unsaved",
          [](std::vector<std::string> const& pairs) {
@@ -103,7 +103,7 @@ int answer(int argc, char** argv) {
     return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
   } catch (InputError const& e) {
     std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
-    tell_problems(e);
+    print_problems(e);
     return input_error;
   } catch (std::filesystem::filesystem_error const& e) {
     say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);

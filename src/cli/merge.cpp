@@ -16,11 +16,11 @@
 namespace straytrace {
 namespace {
 
-void tell_other_texts(RunParts const& parts, Options const& options) {
+void report_other_texts(RunParts const& parts, Options const& options) {
   auto const differs = [&](PartHead const& head) { return head.texts_hash != parts.heads.front().texts_hash; };
   auto const other = std::find_if(parts.heads.begin(), parts.heads.end(), differs);
   if (other == parts.heads.end()) return;
-  tell_warning(
+  print_warning(
       fmt::format("'{}' and '{}' were traced from different texts, for example of motion; those of '{}' go into "
                   "the run",
                   other->file, parts.heads.front().file, parts.heads.front().file),
@@ -58,15 +58,15 @@ int merge(std::vector<std::string> const& files, bool partial, Options const& op
   RunParts const parts = read_parts(files);
   if (!parts.missing.empty() && !partial) refuse_gaps(parts);
   if (std::find(files.begin(), files.end(), options.out) == files.end()) refuse_loss(parts, options);
-  tell_other_texts(parts, options);
-  Earlier const first(parts.heads.front().file);
+  report_other_texts(parts, options);
+  RunInput const first(parts.heads.front().file);
   Model model = first.read({});
-  tell_warnings(model, options);
+  print_warnings(model, options);
   TraceResult const result = merged(parts, model, options);
   RunContent const content = first.completed(content_of(model, result, nullptr));
   write_run(options.out, content);
-  tell_traced(content, model, options);
-  if (!parts.missing.empty()) tell_warning(missing_text(parts), options);
+  print_traced(content, model, options);
+  if (!parts.missing.empty()) print_warning(missing_text(parts), options);
   if (!options.quiet)
     std::cerr << fmt::format("{}, {:.6g} histories in {}; data {}\n", counted(files.size(), "part"),
                              double(result.total.histories), options.out, data_hash(options.out).substr(0, 16));

@@ -45,9 +45,9 @@ int noise(Options const& options) {
     replace_motion(model, options.response, nullptr, &files, true);
     replaced += (replaced.empty() ? "" : "\n") + name_of(options.response);
   }
-  tell_warnings(model, options);
+  print_warnings(model, options);
   NoiseBudget const budget = model.project_with_bands(file.trace.coupling);
-  tell_warnings(budget, options);
+  print_warnings(budget, options);
   double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   PathTable const paths = table_for(file.trace.coupling, &budget, model);
   RunContent content = file.content();

@@ -31,7 +31,7 @@ void add_print(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace print examples/virgo_arm.yaml -p rim=48cm --format json");
   command->callback([&] {
     Scene const scene = read_by_all(options.input, options.overrides);
-    tell_warnings(scene, options);
+    print_warnings(scene, options);
     exit_code = print_resolved(scene, options);
   });
 }

@@ -113,7 +113,7 @@ void write_view(Options const& options, Model const& model, RunContent const* ru
 int view(Options const& options, ViewWanted const& wanted, Exports const& exports) {
   if (names_scene(options.input)) {
     Model model = read_model(options.input, options.overrides);
-    tell_warnings(model, options);
+    print_warnings(model, options);
     steer(model.world);
     write_view(options, model, nullptr, nullptr, wanted, exports);
   } else {

@@ -32,7 +32,7 @@ std::string write_with_page(std::string const& folder, RunContent const& content
 // Who asks it to stop while it still reads, or already writes, gets a run file as well.
 int run(Options const& options) {
   InterruptGuard const guard;
-  Earlier const earlier(options.input);  // a run file is made again from its own content
+  RunInput const earlier(options.input);  // a run file is made again from its own content
   if (!earlier.slice().whole())
     throw InputError(fmt::format(
         "error: '{0}' is slice {1}/{2} of a run\n  make one run of all slices by straytrace merge; straytrace "
@@ -40,7 +40,7 @@ int run(Options const& options) {
         options.input, earlier.slice().number, earlier.slice().of));
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
-  tell_warnings(model, options);
+  print_warnings(model, options);
 
   bool const alone = options.out.ends_with(".h5");  // the run file and nothing beside it
   std::optional<OutputFolder> folder;
@@ -50,7 +50,7 @@ int run(Options const& options) {
   TraceResult const traced = trace_model(model, options, run_file);  // world -> coupling table
   std::optional<NoiseBudget> budget;                                 // from here on nothing is expensive
   if (model.detector) budget = model.project_with_bands(traced.coupling);
-  if (budget) tell_warnings(*budget, options);
+  if (budget) print_warnings(*budget, options);
   PathTable const paths = table_for(traced.coupling, budget ? &*budget : nullptr, model);
   RunContent const content = earlier.completed(content_of(model, traced, budget ? &*budget : nullptr));
   std::string undrawn;

@@ -47,7 +47,7 @@ void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
 
 void check_accounting(std::string const& group) {
   std::smatch m;
-  if (group.empty() || has_form(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
+  if (group.empty() || bounded_regex_match(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
   throw InputError(fmt::format(
       "error: --accounting '{}' is no name of an account\n  letters, digits and . _ - + @ / are allowed", group));
 }
@@ -79,7 +79,7 @@ void check_parts(std::string const& folder, Model const& model, std::uint64_t jo
 }
 
 // The scene with all it includes, its parameters and numbers in one file: a run of which nothing is done.
-void write_input(std::string const& file, Earlier const& earlier, Model const& model) {
+void write_input(std::string const& file, RunInput const& earlier, Model const& model) {
   TraceSettings settings;
   settings.seed = model.seed;
   TraceResult nothing = result_of(model.world, settings, SumTree{});
@@ -90,11 +90,11 @@ void write_input(std::string const& file, Earlier const& earlier, Model const& m
 
 int submit(Options const& options, SubmitOptions const& wanted) {
   check_accounting(wanted.accounting);
-  Earlier const earlier(options.input);
+  RunInput const earlier(options.input);
   Model model = earlier.read_to_the_end(options.overrides);
   apply(options, model);
   refuse_what_has_no_slices(model, wanted.jobs);
-  tell_warnings(model, options);
+  print_warnings(model, options);
   Jobs jobs;
   jobs.slices = wanted.jobs;
   jobs.program = fs::read_symlink("/proc/self/exe").string();
@@ -114,7 +114,7 @@ int submit(Options const& options, SubmitOptions const& wanted) {
   write_files(files);
   std::cout << "bash " << shell_word(folder.path("submit.sh")) << '\n';
   if (options.backend == "slurm" && jobs.slices > usual_array)
-    tell_warning(
+    print_warning(
         fmt::format("{} jobs are more than Slurm takes in one array unless its administrator allows it\n  compare "
                     "MaxArraySize of: scontrol show config; or take --jobs {}",
                     jobs.slices, usual_array),

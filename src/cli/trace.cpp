@@ -36,7 +36,7 @@ void refuse_stop_rule(Options const& options, Model const& model) {
 // already writes, gets a run file as well.
 int trace_only(Options options, Transport* transport) {
   InterruptGuard const guard;
-  Earlier const earlier(options.input);
+  RunInput const earlier(options.input);
   Model model = earlier.read_to_the_end(options.overrides);
   if (options.slices == 1) {
     options.slice = earlier.slice().number;
@@ -48,11 +48,11 @@ int trace_only(Options options, Transport* transport) {
     work_for_rank_0(model, options, *transport);
     return done;
   }
-  tell_warnings(model, options);
+  print_warnings(model, options);
   TraceResult const traced = trace_model(model, options, options.out, transport);
   RunContent const content = earlier.completed(content_of(model, traced, nullptr));
   write_run(options.out, content);
-  tell_traced(content, model, options);
+  print_traced(content, model, options);
   if (traced.checkpointed() && !options.quiet) std::cerr << how_to_go_on;
   return traced.checkpointed() ? checkpointed : done;
 }
@@ -65,7 +65,7 @@ int trace_by_mpi(Options const& options) {
     return trace_only(options, &transport);
   } catch (std::exception const& e) {
     if (leads) {
-      send_home(transport);
+      stop_workers(transport);
       throw;
     }
     report_failure(transport, e.what());
@@ -74,12 +74,12 @@ int trace_by_mpi(Options const& options) {
 }
 
 // One history, event by event: of a scene as it would be traced, or of a run as it was.
-int tell_history(Options const& options, std::uint64_t number) {
-  Earlier const earlier(options.input);
+int print_history(Options const& options, std::uint64_t number) {
+  RunInput const earlier(options.input);
   Model model = earlier.read(options.overrides);
   if (options.seed) model.seed = *options.seed;
   steer(model.world, options.threads);
-  std::vector<ToldEvent> const events = told_history(model.world, model.seed, number);
+  std::vector<HistoryEvent> const events = replay_history_events(model.world, model.seed, number);
   if (options.json()) {
     std::cout << told_json(events).dump() << '\n';
     return done;
@@ -87,7 +87,7 @@ int tell_history(Options const& options, std::uint64_t number) {
   Columns table{{"event", "order", "what", "where", "body", "x [m]", "y [m]", "z [m]", "power"},
                 {false, false, true, true, true},
                 {}};
-  for (ToldEvent const& e : events) {
+  for (HistoryEvent const& e : events) {
     bool const placed = std::isfinite(e.point.x);
     auto const metres = [&](double x) { return placed ? fmt::format("{:.7g}", x) : ""; };
     table.rows.push_back({placed ? fmt::format("{}", e.event) : "", placed ? fmt::format("{}", e.order) : "", e.what,
@@ -107,7 +107,7 @@ namespace {
 void read_slice(std::string const& text, Options& options) {
   static std::regex const form(R"(\s*([0-9]{1,7})\s*/\s*([0-9]{1,7})\s*)");
   std::smatch m;
-  if (has_form(text, m, form)) {
+  if (bounded_regex_match(text, m, form)) {
     options.slice = std::stoull(m[1]);
     options.slices = std::stoull(m[2]);
     if (options.slice >= 1 && options.slice <= options.slices) return;
@@ -145,7 +145,7 @@ void add_trace(CLI::App& app, Options& options, int& exit_code) {
       "A run file is continued to the number of histories asked for.");
   command->callback([&, out] {
     if (history) {
-      exit_code = tell_history(options, *history);
+      exit_code = print_history(options, *history);
       return;
     }
     if (out->count() == 0 && !options.input.ends_with(".h5")) throw CLI::RequiredError("--out");

@@ -115,7 +115,7 @@ Phasor DualRecycled::to_freedom(LinearResponse const& r, Freedom f) const {
   return sum + to("ITM y") * of(Length::short_y) + to("ETM y") * (of(Length::short_y) + of(Length::arm_y));
 }
 
-Injection DualRecycled::injection(Entrance entrance) const {
+Injection DualRecycled::injection(InjectionPoint injection_point) const {
   struct Way {
     char const* component;
     std::uint32_t port;
@@ -134,14 +134,16 @@ Injection DualRecycled::injection(Entrance entrance) const {
                                                             {"SRM", 1, false, true, 0},
                                                             {"PRM", 0, false, true, 0},
                                                             {"PRM", 0, false, false, 0}}};
-  Way const& way = ways[std::size_t(entrance)];
+  Way const& way = ways[std::size_t(injection_point)];
   std::uint32_t const port = network_.number_of({network_.find(way.component), way.port});
   return {port, way.joins_leaving, way.of_leaving, way.turn};
 }
 
-double DualRecycled::share_outside(Entrance e) const { return e == Entrance::through_end ? p_.end_transmission : 1; }
+double DualRecycled::share_outside(InjectionPoint e) const {
+  return e == InjectionPoint::through_end ? p_.end_transmission : 1;
+}
 
-double DualRecycled::reference(Entrance e) const {
+double DualRecycled::reference(InjectionPoint e) const {
   Injection const i = injection(e);
   return std::sqrt((i.of_leaving ? field_->power_out(i.port) : field_->power_in(i.port)) / arm_power());
 }
@@ -163,7 +165,7 @@ std::unique_ptr<DualRecycled> DualRecycled::without_radiation_pressure() const {
 
 StrayGain DualRecycled::stray_gain(double hz) const {
   auto const heavy = without_radiation_pressure();
-  Injection const arm = injection(Entrance::arm);
+  Injection const arm = injection(InjectionPoint::arm);
   StrayGain gain;
   for (char const* end : {"ETM x", "ETM y"}) {
     LinearResponse const r = heavy->response(Readout::power(network_.number_of({network_.find(end), 0})), hz);

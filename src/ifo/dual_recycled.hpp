@@ -101,12 +101,12 @@ class DualRecycled {
   LinearResponse response(double hz) const { return {network_, *field_, readout_, hz}; }
   LinearResponse response(Readout const& r, double hz) const { return {network_, *field_, r, hz}; }
   Phasor to_freedom(LinearResponse const&, Freedom) const;  // per m
-  Injection injection(Entrance) const;
+  Injection injection(InjectionPoint) const;
   // Of the field s of this place, what 1 of the injection stands for: light that passed the end mirror twice has
   // s = T_E s_bench (eq. 9.3), and is injected behind that mirror.
-  double share_outside(Entrance) const;
+  double share_outside(InjectionPoint) const;
   // Field that a stray field at this place is relative to, over that in arm x. Without light there: rounding.
-  double reference(Entrance) const;
+  double reference(InjectionPoint) const;
   // Whether DARM appears in the read-out; not: its response there is rounding.
   bool sees_darm(double hz) const;
   StrayGain stray_gain(double hz) const;

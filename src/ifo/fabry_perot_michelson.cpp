@@ -72,18 +72,20 @@ std::span<Key<K> const> fabry_perot_michelson_keys() { return michelson_keys; }
 std::complex<double> FabryPerotMichelson::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = entry(port);
   double const in_arm = strain_per_phase_in_arm(p_.wavelength, p_.arm.length);
-  if (e.entrance == Entrance::end_bench) return e.field_share * p_.arm.end_transmission * in_arm;  // eq. 9.3
-  if (e.entrance == Entrance::short_arm)
+  if (e.injection_point == InjectionPoint::end_bench)
+    return e.field_share * p_.arm.end_transmission * in_arm;  // eq. 9.3
+  if (e.injection_point == InjectionPoint::short_arm)
     return e.field_share * strain_per_phase_in_short_arm(p_.arm, p_.wavelength, hz);
-  if (e.entrance == Entrance::as_port)
+  if (e.injection_point == InjectionPoint::as_port)
     return e.field_share * strain_at_antisymmetric_port(p_.dark_fringe_offset, p_.arm.length, hz, p_.mode);
   return e.field_share * in_arm;
 }
 
 std::complex<double> FabryPerotMichelson::strain_per_amplitude(PortId port, double hz) const {
   PortEntry const& e = entry(port);
-  if (e.entrance == Entrance::short_arm || e.entrance == Entrance::as_port) return 0;    // no closed form
-  double const share = e.entrance == Entrance::end_bench ? p_.arm.end_transmission : 1;  // eq. 9.4
+  if (e.injection_point == InjectionPoint::short_arm || e.injection_point == InjectionPoint::as_port)
+    return 0;                                                                                         // no closed form
+  double const share = e.injection_point == InjectionPoint::end_bench ? p_.arm.end_transmission : 1;  // eq. 9.4
   return e.field_share * share * strain_per_amplitude_in_arm(hz, p_.power, p_.mass, p_.arm.length, p_.mode);
 }
 
@@ -94,7 +96,7 @@ std::string FabryPerotMichelson::description() const {
       "P {:.5g} W per arm, M {:g} kg, Gamma {:.4g}, f_p {:.4g} Hz, finesse {:.4g}, {:g} equal arms",
       p_.wavelength * 1e9, p_.arm.length, p_.power, p_.mass, p_.mode.gain, p_.mode.pole, finesse(p_.arm), p_.arms);
   bool const all_inside = std::all_of(ports_.begin(), ports_.end(), [&](PortEntry const& e) {
-    return is_inside_an_arm(e.entrance) && e.field_share == 1 && e.copies == p_.arms;
+    return is_inside_an_arm(e.injection_point) && e.field_share == 1 && e.copies == p_.arms;
   });
   return all_inside ? text : text + describe(ports_, *this, band_);
 }
@@ -106,16 +108,16 @@ void refuse_without_closed_form(Node const& table, FabryPerotMichelson::Paramete
                                 std::vector<PortEntry> const& entries) {
   for (PortEntry const& e : entries) {
     if (has_response_files(table, e.name)) continue;
-    Entrance const at = e.entrance;
-    if (at == Entrance::recycling_cavity || at == Entrance::signal_cavity || at == Entrance::symmetric_port ||
-        at == Entrance::input_bench)
+    InjectionPoint const at = e.injection_point;
+    if (at == InjectionPoint::recycling_cavity || at == InjectionPoint::signal_cavity ||
+        at == InjectionPoint::symmetric_port || at == InjectionPoint::input_bench)
       table["ports"][e.name].problem(
           fmt::format("there is no closed form for light at '{}'", entrance_names[std::size_t(at)]),
           "take a preset that solves the network, for example 'preset: adv'");
-    if (at == Entrance::as_port && p.dark_fringe_offset == 0)
+    if (at == InjectionPoint::as_port && p.dark_fringe_offset == 0)
       table["ports"][e.name].problem("at the antisymmetric port stray light needs an offset of the dark fringe",
                                      "add 'dark_fringe_offset: 4 pm' to the interferometer");
-    if (at == Entrance::end_bench && p.arm.end_transmission == 0)
+    if (at == InjectionPoint::end_bench && p.arm.end_transmission == 0)
       table["ports"][e.name].problem("light from an end bench passes the end mirror, which transmits nothing",
                                      "add 'end_transmission: 4.4 ppm' to the interferometer");
   }

@@ -9,7 +9,7 @@
 namespace straytrace {
 
 // The relative field s of a path refers to the main light named here.
-enum class Entrance : std::uint8_t {
+enum class InjectionPoint : std::uint8_t {
   arm,               // an arm, scattered at its input mirror; the light that leaves it into the arm (eq. 9.1, 9.2)
   end_mirror,        // an arm, scattered at its end mirror; the light that leaves it into the arm
   through_end,       // an end mirror from behind, passed twice in s already; the light that leaves it into the arm
@@ -25,9 +25,11 @@ constexpr std::array<std::string_view, 10> entrance_names = {
     "arm",           "end-mirror", "through-end",    "end-bench",  "short-arm", "recycling-cavity",
     "signal-cavity", "as-port",    "symmetric-port", "input-bench"};
 // One of two equal arms has it, not the whole interferometer.
-constexpr bool is_of_an_arm(Entrance e) { return e <= Entrance::short_arm; }
-constexpr bool is_behind_the_end(Entrance e) { return e == Entrance::through_end || e == Entrance::end_bench; }
+constexpr bool is_of_an_arm(InjectionPoint e) { return e <= InjectionPoint::short_arm; }
+constexpr bool is_behind_the_end(InjectionPoint e) {
+  return e == InjectionPoint::through_end || e == InjectionPoint::end_bench;
+}
 // Relative to the light that circulates in an arm.
-constexpr bool is_inside_an_arm(Entrance e) { return e <= Entrance::through_end; }
+constexpr bool is_inside_an_arm(InjectionPoint e) { return e <= InjectionPoint::through_end; }
 
 }  // namespace straytrace

@@ -17,9 +17,9 @@ namespace straytrace {
 // A port of the scene, as the interferometer finds it.
 struct TracedPort {
   std::string name;
-  Entrance entrance = Entrance::arm;  // where its light joins when the table does not say
-  double power = 0;                   // W, of its beam; 0: not stated
-  double cavity_length = 0;           // m, between the mirrors of its beam; 0: no cavity
+  InjectionPoint injection_point = InjectionPoint::arm;  // where its light joins when the table does not say
+  double power = 0;                                      // W, of its beam; 0: not stated
+  double cavity_length = 0;                              // m, between the mirrors of its beam; 0: no cavity
 };
 
 // What a detector is known by, of its arms and its recycling. NaN: not known.

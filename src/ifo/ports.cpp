@@ -20,7 +20,7 @@ bool agrees(double a, double b, double tolerance) { return std::fabs(a - b) <= t
 std::vector<TracedPort> inside_an_arm(std::vector<TracedPort> const& ports, std::vector<PortEntry> const& entries) {
   std::vector<TracedPort> inside;
   for (std::size_t i = 0; i < ports.size(); ++i)
-    if (is_inside_an_arm(entries[i].entrance)) inside.push_back(ports[i]);
+    if (is_inside_an_arm(entries[i].injection_point)) inside.push_back(ports[i]);
   return inside;
 }
 
@@ -54,17 +54,17 @@ void unknown_port(Node const& at, std::string const& name, std::vector<TracedPor
 }
 
 PortEntry read_entry(Node const& node, TracedPort const& port, double arms) {
-  PortEntry entry{.name = port.name, .entrance = port.entrance};
+  PortEntry entry{.name = port.name, .injection_point = port.injection_point};
   if (node.kind() != Node::Kind::table) {
     node.problem(fmt::format("what port '{}' is must be said in a table", entry.name), "write {at: end-bench}");
     return entry;
   }
-  std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.entrance)]);
+  std::string const at = node.choice("at", entrance_names, entrance_names[std::size_t(port.injection_point)]);
   auto const found = std::find(entrance_names.begin(), entrance_names.end(), at);
-  if (found != entrance_names.end()) entry.entrance = Entrance(found - entrance_names.begin());
+  if (found != entrance_names.end()) entry.injection_point = InjectionPoint(found - entrance_names.begin());
   entry.field_share = node.number("pick_off", dim::plain, 1, faintest, 1) *
                       std::sqrt(node.number("isolation", dim::plain, 1, faintest, 1));
-  entry.copies = node.number("copies", dim::plain, is_of_an_arm(entry.entrance) ? arms : 1, 1, 1e6);
+  entry.copies = node.number("copies", dim::plain, is_of_an_arm(entry.injection_point) ? arms : 1, 1, 1e6);
   node.refuse_unknown(fmt::format("port '{}'", entry.name));
   return entry;
 }
@@ -143,7 +143,8 @@ class MeasuredResponses final : public Interferometer {
 std::vector<PortEntry> read_port_entries(Node const& interferometer, std::vector<TracedPort> const& ports,
                                          double arms) {
   std::vector<PortEntry> entries;
-  for (TracedPort const& p : ports) entries.push_back({.name = p.name, .entrance = p.entrance, .copies = arms});
+  for (TracedPort const& p : ports)
+    entries.push_back({.name = p.name, .injection_point = p.injection_point, .copies = arms});
   if (Node const table = interferometer.table("ports"))
     for (auto const& [name, node] : table.items()) {
       auto const at = find(ports, name);
@@ -205,14 +206,14 @@ std::string describe(std::vector<PortEntry> const& entries, Interferometer const
     PortEntry const& e = entries[i];
     std::vector<std::string> names;
     for (std::size_t j = i; j < entries.size(); ++j)
-      if (entries[j].entrance == e.entrance && entries[j].field_share == e.field_share &&
+      if (entries[j].injection_point == e.injection_point && entries[j].field_share == e.field_share &&
           entries[j].copies == e.copies) {
         names.push_back(entries[j].name);
         told[j] = true;
       }
     PortId const port{std::uint32_t(i)};
     text += fmt::format("; {}: {}{}, {:g} {}, at {:.4g} and {:.4g} Hz h per Im s {} and {}, per Re s {} and {}",
-                        fmt::join(names, ", "), entrance_names[std::size_t(e.entrance)],
+                        fmt::join(names, ", "), entrance_names[std::size_t(e.injection_point)],
                         e.field_share == 1 ? "" : fmt::format(" (field x {:.3g})", e.field_share), e.copies,
                         e.copies == 1 ? "copy" : "copies", low, high, number(ifo.strain_per_phase(port, low)),
                         number(ifo.strain_per_phase(port, high)), number(ifo.strain_per_amplitude(port, low)),

@@ -15,7 +15,7 @@ namespace straytrace {
 
 struct PortEntry {
   std::string name;
-  Entrance entrance = Entrance::arm;
+  InjectionPoint injection_point = InjectionPoint::arm;
   double field_share = 1;  // pick-off (eq. 9.8: its power ratio) and isolation (its root) on the way back
   double copies = 2;       // equal, independent ones of the traced port; powers add
 };

@@ -77,7 +77,7 @@ std::array<double, 3> probes(Band const& band) { return {band.low, std::sqrt(ban
 
 // A read-out that does not see DARM calibrates nothing.
 void refuse_a_blind_readout(Node const& table, DualRecycled const& model, Band const& band) {
-  if (model.parameters().dark_fringe_offset != 0 && !(model.reference(Entrance::as_port) > rounding))
+  if (model.parameters().dark_fringe_offset != 0 && !(model.reference(InjectionPoint::as_port) > rounding))
     return table["dark_fringe_offset"].problem("with so small an offset no light of the carrier leaves the dark port",
                                                "write 'dark_fringe_offset: 4 pm'; 0 m for a homodyne detector");
   for (double const hz : probes(band))
@@ -101,7 +101,7 @@ void refuse_keys_at_odds(Node const& table, P const& p) {
 
 void warn_of_idle_servos(Node const& table, std::vector<PortEntry> const& entries) {
   bool const served = std::any_of(entries.begin(), entries.end(), [&](PortEntry const& e) {
-    return e.entrance == Entrance::input_bench && !has_response_files(table, e.name);
+    return e.injection_point == InjectionPoint::input_bench && !has_response_files(table, e.name);
   });
   for (char const* key : {"frequency_servo", "intensity_servo"})
     if (table.has(key) && !served)
@@ -118,8 +118,8 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
   for (std::size_t i = 0; i < entries.size(); ++i) {
     PortEntry const& e = entries[i];
     if (has_response_files(table, e.name) || !table.healthy()) continue;
-    std::string_view const at = entrance_names[std::size_t(e.entrance)];
-    double const light = ifo.model().reference(e.entrance);
+    std::string_view const at = entrance_names[std::size_t(e.injection_point)];
+    double const light = ifo.model().reference(e.injection_point);
     Node const place = place_of_entrance(table, e.name);
     if (!(light > rounding)) {
       place.problem(
@@ -127,11 +127,11 @@ void refuse_ports_without_response(Node const& table, RecycledInterferometer con
                       "relative to",
                       at),
           fmt::format("add '{}' to the interferometer, or give the port a file in 'responses'",
-                      is_behind_the_end(e.entrance) ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
+                      is_behind_the_end(e.injection_point) ? "end_transmission: 4.4 ppm" : "dark_fringe_offset: 4 pm"));
       continue;
     }
     double largest = 0;
-    for (double const hz : probes(band)) largest = std::fmax(largest, ifo.largest_response(e.entrance, hz));
+    for (double const hz : probes(band)) largest = std::fmax(largest, ifo.largest_response(e.injection_point, hz));
     if (!(largest > rounding * whole * light))
       place.problem(
           fmt::format("light at '{}' does not reach the read-out: the arms are equal and the fringe is dark", at),
@@ -150,8 +150,8 @@ RecycledInterferometer::Answer RecycledInterferometer::solved(double hz) const {
   if (!(std::abs(darm) > 0)) throw NumericalError("the read-out of the interferometer does not see DARM");
   Answer a;
   for (std::size_t e = 0; e < entrance_names.size(); ++e) {
-    Injection const i = model_->injection(Entrance(e));
-    std::complex<double> const per_field = darm * model_->share_outside(Entrance(e));
+    Injection const i = model_->injection(InjectionPoint(e));
+    std::complex<double> const per_field = darm * model_->share_outside(InjectionPoint(e));
     a.phase[e] = r.to_phase(i) / per_field;
     a.amplitude[e] = r.to_amplitude(i) / per_field;
   }
@@ -166,15 +166,17 @@ RecycledInterferometer::Answer const& RecycledInterferometer::answer(double hz) 
 
 std::complex<double> RecycledInterferometer::strain_per_phase(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
-  std::complex<double> const quieted = e.entrance == Entrance::input_bench ? suppression(servos_.frequency(hz)) : 1.0;
-  return e.field_share * quieted * answer(hz).phase[std::size_t(e.entrance)];
+  std::complex<double> const quieted =
+      e.injection_point == InjectionPoint::input_bench ? suppression(servos_.frequency(hz)) : 1.0;
+  return e.field_share * quieted * answer(hz).phase[std::size_t(e.injection_point)];
 }
 std::complex<double> RecycledInterferometer::strain_per_amplitude(PortId port, double hz) const {
   PortEntry const& e = ports_.at(port.value);
-  std::complex<double> const quieted = e.entrance == Entrance::input_bench ? suppression(servos_.intensity(hz)) : 1.0;
-  return e.field_share * quieted * answer(hz).amplitude[std::size_t(e.entrance)];
+  std::complex<double> const quieted =
+      e.injection_point == InjectionPoint::input_bench ? suppression(servos_.intensity(hz)) : 1.0;
+  return e.field_share * quieted * answer(hz).amplitude[std::size_t(e.injection_point)];
 }
-double RecycledInterferometer::largest_response(Entrance e, double hz) const {
+double RecycledInterferometer::largest_response(InjectionPoint e, double hz) const {
   Answer const& a = answer(hz);
   return std::fmax(std::abs(a.phase[std::size_t(e)]), std::abs(a.amplitude[std::size_t(e)]));
 }
@@ -190,7 +192,8 @@ std::string RecycledInterferometer::description() const {
   P const& p = model_->parameters();
   constexpr double hz = 10;
   double const inertia = speed_of_light * p.mirror_mass * std::pow(2 * pi * hz, 2) * p.arm_length,
-               gain = std::abs(answer(hz).amplitude[std::size_t(Entrance::arm)]) * inertia / (8 * model_->arm_power());
+               gain = std::abs(answer(hz).amplitude[std::size_t(InjectionPoint::arm)]) * inertia /
+                      (8 * model_->arm_power());
   std::string const readout =
       p.dark_fringe_offset != 0
           ? fmt::format("power of the carrier with {:g} pm of DARM offset", p.dark_fringe_offset * 1e12)

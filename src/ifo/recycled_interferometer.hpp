@@ -30,7 +30,7 @@ class RecycledInterferometer final : public Interferometer {
   std::string description() const override;
   DualRecycled const& model() const { return *model_; }
   // Strain per relative field in the larger of both quadratures, without what the port and servos take of it.
-  double largest_response(Entrance, double hz) const;
+  double largest_response(InjectionPoint, double hz) const;
 
  private:
   struct Answer {

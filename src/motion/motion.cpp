@@ -9,12 +9,12 @@
 
 namespace straytrace {
 
-double MotionSet::sensitivity(std::size_t i, std::span<Lever const> levers, double hz) const {
+double MotionSet::sensitivity(std::size_t i, std::span<PhaseSensitivity const> phase_sensitivities, double hz) const {
   std::complex<double> phase = 0;  // per unit of the input
-  for (Lever const& lever : levers)
+  for (PhaseSensitivity const& phase_sensitivity : phase_sensitivities)
     for (Gain const& gain : inputs[i].gains)
-      if (gain.body == lever.body)
-        phase += lever.d[gain.axis] * gain.value * (gain.transfer ? (*gain.transfer)(hz) : 1.0);
+      if (gain.body == phase_sensitivity.body)
+        phase += phase_sensitivity.d[gain.axis] * gain.value * (gain.transfer ? (*gain.transfer)(hz) : 1.0);
   return std::norm(phase);
 }
 
@@ -28,7 +28,7 @@ void share_transfers(std::vector<Gain>& gains) {
 }
 
 // Once for a body with all its modes, and not where its name is misspelt, which is told at that name.
-void tell_missing(Node const& table, std::string const& name, std::vector<std::string> const* of_run) {
+void report_missing(Node const& table, std::string const& name, std::vector<std::string> const* of_run) {
   auto const stroke = name.find('/');
   if (stroke != std::string::npos) {
     std::string const body = name.substr(0, stroke), mode = name.substr(stroke + 1);
@@ -73,7 +73,7 @@ MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& 
       continue;
     }
     if (!met) continue;  // no light sees whether it moves
-    tell_missing(bodies_table, bodies[b], traced ? &bodies : nullptr);
+    report_missing(bodies_table, bodies[b], traced ? &bodies : nullptr);
   }
   reader.finish(traced ? &bodies : nullptr);
   set.inputs = std::move(reader.inputs);

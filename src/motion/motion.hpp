@@ -47,16 +47,16 @@ class MotionSet {
   std::vector<std::string> bodies;  // names; BodyId = position
   std::vector<MotionFile> files;    // measured motion, one entry for each coordinate that it moves
 
-  // |sum over bodies and axes of lever times gain times transfer function|^2: factor from the PSD of input i at a
-  // frequency to the PSD of the phase of a path (rad^2/m^2); for a tone, at any frequency, the square of its phase
-  // amplitude z (physics.md eq. 7.2, 7.12), for a drift that of its phase rate [rad^2/s^2].
-  double sensitivity(std::size_t i, std::span<Lever const> levers, double hz) const;
+  // |sum over bodies and axes of phase sensitivity times gain times transfer function|^2: factor from the PSD of input
+  // i at a frequency to the PSD of the phase of a path (rad^2/m^2); for a tone, at any frequency, the square of its
+  // phase amplitude z (physics.md eq. 7.2, 7.12), for a drift that of its phase rate [rad^2/s^2].
+  double sensitivity(std::size_t i, std::span<PhaseSensitivity const> phase_sensitivities, double hz) const;
 };
 
 // Reads the table `bodies` of a scene. Every body that light can meet must have a motion ("still" is a statement, not a
 // default). Problems go to the document. `bodies`: names in the order of BodyId; `placed`: whether surfaces belong to
 // each (empty: to all). What has none and carries nothing that has is a warning; what is not among `bodies` of a
-// `traced` run and carries none of them is a problem, since there are no levers for it.
+// `traced` run and carries none of them is a problem, since there are no phase sensitivities for it.
 MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced = false,
                       std::vector<bool> const& placed = {});
 

@@ -39,9 +39,10 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
     std::string const near = unknown ? nearest_word(name, *of_run) : "";
     if (unknown)
       body.node.problem(fmt::format("the run has no {} '{}'", body.is_mode ? "mode" : "body", name),
-                        !near.empty()  ? fmt::format("did you mean '{}'?", near)
-                        : body.is_mode ? "levers come from the trace: run the scene again with this mode in it"
-                                       : fmt::format("let a body of the run hang on it: {}", fmt::join(*of_run, ", ")));
+                        !near.empty() ? fmt::format("did you mean '{}'?", near)
+                        : body.is_mode
+                            ? "phase sensitivities come from the trace: run the scene again with this mode in it"
+                            : fmt::format("let a body of the run hang on it: {}", fmt::join(*of_run, ", ")));
     else
       body.node.warning(fmt::format("body '{}' moves, but no part belongs to it", name),
                         "write 'body: " + name + "' at a part, or remove it");
@@ -52,7 +53,7 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
 namespace {
 
 // What says how one coordinate moves, written where coordinates are named.
-bool tell_misplaced(Node const& motion) {
+bool report_misplaced(Node const& motion) {
   bool any = false;
   for (NodeData::Entry const& e : motion.data()->entries) {  // keys that are not asked for stay unknown
     std::string const& key = e.key;
@@ -98,7 +99,7 @@ void MotionReader::read_body(std::string const& name, Body& body) {
     if (spec) read_axis(spec, axis, uncertainty, draft.written[axis]);
     if (!spec && !hangs[axis] && !is_rotation(axis) && !rest_still && !follows) untold.emplace_back(axis_names[axis]);
   }
-  if (!tell_misplaced(motion) && !untold.empty())
+  if (!report_misplaced(motion) && !untold.empty())
     motion.problem(fmt::format("body '{}' does not say how it moves along {}", name, fmt::join(untold, " and ")),
                    fmt::format("write '{}: still', or 'others: still' for all that is not named", untold.front()));
   for (int axis = 0; axis < 6; ++axis) resolve_axis(draft, axis);

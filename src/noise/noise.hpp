@@ -27,10 +27,10 @@ struct NoiseTrace {
   std::uint64_t hash = 0;     // route hash; 0 for totals
   std::vector<double> asd;    // 1/sqrt(Hz)
   std::vector<double> sigma;  // one standard error of asd, Monte Carlo only
-  // Whence it comes: what it would be if only the power of the routes, only the second moments of their levers or only
-  // the spectra of the kept paths were uncertain. They are correlated: their squares do not sum to its square. Empty
-  // when not known.
-  std::vector<double> power_sigma, levers_sigma, paths_sigma;
+  // Whence it comes: what it would be if only the power of the routes, only the second moments of their phase
+  // sensitivities or only the spectra of the kept paths were uncertain. They are correlated: their squares do not sum
+  // to its square. Empty when not known.
+  std::vector<double> power_sigma, phase_sensitivities_sigma, paths_sigma;
   std::vector<double> phase_asd, amplitude_asd;  // the two quadratures alone (eq. 9.1 and 9.2)
   // Share of the PSD that motion of about this frequency makes to first order; the rest is fringe wrapping of slower
   // motion. NaN where there is no noise.

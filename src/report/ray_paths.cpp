@@ -71,25 +71,25 @@ class TellingSink {
     add("receive", path, z, power);
     told.back().where = world_.receiver_names().at(receiver);
   }
-  void book(Fate fate, double power) {
+  void book(BalanceTerm balance_term, double power) {
     if (power == 0) return;
-    ToldEvent t;
-    t.what = name_of(fate);
+    HistoryEvent t;
+    t.what = name_of(balance_term);
     t.power = power;
     t.point = {not_a_number, not_a_number, not_a_number};
     told.push_back(t);
   }
-  std::vector<ToldEvent> told;
+  std::vector<HistoryEvent> told;
 
  private:
-  void place(ToldEvent& t, Vertex const& v) const {
+  void place(HistoryEvent& t, Vertex const& v) const {
     Surface const& s = view_.surfaces[v.surface.value];
     t.where = world_.groups()[s.group.value];
     t.body = s.body.valid() ? world_.bodies()[s.body.value].name : "";
     t.point = v.point;
   }
   void add(char const* what, PathState const& path, Vertex const& v, double power) {
-    ToldEvent t{what, path.event, path.order, "", "", v.point, power};
+    HistoryEvent t{what, path.event, path.order, "", "", v.point, power};
     if (v.surface.valid()) place(t, v);
     told.push_back(t);
   }
@@ -124,7 +124,7 @@ std::vector<DrawnPath> paths_of(World const& world, std::uint64_t seed, Coupling
 std::vector<RaySegment> sample_rays(World const& world, Box const& box, std::uint64_t seed, std::uint64_t histories) {
   std::vector<RaySegment> all;
   WorldView const view = world.view();
-  NoBooks sink;
+  NullSink sink;
   for (std::uint64_t h = 0; h < histories; ++h)
     follow(view, seed, h, sink, [&](PathState const& path, Hit const& hit) {
       bool const met = hit.surface.valid();
@@ -135,7 +135,7 @@ std::vector<RaySegment> sample_rays(World const& world, Box const& box, std::uin
   return all;
 }
 
-std::vector<ToldEvent> told_history(World const& world, std::uint64_t seed, std::uint64_t history) {
+std::vector<HistoryEvent> replay_history_events(World const& world, std::uint64_t seed, std::uint64_t history) {
   WorldView const view = world.view();
   TellingSink sink(world, view);
   follow(view, seed, history, sink, [](PathState const&, Hit const&) {});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light as lines in space: kept paths of routes traced again from their addresses, sample histories with their fates,
-// and one history told event by event.
+// Light as lines in space: kept paths of routes traced again from their addresses, sample histories with their terms of
+// the energy balance, and one history told event by event.
 #pragma once
 
 #include <string>
@@ -47,14 +47,15 @@ struct RaySegment {
 };
 std::vector<RaySegment> sample_rays(World const&, Box const&, std::uint64_t seed, std::uint64_t histories);
 
-// Every event of one history, in order. Its fates sum to what it emits, the power scattered out of the mode.
-struct ToldEvent {
-  std::string what;  // emit, arrive, rejoin, receive, or a fate
+// Every event of one history, in order. Its terms of the energy balance sum to what it emits, the power scattered out
+// of the mode.
+struct HistoryEvent {
+  std::string what;  // emit, arrive, rejoin, receive, or a term of the energy balance
   std::uint32_t event = 0, order = 0;
   std::string where, body;  // of a surface
   Vec3 point;               // m; NaN without a place
   double power = 0;         // relative to the main mode
 };
-std::vector<ToldEvent> told_history(World const&, std::uint64_t seed, std::uint64_t history);
+std::vector<HistoryEvent> replay_history_events(World const&, std::uint64_t seed, std::uint64_t history);
 
 }  // namespace straytrace

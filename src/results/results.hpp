@@ -21,10 +21,10 @@
 
 namespace straytrace {
 
-// --- run file (layout: schema/run-1.txt)
+// --- run file (layout: schema/run-2.txt)
 // ------------------------------------------------------------------------------
 
-constexpr int run_schema_major = 1, run_schema_minor = 9;
+constexpr int run_schema_major = 2, run_schema_minor = 0;
 
 struct Provenance {
   std::string program = "straytrace", version, commit, build_flags;
@@ -141,10 +141,10 @@ struct PathRow {
   std::vector<double> hint;                   // 1/sqrt(Hz), of unresolved routes: what was seen
   std::vector<double> input_low, input_high;  // of it: what stated inputs leave open; NaN where it was not made
   WithError power;                            // of its strain noise in the band, strain^2
-  WithError share;    // of the resolved strain noise power in the band [1]; NaN without a budget
-  std::string body;   // whose motion contributes most; without motion, of the largest lever
-  std::string moves;  // without motion: all bodies of nearly the largest lever; else `body`
-  double lever = 0;   // rad/m, rms over the paths of that body's translations
+  WithError share;               // of the resolved strain noise power in the band [1]; NaN without a budget
+  std::string body;              // whose motion contributes most; without motion, of the largest phase sensitivity
+  std::string moves;             // without motion: all bodies of nearly the largest phase sensitivity; else `body`
+  double phase_sensitivity = 0;  // rad/m, rms over the paths of that body's translations
   bool upper_bound() const { return kind == ClassKind::edge; }
   WithError coupling_with_error() const { return {coupling.mean, coupling.std_error, upper_bound()}; }
   double rms_phase = 0;           // rad, of the strongest independent motion; above 1: fringes wrap
@@ -186,8 +186,8 @@ std::string summary_json(RunContent const&, PathTable const&);
 // For people. `assumptions`: further lines for that section.
 std::string text_report(RunContent const&, PathTable const&, std::size_t show,
                         std::vector<std::string> const& assumptions = {});
-// Where the light went: emitted, then a line for each fate, and whether they balance.
-std::string books_text(RunContent const&);
+// Where the light went: emitted, then a line for each term of the energy balance, and whether they balance.
+std::string energy_balance_text(RunContent const&);
 // Power that arrives on each group and what it absorbs, then what media absorb; largest absorber first.
 std::string objects_text(RunContent const&);
 // "Stray light stays a factor 6.1 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 500 Hz; ..."

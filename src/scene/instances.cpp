@@ -52,7 +52,7 @@ class Expander {
  private:
   void expand_entry(Node const& entry) {
     std::string const name = entry.word("name");
-    Blaming const here(document_, blame_at(entry, name));
+    ProblemRedirect const here(document_, blame_at(entry, name));
     bool const split = entry.flag("split", false);
     bool const sound = check_what(entry, name.empty() ? "an entry" : fmt::format("entry '{}'", shortened(name)));
     Repeat const repeat = read_repeat(entry);

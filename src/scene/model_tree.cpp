@@ -16,7 +16,7 @@
 namespace straytrace {
 namespace {
 
-using Form = Asked::Form;
+using Form = KeyRequest::Form;
 
 bool is_number(Form f) {
   return f == Form::number || f == Form::whole || f == Form::amplitude || f == Form::quantity || f == Form::numbers;
@@ -27,7 +27,7 @@ class TreeReader {
   explicit TreeReader(Scene const& scene)
       : root_(scene.root()), files_(scene.files()), document_(dynamic_cast<SceneDocument const*>(root_.document())) {}
 
-  ModelValue read(NodeData const& data, Scope const* scope, Asked const& how) const {
+  ModelValue read(NodeData const& data, Scope const* scope, KeyRequest const& how) const {
     ModelValue out;
     out.kind = data.kind;
     out.how = how.form == Form::named ? data.read : how;
@@ -39,7 +39,7 @@ class TreeReader {
     if (data.kind == Node::Kind::scalar && !out.quantity) out.value = as_of_main_file(out.value, data.place);
     for (NodeData::Entry const& e : data.entries) {
       auto const asked = data.asked.find(e.key);
-      out.children.push_back(read(*e.value, scope, asked == data.asked.end() ? Asked{} : asked->second));
+      out.children.push_back(read(*e.value, scope, asked == data.asked.end() ? KeyRequest{} : asked->second));
       out.children.back().key = e.key;
     }
     for (auto const& [key, asked] : data.asked)
@@ -106,7 +106,7 @@ class TreeReader {
   }
 
  private:
-  static ModelValue absent(std::string const& key, Asked const& how) {
+  static ModelValue absent(std::string const& key, KeyRequest const& how) {
     ModelValue out;
     out.key = key;
     out.how = how;

@@ -18,7 +18,7 @@ struct ModelValue {
   std::string value;                   // of a scalar: a quantity in SI, "0.35 m", otherwise the text
   std::optional<Quantity> quantity;    // where the readers took one
   std::string written, origin;         // as in the file; "arm.yaml:12"
-  Asked how;                           // by the key in its table; otherwise how the value itself was read
+  KeyRequest how;                      // by the key in its table; otherwise how the value itself was read
   bool by_key = false;                 // it was the former
   std::string role;                    // what messages call a table: "beam 'arm'"
   bool listed = false;                 // its keys are names that the user gives

@@ -9,14 +9,14 @@
 namespace straytrace {
 
 // As long as it lives, what is wrong in the source `hidden` is said of `name` at the entry.
-class Blaming {
+class ProblemRedirect {
  public:
-  Blaming(SceneDocument& document, Blame blame) : document_(document), before_(document.blame) {
+  ProblemRedirect(SceneDocument& document, Blame blame) : document_(document), before_(document.blame) {
     document_.blame = std::move(blame);
   }
-  ~Blaming() { document_.blame = std::move(before_); }
-  Blaming(Blaming const&) = delete;
-  Blaming& operator=(Blaming const&) = delete;
+  ~ProblemRedirect() { document_.blame = std::move(before_); }
+  ProblemRedirect(ProblemRedirect const&) = delete;
+  ProblemRedirect& operator=(ProblemRedirect const&) = delete;
 
  private:
   SceneDocument& document_;
@@ -28,12 +28,12 @@ class InPart : public Document {
  public:
   InPart(SceneDocument& whole, Blame blame) : whole_(whole), blame_(std::move(blame)) {}
   void add(Problem p) override {
-    Blaming const now(whole_, blame_);
+    ProblemRedirect const now(whole_, blame_);
     whole_.add(std::move(p));
   }
   bool healthy() const override { return whole_.healthy(); }
   std::optional<Value> evaluate(NodeData const& node, Scope const* scope) override {
-    Blaming const now(whole_, blame_);
+    ProblemRedirect const now(whole_, blame_);
     return whole_.evaluate(node, scope);
   }
   std::string data_file(Node const& from, std::string const& name) override { return whole_.data_file(from, name); }

@@ -147,13 +147,14 @@ std::string rewritten(std::string const& text, std::string const& named) {
       value(R"((.+): \d+ required .*missing)"), choice(R"((.+): (.*) not in \{(.*)\})"), missing(R"((.+) is required)"),
       number(R"(Could not convert: (.+) = (.*))");
   std::smatch m;
-  if (has_form(text, m, twice)) return fmt::format("{} is given {} times\n  give it once", m[1].str(), m[3].str());
-  if (has_form(text, m, value)) return fmt::format("{} needs a value\n  write it behind it", m[1].str());
-  if (has_form(text, m, choice)) return choices_of(m[1], m[2], m[3]);
-  if (has_form(text, m, number))
+  if (bounded_regex_match(text, m, twice))
+    return fmt::format("{} is given {} times\n  give it once", m[1].str(), m[3].str());
+  if (bounded_regex_match(text, m, value)) return fmt::format("{} needs a value\n  write it behind it", m[1].str());
+  if (bounded_regex_match(text, m, choice)) return choices_of(m[1], m[2], m[3]);
+  if (bounded_regex_match(text, m, number))
     return fmt::format("{} cannot be '{}'\n  write a number without a unit", m[1].str(), m[2].str());
   if (text == "A subcommand is required") return "a command is missing\n  write one behind the name";
-  if (has_form(text, m, missing))
+  if (bounded_regex_match(text, m, missing))
     return m[1].str().starts_with('-') ? fmt::format("{} is missing\n  add it with its value", m[1].str())
                                        : fmt::format("'{0}' is missing\n  write straytrace {1}{0}", m[1].str(), named);
   return "";

@@ -16,7 +16,8 @@ DirectSum phase_summer(std::string const& backend) {
     std::size_t const samples = terms.coordinate.empty() ? 0 : terms.coordinate.front().size();
     std::vector<double> position;
     for (auto const& one : terms.coordinate) position.insert(position.end(), one.begin(), one.end());
-    return engine->phase_sum({terms.amplitude, terms.turns, terms.lever, position, terms.coordinate.size(), samples});
+    return engine->phase_sum(
+        {terms.amplitude, terms.turns, terms.phase_sensitivity, position, terms.coordinate.size(), samples});
   };
 }
 

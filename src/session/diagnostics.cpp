@@ -9,15 +9,15 @@
 
 namespace straytrace {
 
-void tell_warnings(Model const& model, Options const& options) {
+void print_warnings(Model const& model, Options const& options) {
   if (!options.quiet) std::cerr << (options.json() ? model.warnings_json : printable(model.warnings));
 }
 
-void tell_warnings(Scene const& scene, Options const& options) {
+void print_warnings(Scene const& scene, Options const& options) {
   if (!options.quiet) std::cerr << (options.json() ? warnings_as_json(scene) : printable(scene.warnings()));
 }
 
-void tell_warning(std::string const& sentence, Options const& options) {
+void print_warning(std::string const& sentence, Options const& options) {
   if (options.quiet) return;
   if (options.json())
     std::cerr << problems_as_json(InputError({{{}, sentence, "", Severity::warning}}, ""));

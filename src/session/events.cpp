@@ -17,10 +17,10 @@ void tell(SortedJson const& event) {
 
 }  // namespace
 
-void tell_events() { told = true; }
-bool events_told() { return told; }
+void print_events() { told = true; }
+bool events_on() { return told; }
 
-void tell_progress(TraceProgress const& p, std::string const& line) {
+void print_progress(TraceProgress const& p, std::string const& line) {
   tell({{"event", "progress"},
         {"histories", p.histories},
         {"wanted_histories", p.wanted_histories},
@@ -32,7 +32,7 @@ void tell_progress(TraceProgress const& p, std::string const& line) {
         {"line", line}});
 }
 
-void tell_problems(InputError const& e) {
+void print_problems(InputError const& e) {
   if (told) tell({{"event", "problems"}, {"text", e.what()}, {"problems", SortedJson::parse(problems_as_json(e))}});
 }
 

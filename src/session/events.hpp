@@ -10,11 +10,11 @@
 
 namespace straytrace {
 
-void tell_events();  // from now on
-bool events_told();
+void print_events();  // from now on
+bool events_on();
 // {"event": "progress", histories, wanted_histories, seconds, histories_per_s, rays_per_s, error, wanted_error, line};
 // errors are relative, null where there is none; `line` is for people.
-void tell_progress(TraceProgress const&, std::string const& line);
-void tell_problems(InputError const&);  // {"event": "problems", text, "problems": [as problems_as_json]}
+void print_progress(TraceProgress const&, std::string const& line);
+void print_problems(InputError const&);  // {"event": "problems", text, "problems": [as problems_as_json]}
 
 }  // namespace straytrace

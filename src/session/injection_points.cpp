@@ -21,11 +21,11 @@ bool is_second_mirror(World const& world, std::uint32_t footprint) {
 }
 
 // Where light that comes back at this footprint joins an arm.
-Entrance entrance_of(World const& world, std::uint32_t footprint) {
+InjectionPoint injection_point_of(World const& world, std::uint32_t footprint) {
   bool const standing = world.footprints()[footprint].standing;
   std::uint32_t const mirror = standing ? footprint : world.feeds()[footprint].mirror;
-  if (mirror == Feed::none || !is_second_mirror(world, mirror)) return Entrance::arm;
-  return standing ? Entrance::end_mirror : Entrance::through_end;
+  if (mirror == Feed::none || !is_second_mirror(world, mirror)) return InjectionPoint::arm;
+  return standing ? InjectionPoint::end_mirror : InjectionPoint::through_end;
 }
 
 // Of the mirrors of a cavity, m; 0: the beam is none.
@@ -47,13 +47,14 @@ double power_of_beam(Scene const& scene, World const& world, std::string const& 
 
 std::vector<TracedPort> traced_ports(Scene const& scene, World const& world) {
   std::vector<TracedPort> ports;
-  for (std::string const& name : world.ports()) ports.push_back({.name = name, .entrance = Entrance::through_end});
+  for (std::string const& name : world.ports())
+    ports.push_back({.name = name, .injection_point = InjectionPoint::through_end});
   std::vector<bool> lit(ports.size(), false);
   for (std::uint32_t i = 0; i < world.footprints().size(); ++i) {
     Footprint const& f = world.footprints()[i];
     if (!f.port.valid()) continue;
     TracedPort& port = ports[f.port.value];
-    port.entrance = std::min(port.entrance, entrance_of(world, i));
+    port.injection_point = std::min(port.injection_point, injection_point_of(world, i));
     if (lit[f.port.value]) continue;
     port.power = world.beam_powers[f.beam];
     port.cavity_length = cavity_length(world, f.beam);

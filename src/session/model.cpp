@@ -248,14 +248,14 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<char const*, 11> form_names{"named",  "number", "whole", "amplitude", "quantity", "word",
                                                  "choice", "switch", "table", "list",      "numbers"};
 
-Json asked_as_json(Asked const& how, bool by_key) {
+Json asked_as_json(KeyRequest const& how, bool by_key) {
   Json out;
   auto const form = std::size_t(how.form);
   out["type"] = form_names[form];
-  bool const number = form >= std::size_t(Asked::Form::number) && form <= std::size_t(Asked::Form::quantity);
-  if (number || how.form == Asked::Form::numbers) {
-    out["dimension"] = how.form == Asked::Form::quantity ? "any" : name_of(how.dimension);
-    out["units"] = how.form == Asked::Form::quantity ? "" : accepted_units(how.dimension);
+  bool const number = form >= std::size_t(KeyRequest::Form::number) && form <= std::size_t(KeyRequest::Form::quantity);
+  if (number || how.form == KeyRequest::Form::numbers) {
+    out["dimension"] = how.form == KeyRequest::Form::quantity ? "any" : name_of(how.dimension);
+    out["units"] = how.form == KeyRequest::Form::quantity ? "" : accepted_units(how.dimension);
     out["unit"] = example_unit(how.dimension);
   }
   if (std::isfinite(how.low)) out["low"] = how.low;
@@ -264,8 +264,8 @@ Json asked_as_json(Asked const& how, bool by_key) {
   if (!how.word.empty()) out["default"] = how.word;
   if (how.count > 0) out["count"] = how.count;
   if (!how.choices.empty()) out["choices"] = how.choices;
-  bool const one = (how.form == Asked::Form::word || how.form == Asked::Form::choice) && how.word.empty();
-  if (by_key && (one || how.form == Asked::Form::amplitude || (number && std::isnan(how.fallback))))
+  bool const one = (how.form == KeyRequest::Form::word || how.form == KeyRequest::Form::choice) && how.word.empty();
+  if (by_key && (one || how.form == KeyRequest::Form::amplitude || (number && std::isnan(how.fallback))))
     out["required"] = true;
   return out;
 }

@@ -78,11 +78,11 @@ OpenRun::OpenRun(std::string const& path, std::string const& motion, FileTexts* 
   projected_with = fmt::format("{}", fmt::join(names, "\n"));
 }
 
-Earlier::Earlier(std::string input) : input_(std::move(input)) {
+RunInput::RunInput(std::string input) : input_(std::move(input)) {
   if (input_.ends_with(".h5")) file_ = read_run(input_);
 }
 
-Model Earlier::read(std::vector<std::string> const& overrides) const {
+Model RunInput::read(std::vector<std::string> const& overrides) const {
   if (!file_) return read_model(input_, overrides);
   Model model = model_of(*file_, overrides);
   model.seed = file_->trace.coupling.seed;
@@ -98,13 +98,13 @@ Model Earlier::read(std::vector<std::string> const& overrides) const {
   return model;
 }
 
-Model Earlier::read_to_the_end(std::vector<std::string> const& overrides) const {
+Model RunInput::read_to_the_end(std::vector<std::string> const& overrides) const {
   Model model = read(overrides);
   if (file_) model.histories = file_->trace.all_blocks * file_->trace.coupling.block_size;
   return model;
 }
 
-RunContent Earlier::completed(RunContent content) const {
+RunContent RunInput::completed(RunContent content) const {
   if (!file_ || file_->about.motion_file.empty()) return content;
   content.files = file_->about.files;
   content.motion_file = file_->about.motion_file;

@@ -35,9 +35,9 @@ struct OpenRun {
 
 // The input of `run`: a scene file, or a run file that is made again from the texts, seed and stop rule inside it.
 
-class Earlier {
+class RunInput {
  public:
-  explicit Earlier(std::string input);
+  explicit RunInput(std::string input);
   Model read(std::vector<std::string> const& overrides) const;  // refers to the texts held here
   // The same with as many histories as were asked for, where the run was stopped before.
   Model read_to_the_end(std::vector<std::string> const& overrides) const;

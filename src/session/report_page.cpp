@@ -208,7 +208,7 @@ std::string report_page(RunContent const& run, PathTable const& table, Model con
   if (wanted.has("materials")) j["materials"] = materials_json(model.scene, model.world);
   j["assumptions"] = model.assumptions();
   j["inputs"] = inputs_json(run);
-  j["ledger"] = ledger_json(run);
+  j["energy_balance"] = energy_balance_json(run);
   if (wanted.has("convergence")) j["convergence"] = convergence_json(run, table);
   add_warnings(j, run);
   j["libraries"] = scripts_json();

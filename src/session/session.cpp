@@ -30,7 +30,7 @@
 #include "session/light/ghost_noise.hpp"
 #include "trace/deterministic/edges.hpp"
 #include "trace/importance/importance.hpp"
-#include "trace/run/early_looks.hpp"
+#include "trace/run/early_checks.hpp"
 #include "trace/run/ranks.hpp"
 #include "trace/run/trace.hpp"
 
@@ -93,15 +93,15 @@ void resume_earlier(Model& model, Options const& options, std::string const& run
   // Looks count only when they were at the same noise: a rule about h_total depends on motion and detector as well.
   if (earlier.trace.stop_rule == settings.stop_rule && earlier.about.files == model.scene.files() &&
       earlier.about.overrides == model.scene.overrides())
-    settings.good_looks = earlier.trace.good_looks;
-  bool const enough = histories >= settings.histories || settings.good_looks >= 2,
+    settings.good_checks = earlier.trace.good_checks;
+  bool const enough = histories >= settings.histories || settings.good_checks >= 2,
              anew = size != size_before && !enough;
   if (!options.quiet)
     std::cerr << (anew ? fmt::format("the {:.3g} histories in '{}' are a whole small run: a longer one begins anew\n",
                                      double(histories), run_file)
                        : fmt::format("going on from {:.3g} histories in '{}'\n", double(histories), run_file));
   if (anew) {
-    settings.good_looks = 0;
+    settings.good_checks = 0;
     return;
   }
   size = size_before;
@@ -110,11 +110,11 @@ void resume_earlier(Model& model, Options const& options, std::string const& run
 }
 
 // The deterministic classes of a world, with their coherence and bounds.
-struct Beside {
+struct DeterministicLight {
   std::vector<CouplingClass> classes;
   std::vector<std::string> warnings;
 
-  explicit Beside(Model const& model) {
+  explicit DeterministicLight(Model const& model) {
     EdgeClasses edges = edge_classes(model.world);
     classes = std::move(edges.classes);
     warnings = std::move(edges.warnings);
@@ -137,7 +137,7 @@ void save(std::string const& run_file, RunContent const& content, Options const&
     std::string why = e.what();  // "error: what\n  remedy"
     why.resize(std::min(why.find('\n'), why.size()));
     if (why.starts_with("error: ")) why.erase(0, 7);
-    tell_warning(
+    print_warning(
         fmt::format("no checkpoint was written: {}\n  the trace goes on; make room or it ends without a result", why),
         options);
   }
@@ -213,7 +213,7 @@ void require_this_program(Provenance const& about, std::string const& file, std:
 TraceResult trace_model(Model& model, Options const& options, std::string const& run_file, Transport* transport) {
   InterruptGuard const guard;
   if (model.histories < fewest_histories)
-    tell_warning(
+    print_warning(
         fmt::format("{} histories are too few for an error\n  ask for {} or more", model.histories, fewest_histories),
         options);
   TraceSettings settings;
@@ -229,12 +229,12 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
     settings.wanted_error = model.until.wanted_error();
     settings.error = [&](CouplingTable const& table) { return stop_rule_error(model.until, model, table); };
   }
-  Beside const beside(model);
+  DeterministicLight const beside(model);
   settings.beside = beside.classes;
   steer(model.world, options.threads);
   ProgressLine progress(options.quiet);
   settings.progress = [&](TraceProgress const& p) {
-    if (events_told()) return tell_progress(p, progress_line(p, model.until));
+    if (events_on()) return print_progress(p, progress_line(p, model.until));
     progress.at(p.seconds, [&] { return progress_line(p, model.until); });
   };
   settings.stop = &guard.stop();
@@ -247,18 +247,18 @@ TraceResult trace_model(Model& model, Options const& options, std::string const&
   if (transport) ranks.emplace(Ranks{*transport, identity_of(model), nodes_image, nodes_of_image});
   settings.ranks = ranks ? &*ranks : nullptr;
   TraceResult result = beside.completed(trace_to_rule(model.world, settings, *backend));
-  for (std::string const& warning : result.warnings) tell_warning(warning, options);
+  for (std::string const& warning : result.warnings) print_warning(warning, options);
   return result;
 }
 
 TraceResult result_of(Model& model, SumTree tree, Options const& options) {
-  Beside const beside(model);
+  DeterministicLight const beside(model);
   TraceSettings settings;
   settings.seed = model.seed;
   settings.beside = beside.classes;
   steer(model.world, options.threads);
   TraceResult result = beside.completed(result_of(model.world, settings, std::move(tree)));
-  for (std::string const& warning : result.warnings) tell_warning(warning, options);
+  for (std::string const& warning : result.warnings) print_warning(warning, options);
   return result;
 }
 
@@ -313,14 +313,14 @@ std::string write_results(std::string const& folder, RunContent const& content, 
   return draw_picture(folder + "/run.h5", folder + "/report.png", message) ? "" : message;
 }
 
-void tell_traced(RunContent const& content, Model const& model, Options const& options) {
+void print_traced(RunContent const& content, Model const& model, Options const& options) {
   PathTable const paths = table_for(content.trace->coupling, nullptr, model);
   if (options.json()) {
     std::cout << path_json(paths, content) << '\n';
   } else {
     if (model.detector) std::cout << path_text(paths, model.paths_shown) << '\n';
     if (!content.receivers.empty()) std::cout << receiver_text(receiver_table(content), model.paths_shown) << '\n';
-    std::cout << "Where the light went\n\n" << books_text(content) << '\n' << objects_text(content);
+    std::cout << "Where the light went\n\n" << energy_balance_text(content) << '\n' << objects_text(content);
   }
   if (options.quiet) return;
   std::cerr << merit_text(merits(content), merits_shown);
@@ -332,9 +332,9 @@ void tell_traced(RunContent const& content, Model const& model, Options const& o
                              options.out);
 }
 
-void tell_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {
+void print_warnings(NoiseBudget const& budget, Options const& options, std::string const& where) {
   for (std::string const& warning : budget.warnings)
-    tell_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
+    print_warning(fmt::format("{}{}{}", where, where.empty() ? "" : ": ", warning), options);
 }
 
 // Of a total that is zero everywhere: why. Motion outside the band makes nothing in it as long as its phase is small.

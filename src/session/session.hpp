@@ -59,8 +59,8 @@ RunContent content_of(Model const&, TraceResult const&, NoiseBudget const*);
 // run.h5, h_asd.txt, paths.csv, report.txt, report.png in the folder; returns what could not be drawn.
 std::string write_results(std::string const& folder, RunContent const&, PathTable const&, Model const&);
 
-// What a trace has found: coupling table, receivers, books on stdout; merits, and what to do next, on stderr.
-void tell_traced(RunContent const&, Model const&, Options const&);
+// What a trace has found: coupling table, receivers, energy balance on stdout; merits, and what to do next, on stderr.
+void print_traced(RunContent const&, Model const&, Options const&);
 
 // The line that matters: total strain at 10, 30, 100 Hz with errors, and the ratio to the first design curve.
 std::string headline(NoiseBudget const&, PathTable const&);
@@ -68,7 +68,7 @@ std::string headline(NoiseBudget const&, PathTable const&);
 PathTable table_for(CouplingTable const&, NoiseBudget const*, Model const&);
 
 // What a reader of the noise must know, to stderr unless that is to be quiet. `where`: a point of a scan, or empty.
-void tell_warnings(NoiseBudget const&, Options const&, std::string const& where = {});
+void print_warnings(NoiseBudget const&, Options const&, std::string const& where = {});
 
 // A folder for results that is there before anything is computed, and gone again when nothing came of it.
 

@@ -30,13 +30,13 @@ void parse_one(std::string const& text, StopRule& rule) {
   static std::regex const by_time(R"(\s*([0-9.eE+-]+)\s*(s|min|h)\s*)");
   std::smatch m;
   try {
-    if (has_form(text, m, by_error)) {
+    if (bounded_regex_match(text, m, by_error)) {
       double const error = std::stod(m[2]) * (m[3].length() ? 0.01 : 1);
       rule.goals.push_back(goal_of(m[1], error));
       rule.error_rule +=
           fmt::format("{}{} < {:g}", rule.error_rule.empty() ? "" : ", ", m[1] == "h" ? "h_total" : m[1].str(), error);
       if (error > 0 && error < 1) return;
-    } else if (has_form(text, m, by_time)) {
+    } else if (bounded_regex_match(text, m, by_time)) {
       rule.max_seconds = std::stod(m[1]) * seconds_in(m[2]);
       if (rule.max_seconds > 0) return;
     }
@@ -173,7 +173,7 @@ double parse_duration(std::string const& text) {
   static std::regex const duration(R"(\s*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?)\s*(s|min|h|)\s*)");
   std::smatch m;
   double seconds = 0;
-  if (has_form(text, m, duration)) seconds = std::strtod(m[1].str().c_str(), nullptr) * seconds_in(m[2]);
+  if (bounded_regex_match(text, m, duration)) seconds = std::strtod(m[1].str().c_str(), nullptr) * seconds_in(m[2]);
   if (!(seconds > 0) || !std::isfinite(seconds))
     throw InputError(fmt::format("error: '{}' is not a time\n  write for example 90s, 50min or 1h", text));
   return seconds;

@@ -53,19 +53,20 @@ struct PathRecord {
   double coupling = 0;           // recoupled power fraction of this score times the number of histories [1]
   double weight = 0;             // share of the class mean it stands for; the weights of a class sum to the mean
   double path_length = 0;        // optical, m
-  std::vector<Lever> levers;     // relative to the main mode; one entry per body touched
+  std::vector<PhaseSensitivity> phase_sensitivities;  // relative to the main mode; one entry per body touched
   // Of a specular path of a coherent family: its field over that of the main mode, by principal state of polarisation,
   // phase relative to the other paths of its class; the squares sum to `weight`. Zero: its static phase is unknown.
   std::array<std::complex<double>, 2> field{};
 };
 
-// Sum over paths of weight times lever times lever, of the histories of one replica: what of the levers decides on
-// noise to first order in the motion (docs/theory/errors.md, Second moments of the levers).
-struct LeverProduct {
+// Sum over paths of weight times phase sensitivity times phase sensitivity, of the histories of one replica: what of
+// the phase sensitivities decides on noise to first order in the motion (docs/theory/errors.md, Second moments of the
+// phase sensitivities).
+struct PhaseSensitivityProduct {
   std::uint32_t replica = 0;
   BodyId first, second;  // first <= second
   std::array<double, 36>
-      sum{};  // row i, column j: coordinate i of `first` and j of `second`, as Lever::d; (rad/m)^2 ...
+      sum{};  // row i, column j: coordinate i of `first` and j of `second`, as Phase sensitivity::d; (rad/m)^2 ...
 };
 
 // A route without a row of its own: part of a row `other`.
@@ -91,9 +92,9 @@ struct CouplingClass {
   bool by_reverse = false;                             // all of this was sampled on the same route run backwards
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
-  // Mean coupling times the mean of lever times lever, as contributions of the replicas, which sum to it; for each
-  // replica, then each pair of bodies. Empty: not known.
-  std::vector<LeverProduct> levers;
+  // Mean coupling times the mean of phase sensitivity times phase sensitivity, as contributions of the replicas, which
+  // sum to it; for each replica, then each pair of bodies. Empty: not known.
+  std::vector<PhaseSensitivityProduct> phase_sensitivities;
   std::uint64_t folded_routes = 0;  // of `other` and of coherent families: how many it sums
   std::vector<FoldedRoute> folded;  // the largest of them, descending
 

@@ -16,9 +16,9 @@
 
 namespace straytrace {
 
-char const* name_of(Fate fate) {
-  static constexpr char const* names[] = {"absorbed", "escaped", "limit", "window", "sampling"};
-  return names[static_cast<int>(fate)];
+char const* name_of(BalanceTerm balance_term) {
+  static constexpr char const* names[] = {"absorbed", "escaped", "truncated", "roulette", "sampling"};
+  return names[static_cast<int>(balance_term)];
 }
 
 bool before(ScoreAddress const& a, ScoreAddress const& b) {
@@ -57,7 +57,7 @@ void merge_class(ClassSums& into, ClassSums const& from, std::size_t records) {
   into.off_list += from.off_list;
   into.threshold = std::max(into.threshold, from.threshold);
   keep_largest(into, records);
-  into.levers.add(from.levers);
+  into.phase_sensitivities.add(from.phase_sensitivities);
 }
 
 void add_to(std::vector<double>& into, std::vector<double> const& from) {
@@ -107,7 +107,8 @@ BlockSums merged(BlockSums left, BlockSums const& right) {
   for (std::size_t i = 0; i < right.receivers.size(); ++i) merge_receiver(left.receivers[i], right.receivers[i]);
   left.emitted = merged(left.emitted, right.emitted);
   left.window_variance += right.window_variance;
-  for (int f = 0; f < fate_count; ++f) left.ledger[f] = merged(left.ledger[f], right.ledger[f]);
+  for (int f = 0; f < balance_term_count; ++f)
+    left.energy_balance[f] = merged(left.energy_balance[f], right.energy_balance[f]);
   for (auto const list : {&BlockSums::arrived, &BlockSums::absorbed}) {
     std::vector<Moments>& into = left.*list;
     std::vector<Moments> const& from = right.*list;

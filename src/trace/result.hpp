@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a trace leaves behind: sums over histories that merge exactly, and the books of the light.
+// What a trace leaves behind: sums over histories that merge exactly, and the energy balance.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "trace/lever_sums.hpp"
+#include "trace/phase_sensitivity_sums.hpp"
 
 namespace straytrace {
 
@@ -73,14 +73,14 @@ struct ClassSums {
   std::vector<ScoreAddress> kept;  // descending priority, ties by address
   double off_list = 0;             // part of the sum whose last walked hop met nothing on a list of targets
   double threshold = 0;            // largest priority not kept; a kept score counts as max(coupling, threshold)
-  LeverSums levers;                // of paths drawn block by block
+  PhaseSensitivitySums phase_sensitivities;  // of paths drawn block by block
 };
 
-// Columns of the ledger: absorbed + escaped + limit + window + sampling = emitted for every history, to rounding.
-// `window` (roulette) and `sampling` are zero on average.
-enum class Fate : std::uint8_t { absorbed, escaped, limit, window, sampling };
-constexpr int fate_count = 5;
-char const* name_of(Fate);
+// Columns of the energy balance: absorbed + escaped + truncated + roulette + sampling = emitted for every history, to
+// rounding. `roulette` (weight window) and `sampling` are zero on average.
+enum class BalanceTerm : std::uint8_t { absorbed, escaped, truncated, roulette, sampling };
+constexpr int balance_term_count = 5;
+char const* name_of(BalanceTerm);
 
 // Numbers of blocks, from the first to before the end.
 struct BlockRange {
@@ -103,7 +103,7 @@ struct BlockSums {
   std::uint64_t lost = 0;                      // geometry errors (NaN, no surface where one must be), never silent
   std::map<std::uint64_t, ClassSums> classes;  // by route hash
   Moments emitted;
-  std::array<Moments, fate_count> ledger = {};
+  std::array<Moments, balance_term_count> energy_balance = {};
   double window_variance = 0;  // of the sum of `window`, from the odds of each roulette
   std::vector<ReceiverSums> receivers;
   std::vector<Moments> arrived;   // power arriving on each group, per emitted history
@@ -137,9 +137,9 @@ struct TraceResult {
   Slice slice;
   std::uint64_t all_blocks = 0;  // of the run that was asked for, with all its slices
   Stopped stopped = Stopped::by_histories;
-  std::string stop_rule;         // as the user wrote it
-  std::uint32_t good_looks = 0;  // looks in a row at which the rule held
-  double seconds = 0;            // wall clock; goes to /timing only
+  std::string stop_rule;          // as the user wrote it
+  std::uint32_t good_checks = 0;  // looks in a row at which the rule held
+  double seconds = 0;             // wall clock; goes to /timing only
   std::vector<std::string> warnings;
   bool checkpointed() const { return stopped >= Stopped::by_signal; }
 };

@@ -87,7 +87,7 @@ class Bytes {
     for (std::uint64_t const x : {b.histories, b.blocks, b.bounces, b.rays, b.lost}) put(x);
     put(b.classes);
     put(b.emitted);
-    put(b.ledger);
+    put(b.energy_balance);
     put(b.window_variance);
     put(b.receivers);
     put(b.arrived);

@@ -11,7 +11,8 @@ namespace {
 
 PhaseOrder order_of(PhaseTerms const& terms, std::vector<double>& position) {
   for (auto const& samples : terms.coordinate) position.insert(position.end(), samples.begin(), samples.end());
-  return {terms.amplitude, terms.turns, terms.lever, position, terms.coordinate.size(), terms.coordinate[0].size()};
+  return {terms.amplitude,           terms.turns, terms.phase_sensitivity, position, terms.coordinate.size(),
+          terms.coordinate[0].size()};
 }
 
 TEST(DevicePhases, LeaveTheBitsOfTheHost) {
@@ -25,7 +26,8 @@ TEST(DevicePhases, LeaveTheBitsOfTheHost) {
   for (std::size_t j = 0; j < paths; ++j) {
     terms.amplitude.push_back(1e-6 * rng.uniform());
     terms.turns.push_back(rng.uniform());
-    for (std::size_t c = 0; c < coordinates; ++c) terms.lever.push_back(c == j % 5 ? 0 : 2e6 * rng.uniform());
+    for (std::size_t c = 0; c < coordinates; ++c)
+      terms.phase_sensitivity.push_back(c == j % 5 ? 0 : 2e6 * rng.uniform());
   }
   std::vector<double> position;
   auto const device = load_engine(engine_tested())->phase_sum(order_of(terms, position));
@@ -45,7 +47,7 @@ TEST(DevicePhases, ServeTheTablesOfTheHost) {
   for (std::size_t j = 0; j < paths; ++j) {
     terms.amplitude.push_back(1e-6 * rng.uniform());
     terms.turns.push_back(rng.uniform());
-    terms.lever.push_back(2e6 * rng.uniform());
+    terms.phase_sensitivity.push_back(2e6 * rng.uniform());
   }
   auto const engine = load_engine(engine_tested());
   std::size_t asked = 0;

@@ -108,11 +108,11 @@ struct Orders : Silent {
     if (v.surface == mirror_2 && path.order <= 4) share[path.order - 1] += path.power;
   }
   void score(PathState const& path, Vertex const&, std::uint32_t lit, std::uint32_t number, Vertex const&, double f) {
-    if (!by_itself(number) || path.order > 4 || passed.back().surface != mirror_2) return;
+    if (!is_hit(number) || path.order > 4 || passed.back().surface != mirror_2) return;
     auto vertices = passed;
     vertices.back().out = {0, 0, -1};
     coupling[path.order - 1] += f;
-    for (Lever const& l : levers_of(world, vertices, 0, lit)) {
+    for (PhaseSensitivity const& l : phase_sensitivities_of(world, vertices, 0, lit)) {
       if (world.bodies()[l.body.value].name != "pipe") continue;
       // h = (lambda/4 pi L) sqrt(f) sin(z sin wt), eq. 9.1 and 7.3; lines of amplitude 2 J_n(z)
       double const z = std::hypot(l.d[0], l.d[1]) * amplitude, scale = f * std::pow(lambda / (4 * pi * arm), 2);

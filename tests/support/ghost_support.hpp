@@ -32,7 +32,7 @@ struct Row {
   BeamField field;
   std::vector<BeamStep> way;
   SurfaceId on;
-  Standing standing;
+  GhostAlignment standing;
 };
 
 class Rows final : public BeamSink {
@@ -63,7 +63,7 @@ class Rows final : public BeamSink {
  private:
   MainBeam const* main_;
   LeavingBeam left_;
-  std::vector<Standing> standing_;
+  std::vector<GhostAlignment> standing_;
 };
 
 inline std::uint32_t coated(World& world, double reflect) {
@@ -87,12 +87,12 @@ inline World plate(double reflect, double n, double thickness, double wedge, dou
 }
 
 inline std::vector<Row> rows(World const& world, BeamLaunch const& launch, TreeLimits limits = {},
-                             BeamLedger* ledger = nullptr) {
+                             BeamEnergyBalance* energy_balance = nullptr) {
   MainBeam const main(world, launch, limits);
   Rows sink(&main);
-  BeamLedger const books = grow_tree(world, launch, limits, sink);
-  EXPECT_NEAR(books.total(), 1, 1e-12);  // R2.24
-  if (ledger) *ledger = books;
+  BeamEnergyBalance const energy_balance = grow_tree(world, launch, limits, sink);
+  EXPECT_NEAR(energy_balance.total(), 1, 1e-12);  // R2.24
+  if (energy_balance) *energy_balance = energy_balance;
   return sink.all;
 }
 

@@ -91,7 +91,7 @@ struct Silent {
   void emitted(PathState const&, Vertex const&) {}
   void visit(PathState const&, Vertex const&) {}
   void score(PathState const&, Vertex const&, std::uint32_t, std::uint32_t, Vertex const&, double) {}
-  void book(Fate, double) {}
+  void book(BalanceTerm, double) {}
 };
 // Histories 0 to n - 1 one after the other; `after` closes each.
 template <class Sink, class After>
@@ -110,7 +110,7 @@ bool launch(WorldView const& view, std::uint64_t seed, std::uint64_t history, Su
   Vertex vertex = make_vertex(view, from, point, travel);
   path.history = history;
   path.ray.dir = travel;
-  look(view, path, travel, vertex);
+  evaluate_scattering(view, path, travel, vertex);
   path.power = 1;
   path.emitted = vertex.albedo;
   return scatter(view, seed, path, vertex, sink, true);
@@ -121,16 +121,16 @@ inline bool same(Moments const& a, Moments const& b) {
          a.largest == b.largest && a.largest_history == b.largest_history && a.scored == b.scored &&
          a.first_sum == b.first_sum && a.tail == b.tail;
 }
-inline bool same(LeverSums const& a, LeverSums const& b) {
+inline bool same(PhaseSensitivitySums const& a, PhaseSensitivitySums const& b) {
   return a.paths == b.paths && a.weight == b.weight && a.given_up == b.given_up &&
          std::equal(a.products.begin(), a.products.end(), b.products.begin(), b.products.end(),
-                    [](LeverProduct const& p, LeverProduct const& q) {
+                    [](PhaseSensitivityProduct const& p, PhaseSensitivityProduct const& q) {
                       return p.replica == q.replica && p.first == q.first && p.second == q.second && p.sum == q.sum;
                     });
 }
 inline bool same(ClassSums const& a, ClassSums const& b) {
   if (a.port != b.port || !same(a.moments, b.moments) || a.replica_sum != b.replica_sum || a.threshold != b.threshold ||
-      a.off_list != b.off_list || a.kept.size() != b.kept.size() || !same(a.levers, b.levers))
+      a.off_list != b.off_list || a.kept.size() != b.kept.size() || !same(a.phase_sensitivities, b.phase_sensitivities))
     return false;
   for (std::size_t i = 0; i < a.kept.size(); ++i) {
     ScoreAddress const &x = a.kept[i], &y = b.kept[i];
@@ -145,8 +145,8 @@ inline bool same(BlockSums const& a, BlockSums const& b) {
   if (a.histories != b.histories || a.blocks != b.blocks || a.bounces != b.bounces || a.lost != b.lost ||
       !same(a.emitted, b.emitted) || a.classes.size() != b.classes.size() || a.arrived.size() != b.arrived.size())
     return false;
-  for (int f = 0; f < fate_count; ++f)
-    if (!same(a.ledger[f], b.ledger[f])) return false;
+  for (int f = 0; f < balance_term_count; ++f)
+    if (!same(a.energy_balance[f], b.energy_balance[f])) return false;
   for (std::size_t g = 0; g < a.arrived.size(); ++g)
     if (!same(a.arrived[g], b.arrived[g])) return false;
   for (auto x = a.classes.begin(), y = b.classes.begin(); x != a.classes.end(); ++x, ++y)

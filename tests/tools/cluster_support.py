@@ -59,4 +59,4 @@ def attributes(file):
 
 def blocks(file):
     with h5py.File(file) as run:
-        return int(run["ledger"].attrs["blocks"])
+        return int(run["energy_balance"].attrs["blocks"])

@@ -54,7 +54,7 @@ void print(std::string const& name, DualRecycledParameters const& p, std::vector
   for (int i = 0; i <= 24; ++i) {
     double const hz = std::pow(10, 0.5 + i / 8.0);
     LinearResponse const r = d.response(power, hz);
-    Injection const input = d.injection(Entrance::input_bench);
+    Injection const input = d.injection(InjectionPoint::input_bench);
     fmt::print("{}{{\"hz\": {:.17g}, \"DARM\": {}, \"laser amplitude\": {}, \"laser phase\": {}}}",
                i > 0 ? ",\n  " : "", hz, pair(d.to_freedom(r, Freedom::darm)), pair(r.to_amplitude(input)),
                pair(r.to_phase(input)));
@@ -73,7 +73,7 @@ void print_gains() {
       for (int i = 0; i <= 80; ++i) {
         double const hz = std::pow(10, i / 40.0);
         HeldResponse const r(d, hz);
-        double const h = std::abs(r.to_amplitude(d.injection(Entrance::arm)) / r.to_freedom(Freedom::darm));
+        double const h = std::abs(r.to_amplitude(d.injection(InjectionPoint::arm)) / r.to_freedom(Freedom::darm));
         fmt::print("{} {} {:.6g} {:.6g}\n", preset.name, tuning, hz,
                    h * speed_of_light * p.mirror_mass * std::pow(2 * pi * hz, 2) / (8 * d.arm_power()));
       }

@@ -31,8 +31,8 @@ CHOICES = (
     'via("sensor") and scatters == 3', 'via("s*r")', 'not via("sensor", "fold*")', 'h(30 Hz) > 1e-26', 'H(0.03 kHz)>1e-26/sqrt(Hz)',
     'share > 1 %', 'share > 10000 ppm', 'SHARE<1% OR rank==1', 'opl > 3.1 km', 'opl>3.1e5cm and not (opl < 20 km)', 'delay >= 10.1 us',
     'coupling > 1e-40', 'coupling > 1e-38 %', 'resolved', 'not resolved', "body('b*') and first(\"*n*\") or last('sensor')", 'sensor',
-    'scatters != 3', 'bounces <= 2', 'objects == 3', 'lever > 2e7 rad/m', 'histories > 4000', 'largest < 0.04 %', 'without < -0.1 %',
-    'route("*fold*")', 'verdict("unresolved*")', 'regime("linear*")', 'via("other")  or rank == 2')
+    'scatters != 3', 'bounces <= 2', 'objects == 3', 'phase_sensitivity > 2e7 rad/m', 'histories > 4000', 'largest < 0.04 %', 'without < -0.1 %',
+    'route("*fold*")', 'status("unresolved*")', 'regime("linear*")', 'via("other")  or rank == 2')
 BROKEN = (
     'scaters == 2', 'xyzzyx > 1', 'share > 5', 'opl > 5 kHz', 'rank < 3 m', 'scatters = 2', '2 == scatters', 'via(sensor)', 'via("a)',
     '(resolved', 'resolved and', 'h(30) > 1', 'h(30 m) > 1', 'share >', 'share and resolved', 'resolved resolved()', 'kind("µ") § 2',

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads a run file and an exported curve as users do. Usage: test_plot.py [RUN_FILE [H_ASD_TXT]]
 
-Without arguments a small run file is made here, from the paths of schema/run-1.txt.
+Without arguments a small run file is made here, from the paths of schema/run-2.txt.
 """
 import pathlib
 import sys
@@ -38,9 +38,9 @@ def made_run(path, routes=9, bins=60, noise=True):
             f[f"classes/{name}"] = value
         f["classes/name"] = text(names)
         f["classes/why_not"] = text([""] * routes)
-        f["ledger/name"] = text(["emitted", "absorbed", "escaped", "limit", "window", "sampling"])
-        f["ledger/mean"] = [1, 0.7, 0.3, 0, 0, 0]
-        f["ledger/std_error"] = [0, 0.001, 0.001, 0, 0.0002, 0]
+        f["energy_balance/name"] = text(["emitted", "absorbed", "escaped", "truncated", "roulette", "sampling"])
+        f["energy_balance/mean"] = [1, 0.7, 0.3, 0, 0, 0]
+        f["energy_balance/std_error"] = [0, 0.001, 0.001, 0, 0.0002, 0]
         f["arrived/mean"], f["arrived/std_error"] = [0.3], [0.01]
         f["warnings/scene"] = f["warnings/trace"] = text([])
         f["input/files/0"] = np.bytes_("a: 1\n")
@@ -176,7 +176,7 @@ def add_receivers(path, trusted):
         f["receivers"].attrs["beam_power"] = 0.0
         for name in ("image", "angles", "quadrants"):
             f[f"maps/{name}_offset"], f[f"maps/{name}"] = [0, 0, 0], np.array([])
-        f["ledger/mean"][5], f["ledger/std_error"][5] = 3e-17, 2e-19
+        f["energy_balance/mean"][5], f["energy_balance/std_error"][5] = 3e-17, 2e-19
 
 
 def check_receivers(folder):

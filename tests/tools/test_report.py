@@ -81,7 +81,7 @@ def quiet(browser, page):
 
 
 def closes(events):
-    """Emitted power is what the fates get, for every single history (the ledger of trace/result.hpp)."""
+    """Emitted power is what the terms get, for every single history (the energy balance of trace/result.hpp)."""
     emitted = sum(e["power"] for e in events if e["what"] == "emit")
     fates = sum(e["power"] for e in events if e["event"] is None)
     return emitted > 0 and abs(fates / emitted - 1) < 1e-12
@@ -283,7 +283,7 @@ def main():
             check_weights(data)
             check_scene(browser)
             sections = browser.run("return [...document.querySelectorAll('section')].map(s => s.id)")
-            for wanted in "budget routes scene maps ghosts first materials assumptions ledger convergence warnings provenance".split():
+            for wanted in "budget routes scene maps ghosts first materials assumptions energy-balance convergence warnings provenance".split():
                 check(wanted in sections, f"no part '{wanted}' in {sections}")
             quiet(browser, page)
             check_network(browser, folder)

@@ -124,7 +124,7 @@ def check_ring(folder):
     check(abs(area / (0.4 * 2 * 3.14159265 * 0.5) - 1) < 1e-4, f"the map has {area} m^2")
     light, error = total_of(ring["light"], "unrolled")
     light, error = ring["surfaces"] * light, ring["surfaces"] * error
-    arriving = next(o["arriving"] for o in data["ledger"]["objects"] if o["name"] == "ring")
+    arriving = next(o["arriving"] for o in data["energy_balance"]["objects"] if o["name"] == "ring")
     check(0 < error < 0.1 * light, f"{light} ± {error} W proves nothing")
     check(abs(light - 1e3 * arriving["value"]) < 4 * error, f"the map holds {light} ± {error} W, {1e3 * arriving['value']} arrive")
     (folder / "wrong.yaml").write_text(RING.replace("[maps]", "[mapps]"))

@@ -27,11 +27,11 @@ np.testing.assert_allclose(np.sqrt(square), h, rtol=1e-9)
 np.testing.assert_allclose(np.hypot(run.noise.total.phase, run.noise.total.amplitude), h, rtol=1e-9)
 
 # Every path of the file is in the schema, and carries its unit or meaning.
-schema = (SOURCE / "schema/run-1.txt").read_text().split()
+schema = (SOURCE / "schema/run-2.txt").read_text().split()
 with h5py.File(sys.argv[1], "r") as file:
     def described(path, item):
         known = "/input/files/<n>" if path.startswith("input/files/") else "/" + path
-        assert known in schema, f"{path} is not in schema/run-1.txt"
+        assert known in schema, f"{path} is not in schema/run-2.txt"
         assert ("unit" if isinstance(item, h5py.Dataset) else "meaning") in item.attrs, path
 
     file.visititems(described)

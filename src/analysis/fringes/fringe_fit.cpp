@@ -332,15 +332,15 @@ OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const& fit, Fr
   return out;
 }
 
-FitVerdict verdict_of(FringeFit const& fit, double false_alarm) {
-  if (fit.clock.doubtful) return FitVerdict::clock;
-  if (fit.ln_false_alarm >= std::log(false_alarm)) return FitVerdict::none;
-  if (ends_a_range(fit)) return FitVerdict::at_end;
-  if (fit.test.seconds == 0) return FitVerdict::untested;
+FitOutcome verdict_of(FringeFit const& fit, double false_alarm) {
+  if (fit.clock.doubtful) return FitOutcome::clock;
+  if (fit.ln_false_alarm >= std::log(false_alarm)) return FitOutcome::none;
+  if (ends_a_range(fit)) return FitOutcome::at_end;
+  if (fit.test.seconds == 0) return FitOutcome::untested;
   double const needed = -std::log(false_alarm);
-  if (fit.test.ln_odds >= needed) return FitVerdict::found;
+  if (fit.test.ln_odds >= needed) return FitOutcome::found;
   Fitted const& expected = fit.test.ln_odds_expected;
-  return expected.value - sure * expected.sigma < needed ? FitVerdict::untested : FitVerdict::not_general;
+  return expected.value - sure * expected.sigma < needed ? FitOutcome::untested : FitOutcome::not_general;
 }
 
 }  // namespace straytrace

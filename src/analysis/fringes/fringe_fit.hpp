@@ -67,7 +67,7 @@ struct OutOfSample {
   Fitted ln_odds_expected;  // of a right fit
 };
 
-enum class FitVerdict : std::uint8_t {
+enum class FitOutcome : std::uint8_t {
   none,         // noise alone explains it
   untested,     // significant, but the rest of the record could not confirm it even if it were right
   not_general,  // significant, but does not predict the rest of the record
@@ -99,7 +99,7 @@ struct FringeFit {
   std::vector<double> means;                         // m, of the witnesses, where the phases are meant
   OutOfSample test;
   ClockCheck clock;
-  FitVerdict verdict = FitVerdict::none;
+  FitOutcome verdict = FitOutcome::none;
 };
 
 // Throws InputError: records that do not overlap, a band outside the sampled one, a sample rate that cannot hold the

@@ -72,6 +72,6 @@ void report_parameters(FringeFit&, FringeProblem const&, RefinedFit const&);
 
 // The fit of one stretch, its covariance included, against another with the same noise level.
 OutOfSample out_of_sample(FringeProblem const& fitted, RefinedFit const&, FringeStretch const& rest);
-FitVerdict verdict_of(FringeFit const&, double false_alarm);
+FitOutcome verdict_of(FringeFit const&, double false_alarm);
 
 }  // namespace straytrace

@@ -16,7 +16,7 @@ namespace straytrace {
 
 // How a reader asked for a value. From these the schema, the reference of keys, `print` and `diff` are made, so none of
 // them can know another language than the readers.
-struct Asked {
+struct KeyRequest {
   enum class Form : std::uint8_t {
     named,
     number,
@@ -54,12 +54,12 @@ struct NodeData {
   std::string label;           // the nearest key above, for messages
   int inset = -1;              // code points from place to text; -1: text is not verbatim in the file
   std::vector<Entry> entries;  // table, in file order
-  std::map<std::string, std::size_t, std::less<>> index;    // key -> entry
-  std::vector<std::shared_ptr<NodeData>> elements;          // list
-  mutable bool known = false;                               // some reader asked for it
-  mutable std::map<std::string, Asked, std::less<>> asked;  // keys some reader asked for, present or not
-  mutable Asked read;                                       // how the value itself was read
-  mutable bool listed = false;                              // its keys were read as a list of names
+  std::map<std::string, std::size_t, std::less<>> index;         // key -> entry
+  std::vector<std::shared_ptr<NodeData>> elements;               // list
+  mutable bool known = false;                                    // some reader asked for it
+  mutable std::map<std::string, KeyRequest, std::less<>> asked;  // keys some reader asked for, present or not
+  mutable KeyRequest read;                                       // how the value itself was read
+  mutable bool listed = false;                                   // its keys were read as a list of names
   mutable bool misspelt = false;  // a key of it is unknown, so what is missing may only be misspelt
   mutable std::string role;       // what refuse_unknown() called it
 
@@ -67,7 +67,7 @@ struct NodeData {
     auto const hit = index.find(key);
     return hit == index.end() ? nullptr : &entries[hit->second];
   }
-  void note(std::string_view key, Asked how) const {
+  void note(std::string_view key, KeyRequest how) const {
     if (kind == Node::Kind::table) asked.insert_or_assign(std::string(key), std::move(how));
   }
   // False when the key is there already.

@@ -99,14 +99,14 @@ void Node::missing(std::string_view key, std::string_view nature, std::string co
 
 std::string Node::word(std::string_view key, std::string_view fallback) const {
   Node const value = (*this)[key];
-  if (data_) data_->note(key, {.form = Asked::Form::word, .word = std::string(fallback)});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::word, .word = std::string(fallback)});
   if (value.data_) return value.as_word();
   if (fallback.empty()) missing(key, "text", fmt::format("add '{}: ...'", key));
   return std::string(fallback);
 }
 
 std::string Node::as_word() const {
-  if (data_) data_->read.form = Asked::Form::word;
+  if (data_) data_->read.form = KeyRequest::Form::word;
   if (kind() == Kind::list || kind() == Kind::table)
     problem(fmt::format("'{}' is a single text, got {}", data_->label, kind_name(kind())),
             fmt::format("write '{}: text'", data_->label));
@@ -117,7 +117,7 @@ std::string Node::choice(std::string_view key, std::span<std::string_view const>
                          std::string_view fallback) const {
   std::vector<std::string> const words(choices.begin(), choices.end());
   Node const value = (*this)[key];
-  if (data_) data_->note(key, {.form = Asked::Form::choice, .choices = words, .word = std::string(fallback)});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::choice, .choices = words, .word = std::string(fallback)});
   if (!value.data_) {
     if (fallback.empty())
       missing(key, "a choice", fmt::format("add '{}: {}' (accepted: {})", key, words.front(), listed(words)));
@@ -135,7 +135,7 @@ std::string Node::choice(std::string_view key, std::span<std::string_view const>
 
 bool Node::flag(std::string_view key, bool fallback) const {
   Node const value = (*this)[key];
-  if (data_) data_->note(key, {.form = Asked::Form::flag, .word = fallback ? "on" : "off"});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::flag, .word = fallback ? "on" : "off"});
   if (!value) return fallback;
   std::string const word = value.as_word();
   if (word == "on" || word == "yes" || word == "true") return true;
@@ -148,7 +148,7 @@ bool Node::flag(std::string_view key, bool fallback) const {
 
 Node Node::table(std::string_view key) const {
   Node const value = (*this)[key];
-  if (data_) data_->note(key, {.form = Asked::Form::table});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::table});
   if (!value || value.kind() == Kind::table) return value;
   value.problem(fmt::format("'{}' needs a table of keys, got {}", key, kind_name(value.kind())),
                 fmt::format("write '{}: {{name: value}}'", key));
@@ -157,14 +157,14 @@ Node Node::table(std::string_view key) const {
 
 std::vector<Node> Node::list(std::string_view key) const {
   Node const value = (*this)[key];
-  if (data_) data_->note(key, {.form = Asked::Form::list});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::list});
   return value.as_list();
 }
 
 std::vector<Node> Node::as_list() const {
   std::vector<Node> out;
   if (kind() == Kind::none) return out;
-  if (data_->read.form == Asked::Form::named) data_->read.form = Asked::Form::list;
+  if (data_->read.form == KeyRequest::Form::named) data_->read.form = KeyRequest::Form::list;
   if (kind() != Kind::list) return {*this};
   for (auto const& element : data_->elements) out.emplace_back(element, scope_, document_);
   return out;
@@ -327,7 +327,8 @@ bool Node::within(double si, Dimension d, double low, double high) const {
 double Node::number(std::string_view key, Dimension d, double fallback, double low, double high) const {
   Node const value = (*this)[key];
   if (data_)
-    data_->note(key, {.form = Asked::Form::number, .dimension = d, .fallback = fallback, .low = low, .high = high});
+    data_->note(key,
+                {.form = KeyRequest::Form::number, .dimension = d, .fallback = fallback, .low = low, .high = high});
   if (value.data_) return value.as_number(d, low, high);
   if (std::isnan(fallback))
     missing(key, described(d), fmt::format("add '{}: {}'{}", key, example(d, low, high), units_hint(d)));
@@ -335,7 +336,7 @@ double Node::number(std::string_view key, Dimension d, double fallback, double l
 }
 
 double Node::as_number(Dimension d, double low, double high) const {
-  if (data_) data_->read = {.form = Asked::Form::number, .dimension = d, .low = low, .high = high};
+  if (data_) data_->read = {.form = KeyRequest::Form::number, .dimension = d, .low = low, .high = high};
   auto const q = evaluated(d);
   if (!q) return not_a_number;
   if (q->amplitude != Amplitude::none) {
@@ -348,7 +349,7 @@ double Node::as_number(Dimension d, double low, double high) const {
 
 std::uint64_t Node::whole(std::string_view key, double fallback, double low, double high) const {
   double const x = number(key, dim::plain, fallback, low, high);
-  if (data_) data_->note(key, {.form = Asked::Form::whole, .fallback = fallback, .low = low, .high = high});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::whole, .fallback = fallback, .low = low, .high = high});
   if (std::isnan(x)) return 0;
   if (x == std::round(x)) return static_cast<std::uint64_t>(x);
   (*this)[key].problem(fmt::format("'{}' must be a whole number, got \"{}\"", key, shortened((*this)[key].text())),
@@ -359,7 +360,7 @@ std::uint64_t Node::whole(std::string_view key, double fallback, double low, dou
 Quantity Node::amplitude(std::string_view key, Dimension d) const {
   Quantity const nothing{not_a_number, d, Amplitude::none};
   Node const value = (*this)[key];
-  if (data_) data_->note(key, {.form = Asked::Form::amplitude, .dimension = d});
+  if (data_) data_->note(key, {.form = KeyRequest::Form::amplitude, .dimension = d});
   if (!value.data_) {
     missing(key, described(d), fmt::format("add '{}: {} peak' (or pp, or rms)", key, example(d, -infinity, infinity)));
     return nothing;
@@ -375,7 +376,7 @@ Quantity Node::amplitude(std::string_view key, Dimension d) const {
 }
 
 Quantity Node::as_quantity() const {
-  if (data_) data_->read.form = Asked::Form::quantity;
+  if (data_) data_->read.form = KeyRequest::Form::quantity;
   if (kind() == Kind::list || kind() == Kind::table)
     problem(
         fmt::format("'{}' is one quantity, got {}", data_->label, kind() == Kind::list ? "a list" : "a table of keys"),
@@ -387,7 +388,7 @@ Quantity Node::as_quantity() const {
 
 std::vector<double> Node::as_numbers(Dimension d, std::size_t expected) const {
   std::vector<Node> const elements = as_list();
-  if (data_) data_->read = {.form = Asked::Form::numbers, .dimension = d, .count = expected};
+  if (data_) data_->read = {.form = KeyRequest::Form::numbers, .dimension = d, .count = expected};
   if (elements.size() != expected && kind() != Kind::none) {
     problem(fmt::format("'{}' needs {} values, got {}", data_->label, expected, elements.size()),
             fmt::format("write a list of {}, each like '{}'", expected, example(d, -infinity, infinity)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Integers that cannot be mixed up, a non-owning array for kernels, and the lever of a path on a body.
+// Integers that cannot be mixed up, a non-owning array for kernels, and the phase sensitivity of a path on a body.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ struct View {
 
 // d(phase)/d(coordinate) of one body: x, y, z [rad/m], then rotations about its pivot [rad/rad].
 // Relative to the main mode's own phase (physics.md eq. 2.3, 2.5).
-struct Lever {
+struct PhaseSensitivity {
   BodyId body;
   double d[6] = {};
 };

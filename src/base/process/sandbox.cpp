@@ -85,14 +85,14 @@ std::string why_it_ended(int status, Bounds bounds) {
 
 }  // namespace
 
-Apart done_apart(std::function<std::string()> const& work, Bounds bounds) {
+SandboxResult run_sandboxed(std::function<std::string()> const& work, Bounds bounds) {
   std::array<int, 2> ends = {};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) no_copy();
   pid_t const copy = ::fork();
   if (copy == 0) be_the_copy(work, bounds, ends[1]);
   int const error = errno;
   ::close(ends[1]);
-  Apart result;
+  SandboxResult result;
   if (copy > 0) result.bytes = read_all(ends[0]);
   ::close(ends[0]);
   if (errno = error; copy < 0) no_copy();

@@ -9,7 +9,7 @@
 
 namespace straytrace {
 
-struct Apart {
+struct SandboxResult {
   std::string bytes;
   std::string why;  // there are none: "it takes more than 1024 MB", "Segmentation fault"; empty: done
 };
@@ -20,6 +20,6 @@ struct Bounds {
 };
 
 // What `work` returns. Nothing else of what it does is seen here. Throws NumericalError where no copy can be made.
-Apart done_apart(std::function<std::string()> const& work, Bounds);
+SandboxResult run_sandboxed(std::function<std::string()> const& work, Bounds);
 
 }  // namespace straytrace

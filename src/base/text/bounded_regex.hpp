@@ -10,7 +10,7 @@ namespace straytrace {
 
 inline constexpr std::size_t longest_form = 2000;  // bytes
 
-inline bool has_form(std::string const& text, std::smatch& parts, std::regex const& form) {
+inline bool bounded_regex_match(std::string const& text, std::smatch& parts, std::regex const& form) {
   return text.size() <= longest_form && std::regex_match(text, parts, form);
 }
 

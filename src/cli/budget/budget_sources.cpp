@@ -62,7 +62,7 @@ std::vector<std::string> tags(std::vector<std::string> const& files) {
 
 // Sources that share a text get the tag of their file through `add`.
 template <class Text, class Add>
-void tell_apart(std::vector<NoiseSource>& sources, Text const& text, Add const& add) {
+void distinguish(std::vector<NoiseSource>& sources, Text const& text, Add const& add) {
   std::set<std::string> seen;
   for (NoiseSource const& first : sources) {
     std::string const shared = text(first);
@@ -264,10 +264,10 @@ std::vector<std::string> repeats(std::vector<NoiseSource> const& all, std::vecto
 }
 
 void name_apart(std::vector<NoiseSource>& sources) {
-  tell_apart(
+  distinguish(
       sources, [](NoiseSource const& s) { return s.entry.words; },
       [](NoiseSource& s, std::string const& tag) { s.entry.words += fmt::format(" ({})", tag); });
-  tell_apart(
+  distinguish(
       sources, [](NoiseSource const& s) { return s.entry.name; },
       [](NoiseSource& s, std::string const& tag) { s.entry.name += "-" + tag; });
   for (NoiseSource& s : sources) {

@@ -147,17 +147,17 @@ void add_couple_lines(CLI::App& couple, int& exit_code) {
 
 namespace {
 
-using RampVerdict = RampFit::Verdict;
+using RampOutcome = RampFit::Verdict;
 
-char const* word(RampVerdict v) {
+char const* word(RampOutcome v) {
   switch (v) {
-    case RampVerdict::linear:
+    case RampOutcome::linear:
       return "linear";
-    case RampVerdict::fringe:
+    case RampOutcome::fringe:
       return "fringe";
-    case RampVerdict::neither:
+    case RampOutcome::neither:
       return "neither";
-    case RampVerdict::unseen:
+    case RampOutcome::unseen:
       return "unseen";
   }
   return "";
@@ -173,17 +173,17 @@ std::string text_of(Driven const& d, LineOptions const& o, RampFit const& r) {
                                 d.frequency(), most, d.unit, d.drive.size(), d.window);
   out += fmt::format(
       "straight line: {} {}, chi^2 {:.1f} of {}\nfringe J_1: chi^2 {:.1f} of {}, better by {:.1f} sigma\n",
-      r.verdict == RampVerdict::unseen ? fmt::format("<= {:.3g}", limit_of(r)) : plus_minus(r.slope, r.slope_sigma),
+      r.verdict == RampOutcome::unseen ? fmt::format("<= {:.3g}", limit_of(r)) : plus_minus(r.slope, r.slope_sigma),
       d.coupling_unit, r.chi_linear, r.degrees_linear, r.chi_fringe, r.degrees_fringe, r.significance);
-  if (r.verdict == RampVerdict::unseen)
+  if (r.verdict == RampOutcome::unseen)
     return out + "verdict: the target shows no line at the drive; the coupling is an upper limit (95 %)\n";
-  if (r.verdict == RampVerdict::linear)
+  if (r.verdict == RampOutcome::linear)
     return out + (r.open
                       ? "verdict: linear\n"
                       : fmt::format("verdict: linear; phase amplitude at the largest drive below {:.3g} rad, effective "
                                     "motion below {:.3g} m peak (95 %)\n",
                                     r.z_limit, metres(r.z_limit)));
-  if (r.verdict == RampVerdict::neither)
+  if (r.verdict == RampOutcome::neither)
     return out +
            "verdict: neither: the target does not follow from the drive; a static phase that drifts, or another "
            "source, does that\n";
@@ -210,7 +210,7 @@ CurveSheet sheet_of(Driven const& d, RampFit const& r) {
   }
   sheet.y = {time, sheet.y[0], sheet.y[2], sheet.y[3], line};
   sheet.y[2].style = "points";
-  if (r.verdict == RampVerdict::fringe) sheet.y.push_back(std::move(fringe));
+  if (r.verdict == RampOutcome::fringe) sheet.y.push_back(std::move(fringe));
   sheet.log_x = true;
   return sheet;
 }
@@ -220,14 +220,14 @@ CouplingFunction coupling_of(Driven const& d, RampFit const& r) {
   CouplingPoint p;
   p.hz = d.frequency();
   p.significance = r.slope / r.slope_sigma;
-  if (r.verdict == RampVerdict::unseen) {
+  if (r.verdict == RampOutcome::unseen) {
     p.flag = CouplingFlag::upper_limit;
     p.factor = limit_of(r);
     return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
   }
-  p.factor = r.verdict == RampVerdict::linear ? r.slope : r.small_slope;
-  p.sigma = r.verdict == RampVerdict::linear ? r.slope_sigma : not_a_number;
-  p.flag = r.verdict == RampVerdict::linear ? CouplingFlag::measured : CouplingFlag::not_linear;
+  p.factor = r.verdict == RampOutcome::linear ? r.slope : r.small_slope;
+  p.sigma = r.verdict == RampOutcome::linear ? r.slope_sigma : not_a_number;
+  p.flag = r.verdict == RampOutcome::linear ? CouplingFlag::measured : CouplingFlag::not_linear;
   return {d.pair.witness.name, d.pair.target.name, d.unit, d.coupling_unit, {p}};
 }
 
@@ -235,7 +235,7 @@ int run_ramp(LineOptions const& o) {
   check_outputs(o.data);
   Driven const d = follow_drive(o);
   RampFit const r = fit_ramp(d.drive, d.target, o.significance, o.z_max);
-  bool const fringe = r.verdict == RampVerdict::fringe, unseen = r.verdict == RampVerdict::unseen;
+  bool const fringe = r.verdict == RampOutcome::fringe, unseen = r.verdict == RampOutcome::unseen;
   auto const metres = [&](double z) { return motion_of_phase(z, d.wavelength, o.multiplicity); };
   answer_with_result(o.data, sheet_of(d, r), text_of(d, o, r),
                      {{"verdict", word(r.verdict)},

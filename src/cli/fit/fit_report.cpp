@@ -155,19 +155,19 @@ std::string correlations_text(FringeFit const& fit) {
 
 }  // namespace
 
-std::string verdict_text(FitVerdict v) {
+std::string verdict_text(FitOutcome v) {
   switch (v) {
-    case FitVerdict::none:
+    case FitOutcome::none:
       return "no significant fringe noise";
-    case FitVerdict::untested:
+    case FitOutcome::untested:
       return "significant, but the rest of the record is too short or too quiet to confirm it";
-    case FitVerdict::not_general:
+    case FitOutcome::not_general:
       return "significant, but the fit does not generalise: it fails on the rest of the record";
-    case FitVerdict::clock:
+    case FitOutcome::clock:
       return "clock? another delay of the witness fits better and gives another amplitude";
-    case FitVerdict::at_end:
+    case FitOutcome::at_end:
       return "significant, but a parameter stands at the end of its range: the best fit may lie beyond; widen it";
-    case FitVerdict::found:
+    case FitOutcome::found:
       return "fringe noise found: the fit predicts the rest of the record";
   }
   return {};
@@ -223,7 +223,7 @@ double unseen_phase(FitAnswer const& a, std::size_t path) {
 }
 
 TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {
-  if (a.fit.verdict != FitVerdict::found)
+  if (a.fit.verdict != FitOutcome::found)
     throw InputError(
         fmt::format("error: --subtract: {}; nothing was subtracted and no residual written\n  leave the "
                     "option out, or fit another witness, band or stretch",
@@ -271,7 +271,7 @@ CurveSheet fit_curves(FitAnswer const& a, FringeModel const& model) {
     sheet.y.push_back(error);
   };
   add("target", before);
-  if (a.fit.verdict != FitVerdict::found) {
+  if (a.fit.verdict != FitOutcome::found) {
     sheet.notes.push_back("no residual: the fit does not allow a subtraction");
     return sheet;
   }
@@ -343,7 +343,7 @@ nlohmann::json clock_json(FitAnswer const& a) {
   return j;
 }
 
-char const* verdict_word(FitVerdict v) {
+char const* verdict_word(FitOutcome v) {
   char const* const words[] = {"none", "untested", "not-general", "clock", "end-of-range", "found"};
   return words[std::size_t(v)];
 }

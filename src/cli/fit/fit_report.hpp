@@ -27,7 +27,7 @@ struct AgainstPrediction {
 };
 AgainstPrediction against(FittedPath const&, RoutePrediction const&);
 
-std::string verdict_text(FitVerdict);  // "fringe noise found: it predicts the rest of the record"
+std::string verdict_text(FitOutcome);  // "fringe noise found: it predicts the rest of the record"
 // Largest excursion of W (x_1 - ratio x_2) of a path from the middle of its range, m: a peak amplitude. Its error is
 // that of W and ratio together.
 Fitted effective_peak(FitAnswer const&, std::size_t path);

@@ -19,20 +19,20 @@ constexpr std::array<char const*, 6> axis_names{"x", "y", "z", "rx", "ry", "rz"}
 
 // Weighted sums over the paths of a route: how the phase turns per metre of a body along each axis, and per
 // radian about it.
-struct Levers {
+struct PhaseSensitivities {
   double weight = 0;
   std::array<double, 6> sum{}, square{};
 };
 
-Levers levers_of(CouplingClass const& c, std::uint32_t body) {
-  Levers out;
+PhaseSensitivities phase_sensitivities_of(CouplingClass const& c, std::uint32_t body) {
+  PhaseSensitivities out;
   for (PathRecord const& r : c.records) {
     out.weight += r.weight;
-    for (Lever const& lever : r.levers)
+    for (PhaseSensitivity const& phase_sensitivity : r.phase_sensitivities)
       for (std::size_t a = 0; a < 6; ++a) {
-        if (lever.body.value != body) continue;
-        out.sum[a] += r.weight * lever.d[a];
-        out.square[a] += r.weight * lever.d[a] * lever.d[a];
+        if (phase_sensitivity.body.value != body) continue;
+        out.sum[a] += r.weight * phase_sensitivity.d[a];
+        out.square[a] += r.weight * phase_sensitivity.d[a] * phase_sensitivity.d[a];
       }
   }
   return out;
@@ -46,9 +46,9 @@ std::uint32_t body_named(CouplingTable const& table, std::string const& name) {
 }
 
 // The axis that is asked for, or that of most phase among those that the witness can measure.
-std::size_t axis_of(std::string const& asked, Levers const& levers, bool rotation) {
+std::size_t axis_of(std::string const& asked, PhaseSensitivities const& phase_sensitivities, bool rotation) {
   std::size_t const first = rotation ? 3 : 0;
-  auto const from = levers.square.begin() + std::ptrdiff_t(first);
+  auto const from = phase_sensitivities.square.begin() + std::ptrdiff_t(first);
   if (asked.empty()) return first + std::size_t(std::max_element(from, from + 3) - from);
   auto const a = std::size_t(std::find(axis_names.begin(), axis_names.end(), asked) - axis_names.begin());
   if ((a > 2) == rotation) return a;
@@ -57,14 +57,14 @@ std::size_t axis_of(std::string const& asked, Levers const& levers, bool rotatio
                                rotation ? "rx, ry or rz" : "x, y or z"));
 }
 
-// rms lever and its spread in units of 2k (m for rotations), with the sign of the mean where that is clear.
+// rms phase sensitivity and its spread in units of 2k (m for rotations), with the sign of the mean where that is clear.
 void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingClass const& c, std::string const& axis,
                        bool rotation) {
-  Levers const levers = levers_of(c, body_named(table, p.body));
-  std::size_t const a = axis_of(axis, levers, rotation);
+  PhaseSensitivities const phase_sensitivities = phase_sensitivities_of(c, body_named(table, p.body));
+  std::size_t const a = axis_of(axis, phase_sensitivities, rotation);
   p.axis = axis_names[a];
-  double const two_k = 4 * pi / table.wavelength, mean = levers.sum[a] / levers.weight;
-  double const rms = std::sqrt(levers.square[a] / levers.weight);
+  double const two_k = 4 * pi / table.wavelength, mean = phase_sensitivities.sum[a] / phase_sensitivities.weight;
+  double const rms = std::sqrt(phase_sensitivities.square[a] / phase_sensitivities.weight);
   if (!(rms > 0))
     throw InputError(
         fmt::format("error: motion of '{}' along {} does not change the phase of path {}\n  choose "

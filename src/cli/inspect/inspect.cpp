@@ -197,7 +197,7 @@ int inspect(Inspected const& i, Options const& options) {
   read_media(scene, world, names);
   read_materials(scene, world, names);
   scene.throw_if_problems();
-  tell_warnings(scene, options);
+  print_warnings(scene, options);
   bool found = false;
   std::vector<std::string> known;
   for (MaterialInfo const& info : world.materials) {

@@ -19,7 +19,7 @@ namespace {
 constexpr std::array<double, 3> bands_from = {0.1, 1, 10};  // Hz
 constexpr std::array<char const*, 6> coordinates = {"x", "y", "z", "rx", "ry", "rz"};
 
-// One coordinate of one body: as the phase of a lever of 1 on it alone.
+// One coordinate of one body: as the phase of a phase sensitivity of 1 on it alone.
 struct MotionRow {
   std::string body, axis, unit;
   double rms = 0, rate = 0, drift = 0;            // m, m/s, m/s (rad); random motion and tones
@@ -30,11 +30,11 @@ struct MotionRow {
 };
 
 MotionRow row_of(MotionSet const& motion, std::vector<MotionClass> const& classes, std::uint32_t body, int axis) {
-  Lever lever{BodyId{body}, {}};
-  lever.d[axis] = 1;
+  PhaseSensitivity phase_sensitivity{BodyId{body}, {}};
+  phase_sensitivity.d[axis] = 1;
   bool const mode = motion.bodies[body].find('/') != std::string::npos;
   MotionRow row{motion.bodies[body], mode ? "q" : coordinates[std::size_t(axis)], axis < 3 ? "m" : "rad"};
-  row.kappa = kappa_of(motion, classes, {&lever, 1});
+  row.kappa = kappa_of(motion, classes, {&phase_sensitivity, 1});
   double total = 0, rate = 0;
   std::array<double, bands_from.size()> above{};
   for (std::size_t c = 0; c < classes.size(); ++c) {
@@ -121,7 +121,7 @@ bool shows_motion(Scene const& scene) { return scene.table("bodies") && !scene.r
 
 int inspect_motion(Scene const& scene, std::string const& plot, Options const& options) {
   MotionSet const motion = read_motion_file(scene);
-  tell_warnings(scene, options);
+  print_warnings(scene, options);
   std::vector<MotionClass> const classes = group_by_shape(motion);
   std::vector<MotionRow> const rows = rows_of(motion, classes);
   if (options.json())

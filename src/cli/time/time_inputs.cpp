@@ -95,7 +95,8 @@ std::string plain(std::string text) {
 
 bool touches(CouplingClass const& c, BodyId body) {
   return std::any_of(c.records.begin(), c.records.end(), [&](PathRecord const& r) {
-    return std::any_of(r.levers.begin(), r.levers.end(), [&](Lever const& l) { return l.body == body; });
+    return std::any_of(r.phase_sensitivities.begin(), r.phase_sensitivities.end(),
+                       [&](PhaseSensitivity const& l) { return l.body == body; });
   });
 }
 

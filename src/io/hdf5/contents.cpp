@@ -23,7 +23,7 @@ std::string apart(Work const& work, std::size_t memory, std::size_t image_size) 
       return std::string(e.what()) + '\1';
     }
   };
-  Apart done = done_apart(told, {memory, 10 + image_size / 500000});
+  SandboxResult done = run_sandboxed(told, {memory, 10 + image_size / 500000});
   if (!done.why.empty()) throw InputError("the HDF5 library cannot read the file: " + done.why);
   if (done.bytes.empty()) broken_file("nothing could be read");
   char const how = done.bytes.back();
@@ -42,11 +42,11 @@ std::uint64_t Values::count() const {
 }
 
 Contents contents_of(std::string const& image, Wanted const& wanted) {
-  auto const work = [&] { return packed(walked(image, wanted)); };
+  auto const work = [&] { return packed(load_contents(image, wanted)); };
   return unpacked(apart(work, 2 * gigabyte + 100 * image.size(), image.size()));
 }
 
-Contents own_contents(std::string const& image) { return walked(image, {}); }
+Contents own_contents(std::string const& image) { return load_contents(image, {}); }
 
 std::vector<double> slab(std::string const& image, std::string const& path, std::uint64_t offset, std::uint64_t count) {
   auto const work = [&] {

@@ -209,7 +209,7 @@ class Walk {
 
 void broken_file(std::string const& how) { throw InputError("the HDF5 file is damaged: " + how); }
 
-Contents walked(std::string const& image, Wanted const& wanted) {
+Contents load_contents(std::string const& image, Wanted const& wanted) {
   try {
     return Walk(image.size(), wanted).all(opened(image));
   } catch (H5::Exception const&) {

@@ -6,7 +6,7 @@
 
 namespace straytrace::hdf5 {
 
-Contents walked(std::string const& image, Wanted const& wanted);
+Contents load_contents(std::string const& image, Wanted const& wanted);
 std::vector<double> slab_here(std::string const& image, std::string const& path, std::uint64_t offset,
                               std::uint64_t count);
 

@@ -84,7 +84,7 @@ class SpeckleLaw {
     Part p{r, {}, {}, 0, {}, {}, {}, 0, b_.routes[r].mean_square_phase, c.adds_fields()};
     std::set<std::size_t> columns, inputs;
     for (PathRecord const& record : c.records)
-      for (auto const& [column, gain] : gains_.of(record.levers)) columns.insert(column);
+      for (auto const& [column, gain] : gains_.of(record.phase_sensitivities)) columns.insert(column);
     for (std::size_t const column : columns) inputs.insert(gains_.input(column));
     p.columns.assign(columns.begin(), columns.end());
     p.inputs.assign(inputs.begin(), inputs.end());
@@ -110,7 +110,7 @@ class SpeckleLaw {
 
   Eigen::VectorXd to_columns(Part const& p, PathRecord const& record) const {
     Eigen::VectorXd out = Eigen::VectorXd::Zero(Eigen::Index(p.columns.size()));
-    for (auto const& [column, gain] : gains_.of(record.levers)) out[place(p.columns, column)] = gain;
+    for (auto const& [column, gain] : gains_.of(record.phase_sensitivities)) out[place(p.columns, column)] = gain;
     return out;
   }
   // Columns of a part to its inputs.

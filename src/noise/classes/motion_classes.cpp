@@ -63,12 +63,13 @@ class Sum {
   double size_ = 0;
 };
 
-double kappa_of(MotionInput const& input, MotionClass::Member const& member, std::span<Lever const> levers) {
+double kappa_of(MotionInput const& input, MotionClass::Member const& member,
+                std::span<PhaseSensitivity const> phase_sensitivities) {
   Sum all, first, second;
-  for (Lever const& lever : levers)
+  for (PhaseSensitivity const& phase_sensitivity : phase_sensitivities)
     for (Gain const& gain : input.gains) {
-      if (gain.body != lever.body) continue;
-      std::complex<double> const term = lever.d[gain.axis] * gain.value;
+      if (gain.body != phase_sensitivity.body) continue;
+      std::complex<double> const term = phase_sensitivity.d[gain.axis] * gain.value;
       all.add(term);
       if (gain.transfer == member.first) first.add(term);
       if (gain.transfer == member.second) second.add(term);
@@ -77,7 +78,7 @@ double kappa_of(MotionInput const& input, MotionClass::Member const& member, std
   return (first.value() * std::conj(all.value())).real();
 }
 
-// The coefficients by which kappa of a class is linear in the products of levers of two bodies.
+// The coefficients by which kappa of a class is linear in the products of phase sensitivities of two bodies.
 std::array<double, 36> coefficients(MotionSet const& motion, MotionClass const& c, BodyId first, BodyId second) {
   std::array<double, 36> out = {};
   for (MotionClass::Member const& m : c.members) {
@@ -115,22 +116,22 @@ std::vector<MotionClass> group_by_shape(MotionSet const& motion) {
 }
 
 std::vector<double> kappa_of(MotionSet const& motion, std::vector<MotionClass> const& classes,
-                             std::span<Lever const> levers) {
+                             std::span<PhaseSensitivity const> phase_sensitivities) {
   std::vector<double> kappa(classes.size());
   for (std::size_t c = 0; c < classes.size(); ++c)
     for (MotionClass::Member const& m : classes[c].members)
-      kappa[c] += m.scale * kappa_of(motion.inputs[m.input], m, levers);
+      kappa[c] += m.scale * kappa_of(motion.inputs[m.input], m, phase_sensitivities);
   return kappa;
 }
 
 std::vector<KappaSum> kappa_sums(MotionSet const& motion, std::vector<MotionClass> const& classes,
-                                 std::span<LeverProduct const> products) {
+                                 std::span<PhaseSensitivityProduct const> products) {
   constexpr double rounding = 1e-9;  // of the sum of the moduli of the terms
   std::vector<KappaSum> out(classes.size());
   for (std::size_t c = 0; c < classes.size(); ++c) {
     std::map<std::pair<BodyId, BodyId>, std::array<double, 36>> known;
     double sum = 0, size = 0;
-    for (LeverProduct const& p : products) {
+    for (PhaseSensitivityProduct const& p : products) {
       auto const [at, fresh] = known.try_emplace({p.first, p.second});
       if (fresh) at->second = coefficients(motion, classes[c], p.first, p.second);
       for (std::size_t i = 0; i < p.sum.size(); ++i) {
@@ -168,11 +169,12 @@ void MotionDirections::add_columns(std::size_t input) {
     }
 }
 
-MotionDirections::Gains MotionDirections::of(std::span<Lever const> levers) const {
+MotionDirections::Gains MotionDirections::of(std::span<PhaseSensitivity const> phase_sensitivities) const {
   std::vector<std::tuple<std::size_t, std::size_t, double>> terms;  // column, gain: the order of the sum
-  for (Lever const& lever : levers)
-    if (lever.body.value < of_body_.size())
-      for (Entry const& e : of_body_[lever.body.value]) terms.emplace_back(e.column, e.gain, lever.d[e.axis] * e.value);
+  for (PhaseSensitivity const& phase_sensitivity : phase_sensitivities)
+    if (phase_sensitivity.body.value < of_body_.size())
+      for (Entry const& e : of_body_[phase_sensitivity.body.value])
+        terms.emplace_back(e.column, e.gain, phase_sensitivity.d[e.axis] * e.value);
   std::stable_sort(terms.begin(), terms.end(), [](auto const& a, auto const& b) {
     return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
   });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Independent inputs of the motion grouped by the shape of the spectra that they give to phases: the phase of a path
-// then depends on its levers through one number per class.
+// then depends on its phase sensitivities through one number per class.
 #pragma once
 
 #include <complex>
@@ -18,7 +18,7 @@ namespace straytrace {
 // The phase of a path has the PSD sum over classes of kappa * reference; for a tone its square peak amplitude is
 // z^2 = kappa (physics.md eq. 1.10, 7.11), for a drift the square of its rate [rad^2/s^2].
 //
-// Where one input reaches bodies through transfer functions H_k, with sums of lever times gain a_k,
+// Where one input reaches bodies through transfer functions H_k, with sums of phase sensitivity times gain a_k,
 //
 //   |sum_k a_k H_k|^2 = sum_k a_k (sum_l a_l) |H_k|^2 - sum_{k<l} a_k a_l |H_k - H_l|^2
 //
@@ -45,16 +45,19 @@ struct MotionClass {
 
 std::vector<MotionClass> group_by_shape(MotionSet const&);
 
-// One number per class. Equal levers of two bodies on one input cancel or add here, before anything is squared.
-std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, std::span<Lever const>);
+// One number per class. Equal phase sensitivities of two bodies on one input cancel or add here, before anything is
+// squared.
+std::vector<double> kappa_of(MotionSet const&, std::vector<MotionClass> const&, std::span<PhaseSensitivity const>);
 
-// Of one class, from second moments of levers: the sum over paths of coupling times kappa, as contributions of the
-// replicas. Not known where larger terms cancel and rounding is left, as in the common motion of bodies.
+// Of one class, from second moments of phase sensitivities: the sum over paths of coupling times kappa, as
+// contributions of the replicas. Not known where larger terms cancel and rounding is left, as in the common motion of
+// bodies.
 struct KappaSum {
   std::array<double, replica_count> of = {};
   bool known = false;
 };
-std::vector<KappaSum> kappa_sums(MotionSet const&, std::vector<MotionClass> const&, std::span<LeverProduct const>);
+std::vector<KappaSum> kappa_sums(MotionSet const&, std::vector<MotionClass> const&,
+                                 std::span<PhaseSensitivityProduct const>);
 
 // Paths as directions in the space of the independent inputs of the motion.
 
@@ -65,9 +68,9 @@ class MotionDirections {
 
   std::size_t inputs() const { return motion_.inputs.size(); }
   std::size_t input(std::size_t column) const { return columns_[column].input; }
-  // d(phase)/d(column), rad/m; columns that do not move these levers are left out, the others ascend.
+  // d(phase)/d(column), rad/m; columns that do not move these phase sensitivities are left out, the others ascend.
   using Gains = std::vector<std::pair<std::size_t, double>>;
-  Gains of(std::span<Lever const>) const;
+  Gains of(std::span<PhaseSensitivity const>) const;
   // What each column does to its input, in the root of its power in the bin (`everywhere`: at all frequencies).
   std::vector<std::complex<double>> to_inputs(FrequencyGrid const&, std::size_t bin, bool everywhere) const;
   bool tone(std::size_t column) const { return motion_.inputs[input(column)].tone_frequency > 0; }

@@ -104,13 +104,14 @@ double coating_brownian_psd(CoatingStack const& s, double w, double hz) {
   double sum = 0;
   for (std::size_t i = 0; i < s.layers.size(); ++i) {
     CoatingMaterial const& c = s.material(i);
-    double const p = c.poisson, lever = 1 - c.index * light.log_slope[i].imag() / 2;  // 1 - Im(eps)/2, eq. 25
+    double const p = c.poisson,
+                 phase_sensitivity = 1 - c.index * light.log_slope[i].imag() / 2;  // 1 - Im(eps)/2, eq. 25
     // Table I of the paper: change of thickness and of the height of the surface, by bulk and shear losses.
     double const thick_bulk = std::sqrt((1 + p) / 2), thick_shear = std::sqrt(1 - 2 * p);
     double const high_bulk = base * c.young / std::sqrt(2 * (1 + p)), high_shear = -base * c.young / (2 * thick_shear),
                  high_across = std::sqrt(3) * (1 - p) * base * c.young / (2 * thick_shear * (1 + p));
-    double const seen = std::pow(high_bulk + thick_bulk * lever, 2) + std::pow(high_shear + thick_shear * lever, 2) +
-                        high_across * high_across;
+    double const seen = std::pow(high_bulk + thick_bulk * phase_sensitivity, 2) +
+                        std::pow(high_shear + thick_shear * phase_sensitivity, 2) + high_across * high_across;
     sum += s.thickness(i) * c.loss_at(hz) * (1 - p - 2 * p * p) / (c.young * (1 - p) * (1 - p)) * seen;
   }
   return 4 * boltzmann * m.temperature / (3 * pi * hz * pi * w * w) * sum;  // eq. 94 and 96

@@ -38,13 +38,13 @@ std::vector<Offset> offsets(std::span<std::size_t const> strong, std::vector<Mot
 
 }  // namespace
 
-std::size_t StrengthNodes::Hash::operator()(Address const& a) const {
+std::size_t SpectrumInterpolator::Hash::operator()(Address const& a) const {
   std::uint64_t h = 0;
   for (std::int32_t x : a) h = (h ^ static_cast<std::uint32_t>(x)) * 0x9e3779b97f4a7c15ULL, h ^= h >> 29;
   return h;
 }
 
-StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths, Options options)
+SpectrumInterpolator::SpectrumInterpolator(PhaseSpectra const& spectra, Strengths const& paths, Options options)
     : spectra_(spectra), paths_(paths), checks_(spectra, paths, options.checks), weak_(paths.classes) {
   for (std::size_t i = 0; i < paths.size(); ++i)
     for (std::size_t c = 0; c < paths.classes; ++c)
@@ -65,7 +65,7 @@ StrengthNodes::StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths
   if (off && falls_back) compute_paths(options.direct);
 }
 
-void StrengthNodes::interpolate(Options const& options) {
+void SpectrumInterpolator::interpolate(Options const& options) {
   if (any_negative()) {
     start(0.1, options.most, false);
     use_means(std::move(lattice_));
@@ -85,7 +85,7 @@ void StrengthNodes::interpolate(Options const& options) {
   }
 }
 
-bool StrengthNodes::sort_into(Lattice& lattice, std::size_t most) const {
+bool SpectrumInterpolator::sort_into(Lattice& lattice, std::size_t most) const {
   std::unordered_map<Address, std::uint32_t, Hash> index;
   std::vector<MotionClass> const& classes = spectra_.classes();
   Address a(paths_.classes);
@@ -109,7 +109,7 @@ bool StrengthNodes::sort_into(Lattice& lattice, std::size_t most) const {
   return true;
 }
 
-std::uint32_t StrengthNodes::node_at(Lattice const& lattice, Address const& at) {
+std::uint32_t SpectrumInterpolator::node_at(Lattice const& lattice, Address const& at) {
   auto const [hit, fresh] = node_.try_emplace(at, static_cast<std::uint32_t>(kappa_.size()));
   if (!fresh) return hit->second;
   std::vector<double>& kappa = kappa_.emplace_back(at.size());
@@ -119,7 +119,7 @@ std::uint32_t StrengthNodes::node_at(Lattice const& lattice, Address const& at) 
   return hit->second;
 }
 
-void StrengthNodes::place_nodes(Lattice& lattice) {
+void SpectrumInterpolator::place_nodes(Lattice& lattice) {
   for (Cell& cell : lattice.cells) {
     for (Offset const& o : offsets(cell.strong, spectra_.classes())) {
       Address at = cell.at;
@@ -130,14 +130,14 @@ void StrengthNodes::place_nodes(Lattice& lattice) {
   }
 }
 
-bool StrengthNodes::any_negative() const {
+bool SpectrumInterpolator::any_negative() const {
   for (std::size_t i = 0; i < paths_.size(); ++i)
     for (std::size_t c = 0; c < paths_.classes; ++c)
       if (double const k = paths_.of(i)[c]; k < 0 && spectra_.is_strong(c, k)) return true;
   return false;
 }
 
-void StrengthNodes::start(double step, std::size_t most, bool stencils) {
+void SpectrumInterpolator::start(double step, std::size_t most, bool stencils) {
   for (double widening = 1;; widening *= 1.5) {
     Lattice lattice{step * widening, drift_step * widening, {}, {}};
     if (!sort_into(lattice, most)) continue;
@@ -150,7 +150,7 @@ void StrengthNodes::start(double step, std::size_t most, bool stencils) {
   }
 }
 
-bool StrengthNodes::halve(std::size_t most) {
+bool SpectrumInterpolator::halve(std::size_t most) {
   Lattice finer{lattice_.step / 2, lattice_.drift_step, {}, {}};
   if (!sort_into(finer, most)) return false;
   auto old_nodes = std::move(node_);
@@ -172,7 +172,7 @@ bool StrengthNodes::halve(std::size_t most) {
   return true;
 }
 
-bool StrengthNodes::use_strengths() {
+bool SpectrumInterpolator::use_strengths() {
   Lattice exact{same, same, {}, {}};
   if (!sort_into(exact, kappa_.size())) return false;
   use_means(std::move(exact));
@@ -180,7 +180,7 @@ bool StrengthNodes::use_strengths() {
   return true;
 }
 
-void StrengthNodes::use_means(Lattice cells) {
+void SpectrumInterpolator::use_means(Lattice cells) {
   kappa_.assign(cells.cells.size(), std::vector<double>(paths_.classes));
   std::vector<double> weight(kappa_.size());
   for (std::size_t i = 0; i < paths_.size(); ++i) {
@@ -198,12 +198,12 @@ void StrengthNodes::use_means(Lattice cells) {
   compute();
 }
 
-double StrengthNodes::position(Cell const& cell, std::size_t c, double kappa) const {
+double SpectrumInterpolator::position(Cell const& cell, std::size_t c, double kappa) const {
   return std::log(std::fabs(kappa)) / lattice_.step_of(spectra_.classes()[c]) - (cell.at[c] >> 1);
 }
 
 // Along each axis and for each pair of axes, in the order of `offsets`.
-void StrengthNodes::weigh(Cell const& cell, std::span<double const> kappa, std::vector<double>& weight) const {
+void SpectrumInterpolator::weigh(Cell const& cell, std::span<double const> kappa, std::vector<double>& weight) const {
   weight.assign(cell.nodes.size(), 0);
   weight[0] = 1;
   if (cell.nodes.size() == 1) return;
@@ -239,7 +239,7 @@ void StrengthNodes::weigh(Cell const& cell, std::span<double const> kappa, std::
   }
 }
 
-void StrengthNodes::shares(std::size_t path, std::vector<Share>& out) const {
+void SpectrumInterpolator::shares(std::size_t path, std::vector<Share>& out) const {
   out.clear();
   if (!drawn_.empty()) {
     std::uint32_t const stratum = sample_->stratum(path), basis = drawn_[stratum];
@@ -276,7 +276,7 @@ constexpr double below_highest = 1e-12;  // bins that decide on the step
 
 }  // namespace
 
-void StrengthNodes::compute() {
+void SpectrumInterpolator::compute() {
   for (std::size_t n = first_basis_.size(); n < kappa_.size(); ++n) {
     first_basis_.push_back(static_cast<std::uint32_t>(basis_.size()));
     if (auto const hit = known_.find(kappa_[n]); hit != known_.end()) {
@@ -293,7 +293,7 @@ void StrengthNodes::compute() {
   }
 }
 
-void StrengthNodes::forget_nodes() {
+void SpectrumInterpolator::forget_nodes() {
   for (std::size_t n = 0; n < first_basis_.size(); ++n) {
     auto const end = n + 1 < first_basis_.size() ? first_basis_[n + 1] : basis_.size();
     known_[kappa_[n]].assign(basis_.begin() + first_basis_[n], basis_.begin() + static_cast<std::ptrdiff_t>(end));
@@ -303,7 +303,7 @@ void StrengthNodes::forget_nodes() {
 }
 
 // Compares each node with its next one along each axis.
-bool StrengthNodes::smooth() const {
+bool SpectrumInterpolator::smooth() const {
   for (auto const& [at, node] : node_) {
     auto const strong = std::count_if(at.begin(), at.end(), [](std::int32_t a) { return a != none; });
     double const limit = std::exp(strong == 1 ? 0.8 : 0.4);
@@ -324,7 +324,7 @@ bool StrengthNodes::smooth() const {
   return true;
 }
 
-StrengthNodes::Basis StrengthNodes::shared_spectrum(std::size_t path) const {
+SpectrumInterpolator::Basis SpectrumInterpolator::shared_spectrum(std::size_t path) const {
   thread_local std::vector<Share> of_path;
   shares(path, of_path);
   Basis sum{std::vector<double>(spectra_.grid().size()), std::vector<double>(spectra_.grid().size())};
@@ -336,12 +336,12 @@ StrengthNodes::Basis StrengthNodes::shared_spectrum(std::size_t path) const {
   return sum;
 }
 
-bool StrengthNodes::accurate() {
+bool SpectrumInterpolator::accurate() {
   found_ = checks_.compared([&](std::size_t path) { return shared_spectrum(path).psd; });
   return std::all_of(found_.begin(), found_.end(), [](SpotCheck const& c) { return c.error <= tolerance; });
 }
 
-void StrengthNodes::refine_cells(std::size_t most) {
+void SpectrumInterpolator::refine_cells(std::size_t most) {
   while (!accurate()) {
     Lattice finer{lattice_.step / 2, lattice_.drift_step / 2, {}, {}};
     if (!sort_into(finer, most)) return;
@@ -351,7 +351,7 @@ void StrengthNodes::refine_cells(std::size_t most) {
 
 // Paths computed by themselves, where spectra of nodes do not hold.
 
-void StrengthNodes::compute_paths(std::size_t most) {
+void SpectrumInterpolator::compute_paths(std::size_t most) {
   Lattice each{same, same, {}, {}};
   if (!sort_into(each, most)) return use_sample(most);
   mixture_.reset();
@@ -360,13 +360,13 @@ void StrengthNodes::compute_paths(std::size_t most) {
   found_.clear();
 }
 
-StrengthNodes::Basis StrengthNodes::own_spectrum(std::size_t path) const {
+SpectrumInterpolator::Basis SpectrumInterpolator::own_spectrum(std::size_t path) const {
   PhaseSpectrum s = spectra_(paths_.of(path));
   return {std::move(s.psd), std::move(s.linear)};
 }
 
 // The spectra of the nodes stay where the sum of what they leave has the smaller variance, and are taken out elsewhere.
-void StrengthNodes::use_sample(std::size_t most) {
+void SpectrumInterpolator::use_sample(std::size_t most) {
   sample_.emplace(spectra_, paths_, most);
   if (unshared_) basis_.clear();
   std::vector<Basis> own, shared;
@@ -396,8 +396,8 @@ void StrengthNodes::use_sample(std::size_t most) {
 
 // Also, no drawn path may be off by more than a tenth of the mean: where some are, rare ones that were not drawn are
 // off by more than the draws can tell.
-std::vector<bool> StrengthNodes::interpolated_bins(std::vector<Basis> const& own,
-                                                   std::vector<Basis> const& shared) const {
+std::vector<bool> SpectrumInterpolator::interpolated_bins(std::vector<Basis> const& own,
+                                                          std::vector<Basis> const& shared) const {
   std::vector<double> weight(sample_->strata().size());
   for (std::size_t i = 0; i < paths_.size(); ++i) weight[sample_->stratum(i)] += paths_.weight_of(i);
   std::size_t const bins = spectra_.grid().size();
@@ -419,14 +419,14 @@ std::vector<bool> StrengthNodes::interpolated_bins(std::vector<Basis> const& own
   return keep;
 }
 
-std::size_t StrengthNodes::drawn() const {
+std::size_t SpectrumInterpolator::drawn() const {
   std::size_t count = 0;
   if (sample_)
     for (StrengthSample::Stratum const& s : sample_->strata()) count += s.single || s.first == s.second ? 1 : 2;
   return count;
 }
 
-void StrengthNodes::add_variance(std::span<double const> weights, std::vector<double>& variance) const {
+void SpectrumInterpolator::add_variance(std::span<double const> weights, std::vector<double>& variance) const {
   for (std::size_t s = 0; s < drawn_.size(); ++s) {
     std::size_t const a = drawn_[s], b = a + 1;
     if (sample_->strata()[s].single || (weights[a] == 0 && weights[b] == 0)) continue;
@@ -438,7 +438,7 @@ void StrengthNodes::add_variance(std::span<double const> weights, std::vector<do
 // Paths that several classes of Gaussian motion move strongly.
 
 // Of the slow part of the strongest path: what lies above is linear and has no part in the wrapping of fringes.
-std::vector<double> StrengthNodes::square_rates() const {
+std::vector<double> SpectrumInterpolator::square_rates() const {
   std::size_t const classes = paths_.classes;
   std::vector<double> most(classes);
   std::vector<bool> strong(classes);
@@ -463,7 +463,7 @@ std::vector<double> StrengthNodes::square_rates() const {
   return std::count_if(rate.begin(), rate.end(), [](double r) { return r > 0; }) > 1 ? rate : std::vector<double>();
 }
 
-bool StrengthNodes::use_mixture(Options const& options) {
+bool SpectrumInterpolator::use_mixture(Options const& options) {
   std::vector<double> const rate = square_rates();
   if (rate.empty()) return false;
   double least = infinity;
@@ -492,7 +492,7 @@ bool StrengthNodes::use_mixture(Options const& options) {
 }
 
 // False when the paths have no more strengths than it has nodes: these are then used.
-bool StrengthNodes::try_mixture(std::vector<double> const& rate, double least, double step, std::size_t most) {
+bool SpectrumInterpolator::try_mixture(std::vector<double> const& rate, double least, double step, std::size_t most) {
   MixtureLattice lattice(rate, paths_.kappa, least, step, most);
   mixture_.reset();
   kappa_ = lattice.kappa();
@@ -506,7 +506,7 @@ bool StrengthNodes::try_mixture(std::vector<double> const& rate, double least, d
   return true;
 }
 
-void StrengthNodes::mixed_shares(std::size_t path, std::vector<Share>& out) const {
+void SpectrumInterpolator::mixed_shares(std::size_t path, std::vector<Share>& out) const {
   std::span<double const> const kappa = paths_.of(path);
   thread_local std::vector<MixtureLattice::Share> nodes;
   bool const held = mixture_->holds(kappa);

@@ -27,7 +27,7 @@ namespace straytrace {
 // Where spot checks then still fail, up to `direct` different strengths are all computed. Of more, a StrengthSample of
 // `direct` paths is: in bins where that has the smaller variance, what interpolation leaves is drawn, in the others the
 // spectrum itself. Either is without bias; its variance is `add_variance`.
-class StrengthNodes {
+class SpectrumInterpolator {
  public:
   struct Options {
     double step = 0.25;         // of ln kappa, at first
@@ -38,8 +38,9 @@ class StrengthNodes {
   };
   // Of SpotCheck::error: above it nodes are refined, then paths computed by themselves.
   static constexpr double tolerance = 1e-3;
-  StrengthNodes(PhaseSpectra const&, Strengths const&, Options);
-  StrengthNodes(PhaseSpectra const& spectra, Strengths const& paths) : StrengthNodes(spectra, paths, Options()) {}
+  SpectrumInterpolator(PhaseSpectra const&, Strengths const&, Options);
+  SpectrumInterpolator(PhaseSpectra const& spectra, Strengths const& paths)
+      : SpectrumInterpolator(spectra, paths, Options()) {}
 
   // The spectrum of a path is the sum of weight times basis spectrum.
   struct Share {

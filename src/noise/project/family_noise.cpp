@@ -13,7 +13,7 @@ RouteSpectrum family_spectrum(PhaseSpectra const& spectra, MotionSet const& moti
   for (std::size_t const state : {0, 1}) {
     std::vector<CoherentPath> paths;
     for (PathRecord const& r : c.records)
-      if (std::norm(r.field[state]) > 0) paths.push_back({r.field[state], r.levers});
+      if (std::norm(r.field[state]) > 0) paths.push_back({r.field[state], r.phase_sensitivities});
     for (PhasePair& p : coherent_family(motion, spectra.classes(), paths)) pairs.push_back(std::move(p));
   }
   PairSpectrum sum = pair_spectrum(spectra, pairs);

@@ -10,9 +10,9 @@ namespace straytrace {
 FirstOrderRatio::FirstOrderRatio(PhaseSpectra const& spectra, MotionSet const& motion, CouplingTable const& table,
                                  CouplingClass const& c, Strengths const& paths, std::size_t first) {
   double const total = std::accumulate(c.replica_sum.begin(), c.replica_sum.end(), 0.0);
-  if (c.levers.empty() || c.records.empty() || !(c.coupling.mean > 0) || !(total > 0)) return;
+  if (c.phase_sensitivities.empty() || c.records.empty() || !(c.coupling.mean > 0) || !(total > 0)) return;
   std::size_t const classes = spectra.classes().size();
-  std::vector<KappaSum> const sums = kappa_sums(motion, spectra.classes(), c.levers);
+  std::vector<KappaSum> const sums = kappa_sums(motion, spectra.classes(), c.phase_sensitivities);
   moments_.all.resize(classes);
   for (std::size_t k = 0; k < classes; ++k) {
     class_known_.push_back(sums[k].known);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What second moments of the levers say about the noise of a route that its kept paths do not (docs/theory/errors.md,
-// Second moments of the levers).
+// What second moments of the phase sensitivities say about the noise of a route that its kept paths do not
+// (docs/theory/errors.md, Second moments of the phase sensitivities).
 #pragma once
 
 #include <array>

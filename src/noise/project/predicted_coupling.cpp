@@ -93,15 +93,15 @@ MotionSet motion_along(MotionSet const& motion, BodyAxis where) {
 }
 
 double rms_of(MotionSet const& motion, BodyAxis where) {
-  Lever lever;
-  lever.body = where.body;
-  lever.d[where.axis] = 1;
+  PhaseSensitivity phase_sensitivity;
+  phase_sensitivity.body = where.body;
+  phase_sensitivity.d[where.axis] = 1;
   MotionSet const own = motion_along(motion, where);
   double sum = 0;
   for (std::size_t i = 0; i < own.inputs.size(); ++i) {
     MotionInput const& input = own.inputs[i];
     if (input.drift) continue;
-    auto const squared = [&](double f) { return own.sensitivity(i, {&lever, 1}, f); };
+    auto const squared = [&](double f) { return own.sensitivity(i, {&phase_sensitivity, 1}, f); };
     sum += input.tone_frequency > 0 ? squared(input.tone_frequency) / 2
                                     : input.spectrum.multiplied(squared, input.spectrum.hz()).total();
   }

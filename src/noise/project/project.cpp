@@ -83,7 +83,7 @@ Strengths strengths_of(CouplingTable const& table, MotionSet const& motion, Phas
   for (CouplingClass const& c : table.classes) {
     out.first.push_back(out.weight.size());
     for (PathRecord const& record : c.records) {
-      std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.levers);
+      std::vector<double> const kappa = kappa_of(motion, spectra.classes(), record.phase_sensitivities);
       out.kappa.insert(out.kappa.end(), kappa.begin(), kappa.end());
       out.weight.push_back(record.weight);
     }
@@ -114,7 +114,7 @@ NoiseTrace finished(std::string name, PowerSum const& sum) {
     };
     t.sigma.push_back(of_asd(part(ErrorPart::all) + sum.drawn[i] + (sum.guessed.empty() ? 0 : sum.guessed[i])));
     t.power_sigma.push_back(of_asd(part(ErrorPart::power)));
-    t.levers_sigma.push_back(of_asd(part(ErrorPart::levers)));
+    t.phase_sensitivities_sigma.push_back(of_asd(part(ErrorPart::phase_sensitivities)));
     t.paths_sigma.push_back(of_asd(part(ErrorPart::paths) + sum.drawn[i]));
     t.phase_asd.push_back(std::sqrt(sum.phase[i]));
     t.amplitude_asd.push_back(std::sqrt(sum.amplitude[i]));
@@ -180,7 +180,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
   Strengths const strengths = strengths_of(table, motion, spectra);
   std::vector<double> strength;
   for (std::size_t i = 0; i < strengths.size(); ++i) strength.push_back(spectra.mean_square_phase(strengths.of(i)));
-  StrengthNodes const nodes(spectra, strengths);
+  SpectrumInterpolator const nodes(spectra, strengths);
   std::vector<Response> const response = responses(ifo, table.ports.size(), settings.grid);
 
   NoiseBudget budget;
@@ -224,7 +224,7 @@ NoiseBudget project_noise(CouplingTable const& table, MotionSet const& motion, I
       std::none_of(budget.routes.begin(), budget.routes.end(), [](auto const& t) { return t.resolved; });
   if (nothing && !budget.unresolved.empty())  // no answer is not zero
     for (Bins NoiseTrace::*curve :
-         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::levers_sigma,
+         {&NoiseTrace::asd, &NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::phase_sensitivities_sigma,
           &NoiseTrace::paths_sigma, &NoiseTrace::phase_asd, &NoiseTrace::amplitude_asd, &NoiseTrace::linear_share})
       (budget.total.*curve).assign(bins, not_a_number);
   if (!budget.total.resolved)

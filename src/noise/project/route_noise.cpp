@@ -20,10 +20,10 @@ double mean_without(CouplingTable const& table, CouplingClass const& c, std::siz
 // Weights of the basis spectra, of all records and of those of each replica.
 struct Histogram {
   explicit Histogram(std::size_t size) : all(size) {}
-  void add(std::size_t replica, std::span<StrengthNodes::Share const> shares, double weight) {
+  void add(std::size_t replica, std::span<SpectrumInterpolator::Share const> shares, double weight) {
     std::vector<double>& own = of[replica];
     own.resize(all.size());
-    for (StrengthNodes::Share const& s : shares) {
+    for (SpectrumInterpolator::Share const& s : shares) {
       all[s.basis] += weight * s.weight;
       own[s.basis] += weight * s.weight;
     }
@@ -32,8 +32,8 @@ struct Histogram {
   std::array<std::vector<double>, replica_count> of;
 };
 
-Bins sum_of(std::span<double const> weight, std::vector<StrengthNodes::Basis> const& basis,
-            Bins StrengthNodes::Basis::*part) {
+Bins sum_of(std::span<double const> weight, std::vector<SpectrumInterpolator::Basis> const& basis,
+            Bins SpectrumInterpolator::Basis::*part) {
   Bins sum(basis.empty() ? 0 : (basis.front().*part).size());
   for (std::size_t b = 0; b < weight.size(); ++b)
     for (std::size_t i = 0; weight[b] != 0 && i < sum.size(); ++i) sum[i] += weight[b] * (basis[b].*part)[i];
@@ -58,9 +58,9 @@ Bins corrected(Shape const& s, Bins const& ratio) {
 
 // The shape of `weight` less that of a part, which leaves `left` of the weight.
 Shape without(Shape shape, double weight, std::vector<double> const& part,
-              std::vector<StrengthNodes::Basis> const& basis, double left) {
-  Bins const psd = sum_of(part, basis, &StrengthNodes::Basis::psd),
-             linear = sum_of(part, basis, &StrengthNodes::Basis::linear);
+              std::vector<SpectrumInterpolator::Basis> const& basis, double left) {
+  Bins const psd = sum_of(part, basis, &SpectrumInterpolator::Basis::psd),
+             linear = sum_of(part, basis, &SpectrumInterpolator::Basis::linear);
   for (std::size_t i = 0; i < psd.size(); ++i) {
     shape.psd[i] = std::max(0.0, weight * shape.psd[i] - psd[i]) / left;
     shape.linear[i] = std::max(0.0, weight * shape.linear[i] - linear[i]) / left;
@@ -94,7 +94,7 @@ double jackknife_variance(std::span<double const> without) {
 }
 
 RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c, std::size_t first,
-                             StrengthNodes const& nodes, std::span<double const> mean_square_phase,
+                             SpectrumInterpolator const& nodes, std::span<double const> mean_square_phase,
                              FirstOrderRatio const& ratio) {
   RouteSpectrum route;
   route.exact = c.deterministic();
@@ -102,7 +102,7 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   std::array<double, replica_count> own = {};
   double weight = 0;
   EffectiveNumber power, noise;
-  std::vector<StrengthNodes::Share> shares;
+  std::vector<SpectrumInterpolator::Share> shares;
   for (std::size_t i = 0; i < c.records.size(); ++i) {
     double const w = c.records[i].weight, strength = mean_square_phase[first + i];
     std::size_t const replica = replica_of(c.records[i].history, table.block_size);
@@ -116,8 +116,8 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
   }
   route.paths_of_power = power.value();
   route.paths_of_noise = noise.value();
-  route.psd = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::psd);
-  route.linear = sum_of(histogram.all, nodes.basis(), &StrengthNodes::Basis::linear);
+  route.psd = sum_of(histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::psd);
+  route.linear = sum_of(histogram.all, nodes.basis(), &SpectrumInterpolator::Basis::linear);
   if (!(weight > 0)) return route;
   route.mean_square_phase /= weight;
   if (nodes.sampled()) {
@@ -144,7 +144,7 @@ RouteSpectrum route_spectrum(CouplingTable const& table, CouplingClass const& c,
     int const replica = int(r), all = FirstOrderRatio::all;
     put(ErrorPart::all, other, replica, replica, mean);
     put(ErrorPart::power, shape, all, all, mean);
-    put(ErrorPart::levers, shape, replica, all, c.coupling.mean);
+    put(ErrorPart::phase_sensitivities, shape, replica, all, c.coupling.mean);
     put(ErrorPart::paths, other, all, replica, c.coupling.mean);
   }
   return route;
@@ -167,7 +167,7 @@ std::string strongest_motion(MotionSet const& motion, PhaseSpectra const& spectr
 }  // namespace
 
 std::string sharing_note(CouplingTable const& table, MotionSet const& motion, PhaseSpectra const& spectra,
-                         Strengths const& paths, StrengthNodes const& nodes, DrawnError const& added) {
+                         Strengths const& paths, SpectrumInterpolator const& nodes, DrawnError const& added) {
   std::string const error = added.share > 0 ? fmt::format("up to {:.2g} % of h to its error, at {:.3g} Hz",
                                                           100 * added.share, spectra.grid().centre(added.bin))
                                             : "nothing to the error of the total";

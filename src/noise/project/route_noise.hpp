@@ -18,8 +18,8 @@ namespace straytrace {
 using Bins = std::vector<double>;
 
 // Whence the Monte-Carlo error of a curve comes: all of it, and what it would be if only the power of the routes, only
-// the second moments of their levers or only their kept paths were uncertain.
-enum class ErrorPart : std::uint8_t { all, power, levers, paths };
+// the second moments of their phase sensitivities or only their kept paths were uncertain.
+enum class ErrorPart : std::uint8_t { all, power, phase_sensitivities, paths };
 constexpr std::size_t error_parts = 4;
 using Replicas = std::array<Bins, replica_count>;  // without one replica each; empty where one has no histories
 
@@ -40,8 +40,9 @@ struct RouteSpectrum {
 // psd = mean * sum over records of (their share) * (their spectrum), its first-order part times `ratio`; each class
 // mean, the shares of its records and the ratio are taken anew without each replica. `first`: number of its first
 // record among the paths of `nodes`.
-RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::size_t first, StrengthNodes const& nodes,
-                             std::span<double const> mean_square_phase, FirstOrderRatio const& ratio);
+RouteSpectrum route_spectrum(CouplingTable const&, CouplingClass const&, std::size_t first,
+                             SpectrumInterpolator const& nodes, std::span<double const> mean_square_phase,
+                             FirstOrderRatio const& ratio);
 
 // Replica of a history: its block modulo their number.
 std::size_t replica_of(std::uint64_t history, std::uint64_t block_size);
@@ -59,6 +60,6 @@ struct DrawnError {
 // How many paths were drawn, what that adds to the error of h, and why: the spot check that was off most, its route and
 // the motion that moves its path most. Paths are the records of the table in its order; nodes.sampled() must hold.
 std::string sharing_note(CouplingTable const&, MotionSet const&, PhaseSpectra const&, Strengths const&,
-                         StrengthNodes const&, DrawnError const&);
+                         SpectrumInterpolator const&, DrawnError const&);
 
 }  // namespace straytrace

@@ -10,22 +10,22 @@
 namespace straytrace {
 namespace {
 
-struct LeverSums {
+struct PhaseSensitivitySums {
   double weight = 0, size = 0, square = 0;
   double mean[6] = {};
 };
 
-std::map<std::uint32_t, LeverSums> lever_sums(CouplingClass const& c, double& weight) {
-  std::map<std::uint32_t, LeverSums> sums;
+std::map<std::uint32_t, PhaseSensitivitySums> phase_sensitivity_sums(CouplingClass const& c, double& weight) {
+  std::map<std::uint32_t, PhaseSensitivitySums> sums;
   weight = 0;
   for (PathRecord const& r : c.records) {
     weight += r.weight;
-    for (Lever const& lever : r.levers) {
-      LeverSums& s = sums[lever.body.value];
-      double const size = std::hypot(lever.d[0], lever.d[1], lever.d[2]);
+    for (PhaseSensitivity const& phase_sensitivity : r.phase_sensitivities) {
+      PhaseSensitivitySums& s = sums[phase_sensitivity.body.value];
+      double const size = std::hypot(phase_sensitivity.d[0], phase_sensitivity.d[1], phase_sensitivity.d[2]);
       s.size += r.weight * size;
       s.square += r.weight * size * size;
-      for (int axis = 0; axis < 6; ++axis) s.mean[axis] += r.weight * lever.d[axis];
+      for (int axis = 0; axis < 6; ++axis) s.mean[axis] += r.weight * phase_sensitivity.d[axis];
     }
   }
   return sums;
@@ -48,7 +48,7 @@ FringeCurve fringe_curve(CouplingTable const& table, std::uint32_t route, Motion
   FringeCurve out{route, route_name(table, c), {}, std::vector<double>(motion.times.samples)};
   double weight = 0;
   double const two_k = 4 * pi / table.wavelength;
-  for (auto const& [body, s] : lever_sums(c, weight)) {
+  for (auto const& [body, s] : phase_sensitivity_sums(c, weight)) {
     bool moves = false;
     for (MovingCoordinate const& m : motion.coordinates) {
       if (m.body.value != body) continue;

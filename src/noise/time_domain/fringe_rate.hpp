@@ -15,8 +15,8 @@ namespace straytrace {
 // light at this frequency is the first order of the fringe, whatever the amplitude.
 std::vector<double> fringe_frequency(std::span<double const> velocity, double wavelength, double bounces);
 
-// How often a route sees a body, in bounces at normal incidence: |translation lever|/2k, mean and standard deviation
-// over its paths by power.
+// How often a route sees a body, in bounces at normal incidence: |translation phase sensitivity|/2k, mean and standard
+// deviation over its paths by power.
 struct Multiplicity {
   BodyId body;
   double bounces = 0, spread = 0;
@@ -26,7 +26,7 @@ struct FringeCurve {
   std::uint32_t route = 0;
   std::string name;
   std::vector<Multiplicity> bodies;  // those that move, largest first
-  std::vector<double> hz;            // |dphi/dt|/2pi with the mean levers of the route, all bodies together
+  std::vector<double> hz;  // |dphi/dt|/2pi with the mean phase sensitivities of the route, all bodies together
 };
 FringeCurve fringe_curve(CouplingTable const&, std::uint32_t route, MotionSeries const&);
 

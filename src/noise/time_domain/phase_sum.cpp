@@ -43,10 +43,10 @@ STRAY_INLINE void sum_block(PhaseTerms const& t, std::size_t from, std::size_t n
   for (std::size_t j = 0; j < t.paths(); ++j) {
     std::fill_n(b.phase, block, t.turns[j]);
     for (std::size_t c = 0; c < coordinates; ++c) {
-      double const lever = t.lever[j * coordinates + c];
-      if (lever == 0) continue;
+      double const phase_sensitivity = t.phase_sensitivity[j * coordinates + c];
+      if (phase_sensitivity == 0) continue;
       double const* const x = t.coordinate[c].data() + from;
-      for (std::size_t i = 0; i < n; ++i) b.phase[i] += lever * x[i];
+      for (std::size_t i = 0; i < n; ++i) b.phase[i] += phase_sensitivity * x[i];
     }
     add_turned(b, t.amplitude[j]);
   }
@@ -87,7 +87,7 @@ PhaseTerms of_one(PhaseTerms const& all, std::vector<std::size_t> const& paths, 
   for (std::size_t j : paths) {
     one.amplitude.push_back(all.amplitude[j]);
     one.turns.push_back(all.turns[j]);
-    one.lever.push_back(all.lever[j * all.coordinate.size() + c]);
+    one.phase_sensitivity.push_back(all.phase_sensitivity[j * all.coordinate.size() + c]);
   }
   return one;
 }
@@ -100,15 +100,15 @@ PhaseTerms only(PhaseTerms const& all, std::vector<std::size_t> const& paths) {
   for (std::size_t j : paths) {
     some.amplitude.push_back(all.amplitude[j]);
     some.turns.push_back(all.turns[j]);
-    some.lever.insert(some.lever.end(), all.lever.begin() + std::ptrdiff_t(j * n),
-                      all.lever.begin() + std::ptrdiff_t((j + 1) * n));
+    some.phase_sensitivity.insert(some.phase_sensitivity.end(), all.phase_sensitivity.begin() + std::ptrdiff_t(j * n),
+                                  all.phase_sensitivity.begin() + std::ptrdiff_t((j + 1) * n));
   }
   return some;
 }
 
 constexpr std::size_t points = 8;      // of an interpolation: at 64 nodes a turn its error is 1e-11
 constexpr std::size_t before = 3;      // of them, below the place
-constexpr double nodes_per_turn = 64;  // of the strongest lever
+constexpr double nodes_per_turn = 64;  // of the strongest phase sensitivity
 
 // Lagrange weights at nodes -3 .. 4 for a place between 0 and 1.
 std::array<double, points> lagrange(double x) {
@@ -127,7 +127,8 @@ bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, 
   std::span<double const> const x = all.coordinate[c];
   auto const [low, high] = std::minmax_element(x.begin(), x.end());
   double strongest = 0;
-  for (std::size_t j : paths) strongest = std::max(strongest, std::fabs(all.lever[j * all.coordinate.size() + c]));
+  for (std::size_t j : paths)
+    strongest = std::max(strongest, std::fabs(all.phase_sensitivity[j * all.coordinate.size() + c]));
   double const step = 1 / (nodes_per_turn * strongest), wanted = (*high - *low) / step + points;
   if (!(wanted * double(paths.size()) + 40 * double(x.size()) < double(x.size()) * double(paths.size()))) return false;
   double const first = *low - double(before) * step;
@@ -147,7 +148,7 @@ bool add_by_table(PhaseTerms const& all, std::vector<std::size_t> const& paths, 
 std::size_t only_mover(PhaseTerms const& t, std::size_t path, std::size_t none) {
   std::size_t found = none;
   for (std::size_t c = 0; c < t.coordinate.size(); ++c)
-    if (t.lever[path * t.coordinate.size() + c] != 0) {
+    if (t.phase_sensitivity[path * t.coordinate.size() + c] != 0) {
       if (found != none) return none;
       found = c;
     }

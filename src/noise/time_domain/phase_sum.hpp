@@ -12,7 +12,7 @@ namespace straytrace {
 // What a sum over paths needs; phases in turns (1 turn = 2 pi).
 struct PhaseTerms {
   std::vector<double> amplitude, turns;             // of each path: root of its power, static phase
-  std::vector<double> lever;                        // [path * coordinates + c], turns per metre or radian
+  std::vector<double> phase_sensitivity;            // [path * coordinates + c], turns per metre or radian
   std::vector<std::span<double const>> coordinate;  // samples of each, m or rad; all as long
 
   std::size_t paths() const { return amplitude.size(); }

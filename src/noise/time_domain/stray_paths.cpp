@@ -85,11 +85,12 @@ std::vector<Pick> picked(CouplingClass const& c, std::size_t n, double offset) {
   return picks;
 }
 
-std::vector<double> lever_of(StrayPath const& path, MotionSeries const& motion) {
+std::vector<double> phase_sensitivity_of(StrayPath const& path, MotionSeries const& motion) {
   std::vector<double> turns(motion.coordinates.size());
   for (std::size_t c = 0; c < turns.size(); ++c)
-    for (Lever const& lever : path.levers)
-      if (lever.body == motion.coordinates[c].body) turns[c] += lever.d[motion.coordinates[c].axis] / (2 * pi);
+    for (PhaseSensitivity const& phase_sensitivity : path.phase_sensitivities)
+      if (phase_sensitivity.body == motion.coordinates[c].body)
+        turns[c] += phase_sensitivity.d[motion.coordinates[c].axis] / (2 * pi);
   return turns;
 }
 
@@ -107,7 +108,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
       for (std::size_t p = 0; p < picks.size(); ++p) {
         PathRecord const& r = c.records[picks[p].record];
         repeat = p > 0 && picks[p - 1].record == picks[p].record ? repeat + 1 : 0;
-        StrayPath path{c.port, 0, 0, r.path_length, r.levers, route, std::uint32_t(picks[p].record)};
+        StrayPath path{c.port, 0, 0, r.path_length, r.phase_sensitivities, route, std::uint32_t(picks[p].record)};
         path.amplitude = std::sqrt(c.reverse * c.coupling.mean * picks[p].share * copies / drawn);
         if (c.deterministic()) {
           add_computed(paths, c, path, copy, draws);
@@ -123,7 +124,7 @@ std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer co
 
 PhaseTerms phase_terms(std::span<StrayPath const> paths, MotionSeries const& motion, Delay delay) {
   std::vector<std::vector<double>> all;
-  for (StrayPath const& p : paths) all.push_back(lever_of(p, motion));
+  for (StrayPath const& p : paths) all.push_back(phase_sensitivity_of(p, motion));
   PhaseTerms t;
   std::vector<std::size_t> used;
   for (std::size_t c = 0; c < motion.coordinates.size(); ++c)
@@ -134,9 +135,9 @@ PhaseTerms phase_terms(std::span<StrayPath const> paths, MotionSeries const& mot
   for (std::size_t j = 0; j < paths.size(); ++j) {
     t.amplitude.push_back(paths[j].amplitude);
     t.turns.push_back(paths[j].turns);
-    for (std::size_t c : used) t.lever.push_back(all[j][c]);
+    for (std::size_t c : used) t.phase_sensitivity.push_back(all[j][c]);
     for (std::size_t c : used)
-      if (delay == Delay::half_path) t.lever.push_back(-all[j][c] * paths[j].length / (2 * speed_of_light));
+      if (delay == Delay::half_path) t.phase_sensitivity.push_back(-all[j][c] * paths[j].length / (2 * speed_of_light));
   }
   return t;
 }
@@ -147,11 +148,11 @@ FastestFringe fastest_fringe(std::span<StrayPath const> paths, MotionSeries cons
   for (std::size_t c = 0; c < n; ++c)
     for (double v : motion.coordinates[c].velocity) largest[c] = std::max(largest[c], std::fabs(v));
   std::vector<std::pair<double, std::size_t>> bounds;  // no path is faster than this
-  std::vector<std::vector<double>> levers;
+  std::vector<std::vector<double>> phase_sensitivities;
   for (std::size_t j = 0; j < paths.size(); ++j) {
-    levers.push_back(lever_of(paths[j], motion));
+    phase_sensitivities.push_back(phase_sensitivity_of(paths[j], motion));
     double bound = 0;
-    for (std::size_t c = 0; c < n; ++c) bound += std::fabs(levers[j][c]) * largest[c];
+    for (std::size_t c = 0; c < n; ++c) bound += std::fabs(phase_sensitivities[j][c]) * largest[c];
     bounds.emplace_back(-bound, j);
   }
   std::sort(bounds.begin(), bounds.end());
@@ -160,7 +161,7 @@ FastestFringe fastest_fringe(std::span<StrayPath const> paths, MotionSeries cons
     if (-bound <= best.hz) break;
     for (std::size_t i = 0; i < motion.times.samples; ++i) {
       double rate = 0;
-      for (std::size_t c = 0; c < n; ++c) rate += levers[j][c] * motion.coordinates[c].velocity[i];
+      for (std::size_t c = 0; c < n; ++c) rate += phase_sensitivities[j][c] * motion.coordinates[c].velocity[i];
       if (std::fabs(rate) > best.hz)
         best = {std::fabs(rate), j, motion.times.start + static_cast<double>(i) / motion.times.rate};
     }
@@ -184,10 +185,10 @@ double rms_phase(std::span<StrayPath const> paths, MotionSeries const& motion) {
     }
   double power = 0, square = 0;
   for (StrayPath const& p : paths) {
-    std::vector<double> const lever = lever_of(p, motion);
+    std::vector<double> const phase_sensitivity = phase_sensitivity_of(p, motion);
     double turns = 0;
     for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < n; ++b) turns += lever[a] * covariance[a * n + b] * lever[b];
+      for (std::size_t b = 0; b < n; ++b) turns += phase_sensitivity[a] * covariance[a * n + b] * phase_sensitivity[b];
     power += p.amplitude * p.amplitude;
     square += p.amplitude * p.amplitude * turns;
   }

@@ -15,10 +15,10 @@ namespace straytrace {
 
 struct StrayPath {
   PortId port;
-  double amplitude = 0;           // root of the recoupled power that it stands for
-  double turns = 0;               // static phase over 2 pi
-  double length = 0;              // m, optical
-  std::span<Lever const> levers;  // in the table
+  double amplitude = 0;                                   // root of the recoupled power that it stands for
+  double turns = 0;                                       // static phase over 2 pi
+  double length = 0;                                      // m, optical
+  std::span<PhaseSensitivity const> phase_sensitivities;  // in the table
   std::uint32_t route = 0, record = 0;
 };
 

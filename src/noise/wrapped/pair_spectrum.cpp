@@ -94,7 +94,7 @@ class Pairs {
     for (; lags.samples <= most_samples; lags.samples *= 2) {
       prepare(lags);
       PairSpectrum out{Values(grid.size()), {}, 0};
-      LowPart low;
+      WrappedSpectrum low;
       std::vector<Part> const parts = correlations(lags);
       if (!transformed(parts[0], lags, low)) continue;
       add_lines(low, grid.edges, out.psd);
@@ -202,7 +202,7 @@ class Pairs {
     return parts;
   }
 
-  bool transformed(Part const& part, LagGrid const& lags, LowPart& low) const {
+  bool transformed(Part const& part, LagGrid const& lags, WrappedSpectrum& low) const {
     double r0 = 0;
     for (std::size_t c = 0; c < classes().size(); ++c)
       if (is_gaussian(c)) r0 += strongest_[c] * lag_functions_[c].at_zero;

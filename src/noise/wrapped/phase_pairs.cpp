@@ -12,13 +12,13 @@ std::vector<PhasePair> coherent_family(MotionSet const& motion, std::vector<Moti
   if (paths.size() > most_coherent)
     throw NumericalError(fmt::format("{} paths cannot be added as fields: at most {}", paths.size(), most_coherent));
   std::vector<std::vector<double>> kappa;
-  for (CoherentPath const& p : paths) kappa.push_back(kappa_of(motion, classes, p.levers));
+  for (CoherentPath const& p : paths) kappa.push_back(kappa_of(motion, classes, p.phase_sensitivities));
   std::vector<PhasePair> pairs;
   for (std::size_t j = 0; j < paths.size(); ++j) {
     pairs.push_back({std::norm(paths[j].field), kappa[j], kappa[j]});
     for (std::size_t k = j + 1; k < paths.size(); ++k) {
-      std::vector<Lever> apart = paths[j].levers;
-      for (Lever l : paths[k].levers) {
+      std::vector<PhaseSensitivity> apart = paths[j].phase_sensitivities;
+      for (PhaseSensitivity l : paths[k].phase_sensitivities) {
         for (double& d : l.d) d = -d;
         apart.push_back(l);
       }

@@ -32,10 +32,10 @@ struct PairSpectrum {
 // left out: the mean of its phase over a long time is zero.
 PairSpectrum pair_spectrum(PhaseSpectra const&, std::span<PhasePair const>);
 
-// A specular path: its field, root of its recoupled power times exp(i phase), and its levers.
+// A specular path: its field, root of its recoupled power times exp(i phase), and its phase sensitivities.
 struct CoherentPath {
   std::complex<double> field;
-  std::vector<Lever> levers;
+  std::vector<PhaseSensitivity> phase_sensitivities;
 };
 // Fields added, the common phase averaged. At most `most_coherent` paths.
 constexpr std::size_t most_coherent = 64;

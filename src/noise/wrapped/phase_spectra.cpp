@@ -109,10 +109,10 @@ Steps PhaseSpectra::fast_steps(std::size_t c, double from_hz) const {
   return fast_part(only, static_cast<std::size_t>(edge));
 }
 
-LowPart PhaseSpectra::slow_part(SlowPhase const& slow, std::span<double const> kappa) const {
+WrappedSpectrum PhaseSpectra::slow_part(SlowPhase const& slow, std::span<double const> kappa) const {
   auto const gaussian = [&](LagGrid const& l) { return covariances_.sum(classes_, kappa, slow.highest, l); };
   bool const unmoved = slow.highest == 0 && slow.tones.empty();
-  LowPart low = unmoved ? LowPart{resolution_, {0}, 0.5, 0} : transform(slow, gaussian, resolution_);
+  WrappedSpectrum low = unmoved ? WrappedSpectrum{resolution_, {0}, 0.5, 0} : transform(slow, gaussian, resolution_);
   for (std::size_t c = 0; c < classes_.size(); ++c)
     if (classes_[c].drift && kappa[c] > 0) low = drifting(low, drift_hz(kappa[c]));
   return low;
@@ -128,13 +128,14 @@ Steps PhaseSpectra::fast_part(std::span<double const> kappa, std::size_t from) c
   return steps;
 }
 
-void PhaseSpectra::add_tone(LowPart const& low, double hz, double mean_square, std::span<double> bin_power) const {
+void PhaseSpectra::add_tone(WrappedSpectrum const& low, double hz, double mean_square,
+                            std::span<double> bin_power) const {
   add_sidebands(Kernel{{hz}, {mean_square}}, as_steps(low), grid_.edges, bin_power);
   for (std::size_t i = 0; i < grid_.size(); ++i)
     if (hz >= grid_.edges[i] && hz < grid_.edges[i + 1]) bin_power[i] += low.constant * mean_square;
 }
 
-std::vector<double> PhaseSpectra::response(LowPart const& low, std::size_t c, double kept) const {
+std::vector<double> PhaseSpectra::response(WrappedSpectrum const& low, std::size_t c, double kept) const {
   std::vector<double> power(grid_.size());
   if (is_tone(classes_[c]))
     add_tone(low, classes_[c].tone_frequency, variance_[c], power);
@@ -218,7 +219,7 @@ PhaseSpectrum PhaseSpectra::strong(std::span<double const> kappa, std::vector<bo
   }
   slow.fringe_rate = std::sqrt(std::max(rate, 0.0)) / (2 * pi);
 
-  LowPart const low = slow_part(slow, kappa);
+  WrappedSpectrum const low = slow_part(slow, kappa);
   PhaseSpectrum out;
   out.psd.assign(grid_.size(), 0);
   add_lines(low, grid_.edges, out.psd);

@@ -74,10 +74,10 @@ class PhaseSpectra {
 
  private:
   std::size_t split(std::span<double const> kappa) const;  // edge of fine bins
-  LowPart slow_part(SlowPhase const&, std::span<double const> kappa) const;
+  WrappedSpectrum slow_part(SlowPhase const&, std::span<double const> kappa) const;
   Steps fast_part(std::span<double const> kappa, std::size_t from) const;
-  void add_tone(LowPart const&, double hz, double mean_square, std::span<double> bin_power) const;
-  std::vector<double> response(LowPart const&, std::size_t c, double kept) const;
+  void add_tone(WrappedSpectrum const&, double hz, double mean_square, std::span<double> bin_power) const;
+  std::vector<double> response(WrappedSpectrum const&, std::size_t c, double kept) const;
   std::vector<double> first_order(std::span<double const> kappa, std::span<double const> psd) const;
   template <class In, class Above>
   double first_order_power(std::span<double const> kappa, double low, double high, In in, Above above) const;

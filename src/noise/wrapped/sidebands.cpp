@@ -42,7 +42,7 @@ struct Condensed {
   double at_zero;
 };
 
-Condensed condensed(LowPart const& low, Octave const& octave) {
+Condensed condensed(WrappedSpectrum const& low, Octave const& octave) {
   Condensed out{{}, low.constant + low.density[0] * low.spacing / 2};
   std::size_t k = 1;
   auto const hz = [&](std::size_t i) { return static_cast<double>(i) * low.spacing; };
@@ -78,7 +78,7 @@ void add_sidebands(Kernel const& kernel, Steps const& steps, std::span<double co
   }
 }
 
-void add_lines(LowPart const& low, std::span<double const> edges, std::span<double> bin_power) {
+void add_lines(WrappedSpectrum const& low, std::span<double const> edges, std::span<double> bin_power) {
   std::size_t bin = 0;
   for (std::size_t k = 0; k < low.density.size(); ++k) {
     double const from = (static_cast<double>(k) - 0.5) * low.spacing, to = from + low.spacing;
@@ -88,8 +88,8 @@ void add_lines(LowPart const& low, std::span<double const> edges, std::span<doub
   }
 }
 
-void modulate(LowPart const& low, Steps const& fast, std::span<double const> unshifted, std::span<double const> edges,
-              std::span<double> bin_power) {
+void modulate(WrappedSpectrum const& low, Steps const& fast, std::span<double const> unshifted,
+              std::span<double const> edges, std::span<double> bin_power) {
   auto const width = [&](std::size_t i) { return edges[i + 1] - edges[i]; };
   for (std::size_t first = 0, next = 0; first < bin_power.size(); first = next) {
     double narrowest = width(first);
@@ -101,7 +101,7 @@ void modulate(LowPart const& low, Steps const& fast, std::span<double const> uns
   }
 }
 
-Steps as_steps(LowPart const& low) {
+Steps as_steps(WrappedSpectrum const& low) {
   Steps steps{{0}, low.density};
   for (std::size_t k = 0; k < low.density.size(); ++k)
     steps.edges.push_back((static_cast<double>(k) + 0.5) * low.spacing);

@@ -24,14 +24,14 @@ struct Steps {
 void add_sidebands(Kernel const&, Steps const&, std::span<double const> edges, std::span<double> bin_power);
 
 // Power of the low part in each bin, its lines taken as wide as their spacing.
-void add_lines(LowPart const&, std::span<double const> edges, std::span<double> bin_power);
+void add_lines(WrappedSpectrum const&, std::span<double const> edges, std::span<double> bin_power);
 
 // The same as add_sidebands for all of a low part, its constant power included; `unshifted`: power of the modulation in
 // each bin, exact where S is a coarser description of it.
-void modulate(LowPart const&, Steps const& fast, std::span<double const> unshifted, std::span<double const> edges,
-              std::span<double> bin_power);
+void modulate(WrappedSpectrum const&, Steps const& fast, std::span<double const> unshifted,
+              std::span<double const> edges, std::span<double> bin_power);
 
 // A low part as a density that a line can shift.
-Steps as_steps(LowPart const&);
+Steps as_steps(WrappedSpectrum const&);
 
 }  // namespace straytrace

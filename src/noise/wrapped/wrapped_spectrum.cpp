@@ -104,7 +104,7 @@ Covariance covariance(std::vector<double> lines, LagGrid const& lags) {
   return r;
 }
 
-bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double rounding, LowPart& low) {
+bool transform_lags(std::vector<double> const& c, LagGrid const& lags, double rounding, WrappedSpectrum& low) {
   std::size_t const n = lags.size();
   double const floor = 2.2e-16 * rounding / (static_cast<double>(lags.samples) * lags.spacing);
   low.spacing = lags.spacing;
@@ -134,8 +134,9 @@ double rounding_of(SlowPhase const& p, std::vector<double> const& c, double r0, 
   return rounding;
 }
 
-LowPart transform(SlowPhase const& p, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution) {
-  LowPart low;
+WrappedSpectrum transform(SlowPhase const& p, std::function<Covariance(LagGrid const&)> const& gaussian,
+                          double resolution) {
+  WrappedSpectrum low;
   LagGrid lags = lags_for(p, resolution);
   for (; lags.samples <= most_samples; lags.samples *= 2) {
     Covariance r = gaussian(lags);
@@ -167,14 +168,14 @@ LagGrid lags_for(SlowPhase const& p, double resolution) {
   return {spacing, n};
 }
 
-LowPart drifting(LowPart const& low, double hz) {
+WrappedSpectrum drifting(WrappedSpectrum const& low, double hz) {
   double const lines = std::round(hz / low.spacing);
   if (lines == 0) return low;
   if (!(lines < static_cast<double>(most_samples)))
     throw NumericalError(
         fmt::format("drift too fast: {:.3g} fringes per second at a resolution of {:.3g} Hz", hz, low.spacing));
   auto const shift = static_cast<std::size_t>(lines), size = low.density.size();
-  LowPart out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
+  WrappedSpectrum out{low.spacing, std::vector<double>(size + shift), 0, low.samples};
   for (std::size_t k = 0; k < size; ++k) {  // one-sided densities: the two-sided one is half of it, even
     out.density[k + shift] += low.density[k] / 2;
     if (k > 0) out.density[k < shift ? shift - k : k - shift] += low.density[k] / 2;
@@ -184,7 +185,7 @@ LowPart drifting(LowPart const& low, double hz) {
   return out;
 }
 
-double total(LowPart const& low) {
+double total(WrappedSpectrum const& low) {
   double sum = low.constant + low.density[0] * low.spacing / 2;
   for (std::size_t k = 1; k < low.density.size(); ++k) sum += low.density[k] * low.spacing;
   return sum;

@@ -42,7 +42,7 @@ struct SlowPhase {
 };
 
 // Mean over phi_0 of the PSD of Im s, on lines k * spacing of width `spacing` (physics.md eq. 1.12 with C(0) = 1).
-struct LowPart {
+struct WrappedSpectrum {
   double spacing = 0;           // Hz
   std::vector<double> density;  // 1/Hz at k * spacing; zero where the transform shows only rounding
   double constant = 0;          // power of the unmoved light, at f = 0; constant + all density * spacing = 1/2
@@ -51,22 +51,23 @@ struct LowPart {
 
 // `resolution`: the spacing of lines is at most this [Hz]; coarser only when the fringe rate would need more than 2^20
 // samples. `gaussian`: covariance of the Gaussian part. Throws NumericalError beyond 2^24.
-LowPart transform(SlowPhase const&, std::function<Covariance(LagGrid const&)> const& gaussian, double resolution);
+WrappedSpectrum transform(SlowPhase const&, std::function<Covariance(LagGrid const&)> const& gaussian,
+                          double resolution);
 
 // The parts of it, for sums of several such exponentials.
 LagGrid lags_for(SlowPhase const&, double resolution);
 // Error of a correlation and its transform, in units of the last place: below it a line is only rounding. `r0`: R(0).
 double rounding_of(SlowPhase const&, std::vector<double> const& correlation, double r0, double constant);
 // Transforms a correlation without its constant part; false when the sampling rate was too low.
-bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, LowPart&);
+bool transform_lags(std::vector<double> const& correlation, LagGrid const&, double rounding, WrappedSpectrum&);
 NumericalError too_strong(SlowPhase const&, LagGrid const&);
 constexpr std::size_t most_samples = std::size_t{1} << 24;
 
 // Under a steady drift of the phase by `hz` turns per second, taken to the nearest line: C(tau) cos(2 pi hz tau). The
 // unmoved light becomes a line. Throws NumericalError beyond 2^24 lines.
-LowPart drifting(LowPart const&, double hz);
+WrappedSpectrum drifting(WrappedSpectrum const&, double hz);
 
-double total(LowPart const&);  // its power, constant included: 1/2
+double total(WrappedSpectrum const&);  // its power, constant included: 1/2
 
 // Sums of cosines on points half a step off the origin: an even record of 2m points from m numbers.
 

@@ -90,9 +90,9 @@ PageJson rays_json(World const& world, std::vector<RaySegment> const& rays) {
   return all;
 }
 
-PageJson told_json(std::vector<ToldEvent> const& events) {
+PageJson told_json(std::vector<HistoryEvent> const& events) {
   PageJson all = PageJson::array();
-  for (ToldEvent const& e : events) {
+  for (HistoryEvent const& e : events) {
     bool const placed = std::isfinite(e.point.x);
     all.push_back({{"what", e.what},
                    {"event", placed ? PageJson(e.event) : PageJson()},
@@ -394,15 +394,16 @@ PageJson provenance_json(RunContent const& run) {
           {"files", files}};
 }
 
-PageJson ledger_json(RunContent const& run) {
+PageJson energy_balance_json(RunContent const& run) {
   BlockSums const& total = run.trace->total;
-  PageJson fates = PageJson::array();
-  for (int i = 0; i < fate_count; ++i)
-    fates.push_back({{"name", name_of(Fate(i))},
-                     {"power", with_error(estimate(total.ledger[std::size_t(i)], total.histories, total.blocks))}});
+  PageJson balance_terms = PageJson::array();
+  for (int i = 0; i < balance_term_count; ++i)
+    balance_terms.push_back(
+        {{"name", name_of(BalanceTerm(i))},
+         {"power", with_error(estimate(total.energy_balance[std::size_t(i)], total.histories, total.blocks))}});
   return {{"emitted", with_error(estimate(total.emitted, total.histories, total.blocks))},
-          {"fates", fates},
-          {"closure", books_text(run)},
+          {"terms", balance_terms},
+          {"closure", energy_balance_text(run)},
           {"objects", objects_json(total, run.trace->coupling.groups)}};
 }
 

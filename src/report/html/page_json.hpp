@@ -25,7 +25,7 @@ PageJson budget_json(NoiseBudget const&, PathTable const&, std::size_t routes);
 // By columns, since there may be 1e5 rows; titles and units are in `columns`.
 PageJson table_json(PathTable const&, CouplingTable const&);
 PageJson provenance_json(RunContent const&);
-PageJson ledger_json(RunContent const&);  // fates and objects, each with its error
+PageJson energy_balance_json(RunContent const&);  // terms of the energy balance and objects, each with its error
 PageJson convergence_json(RunContent const&,
                           PathTable const&);  // error against histories, from the replicas; figures of merit
 PageJson inputs_json(RunContent const&);      // what is not exactly known, and its share of the noise
@@ -35,7 +35,7 @@ PageJson maps_json(std::vector<SurfaceMap> const&, double beam_power);
 PageJson scene_json(SceneDrawing const&);
 PageJson paths_json(World const&, std::vector<DrawnPath> const&);
 PageJson rays_json(World const&, std::vector<RaySegment> const&);
-PageJson told_json(std::vector<ToldEvent> const&);
+PageJson told_json(std::vector<HistoryEvent> const&);
 PageJson lit_json(World const&);  // spots of beams on surfaces, and ports
 
 }  // namespace straytrace

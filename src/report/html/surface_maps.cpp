@@ -136,7 +136,7 @@ class ArrivalSink {
   }
   template <class... T>
   void score(T const&...) {}
-  void book(Fate, double) {}
+  void book(BalanceTerm, double) {}
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};

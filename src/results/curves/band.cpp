@@ -179,14 +179,14 @@ std::string error_table(NoiseBudget const& b, std::vector<double> const& frequen
   NoiseTrace const& t = b.total;
   if (t.paths_sigma.empty()) return {};
   Columns c;
-  c.titles = {"error of h/%", "all", "power of the routes", "levers", "kept paths"};
+  c.titles = {"error of h/%", "all", "power of the routes", "phase sensitivities", "kept paths"};
   std::size_t bin = 0;
   for (double const f : frequencies) {
     while (bin < b.grid.size() && b.grid.edges[bin + 1] <= f) ++bin;
     if (bin == b.grid.size() || f < b.grid.edges.front() || !(t.asd[bin] > 0)) continue;
     std::vector<std::string> row = {fmt::format("{:g} Hz", f)};
-    for (auto const part :
-         {&NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::levers_sigma, &NoiseTrace::paths_sigma}) {
+    for (auto const part : {&NoiseTrace::sigma, &NoiseTrace::power_sigma, &NoiseTrace::phase_sensitivities_sigma,
+                            &NoiseTrace::paths_sigma}) {
       double const share = 100 * (t.*part)[bin] / t.asd[bin];
       row.push_back(std::isnan(share) ? "-" : share < 1e-3 ? "< 0.001" : fmt::format("{:.2g}", share));
     }

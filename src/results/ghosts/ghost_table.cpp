@@ -86,11 +86,11 @@ std::optional<double> GhostFamilies::share_at_port(Ghost const& g) const {
   return beam_share_ * beam_share_ * r.share();
 }
 
-// Levers to a millionth of the wave number; those that cancel are none.
-GhostFamilies::Key GhostFamilies::key_of(std::vector<Lever> const& levers) const {
+// Phase sensitivities to a millionth of the wave number; those that cancel are none.
+GhostFamilies::Key GhostFamilies::key_of(std::vector<PhaseSensitivity> const& phase_sensitivities) const {
   double const unit = 1e-6 * 2 * pi / world_.wavelength;
   Key key;
-  for (Lever const& l : levers)
+  for (PhaseSensitivity const& l : phase_sensitivities)
     for (int i = 0; i < 6; ++i)
       if (long long const n = std::llround(l.d[i] / unit); n != 0)
         key.insert(key.end(), {static_cast<long long>(l.body.value) * 6 + i, n});
@@ -101,8 +101,8 @@ void GhostFamilies::add(Ghost const& g) {
   auto const share = share_at_port(g);
   if (!share || !(*share > 0)) return;
   Recoupling const& r = g.standing.recoupled;
-  std::vector<Lever> levers = main_.levers(r, g.way);
-  Key const key = key_of(levers);
+  std::vector<PhaseSensitivity> phase_sensitivities = main_.phase_sensitivities(r, g.way);
+  Key const key = key_of(phase_sensitivities);
   auto at = place_.find(key);
   if (at == place_.end()) {
     if (families_.size() >= most) {
@@ -111,7 +111,7 @@ void GhostFamilies::add(Ghost const& g) {
       return;
     }
     at = place_.emplace(key, families_.size()).first;
-    families_.emplace_back().levers = std::move(levers);
+    families_.emplace_back().phase_sensitivities = std::move(phase_sensitivities);
     families_.back().sum = sum_;
   }
   GhostFamily& f = families_[at->second];
@@ -142,7 +142,7 @@ GhostStrain GhostFamilies::strain_of(Ghost const& g) const {
   GhostStrain strain = {not_a_number, not_a_number, not_a_number};
   auto const share = share_at_port(g);
   if (!share) return strain;
-  auto const at = place_.find(key_of(main_.levers(g.standing.recoupled, g.way)));
+  auto const at = place_.find(key_of(main_.phase_sensitivities(g.standing.recoupled, g.way)));
   if (at == place_.end()) return strain;
   for (std::size_t i = 0; i < strain.size(); ++i)
     strain[i] = std::sqrt(*share) * families_[at->second].per_root_power[i];
@@ -216,10 +216,10 @@ std::vector<GhostRow> GhostTable::rows() const {
   return main;
 }
 
-std::vector<GhostObject> GhostTable::objects(BeamLedger const& ledger) const {
+std::vector<GhostObject> GhostTable::objects(BeamEnergyBalance const& energy_balance) const {
   std::vector<GhostObject> objects(met_.size());
   for (std::size_t g = 0; g < met_.size(); ++g) {
-    objects[g].ends = ledger.objects[g].ghosts;
+    objects[g].ends = energy_balance.objects[g].ghosts;
     objects[g].recoupled = met_[g];
   }
   for (GhostFamily const& f : families_.all())
@@ -231,7 +231,7 @@ std::vector<GhostObject> GhostTable::objects(BeamLedger const& ledger) const {
 
 void GhostTable::fill(GhostReport& report) const {
   report.rows = rows();
-  report.objects = objects(report.ledger);
+  report.objects = objects(report.energy_balance);
   report.ghosts = ghosts_;
   report.by_order = by_order_;
   report.power_by_order = power_by_order_;
@@ -270,7 +270,7 @@ std::string short_route(std::string const& route) {
 
 void add_row(Columns& table, GhostReport const& report, GhostRow const& r) {
   Ghost const& g = r.ghost;
-  Standing const& s = g.standing;
+  GhostAlignment const& s = g.standing;
   std::vector<std::string> row = {fmt::format("{}", g.order)};
   if (report.power > 0) row.push_back(fmt::format("{:.3g}", g.power * report.power));
   row.push_back(fmt::format("{:.3g}", g.power));
@@ -319,16 +319,17 @@ std::string orders_text(GhostReport const& report) {
   return text;
 }
 
-std::string ledger_text(GhostReport const& report) {
-  BeamLedger const& l = report.ledger;
+std::string energy_balance_text(GhostReport const& report) {
+  BeamEnergyBalance const& l = report.energy_balance;
   double landed = 0, beside = 0;
-  for (BeamLedger::Object const& o : l.objects) {
+  for (BeamEnergyBalance::Object const& o : l.objects) {
     landed += o.landed;
     beside += o.beside;
   }
   auto const part = [&](double share) { return watts(std::fabs(share) < 1e-15 ? 0 : share, report.power); };
   return fmt::format(
-      "Ledger of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left the "
+      "Energy balance of {}: {} absorbed or scattered on objects, {} beside their rims, {} absorbed in media, {} left "
+      "the "
       "scene, {} back in the cavity or its mode; not followed: {} below the floor, {} beyond the order, {} beyond {} "
       "surfaces{}. Sum less 1: {:.1e}.\n",
       part(1), part(landed), part(beside), part(l.media), part(l.escaped), part(l.rejoined),
@@ -376,7 +377,8 @@ std::string sums_text(GhostReport const& report) {
   if (report.has_port && report.families == 0) return text + fmt::format("No ghost comes to port {}.\n", report.port);
   if (report.has_port)
     text += fmt::format(
-        "At port {}: {:.3g} of the main mode in {} families of equal levers, {} within each. Powers added: {:.3g}; "
+        "At port {}: {:.3g} of the main mode in {} families of equal phase sensitivities, {} within each. Powers "
+        "added: {:.3g}; "
         "fields with the phases as drawn (eq. 10.5): {:.3g}; worst case of all phases: {:.3g}.\n",
         report.port, report.share, report.families, report.sum == GhostSum::coherent ? "fields added" : "powers added",
         report.incoherent, report.coherent, report.worst);
@@ -395,11 +397,11 @@ std::string ghost_text(GhostReport const& report, std::size_t objects_shown) {
                                            : "the launched " + watts(1, report.power);
   std::string text = fmt::format("Beam {}: {} above {:g} of {}{}{}\n", report.beam, counted(report.ghosts, "ghost"),
                                  report.floor, of, report.ghosts > 0 ? ": " : "", orders_text(report));
-  if (report.ledger.stopped > 0)
+  if (report.energy_balance.stopped > 0)
     text += fmt::format("Stopped early: {} of the light was not followed; sums and rows are of the rest.\n",
-                        watts(report.ledger.stopped, report.power));
-  text +=
-      rows_text(report) + '\n' + objects_text(report, objects_shown) + '\n' + sums_text(report) + ledger_text(report);
+                        watts(report.energy_balance.stopped, report.power));
+  text += rows_text(report) + '\n' + objects_text(report, objects_shown) + '\n' + sums_text(report) +
+          energy_balance_text(report);
   for (std::string const& warning : report.warnings) text += "Warning: " + warning + ".\n";
   for (std::string const& note : report.notes) text += note + '\n';
   return text;
@@ -417,7 +419,7 @@ SortedJson vector_json(Vec3 v) { return {v.x, v.y, v.z}; }
 
 SortedJson row_json(GhostReport const& report, GhostRow const& r) {
   Ghost const& g = r.ghost;
-  Standing const& s = g.standing;
+  GhostAlignment const& s = g.standing;
   SortedJson row = {{"number", g.number},
                     {"order", g.order},
                     {"route", r.route},
@@ -454,11 +456,11 @@ SortedJson row_json(GhostReport const& report, GhostRow const& r) {
   return row;
 }
 
-SortedJson ledger_json(GhostReport const& report) {
-  BeamLedger const& l = report.ledger;
+SortedJson energy_balance_json(GhostReport const& report) {
+  BeamEnergyBalance const& l = report.energy_balance;
   SortedJson objects = SortedJson::array();
   for (std::size_t i = 0; i < l.objects.size(); ++i) {
-    BeamLedger::Object const& o = l.objects[i];
+    BeamEnergyBalance::Object const& o = l.objects[i];
     if (o.landed == 0 && o.beside == 0) continue;
     objects.push_back({{"object", report.groups[i]},
                        {"landed", double(o.landed)},
@@ -495,11 +497,11 @@ std::string ghost_json(GhostReport const& report) {
   SortedJson out = {{"beam", report.beam},
                     {"floor", report.floor},
                     {"passes", report.passes},
-                    {"complete", !(report.ledger.stopped > 0)},
+                    {"complete", !(report.energy_balance.stopped > 0)},
                     {"count", report.ghosts},
                     {"ghosts", rows},
                     {"objects", objects_json(report)},
-                    {"ledger", ledger_json(report)},
+                    {"energy_balance", energy_balance_json(report)},
                     {"recoupled_with", report.recoupled_with},
                     {"recoupled_against", report.recoupled_against},
                     {"warnings", report.warnings},
@@ -529,7 +531,7 @@ std::string ghost_csv_header(bool watts) {
 
 std::string ghost_csv(std::string const& beam, GhostRow const& r, std::string const& where, double power) {
   Ghost const& g = r.ghost;
-  Standing const& s = g.standing;
+  GhostAlignment const& s = g.standing;
   bool const back = s.recoupled.any && g.order > 0;
   std::string text = fmt::format("{},{},{},{},{},{},{},{:.17g}", csv_text(beam), g.number, g.order, csv_text(r.route),
                                  name_of(g.end), csv_text(where), g.front ? "front" : "back", g.power);

@@ -18,8 +18,8 @@ namespace straytrace {
 constexpr std::array<double, 3> ghost_frequencies = {10, 30, 100};  // Hz, where h is printed
 using GhostStrain = std::array<double, 3>;                          // 1/sqrt(Hz); NaN: not known
 
-// How ghosts with equal levers add: their powers, as for static phases that are unknown, or their fields with the
-// phases of the geometry as it is written.
+// How ghosts with equal phase sensitivities add: their powers, as for static phases that are unknown, or their fields
+// with the phases of the geometry as it is written.
 enum class GhostSum : std::uint8_t { independent, coherent };
 
 // How far ghosts are followed, and how they add: the table `ghosts` of a scene, or the command line.
@@ -36,9 +36,9 @@ struct GhostSettings {
   }
 };
 
-// Ghosts that return to the port with equal levers: they move together (physics.md eq. 10.5).
+// Ghosts that return to the port with equal phase sensitivities: they move together (physics.md eq. 10.5).
 struct GhostFamily {
-  std::vector<Lever> levers;
+  std::vector<PhaseSensitivity> phase_sensitivities;
   std::array<std::complex<double>, 2> field{};  // at the launch, relative to the main mode, by state of polarisation
   double incoherent = 0, root_sum = 0;          // sum of the shares times C_rev (eq. 1.5), and of their roots
   std::uint64_t ghosts = 0, strongest = 0;      // number of them; of the strongest one
@@ -70,7 +70,7 @@ class GhostFamilies {
 
  private:
   using Key = std::vector<long long>;
-  Key key_of(std::vector<Lever> const&) const;
+  Key key_of(std::vector<PhaseSensitivity> const&) const;
   std::vector<PathStep> there_and_back(Ghost const&) const;  // of one that comes back along the main beam
   World const& world_;
   MainBeam const& main_;
@@ -110,10 +110,10 @@ class GhostTable {
   void add(Ghost const&);
   std::vector<GhostRow> rows() const;  // of the main beam, then ghosts by rank
   GhostRow row(Ghost const&) const;
-  void fill(GhostReport&) const;  // after all ghosts, with the ledger of their tree in it
+  void fill(GhostReport&) const;  // after all ghosts, with the energy balance of their tree in it
 
  private:
-  std::vector<GhostObject> objects(BeamLedger const&) const;  // by group
+  std::vector<GhostObject> objects(BeamEnergyBalance const&) const;  // by group
   World const& world_;
   BeamLaunch const& launch_;
   GhostFamilies const& families_;
@@ -140,7 +140,7 @@ struct GhostReport {
   std::vector<GhostObject> objects;
   std::vector<std::string> groups;
   std::vector<std::string> notes, warnings;
-  BeamLedger ledger;
+  BeamEnergyBalance energy_balance;
   std::uint64_t ghosts = 0;
   std::vector<std::uint64_t> by_order;
   std::vector<double> power_by_order;

@@ -128,7 +128,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-std::string verdict_text(Estimate const& e) {
+std::string status_text(Estimate const& e) {
   return e.trusted ? "resolved" : fmt::format("unresolved: {} (hint: about {:.1g})", e.why_not, e.mean);
 }
 
@@ -147,14 +147,14 @@ std::string totals(ReceiverTable const& table) {
   Columns c;
   c.titles = {"receiver"};
   add_power_titles(c, table.beam_power);
-  c.titles.insert(c.titles.end(), {"histories", "verdict"});
+  c.titles.insert(c.titles.end(), {"histories", "status"});
   c.left.assign(c.titles.size(), false);
   c.left.front() = c.left.back() = true;
   for (ReceiverEntry const& r : table.receivers) {
     Cells row = {r.name};
     add_power(row, {r.power.mean, r.power.std_error}, r.power.trusted, table.beam_power);
     row.push_back(fmt::format("{}", r.power.scored));
-    row.push_back(verdict_text(r.power));
+    row.push_back(status_text(r.power));
     c.rows.push_back(std::move(row));
   }
   return aligned(c);
@@ -184,7 +184,7 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
   Columns c;
   c.titles = {"#", "route"};
   add_power_titles(c, beam_power);
-  c.titles.insert(c.titles.end(), {"share/%", "verdict"});
+  c.titles.insert(c.titles.end(), {"share/%", "status"});
   c.left.assign(c.titles.size(), false);
   c.left[1] = c.left.back() = true;
   for (std::size_t i = 0; i < std::min(show, r.routes.size()); ++i) {
@@ -193,7 +193,7 @@ std::string routes(ReceiverEntry const& r, double beam_power, std::size_t show) 
     Cells row = {fmt::format("{}", route.rank), route.sequence};
     add_power(row, {route.power.mean, route.power.std_error}, resolved, beam_power);
     row.push_back(resolved ? percent_text(route.share.value, route.share.sigma) : "-");
-    row.push_back(verdict_text(route.power));
+    row.push_back(status_text(route.power));
     c.rows.push_back(std::move(row));
   }
   std::string text = aligned(c);
@@ -263,12 +263,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string verdict(Estimate const& e) { return e.trusted ? "resolved" : "unresolved: " + e.why_not; }
+std::string status_of(Estimate const& e) { return e.trusted ? "resolved" : "unresolved: " + e.why_not; }
 
 std::string units(ReceiverTable const& table) {
   std::string const watts = table.beam_power > 0 ? fmt::format("# main mode: {} W\n", table.beam_power)
                                                  : std::string("# power of the main mode: not stated\n");
-  return watts + "# power: over that of the main mode; sigma: one standard error; nan: not resolved, see verdict\n";
+  return watts + "# power: over that of the main mode; sigma: one standard error; nan: not resolved, see status\n";
 }
 
 // Numbers that are not known are null, not NaN, which JSON does not have.
@@ -325,12 +325,12 @@ Json json_of(ReceiverEntry const& r) {
 
 std::string receiver_csv(ReceiverTable const& table, RunContent const& run) {
   std::string text = file_header(run) + "# one row per receiver (rank 0: all its light) and per route\n" + units(table);
-  text += "receiver,rank,id,sequence,power,power_sigma,power_hint,share_percent,verdict,histories_scored\n";
+  text += "receiver,rank,id,sequence,power,power_sigma,power_hint,share_percent,status,histories_scored\n";
   auto const row = [&](std::string const& receiver, std::size_t rank, std::string const& id,
                        std::string const& sequence, Estimate const& e, double share) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", csv_text(receiver), rank, id, csv_text(sequence),
                         csv_number(e.trusted, e.mean), csv_number(e.trusted, e.std_error), csv_number(true, e.mean),
-                        csv_number(e.trusted, 100 * share), csv_text(verdict(e)), e.scored);
+                        csv_number(e.trusted, 100 * share), csv_text(status_of(e)), e.scored);
   };
   for (ReceiverEntry const& r : table.receivers) {
     row(r.name, 0, "", "all", r.power, r.power.mean > 0 ? 1 : not_a_number);

@@ -23,8 +23,8 @@ using Kind = FilterWord::Kind;
 using Test = RouteTest;
 
 constexpr int deepest = 64;
-constexpr char const* text_names[] = {"via",  "route", "first",   "last",   "body",
-                                      "port", "kind",  "verdict", "regime", "id"};
+constexpr char const* text_names[] = {"via",  "route", "first",  "last",   "body",
+                                      "port", "kind",  "status", "regime", "id"};
 
 struct Broken {};
 
@@ -133,8 +133,8 @@ class Filter {
   }
   Test named(FilterWord const& word, std::string const& name) {
     if (name == "resolved") {
-      RouteColumn const* const verdict = columns_.find("verdict");
-      return [verdict](std::size_t i) { return verdict->texts[i] == "resolved"; };
+      RouteColumn const* const status = columns_.find("status");
+      return [status](std::size_t i) { return status->texts[i] == "resolved"; };
     }
     if (name == "h") {
       RouteColumn const* const c = strain();
@@ -196,12 +196,12 @@ class Filter {
       patterns.push_back(words_.next().text);
     } while (words_.takes(","));
     if (!words_.takes(")")) unexpected("add ')'");
-    for (std::string const& p : patterns) tell_unmatched(name, p);
+    for (std::string const& p : patterns) report_unmatched(name, p);
     return [&columns = columns_, name, patterns](std::size_t i) {
       return std::any_of(patterns.begin(), patterns.end(), [&](auto const& p) { return fits(columns, name, p, i); });
     };
   }
-  void tell_unmatched(std::string const& name, std::string const& pattern) {
+  void report_unmatched(std::string const& name, std::string const& pattern) {
     std::vector<std::string> seen;
     for (std::size_t i = 0; i < columns_.rows(); ++i) {
       if (fits(columns_, name, pattern, i)) return;

@@ -35,21 +35,25 @@ struct BodyPart {
   double phase2 = 0, lever2 = 0;  // rad^2; (rad/m)^2; weighted sums over paths
 };
 
-void add_lever(BodyPart& part, double weight, Lever const& lever, Shaking const* shaking) {
-  part.lever2 += weight * (lever.d[0] * lever.d[0] + lever.d[1] * lever.d[1] + lever.d[2] * lever.d[2]);
+void add_phase_sensitivity(BodyPart& part, double weight, PhaseSensitivity const& phase_sensitivity,
+                           Shaking const* shaking) {
+  part.lever2 +=
+      weight * (phase_sensitivity.d[0] * phase_sensitivity.d[0] + phase_sensitivity.d[1] * phase_sensitivity.d[1] +
+                phase_sensitivity.d[2] * phase_sensitivity.d[2]);
   if (!shaking) return;
-  std::vector<double> const kappa = kappa_of(*shaking->motion, shaking->classes, {&lever, 1});
+  std::vector<double> const kappa = kappa_of(*shaking->motion, shaking->classes, {&phase_sensitivity, 1});
   for (std::size_t i = 0; i < kappa.size(); ++i) part.phase2 += weight * shaking->power[i] * kappa[i];
 }
 
-// The body that shakes the phase most. Without motion, the one with the largest lever, named with those that are equal
-// to it within 1 %: the phase sees their relative motion.
+// The body that shakes the phase most. Without motion, the one with the largest phase sensitivity, named with those
+// that are equal to it within 1 %: the phase sees their relative motion.
 void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> const& names, Shaking const* shaking) {
   std::map<std::uint32_t, BodyPart> parts;
   double weights = 0;
   for (PathRecord const& r : c.records) {
     weights += r.weight;
-    for (Lever const& lever : r.levers) add_lever(parts[lever.body.value], r.weight, lever, shaking);
+    for (PhaseSensitivity const& phase_sensitivity : r.phase_sensitivities)
+      add_phase_sensitivity(parts[phase_sensitivity.body.value], r.weight, phase_sensitivity, shaking);
   }
   auto const size = [&](BodyPart const& part) { return shaking ? part.phase2 : part.lever2; };
   double best = 0;
@@ -57,7 +61,7 @@ void find_body(PathRow& row, CouplingClass const& c, std::vector<std::string> co
     if (size(part) <= best || body >= names.size()) continue;
     best = size(part);
     row.body = names[body];
-    row.lever = std::sqrt(part.lever2 / weights);
+    row.phase_sensitivity = std::sqrt(part.lever2 / weights);
   }
   row.moves = row.body;
   if (shaking || best == 0) return;

@@ -40,7 +40,7 @@ Columns head(PathTable const& table) {
   c.titles.push_back("moves");
   c.left.resize(c.titles.size(), false);
   c.left.back() = true;
-  c.titles.insert(c.titles.end(), {"lever/(rad/m)", "phase/rad", "regime", "length/m"});
+  c.titles.insert(c.titles.end(), {"sensitivity/(rad/m)", "phase/rad", "regime", "length/m"});
   return c;
 }
 
@@ -58,7 +58,7 @@ Cells cells_of(PathTable const& table, PathRow const& row) {
   c.push_back(fmt::format("{:g}", row.reverse));
   for (WithError const& h : row.strain) c.push_back(std::isnan(h.value) ? "-" : moves ? with_brackets(h) : still);
   c.push_back(row.moves.empty() ? "-" : row.moves);
-  c.push_back(row.body.empty() ? "-" : number_or_dash(row.lever, "{:.3g}"));
+  c.push_back(row.body.empty() ? "-" : number_or_dash(row.phase_sensitivity, "{:.3g}"));
   c.push_back(number_or_dash(row.rms_phase, "{:.2g}"));
   c.push_back(row.regime.empty() ? "-" : row.regime);
   c.push_back(number_or_dash(row.length_mean, "{:.6g}"));

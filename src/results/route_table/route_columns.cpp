@@ -167,18 +167,19 @@ void RouteColumns::add_noise(PathTable const& table, PathRow const& row) {
 }
 
 void RouteColumns::add_light(PathRow const& row, double wavelength) {
-  double const lever = row.body.empty() ? not_a_number : row.lever;
+  double const phase_sensitivity = row.body.empty() ? not_a_number : row.phase_sensitivity;
   number("coupling", "coupling", "1", "recoupled power fraction of ordered paths",
          row.resolved ? row.coupling.mean : not_a_number);
   number("coupling_sigma", "± coupling", "1", "one standard error",
          row.resolved ? row.coupling.std_error : not_a_number);
-  text("verdict", "verdict", "resolved, or why not", row.resolved ? "resolved" : "unresolved: " + row.why_not);
+  text("status", "status", "resolved, or why not", row.resolved ? "resolved" : "unresolved: " + row.why_not);
   text("body", "moving body", "whose motion contributes most", row.body);
-  number("lever", "lever", "rad/m", "phase per displacement of that body, rms over paths", lever);
+  number("phase_sensitivity", "phase_sensitivity", "rad/m", "phase per displacement of that body, rms over paths",
+         phase_sensitivity);
   number("rms_phase", "rms phase", "rad", "above 1 fringes wrap", row.rms_phase);
   text("regime", "regime", "linear, or wrapped fringes", row.regime);
   number("fringes", "fringe multiplicity", "2v/λ", "fringe rate over that of a single retro-reflection",
-         lever * wavelength / (4 * pi));
+         phase_sensitivity * wavelength / (4 * pi));
   number("opl", "optical path", "m", "mean over its paths", row.length_mean);
   number("opl_min", "shortest", "m", "of the kept paths", row.length_min);
   number("opl_max", "longest", "m", "of the kept paths", row.length_max);

@@ -19,7 +19,7 @@ constexpr std::string_view hdf5_mark = "\x89HDF\r\n\x1a\n";
 
 }  // namespace
 
-std::string sealed(std::string const& hdf5_image) {
+std::string with_checksum_header(std::string const& hdf5_image) {
   std::string bytes = fmt::format("{}{} bytes {}\n", mark, sha256(hdf5_image), hdf5_image.size());
   bytes.resize(block, '\0');
   return bytes + hdf5_image;

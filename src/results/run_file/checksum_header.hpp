@@ -7,7 +7,7 @@
 
 namespace straytrace {
 
-std::string sealed(std::string const& hdf5_image);
+std::string with_checksum_header(std::string const& hdf5_image);
 // The HDF5 image of a run file; throws InputError when `bytes` are not one, or damaged. `name` for the message.
 std::string unsealed(std::string bytes, std::string const& name);
 

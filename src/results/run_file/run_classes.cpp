@@ -108,20 +108,20 @@ void write_folded(hdf5::Writer& out, Section const& at, CouplingTable const& tab
   out.strings(place + "why", column<std::string>(rows, [](auto& f) { return f.why; }));
 }
 
-void write_levers(hdf5::Writer& out, std::string const& place, std::vector<PathRecord> const& rows) {
+void write_phase_sensitivities(hdf5::Writer& out, std::string const& place, std::vector<PathRecord> const& rows) {
   Counts offset = {0};
   Small body;
   Doubles d;
   for (PathRecord const& r : rows) {
-    for (Lever const& l : r.levers) {
+    for (PhaseSensitivity const& l : r.phase_sensitivities) {
       body.push_back(l.body.value);
       d.insert(d.end(), std::begin(l.d), std::end(l.d));
     }
     offset.push_back(body.size());
   }
-  out.array(place + "/lever_offset", offset, "1");
-  out.array(place + "/lever_body", body, "row of /names/bodies");
-  out.array(place + "/lever", d, "3 x rad/m, 3 x rad/rad", {body.size(), 6});
+  out.array(place + "/phase_sensitivity_offset", offset, "1");
+  out.array(place + "/phase_sensitivity_body", body, "row of /names/bodies");
+  out.array(place + "/phase_sensitivity", d, "3 x rad/m, 3 x rad/rad", {body.size(), 6});
 }
 
 void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& table) {
@@ -134,7 +134,7 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
       owner.push_back(std::uint32_t(i));
       rows.push_back(r);
     }
-  out.group(place, "kept paths with address, weight and levers");
+  out.group(place, "kept paths with address, weight and phase sensitivities");
   out.array(place + "/class", owner, "row of " + at.classes);
   out.array(place + "/history", column<std::uint64_t>(rows, [](auto& r) { return r.history; }), "1");
   out.array(place + "/event", column<std::uint32_t>(rows, [](auto& r) { return r.event; }), "1");
@@ -142,7 +142,7 @@ void write_records(hdf5::Writer& out, Section const& at, CouplingTable const& ta
   out.array(place + "/coupling", column<double>(rows, [](auto& r) { return r.coupling; }), "1");
   out.array(place + "/weight", column<double>(rows, [](auto& r) { return r.weight; }), "1");
   out.array(place + "/path_length", column<double>(rows, [](auto& r) { return r.path_length; }), "m");
-  write_levers(out, place, rows);
+  write_phase_sensitivities(out, place, rows);
   Doubles fields;
   for (PathRecord const& r : rows)
     for (std::complex<double> const& f : r.field) fields.insert(fields.end(), {f.real(), f.imag()});
@@ -230,10 +230,10 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
   Doubles const coupling = in.rows<double>(at.records + "/coupling", n),
                 weight = in.rows<double>(at.records + "/weight", n),
                 length = in.rows<double>(at.records + "/path_length", n);
-  Small const body = in.array<std::uint32_t>(at.records + "/lever_body");
+  Small const body = in.array<std::uint32_t>(at.records + "/phase_sensitivity_body");
   check_ids(body, table.bodies.size(), "a body");
-  Counts const offset = read_offsets(in, at.records + "/lever_offset", n, body.size());
-  Doubles const lever = in.rows<double>(at.records + "/lever", body.size(), 6);
+  Counts const offset = read_offsets(in, at.records + "/phase_sensitivity_offset", n, body.size());
+  Doubles const phase_sensitivity = in.rows<double>(at.records + "/phase_sensitivity", body.size(), 6);
   bool const fields = in.has(at.records + "/field");  // since schema 1.6
   Doubles const field = fields ? in.rows<double>(at.records + "/field", n, 4) : Doubles(4 * n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -241,9 +241,9 @@ void read_records(hdf5::Reader const& in, Section const& at, CouplingTable& tabl
     for (std::size_t state = 0; state < r.field.size(); ++state)
       r.field[state] = {field[4 * i + 2 * state], field[4 * i + 2 * state + 1]};
     for (std::size_t k = offset[i]; k < offset[i + 1]; ++k) {
-      Lever l{{body[k]}, {}};
-      std::copy_n(lever.begin() + std::ptrdiff_t(6 * k), 6, std::begin(l.d));
-      r.levers.push_back(l);
+      PhaseSensitivity l{{body[k]}, {}};
+      std::copy_n(phase_sensitivity.begin() + std::ptrdiff_t(6 * k), 6, std::begin(l.d));
+      r.phase_sensitivities.push_back(l);
     }
     (table.*at.list)[owner[i]].records.push_back(std::move(r));
   }
@@ -264,7 +264,7 @@ void write_classes(hdf5::Writer& out, CouplingTable const& table) {
   write_class_columns(out, to_ports, table);
   write_records(out, to_ports, table);
   write_folded(out, to_ports, table);
-  write_lever_moments(out, table);
+  write_phase_sensitivity_moments(out, table);
   out.strings("/names/receivers", table.receivers);
   out.group("/received", "one row per route of light that ends on a receiver; power over that of the main mode");
   write_class_columns(out, to_receivers, table);
@@ -292,7 +292,7 @@ CouplingTable read_classes(hdf5::Reader const& in) {
     read_folded(in, at, table);
     read_records(in, at, table);
   }
-  read_lever_moments(in, table);
+  read_phase_sensitivity_moments(in, table);
   return table;
 }
 

@@ -18,12 +18,34 @@ void check_kind(hdf5::Reader const& in, std::string const& file) {
   if (kind != "straytrace-run")
     throw InputError(fmt::format("'{}' is not a straytrace run file: its type is '{}'", file, kind));
   std::vector<std::uint64_t> const schema = in.attribute_counts("/", "schema");
-  if (schema.front() == std::uint64_t(run_schema_major)) return;
+  if (schema.front() == std::uint64_t(run_schema_major) || schema.front() == 1) return;
   throw InputError(
-      fmt::format("'{}' has format {} and was written by {} {}; this program reads format {}. Use that "
+      fmt::format("'{}' has format {} and was written by {} {}; this program reads formats 1 and {}. Use that "
                   "version, or make the run again with this one",
                   file, fmt::join(schema, "."), in.attribute_text("/", "program"), in.attribute_text("/", "version"),
                   run_schema_major));
+}
+
+// Schema 1 differs from schema 2 in the names of some groups and attributes only.
+hdf5::Contents with_names_of_schema_2(hdf5::Contents contents) {
+  static constexpr std::pair<std::string_view, std::string_view> renamed[] = {
+      {"ledger", "energy_balance"}, {"levers", "phase_sensitivities"}, {"lever", "phase_sensitivity"}};
+  hdf5::Contents out;
+  for (auto& [path, object] : contents) {
+    std::string name = path;
+    for (auto const& [before, now] : renamed)
+      if (auto const at = path.find(before); at != path.npos && path[at - 1] == '/') {
+        name.replace(at, before.size(), now);
+        break;
+      }
+    if (path == "/")
+      if (auto looks = object.attributes.extract("good_looks")) {
+        looks.key() = "good_checks";
+        object.attributes.insert(std::move(looks));
+      }
+    out.emplace(std::move(name), std::move(object));
+  }
+  return out;
 }
 
 Stopped read_stop(hdf5::Reader const& in) {
@@ -132,7 +154,7 @@ hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wa
 // What `read` takes from a sound file; all that can be wrong with it is an InputError that names the file.
 template <class Result, class Read>
 Result read_from(hdf5::Contents contents, std::string const& file, Read const& read) {
-  hdf5::Reader const in(std::move(contents));
+  hdf5::Reader const in(with_names_of_schema_2(std::move(contents)));
   check_kind(in, file);
   Result result;
   try {
@@ -167,7 +189,7 @@ void read_all(hdf5::Reader const& in, RunFile& run) {
   run.about.importance = read_importance(in, run.trace.coupling.groups.size());
   run.trace.stopped = read_stop(in);
   run.trace.stop_rule = in.attribute_text("/", "stop_rule");
-  run.trace.good_looks = std::uint32_t(in.attribute_count("/", "good_looks"));
+  run.trace.good_checks = std::uint32_t(in.attribute_count("/", "good_checks"));
   run.about.motion_file = in.attribute_text("/", "motion_file");
   run.trace.warnings = in.strings("/warnings/trace");
   run.about.warnings = in.strings("/warnings/scene");
@@ -252,7 +274,7 @@ void write_about(hdf5::Writer& out, RunContent const& run) {
   out.attribute("/", "interferometer", run.interferometer);
   out.attribute("/", "stopped_by", stop_words[std::size_t(run.trace->stopped)]);
   out.attribute("/", "stop_rule", run.trace->stop_rule);
-  count("good_looks", {run.trace->good_looks});
+  count("good_checks", {run.trace->good_checks});
   out.attribute("/", "motion_file", run.motion_file);
   count("seed", {run.trace->coupling.seed});
   count("histories", {run.trace->coupling.histories});
@@ -340,20 +362,20 @@ void write_estimates(hdf5::Writer& out, std::string const& path, std::vector<Mom
 
 }  // namespace
 
-void write_ledger(hdf5::Writer& out, TraceResult const& trace) {
+void write_energy_balance(hdf5::Writer& out, TraceResult const& trace) {
   BlockSums const& total = trace.total;
-  out.group("/ledger", "where the light went: mean power per history, emitted = sum of the fates");
+  out.group("/energy_balance", "where the light went: mean power per history, emitted = sum of the terms");
   for (auto [name, value] :
        {std::pair{"blocks", total.blocks}, {"bounces", total.bounces}, {"rays", total.rays}, {"lost", total.lost}})
-    out.attribute("/ledger", name, std::vector<std::uint64_t>{value});
+    out.attribute("/energy_balance", name, std::vector<std::uint64_t>{value});
   std::vector<std::string> names = {"emitted"};
   std::vector<Moments> all = {total.emitted};
-  for (int i = 0; i < fate_count; ++i) {
-    names.push_back(name_of(Fate(i)));
-    all.push_back(total.ledger[std::size_t(i)]);
+  for (int i = 0; i < balance_term_count; ++i) {
+    names.push_back(name_of(BalanceTerm(i)));
+    all.push_back(total.energy_balance[std::size_t(i)]);
   }
-  out.strings("/ledger/name", names);
-  write_estimates(out, "/ledger", all, total);
+  out.strings("/energy_balance/name", names);
+  write_estimates(out, "/energy_balance", all, total);
   out.group("/arrived", "power arriving on each group per history; rows as in /names/groups");
   write_estimates(out, "/arrived", total.arrived, total);
   out.group("/absorbed", "power absorbed by each group per history; rows as in /names/groups, then all media");
@@ -370,7 +392,7 @@ void write_run(std::string const& file, RunContent const& run) {
     write_classes(out, run.trace->coupling);
     write_receivers(out, run);
     write_importance(out, run.importance);
-    write_ledger(out, *run.trace);
+    write_energy_balance(out, *run.trace);
     write_maps_of(out, run.trace->total);
     write_nodes(out, run.trace->tree);
     if (run.noise) write_noise(out, *run.noise);
@@ -380,7 +402,7 @@ void write_run(std::string const& file, RunContent const& run) {
   } catch (H5::Exception const& e) {
     throw NumericalError(fmt::format("cannot make the run file '{}': HDF5 says '{}'", file, e.getDetailMsg()));
   }
-  write_file(file, sealed(bytes));
+  write_file(file, with_checksum_header(bytes));
 }
 
 }  // namespace straytrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The groups of a run file, each written and read in one place. Paths and columns: schema/run-1.txt.
+// The groups of a run file, each written and read in one place. Paths and columns: schema/run-2.txt.
 #pragma once
 
 #include "io/hdf5/reader.hpp"
@@ -25,7 +25,7 @@ void write_maps_of(hdf5::Writer&, BlockSums const& total);  // /maps
 void write_importance(hdf5::Writer&, ImportanceMap const&);              // /importance
 ImportanceMap read_importance(hdf5::Reader const&, std::size_t groups);  // empty in files before schema 1.3
 
-void write_ledger(hdf5::Writer&, TraceResult const&);  // /ledger, /arrived
+void write_energy_balance(hdf5::Writer&, TraceResult const&);  // /energy balance, /arrived
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
 NoiseBudget read_noise(hdf5::Reader const&);

@@ -14,7 +14,7 @@ struct ClassColumns {
   std::vector<std::uint32_t> port, kept_event, kept_connection;
   ScoreColumns moments;
   Doubles replica_sum, threshold, off_list, kept_coupling, kept_priority;
-  LeverColumns levers;
+  PhaseSensitivityColumns phase_sensitivities;
 
   void add(std::uint64_t name, ClassSums const& c) {
     hash.push_back(name);
@@ -31,7 +31,7 @@ struct ClassColumns {
       kept_priority.push_back(k.priority);
     }
     kept_offset.push_back(kept_history.size());
-    levers.add(c.levers);
+    phase_sensitivities.add(c.phase_sensitivities);
   }
 
   ClassSums at(std::size_t i) const {
@@ -43,7 +43,7 @@ struct ClassColumns {
     c.off_list = off_list[i];
     for (std::size_t k = kept_offset[i]; k < kept_offset[i + 1]; ++k)
       c.kept.push_back({kept_history[k], kept_event[k], kept_connection[k], kept_coupling[k], kept_priority[k]});
-    c.levers = levers.at(i);
+    c.phase_sensitivities = phase_sensitivities.at(i);
     return c;
   }
 
@@ -61,7 +61,7 @@ struct ClassColumns {
     out.array("/nodes/kept_connection", kept_connection, "1");
     out.array("/nodes/kept_coupling", kept_coupling, "1");
     out.array("/nodes/kept_priority", kept_priority, "1");
-    levers.write(out);
+    phase_sensitivities.write(out);
   }
 
   static ClassColumns read(hdf5::Reader const& in, std::size_t nodes) {
@@ -81,7 +81,7 @@ struct ClassColumns {
     c.kept_connection = in.rows<std::uint32_t>("/nodes/kept_connection", kept);
     c.kept_coupling = in.rows<double>("/nodes/kept_coupling", kept);
     c.kept_priority = in.rows<double>("/nodes/kept_priority", kept);
-    c.levers = LeverColumns::read(in, n);
+    c.phase_sensitivities = PhaseSensitivityColumns::read(in, n);
     return c;
   }
 };
@@ -137,7 +137,7 @@ void write_counters(hdf5::Writer& out, SumTree const& tree) {
 void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   Counts first;
   std::vector<std::uint32_t> level;
-  MomentColumns emitted, ledger;
+  MomentColumns emitted, energy_balance;
   ListColumns arrived, absorbed;
   ScoreColumns received;
   Doubles window_variance;
@@ -146,7 +146,7 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
     first.push_back(place.first);
     level.push_back(place.second);
     emitted.add(node.emitted);
-    for (Moments const& m : node.ledger) ledger.add(m);
+    for (Moments const& m : node.energy_balance) energy_balance.add(m);
     window_variance.push_back(node.window_variance);
     arrived.add(node.arrived);
     absorbed.add(node.absorbed);
@@ -159,7 +159,7 @@ void write_nodes(hdf5::Writer& out, SumTree const& tree) {
   out.array("/nodes/level", level, "1");
   write_counters(out, tree);
   emitted.write(out, "/nodes/emitted", {first.size()});
-  ledger.write(out, "/nodes/ledger", {first.size(), fate_count});
+  energy_balance.write(out, "/nodes/energy_balance", {first.size(), balance_term_count});
   out.array("/nodes/window_variance", window_variance, "1");
   arrived.write(out, "/nodes/arrived");
   absorbed.write(out, "/nodes/absorbed");
@@ -197,7 +197,7 @@ SumTree read_nodes(hdf5::Reader const& in) {
   auto const [first, level] = Places(in);
   std::size_t const n = first.size();
   MomentColumns const emitted = MomentColumns::read(in, "/nodes/emitted", n);
-  MomentColumns const ledger = MomentColumns::read(in, "/nodes/ledger", n, fate_count);
+  MomentColumns const energy_balance = MomentColumns::read(in, "/nodes/energy_balance", n, balance_term_count);
   bool const odds = in.has("/nodes/window_variance");  // since schema 1.2
   Doubles const window_variance = odds ? in.rows<double>("/nodes/window_variance", n) : Doubles(n);
   ListColumns const arrived = ListColumns::read(in, "/nodes/arrived", n);
@@ -221,7 +221,8 @@ SumTree read_nodes(hdf5::Reader const& in) {
     BlockSums& node = nodes[i];
     node.emitted = emitted.at(i);
     node.window_variance = window_variance[i];
-    for (std::size_t k = 0; k < fate_count; ++k) node.ledger[k] = ledger.at(i * fate_count + k);
+    for (std::size_t k = 0; k < balance_term_count; ++k)
+      node.energy_balance[k] = energy_balance.at(i * balance_term_count + k);
     node.arrived = arrived.at(i);
     node.absorbed = absorbed.at(i);
     for (std::size_t k = classes.offset[i]; k < classes.offset[i + 1]; ++k)
@@ -233,18 +234,18 @@ SumTree read_nodes(hdf5::Reader const& in) {
 
 namespace {
 
-constexpr std::size_t products_each = std::tuple_size_v<decltype(LeverProduct::sum)>;
+constexpr std::size_t products_each = std::tuple_size_v<decltype(PhaseSensitivityProduct::sum)>;
 
 }  // namespace
 
-void ProductColumns::add(LeverProduct const& p) {
+void ProductColumns::add(PhaseSensitivityProduct const& p) {
   replica.push_back(p.replica);
   body.insert(body.end(), {p.first.value, p.second.value});
   sum.insert(sum.end(), p.sum.begin(), p.sum.end());
 }
 
-LeverProduct ProductColumns::at(std::size_t i) const {
-  LeverProduct p{replica[i], {body[2 * i]}, {body[2 * i + 1]}};
+PhaseSensitivityProduct ProductColumns::at(std::size_t i) const {
+  PhaseSensitivityProduct p{replica[i], {body[2 * i]}, {body[2 * i + 1]}};
   std::copy_n(sum.begin() + std::ptrdiff_t(products_each * i), products_each, p.sum.begin());
   return p;
 }
@@ -261,20 +262,20 @@ ProductColumns ProductColumns::read(hdf5::Reader const& in, std::string const& p
   c.body = in.rows<std::uint32_t>(path + "_body", c.rows(), 2);
   c.sum = in.rows<double>(path, c.rows(), products_each);
   for (std::uint32_t const r : c.replica)
-    if (r >= replica_count) damaged_run("a product of levers of an unknown replica");
+    if (r >= replica_count) damaged_run("a product of phase sensitivities of an unknown replica");
   return c;
 }
 
-void LeverColumns::add(LeverSums const& s) {
+void PhaseSensitivityColumns::add(PhaseSensitivitySums const& s) {
   paths.push_back(s.paths);
   given_up.push_back(s.given_up);
   weight.insert(weight.end(), s.weight.begin(), s.weight.end());
-  for (LeverProduct const& p : s.products) products.add(p);
+  for (PhaseSensitivityProduct const& p : s.products) products.add(p);
   offset.push_back(products.rows());
 }
 
-LeverSums LeverColumns::at(std::size_t i) const {
-  LeverSums s;
+PhaseSensitivitySums PhaseSensitivityColumns::at(std::size_t i) const {
+  PhaseSensitivitySums s;
   s.paths = paths[i];
   s.given_up = given_up[i] != 0;
   std::copy_n(weight.begin() + std::ptrdiff_t(replica_count * i), replica_count, s.weight.begin());
@@ -282,52 +283,53 @@ LeverSums LeverColumns::at(std::size_t i) const {
   return s;
 }
 
-void LeverColumns::write(hdf5::Writer& out) const {
-  out.array("/nodes/lever_paths", paths, "1");
-  out.array("/nodes/lever_given_up", given_up, "0 or 1");
-  out.array("/nodes/lever_weight", weight, "1", {paths.size(), replica_count});
-  out.array("/nodes/lever_offset", offset, "1");
-  products.write(out, "/nodes/lever_product");
+void PhaseSensitivityColumns::write(hdf5::Writer& out) const {
+  out.array("/nodes/phase_sensitivity_paths", paths, "1");
+  out.array("/nodes/phase_sensitivity_given_up", given_up, "0 or 1");
+  out.array("/nodes/phase_sensitivity_weight", weight, "1", {paths.size(), replica_count});
+  out.array("/nodes/phase_sensitivity_offset", offset, "1");
+  products.write(out, "/nodes/phase_sensitivity_product");
 }
 
-LeverColumns LeverColumns::read(hdf5::Reader const& in, std::size_t rows) {
-  LeverColumns c;
-  if (!in.has("/nodes/lever_paths")) {
+PhaseSensitivityColumns PhaseSensitivityColumns::read(hdf5::Reader const& in, std::size_t rows) {
+  PhaseSensitivityColumns c;
+  if (!in.has("/nodes/phase_sensitivity_paths")) {
     c.paths = c.offset = Counts(rows + 1);
     c.given_up.assign(rows, 1);
     c.weight.resize(rows * replica_count);
     return c;
   }
-  c.paths = in.rows<std::uint64_t>("/nodes/lever_paths", rows);
-  c.given_up = in.rows<std::uint8_t>("/nodes/lever_given_up", rows);
-  c.weight = in.rows<double>("/nodes/lever_weight", rows, replica_count);
-  c.products = ProductColumns::read(in, "/nodes/lever_product");
-  c.offset = read_offsets(in, "/nodes/lever_offset", rows, c.products.rows());
+  c.paths = in.rows<std::uint64_t>("/nodes/phase_sensitivity_paths", rows);
+  c.given_up = in.rows<std::uint8_t>("/nodes/phase_sensitivity_given_up", rows);
+  c.weight = in.rows<double>("/nodes/phase_sensitivity_weight", rows, replica_count);
+  c.products = ProductColumns::read(in, "/nodes/phase_sensitivity_product");
+  c.offset = read_offsets(in, "/nodes/phase_sensitivity_offset", rows, c.products.rows());
   return c;
 }
 
-void write_lever_moments(hdf5::Writer& out, CouplingTable const& table) {
+void write_phase_sensitivity_moments(hdf5::Writer& out, CouplingTable const& table) {
   std::vector<std::uint32_t> owner;
   ProductColumns products;
   for (std::size_t i = 0; i < table.classes.size(); ++i)
-    for (LeverProduct const& p : table.classes[i].levers) {
+    for (PhaseSensitivityProduct const& p : table.classes[i].phase_sensitivities) {
       owner.push_back(std::uint32_t(i));
       products.add(p);
     }
-  out.group("/levers", "mean coupling times mean product of two levers, contributions of the replicas");
-  out.array("/levers/class", owner, "row of /classes");
-  products.write(out, "/levers/product");
+  out.group("/phase_sensitivities",
+            "mean coupling times mean product of two phase sensitivities, contributions of the replicas");
+  out.array("/phase_sensitivities/class", owner, "row of /classes");
+  products.write(out, "/phase_sensitivities/product");
 }
 
-void read_lever_moments(hdf5::Reader const& in, CouplingTable& table) {
-  if (!in.has("/levers")) return;  // since schema 1.8
-  ProductColumns const products = ProductColumns::read(in, "/levers/product");
-  auto const owner = in.rows<std::uint32_t>("/levers/class", products.rows());
+void read_phase_sensitivity_moments(hdf5::Reader const& in, CouplingTable& table) {
+  if (!in.has("/phase_sensitivities")) return;  // since schema 1.8
+  ProductColumns const products = ProductColumns::read(in, "/phase_sensitivities/product");
+  auto const owner = in.rows<std::uint32_t>("/phase_sensitivities/class", products.rows());
   for (std::size_t i = 0; i < owner.size(); ++i) {
-    LeverProduct const p = products.at(i);
+    PhaseSensitivityProduct const p = products.at(i);
     if (owner[i] >= table.classes.size() || std::max(p.first.value, p.second.value) >= table.bodies.size())
-      damaged_run("a product of levers without a route or a body");
-    table.classes[owner[i]].levers.push_back(p);
+      damaged_run("a product of phase sensitivities without a route or a body");
+    table.classes[owner[i]].phase_sensitivities.push_back(p);
   }
 }
 

@@ -89,35 +89,35 @@ struct ScoreColumns {
   }
 };
 
-// Second moments of levers as columns of a run file.
+// Second moments of phase sensitivities as columns of a run file.
 
-// Products of levers, row after row.
+// Products of phase sensitivities, row after row.
 struct ProductColumns {
   std::vector<std::uint32_t> replica, body;  // body: two of each
   Doubles sum;                               // 36 of each
 
-  void add(LeverProduct const&);
+  void add(PhaseSensitivityProduct const&);
   std::size_t rows() const { return replica.size(); }
-  LeverProduct at(std::size_t i) const;
+  PhaseSensitivityProduct at(std::size_t i) const;
   void write(hdf5::Writer&, std::string const& path) const;
   static ProductColumns read(hdf5::Reader const&, std::string const& path);
 };
 
 // Of the classes of all nodes. Files below schema 1.8 have none: their sums are given up.
-struct LeverColumns {
+struct PhaseSensitivityColumns {
   Counts paths, offset = {0};
   std::vector<std::uint8_t> given_up;
   Doubles weight;
   ProductColumns products;
 
-  void add(LeverSums const&);
-  LeverSums at(std::size_t i) const;
+  void add(PhaseSensitivitySums const&);
+  PhaseSensitivitySums at(std::size_t i) const;
   void write(hdf5::Writer&) const;
-  static LeverColumns read(hdf5::Reader const&, std::size_t rows);
+  static PhaseSensitivityColumns read(hdf5::Reader const&, std::size_t rows);
 };
 
 // Of the routes of a coupling table to ports.
-void write_lever_moments(hdf5::Writer&, CouplingTable const&);
-void read_lever_moments(hdf5::Reader const&, CouplingTable&);
+void write_phase_sensitivity_moments(hdf5::Writer&, CouplingTable const&);
+void read_phase_sensitivity_moments(hdf5::Reader const&, CouplingTable&);
 
 }  // namespace straytrace

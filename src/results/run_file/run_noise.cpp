@@ -19,7 +19,7 @@ constexpr TraceColumn curves[] = {{"mean", &NoiseTrace::asd},
                                   {"amplitude", &NoiseTrace::amplitude_asd}};
 // Of the total, since schema 1.8.
 constexpr TraceColumn error_columns[] = {{"power_sigma", &NoiseTrace::power_sigma},
-                                         {"levers_sigma", &NoiseTrace::levers_sigma},
+                                         {"phase_sensitivities_sigma", &NoiseTrace::phase_sensitivities_sigma},
                                          {"paths_sigma", &NoiseTrace::paths_sigma}};
 constexpr char const* linear_share = "linear_share";  // since schema 1.5
 // Of routes, since schema 1.6; NaN where they were not made.

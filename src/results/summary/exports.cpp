@@ -44,7 +44,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string csv_titles(PathTable const& table) {
-  std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,verdict,C_rev";
+  std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,status,C_rev";
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
   text +=
       ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
@@ -62,11 +62,11 @@ std::string csv_row(PathRow const& row) {
                                  csv_text(ok ? "resolved" : "unresolved: " + row.why_not), number(row.reverse));
   for (WithError const& h : row.strain) text += "," + number(h.value) + "," + number(h.sigma);
   text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", number(100 * row.share.value),
-                      number(100 * row.share.sigma), csv_text(row.body), csv_number(!row.body.empty(), row.lever),
-                      number(row.rms_phase), row.regime, number(row.length_mean), number(row.length_min),
-                      number(row.length_max), row.coupling.scored, number(row.coupling.largest_share),
-                      number(row.coupling.effective_scores), row.by_reverse ? "reverse" : "itself", name_of(row.kind),
-                      csv_text(row.statement));
+                      number(100 * row.share.sigma), csv_text(row.body),
+                      csv_number(!row.body.empty(), row.phase_sensitivity), number(row.rms_phase), row.regime,
+                      number(row.length_mean), number(row.length_min), number(row.length_max), row.coupling.scored,
+                      number(row.coupling.largest_share), number(row.coupling.effective_scores),
+                      row.by_reverse ? "reverse" : "itself", name_of(row.kind), csv_text(row.statement));
   for (std::size_t i = 0; i < row.strain.size(); ++i)
     text += "," + number(row.input_low[i]) + "," + number(row.input_high[i]);
   return text + (row.upper_bound() ? ",upper\n" : ",\n");
@@ -113,7 +113,7 @@ Json json_of(PathTable const& table, PathRow const& row) {
   }
   j["share"] = json_of(row.share);
   j["moving_body"] = row.body;
-  j["lever_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.lever);
+  j["phase_sensitivity_rad_per_m"] = row.body.empty() ? Json(nullptr) : Json(row.phase_sensitivity);
   j["rms_phase_rad"] = row.rms_phase;
   j["regime"] = row.regime;
   j["path_length_m"] = {{"mean", row.length_mean}, {"min", row.length_min}, {"max", row.length_max}};
@@ -139,17 +139,18 @@ Json origin(RunContent const& run) {
           {"reverse_routes", run.trace->coupling.reverse_routes}};
 }
 
-Json books(RunContent const& run) {
+Json energy_balance(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   auto entry = [&](Moments const& m) {
     Estimate const e = estimate(m, total.histories, total.blocks);
     return json_of({e.mean, e.std_error});
   };
-  Json ledger;
-  ledger["emitted"] = entry(total.emitted);
-  for (int i = 0; i < fate_count; ++i) ledger[name_of(Fate(i))] = entry(total.ledger[std::size_t(i)]);
-  ledger["lost_histories"] = total.lost;
-  return ledger;
+  Json energy_balance;
+  energy_balance["emitted"] = entry(total.emitted);
+  for (int i = 0; i < balance_term_count; ++i)
+    energy_balance[name_of(BalanceTerm(i))] = entry(total.energy_balance[std::size_t(i)]);
+  energy_balance["lost_histories"] = total.lost;
+  return energy_balance;
 }
 
 // Where the watts end, by object; "(in media)": absorbed on the way through glass.
@@ -221,7 +222,8 @@ std::string path_csv(PathTable const& table, RunContent const& run) {
       "# h: one-sided strain ASD [1/sqrt(Hz)], mean over static phases; " + reverse_words(table.reverse_routes) + "\n";
   text +=
       fmt::format("# share_percent: of the resolved strain noise power between {} and {} Hz\n", table.low, table.high);
-  text += "# sigma: one standard error; lever: rms over paths; nan: not resolved or not computed, see verdict\n";
+  text +=
+      "# sigma: one standard error; phase_sensitivity: rms over paths; nan: not resolved or not computed, see status\n";
   text += "# input_low, input_high: what stated brackets and uncertainties of materials and motion leave open of h\n";
   text += csv_titles(table);
   for (PathRow const& row : table.rows) text += csv_row(row);
@@ -253,7 +255,7 @@ std::string summary_json(RunContent const& run, PathTable const& table) {
   j["unresolved"] = Json::array();
   for (PathRow const& row : table.rows)
     if (!row.resolved) j["unresolved"].push_back({{"sequence", row.sequence}, {"why_not", row.why_not}});
-  j["ledger"] = books(run);
+  j["energy_balance"] = energy_balance(run);
   j["objects"] = objects(run);
   j["warnings"] = run.warnings;
   for (std::string const& warning : run.trace->warnings) j["warnings"].push_back(warning);

@@ -181,13 +181,13 @@ std::string warnings(RunContent const& run) {
 
 }  // namespace
 
-std::string books_text(RunContent const& run) {
+std::string energy_balance_text(RunContent const& run) {
   BlockSums const& total = run.trace->total;
   Columns c;
   c.titles = {"light", "power per history"};
   c.left = {true};
   if (run.beam_power > 0) c.titles.push_back("power/W");
-  double fates = 0;
+  double balance_terms = 0;
   auto add = [&](std::string const& name, Moments const& m) {
     Estimate e = estimate(m, total.histories, total.blocks);
     double const mean = e.mean;
@@ -197,12 +197,13 @@ std::string books_text(RunContent const& run) {
     return mean;
   };
   double const emitted = add("emitted", total.emitted);
-  for (int i = 0; i < fate_count; ++i) fates += add(name_of(Fate(i)), total.ledger[std::size_t(i)]);
+  for (int i = 0; i < balance_term_count; ++i)
+    balance_terms += add(name_of(BalanceTerm(i)), total.energy_balance[std::size_t(i)]);
   std::string text = aligned(c);
-  double const open = emitted > 0 ? std::fabs(emitted - fates) / emitted : 0;
-  text += fmt::format("\nClosure: emitted and the sum of the fates differ by {:.1e} of the emitted power ({}).\n", open,
-                      open < closed ? "rounding" : "MORE THAN ROUNDING: the books do not close");
-  text += "'window' (roulette) and 'sampling' are zero on average.\n";
+  double const open = emitted > 0 ? std::fabs(emitted - balance_terms) / emitted : 0;
+  text += fmt::format("\nClosure: emitted power and the sum of the terms differ by {:.1e} of the emitted power ({}).\n",
+                      open, open < closed ? "rounding" : "MORE THAN ROUNDING: the energy balance does not close");
+  text += "'roulette' and 'sampling' are zero on average.\n";
   text += fmt::format("{} surface events, {} rays, {} histories lost to geometry errors.\n", total.bounces, total.rays,
                       total.lost);
   return text;
@@ -272,7 +273,7 @@ std::string text_report(RunContent const& run, PathTable const& table, std::size
     text += section("Routes") + path_text(table, show);
   }
   if (received) text += section("Receivers") + receiver_text(receiver_table(run), show);
-  text += section("Where the light went") + books_text(run) + object_table(run) + assumed(run, assumptions) +
+  text += section("Where the light went") + energy_balance_text(run) + object_table(run) + assumed(run, assumptions) +
           provenance(run) + warnings(run);
   return text;
 }

@@ -47,7 +47,7 @@ class Flattener {
     std::string const path = one_of_list(v) ? named + "[0]" : named;
     // Where numbers come from; `like` is taken over already.
     bool const remark = v.key == "source" || v.key == "note" || v.key == "status" || v.key == "override";
-    if (remark || (v.key == "like" && v.how.form != Asked::Form::choice)) return;  // of a motion it is a choice
+    if (remark || (v.key == "like" && v.how.form != KeyRequest::Form::choice)) return;  // of a motion it is a choice
     if (v.kind == Node::Kind::none || v.kind == Node::Kind::scalar) {
       if (!v.value.empty()) into[path] = leaf(v);
       return;
@@ -65,7 +65,7 @@ class Flattener {
  private:
   // A single value counts as a list of one.
   static bool one_of_list(ModelValue const& v) {
-    return v.kind != Node::Kind::list && v.given() && v.by_key && v.how.form == Asked::Form::list;
+    return v.kind != Node::Kind::list && v.given() && v.by_key && v.how.form == KeyRequest::Form::list;
   }
 
   Leaf leaf(ModelValue const& v) const {

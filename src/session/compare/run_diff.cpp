@@ -74,7 +74,7 @@ bool exists_in(RunFile const& to, RunFile const& from, CouplingClass const& c) {
 // How far two rms of the same light may differ by their spectra alone: those that paths share are held to `tolerance`
 // of the PSD of a path, twice its share of the rms.
 double held_change(WithError const& before, WithError const& after, bool common) {
-  return common ? StrengthNodes::tolerance / 2 * std::hypot(before.value, after.value) : 0;
+  return common ? SpectrumInterpolator::tolerance / 2 * std::hypot(before.value, after.value) : 0;
 }
 
 // Error of the change of a route's rms, or of independent values.

@@ -119,7 +119,7 @@ void print_json(Model const& model, std::vector<FirstOrderList> const& lists) {
 }  // namespace
 
 int print_first_order(Options const& options) {
-  Earlier const input(options.input);
+  RunInput const input(options.input);
   Model const model = input.read(options.overrides);
   FirstOrderSettings settings;
   settings.seed = options.seed.value_or(model.seed);

@@ -19,9 +19,10 @@ namespace {
 
 char const* statement_of(GhostFamily const& f) {
   return f.sum == GhostSum::coherent
-             ? "ghosts with equal levers, fields added with the phases of the geometry as it is written "
+             ? "ghosts with equal phase sensitivities, fields added with the phases of the geometry as it is written "
                "(docs/theory/ghosts.md, eq. 10.5)"
-             : "ghosts with equal levers, powers added: their static phases are independent (docs/theory/ghosts.md, "
+             : "ghosts with equal phase sensitivities, powers added: their static phases are independent "
+               "(docs/theory/ghosts.md, "
                "eq. 10.5)";
 }
 
@@ -29,7 +30,7 @@ PathRecord record_of(GhostFamily const& f) {
   PathRecord record;
   record.coupling = record.weight = f.share();
   record.path_length = f.path_length;
-  record.levers = f.levers;
+  record.phase_sensitivities = f.phase_sensitivities;
   return record;
 }
 
@@ -74,7 +75,8 @@ CouplingClass family_class(std::span<GhostFamily const* const> members, PortId p
   CouplingClass c = deterministic_class(
       ClassKind::ghost, members.front()->steps, port, 1, std::move(records),
       fmt::format(
-          "coherent family: {} ghosts of {} different levers, fields added with the phases of the geometry as "
+          "coherent family: {} ghosts of {} different phase sensitivities, fields added with the phases of the "
+          "geometry as "
           "it is written, their common phase averaged (docs/theory/ghosts.md, eq. 10.5); coupling: sum of powers",
           ghosts, members.size()));
   c.hash = ~c.hash;  // of the strongest alone it is another route
@@ -136,10 +138,11 @@ GhostClasses ghost_classes(GhostFamilies const& families) {
   }
   for (auto& [hash, c] : apart) all.classes.push_back(std::move(c));
   if (fields > 0 && !apart.empty())
-    all.warnings.push_back(fmt::format(
-        "{} different levers: the fields of the strongest {} are added, the others, {:.2g} of the light, in "
-        "power; raise 'floor' or lower 'order' to leave them out",
-        by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
+    all.warnings.push_back(
+        fmt::format("{} different phase sensitivities: the fields of the strongest {} are added, the others, {:.2g} of "
+                    "the light, in "
+                    "power; raise 'floor' or lower 'order' to leave them out",
+                    by_share.size(), fields, left / (left + all.classes.front().coupling.mean)));
   return all;
 }
 
@@ -155,7 +158,7 @@ GhostStrain project_ghosts(Model const& model, GhostFamilies& families) {
   for (std::size_t i = 0; i < families.all().size(); ++i) {
     PathRecord record;
     record.coupling = record.weight = 1;
-    record.levers = families.all()[i].levers;
+    record.phase_sensitivities = families.all()[i].phase_sensitivities;
     CouplingClass one =
         deterministic_class(ClassKind::ghost, families.all()[i].steps, *families.port(), 1, {record}, "");
     one.hash = i;

@@ -22,8 +22,9 @@ struct GhostClasses {
 // Classes of all beams of a world, to stand beside the scattered light of its trace.
 GhostClasses ghosts_beside(World const&, GhostSettings const&);
 
-// A deterministic class for each family of equal levers; powers of classes add. With GhostSum::coherent one class for
-// the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning says what it leaves out.
+// A deterministic class for each family of equal phase sensitivities; powers of classes add. With GhostSum::coherent
+// one class for the `most_coherent` strongest families of the beam, whose fields add (eq. 10.5); a warning says what it
+// leaves out.
 GhostClasses ghost_classes(GhostFamilies const&);
 
 // Strain of each family for the motion and the interferometer of the model, into the families; returns that of all.

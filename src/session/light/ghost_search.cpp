@@ -32,7 +32,8 @@ std::optional<PortId> port_of(World const& world, BeamLaunch const& launch, Main
 }
 
 void warn_of_floor(GhostReport& report) {
-  double const left = report.ledger.floor * report.passes, found = report.recoupled_with + report.recoupled_against;
+  double const left = report.energy_balance.floor * report.passes,
+               found = report.recoupled_with + report.recoupled_against;
   if (left <= found) return;
   report.warnings.push_back(fmt::format(
       "{:.2g} of the light below the floor could recouple, more than the {:.2g} found: lower 'floor'", left, found));
@@ -110,7 +111,7 @@ GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
   if (report.has_port) {
     report.port = world.ports()[families.port()->value];
     Counter count(search, launch, "families");
-    BeamLedger const first = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
+    BeamEnergyBalance const first = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
       families.add(g);
       count();
     });
@@ -127,13 +128,13 @@ GhostReport ghost_report(GhostSearch const& search, BeamLaunch const& launch,
   }
   GhostTable table(world, launch, families, report.rank, search.show);
   Counter count(search, launch, "table");
-  report.ledger = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
+  report.energy_balance = find_ghosts(world, launch, report.limits, main, [&](Ghost const& g) {
     table.add(g);
     if (each) each(table, g);
     count();
   });
-  if (double const off = std::fabs(report.ledger.total() - 1); !(off < 1e-10))
-    throw NumericalError(fmt::format("the ledger of the beam '{}' does not close: {:.3g}", launch.name, off));
+  if (double const off = std::fabs(report.energy_balance.total() - 1); !(off < 1e-10))
+    throw NumericalError(fmt::format("the energy balance of the beam '{}' does not close: {:.3g}", launch.name, off));
   table.fill(report);
   add_notes(report, main, families, no_h);
   warn_of_floor(report);

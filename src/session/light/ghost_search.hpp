@@ -23,7 +23,8 @@ struct GhostSearch {
 // Strong ghosts, found in milliseconds where a scene says nothing of them.
 inline GhostSettings quick_search() { return {.floor = 1e-12, .order = 2}; }
 
-// Everything about one launched beam; `each`, if any, gets every ghost. NumericalError when the ledger does not close.
+// Everything about one launched beam; `each`, if any, gets every ghost. NumericalError when the energy balance does not
+// close.
 GhostReport ghost_report(GhostSearch const&, BeamLaunch const&,
                          std::function<void(GhostTable const&, Ghost const&)> const& each);
 

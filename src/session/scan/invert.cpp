@@ -36,7 +36,7 @@ struct Traced {
 // Refuses before anything is traced.
 void ask(Requirement const& requirement, Model& model, Options const& options) {
   apply(requirement, model);
-  tell_warnings(model, options);
+  print_warnings(model, options);
   if (!model.detector)
     throw InputError(
         "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
@@ -79,7 +79,7 @@ Answer scatter_answer(Traced const& t, std::string const& name, Options const& o
   for (MaterialSpread const& m : material_spreads(t.model.world)) {
     if (m.name != name) continue;
     NoiseBudget const budget = t.model.project(t.coupling);
-    tell_warnings(budget, options);
+    print_warnings(budget, options);
     Answer a = answer_about(t.model, budget, invert_scatter(budget, t.coupling, m, line_of(t.model)));
     for (MaterialInfo const& info : t.model.world.materials)
       if (info.name == name) a.tis = scattered_share(t.model.world, info);
@@ -95,7 +95,7 @@ Answer motion_answer(Traced const& t, std::string const& name, Options const& op
   if (hit == bodies.end()) refuse_name(name, "body", bodies);
   BodyId const body{std::uint32_t(hit - bodies.begin())};
   NoiseBudget const budget = t.model.project(t.coupling);
-  tell_warnings(budget, options);
+  print_warnings(budget, options);
   auto const at = [&](double scale) {
     return project_noise(t.coupling, with_scaled_body(t.model.motion, body, scale), *t.model.detector, t.model.noise)
         .total;
@@ -116,7 +116,7 @@ int invert(Options const& options, Requirement const& requirement, InvertOrder c
            std::vector<ScanAxis> const& axes) {
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
-  if (!has_form(order.what, m, form))
+  if (!bounded_regex_match(order.what, m, form))
     throw InputError(
         fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
                     "or \"param(NAME)\" with NAME=lo..hi",

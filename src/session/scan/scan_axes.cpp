@@ -26,7 +26,7 @@ struct Number {
 Number number_in(std::string const& text) {
   static std::regex const form(R"(\s*([+-]?[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*)");
   std::smatch m;
-  if (!has_form(text, m, form)) return {};
+  if (!bounded_regex_match(text, m, form)) return {};
   return {std::strtod(m[1].str().c_str(), nullptr), m[2]};  // inf: beyond double
 }
 
@@ -88,7 +88,7 @@ ScanAxis parse_axis(std::string const& word, bool open) {
   ScanAxis axis{word.substr(0, equal), {}, {}, "", false};
   std::string const text = word.substr(equal + 1);
   std::smatch m;
-  if (has_form(text, m, range))
+  if (bounded_regex_match(text, m, range))
     add_range(axis, word, m, open);
   else
     add_list(axis, word, text);

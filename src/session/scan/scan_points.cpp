@@ -135,13 +135,13 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
   }
   if (!model.detector)
     throw InputError("error: a scan looks at noise, and the scene has no 'interferometer'\n  add one, and 'ports'");
-  if (model.warnings != told_) tell_warnings(model, options_);
+  if (model.warnings != told_) print_warnings(model, options_);
   told_ = model.warnings;
   point.model_hash = model.hash();
   auto const coupling = trace_of(model, point);
   point.histories = coupling->histories;
   NoiseBudget const budget = model.project(*coupling);
-  tell_warnings(budget, options_, fmt::format("{}", fmt::join(settings, ", ")));
+  print_warnings(budget, options_, fmt::format("{}", fmt::join(settings, ", ")));
   point.warnings = budget.warnings;
   for (double const hz : frequencies) point.strain.push_back(strain_at(budget.total, budget.grid, hz));
   judge(point, budget, line_of(model));

@@ -37,7 +37,7 @@ std::ptrdiff_t leaps_before(sys_days day) { return std::upper_bound(leaps.begin(
 std::optional<double> gps_of_utc(std::string const& text) {
   static std::regex const form(R"((\d{4})-(\d\d)-(\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(\.\d*)?)?)?Z?)");
   std::smatch m;
-  if (!has_form(text, m, form)) return {};
+  if (!bounded_regex_match(text, m, form)) return {};
   auto const whole = [&](std::size_t i) { return m[i].matched ? std::stoi(m[i]) : 0; };
   ch::year_month_day const date{ch::year{whole(1)}, ch::month{unsigned(whole(2))}, ch::day{unsigned(whole(3))}};
   if (!date.ok() || whole(4) > 23 || whole(5) > 59 || whole(6) > 60) return {};

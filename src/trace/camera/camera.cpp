@@ -61,19 +61,21 @@ Ray Camera::ray(double column, double row) const {
   return {eye, unit(std::cos(angle) * forward + (std::sin(angle) / angle) * (x * right + y * up))};
 }
 
-Camera looking_at(Vec3 eye, Vec3 look, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows) {
+Camera looking_at(Vec3 eye, Vec3 evaluate_scattering, Vec3 up, double field, std::uint32_t columns,
+                  std::uint32_t rows) {
   Camera camera;
   camera.eye = eye;
   camera.columns = columns;
   camera.rows = rows;
-  aim(camera, look - eye, up);
+  aim(camera, evaluate_scattering - eye, up);
   camera.half_height = std::tan(0.5 * field);
   camera.half_width = camera.half_height * columns / rows;
   return camera;
 }
 
-Camera fisheye_at(Vec3 eye, Vec3 look, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows) {
-  Camera camera = looking_at(eye, look, up, 1, columns, rows);
+Camera fisheye_at(Vec3 eye, Vec3 evaluate_scattering, Vec3 up, double field, std::uint32_t columns,
+                  std::uint32_t rows) {
+  Camera camera = looking_at(eye, evaluate_scattering, up, 1, columns, rows);
   camera.lens = Camera::Lens::fisheye;
   double const per_pixel = field / std::min(columns, rows);
   camera.half_width = 0.5 * per_pixel * columns;
@@ -158,13 +160,13 @@ Sight sight(WorldView const& world, Ray ray, Departure from, LookSettings const&
     Seen here{hit.surface, hit.piece, start, ray.origin, world.normal(hit.surface, ray.origin, hit.piece), true};
     here.front = dot(ray.dir, here.normal) < 0;
     if (!here.front) here.normal = -here.normal;
-    Look const look =
+    Look const evaluate_scattering =
         settings.looks.empty() ? Look::solid : settings.looks[2 * hit.surface.value + (here.front ? 0 : 1)];
-    if (look == Look::solid) {
+    if (evaluate_scattering == Look::solid) {
       seen.solid = here;
       return seen;
     }
-    if (look == Look::glass && seen.panes < Sight::most_glass) seen.glass[seen.panes++] = here;
+    if (evaluate_scattering == Look::glass && seen.panes < Sight::most_glass) seen.glass[seen.panes++] = here;
   }
   return seen;
 }

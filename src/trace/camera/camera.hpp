@@ -26,9 +26,9 @@ struct Camera {
 };
 
 // `field`: full angle from the lower to the upper edge, rad. Only the part of `up` across the direction of view counts.
-Camera looking_at(Vec3 eye, Vec3 look, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows);
+Camera looking_at(Vec3 eye, Vec3 evaluate_scattering, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows);
 // Round picture of all directions within field/2 of `look`; `up` as above.
-Camera fisheye_at(Vec3 eye, Vec3 look, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows);
+Camera fisheye_at(Vec3 eye, Vec3 evaluate_scattering, Vec3 up, double field, std::uint32_t columns, std::uint32_t rows);
 
 // Half space that is not drawn: points with dot(p, normal) > offset.
 struct Cut {

@@ -32,8 +32,8 @@ bool start_at_port(WorldView const& world, std::uint64_t seed, Footprint const& 
   path.power = accepted(world, lit);
   path.polarisation = lit.polarisation;
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
-  look(world, path, path.ray.dir, vertex);
-  NoBooks sink;
+  evaluate_scattering(world, path, path.ray.dir, vertex);
+  NullSink sink;
   return scatter(world, seed, path, vertex, sink, true);
 }
 
@@ -210,7 +210,7 @@ std::vector<FirstOrderList> first_order(World const& world, FirstOrderSettings c
   WorldView source = view;
   source.receivers = {};  // no connections are wanted
   Batches const forward = walk_all(view, settings, [&](std::uint64_t n, PathState& path) {
-    NoBooks sink;
+    NullSink sink;
     path.history = n;
     return view.emitters.size > 0 && emit(source, settings.seed, path, sink);
   });

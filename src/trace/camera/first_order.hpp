@@ -22,32 +22,32 @@ std::vector<Ending> endings_of(WorldView const&);
 // Backward walks have numbers of their own, away from those of histories.
 constexpr std::uint64_t first_backward_history = std::uint64_t{1} << 62;
 
-struct NoBooks {
+struct NullSink {
   template <class... T>
   void emitted(T const&...) {}
   template <class... T>
   void visit(T const&...) {}
   template <class... T>
   void score(T const&...) {}
-  void book(Fate, double) {}
+  void book(BalanceTerm, double) {}
 };
 
 // Follows a path that has been started, as long as it meets specular surfaces; `visit(path, vertex)` hears of each
 // surface reached, with path.power there. Light that is scattered ends. What escapes goes to `escaped(path.power)`.
 template <class Visit, class Escaped>
 void follow_specular(WorldView const& world, std::uint64_t seed, PathState& path, Visit&& visit, Escaped&& escaped) {
-  NoBooks sink;
+  NullSink sink;
   while (path.order < world.limits.max_order) {
     Hit const hit = world.closest(path.ray, path.from);
     Vertex vertex;
     if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
-    path.power *= complete(world, path, hit.surface.valid() ? &vertex : nullptr);
+    path.power *= finish_hop_weight(world, path, hit.surface.valid() ? &vertex : nullptr);
     lost_in_medium(world, path, hit.surface.valid() ? hit.distance : 0);
     if (!(path.power > 0)) return;
     if (!hit.surface.valid()) return escaped(path.power);
     ++path.event;
     ++path.order;
-    look(world, path, path.ray.dir, vertex);
+    evaluate_scattering(world, path, path.ray.dir, vertex);
     visit(path, vertex);
     if (!scatter(world, seed, path, vertex, sink) || path.hop.left_by == Event::scatter) return;
   }

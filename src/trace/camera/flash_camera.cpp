@@ -70,7 +70,7 @@ FlashLight flash_along(WorldView const& world, Ray ray, Departure from, Vec3 eye
     }
     if (!seen.first.valid()) seen.first = at.surface;
     lost_in_medium(world, way.path, hit.distance);
-    look(world, way.path, way.path.ray.dir, at);
+    evaluate_scattering(world, way.path, way.path.ray.dir, at);
     if (at.albedo > 0)
       seen.scattered += way.path.power * way.path.power *
                         scatter_eval(world.laws, *at.optic, at.wi, at.wi, at.n_in, at.n_out) * at.wi.z /

@@ -17,8 +17,8 @@ namespace {
 using Complex = std::complex<double>;
 using Sum = EdgeSettings::Sum;
 
-// Where the static field of a rim vanishes its motion does not, and levers over that field would be infinite: the
-// field is then taken as what the gradient makes of a displacement of this size, m.
+// Where the static field of a rim vanishes its motion does not, and phase sensitivities over that field would be
+// infinite: the field is then taken as what the gradient makes of a displacement of this size, m.
 constexpr double placed_within = 10e-6;
 
 // Power of the path: that of its field.
@@ -34,7 +34,7 @@ double power_of(EdgeWave const& wave) {
 
 // A small displacement x changes the field to (1 + i J x + A x) times itself: J from 8.13, A from 8.12. In the mean
 // over the static phase both quadratures make noise like a phase does, so the path is two records of half its power,
-// with levers sqrt(2) J and sqrt(2) A.
+// with phase sensitivities sqrt(2) J and sqrt(2) A.
 void add_records(std::vector<PathRecord>& records, EdgeWave const& wave, double weight) {
   double const size = std::abs(wave.amplitude), root = std::sqrt(power_of(wave));
   Complex const turn = size > 0 ? std::conj(wave.amplitude) / size : Complex{1};
@@ -43,14 +43,15 @@ void add_records(std::vector<PathRecord>& records, EdgeWave const& wave, double 
     record.weight = record.coupling = 0.5 * weight;
     record.path_length = wave.path_length;
     for (EdgeWave::Gradient const& g : wave.gradient) {
-      Lever lever{g.body, {}};
+      PhaseSensitivity phase_sensitivity{g.body, {}};
       for (int i = 0; i < 6; ++i) {
         Complex const relative = turn * g.d[i] / root;
-        lever.d[i] = std::sqrt(2.0) * (phase ? relative.imag() : relative.real());
+        phase_sensitivity.d[i] = std::sqrt(2.0) * (phase ? relative.imag() : relative.real());
       }
-      record.levers.push_back(lever);
+      record.phase_sensitivities.push_back(phase_sensitivity);
     }
-    std::sort(record.levers.begin(), record.levers.end(), [](auto& a, auto& b) { return a.body < b.body; });
+    std::sort(record.phase_sensitivities.begin(), record.phase_sensitivities.end(),
+              [](auto& a, auto& b) { return a.body < b.body; });
     if (record.weight > 0) records.push_back(std::move(record));
   }
 }
@@ -170,8 +171,8 @@ EdgeClasses edge_classes(World const& world) {
   return result;
 }
 
-// The wave from one rim. Every point of the rim is a path of its own, with phase and levers like any other; their sum
-// over the azimuth is eq. 8.11, with J0, and its derivatives are eq. 8.12 and 8.13.
+// The wave from one rim. Every point of the rim is a path of its own, with phase and phase sensitivities like any
+// other; their sum over the azimuth is eq. 8.11, with J0, and its derivatives are eq. 8.12 and 8.13.
 
 namespace {
 
@@ -213,14 +214,14 @@ struct Between {
     Vec3 const p = drawn.centre + rim.radius * (1 - 1e-4) * across;
     return sees(one, p) && sees(two, p);
   }
-  std::vector<Lever> levers(Vec3 p, Vec3 out_one, Vec3 out_two) const {
+  std::vector<PhaseSensitivity> phase_sensitivities(Vec3 p, Vec3 out_one, Vec3 out_two) const {
     Footprint const &a = at(source), &b = at(goal);
     std::vector<PassedVertex> const path = {
         {a.surface, one.point, a.direction(one.point), out_one, Event::emit},
         {rim.surface, p, out_one, -out_two, Event::diffract},
         {b.surface, two.point, -out_two, -b.direction(two.point), Event::couple},
     };
-    return levers_of(world, path, source, goal);
+    return phase_sensitivities_of(world, path, source, goal);
   }
 };
 
@@ -247,21 +248,23 @@ double left_by_teeth(Between const& p, Vec3 point) {
   return sinc(0.5 * (p.phase(point + 0.5 * height * across) - p.phase(point - 0.5 * height * across)));
 }
 
-void add_gradient(EdgeWave& wave, std::vector<Lever> const& levers, Field field) {
-  for (Lever const& lever : levers) {
-    auto at = std::find_if(wave.gradient.begin(), wave.gradient.end(), [&](auto& g) { return g.body == lever.body; });
-    if (at == wave.gradient.end()) at = wave.gradient.insert(at, {lever.body, {}});
-    for (int i = 0; i < 6; ++i) at->d[i] += Field{0, 1} * lever.d[i] * field;
+void add_gradient(EdgeWave& wave, std::vector<PhaseSensitivity> const& phase_sensitivities, Field field) {
+  for (PhaseSensitivity const& phase_sensitivity : phase_sensitivities) {
+    auto at = std::find_if(wave.gradient.begin(), wave.gradient.end(),
+                           [&](auto& g) { return g.body == phase_sensitivity.body; });
+    if (at == wave.gradient.end()) at = wave.gradient.insert(at, {phase_sensitivity.body, {}});
+    for (int i = 0; i < 6; ++i) at->d[i] += Field{0, 1} * phase_sensitivity.d[i] * field;
   }
 }
 
 // Each random tooth sends out, besides the mean field, a wave of its own: (1 - s^2) of its power, over their number.
-void add_teeth(EdgeWave& wave, Between const& p, double size, double left, std::vector<Lever> levers, double length) {
+void add_teeth(EdgeWave& wave, Between const& p, double size, double left,
+               std::vector<PhaseSensitivity> phase_sensitivities, double length) {
   double const teeth = 2 * pi * p.rim.radius / p.world.edges.tooth_width;
   PathRecord record;
   record.weight = record.coupling = size * size * (1 - left * left) / (teeth * double(teeth_points));
   record.path_length = length;
-  record.levers = std::move(levers);
+  record.phase_sensitivities = std::move(phase_sensitivities);
   if (record.weight > 0) wave.teeth.push_back(std::move(record));
 }
 
@@ -289,9 +292,9 @@ EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal,
     double const left = left_by_teeth(p, point);
     Field const field =  // the sinc may be negative
         size * sinc(0.5 * swing) * left / double(points) * std::polar(1.0, p.k * (one.length + two.length - p.span));
-    std::vector<Lever> const levers = p.levers(point, one.out, two.out);
+    std::vector<PhaseSensitivity> const phase_sensitivities = p.phase_sensitivities(point, one.out, two.out);
     wave.amplitude += field;
-    add_gradient(wave, levers, field);
+    add_gradient(wave, phase_sensitivities, field);
     smooth += size;
     lengths += one.length + two.length;
     wave.seen += 1 / double(points);
@@ -299,7 +302,7 @@ EdgeWave edge_wave(World const& world, std::uint32_t source, std::uint32_t goal,
         std::fmax(wave.patches, 2 * pi * p.rim.radius / world.wavelength *
                                     std::fmax(p.at(source).radius / one.length, p.at(goal).radius / two.length));
     bool const recorded = (j + 1) * teeth_points / points != j * teeth_points / points;
-    if (recorded && left < 1) add_teeth(wave, p, size, left, levers, one.length + two.length);
+    if (recorded && left < 1) add_teeth(wave, p, size, left, phase_sensitivities, one.length + two.length);
   }
   wave.smooth = smooth / double(points);
   wave.path_length = wave.seen > 0 ? lengths / (wave.seen * double(points)) : 0;

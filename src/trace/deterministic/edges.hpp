@@ -16,7 +16,7 @@ namespace straytrace {
 
 // What one rim carries from footprint `source` to footprint `goal`. `amplitude`: recoupled field over that of the mode,
 // its phase against the straight way from mirror to mirror. `gradient`: its derivative by the six coordinates of each
-// body, as those of a Lever.
+// body, as those of a Phase sensitivity.
 struct EdgeWave {
   struct Gradient {
     BodyId body;

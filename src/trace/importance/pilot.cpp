@@ -23,14 +23,14 @@ class PilotSink {
   // A receiver is worth nothing to a path that stands on it: what arrives there has been counted.
   void score(PathState const& path, Vertex const&, std::uint32_t goal, std::uint32_t number, Vertex const&,
              double coupling) {
-    bool const arrived = goal >= view_.lit.size && by_itself(number);
+    bool const arrived = goal >= view_.lit.size && is_hit(number);
     for (std::uint32_t i = 0; i + (arrived ? 1 : 0) < path.order; ++i) sums_.scored[goal][passed_[i]] += coupling;
   }
   void score_through(PathState const& path, Vertex const& vertex, Vertex const&, Chain const&, std::uint32_t receiver,
                      Vertex const& end, double power) {
     score(path, vertex, goal_of_receiver(view_, receiver), connection_number(0), end, power);
   }
-  void book(Fate, double) {}
+  void book(BalanceTerm, double) {}
 
  private:
   WorldView const& view_;

@@ -13,9 +13,9 @@
 namespace straytrace {
 
 // Used by several threads at once.
-class Handout {
+class BlockQueue {
  public:
-  explicit Handout(std::vector<BlockRange> missing) : missing_(std::move(missing)) {
+  explicit BlockQueue(std::vector<BlockRange> missing) : missing_(std::move(missing)) {
     for (BlockRange const& range : missing_) left_ += range.size();
   }
   // The next blocks, at most so many; none when all have been taken.

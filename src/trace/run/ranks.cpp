@@ -35,15 +35,16 @@ Order order_in(std::string const& bytes) {
 
 }  // namespace
 
-void send_home(Transport& transport) {
+void stop_workers(Transport& transport) {
   for (int rank = 1; rank < transport.size(); ++rank) transport.send(rank, "home");
 }
 
-bool Crew::idle() const {
+bool RankScheduler::idle() const {
   return std::none_of(members_.begin(), members_.end(), [](Member const& m) { return m.busy.has_value(); });
 }
 
-void Crew::take(Transport::Message const& message, Handout& handout, std::function<void(SumTree)> const& add) {
+void RankScheduler::take(Transport::Message const& message, BlockQueue& block_queue,
+                         std::function<void(SumTree)> const& add) {
   Member& member = members_[std::size_t(message.from)];
   auto const [word, rest] = order_in(message.bytes);
   member.heard = now();
@@ -66,7 +67,7 @@ void Crew::take(Transport::Message const& message, Handout& handout, std::functi
   std::vector<BlockRange> const left = done.missing(*member.busy);
   double blocks = double(member.busy->size());
   for (BlockRange const& range : left) {  // it was told to end by somebody else
-    handout.give_back(range);
+    block_queue.give_back(range);
     blocks -= double(range.size());
     member.ready = false;
   }
@@ -75,16 +76,16 @@ void Crew::take(Transport::Message const& message, Handout& handout, std::functi
   add(std::move(done));
 }
 
-void Crew::give_up(int rank, Handout& handout) {
+void RankScheduler::give_up(int rank, BlockQueue& block_queue) {
   Member& member = members_[std::size_t(rank)];
-  handout.give_back(*member.busy);
+  block_queue.give_back(*member.busy);
   member.busy.reset();
   member.ready = false;
   ranks_.transport.lost(rank);
 }
 
 // Ranks that do not answer are lost, and their blocks stay missing.
-void Crew::stop() {
+void RankScheduler::stop() {
   if (std::isnan(stopped_at_)) stopped_at_ = now();
   bool const too_late = now() - stopped_at_ > seconds_of_patience;
   for (int rank = 1; rank < int(members_.size()); ++rank) {
@@ -95,15 +96,15 @@ void Crew::stop() {
   }
 }
 
-void Crew::serve(Handout& handout, bool stop, std::function<void(SumTree)> const& add) {
-  while (auto const message = ranks_.transport.receive()) take(*message, handout, add);
+void RankScheduler::serve(BlockQueue& block_queue, bool stop, std::function<void(SumTree)> const& add) {
+  while (auto const message = ranks_.transport.receive()) take(*message, block_queue, add);
   if (stop) return this->stop();
   for (int rank = 1; rank < int(members_.size()); ++rank) {
     Member& m = members_[std::size_t(rank)];
-    if (m.busy && now() - m.heard > ranks_.patience) give_up(rank, handout);
+    if (m.busy && now() - m.heard > ranks_.patience) give_up(rank, block_queue);
     if (!m.ready || m.busy) continue;
-    double const rest = share_of_rest * double(handout.left()) / double(members_.size());
-    m.busy = handout.take(std::uint64_t(std::max(std::min(rest, seconds_of_work * m.blocks_per_s), 1.0)));
+    double const rest = share_of_rest * double(block_queue.left()) / double(members_.size());
+    m.busy = block_queue.take(std::uint64_t(std::max(std::min(rest, seconds_of_work * m.blocks_per_s), 1.0)));
     if (!m.busy) continue;
     m.started = m.heard = now();
     ranks_.transport.send(rank, fmt::format("do {} {}", m.busy->first, m.busy->end));
@@ -113,11 +114,11 @@ void Crew::serve(Handout& handout, bool stop, std::function<void(SumTree)> const
 namespace {
 
 // Listens to rank 0 while its blocks are run.
-class Listener final : public Helpers {
+class Listener final : public RemoteWorkers {
  public:
   Listener(Ranks const& ranks, std::atomic<bool>& halt, std::atomic<bool> const* stop)
       : transport_(ranks.transport), between_signs_(ranks.patience / signs_of_life), halt_(halt), stop_(stop) {}
-  void serve(Handout&, bool, std::function<void(SumTree)> const&) override {
+  void serve(BlockQueue&, bool, std::function<void(SumTree)> const&) override {
     if (stop_ && *stop_) halt_ = true;
     if (now() - last_sign_ > between_signs_) {
       transport_.send(0, "here");

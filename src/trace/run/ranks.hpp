@@ -40,19 +40,19 @@ struct Ranks {
   double patience = 60;  // s; a rank with work that says nothing for so long is lost
 };
 
-void send_home(Transport&);  // from rank 0 to all others: there is no more to do
+void stop_workers(Transport&);  // from rank 0 to all others: there is no more to do
 
 // The other ranks, as rank 0 sees them.
-class Crew final : public Helpers {
+class RankScheduler final : public RemoteWorkers {
  public:
-  explicit Crew(Ranks const& ranks) : ranks_(ranks), members_(std::size_t(ranks.transport.size())) {}
-  ~Crew() override { send_home(ranks_.transport); }
-  Crew(Crew const&) = delete;
-  Crew& operator=(Crew const&) = delete;
+  explicit RankScheduler(Ranks const& ranks) : ranks_(ranks), members_(std::size_t(ranks.transport.size())) {}
+  ~RankScheduler() override { stop_workers(ranks_.transport); }
+  RankScheduler(RankScheduler const&) = delete;
+  RankScheduler& operator=(RankScheduler const&) = delete;
 
   // Takes what has come and hands out more, unless `stop`: then asks for what there is. Throws InputError when a rank
   // has another model or program, NumericalError when one has failed.
-  void serve(Handout&, bool stop, std::function<void(SumTree)> const& add) override;
+  void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) override;
   bool idle() const override;
 
  private:
@@ -61,8 +61,8 @@ class Crew final : public Helpers {
     std::optional<BlockRange> busy;
     double started = 0, heard = 0, blocks_per_s = 0;  // s, of a steady clock; heard: its last message
   };
-  void take(Transport::Message const&, Handout&, std::function<void(SumTree)> const& add);
-  void give_up(int rank, Handout&);
+  void take(Transport::Message const&, BlockQueue&, std::function<void(SumTree)> const& add);
+  void give_up(int rank, BlockQueue&);
   void stop();
 
   Ranks const& ranks_;

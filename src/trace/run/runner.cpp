@@ -10,7 +10,7 @@ namespace straytrace {
 namespace {
 
 constexpr double report_seconds = 0.5;  // between reports of progress
-constexpr std::chrono::milliseconds with_helpers{2}, alone{500};
+constexpr std::chrono::milliseconds with_workers{2}, alone{500};
 
 std::uint64_t blocks_in(SumTree const& tree) {
   std::uint64_t blocks = 0;
@@ -35,8 +35,8 @@ void Runner::saw(double error, std::uint64_t blocks) {
   error_histories_ = blocks * world_.block_size;
 }
 
-bool Runner::run(BlockRange range, Helpers* helpers) {
-  Handout handout(tree_.missing(range));
+bool Runner::run(BlockRange range, RemoteWorkers* remote) {
+  BlockQueue block_queue(tree_.missing(range));
   unsigned const threads = thread_count(settings_.threads);
   unsigned working = threads;
   std::exception_ptr failure;
@@ -46,10 +46,10 @@ bool Runner::run(BlockRange range, Helpers* helpers) {
       workers.emplace_back([&] {
         std::exception_ptr mine;
         try {
-          work(handout);
+          work(block_queue);
         } catch (...) {
           mine = std::current_exception();
-          handout.end();
+          block_queue.end();
         }
         std::scoped_lock const lock(mutex_);
         if (mine) failure = mine;
@@ -57,9 +57,9 @@ bool Runner::run(BlockRange range, Helpers* helpers) {
         wake_.notify_all();
       });
     try {
-      watch(handout, helpers, working);
+      watch(block_queue, remote, working);
     } catch (...) {
-      handout.end();
+      block_queue.end();
       throw;
     }
   }
@@ -68,12 +68,12 @@ bool Runner::run(BlockRange range, Helpers* helpers) {
   return tree_.missing(range).empty();
 }
 
-void Runner::work(Handout& handout) {
+void Runner::work(BlockQueue& block_queue) {
   while (!interrupted() && !out_of_time()) {
-    auto const taken = handout.take(1);
+    auto const taken = block_queue.take(1);
     if (!taken) return;
     BlockSums sums = backend_.run_block(world_, settings_.seed, taken->first);
-    sum_levers(world_, settings_.seed, taken->first % replica_count, sums);
+    sum_phase_sensitivities(world_, settings_.seed, taken->first % replica_count, sums);
     std::scoped_lock const lock(mutex_);
     ++blocks_;
     rays_ += sums.rays;
@@ -90,28 +90,28 @@ void Runner::add(SumTree const& done) {
   }
 }
 
-void Runner::watch(Handout& handout, Helpers* helpers, unsigned const& working) {
+void Runner::watch(BlockQueue& block_queue, RemoteWorkers* workers, unsigned const& working) {
   for (;;) {
     bool mine_done = false;
     {
       std::unique_lock lock(mutex_);
-      mine_done = wake_.wait_for(lock, helpers ? with_helpers : alone, [&] { return working == 0; });
+      mine_done = wake_.wait_for(lock, workers ? with_workers : alone, [&] { return working == 0; });
     }
-    if (mine_done && (!helpers || helpers->idle())) return;
-    if (mine_done) std::this_thread::sleep_for(with_helpers);
-    if (helpers) helpers->serve(handout, interrupted() || out_of_time(), [&](SumTree const& done) { add(done); });
+    if (mine_done && (!workers || workers->idle())) return;
+    if (mine_done) std::this_thread::sleep_for(with_workers);
+    if (workers) workers->serve(block_queue, interrupted() || out_of_time(), [&](SumTree const& done) { add(done); });
     if (seconds() - last_report_ >= report_seconds) report();
-    if (at_checkpoint && seconds() - last_checkpoint_ >= settings_.checkpoint_seconds) checkpoint(handout);
+    if (at_checkpoint && seconds() - last_checkpoint_ >= settings_.checkpoint_seconds) checkpoint(block_queue);
   }
 }
 
 // Not when all blocks have been handed out: a stop rule may be looked at as soon as they are done, and a run that goes
 // on from here must look at the same moment.
-void Runner::checkpoint(Handout const& handout) {
+void Runner::checkpoint(BlockQueue const& block_queue) {
   SumTree done;
   {
     std::scoped_lock const lock(mutex_);
-    if (handout.left() == 0) return;
+    if (block_queue.left() == 0) return;
     done = tree_;
   }
   at_checkpoint(std::move(done));

@@ -14,11 +14,11 @@
 namespace straytrace {
 
 // Others who run blocks of the same handout; called by the thread that called Runner::run.
-class Helpers {
+class RemoteWorkers {
  public:
-  virtual ~Helpers() = default;
+  virtual ~RemoteWorkers() = default;
   // Hands out blocks and adds what was done. `stop`: no more of them, and those under way come to an end.
-  virtual void serve(Handout&, bool stop, std::function<void(SumTree)> const& add) = 0;
+  virtual void serve(BlockQueue&, bool stop, std::function<void(SumTree)> const& add) = 0;
   virtual bool idle() const = 0;
 };
 
@@ -28,7 +28,7 @@ class Runner {
   Runner(World const&, TraceSettings const&, Backend const&, SumTree done);
 
   // Runs the blocks of `range` that are missing; false when stopped before. Throws what a thread or helper has thrown.
-  bool run(BlockRange range, Helpers* helpers = nullptr);
+  bool run(BlockRange range, RemoteWorkers* workers = nullptr);
 
   bool interrupted() const { return settings_.stop && settings_.stop->load(); }
   bool out_of_time() const { return seconds() > settings_.max_seconds; }
@@ -42,10 +42,10 @@ class Runner {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void work(Handout&);
+  void work(BlockQueue&);
   void add(SumTree const&);
-  void watch(Handout&, Helpers*, unsigned const& working);
-  void checkpoint(Handout const&);
+  void watch(BlockQueue&, RemoteWorkers*, unsigned const& working);
+  void checkpoint(BlockQueue const&);
   void report();
 
   World const& world_;

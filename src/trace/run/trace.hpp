@@ -35,7 +35,7 @@ struct TraceSettings {
   double error_before = not_a_number;  // for the progress until the first look: seen at
   std::uint64_t histories_before = 0;  // so many histories of a run given up
   std::string stop_rule;               // in words, kept with the result
-  std::uint32_t good_looks = 0;        // looks in a row at which the same rule held before a resumed run was stopped
+  std::uint32_t good_checks = 0;       // looks in a row at which the same rule held before a resumed run was stopped
   std::function<void(TraceProgress const&)> progress;
   std::atomic<bool> const* stop = nullptr;  // finish the blocks under way and return
   // A result of what is done so far, from time to time: what follows goes on from it to the same bits.
@@ -51,8 +51,8 @@ struct TraceSettings {
 
 TraceResult trace(World const&, TraceSettings const&, Backend const&);
 
-// The result that these sums make: books checked, records replayed; nothing is traced. Of the settings: seed and
-// beside.
+// The result that these sums make: energy balance checked, records replayed; nothing is traced. Of the settings: seed
+// and beside.
 TraceResult result_of(World const&, TraceSettings const&, SumTree);
 
 // Block counts at which stop rules are looked at: 32, 45, 64, 91, ...

@@ -14,7 +14,7 @@ namespace straytrace {
 // reached the goal by itself, odd for a connection to it.
 STRAY_HD std::uint32_t arrival_number(std::uint32_t goal) { return 2 * goal; }
 STRAY_HD std::uint32_t connection_number(std::uint32_t goal) { return 2 * goal + 1; }
-STRAY_HD bool by_itself(std::uint32_t number) { return number % 2 == 0; }
+STRAY_HD bool is_hit(std::uint32_t number) { return number % 2 == 0; }
 
 // Density per area of the lit surface with which a connection draws the point y: |u|^2 |cos| (eq. 1.1 over q), 1/m^2.
 STRAY_HD double connection_density(Footprint const& lit, Vec3 y, Vec3 normal) {
@@ -76,7 +76,7 @@ STRAY_HD void arrive_at(WorldView const& world, PathState const& path, Vertex co
 
 // Several beams may light one surface: the light rejoins each of them.
 template <class Sink>
-STRAY_HD void arrive(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
+STRAY_HD void score_hit(WorldView const& world, PathState const& path, Vertex const& vertex, Sink& sink) {
   std::uint32_t const first = world.lit_of_surface[vertex.surface.value];
   if (first == WorldView::none) return;
   for (std::uint32_t i = first; i < world.lit.size; ++i)

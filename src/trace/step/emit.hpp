@@ -56,7 +56,7 @@ STRAY_HD bool emit(WorldView const& world, std::uint64_t seed, PathState& path, 
   Vec3 const point = line.origin + met.distance * line.dir;
   path.ray.dir = lit.direction(point);
   Vertex vertex = make_vertex(world, lit.surface, point, path.ray.dir, met.piece);
-  look(world, path, path.ray.dir, vertex);
+  evaluate_scattering(world, path, path.ray.dir, vertex);
   path.emitted = path.power * vertex.albedo;
   if (lit.profile != Profile::point) path.reached_pdf = connection_density(lit, vertex.point, vertex.frame.e3) / n;
   sink.emitted(path, vertex);

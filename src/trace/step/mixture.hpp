@@ -41,7 +41,7 @@ STRAY_HD bool met_aim(WorldView const& world, Hop const& hop, Vertex const* met)
 
 // Weight of the hop now that its end is known; 0 when something hides the target that was aimed at. Sets hop.pdf.
 // `vertex`: where the ray arrived; null when it escaped.
-STRAY_HD double complete(WorldView const& world, PathState& path, Vertex const* vertex) {
+STRAY_HD double finish_hop_weight(WorldView const& world, PathState& path, Vertex const* vertex) {
   Hop& hop = path.hop;
   if (!(hop.law_pdf > 0) && !hop.aim.valid()) {  // specular
     hop.pdf = 0;

@@ -73,7 +73,7 @@ struct History {
 };
 
 // What the vertex does to light: media on both sides, then shares scattered, reflected and transmitted.
-STRAY_HD void look(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
+STRAY_HD void evaluate_scattering(WorldView const& world, PathState const& path, Vec3 travel, Vertex& v) {
   if (!(v.wi.z > 0)) return;
   find_media(world, path.media, travel, v);
   v.albedo = scatter_albedo(world.laws, *v.optic, v.wi, v.n_in, v.n_out);

@@ -99,7 +99,7 @@ STRAY_HD bool scatter(WorldView const& world, std::uint64_t seed, PathState& pat
     path.hop.value = 0;
     Vec3 const wo = scattered_direction(world, seed, path, vertex, (choice - reflect - transmit) / vertex.albedo);
     if (!(path.hop.value > 0)) {
-      sink.book(Fate::sampling, path.power * kept);
+      sink.book(BalanceTerm::sampling, path.power * kept);
       return false;
     }
     Vec3 const out = unit(vertex.frame.to_world(wo));

@@ -77,7 +77,7 @@ STRAY_HD Backward backward_from(WorldView const& world, Receiver const& r, Rng& 
     if (!hit.surface.valid()) return {};
     Vertex at = vertex_at(world, path, hit);
     lost_in_medium(world, path, hit.distance);
-    look(world, path, path.ray.dir, at);
+    evaluate_scattering(world, path, path.ray.dir, at);
     back.z = at.surface;
     back.piece = at.piece;
     back.point = at.point;
@@ -153,7 +153,7 @@ STRAY_HD void score_lit_behind(WorldView const& world, PathState const& path, st
   Vertex z = make_vertex(world, back.z, back.point, lit.travel, back.piece);
   PathState there;
   there.polarisation = beam.polarisation;
-  look(world, there, lit.travel, z);
+  evaluate_scattering(world, there, lit.travel, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0)) return;
@@ -180,7 +180,7 @@ STRAY_HD void connect_through(WorldView const& world, PathState const& path, Ver
   PathState there;  // media at z: those of the way there
   there.media = way.wo.z < 0 ? vertex.after : vertex.before;
   there.polarisation = path.polarisation;
-  look(world, there, way.out, z);
+  evaluate_scattering(world, there, way.out, z);
   Vec3 const wo = z.frame.to_local(back.towards);
   double const f = scatter_eval(world.laws, *z.optic, z.wi, wo, z.n_in, z.n_out);
   if (!(f > 0) || blocked(world, vertex, way, z)) return;

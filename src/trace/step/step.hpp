@@ -2,13 +2,13 @@
 // THE step: one hop and one vertex of one path; and the loop over a history. Everything else prepares the world or adds
 // up. physics.md 1.4; estimators.md 4.
 //
-// Sink: where ports, receivers, books and pictures listen; the only output.
+// Sink: where ports, receivers, energy balance and pictures listen; the only output.
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex
 //   visit(path, vertex)                       light has reached a vertex, with path.power
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
 //   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
 //   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
-//   book(fate, power)                         the ledger
+//   book(term of the energy balance, power)                         the energy balance
 //   absorbed(group, power)                    optional: what of it a group absorbed; no group: a medium
 //   wagered(variance)                         optional: of what the roulette has just booked in `window`
 #pragma once
@@ -43,7 +43,7 @@ STRAY_HD bool next_path(WorldView const& world, std::uint64_t seed, History& his
 
 template <class Sink>
 STRAY_HD void absorb(Sink& sink, GroupId where, double power) {
-  sink.book(Fate::absorbed, power);
+  sink.book(BalanceTerm::absorbed, power);
   if constexpr (requires { sink.absorbed(where, power); }) sink.absorbed(where, power);
 }
 
@@ -53,24 +53,24 @@ STRAY_HD bool step(WorldView const& world, std::uint64_t seed, History& history,
   PathState& path = history.path;
   Vertex vertex;
   if (hit.surface.valid()) vertex = vertex_at(world, path, hit);
-  double const weight = complete(world, path, hit.surface.valid() ? &vertex : nullptr);
-  sink.book(Fate::sampling, path.power * (path.hop.kept - weight));  // zero on average: that is a test
+  double const weight = finish_hop_weight(world, path, hit.surface.valid() ? &vertex : nullptr);
+  sink.book(BalanceTerm::sampling, path.power * (path.hop.kept - weight));  // zero on average: that is a test
   path.power *= weight;
   if (path.power == 0) return false;
   pass_planes(world, path, hit.distance, sink);
   absorb(sink, {}, lost_in_medium(world, path, hit.distance));
   if (!hit.surface.valid()) {
-    sink.book(Fate::escaped, path.power);
+    sink.book(BalanceTerm::escaped, path.power);
     return false;
   }
   path.event = history.new_event();
   ++path.order;
-  look(world, path, path.ray.dir, vertex);
+  evaluate_scattering(world, path, path.ray.dir, vertex);
   sink.visit(path, vertex);
-  arrive(world, path, vertex, sink);  // light that reached a lit surface by itself, eq. 1.7
+  score_hit(world, path, vertex, sink);  // light that reached a lit surface by itself, eq. 1.7
   receive(world, path, vertex, sink);
   if (path.order >= world.limits.max_order) {  // a connection is one more event: its weight counts on the walk's share
-    sink.book(Fate::limit, path.power);
+    sink.book(BalanceTerm::truncated, path.power);
     return false;
   }
   connect(world, seed, path, vertex, sink);  // next-event estimates to every lit surface, eq. 1.8

@@ -34,8 +34,8 @@ STRAY_HD std::uint32_t control(WorldView const& world, std::uint64_t seed, PathS
   if (path.power < lowest) {
     bool const lucky = Rng(seed, path.history, path.event, Stream::window).uniform() * target < path.power;
     double const after = lucky ? target : 0;
-    sink.book(Fate::window, path.power - after);
-    if constexpr (requires { sink.wagered(0.0); }) sink.wagered(path.power * (target - path.power));
+    sink.book(BalanceTerm::roulette, path.power - after);
+    if constexpr (requires { sink.roulette_variance(0.0); }) sink.roulette_variance(path.power * (target - path.power));
     path.power = after;
     return lucky ? 1 : 0;
   }

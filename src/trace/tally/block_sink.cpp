@@ -62,7 +62,8 @@ void BlockSink::add(HistoryTally const& tally) {
     received_[i] = 0;
   }
   sums_.emitted.add(tally.power_emitted(), history);
-  for (int f = 0; f < fate_count; ++f) sums_.ledger[f].add(tally.booked(static_cast<Fate>(f)), history);
+  for (int f = 0; f < balance_term_count; ++f)
+    sums_.energy_balance[f].add(tally.booked(static_cast<BalanceTerm>(f)), history);
   for (HistoryArrival const& a : tally.arrivals()) {
     sums_.arrived[a.group].add(a.power, history);
     sums_.absorbed[a.group].add(a.absorbed, history);
@@ -85,7 +86,7 @@ BlockSums BlockSink::finish() {
     }
   }
   sums_.emitted.close_block();
-  for (Moments& m : sums_.ledger) m.close_block();
+  for (Moments& m : sums_.energy_balance) m.close_block();
   for (Moments& m : sums_.arrived) m.close_block();
   for (Moments& m : sums_.absorbed) m.close_block();
   return std::move(sums_);

@@ -56,9 +56,10 @@ MadeClass make_class(World const& world, std::uint64_t hash, ClassSums const& su
     made.reversible = made.reversible && turns_round(world, made, *path);
     c.records.push_back({kept.history, kept.event, kept.connection, kept.coupling,
                          std::max(kept.coupling, sums.threshold) / weights * c.coupling.mean, path->path_length,
-                         path->levers});
+                         path->phase_sensitivities});
   }
-  c.levers = lever_moments(c, sums.levers, sums.threshold == 0, total.histories, world.block_size);
+  c.phase_sensitivities =
+      phase_sensitivity_moments(c, sums.phase_sensitivities, sums.threshold == 0, total.histories, world.block_size);
   return made;
 }
 
@@ -78,8 +79,8 @@ class Leftover {
     moments_ = merged(moments_, moments);
     for (int r = 0; r < replica_count; ++r) merged_.replica_sum[r] += c.replica_sum[r];
     merged_.records.insert(merged_.records.end(), c.records.begin(), c.records.end());
-    if (c.levers.empty() && c.coupling.mean > 0) moments_known_ = false;
-    if (moments_known_) moments_known_ = add_moments(merged_.levers, c.levers);
+    if (c.phase_sensitivities.empty() && c.coupling.mean > 0) moments_known_ = false;
+    if (moments_known_) moments_known_ = add_moments(merged_.phase_sensitivities, c.phase_sensitivities);
     ++merged_.folded_routes;
     note(c);
     weigh(c);
@@ -101,7 +102,7 @@ class Leftover {
       merged_.coupling.std_error = std::sqrt(between * replica_count / (replica_count - 1)) / n;
     }
     if (several) doubt(table);
-    if (!moments_known_) merged_.levers.clear();
+    if (!moments_known_) merged_.phase_sensitivities.clear();
     return std::move(merged_);
   }
 
@@ -139,7 +140,7 @@ class Leftover {
 
   CouplingClass merged_;
   Moments moments_;
-  bool moments_known_ = true;  // second moments of the levers of all routes so far
+  bool moments_known_ = true;  // second moments of the phase sensitivities of all routes so far
   double heavy_sum_ = 0;       // of the means of routes that failed for their tail
   std::uint64_t heavy_routes_ = 0;
   FoldedRoute heaviest_;

@@ -58,15 +58,17 @@ class BasicTally {
                               std::uint32_t receiver, Vertex const& end, double power);
   STRAY_HD void score_lit(PathState const& path, std::uint32_t source, Vertex const& z, Chain const& chain,
                           std::uint32_t receiver, Vertex const& end, double power);
-  STRAY_HD void wagered(double variance) { window_variance_ += variance; }
+  STRAY_HD void roulette_variance(double variance) { window_variance_ += variance; }
   STRAY_HD void absorbed(GroupId group, double power);  // after the visit to the group; no group: in a medium
-  STRAY_HD void book(Fate fate, double power) { ledger_[static_cast<int>(fate)] += power; }
+  STRAY_HD void book(BalanceTerm balance_term, double power) {
+    energy_balance_[static_cast<int>(balance_term)] += power;
+  }
 
   STRAY_HD std::uint64_t history() const { return history_; }
   STRAY_HD std::uint64_t bounces() const { return bounces_; }
   STRAY_HD std::uint64_t lost() const { return lost_; }
   STRAY_HD double power_emitted() const { return emitted_; }
-  STRAY_HD double booked(Fate fate) const { return ledger_[static_cast<int>(fate)]; }
+  STRAY_HD double booked(BalanceTerm balance_term) const { return energy_balance_[static_cast<int>(balance_term)]; }
   STRAY_HD double absorbed_in_media() const { return in_media_; }
   STRAY_HD double window_variance() const { return window_variance_; }
   STRAY_HD List<HistoryTotal> const& totals() const { return lists_.totals; }
@@ -82,7 +84,7 @@ class BasicTally {
   WorldView const* world_;
   std::uint64_t seed_, history_ = 0, bounces_ = 0, lost_ = 0;
   double emitted_ = 0, in_media_ = 0, window_variance_ = 0;
-  double ledger_[fate_count] = {};
+  double energy_balance_[balance_term_count] = {};
   TallyLists<List> lists_;
 };
 
@@ -95,7 +97,7 @@ STRAY_HD void BasicTally<List>::begin(std::uint64_t history) {
   history_ = history;
   bounces_ = lost_ = 0;
   emitted_ = in_media_ = window_variance_ = 0;
-  for (double& column : ledger_) column = 0;
+  for (double& column : energy_balance_) column = 0;
   lists_.totals.clear();
   lists_.scores.clear();
   lists_.arrivals.clear();
@@ -130,7 +132,7 @@ STRAY_HD void BasicTally<List>::score(PathState const& path, Vertex const& verte
                                       std::uint32_t number, Vertex const& y, double coupling) {
   Route const route = route_of(*world_, path, vertex, goal, number, y.surface);
   if (goal >= world_->lit.size)
-    add_to_maps(path, goal - std::uint32_t(world_->lit.size), y, route.hash, by_itself(number), coupling);
+    add_to_maps(path, goal - std::uint32_t(world_->lit.size), y, route.hash, is_hit(number), coupling);
   add(path, route, number, coupling);
 }
 

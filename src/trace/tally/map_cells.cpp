@@ -22,7 +22,7 @@ class ArrivalSink {
   void emitted(T const&...) {}
   template <class... T>
   void visit(T const&...) {}
-  void book(Fate, double) {}
+  void book(BalanceTerm, double) {}
   void score(PathState const&, Vertex const&, std::uint32_t goal, std::uint32_t, Vertex const& y, double power) {
     if (goal >= view_.lit.size) add(goal - std::uint32_t(view_.lit.size), y, power);
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "trace/tally/route.hpp"
-#include "world/model/levers.hpp"
+#include "world/model/phase_sensitivities.hpp"
 
 namespace straytrace {
 namespace {
@@ -55,10 +55,10 @@ class ReplaySink {
     vertices.resize(path.order + 1);
     double path_length = length_[path.order];
     bool const mode = goal < view_.lit.size;
-    if (!by_itself(number) || view_.surfaces[y.surface.value].clear) {
+    if (!is_hit(number) || view_.surfaces[y.surface.value].clear) {
       bool const through = dot(y.point - vertex.point, vertex.frame.e3) < 0;
-      double const index = by_itself(number) ? 1 : through ? vertex.n_out : vertex.n_in;
-      leave_towards(vertices, y.point, by_itself(number) ? path.hop.left_by : Event::scatter, index);
+      double const index = is_hit(number) ? 1 : through ? vertex.n_out : vertex.n_in;
+      leave_towards(vertices, y.point, is_hit(number) ? path.hop.left_by : Event::scatter, index);
       path_length += index * length(y.point - vertices.back().point);
       vertices.push_back(
           {y.surface, y.point, vertices.back().out, {}, Event::scatter, index, index, group_of(y.surface)});
@@ -76,7 +76,7 @@ class ReplaySink {
                          route.other,
                          coupling,
                          path_length + fed_length(world_, path.source, goal),
-                         levers_of(world_, vertices, path.source, goal)};
+                         phase_sensitivities_of(world_, vertices, path.source, goal)};
   }
   void score_through(PathState const& path, Vertex const& vertex, Vertex const& z, Chain const& chain,
                      std::uint32_t receiver, Vertex const& end, double power) {
@@ -107,7 +107,7 @@ class ReplaySink {
     bool const other = route_lit(view_, source, z, chain, receiver).other;
     end_behind(path, source, std::move(vertices), path_length, chain.hops, receiver, end, other, power);
   }
-  void book(Fate, double) {}
+  void book(BalanceTerm, double) {}
 
   std::optional<ReplayedPath> found;
 
@@ -140,7 +140,8 @@ class ReplaySink {
     vertices.back().out = {};
     std::uint32_t const goal = goal_of_receiver(view_, receiver);
     path_length += fed_length(world_, source, goal);
-    found = ReplayedPath{vertices, source, goal, other, power, path_length, levers_of(world_, vertices, source, goal)};
+    found = ReplayedPath{
+        vertices, source, goal, other, power, path_length, phase_sensitivities_of(world_, vertices, source, goal)};
   }
   GroupId group_of(SurfaceId id) const { return view_.surfaces[id.value].group; }
   static void leave_towards(std::vector<PassedVertex>& vertices, Vec3 point, Event event, double index) {
@@ -170,29 +171,31 @@ std::uint32_t mirror_of(World const& world, std::uint32_t end) {
 
 }  // namespace
 
-std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
-                             std::uint32_t goal) {
+std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::vector<PassedVertex> const& vertices,
+                                                     std::uint32_t source, std::uint32_t goal) {
   double const k = 2 * pi / world.wavelength;
-  std::vector<Lever> levers;
+  std::vector<PhaseSensitivity> phase_sensitivities;
   for (PassedVertex const& v : vertices)
-    if (v.surface.valid()) add_hit(levers, world, v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
+    if (v.surface.valid())
+      add_hit(phase_sensitivities, world, v.surface, v.point, k * (v.n_in * v.in - v.n_out * v.out));
   // The way of the beam to the lit surface and, for light that rejoins, the way back.
   for (std::uint32_t const end : ends_of(world, source, goal))
-    for (Lever const& fed : world.feeds()[end].levers) {
-      Lever& lever = lever_of(levers, fed.body);
-      for (int i = 0; i < 6; ++i) lever.d[i] += k * fed.d[i];
+    for (PhaseSensitivity const& fed : world.feeds()[end].phase_sensitivities) {
+      PhaseSensitivity& phase_sensitivity = phase_sensitivity_of(phase_sensitivities, fed.body);
+      for (int i = 0; i < 6; ++i) phase_sensitivity.d[i] += k * fed.d[i];
     }
   // The main mode itself bounces on the mirrors of a cavity: only what differs from it counts (eq. 2.5).
   auto const subtract_main = [&](std::uint32_t mirror) {
     if (mirror == Feed::none) return;
     Footprint const& f = world.footprints()[mirror];
-    add_hit(levers, world, f.surface, f.centre, -2 * k * f.travel);
+    add_hit(phase_sensitivities, world, f.surface, f.centre, -2 * k * f.travel);
   };
   std::uint32_t const from = mirror_of(world, source), to = mirror_of(world, goal);
   subtract_main(from);
   if (to != from) subtract_main(to);
-  std::sort(levers.begin(), levers.end(), [](Lever const& a, Lever const& b) { return a.body < b.body; });
-  return levers;
+  std::sort(phase_sensitivities.begin(), phase_sensitivities.end(),
+            [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
+  return phase_sensitivities;
 }
 
 std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::uint64_t history, std::uint32_t event,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs one history again to learn what the sums do not hold: route, levers and optical length of a kept score
-// (physics.md eq. 2.2 to 2.5).
+// Runs one history again to learn what the sums do not hold: route, phase sensitivities and optical length of a kept
+// score (physics.md eq. 2.2 to 2.5).
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@ struct ReplayedPath {
   bool other = false;                  // route longer than the limit of route names
   double coupling = 0;                 // of the score
   double path_length = 0;              // optical, m
-  std::vector<Lever> levers;           // relative to the main mode, by body
+  std::vector<PhaseSensitivity> phase_sensitivities;  // relative to the main mode, by body
 };
 
 // The score (history, event, connection) made again; empty when this history makes no such score.
@@ -35,7 +35,7 @@ std::optional<ReplayedPath> replay(World const& world, std::uint64_t seed, std::
                                    std::uint32_t connection);
 
 // Phase Jacobians of a path relative to the main mode (eq. 2.3, 2.5). k in rad/m.
-std::vector<Lever> levers_of(World const& world, std::vector<PassedVertex> const& vertices, std::uint32_t source,
-                             std::uint32_t goal);
+std::vector<PhaseSensitivity> phase_sensitivities_of(World const& world, std::vector<PassedVertex> const& vertices,
+                                                     std::uint32_t source, std::uint32_t goal);
 
 }  // namespace straytrace

@@ -26,9 +26,9 @@ STRAY_HD Route route_of(WorldView const& world, PathState const& path, Vertex co
   route.end = receiver ? first_receiver_end + (goal - std::uint32_t(world.lit.size)) : world.lit[goal].port.value;
   std::uint64_t name = path.route;
   route.vertices = path.order + 1;
-  bool const plane = receiver && by_itself(number) && world.surfaces[y.value].clear;  // met on the way
-  if (!by_itself(number)) name = extended(name, world.surfaces[at.surface.value].group, Event::scatter);
-  if (!by_itself(number) || plane) ++route.vertices;
+  bool const plane = receiver && is_hit(number) && world.surfaces[y.value].clear;  // met on the way
+  if (!is_hit(number)) name = extended(name, world.surfaces[at.surface.value].group, Event::scatter);
+  if (!is_hit(number) || plane) ++route.vertices;
   route.other = route.vertices > world.limits.route_vertices;
   name = route.other ? 0 : extended(name, world.surfaces[y.value].group, receiver ? Event::receive : Event::couple);
   route.hash = hash_of_ends(world.lit[path.source].beam, name, route.end);

@@ -39,10 +39,10 @@ class Tree {
  public:
   Tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink)
       : view_(world.view()), screens_(view_), launch_(launch), limits_(limits), sink_(sink) {
-    ledger_.objects.resize(world.groups().size());
+    energy_balance_.objects.resize(world.groups().size());
   }
 
-  BeamLedger grow() {
+  BeamEnergyBalance grow() {
     Branch first;
     first.beam.mode = launch_.mode;
     first.beam.field = launch_.field;
@@ -50,13 +50,13 @@ class Tree {
       arrive(first, {launch_.arrives_at, 0, launch_.piece});
     else
       waiting_.push_back(first);
-    while (!waiting_.empty() && ledger_.beams < limits_.beams && !(limits_.stop && *limits_.stop)) {
+    while (!waiting_.empty() && energy_balance_.beams < limits_.beams && !(limits_.stop && *limits_.stop)) {
       Branch const branch = waiting_.back();
       waiting_.pop_back();
       follow(branch);
     }
-    for (Branch const& branch : waiting_) ledger_.stopped += branch.beam.field.power();
-    return ledger_;
+    for (Branch const& branch : waiting_) energy_balance_.stopped += branch.beam.field.power();
+    return energy_balance_;
   }
 
  private:
@@ -64,17 +64,17 @@ class Tree {
     way_.resize(branch.depth > 0 ? branch.depth - 1 : 0);
     if (branch.depth > 0) way_.push_back(branch.step);
     sink_.left(branch.beam, way_);
-    if (back_in_cavity(branch)) return end(BeamEnd::rejoined, ledger_.rejoined, branch);
+    if (back_in_cavity(branch)) return end(BeamEnd::rejoined, energy_balance_.rejoined, branch);
     Mode const& mode = branch.beam.mode;
     Hit const hit = view_.closest({mode.origin, mode.travel}, branch.from);
     Branch arriving = branch;
     double const kept = kept_along(view_, branch.media, hit.surface.valid() ? hit.distance : 0);
     if (kept < 1) {
-      ledger_.media += (1 - kept) * branch.beam.field.power();
+      energy_balance_.media += (1 - kept) * branch.beam.field.power();
       scale(arriving.beam.field, kept);
     }
     pass_screens(arriving, hit);
-    if (!hit.surface.valid()) return end(BeamEnd::escaped, ledger_.escaped, arriving);
+    if (!hit.surface.valid()) return end(BeamEnd::escaped, energy_balance_.escaped, arriving);
     arrive(arriving, hit);
   }
 
@@ -94,7 +94,7 @@ class Tree {
     LeavingBeam const& beam = branch.beam;
     Vertex const vertex = make_vertex(view_, screen.surface, screen.point, beam.mode.travel, screen.piece);
     double const index = view_.wavelength / beam.mode.wavelength, taken = power * screen.share;
-    BeamLedger::Object& object = ledger_.objects[view_.surfaces[screen.surface.value].group.value];
+    BeamEnergyBalance::Object& object = energy_balance_.objects[view_.surfaces[screen.surface.value].group.value];
     object.landed += taken;
     if (vertex.wi.z > 0) object.scattered += taken * scatter_albedo(view_.laws, *vertex.optic, vertex.wi, index, 1);
     if (beam.order > 0) object.ghosts += taken;
@@ -104,7 +104,7 @@ class Tree {
 
   void end(BeamEnd how, LongSum& column, Branch const& branch) {
     column += branch.beam.field.power();
-    ++ledger_.beams;
+    ++energy_balance_.beams;
     sink_.ended(how, nullptr, branch.beam, way_);
   }
 
@@ -139,10 +139,10 @@ class Tree {
     spot.event = branch.depth > 0 ? branch.step.event : Event::start;
     spot.order = std::max(beam.order, branch.media.depth > 0 ? rounds(spot) : 0);
     if (spot.order > limits_.order) {
-      ledger_.order += spot.power;
+      energy_balance_.order += spot.power;
       return;
     }
-    auto const number = std::uint32_t(ledger_.spots++);
+    auto const number = std::uint32_t(energy_balance_.spots++);
     sink_.arrived(spot, number, way_);
     split(branch, spot, number, vertex, launched_here);
   }
@@ -156,11 +156,11 @@ class Tree {
     }));
   }
 
-  // Reflected and transmitted parts of what meets the surface; books what stays there.
+  // Reflected and transmitted parts of what meets the surface; energy balance what stays there.
   std::array<Way, 2> ways(BeamSpot const& spot, Vertex const& vertex, bool cavity) {
     std::array<Way, 2> both;
     both[1].through = true;
-    BeamLedger::Object& object = ledger_.objects[view_.surfaces[spot.surface.value].group.value];
+    BeamEnergyBalance::Object& object = energy_balance_.objects[view_.surfaces[spot.surface.value].group.value];
     double const beside = spot.power * spot.clipped, meets = spot.power - beside;
     double scattered = 0, left = 1;
     if (vertex.wi.z > 0) {
@@ -191,7 +191,7 @@ class Tree {
     both[0].departure = back < weaker * through || back < slight * meets;
     both[1].departure = through < weaker * back && !both[0].departure;
     if (cavity) {  // the mode itself is reflected; what passes is the main beam outside
-      ledger_.rejoined += both[0].power;
+      energy_balance_.rejoined += both[0].power;
       both[0].power = 0;
       both[1].departure = false;
     }
@@ -231,18 +231,18 @@ class Tree {
       goes_on = goes_on || !w.departure;
       faint = faint || (!w.departure && dim);
       if (order > limits_.order)
-        ledger_.order += w.power;
+        energy_balance_.order += w.power;
       else if (dim)
-        ledger_.floor += w.power;
+        energy_balance_.floor += w.power;
       else if (wide)
-        ledger_.wide += w.power;
+        energy_balance_.wide += w.power;
       else if (too_long)
-        ledger_.longest += w.power;
+        energy_balance_.longest += w.power;
       else
         waiting_.push_back(leave(branch, spot, number, vertex, w, order, two));
     }
     if (goes_on && !faint && !wide && !too_long) return;
-    ++ledger_.beams;
+    ++energy_balance_.beams;
     LeavingBeam const here{spot.mode, spot.field, spot.path_length, spot.gouy, spot.order};
     BeamEnd const stopped = faint ? BeamEnd::faint : wide ? BeamEnd::wide : BeamEnd::longest;
     sink_.ended(goes_on ? stopped : BeamEnd::landed, &spot, here, way_);
@@ -285,14 +285,14 @@ class Tree {
   BeamLaunch const& launch_;
   TreeLimits limits_;
   BeamSink& sink_;
-  BeamLedger ledger_;
+  BeamEnergyBalance energy_balance_;
   std::vector<Branch> waiting_;
   std::vector<BeamStep> way_;
 };
 
 }  // namespace
 
-BeamLedger grow_tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink) {
+BeamEnergyBalance grow_tree(World const& world, BeamLaunch const& launch, TreeLimits const& limits, BeamSink& sink) {
   return Tree(world, launch, limits, sink).grow();
 }
 
@@ -405,7 +405,7 @@ char const* name_of(BeamEnd end) {
   return names[std::size_t(end)];
 }
 
-double BeamLedger::total() const {
+double BeamEnergyBalance::total() const {
   LongSum sum;
   for (double column : {double(media), double(escaped), double(rejoined), double(floor), double(order), double(longest),
                         double(wide), double(stopped)})

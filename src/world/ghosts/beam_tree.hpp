@@ -125,7 +125,7 @@ class LongSum {
 };
 
 // Where the launched power has gone, in shares of it.
-struct BeamLedger {
+struct BeamEnergyBalance {
   struct Object {
     LongSum landed;     // neither reflected nor transmitted there: absorbed or scattered; all that a screen takes
     LongSum scattered;  // part of `landed`
@@ -139,7 +139,7 @@ struct BeamLedger {
 };
 
 // Grows the tree of one launch. The memory needed is that of the longest way.
-BeamLedger grow_tree(World const&, BeamLaunch const&, TreeLimits const&, BeamSink&);
+BeamEnergyBalance grow_tree(World const&, BeamLaunch const&, TreeLimits const&, BeamSink&);
 
 // Spots of the main beam and of ghosts up to `limits`, strongest first within each order, at most `most` of them.
 std::vector<BeamSpot> beam_spots(World const&, BeamLaunch const&, TreeLimits const&, std::size_t most = 100000);

@@ -37,14 +37,14 @@ class Rows final : public BeamSink {
   World const& world_;
   MainBeam const& main_;
   std::function<void(Ghost const&)> const& each_;
-  std::vector<Standing> standing_;  // behind each surface of the way; the first: as launched
+  std::vector<GhostAlignment> standing_;  // behind each surface of the way; the first: as launched
   std::uint64_t count_ = 0;
 };
 
 }  // namespace
 
-BeamLedger find_ghosts(World const& world, BeamLaunch const& launch, TreeLimits const& limits, MainBeam const& main,
-                       std::function<void(Ghost const&)> const& each) {
+BeamEnergyBalance find_ghosts(World const& world, BeamLaunch const& launch, TreeLimits const& limits,
+                              MainBeam const& main, std::function<void(Ghost const&)> const& each) {
   Rows rows(world, main, each);
   return grow_tree(world, launch, limits, rows);
 }

@@ -21,12 +21,12 @@ struct Ghost {
   double clipped = 0;      // share of it beside the rim of what it lands on
   Spot spot;               // across the beam, m
   double path_length = 0;  // optical, from the launch, m
-  Standing standing;
+  GhostAlignment standing;
   std::span<BeamStep const> way;  // all surfaces before the end; valid during the call
 };
 
 // Grows the tree and hands over each beam that has ended; order 0 is the main beam.
-BeamLedger find_ghosts(World const&, BeamLaunch const&, TreeLimits const&, MainBeam const&,
-                       std::function<void(Ghost const&)> const& each);
+BeamEnergyBalance find_ghosts(World const&, BeamLaunch const&, TreeLimits const&, MainBeam const&,
+                              std::function<void(Ghost const&)> const& each);
 
 }  // namespace straytrace

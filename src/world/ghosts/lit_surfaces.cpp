@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "world/ghosts/rim.hpp"
-#include "world/model/levers.hpp"
+#include "world/model/phase_sensitivities.hpp"
 
 namespace straytrace {
 namespace {
@@ -72,11 +72,11 @@ Footprint footprint_of(Mode const& mode, double index) {
   return f;
 }
 
-std::vector<Lever> levers_of_way(World const& world, std::span<BeamStep const> way) {
-  std::vector<Lever> levers;
+std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const& world, std::span<BeamStep const> way) {
+  std::vector<PhaseSensitivity> phase_sensitivities;
   for (BeamStep const& step : way)
-    add_hit(levers, world, step.surface, step.point, step.n_in * step.in - step.n_out * step.out);
-  return levers;
+    add_hit(phase_sensitivities, world, step.surface, step.point, step.n_in * step.in - step.n_out * step.out);
+  return phase_sensitivities;
 }
 
 void add_lit_surface(World& world, std::uint32_t beam, double share, std::uint32_t mirror, BeamSpot const& spot,
@@ -89,7 +89,7 @@ void add_lit_surface(World& world, std::uint32_t beam, double share, std::uint32
   f.beam = beam;
   f.emits = scatters(world, spot.surface, spot.front);
   f.receives = false;
-  world.add_footprint(f, {true, spot.path_length, levers_of_way(world, way), mirror, spot.order, alone});
+  world.add_footprint(f, {true, spot.path_length, phase_sensitivities_of_way(world, way), mirror, spot.order, alone});
 }
 
 void add_lit_screen(World& world, std::uint32_t beam, double share, std::uint32_t mirror, ScreenSpot const& spot,
@@ -107,7 +107,7 @@ void add_lit_screen(World& world, std::uint32_t beam, double share, std::uint32_
   f.emits = scatters(world, screen.surface, spot.front);
   f.receives = false;
   double const missed = std::max(0.0, 1 - screen.alone / f.hollow);
-  world.add_footprint(f, {true, spot.path_length, levers_of_way(world, way), mirror, spot.order, missed});
+  world.add_footprint(f, {true, spot.path_length, phase_sensitivities_of_way(world, way), mirror, spot.order, missed});
 }
 
 std::vector<LitRow> lit_rows(World const& world) {

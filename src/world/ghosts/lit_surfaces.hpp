@@ -13,16 +13,17 @@ namespace straytrace {
 // Place, profile and wavefront of a mode that arrives in a medium of this index.
 Footprint footprint_of(Mode const&, double index);
 
-// What the surfaces on the way of a beam do to its phase: levers over the wave number, by body (eq. 2.2, 2.3).
-std::vector<Lever> levers_of_way(World const&, std::span<BeamStep const>);
+// What the surfaces on the way of a beam do to its phase: phase sensitivities over the wave number, by body
+// (eq. 2.2, 2.3).
+std::vector<PhaseSensitivity> phase_sensitivities_of_way(World const&, std::span<BeamStep const>);
 
 // Adds the footprint of a spot. `share`: q of the launched beam; `mirror`: footprint of the cavity mirror that the beam
 // was launched through, or Feed::none. On a side that scatters nothing it neither emits nor receives.
 void add_lit_surface(World&, std::uint32_t beam, double share, std::uint32_t mirror, BeamSpot const&,
                      std::span<BeamStep const> way);
 
-// The same of a screen that the beam touches: lit by the mode outside of the hole, with the power that the ledger of
-// the tree has for it.
+// The same of a screen that the beam touches: lit by the mode outside of the hole, with the power that the energy
+// balance of the tree has for it.
 void add_lit_screen(World&, std::uint32_t beam, double share, std::uint32_t mirror, ScreenSpot const&,
                     std::span<BeamStep const> way);
 

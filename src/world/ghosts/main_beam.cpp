@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "beams/overlap.hpp"
-#include "world/model/levers.hpp"
+#include "world/model/phase_sensitivities.hpp"
 
 namespace straytrace {
 namespace {
@@ -71,7 +71,7 @@ class MainSink final : public BeamSink {
     MainNode node;
     node.spot = spot;
     node.way.assign(way.begin(), way.end());
-    add_levers(node.levers, world_, way);
+    add_phase_sensitivities(node.phase_sensitivities, world_, way);
     nodes_.push_back(std::move(node));
   }
   void left(LeavingBeam const& beam, std::span<BeamStep const> way) override {
@@ -79,7 +79,7 @@ class MainSink final : public BeamSink {
     auto const at = node_of_spot_.find(way.back().spot);
     if (at == node_of_spot_.end()) return;
     MainNode::Way gone{beam, way.back().event, {}};
-    add_levers(gone.levers, world_, way);
+    add_phase_sensitivities(gone.phase_sensitivities, world_, way);
     nodes_[at->second].ways.push_back(std::move(gone));
   }
   bool complete = true;
@@ -90,18 +90,20 @@ class MainSink final : public BeamSink {
   std::map<std::uint32_t, std::uint32_t> node_of_spot_;
 };
 
-void add(std::vector<Lever>& to, std::vector<Lever> const& what, double factor) {
-  for (Lever const& l : what) {
-    Lever& at = lever_of(to, l.body);
+void add(std::vector<PhaseSensitivity>& to, std::vector<PhaseSensitivity> const& what, double factor) {
+  for (PhaseSensitivity const& l : what) {
+    PhaseSensitivity& at = phase_sensitivity_of(to, l.body);
     for (int i = 0; i < 6; ++i) at.d[i] += factor * l.d[i];
   }
 }
 
 }  // namespace
 
-void add_levers(std::vector<Lever>& levers, World const& world, std::span<BeamStep const> way) {
+void add_phase_sensitivities(std::vector<PhaseSensitivity>& phase_sensitivities, World const& world,
+                             std::span<BeamStep const> way) {
   double const k = 2 * pi / world.wavelength;
-  for (BeamStep const& s : way) add_hit(levers, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
+  for (BeamStep const& s : way)
+    add_hit(phase_sensitivities, world, s.surface, s.point, k * (s.n_in * s.in - s.n_out * s.out));
 }
 
 MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limits) : world_(world), launch_(launch) {
@@ -114,10 +116,10 @@ MainBeam::MainBeam(World const& world, BeamLaunch const& launch, TreeLimits limi
 
 // What it comes in line with at one surface, and the nearest in direction.
 struct MainBeam::Candidate {
-  Standing best;
+  GhostAlignment best;
   bool found = false, already = false;  // a new line; the one it is in already
 
-  void look(Standing const& at, bool same, double k, LeavingBeam const& ghost, MainNode const& node) {
+  void look(GhostAlignment const& at, bool same, double k, LeavingBeam const& ghost, MainNode const& node) {
     if (!best.known || at.angle < best.angle) {
       Recoupling const kept = best.recoupled;
       best = at;
@@ -136,7 +138,8 @@ struct MainBeam::Candidate {
   }
 };
 
-Standing MainBeam::standing(Standing const& before, LeavingBeam const& ghost, std::span<BeamStep const> way) const {
+GhostAlignment MainBeam::standing(GhostAlignment const& before, LeavingBeam const& ghost,
+                                  std::span<BeamStep const> way) const {
   if (ghost.order == 0 || way.empty()) return {};
   BeamStep const& step = way.back();
   double const k = 2 * pi / world_.wavelength;
@@ -150,22 +153,22 @@ Standing MainBeam::standing(Standing const& before, LeavingBeam const& ghost, st
       MainNode::Way const& main = node.ways[w];
       bool const same = main.event == step.event;
       goes_so = goes_so || same;
-      Standing s{true,
-                 false,
-                 angle_between(ghost.mode.travel, main.beam.mode.travel),
-                 ghost.path_length - main.beam.path_length,
-                 {true, false, at->second, w, way.size(), {}}};
+      GhostAlignment s{true,
+                       false,
+                       angle_between(ghost.mode.travel, main.beam.mode.travel),
+                       ghost.path_length - main.beam.path_length,
+                       {true, false, at->second, w, way.size(), {}}};
       all.look(s, same && !split, k, ghost, node);
     }
-    Standing s{true,
-               true,
-               angle_between(ghost.mode.travel, -node.spot.mode.travel),
-               ghost.path_length + node.spot.path_length,
-               {true, true, at->second, 0, way.size(), {}}};
+    GhostAlignment s{true,
+                     true,
+                     angle_between(ghost.mode.travel, -node.spot.mode.travel),
+                     ghost.path_length + node.spot.path_length,
+                     {true, true, at->second, 0, way.size(), {}}};
     all.look(s, goes_so && !split, k, ghost, node);
   }
   if (first == last) {  // no surface of the main beam: what departs here is another light
-    Standing s = before;
+    GhostAlignment s = before;
     if (step.departure) s.recoupled = {};
     return s;
   }
@@ -173,21 +176,22 @@ Standing MainBeam::standing(Standing const& before, LeavingBeam const& ghost, st
   return all.best;
 }
 
-std::vector<Lever> MainBeam::levers(Recoupling const& r, std::span<BeamStep const> way) const {
-  std::vector<Lever> levers;
-  if (!r.any) return levers;
-  add_levers(levers, world_, way.first(r.steps));
+std::vector<PhaseSensitivity> MainBeam::phase_sensitivities(Recoupling const& r, std::span<BeamStep const> way) const {
+  std::vector<PhaseSensitivity> phase_sensitivities;
+  if (!r.any) return phase_sensitivities;
+  add_phase_sensitivities(phase_sensitivities, world_, way.first(r.steps));
   MainNode const& node = nodes_[r.node];
   if (r.against) {
-    add(levers, node.levers, 1);  // the way back: each hit adds the same again
-    if (!launch_.cavity.empty())  // the mode itself is reflected there
-      add_hit(levers, world_, launch_.arrives_at, launch_.mode.origin,
+    add(phase_sensitivities, node.phase_sensitivities, 1);  // the way back: each hit adds the same again
+    if (!launch_.cavity.empty())                            // the mode itself is reflected there
+      add_hit(phase_sensitivities, world_, launch_.arrives_at, launch_.mode.origin,
               -4 * pi / world_.wavelength * launch_.mode.travel);
   } else {
-    add(levers, node.ways[r.way].levers, -1);
+    add(phase_sensitivities, node.ways[r.way].phase_sensitivities, -1);
   }
-  std::sort(levers.begin(), levers.end(), [](Lever const& a, Lever const& b) { return a.body < b.body; });
-  return levers;
+  std::sort(phase_sensitivities.begin(), phase_sensitivities.end(),
+            [](PhaseSensitivity const& a, PhaseSensitivity const& b) { return a.body < b.body; });
+  return phase_sensitivities;
 }
 
 }  // namespace straytrace

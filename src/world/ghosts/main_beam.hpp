@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The main beam as its ghosts meet it again: how much of a ghost that leaves a surface of the main beam is in the mode
-// of the main beam (physics.md section 5, eq. 5.4), and with which phase levers (eq. 2.3, 2.5).
+// of the main beam (physics.md section 5, eq. 5.4), and with which phase phase sensitivities (eq. 2.3, 2.5).
 #pragma once
 
 #include <array>
@@ -16,11 +16,11 @@ struct MainNode {
   struct Way {
     LeavingBeam beam;
     Event event = Event::transmit;
-    std::vector<Lever> levers;  // of the way to here, this surface with it, rad/m and rad
+    std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here, this surface with it, rad/m and rad
   };
   BeamSpot spot;
-  std::vector<BeamStep> way;  // to here, without this surface
-  std::vector<Lever> levers;  // of the way to here, without this surface
+  std::vector<BeamStep> way;                          // to here, without this surface
+  std::vector<PhaseSensitivity> phase_sensitivities;  // of the way to here, without this surface
   std::vector<Way> ways;
 };
 
@@ -37,7 +37,7 @@ struct Recoupling {
 };
 
 // Where a ghost stands to the main beam, at the last surface that both have left.
-struct Standing {
+struct GhostAlignment {
   bool known = false, against = false;
   double angle = 0;       // between it and the main beam leaving that surface; against: and the one arriving; rad
   double difference = 0;  // of optical path: behind the main beam; against: from the launch and back to it; m
@@ -52,9 +52,9 @@ class MainBeam {
   std::vector<MainNode> const& nodes() const { return nodes_; }
   bool complete() const { return complete_; }  // false: it meets more surfaces than are kept
   // After the last step of `way`; `before`: at the surface before.
-  Standing standing(Standing const& before, LeavingBeam const&, std::span<BeamStep const> way) const;
+  GhostAlignment standing(GhostAlignment const& before, LeavingBeam const&, std::span<BeamStep const> way) const;
   // Of a ghost relative to the main mode; empty without recoupling.
-  std::vector<Lever> levers(Recoupling const&, std::span<BeamStep const> way) const;
+  std::vector<PhaseSensitivity> phase_sensitivities(Recoupling const&, std::span<BeamStep const> way) const;
 
  private:
   struct Candidate;
@@ -66,6 +66,6 @@ class MainBeam {
 };
 
 // Phase Jacobians of the steps, rad/m and rad: each hit k (n_in in - n_out out) (eq. 2.2).
-void add_levers(std::vector<Lever>&, World const&, std::span<BeamStep const>);
+void add_phase_sensitivities(std::vector<PhaseSensitivity>&, World const&, std::span<BeamStep const>);
 
 }  // namespace straytrace

@@ -292,7 +292,7 @@ MeshFault read_mesh_file(std::string const& bytes, CompanionFile const& companio
     MeshFault const fault = import_mesh(bytes, companion ? noted : companion, file);
     return packed(fault, file, asked);
   };
-  Apart const done = done_apart(work, bounds_for(bytes.size()));
+  SandboxResult const done = run_sandboxed(work, bounds_for(bytes.size()));
   if (!done.why.empty())
     return {fmt::format("not a readable mesh file: {}", done.why), "check that the file is complete; export it again"};
   Unpacker in(done.bytes);

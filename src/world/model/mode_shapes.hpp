@@ -19,7 +19,7 @@ class ModeShape {
 };
 
 struct ElasticMode {
-  BodyId id;  // the coordinate counts as a body of its own, with d[0] of its levers
+  BodyId id;  // the coordinate counts as a body of its own, with d[0] of its phase sensitivities
   Vec3 origin;
   bool origin_given = false;  // otherwise the pivot of the body
   std::shared_ptr<ModeShape const> shape;

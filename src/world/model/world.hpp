@@ -149,12 +149,12 @@ struct Body {
 };
 
 // How the beam came to a footprint: its chief ray from where it was launched. Light that rejoins goes the same way
-// back, and by eq. 2.2 with the same levers.
+// back, and by eq. 2.2 with the same phase sensitivities.
 struct Feed {
   static constexpr std::uint32_t none = 0xffffffffu;
-  bool propagated = false;      // the footprint was found by propagation; false: stated, at its place from the start
-  double path_length = 0;       // optical, m
-  std::vector<Lever> levers;    // of the surfaces passed, over the wave number: 1 and m, by body
+  bool propagated = false;  // the footprint was found by propagation; false: stated, at its place from the start
+  double path_length = 0;   // optical, m
+  std::vector<PhaseSensitivity> phase_sensitivities;  // of the surfaces passed, over the wave number: 1 and m, by body
   std::uint32_t mirror = none;  // footprint of the cavity mirror it leaked through: the reference of eq. 2.5
   std::uint32_t order = 0;      // of the ghost; 0: the beam itself
   double clipped = 0;           // share of the light that passes beside the surface

@@ -30,7 +30,7 @@ FringeFit fitted(std::uint64_t seed, double late, double clock) {
 TEST(FringeClock, OneClockIsFoundAndNotDoubtedR6_07) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     FringeFit const fit = fitted(seed, 0, 0.25);
-    EXPECT_EQ(fit.verdict, FitVerdict::found);
+    EXPECT_EQ(fit.verdict, FitOutcome::found);
     EXPECT_FALSE(fit.clock.better) << fit.clock.gain;
     EXPECT_NEAR(fit.paths[0].amplitude.value, gain, 4 * fit.paths[0].amplitude.sigma);
   }
@@ -40,7 +40,7 @@ TEST(FringeClock, OneClockIsFoundAndNotDoubtedR6_07) {
 TEST(FringeClock, AnotherClockIsToldR6_07) {
   for (double const late : {0.031, -0.031, 0.2}) {
     FringeFit const fit = fitted(7, late, 0.25);
-    EXPECT_EQ(fit.verdict, FitVerdict::clock) << late;
+    EXPECT_EQ(fit.verdict, FitOutcome::clock) << late;
     EXPECT_TRUE(fit.clock.doubtful);
     EXPECT_NEAR(fit.clock.delay.value, late, 5 * fit.clock.delay.sigma);
     EXPECT_LT(fit.clock.delay.sigma, 2e-3);
@@ -49,14 +49,14 @@ TEST(FringeClock, AnotherClockIsToldR6_07) {
     FringeFit const trusting = fitted(7, late, 0);
     Fitted const g = trusting.paths[0].amplitude;
     EXPECT_GT(std::fabs(g.value - gain), 4 * g.sigma) << "twin: a clock that is trusted";
-    EXPECT_NE(trusting.verdict, FitVerdict::clock);
+    EXPECT_NE(trusting.verdict, FitOutcome::clock);
   }
 }
 
 // The search looks no further than it is told.
 TEST(FringeClock, ADelayBeyondTheRangeIsNotFound) {
   FringeFit const fit = fitted(7, 0.2, 0.05);
-  EXPECT_TRUE(fit.verdict != FitVerdict::clock || fit.clock.delay.at_end);
+  EXPECT_TRUE(fit.verdict != FitOutcome::clock || fit.clock.delay.at_end);
 }
 
 }  // namespace

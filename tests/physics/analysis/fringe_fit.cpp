@@ -46,7 +46,7 @@ TEST(FringeFit, SwingingBaffleR6_07) {
   FringeRecords const records{h, {motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
   FringeFit const fit = fit_fringes(records, around(0.5, 3));
   FittedPath const& p = fit.paths[0];
-  EXPECT_EQ(fit.verdict, FitVerdict::found);
+  EXPECT_EQ(fit.verdict, FitOutcome::found);
   EXPECT_NEAR(p.amplitude.value, 2e-21, 0.02 * 2e-21);
   EXPECT_NEAR(p.multiplicity.value * 4e-6, 5.2e-6, 0.02 * 5.2e-6);
   EXPECT_LT(p.amplitude.sigma, 0.01 * 2e-21);
@@ -64,7 +64,7 @@ TEST(FringeFit, AnEndOfTheRangeIsNotFound) {
   for (auto const& [low, high] : {std::pair{0.5, 1.295}, std::pair{1.305, 3.0}}) {
     FringeFit const fit = fit_fringes(records, around(low, high));
     EXPECT_TRUE(fit.paths[0].multiplicity.at_end) << low;
-    EXPECT_EQ(fit.verdict, FitVerdict::at_end) << low;
+    EXPECT_EQ(fit.verdict, FitOutcome::at_end) << low;
   }
 }
 
@@ -131,8 +131,8 @@ TEST(FringeFit, WrongWitnessIsNoFringe) {
     s.false_alarm = 0.05;
     FringeFit const fit =
         fit_fringes({quiet(1000 + std::uint64_t(i), 1e-22, 10), {motion({{3e-6, 0.7, 0.1 * i}}, 64, 10)}}, s);
-    alarms += fit.verdict != FitVerdict::none;
-    found += fit.verdict == FitVerdict::found;
+    alarms += fit.verdict != FitOutcome::none;
+    found += fit.verdict == FitOutcome::found;
     odds += fit.test.ln_odds >= -std::log(0.05);
     halves += fit.test.scale.value > 0.5;
   }
@@ -149,9 +149,9 @@ TEST(FringeFit, WrongModelsAreRejected) {
   TimeSeries h = quiet(3);
   add_fringes(h, baffle, 2e-21, 0.4, 1);
   FringeRecords const records{h, {motion(baffle, 128, seconds)}};
-  EXPECT_EQ(fit_fringes(records, around(1, 1)).verdict, FitVerdict::found);
-  EXPECT_EQ(fit_fringes(records, around(1e-3, 1e-3)).verdict, FitVerdict::none);
-  EXPECT_EQ(fit_fringes(records, around(2, 2)).verdict, FitVerdict::none);
+  EXPECT_EQ(fit_fringes(records, around(1, 1)).verdict, FitOutcome::found);
+  EXPECT_EQ(fit_fringes(records, around(1e-3, 1e-3)).verdict, FitOutcome::none);
+  EXPECT_EQ(fit_fringes(records, around(2, 2)).verdict, FitOutcome::none);
 }
 
 // The static phase drifts in the second part only: what was fitted no longer holds.
@@ -163,7 +163,7 @@ TEST(FringeFit, WhatDoesNotPredictTheRestIsNotGeneral) {
   std::copy(late.samples.begin() + std::ptrdiff_t(0.7 * seconds * rate), late.samples.end(),
             h.samples.begin() + std::ptrdiff_t(0.7 * seconds * rate));
   FringeFit const fit = fit_fringes({h, {motion(baffle, 128, seconds)}}, around(0.9, 1.1));
-  EXPECT_EQ(fit.verdict, FitVerdict::not_general);
+  EXPECT_EQ(fit.verdict, FitOutcome::not_general);
   EXPECT_LT(fit.test.scale.value, 0);
 }
 
@@ -177,7 +177,7 @@ TEST(FringeFit, TwoPathsR6_07) {
   s.paths.push_back(s.paths[0]);
   for (FringePath& p : s.paths) p.drift = {-0.5, 0.5};
   FringeFit const fit = fit_fringes({h, {motion(slow, 64, seconds)}}, s);
-  ASSERT_EQ(fit.verdict, FitVerdict::found);
+  ASSERT_EQ(fit.verdict, FitOutcome::found);
   // The one that explains more of the band comes first: here the faster.
   FittedPath const &two = fit.paths[0], &one = fit.paths[1];
   EXPECT_NEAR(one.amplitude.value, 2e-21, 4 * one.amplitude.sigma);
@@ -197,7 +197,7 @@ TEST(FringeFit, DifferentialMotionOfTwoBodies) {
   FringeFitSettings s = around(0.8, 1.2);
   s.ratio = {0.3, 0.9};
   FringeFit const fit = fit_fringes({h, {motion(one, 64, seconds), motion(two, 64, seconds)}}, s);
-  EXPECT_EQ(fit.verdict, FitVerdict::found);
+  EXPECT_EQ(fit.verdict, FitOutcome::found);
   EXPECT_NEAR(fit.ratio.value, 0.6, 4 * fit.ratio.sigma);
   EXPECT_LT(fit.ratio.sigma, 0.01);
   EXPECT_NEAR(fit.paths[0].multiplicity.value, 1, 4 * fit.paths[0].multiplicity.sigma);
@@ -219,7 +219,7 @@ TEST(FringeFit, BothQuadraturesR6_06) {
   for (std::size_t i = 0; i < noise.values.size(); ++i) records.target.samples[noise.first + i] += noise.values[i];
   s.low = 25, s.high = 80;  // clear of the edges of the model's band
   FringeFit const fit = fit_fringes(records, s);
-  EXPECT_EQ(fit.verdict, FitVerdict::found);
+  EXPECT_EQ(fit.verdict, FitOutcome::found);
   EXPECT_NEAR(fit.paths[0].amplitude.value, 2e-5, 4 * fit.paths[0].amplitude.sigma);
   EXPECT_LT(fit.paths[0].amplitude.sigma, 0.02 * 2e-5);
   EXPECT_LT(std::fabs(pull(fit.paths[0].phase, phase_at_mean(fit, 0.5, 1))), 4);

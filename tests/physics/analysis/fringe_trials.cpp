@@ -75,7 +75,7 @@ TEST(FringeTrials, VerdictFollowsTheStrengthR6_07) {
   std::vector<Sine> const baffle{{5.2e-6, 1.14, 0.3}};
   int const trials = 60;
   auto const verdicts = [&](double gain) {
-    std::map<FitVerdict, int> seen;
+    std::map<FitOutcome, int> seen;
     for (int i = 0; i < trials; ++i) {
       TimeSeries h = noise(7000 + std::uint64_t(i));
       add_fringes(h, baffle, gain, 0.7 * i, 1);
@@ -86,9 +86,9 @@ TEST(FringeTrials, VerdictFollowsTheStrengthR6_07) {
     return seen;
   };
   auto strong = verdicts(1.2e-21), weak = verdicts(2.5e-22);  // expected odds of the rest: e^90 and e^4
-  EXPECT_EQ(strong[FitVerdict::found], trials);
-  EXPECT_EQ(weak[FitVerdict::not_general], 0) << "the model is right";
-  EXPECT_GE(weak[FitVerdict::untested], trials / 2);
+  EXPECT_EQ(strong[FitOutcome::found], trials);
+  EXPECT_EQ(weak[FitOutcome::not_general], 0) << "the model is right";
+  EXPECT_GE(weak[FitOutcome::untested], trials / 2);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST(Places, RadiationPressureInTheShortArm) {
     DifferentialMode const mode{left, differential_mode(arm_of(p), signal).pole};
     for (double const hz : {5.0, 20.0, 100.0, 300.0}) {
       double const closed = std::abs(strain_per_amplitude_in_arm(hz, d.arm_power(), 42, 3000, mode)),
-                   solved = std::abs(strain(d, Entrance::short_arm, hz).amplitude);
+                   solved = std::abs(strain(d, InjectionPoint::short_arm, hz).amplitude);
       // The input mirror feels the light outside too, against that inside: T/4.
       EXPECT_NEAR(solved / closed, 1 - p.input_transmission / 4, 1e-3) << signal << " " << hz;
     }
@@ -53,7 +53,7 @@ TEST(Places, PhaseInTheShortArmOfAdvancedVirgo) {
   heavy.mirror_mass = infinity;
   auto const phase = [](DualRecycled const& d, double hz) {
     HeldResponse const r(d, hz);
-    return r.to_phase(d.injection(Entrance::short_arm)) / r.to_freedom(Freedom::darm) / d.parameters().arm_length;
+    return r.to_phase(d.injection(InjectionPoint::short_arm)) / r.to_freedom(Freedom::darm) / d.parameters().arm_length;
   };
   DualRecycled const offset(adv), without(dark), held(heavy);
   for (double const hz : {1.0, 10.0, 100.0}) {
@@ -90,7 +90,7 @@ TEST(Places, OffsetTurnsPhaseInTheShortArmIntoPower) {
   double const hz = 0.5;
   DualRecycled const d(p);
   HeldResponse const r(d, hz);
-  Injection const i = d.injection(Entrance::short_arm);
+  Injection const i = d.injection(InjectionPoint::short_arm);
   Phasor const darm = r.to_freedom(Freedom::darm) * p.arm_length;
   // Eq. 8.6 for one arm: 4 dP/(c M w^2) of its length.
   double const per_power =
@@ -112,7 +112,7 @@ TEST(Places, SignalCavity) {
     DualRecycled const d(p);
     double const left = 1 / (1 + std::sqrt(1 - signal) * std::real(returned(arm_of(p))));
     for (double const hz : {0.1, 50.0, 500.0}) {
-      Strain const s = strain(d, Entrance::signal_cavity, hz);
+      Strain const s = strain(d, InjectionPoint::signal_cavity, hz);
       double const closed = left * p.dark_fringe_offset / 3000 * std::hypot(1, hz / cavity_pole(arm_of(p)));
       EXPECT_NEAR(std::abs(s.amplitude) / closed, 1, 1e-3) << signal << " " << hz;
       EXPECT_LT(std::abs(s.phase), 1e-9 * closed) << signal << " " << hz;
@@ -133,9 +133,10 @@ TEST(Places, RecyclingCavityAndSymmetricPort) {
   DualRecycled const d(p);
   double const arm = std::real(returned(arm_of(p), p.dark_fringe_offset / 2)), rp = std::sqrt(0.95);
   for (double const hz : {1.0, 50.0, 500.0}) {
-    double const input = strain(d, Entrance::input_bench, hz).both();
-    EXPECT_NEAR(strain(d, Entrance::recycling_cavity, hz).both() / input * (1 - rp * arm), 1, 1e-3) << hz;
-    EXPECT_NEAR(strain(d, Entrance::symmetric_port, hz).both() / input * (1 - rp * arm) / (arm - rp), 1, 5e-3) << hz;
+    double const input = strain(d, InjectionPoint::input_bench, hz).both();
+    EXPECT_NEAR(strain(d, InjectionPoint::recycling_cavity, hz).both() / input * (1 - rp * arm), 1, 1e-3) << hz;
+    EXPECT_NEAR(strain(d, InjectionPoint::symmetric_port, hz).both() / input * (1 - rp * arm) / (arm - rp), 1, 5e-3)
+        << hz;
   }
   EXPECT_GT(1 / (1 - rp * arm), 20) << "twin: as the input bench";
 }

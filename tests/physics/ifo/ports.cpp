@@ -21,7 +21,7 @@ TEST(Ports, InsideAnArmA14) {
   DualRecycledParameters const p = case_a14();
   DualRecycled const d(p);
   ArmCavity const arm = arm_of(p);
-  for (Entrance const e : {Entrance::arm, Entrance::end_mirror}) {
+  for (InjectionPoint const e : {InjectionPoint::arm, InjectionPoint::end_mirror}) {
     double const length = std::real(strain(d, e, 0.01).phase) * p.arm_length * 1e-9;
     EXPECT_NEAR(length / (1e-9 * wavelength / (4 * pi)), 1, 1e-5);                        // eq. 9.1
     EXPECT_NEAR(length / (arm.r1() * arm.r2()) / 8.5273e-17, 1, 1e-4);                    // A14
@@ -37,7 +37,7 @@ TEST(Ports, EndBenchAndShortArmA14) {
   ArmCavity const arm = arm_of(p);
   // Behind the end mirror T_E sqrt(f_sc) joins at that mirror. Eq. 9.10 counts s_arm where the round trip ends, one
   // reflection at the input mirror later: with s_arm = T_E sqrt(f_sc) it is 1/r1 above.
-  double const bench = std::real(strain(d, Entrance::end_bench, 0.01).phase) * p.arm_length * 1e-4,
+  double const bench = std::real(strain(d, InjectionPoint::end_bench, 0.01).phase) * p.arm_length * 1e-4,
                joining = p.end_transmission * 1e-4, of_9_3 = joining * wavelength / (4 * pi),
                of_9_10 = equivalent_length(arm, wavelength, {0, joining}, 0);
   EXPECT_NEAR(of_9_10 / of_9_3, 1 / (arm.r1() * arm.r2()), 1e-4);  // A14: within 1 %
@@ -46,11 +46,11 @@ TEST(Ports, EndBenchAndShortArmA14) {
   EXPECT_GT(bench / of_9_10 - 1, -0.01);
   EXPECT_LT(bench / of_9_10 - 1, -0.005) << "twin: without r1";
   EXPECT_GT(std::fabs(bench / std::sqrt(p.end_transmission) / of_9_3), 100) << "twin: the mirror passed once";
-  double const before = std::real(strain(d, Entrance::short_arm, 0.01).phase) * p.arm_length * 1e-9;
+  double const before = std::real(strain(d, InjectionPoint::short_arm, 0.01).phase) * p.arm_length * 1e-9;
   EXPECT_NEAR(before / equivalent_length(arm, wavelength, 0, {0, 1e-9}), 1, 1e-3);
   for (double const hz : {0.01, 30.0, 300.0}) {
     Phasor const closed = strain_per_phase_in_short_arm(arm, wavelength, hz),
-                 solved = strain(d, Entrance::short_arm, hz).phase;
+                 solved = strain(d, InjectionPoint::short_arm, hz).phase;
     EXPECT_LT(std::abs(solved / closed - 1.0), 0.01) << hz;  // eq. 9.5
   }
 }
@@ -60,7 +60,7 @@ TEST(Ports, PoleOfTheShortArmWithSignalRecyclingEq9_5) {
   DualRecycledParameters p = case_a14();
   p.signal_recycling_transmission = 0.2;
   DualRecycled const d(p);
-  Phasor const solved = strain(d, Entrance::short_arm, 300).phase;
+  Phasor const solved = strain(d, InjectionPoint::short_arm, 300).phase;
   EXPECT_NEAR(std::abs(solved / strain_per_phase_in_short_arm(arm_of(p), wavelength, 300)), 1, 0.01);
   DifferentialMode const recycled = differential_mode(arm_of(p), 0.2);
   double const twin =
@@ -78,12 +78,12 @@ TEST(Ports, RadiationPressureEq9_2) {
     DifferentialMode const mode = differential_mode(arm_of(p), signal);
     for (double const hz : {5.0, 20.0}) {
       Phasor const closed = strain_per_amplitude_in_arm(hz, d.arm_power(), 42, 3000, mode);
-      double const arm = std::abs(strain(d, Entrance::arm, hz).amplitude);
+      double const arm = std::abs(strain(d, InjectionPoint::arm, hz).amplitude);
       EXPECT_NEAR(arm / std::abs(closed), 1, 0.01) << signal << " " << hz;
-      double const bench = std::abs(strain(d, Entrance::end_bench, hz).amplitude);
+      double const bench = std::abs(strain(d, InjectionPoint::end_bench, hz).amplitude);
       // Light that joins at the end mirror meets it half a round trip later: Gamma - 1/2.
       double const end = (mode.gain - 0.5) / mode.gain;
-      EXPECT_NEAR(std::abs(strain(d, Entrance::end_mirror, hz).amplitude) / std::abs(closed) / end, 1, 0.01);
+      EXPECT_NEAR(std::abs(strain(d, InjectionPoint::end_mirror, hz).amplitude) / std::abs(closed) / end, 1, 0.01);
       // Eq. 9.4. Light from behind joins there too, and its beat with what leaves pushes this mirror alone, by half of
       // what a reflection does: 1/4 more.
       double const behind = (mode.gain - 0.25) / mode.gain;
@@ -106,7 +106,8 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     auto const ratio = [&](double hz) {
       HeldResponse const r(d, hz);
       Phasor const closed = strain_per_amplitude_in_arm(hz, d.arm_power(), p.mirror_mass, p.arm_length, mode);
-      return std::abs(r.to_amplitude(d.injection(Entrance::arm)) / r.to_freedom(Freedom::darm) / closed) / p.arm_length;
+      return std::abs(r.to_amplitude(d.injection(InjectionPoint::arm)) / r.to_freedom(Freedom::darm) / closed) /
+             p.arm_length;
     };
     // Loss at the splitter is not in eq. 6.8; kagra has 10 pm of offset at 1 Hz.
     bool const tuned = p.signal_recycling_tuning == 0;
@@ -118,7 +119,7 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
   }
   DualRecycled const adv(dual_recycled_presets()[0].parameters);
   HeldResponse const held(adv, 1);
-  Injection const arm = adv.injection(Entrance::arm);
+  Injection const arm = adv.injection(InjectionPoint::arm);
   EXPECT_GT(strain(adv, arm, 1).both() * 2999.8, 10 * std::abs(held.to_amplitude(arm) / held.to_freedom(Freedom::darm)))
       << "twin: nothing held";
 }
@@ -135,7 +136,7 @@ TEST(Ports, AntisymmetricPortEq9_6) {
     DifferentialMode const mode = differential_mode(arm_of(p), signal);
     for (double const hz : {0.1, 50.0, 500.0}) {
       double const closed = std::abs(strain_at_antisymmetric_port(p.dark_fringe_offset, 3000, hz, mode)),
-                   solved = strain(d, Entrance::as_port, hz).both();
+                   solved = strain(d, InjectionPoint::as_port, hz).both();
       EXPECT_NEAR(solved / closed, 1, 0.01) << signal << " " << hz;
       EXPECT_GT(std::fabs(solved / (closed / std::hypot(1, hz / mode.pole)) - 1), hz > 400 ? 0.01 : -1)
           << "twin: without the pole";
@@ -162,18 +163,19 @@ TEST(Ports, InputBeamEq9_7) {
   double const compound = (r1 + recycling) / (1 + recycling * r1), product = compound * arm_of(p).r2();
   double const pole = speed_of_light * (1 - product) / (4 * pi * p.arm_length * std::sqrt(product));
   for (double const hz : {0.01, pole, 10 * pole}) {
-    Strain const s = strain(d, Entrance::input_bench, hz);
+    Strain const s = strain(d, InjectionPoint::input_bench, hz);
     double const closed = p.dark_fringe_offset / p.arm_length / std::hypot(1, hz / pole);
     EXPECT_NEAR(std::abs(s.amplitude) / closed, 1, 0.02) << hz;
     EXPECT_LT(std::abs(s.phase), 1e-4 * std::abs(s.amplitude)) << hz;
   }
-  EXPECT_LT(std::abs(strain(d, Entrance::input_bench, 10 * pole).amplitude), 0.2 * p.dark_fringe_offset / p.arm_length)
+  EXPECT_LT(std::abs(strain(d, InjectionPoint::input_bench, 10 * pole).amplitude),
+            0.2 * p.dark_fringe_offset / p.arm_length)
       << "twin: without the pole";
   p.loss_difference = 30e-6;
   p.transmission_difference = 0.01;
   DualRecycled const unequal(p);
-  EXPECT_GT(std::abs(strain(unequal, Entrance::input_bench, 100).phase),
-            10 * std::abs(strain(d, Entrance::input_bench, 100).phase))
+  EXPECT_GT(std::abs(strain(unequal, InjectionPoint::input_bench, 100).phase),
+            10 * std::abs(strain(d, InjectionPoint::input_bench, 100).phase))
       << "twin: unequal arms";
 }
 
@@ -185,8 +187,9 @@ TEST(Ports, ClosedFormsR5_02) {
   p.power = 100e3;
   p.mass = 42;
   p.mode = {142.3, 55};
-  FabryPerotMichelson const ifo(p, {{.name = "SNEB", .entrance = Entrance::end_bench},
-                                    {.name = "pick-off", .entrance = Entrance::end_bench, .field_share = 0.25}});
+  FabryPerotMichelson const ifo(
+      p, {{.name = "SNEB", .injection_point = InjectionPoint::end_bench},
+          {.name = "pick-off", .injection_point = InjectionPoint::end_bench, .field_share = 0.25}});
   double const root = std::sqrt(3e-8);
   PortId const bench{0};
   EXPECT_NEAR(std::abs(ifo.strain_per_phase(bench, 10)) / 1.129e-16, 1, 1e-3);  // K of R2.36
@@ -216,7 +219,7 @@ TEST(Ports, SwingingEndBenchR5_03) {
   p.power = 100e3;
   p.mass = 42;
   p.mode = differential_mode(p.arm, 1);
-  FabryPerotMichelson const ifo(p, {{.name = "SNEB", .entrance = Entrance::end_bench, .copies = 1}});
+  FabryPerotMichelson const ifo(p, {{.name = "SNEB", .injection_point = InjectionPoint::end_bench, .copies = 1}});
   double const f_sc = 0.03e-6, swing = 2e-6, hz = 1, z = 4 * pi * swing / wavelength;
   EXPECT_NEAR(f_sc * pi * 1e-6 / (wavelength * wavelength), 0.083, 5e-4);  // BRDF that this takes at w = 1 mm, eq. 1.4
   constexpr int samples = 4096;
@@ -265,9 +268,9 @@ TEST(Ports, VirgoBenchesB4) {
   p.mode = {1, 1};
   p.dark_fringe_offset = 4e-12;
   double const field = std::sqrt(std::pow(10, -3.7));
-  FabryPerotMichelson const ifo(p, {{.name = "end", .entrance = Entrance::end_bench},
-                                    {.name = "SDB2", .entrance = Entrance::as_port, .field_share = field},
-                                    {.name = "SDB1", .entrance = Entrance::as_port}});
+  FabryPerotMichelson const ifo(p, {{.name = "end", .injection_point = InjectionPoint::end_bench},
+                                    {.name = "SDB2", .injection_point = InjectionPoint::as_port, .field_share = field},
+                                    {.name = "SDB1", .injection_point = InjectionPoint::as_port}});
   auto const g = [&](double f_sc) { return std::sqrt(f_sc) * std::abs(ifo.strain_per_phase(PortId{0}, 10)); };
   EXPECT_NEAR(g(0.03e-6) / 2.15e-20, 1, 5e-3);
   EXPECT_NEAR(g(0.005e-6) / 8.78e-21, 1, 5e-3);

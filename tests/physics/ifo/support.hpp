@@ -31,6 +31,6 @@ inline Strain strain(DualRecycled const& d, Injection const& i, double hz) {
   Phasor const darm = d.to_freedom(r, Freedom::darm) * d.parameters().arm_length;
   return {r.to_phase(i) / darm, r.to_amplitude(i) / darm};
 }
-inline Strain strain(DualRecycled const& d, Entrance e, double hz) { return strain(d, d.injection(e), hz); }
+inline Strain strain(DualRecycled const& d, InjectionPoint e, double hz) { return strain(d, d.injection(e), hz); }
 
 }  // namespace straytrace

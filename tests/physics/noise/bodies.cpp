@@ -7,8 +7,8 @@ namespace {
 
 // Light from body 0 to body 1 and back: +2k on one, -2k on the other.
 double level(MotionSet const& motion) {
-  CouplingTable const table =
-      known_table({known_class(1, 1, {record(0, 1, {lever(0, 2, two_k), lever(1, 2, -two_k)})})});
+  CouplingTable const table = known_table(
+      {known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, -two_k)})})});
   return project_noise(table, motion, UnitDetector(), on({10, 10.4})).total.asd[0];
 }
 
@@ -29,9 +29,11 @@ TEST(SeveralBodies, OnlyRelativeMotionCounts) {
 TEST(SeveralBodies, TonesAddWithTheirPhases) {  // eq. 7.2: z = |sum J A exp(ip)|; tolerance 1e-9
   MotionSet set;
   set.inputs.push_back({"tone", {}, 1, {{BodyId{0}, 2, 3e-7}, {BodyId{1}, 2, std::polar(4e-7, pi / 2)}}});
-  std::vector<Lever> const levers = {lever(0, 2, two_k), lever(1, 2, two_k)};
-  EXPECT_LT(deviation(std::sqrt(set.sensitivity(0, levers, 1)), two_k * 5e-7), 1e-9);
-  EXPECT_GT(deviation(std::sqrt(set.sensitivity(0, levers, 1)), two_k * 7e-7), 0.1);  // twin: phases forgotten
+  std::vector<PhaseSensitivity> const phase_sensitivities = {phase_sensitivity(0, 2, two_k),
+                                                             phase_sensitivity(1, 2, two_k)};
+  EXPECT_LT(deviation(std::sqrt(set.sensitivity(0, phase_sensitivities, 1)), two_k * 5e-7), 1e-9);
+  EXPECT_GT(deviation(std::sqrt(set.sensitivity(0, phase_sensitivities, 1)), two_k * 7e-7),
+            0.1);  // twin: phases forgotten
 }
 
 TEST(SeveralBodies, ShapesAreGrouped) {
@@ -40,8 +42,9 @@ TEST(SeveralBodies, ShapesAreGrouped) {
   std::vector<MotionClass> const classes = group_by_shape(set);
   ASSERT_EQ(classes.size(), 2u);
   EXPECT_EQ(classes[0].members.size(), 3u);
-  std::vector<Lever> const levers = {lever(0, 2, 2), lever(1, 2, 3), lever(2, 2, 5)};
-  std::vector<double> const kappa = kappa_of(set, classes, levers);
+  std::vector<PhaseSensitivity> const phase_sensitivities = {phase_sensitivity(0, 2, 2), phase_sensitivity(1, 2, 3),
+                                                             phase_sensitivity(2, 2, 5)};
+  std::vector<double> const kappa = kappa_of(set, classes, phase_sensitivities);
   EXPECT_NEAR(kappa[0], 4 + 9 * 0.49, 1e-9);
   EXPECT_NEAR(kappa[1], 25, 1e-9);
 }

@@ -41,7 +41,7 @@ TEST(DynamicRange, QuietBodyUnderStrongSlowMotion) {  // tolerance 1e-3, at leve
   auto const covariance = [&](LagGrid const& lags) {
     return ClassCovariances().sum({&whole, 1}, {&kappa, 1}, 1000, lags);
   };
-  LowPart const plain = transform(all, covariance, 0.01);
+  WrappedSpectrum const plain = transform(all, covariance, 0.01);
   auto const k = static_cast<std::size_t>(std::lround(100 / plain.spacing));
   double const at_100 = k < plain.density.size() ? plain.density[k] : 0;  // it may end before
   EXPECT_GT(deviation(at_100, expected(100)), 0.5);

@@ -9,14 +9,14 @@ namespace {
 
 struct Member {
   std::complex<double> field;
-  std::vector<Lever> levers;
+  std::vector<PhaseSensitivity> phase_sensitivities;
 };
 
 CouplingClass family(std::vector<Member> const& members, bool known_phases = true) {
   CouplingClass c = known_class(1, 0, {});
   c.kind = ClassKind::ghost;
   for (Member const& m : members) {
-    c.records.push_back(record(0, std::norm(m.field), m.levers));
+    c.records.push_back(record(0, std::norm(m.field), m.phase_sensitivities));
     if (known_phases) c.records.back().field = {m.field, 0};
     c.coupling.mean += std::norm(m.field);
   }
@@ -37,15 +37,15 @@ TEST(Family, LinesOfTwoPathsInAndOutOfPhase) {
   m.inputs = {tone(1, 1)};
   std::vector<double> edges;
   for (int n = 1; n <= 5; ++n) edges.insert(edges.end(), {n - 0.3, n + 0.3});
-  for (double const second : {1.0, 0.4})  // of the lever of the first
+  for (double const second : {1.0, 0.4})  // of the phase sensitivity of the first
     for (double const phase : {0.0, pi, 1.1}) {
-      std::vector<Member> const members = {{0.8, {lever(0, 2, z)}},
-                                           {std::polar(0.7, phase), {lever(0, 2, second * z)}}};
+      std::vector<Member> const members = {{0.8, {phase_sensitivity(0, 2, z)}},
+                                           {std::polar(0.7, phase), {phase_sensitivity(0, 2, second * z)}}};
       NoiseTrace const t = total(family(members), m, edges), powers = total(family(members, false), m, edges);
       for (int n = 1; n <= 5; ++n) {
         std::complex<double> plus = 0, minus = 0;
         for (Member const& one : members) {
-          double const j = bessel(n, one.levers[0].d[2]);
+          double const j = bessel(n, one.phase_sensitivities[0].d[2]);
           plus += one.field * j;
           minus += one.field * j * (n % 2 ? -1.0 : 1.0);
         }
@@ -60,16 +60,17 @@ TEST(Family, LinesOfTwoPathsInAndOutOfPhase) {
     }
 }
 
-// Weak motion: S = |sum_j E_j J_j|^2 S_x/2 (eq. 7.9). Equal levers out of phase are still; unequal ones are not.
-TEST(Family, WeakMotionSeesTheSumOfFieldsTimesLevers) {
+// Weak motion: S = |sum_j E_j J_j|^2 S_x/2 (eq. 7.9). Equal phase sensitivities out of phase are still; unequal ones
+// are not.
+TEST(Family, WeakMotionSeesTheSumOfFieldsTimesPhaseSensitivities) {
   Spectrum const line = gaussian_line(30, 3, 1e-11);
   MotionSet const m = moving({line});
   std::vector<double> const edges = {27, 33};
   double const unit = two_k * two_k * line.power(27, 33) / 6 / 2;
   for (double const second : {1.0, 0.5, -0.25})
     for (double const phase : {0.0, pi}) {
-      std::vector<Member> const members = {{1.0, {lever(0, 2, two_k)}},
-                                           {std::polar(1.0, phase), {lever(0, 2, second * two_k)}}};
+      std::vector<Member> const members = {{1.0, {phase_sensitivity(0, 2, two_k)}},
+                                           {std::polar(1.0, phase), {phase_sensitivity(0, 2, second * two_k)}}};
       double const expected = std::norm(1.0 + std::polar(1.0, phase) * second);
       NoiseTrace const t = total(family(members), m, edges);
       EXPECT_NEAR(std::pow(t.asd[0], 2) / unit, expected, 1e-4) << second << ' ' << phase;
@@ -87,8 +88,10 @@ TEST(Family, SlowMotionThatIsSharedLeavesTheCrossTerm) {
   Spectrum const slow = gaussian_line(0.3, 0.05, 1e-6), fast = gaussian_line(60, 2, 1e-11);
   MotionSet m = moving({slow, fast});
   std::vector<double> const edges = {40, 80};
-  std::vector<Member> const shared = {{1.0, {lever(0, 2, two_k), lever(1, 2, two_k)}}, {1.0, {lever(0, 2, two_k)}}},
-                            apart = {{1.0, {lever(0, 2, two_k), lever(1, 2, two_k)}}, {1.0, {lever(1, 2, two_k)}}};
+  std::vector<Member> const shared = {{1.0, {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, two_k)}},
+                                      {1.0, {phase_sensitivity(0, 2, two_k)}}},
+                            apart = {{1.0, {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, two_k)}},
+                                     {1.0, {phase_sensitivity(1, 2, two_k)}}};
   double const unit = two_k * two_k * fast.total() / 2 / 40;  // of one path
   auto const psd = [&](std::vector<Member> const& members, bool known) {
     return std::pow(total(family(members, known), m, edges).asd[0], 2) / unit;
@@ -108,8 +111,10 @@ TEST(Family, DriftsTogetherOrApart) {
   drift.gains = {{BodyId{0}, 2, 20 * wavelength / 2}};  // 20 fringes per second for one bounce
   m.inputs = {drift};
   std::vector<double> const edges = {9.9, 10.1, 19.9, 20.1};
-  std::vector<Member> const together = {{1.0, {lever(0, 2, two_k)}}, {0.5, {lever(0, 2, two_k)}}},
-                            apart = {{1.0, {lever(0, 2, two_k)}}, {0.5, {lever(0, 2, two_k / 2)}}};
+  std::vector<Member> const together = {{1.0, {phase_sensitivity(0, 2, two_k)}},
+                                        {0.5, {phase_sensitivity(0, 2, two_k)}}},
+                            apart = {{1.0, {phase_sensitivity(0, 2, two_k)}},
+                                     {0.5, {phase_sensitivity(0, 2, two_k / 2)}}};
   NoiseTrace const one = total(family(together), m, edges), two = total(family(apart), m, edges);
   EXPECT_NEAR(std::pow(one.asd[2], 2) * 0.2, 1.5 * 1.5 / 2, 1e-9);
   EXPECT_NEAR(std::pow(one.asd[0], 2) * 0.2, 0, 1e-9);
@@ -123,9 +128,10 @@ TEST(Family, OneRealisationInTimeKeepsRelativePhases) {
   TwoQuadratures const ifo;
   MotionSet m = moving({gaussian_line(3, 0.6, 9e-8), gaussian_line(5, 0.5, 6e-8)});
   m.inputs[0].gains.push_back({BodyId{1}, 2, 0.6});
-  std::vector<Member> const members = {{1.0, {lever(0, 2, two_k)}},
-                                       {std::polar(0.9, 0.4), {lever(1, 2, two_k)}},
-                                       {std::polar(0.5, -2.5), {lever(0, 2, two_k), lever(1, 2, -two_k)}}};
+  std::vector<Member> const members = {
+      {1.0, {phase_sensitivity(0, 2, two_k)}},
+      {std::polar(0.9, 0.4), {phase_sensitivity(1, 2, two_k)}},
+      {std::polar(0.5, -2.5), {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, -two_k)}}};
   Simulation s{known_table({family(members)}), m, &ifo, {}, 16, 256, 4, 500};
   for (double const f : {2.125, 4.125, 6.125, 9.125, 12.125}) s.edges.push_back(f);
   Comparison const fields = compared(s);
@@ -141,7 +147,8 @@ TEST(Family, OneRealisationInTimeKeepsRelativePhases) {
 
 // Without fields the paths of a computed route have phases of their own in every realisation.
 TEST(Family, PhasesThatAreNotKnownAreDrawnOneByOne) {
-  CouplingTable const table = known_table({family({{1.0, {lever(0, 2, two_k)}}, {1.0, {lever(0, 2, two_k)}}}, false)});
+  CouplingTable const table =
+      known_table({family({{1.0, {phase_sensitivity(0, 2, two_k)}}, {1.0, {phase_sensitivity(0, 2, two_k)}}}, false)});
   std::complex<double> mean = 0;
   for (std::uint32_t r = 0; r < 400; ++r) {
     std::vector<StrayPath> const p = stray_paths(table, UnitDetector(), {{0}, 0, 7, r});
@@ -160,9 +167,11 @@ TEST(Family, SpreadOfRealisationsIsThatOfOnePhasor) {
     add_speckle_band(b, table, m, UnitDetector());
     return b.bands;
   };
-  std::vector<Member> const members = {{1.0, {lever(0, 2, two_k)}}, {std::polar(0.8, 2.2), {lever(0, 2, 0.5 * two_k)}}};
+  std::vector<Member> const members = {{1.0, {phase_sensitivity(0, 2, two_k)}},
+                                       {std::polar(0.8, 2.2), {phase_sensitivity(0, 2, 0.5 * two_k)}}};
   std::complex<double> const sum = 1.0 + 0.5 * std::polar(0.8, 2.2);
-  NoiseBands const fields = bands(family(members)), one = bands(family({{sum, {lever(0, 2, two_k)}}}, false)),
+  NoiseBands const fields = bands(family(members)),
+                   one = bands(family({{sum, {phase_sensitivity(0, 2, two_k)}}}, false)),
                    powers = bands(family(members, false));
   EXPECT_LT(deviation(fields.speckle_50[0], one.speckle_50[0]), 0.02);
   EXPECT_LT(deviation(fields.speckle_95[0], one.speckle_95[0]), 0.02);

@@ -12,7 +12,7 @@ Spectrum linear_motion() { return power_law_asd(1e-13, 10, -2, 1, 100); }
 
 // mirror > steel (n times) > mirror
 CouplingClass by_steel(std::uint64_t hash, int scatters, double mean) {
-  CouplingClass c = known_class(hash, mean, {record(0, mean, {lever(0, 2, two_k)})});
+  CouplingClass c = known_class(hash, mean, {record(0, mean, {phase_sensitivity(0, 2, two_k)})});
   c.steps.push_back({mirror, Event::emit});
   for (int i = 0; i < scatters; ++i) c.steps.push_back({steel, Event::scatter});
   c.steps.push_back({mirror, Event::couple});

@@ -11,7 +11,7 @@ using Verdict = Allowed::Verdict;
 constexpr GroupId mirror{0}, steel{1};
 
 CouplingClass by_steel(std::uint64_t hash, int scatters, double mean, std::uint32_t body = 0) {
-  CouplingClass c = known_class(hash, mean, {record(0, mean, {lever(body, 2, two_k)})});
+  CouplingClass c = known_class(hash, mean, {record(0, mean, {phase_sensitivity(body, 2, two_k)})});
   c.steps.push_back({mirror, Event::emit});
   for (int i = 0; i < scatters; ++i) c.steps.push_back({steel, Event::scatter});
   c.steps.push_back({mirror, Event::couple});

@@ -48,7 +48,7 @@ TEST(Parseval,
 TEST(LinearShare, TellsWrappingFromLinearCoupling) {
   Spectrum const slow = gaussian_line(0.2, 0.05, 2e-6), quiet = power_law_asd(1e-16, 100, -1, 20, 1000);
   auto const share = [](MotionSet const& m) {
-    CouplingTable const t = known_table({known_class(1, 1, {record(0, 1, {lever(0, 2, two_k)})})});
+    CouplingTable const t = known_table({known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k)})})});
     return project_noise(t, m, UnitDetector(), on({5, 5.2, 300, 310})).routes[0].linear_share;
   };
   std::vector<double> const both = share(moving({slow + quiet})), weak = share(moving({slow.scaled(1e-12) + quiet}));

@@ -12,10 +12,10 @@ FrequencyGrid const grid = logarithmic_grid(10, 1000, 20);
 
 // Two routes: one bounce off the tube with f = 1e-20, two bounces off the bench with f = 4e-20.
 CouplingTable two_routes() {
-  return known_table(
-      {known_class(1, 1e-20, {record(0, 1e-20, {lever(0, 2, two_k)})}),
-       known_class(2, 4e-20,
-                   {record(1, 2e-20, {lever(1, 2, 2 * two_k)}), record(2, 2e-20, {lever(1, 2, 2 * two_k)})})});
+  return known_table({known_class(1, 1e-20, {record(0, 1e-20, {phase_sensitivity(0, 2, two_k)})}),
+                      known_class(2, 4e-20,
+                                  {record(1, 2e-20, {phase_sensitivity(1, 2, 2 * two_k)}),
+                                   record(2, 2e-20, {phase_sensitivity(1, 2, 2 * two_k)})})});
 }
 
 TEST(PredictedCoupling, SmallMotionIsTheLinearLimitEq7_9) {

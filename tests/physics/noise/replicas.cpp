@@ -9,8 +9,8 @@ namespace {
 
 double normal(Rng& rng) { return std::sqrt(-2 * std::log(rng.uniform())) * std::cos(2 * pi * rng.uniform()); }
 
-// 32 blocks of 30 paths whose couplings and levers both scatter (log-normal).
-CouplingTable random_table(std::uint64_t seed, double spread_coupling, double spread_lever) {
+// 32 blocks of 30 paths whose couplings and phase sensitivities both scatter (log-normal).
+CouplingTable random_table(std::uint64_t seed, double spread_coupling, double spread_phase_sensitivity) {
   CouplingTable table = known_table({known_class(1, 0, {})});
   CouplingClass& c = table.classes[0];
   c.replica_sum.fill(0);
@@ -19,8 +19,9 @@ CouplingTable random_table(std::uint64_t seed, double spread_coupling, double sp
     for (std::uint64_t i = 0; i < 30; ++i) {
       std::uint64_t const history = block * 4096 + i;
       Rng rng(seed, history, 0, Stream::source);
-      double const score = std::exp(spread_coupling * normal(rng)), length = std::exp(spread_lever * normal(rng));
-      c.records.push_back(record(history, score, {lever(0, 2, two_k * length)}));
+      double const score = std::exp(spread_coupling * normal(rng)),
+                   length = std::exp(spread_phase_sensitivity * normal(rng));
+      c.records.push_back(record(history, score, {phase_sensitivity(0, 2, two_k * length)}));
       c.replica_sum[replica_of(history, table.block_size)] += score;
       sum += score;
     }
@@ -33,11 +34,11 @@ CouplingTable random_table(std::uint64_t seed, double spread_coupling, double sp
 struct Spread {
   double seen, stated;  // of the ASD, relative
 };
-Spread repeat(double spread_coupling, double spread_lever, Spectrum const& motion) {
+Spread repeat(double spread_coupling, double spread_phase_sensitivity, Spectrum const& motion) {
   constexpr int runs = 200;
   double sum = 0, sum2 = 0, stated = 0;
   for (int run = 0; run < runs; ++run) {
-    CouplingTable const table = random_table(1000 + run, spread_coupling, spread_lever);
+    CouplingTable const table = random_table(1000 + run, spread_coupling, spread_phase_sensitivity);
     NoiseTrace const t = project_noise(table, moving({motion}), UnitDetector(), on({10, 10.4})).total;
     sum += t.asd[0] / runs;
     sum2 += t.asd[0] * t.asd[0] / runs;
@@ -49,11 +50,12 @@ Spread repeat(double spread_coupling, double spread_lever, Spectrum const& motio
 // The scatter over 200 independent tables (known to 5 %) against the error that each states; tolerance 30 %.
 TEST(Replicas, StatedErrorIsTheScatter) {
   Spectrum const weak = power_law_asd(1e-13, 10, -2, 1, 100);
-  Spread const both = repeat(0.5, 0.3, weak), levers = repeat(0, 0.3, weak), coupling = repeat(0.5, 0, weak);
-  for (Spread const& s : {both, levers, coupling}) EXPECT_LT(deviation(s.stated, s.seen), 0.3);
-  // Twin: the error of the mean coupling alone says nothing about the levers.
+  Spread const both = repeat(0.5, 0.3, weak), phase_sensitivities = repeat(0, 0.3, weak),
+               coupling = repeat(0.5, 0, weak);
+  for (Spread const& s : {both, phase_sensitivities, coupling}) EXPECT_LT(deviation(s.stated, s.seen), 0.3);
+  // Twin: the error of the mean coupling alone says nothing about the phase sensitivities.
   EXPECT_GT(deviation(coupling.stated, both.seen), 0.3);
-  // Closed form for fixed levers: half the relative error of the mean of 960 log-normal scores.
+  // Closed form for fixed phase sensitivities: half the relative error of the mean of 960 log-normal scores.
   EXPECT_LT(deviation(coupling.stated, std::sqrt(std::expm1(0.25) / 960) / 2), 0.1);
 }
 

@@ -65,13 +65,13 @@ struct Sum {
   std::size_t drawn;
 };
 
-Sum shared_sum(PhaseSpectra const& spectra, Strengths const& paths, StrengthNodes::Options const& options) {
-  StrengthNodes const nodes(spectra, paths, options);
+Sum shared_sum(PhaseSpectra const& spectra, Strengths const& paths, SpectrumInterpolator::Options const& options) {
+  SpectrumInterpolator const nodes(spectra, paths, options);
   std::vector<double> weight(nodes.basis().size());
-  std::vector<StrengthNodes::Share> shares;
+  std::vector<SpectrumInterpolator::Share> shares;
   for (std::size_t p = 0; p < paths.size(); ++p) {
     nodes.shares(p, shares);
-    for (StrengthNodes::Share const& s : shares) weight[s.basis] += s.weight * paths.weight[p];
+    for (SpectrumInterpolator::Share const& s : shares) weight[s.basis] += s.weight * paths.weight[p];
   }
   Sum sum{std::vector<double>(grid.size()), std::vector<double>(grid.size()), nodes.sampled(), nodes.drawn()};
   for (std::size_t b = 0; b < weight.size(); ++b)
@@ -94,7 +94,7 @@ double worst(std::vector<double> const& psd, std::vector<double> const& expected
   return error;
 }
 
-constexpr StrengthNodes::Options computed{0.25, 100, true, 24, 2000}, interpolated{0.25, 100, true, 24, 0},
+constexpr SpectrumInterpolator::Options computed{0.25, 100, true, 24, 2000}, interpolated{0.25, 100, true, 24, 0},
     drawn{0.25, 100, true, 24, 100};
 
 // R4.08: within 1e-3 of the sum over paths, over 12 decades.
@@ -148,7 +148,7 @@ TEST(SharedSpectra, DrawnPathsStateTheirError) {
 TEST(SharedSpectra, NodesBeyondReachRefuseNoPath) {
   Hard const hard = hard_cases()[1];
   PhaseSpectra const spectra(hard.classes, grid);
-  constexpr StrengthNodes::Options few{0.25, 20, true, 24, 0}, some{0.25, 20, true, 24, 150};
+  constexpr SpectrumInterpolator::Options few{0.25, 20, true, 24, 0}, some{0.25, 20, true, 24, 150};
   Strengths const paths = paths_of(hard, 300);
   std::vector<double> const expected = direct_sum(spectra, paths);
   EXPECT_THROW(shared_sum(spectra, paths, few), NumericalError);

@@ -35,7 +35,8 @@ TEST(Speckle, PercentilesOfOneRealisation) {  // A20, eq. 10.2, tolerance 3 %
 TEST(Speckle, PathsAddInPower) {  // eq. 10.4: a sum of ASDs would be 14.14 times too high
   Spectrum const s = power_law_asd(1e-13, 10, -2, 1, 100);
   std::vector<CouplingClass> routes;
-  for (std::uint64_t i = 0; i < 200; ++i) routes.push_back(known_class(i, 1, {record(0, 1, {lever(0, 2, two_k)})}));
+  for (std::uint64_t i = 0; i < 200; ++i)
+    routes.push_back(known_class(i, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k)})}));
   NoiseBudget const b = project_noise(known_table(routes), moving({s}), UnitDetector(), on({10, 10.4}));
   double linear = 0;
   for (NoiseTrace const& t : b.routes) linear += t.asd[0];

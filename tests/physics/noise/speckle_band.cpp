@@ -46,7 +46,8 @@ MotionSet one_body(double asd) { return moving({power_law_asd(asd, 10, -2, 1, 10
 
 std::vector<PathRecord> equal_paths(int count, std::uint32_t body = 0) {
   std::vector<PathRecord> all;
-  for (int i = 0; i < count; ++i) all.push_back(record(std::uint64_t(i), 1.0 / count, {lever(body, 2, two_k)}));
+  for (int i = 0; i < count; ++i)
+    all.push_back(record(std::uint64_t(i), 1.0 / count, {phase_sensitivity(body, 2, two_k)}));
   return all;
 }
 
@@ -64,7 +65,7 @@ TEST(SpeckleBand, OneRigidBodyIsOneSpeckle) {  // A20: 200 equal paths, toleranc
 TEST(SpeckleBand, RoutesOfOneBodyAreStillOneSpeckle) {  // one motion, not one route, makes a speckle
   std::vector<CouplingClass> routes;
   for (std::uint64_t i = 0; i < 200; ++i)
-    routes.push_back(known_class(i, 1.0 / 200, {record(0, 1.0 / 200, {lever(0, 2, two_k)})}));
+    routes.push_back(known_class(i, 1.0 / 200, {record(0, 1.0 / 200, {phase_sensitivity(0, 2, two_k)})}));
   Percentiles const p = band_of(routes, one_body(weak), BothQuadratures());
   EXPECT_LT(deviation(p.p95, 2.996), 0.03);
   EXPECT_LT(deviation(p.coherent, 14.14), 1e-3);  // A20, eq. 10.4: linear sum of ASDs
@@ -91,9 +92,9 @@ TEST(SpeckleBand, ABodyInEveryRouteTiesThem) {  // eq. 10.2; nearly at rest it l
     std::vector<CouplingClass> routes;
     std::vector<Spectrum> spectra{power_law_asd(asd, 10, -2, 1, 100)};
     for (std::uint32_t i = 1; i <= 12; ++i) {
-      std::vector<Lever> levers{lever(i, 2, two_k)};
-      if (in_routes) levers.push_back(lever(0, 2, -two_k));
-      routes.push_back(known_class(i, 1, {record(0, 1, levers)}));
+      std::vector<PhaseSensitivity> phase_sensitivities{phase_sensitivity(i, 2, two_k)};
+      if (in_routes) phase_sensitivities.push_back(phase_sensitivity(0, 2, -two_k));
+      routes.push_back(known_class(i, 1, {record(0, 1, phase_sensitivities)}));
       spectra.push_back(power_law_asd(weak, 10, -2, 1, 100));
     }
     return band_of(routes, moving(spectra), BothQuadratures());
@@ -105,9 +106,11 @@ TEST(SpeckleBand, ABodyInEveryRouteTiesThem) {  // eq. 10.2; nearly at rest it l
   EXPECT_LT(deviation(with_mirror(true, 1e3 * weak).p95, 2.996), 0.03);  // it alone moves: one speckle
 }
 
-TEST(SpeckleBand, LeversInOneDirectionAreOneMotion) {  // linear: amplitudes add, whatever the strength of the levers
+TEST(SpeckleBand, PhaseSensitivitiesInOneDirectionAreOneMotion) {  // linear: amplitudes add, whatever the strength of
+                                                                   // the phase sensitivities
   std::vector<PathRecord> paths;
-  for (int i = 0; i < 100; ++i) paths.push_back(record(std::uint64_t(i), 0.01, {lever(0, 2, two_k * (1 + 0.02 * i))}));
+  for (int i = 0; i < 100; ++i)
+    paths.push_back(record(std::uint64_t(i), 0.01, {phase_sensitivity(0, 2, two_k * (1 + 0.02 * i))}));
   EXPECT_LT(deviation(band_of({known_class(1, 1, paths)}, one_body(weak), BothQuadratures()).p95, 2.996), 0.03);
 }
 
@@ -125,7 +128,7 @@ TEST(SpeckleBand, TransferFunctionsWeighTheQuadratures) {  // weights 1 and 0.25
 }
 
 TEST(SpeckleBand, AGhostHasAKnownModulus) {  // |a|^2 (1 + cos beta): its largest is twice the mean
-  CouplingClass ghost = known_class(1, 1, {record(0, 1, {lever(0, 2, two_k)})});
+  CouplingClass ghost = known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k)})});
   ghost.kind = ClassKind::ghost;
   Percentiles const p = band_of({ghost}, one_body(weak), UnitDetector());
   EXPECT_LT(deviation(p.p95, 1 + std::cos(pi * 0.05)), 0.01);

@@ -25,8 +25,8 @@ class UnitDetector final : public Interferometer {
   std::string description() const override { return "h = Im s"; }
 };
 
-inline Lever lever(std::uint32_t body, int axis, double value) {
-  Lever l{BodyId{body}, {}};
+inline PhaseSensitivity phase_sensitivity(std::uint32_t body, int axis, double value) {
+  PhaseSensitivity l{BodyId{body}, {}};
   l.d[axis] = value;
   return l;
 }
@@ -44,11 +44,11 @@ inline MotionSet moving(std::vector<Spectrum> const& spectra) {
 // A tone of the given peak along z of body 0.
 inline MotionInput tone(double hz, double peak) { return {"tone", {}, hz, {{BodyId{0}, 2, peak}}}; }
 
-inline PathRecord record(std::uint64_t history, double weight, std::vector<Lever> levers) {
+inline PathRecord record(std::uint64_t history, double weight, std::vector<PhaseSensitivity> phase_sensitivities) {
   PathRecord r;
   r.history = history;
   r.weight = r.coupling = weight;
-  r.levers = std::move(levers);
+  r.phase_sensitivities = std::move(phase_sensitivities);
   return r;
 }
 
@@ -81,9 +81,9 @@ inline NoiseSettings on(std::vector<double> edges) {
   return s;
 }
 
-// Fringe spectrum [1/Hz] of one path of unit power with lever 2k along z of body 0.
+// Fringe spectrum [1/Hz] of one path of unit power with phase sensitivity 2k along z of body 0.
 inline std::vector<double> fringe_psd(MotionSet const& motion, std::vector<double> edges) {
-  CouplingTable const table = known_table({known_class(1, 1, {record(0, 1, {lever(0, 2, two_k)})})});
+  CouplingTable const table = known_table({known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k)})})});
   std::vector<double> psd = project_noise(table, motion, UnitDetector(), on(std::move(edges))).total.asd;
   for (double& x : psd) x *= x;
   return psd;
@@ -92,8 +92,8 @@ inline std::vector<double> fringe_psd(MotionSet const& motion, std::vector<doubl
 // The same with the power of the unmoved light; kappa of the first input is (2k)^2.
 inline PhaseSpectrum fringes(MotionSet const& motion, std::vector<double> edges) {
   PhaseSpectra const spectra(group_by_shape(motion), FrequencyGrid{std::move(edges)});
-  std::vector<Lever> const levers = {lever(0, 2, two_k)};
-  return spectra(kappa_of(motion, spectra.classes(), levers));
+  std::vector<PhaseSensitivity> const phase_sensitivities = {phase_sensitivity(0, 2, two_k)};
+  return spectra(kappa_of(motion, spectra.classes(), phase_sensitivities));
 }
 
 }  // namespace straytrace::testing

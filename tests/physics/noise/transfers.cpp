@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One drive that reaches bodies through transfer functions (physics.md eq. 1.10, 7.12, 11.2): the phase has the PSD
-// |sum of lever times transfer function|^2 times that of the drive.
+// |sum of phase sensitivity times transfer function|^2 times that of the drive.
 #include "base/math/rng.hpp"
 #include "noise/classes/motion_classes.hpp"
 #include "physics/noise/support.hpp"
@@ -25,23 +25,24 @@ MotionSet driven(Spectrum const& drive, std::vector<Shared> const& transfers) {
   return set;
 }
 
-std::vector<Lever> along_z(std::vector<double> const& values) {
-  std::vector<Lever> levers;
-  for (std::uint32_t b = 0; b < values.size(); ++b) levers.push_back(lever(b, 2, values[b]));
-  return levers;
+std::vector<PhaseSensitivity> along_z(std::vector<double> const& values) {
+  std::vector<PhaseSensitivity> phase_sensitivities;
+  for (std::uint32_t b = 0; b < values.size(); ++b) phase_sensitivities.push_back(phase_sensitivity(b, 2, values[b]));
+  return phase_sensitivities;
 }
 
-double psd_at(MotionSet const& set, std::vector<Lever> const& levers, double hz) {
+double psd_at(MotionSet const& set, std::vector<PhaseSensitivity> const& phase_sensitivities, double hz) {
   std::vector<MotionClass> const classes = group_by_shape(set);
-  std::vector<double> const kappa = kappa_of(set, classes, levers);
+  std::vector<double> const kappa = kappa_of(set, classes, phase_sensitivities);
   double sum = 0;
   for (std::size_t c = 0; c < classes.size(); ++c) sum += kappa[c] * classes[c].reference.at(hz);
   return sum;
 }
 
-double power_of(MotionSet const& set, std::vector<Lever> const& levers, double low, double high) {
+double power_of(MotionSet const& set, std::vector<PhaseSensitivity> const& phase_sensitivities, double low,
+                double high) {
   std::vector<MotionClass> const classes = group_by_shape(set);
-  std::vector<double> const kappa = kappa_of(set, classes, levers);
+  std::vector<double> const kappa = kappa_of(set, classes, phase_sensitivities);
   double sum = 0;
   for (std::size_t c = 0; c < classes.size(); ++c) sum += kappa[c] * classes[c].reference.power(low, high);
   return sum;
@@ -59,9 +60,9 @@ TEST(MotionThroughTransfers, ClassesAddUpToTheSquareOfTheSum) {
                                        {-2, 0.5, 0, 0.1},
                                        {0, 1, 0, -1}})
     for (double f : {0.07, 0.3, 0.59, 0.61, 1.3, 5.0, 7.9, 8.0, 8.1, 30.0, 150.0}) {
-      std::vector<Lever> const levers = along_z(a);
-      double const exact = set.sensitivity(0, levers, f) * drive.at(f);
-      EXPECT_LT(deviation(psd_at(set, levers, f), exact), 3e-5) << f;
+      std::vector<PhaseSensitivity> const phase_sensitivities = along_z(a);
+      double const exact = set.sensitivity(0, phase_sensitivities, f) * drive.at(f);
+      EXPECT_LT(deviation(psd_at(set, phase_sensitivities, f), exact), 3e-5) << f;
     }
 }
 
@@ -71,7 +72,7 @@ TEST(MotionThroughTransfers, SuspendedBenchAgainstTheGround) {
   double const f0 = 0.6, q = 20;
   Spectrum const ground = power_law_asd(1e-7, 1, -2, 0.001, 100);
   MotionSet const set = driven(ground, {nullptr, oscillator(f0, q, Response::inertial)});
-  std::vector<Lever> const between = along_z({-two_k, two_k});
+  std::vector<PhaseSensitivity> const between = along_z({-two_k, two_k});
   for (double f : {0.001, 0.003, 0.01, 0.1}) {  // H - 1 = (x^2 + i x/Q)/(1 - x^2 - i x/Q)
     double const x = f / f0, above = x * x * x * x + x * x / (q * q), below = std::pow(1 - x * x, 2) + x * x / (q * q);
     EXPECT_LT(deviation(psd_at(set, between, f), two_k * two_k * above / below * ground.at(f)), 1e-4) << f;
@@ -141,8 +142,8 @@ TEST(MotionThroughTransfers, AgreesWithTimeSeriesOfTwoFilteredCopies) {  // Welc
 
   Spectrum const white({0.1, rate / 2}, {2 / rate, 2 / rate});
   MotionSet const set = driven(white, {oscillator(1.2, 5, Response::inertial), oscillator(4, 8, Response::support)});
-  std::vector<Lever> const levers = along_z({1.5, -1}), bench_alone = along_z({1.5, 0}),
-                           baffle_alone = along_z({0, -1});
+  std::vector<PhaseSensitivity> const phase_sensitivities = along_z({1.5, -1}), bench_alone = along_z({1.5, 0}),
+                                      baffle_alone = along_z({0, -1});
   int rejected = 0;
   for (double centre : {0.5, 0.9, 1.5, 2.5, 3.2, 5.0, 8.0}) {  // off the peaks, which the window would widen
     double sum = 0, variance = 0, expected = 0, forgotten = 0;
@@ -151,7 +152,7 @@ TEST(MotionThroughTransfers, AgreesWithTimeSeriesOfTwoFilteredCopies) {  // Welc
       if (std::fabs(f - centre) > 0.02 * centre) continue;
       sum += measured.psd[k];
       variance += 3 * std::pow(measured.sigma[k], 2);  // neighbours within the window are not independent
-      expected += psd_at(set, levers, f);
+      expected += psd_at(set, phase_sensitivities, f);
       forgotten += psd_at(set, bench_alone, f) + psd_at(set, baffle_alone, f);
     }
     ASSERT_GT(sum, 0);

@@ -30,7 +30,7 @@ std::pair<std::vector<double>, std::uint64_t> kept(std::size_t show) {
     table.add(g);
   }
   GhostReport report;
-  report.ledger.objects.resize(world.groups().size());
+  report.energy_balance.objects.resize(world.groups().size());
   table.fill(report);
   std::vector<double> powers;
   for (GhostRow const& row : report.rows) powers.push_back(row.ghost.power);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light in watts: enclosures, books, census, files (requirements.md R2.24, R3.28, R3.31, R3.32).
+// Light in watts: enclosures, energy balance, census, files (requirements.md R2.24, R3.28, R3.31, R3.32).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,13 +50,13 @@ TEST(Receivers, AFullEnclosureCountsAllLight) {
   expect_rejected("open can", {open.all_received() / open.emitted(), sum.std_error, sum.n}, 1);
 }
 
-// R2.24: the fates of all light sum to what was emitted, to 1e-12.
+// R2.24: the terms of the energy balance of all light sum to what was emitted, to 1e-12.
 TEST(Receivers, BooksClose) {
   Traced const t = traced(can(), 32);
-  double fates = 0;
-  for (Moments const& m : t.result.total.ledger) fates += m.sum;
-  EXPECT_NEAR(fates / t.result.total.emitted.sum, 1, 1e-12);
-  double const without = fates - t.result.total.ledger[int(Fate::absorbed)].sum;
+  double balance_terms = 0;
+  for (Moments const& m : t.result.total.energy_balance) balance_terms += m.sum;
+  EXPECT_NEAR(balance_terms / t.result.total.emitted.sum, 1, 1e-12);
+  double const without = balance_terms - t.result.total.energy_balance[int(BalanceTerm::absorbed)].sum;
   EXPECT_GT(std::fabs(without / t.result.total.emitted.sum - 1), 0.1);  // twin
 }
 

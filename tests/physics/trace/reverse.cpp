@@ -187,15 +187,15 @@ TEST(ReversePaths, RoutesAreNamedLikeTheTraceDoes) {
   EXPECT_GT(named, 10);
 }
 
-double mean_lever(CouplingClass const& c, std::uint32_t body) {
+double mean_phase_sensitivity(CouplingClass const& c, std::uint32_t body) {
   double sum = 0;
   for (PathRecord const& r : c.records)
-    for (Lever const& l : r.levers) sum += l.body.value == body ? r.weight * l.d[2] : 0;
+    for (PhaseSensitivity const& l : r.phase_sensitivities) sum += l.body.value == body ? r.weight * l.d[2] : 0;
   return sum / c.coupling.mean;
 }
 
 // Eq. 1.2 with mirrors in the path: with diffuse mirrors both ends are well sampled and must agree.
-TEST(ReversePaths, SameCouplingAndLeversFromEitherEnd) {
+TEST(ReversePaths, SameCouplingAndPhaseSensitivitiesFromEitherEnd) {
   TraceResult const r = run_histories(reflecting_cavity(0.35), 1 << 20);
   CouplingClass const *there = find_route(r, by_walk), *back = find_route(r, by_connection);
   ASSERT_TRUE(there && back);
@@ -204,8 +204,10 @@ TEST(ReversePaths, SameCouplingAndLeversFromEitherEnd) {
   expect_mean("coupling", difference(walked, connected), 0, 0.1 * connected.mean);
   // twin: an angle factor at the mirror
   expect_rejected("20 % more", difference(scaled(walked, 1.2), connected), 0);
-  for (std::uint32_t body : {0u, 1u}) EXPECT_NEAR(mean_lever(*there, body) / mean_lever(*back, body), 1, 0.02);
-  EXPECT_GT(std::fabs(mean_lever(*there, 0) / mean_lever(*back, 1) - 1), 0.1);  // twin: levers of another body
+  for (std::uint32_t body : {0u, 1u})
+    EXPECT_NEAR(mean_phase_sensitivity(*there, body) / mean_phase_sensitivity(*back, body), 1, 0.02);
+  EXPECT_GT(std::fabs(mean_phase_sensitivity(*there, 0) / mean_phase_sensitivity(*back, 1) - 1),
+            0.1);  // twin: phase sensitivities of another body
 }
 
 // Small spots are hardly met by the walk: the connected reverse must speak for both.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Case A26 through the program: paths that it traces in the arm of Virgo and the same paths run backwards, summed as
-// fields with the optical lengths and levers that it gives to each (docs/theory/path_integral.md eq. 1.5, 2.3). Mean
-// power over the sum of the powers of all ordered paths: 2, as the classes state.
+// fields with the optical lengths and phase sensitivities that it gives to each (docs/theory/path_integral.md
+// eq. 1.5, 2.3). Mean power over the sum of the powers of all ordered paths: 2, as the classes state.
 #include <complex>
 #include <random>
 
@@ -22,7 +22,7 @@ World virgo_arm() {
 
 struct Way {
   double power = 0, length = 0;  // relative; optical, m
-  std::vector<Lever> levers;
+  std::vector<PhaseSensitivity> phase_sensitivities;
 };
 struct Pair {
   Way there, back;
@@ -59,7 +59,7 @@ Way backwards(World const& world, ReplayedPath const& there, double& miss) {
     run.push_back({v[i].surface, point, out, {}, Event::scatter});
   }
   run.back().out = -view.lit[there.source].direction(run.back().point);
-  return {scattered(view, run), path.path_length, levers_of(world, run, there.goal, there.source)};
+  return {scattered(view, run), path.path_length, phase_sensitivities_of(world, run, there.goal, there.source)};
 }
 
 struct Traced {
@@ -77,7 +77,7 @@ Traced traced(char const* route) {
   for (PathRecord const& kept : c->records) {
     auto const found = replay(t.world, 1, kept.history, kept.event, kept.connection);
     if (!found) continue;
-    Pair pair{{kept.weight, kept.path_length, kept.levers}, backwards(t.world, *found, t.miss)};
+    Pair pair{{kept.weight, kept.path_length, kept.phase_sensitivities}, backwards(t.world, *found, t.miss)};
     pair.back.power *= kept.weight / scattered(t.world.view(), found->vertices);
     t.pairs.push_back(pair);
   }
@@ -96,14 +96,14 @@ Places moved(std::size_t bodies, std::uint64_t seed) {
 }
 Complex field(Way const& way, Places const& at, double wavelength, double sign = 1) {
   double phase = 2 * pi * std::fmod(way.length / wavelength, 1.0);
-  for (Lever const& l : way.levers)
+  for (PhaseSensitivity const& l : way.phase_sensitivities)
     for (int axis = 0; axis < 6; ++axis) phase += sign * l.d[axis] * at[l.body.value][axis];
   return std::polar(std::sqrt(way.power), phase);
 }
 
 struct Sums {
-  double pairs = 0, strangers = 0, unmoved_levers = 0;  // over the powers of all ordered paths
-  SampleMean speckle;                                   // of all paths together
+  double pairs = 0, strangers = 0, unmoved_phase_sensitivities = 0;  // over the powers of all ordered paths
+  SampleMean speckle;                                                // of all paths together
 };
 Sums sums_of(Traced const& t) {
   Sums s;
@@ -115,7 +115,7 @@ Sums sums_of(Traced const& t) {
   for (int instant = 0; instant < instants; ++instant) {
     Places const at = moved(t.world.bodies().size(), std::uint64_t(instant));
     std::vector<Complex> both;
-    double all = 0, pairs = 0, strangers = 0, wrong_levers = 0;
+    double all = 0, pairs = 0, strangers = 0, wrong_phase_sensitivities = 0;
     for (std::size_t j = 0; j < t.pairs.size(); ++j) {
       Pair const &one = t.pairs[j], &next = t.pairs[(j + 1) % t.pairs.size()];
       Complex const there = field(one.there, at, wavelength);
@@ -123,11 +123,11 @@ Sums sums_of(Traced const& t) {
       all += one.there.power + one.back.power;
       pairs += std::norm(both.back());
       strangers += std::norm(there + field(next.back, at, wavelength));
-      wrong_levers += std::norm(there + field(one.back, at, wavelength, -1));
+      wrong_phase_sensitivities += std::norm(there + field(one.back, at, wavelength, -1));
     }
     s.pairs += pairs / all / instants;
     s.strangers += strangers / all / instants;
-    s.unmoved_levers += wrong_levers / all / instants;
+    s.unmoved_phase_sensitivities += wrong_phase_sensitivities / all / instants;
     for (int draw = 0; draw < 1000; ++draw) {  // amplitudes of the scatterers: one for a path and its reverse
       Complex sum;
       for (Complex const& f : both) sum += f * Complex(normal(engine), normal(engine)) / std::sqrt(2.0);
@@ -149,7 +149,7 @@ TEST(ReversePaths, FieldsOfTracedPathsA26) {
     expect_mean("all fields together", s.speckle, 2, 0.25);
     EXPECT_EQ(t.stated, 2) << route;
     EXPECT_LT(s.strangers, 1.5) << "twin: reverses of other paths";
-    EXPECT_LT(s.unmoved_levers, 1.5) << "twin: levers of the way back with the other sign";
+    EXPECT_LT(s.unmoved_phase_sensitivities, 1.5) << "twin: phase sensitivities of the way back with the other sign";
   }
 }
 

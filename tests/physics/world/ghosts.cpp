@@ -228,12 +228,12 @@ TEST(Ghosts, a_beam_far_wider_than_its_mirror_ends) {
     world.add_surface(disk(0, 1e-2, {{0, 0, 0}, {0, 0, -1}}), mirror, mirror, world.add_body("b", {}),
                       world.add_group("mirror"));
     world.finish();
-    BeamLedger ledger;
-    auto const all = rows(world, launched(world, times * 1e-2), {}, &ledger);
+    BeamEnergyBalance energy_balance;
+    auto const all = rows(world, launched(world, times * 1e-2), {}, &energy_balance);
     double const met = 1 - std::exp(-2 / (times * times));
     ASSERT_EQ(all.size(), 1u);
     EXPECT_EQ(all[0].end, times > 10 ? BeamEnd::wide : BeamEnd::escaped);
-    EXPECT_NEAR(times > 10 ? double(ledger.wide) : double(ledger.escaped), met, 1e-3 * met);
+    EXPECT_NEAR(times > 10 ? double(energy_balance.wide) : double(energy_balance.escaped), met, 1e-3 * met);
   }
 }
 

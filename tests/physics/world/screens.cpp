@@ -29,62 +29,66 @@ World with_holes(std::vector<Hole> const& holes, double plate = 1) {
   world.finish();
   return world;
 }
-BeamLedger ledger_of(World const& world, BeamLaunch const& launch) {
-  BeamLedger ledger;
-  rows(world, launch, {1e-15}, &ledger);
-  return ledger;
+BeamEnergyBalance energy_balance_of(World const& world, BeamLaunch const& launch) {
+  BeamEnergyBalance energy_balance;
+  rows(world, launch, {1e-15}, &energy_balance);
+  return energy_balance;
 }
-BeamLedger ledger_of(std::vector<Hole> const& holes, double plate = 1) {
+BeamEnergyBalance energy_balance_of(std::vector<Hole> const& holes, double plate = 1) {
   World const world = with_holes(holes, plate);
-  return ledger_of(world, launched(world, w));
+  return energy_balance_of(world, launched(world, w));
 }
-double taken(BeamLedger const& ledger, std::size_t object) { return ledger.objects[object].landed; }
+double taken(BeamEnergyBalance const& energy_balance, std::size_t object) {
+  return energy_balance.objects[object].landed;
+}
 
 // The waist is 1 m before the hole; z_R = 73.8 m, so w is 1.00009 times as large there.
 double const there = w * std::sqrt(1 + std::pow(lambda / (pi * w * w), 2));
 
 TEST(Screens, holes_pass_what_eq_5_5_says) {
   for (auto [radius, passed] : {std::pair{there, 0.86466}, {pi * there / 2, 0.99281}}) {
-    BeamLedger const ledger = ledger_of({{radius}});
-    EXPECT_NEAR(1 - taken(ledger, 0), passed, 5e-6);
-    EXPECT_NEAR(taken(ledger, 1), 1 - taken(ledger, 0), 1e-12);
-    EXPECT_NEAR(ledger.total(), 1, 1e-12);
+    BeamEnergyBalance const energy_balance = energy_balance_of({{radius}});
+    EXPECT_NEAR(1 - taken(energy_balance, 0), passed, 5e-6);
+    EXPECT_NEAR(taken(energy_balance, 1), 1 - taken(energy_balance, 0), 1e-12);
+    EXPECT_NEAR(energy_balance.total(), 1, 1e-12);
   }
-  EXPECT_NEAR(taken(ledger_of({{2.5 * there}}), 0) / 3.7267e-6, 1, 1e-4);
-  EXPECT_EQ(taken(ledger_of({{6 * there}}), 0), 0);
-  EXPECT_GT(std::fabs(taken(ledger_of({{there / 2}}), 0) - std::exp(-2.0)), 0.1);  // twin: a diameter for a radius
+  EXPECT_NEAR(taken(energy_balance_of({{2.5 * there}}), 0) / 3.7267e-6, 1, 1e-4);
+  EXPECT_EQ(taken(energy_balance_of({{6 * there}}), 0), 0);
+  EXPECT_GT(std::fabs(taken(energy_balance_of({{there / 2}}), 0) - std::exp(-2.0)),
+            0.1);  // twin: a diameter for a radius
 }
 
 TEST(Screens, holes_off_the_beam_by_eq_5_6) {
   for (double offset : {0.1 * w, 0.6 * w, 1.3 * w}) {
     double const exact = clipped_share(1.5 * w, there, offset);
-    EXPECT_NEAR(taken(ledger_of({{1.5 * w, offset}}), 0) / exact, 1, 1e-9);
+    EXPECT_NEAR(taken(energy_balance_of({{1.5 * w, offset}}), 0) / exact, 1, 1e-9);
     EXPECT_GT(std::fabs(clipped_share(1.5 * w, there) / exact - 1), 0.01);  // twin: centred
   }
 }
 
 // Turned by 60 degrees the hole is half as wide for the beam.
 TEST(Screens, tilted_holes) {
-  BeamLedger const ledger = ledger_of({{2 * w, 0, 0, pi / 3}});
+  BeamEnergyBalance const energy_balance = energy_balance_of({{2 * w, 0, 0, pi / 3}});
   Mode const mode = circular_mode({0, 0, -1}, {0, 0, 1}, w, 0, lambda);
   double const exact = clipped_share(Aperture{{}, {std::sin(pi / 3), 0, -0.5}, 2 * w}, mode);
-  EXPECT_NEAR(taken(ledger, 0) / exact, 1, 1e-6);
+  EXPECT_NEAR(taken(energy_balance, 0) / exact, 1, 1e-6);
   EXPECT_GT(std::fabs(clipped_share(2 * w, there) / exact - 1), 0.5);  // twin: as across the beam
 }
 
 // Each line is taken once on one flight: equal holes in a row clip once, a smaller one behind takes the rest.
 TEST(Screens, holes_in_a_row_take_each_line_once) {
   double const one = std::exp(-2 * 1.44), two = std::exp(-2.0);
-  BeamLedger const equal = ledger_of({{1.2 * there, 0, 0}, {1.2 * there, 0, 1e-3}});
+  BeamEnergyBalance const equal = energy_balance_of({{1.2 * there, 0, 0}, {1.2 * there, 0, 1e-3}});
   EXPECT_NEAR(taken(equal, 0), one, 1e-5);
   EXPECT_LT(taken(equal, 1), 1e-6);
-  BeamLedger const smaller = ledger_of({{there, 0, 1e-3}, {1.2 * there, 0, 0}});  // the order of the list is another
+  BeamEnergyBalance const smaller =
+      energy_balance_of({{there, 0, 1e-3}, {1.2 * there, 0, 0}});  // the order of the list is another
   EXPECT_NEAR(taken(smaller, 1), one, 1e-5);
   EXPECT_NEAR(taken(smaller, 0), two - one, 1e-5);
   EXPECT_NEAR(taken(smaller, 0) + taken(smaller, 1) + taken(smaller, 2), 1, 1e-12);
   EXPECT_GT(std::fabs((1 - one) * two - (two - one)), 0.04);  // twin: the second sees a whole Gaussian
   // ...and what passes beside the plate is what no screen took.
-  BeamLedger const plate = ledger_of({{1.2 * there}}, there);
+  BeamEnergyBalance const plate = energy_balance_of({{1.2 * there}}, there);
   EXPECT_NEAR(taken(plate, 0), one, 1e-5);
   EXPECT_NEAR(plate.objects[1].beside, two - one, 2e-4);  // w grows by 2e-4 to there
   EXPECT_NEAR(taken(plate, 1), 1 - two, 2e-4);
@@ -101,11 +105,11 @@ TEST(Screens, stand_in_the_shadow_of_the_surface_left) {
     world.add_surface(disk(0, there, {{0, 0, z}, {0, 0, -1}}), glass, glass, body, world.add_group("lens"));
   world.add_surface(disk(1.001 * there, 1, {{0, 0, 0.02}, {0, 0, -1}}), black, black, body, world.add_group("mount"));
   world.finish();
-  BeamLedger const ledger = ledger_of(world, launched(world, w));
-  EXPECT_NEAR(ledger.objects[0].beside, std::exp(-2.0), 1e-4);
-  EXPECT_LT(taken(ledger, 1), 1e-4);
-  EXPECT_NEAR(ledger.escaped, 1 - std::exp(-2.0), 1e-4);
-  EXPECT_GT(std::fabs(ledger.escaped - std::pow(1 - std::exp(-2.0), 3)), 0.1);
+  BeamEnergyBalance const energy_balance = energy_balance_of(world, launched(world, w));
+  EXPECT_NEAR(energy_balance.objects[0].beside, std::exp(-2.0), 1e-4);
+  EXPECT_LT(taken(energy_balance, 1), 1e-4);
+  EXPECT_NEAR(energy_balance.escaped, 1 - std::exp(-2.0), 1e-4);
+  EXPECT_GT(std::fabs(energy_balance.escaped - std::pow(1 - std::exp(-2.0), 3)), 0.1);
 }
 
 // Anything anywhere beside the chief ray: against lines drawn from the beam, each to the first thing that it meets.
@@ -154,7 +158,7 @@ TEST(Screens, any_shapes_against_drawn_lines) {
   constexpr int lines = 400000;
   for (double tilt : {0.0, 0.7}) {
     World const world = clutter(tilt);
-    BeamLedger const ledger = ledger_of(world, launched(world, 2 * w));
+    BeamEnergyBalance const energy_balance = energy_balance_of(world, launched(world, 2 * w));
     std::vector<double> met(world.surfaces().size() + 1);
     Dice dice(1);
     for (int i = 0; i < lines; ++i) {
@@ -164,10 +168,10 @@ TEST(Screens, any_shapes_against_drawn_lines) {
     }
     double elsewhere = 0, swapped = 0;
     for (std::size_t i = 0; i < world.surfaces().size(); ++i) {
-      double const found = taken(ledger, i), drawn = met[i] / lines;
-      elsewhere += ledger.objects[i].beside;
+      double const found = taken(energy_balance, i), drawn = met[i] / lines;
+      elsewhere += energy_balance.objects[i].beside;
       EXPECT_NEAR(found, drawn, 5 * std::sqrt(drawn / lines) + 2e-3 * drawn) << i << ' ' << tilt;
-      swapped += std::fabs(taken(ledger, i) - met[(i + 1) % world.surfaces().size()] / lines);
+      swapped += std::fabs(taken(energy_balance, i) - met[(i + 1) % world.surfaces().size()] / lines);
     }
     EXPECT_NEAR(elsewhere, met.back() / lines, 5 * std::sqrt(met.back()) / lines + 2e-3);
     EXPECT_GT(swapped, 0.1);  // twin: booked under the name of the neighbour
@@ -180,7 +184,8 @@ TEST(Screens, small_things_are_found) {
   c.add(torus(3e-3, 0.35e-3), {0, 0, 0}, {0, 0, 1});
   c.world.finish();
   auto const beyond = [](double r) { return std::exp(-2 * r * r / (there * there)); };
-  EXPECT_NEAR(taken(ledger_of(c.world, launched(c.world, w)), 0) / (beyond(2.65e-3) - beyond(3.35e-3)), 1, 1e-3);
+  EXPECT_NEAR(taken(energy_balance_of(c.world, launched(c.world, w)), 0) / (beyond(2.65e-3) - beyond(3.35e-3)), 1,
+              1e-3);
   for (double turn : {0.0, 0.13, 0.3, 0.44}) {
     Clutter far;
     Vec3 const at{w * std::cos(2 * pi * turn), w * std::sin(2 * pi * turn), 0};
@@ -188,7 +193,7 @@ TEST(Screens, small_things_are_found) {
     far.world.finish();
     Mode const mode = circular_mode({0, 0, -1}, {0, 0, 1}, w, 0, lambda);
     double const exact = 1 - clipped_share(Aperture{at, {0, 0, -1}, 1.3e-3}, mode);
-    EXPECT_NEAR(taken(ledger_of(far.world, launched(far.world, w)), 0) / exact, 1, 0.02) << turn;
+    EXPECT_NEAR(taken(energy_balance_of(far.world, launched(far.world, w)), 0) / exact, 1, 0.02) << turn;
   }
 }
 
@@ -200,7 +205,8 @@ TEST(Screens, tubes_around_a_beam_that_spreads) {
   c.add(disk(0, 1, {}), {0, 0, 100}, {0, 0, -1});
   c.world.finish();
   double const waist = 1e-3, z = 100, wide = waist * std::sqrt(1 + std::pow(z * lambda / (pi * waist * waist), 2));
-  EXPECT_NEAR(taken(ledger_of(c.world, launched(c.world, waist)), 0) / std::exp(-2 * 1e-4 / (wide * wide)), 1, 1e-5);
+  EXPECT_NEAR(taken(energy_balance_of(c.world, launched(c.world, waist)), 0) / std::exp(-2 * 1e-4 / (wide * wide)), 1,
+              1e-5);
   EXPECT_LT(std::exp(-2 * 1e-4 / (waist * waist)), 1e-80);
 }
 
@@ -213,7 +219,7 @@ TEST(Screens, each_line_ends_where_it_meets_first) {
     for (int i : {first, 1 - first})
       i == 0 ? c.add(disk(1e-3, 10e-3, {}), {0, 0, 0}, {0, 0, -1}) : c.add(sphere(4e-3), {6e-3, 0, 0}, {0, 0, 1});
     c.world.finish();
-    share[first] = taken(ledger_of(c.world, launched(c.world, w)), 1 - first);
+    share[first] = taken(energy_balance_of(c.world, launched(c.world, w)), 1 - first);
   }
   Mode const mode = circular_mode({0, 0, -1}, {0, 0, 1}, w, 0, lambda);
   double const exact = 1 - clipped_share(Aperture{{6e-3, 0, 0}, {0, 0, -1}, 4e-3}, mode);
@@ -222,7 +228,7 @@ TEST(Screens, each_line_ends_where_it_meets_first) {
   EXPECT_GT(exact, 0.1);
 }
 
-// The light on a lit screen: drawn lines bring what the ledger says, and none of them falls into the hole.
+// The light on a lit screen: drawn lines bring what the energy balance says, and none of them falls into the hole.
 class Touched final : public BeamSink {
  public:
   void screened(ScreenSpot const& spot, std::span<BeamStep const> way) override {
@@ -240,17 +246,17 @@ double drawn_on(World const& world, Footprint const& f, int lines) {
         world.view().cross(f.surface.value, f.sample(dice.between(0, 1), dice.between(0, 1)), {}).distance < infinity;
   return met / lines;
 }
-TEST(Screens, light_on_them_is_that_of_the_ledger) {
+TEST(Screens, light_on_them_is_that_of_the_energy_balance) {
   constexpr int lines = 100000;
   for (double tilt : {0.0, 0.7}) {
     World world = clutter(tilt);
     Touched touched;
-    BeamLedger const ledger = grow_tree(world, launched(world, 2 * w), {1e-15}, touched);
+    BeamEnergyBalance const energy_balance = grow_tree(world, launched(world, 2 * w), {1e-15}, touched);
     ASSERT_GE(touched.all.size(), 5u);
     for (std::size_t i = 0; i < touched.all.size(); ++i) {
       add_lit_screen(world, 0, 2, Feed::none, touched.all[i], touched.ways[i]);
       Footprint const& f = world.footprints().back();
-      double const share = drawn_on(world, f, lines), exact = 2 * taken(ledger, f.surface.value);
+      double const share = drawn_on(world, f, lines), exact = 2 * taken(energy_balance, f.surface.value);
       EXPECT_NEAR(f.share * share, exact, 5 * f.share * std::sqrt(share / lines) + 2e-3 * exact) << i;
       Footprint whole = f;  // twin: the hole is not left out of the draws, the power is
       whole.hollow = 1;

@@ -109,7 +109,8 @@ TEST(Fit, EdgeGivesTheEffectiveMotionR2_40) {
   EXPECT_NEAR(Json::parse(done.out)["effective_motion"]["value"].get<double>(), 1.3, 0.02 * 1.3);
 }
 
-// The lever of the route, the response of its port and the wavelength come from the run: an arm, T = lambda/(4 pi L).
+// The phase sensitivity of the route, the response of its port and the wavelength come from the run: an arm, T =
+// lambda/(4 pi L).
 TEST(Fit, RouteOfARunAgainstItsPrediction) {
   Folder const folder;
   ASSERT_EQ(straytrace({"trace", virgo_arm, "--histories", "65536", "--seed", "3", "-o", folder / "run.h5"}).code, 0);

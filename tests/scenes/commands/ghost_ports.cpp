@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ghosts at ports: relative to what, how equal levers add, behind which mirrors, and what is said of what is left out.
+// Ghosts at ports: relative to what, how equal phase sensitivities add, behind which mirrors, and what is said of what
+// is left out.
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -72,7 +73,7 @@ TEST(GhostPorts, a_ghost_formed_upstream_of_the_port) {
 }
 
 // Both at once move as one body: powers add unless the scene asks for the fields of the drawn geometry.
-TEST(GhostPorts, equal_levers_add_in_power_or_as_fields) {
+TEST(GhostPorts, equal_phase_sensitivities_add_in_power_or_as_fields) {
   std::string const scene = line("entry", 1e-6, 4e-6);  // two ghosts of 1e-6
   json const powers = ghosts_of(scene)["port"], fields = ghosts_of(scene + "ghosts: {sum: coherent}\n")["port"];
   EXPECT_EQ(powers["families"], 1);
@@ -86,7 +87,7 @@ TEST(GhostPorts, equal_levers_add_in_power_or_as_fields) {
 
 // Faces on bodies of their own: the second moves half as far as the first, on one motion. Weak motion: h^2 goes with
 // |E_1 + E_2/2|^2 (eq. 10.5), through the run file and again without tracing. Twin: powers added.
-TEST(GhostPorts, unequal_levers_add_as_fields_in_a_run) {
+TEST(GhostPorts, unequal_phase_sensitivities_add_as_fields_in_a_run) {
   Folder const folder;
   std::string const ground =
       "{z: {power-law: {asd: 1e-14 m/sqrt(Hz), at: 10 Hz, exponent: 0, from: 1 Hz, to: 1 kHz}}, ";
@@ -111,13 +112,13 @@ TEST(GhostPorts, unequal_levers_add_as_fields_in_a_run) {
   EXPECT_GT(std::fabs(ratio - 1), 0.03) << "twin: powers added";
   Finished const table = straytrace({"paths", folder / "coherent.h5"});
   EXPECT_THAT(table.out, HasSubstr(" and 1 more"));
-  EXPECT_THAT(table.out, HasSubstr("coherent family: 2 ghosts of 2 different levers"));
+  EXPECT_THAT(table.out, HasSubstr("coherent family: 2 ghosts of 2 different phase sensitivities"));
   Finished const in_time = straytrace({"project", folder / "coherent.h5", "--duration", "4s", "--format", "json"});
   ASSERT_EQ(in_time.code, 0) << in_time.err;
   EXPECT_EQ(json::parse(in_time.out)["fields"], 4);  // two ghosts, two arms; both polarisations are one field
 }
 
-// More levers than can be added as fields: the strongest are, and a warning says what is left.
+// More phase sensitivities than can be added as fields: the strongest are, and a warning says what is left.
 TEST(GhostPorts, a_family_that_is_too_large_says_so) {
   Folder const folder;
   std::string text =
@@ -136,7 +137,7 @@ TEST(GhostPorts, a_family_that_is_too_large_says_so) {
           detector;
   write_text(folder / "a.yaml", text);
   std::string const said =
-      "70 different levers: the fields of the strongest 64 are added, the others, 0.08 of the light";
+      "70 different phase sensitivities: the fields of the strongest 64 are added, the others, 0.08 of the light";
   EXPECT_THAT(straytrace({"ghosts", folder / "a.yaml"}).err, HasSubstr("beam 'laser': " + said));
   Finished const traced = straytrace({"trace", folder / "a.yaml", "-o", folder / "run.h5", "--histories", "4096"});
   EXPECT_THAT(traced.err, HasSubstr("ghosts of the beam 'laser': " + said));

@@ -43,14 +43,14 @@ json ghosts_of(std::string const& scene, Words words) {
   return json::parse(done.out, nullptr, false);
 }
 
-TEST(GhostCommand, bench_is_listed_and_its_books_close) {
+TEST(GhostCommand, bench_is_listed_and_its_energy_balance_close) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2"});
   EXPECT_EQ(text.code, 0);
   for (char const* part : {"main > photodiode/sensor·land", "main > pick_off/back·R > pick_off/front·R > ",
-                           "dump me first", "Ledger of 1 W", "28 of order 2"})
+                           "dump me first", "Energy balance of 1 W", "28 of order 2"})
     EXPECT_THAT(text.out, HasSubstr(part));
   json const beam = ghosts_of(bench, {"--order", "2", "--show", "100"}).at(0);
-  EXPECT_NEAR(beam["ledger"]["total"].get<double>(), 1, 1e-12);
+  EXPECT_NEAR(beam["energy_balance"]["total"].get<double>(), 1, 1e-12);
   EXPECT_EQ(beam["ghosts"].size(), 38u);
   EXPECT_EQ(beam["count"], 37);
   Finished const csv = straytrace({"ghosts", bench, "--order", "2", "--csv", "--quiet"});
@@ -106,7 +106,7 @@ TEST(GhostCommand, writes_files) {
   EXPECT_GT(fs::file_size(folder / "out/ghosts.png"), 5000u);
 }
 
-// Ctrl-C leaves a valid part: the ledger closes with what was not followed, and every row is whole.
+// Ctrl-C leaves a valid part: the energy balance closes with what was not followed, and every row is whole.
 TEST(GhostCommand, an_interrupted_run_is_valid) {
   Folder const folder;
   std::string scene =
@@ -128,8 +128,8 @@ TEST(GhostCommand, an_interrupted_run_is_valid) {
   EXPECT_THAT(done.out, HasSubstr("Stopped early: "));
   json const beam = json::parse(text_of(folder / "out/ghosts.json")).at(0);
   EXPECT_FALSE(beam["complete"]);
-  EXPECT_NEAR(beam["ledger"]["total"].get<double>(), 1, 1e-10);
-  double const stopped = beam["ledger"]["stopped"];
+  EXPECT_NEAR(beam["energy_balance"]["total"].get<double>(), 1, 1e-10);
+  double const stopped = beam["energy_balance"]["stopped"];
   EXPECT_GT(stopped, 0);
   EXPECT_LT(stopped, 1);
   std::string const csv = text_of(folder / "out/ghosts.csv");

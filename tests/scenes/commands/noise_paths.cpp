@@ -157,14 +157,14 @@ TEST(NoiseAndPaths, TraceThenNoiseIsRun) {
   EXPECT_NE(data_hash(folder / "table.h5"), data_hash(folder / "run/run.h5"));
 }
 
-// By route: the body that moves it most, and its lever in rad/m.
+// By route: the body that moves it most, and its phase sensitivity in rad/m.
 std::map<std::string, std::pair<std::string, double>> moved_by(Words const& words) {
   std::map<std::string, std::pair<std::string, double>> all;
   auto const json = nlohmann::json::parse(straytrace(words).out, nullptr, false);
   EXPECT_TRUE(json.is_object());
   for (auto const& route : json["routes"]) {
-    if (route["resolved"] && route["lever_rad_per_m"].is_number())
-      all[route["id"]] = {route["moving_body"], route["lever_rad_per_m"]};
+    if (route["resolved"] && route["phase_sensitivity_rad_per_m"].is_number())
+      all[route["id"]] = {route["moving_body"], route["phase_sensitivity_rad_per_m"]};
   }
   return all;
 }
@@ -190,7 +190,7 @@ TEST(NoiseAndPaths, NameTheBodyOfTheMotionThatWasProjected) {
   };
   EXPECT_TRUE(names_mirror(projected));
   EXPECT_THAT(straytrace({"explain", "h", other, "--path", "1"}).out, HasSubstr("moved by ITM"));
-  // Twin: with the motion of the scene it is the tube, with levers that are no mirror's.
+  // Twin: with the motion of the scene it is the tube, with phase sensitivities that are no mirror's.
   EXPECT_FALSE(names_mirror(moved_by({"paths", run, "--format", "json"})));
   EXPECT_NE(moved_by({"paths", run, "--format", "json"}), projected);
 }

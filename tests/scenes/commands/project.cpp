@@ -41,7 +41,7 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   ASSERT_EQ(got.code, 0) << got.err;
   auto const answer = nlohmann::json::parse(got.out);
   EXPECT_GT(answer["largest_fringe_frequency"].get<double>(), 67.2);
-  EXPECT_LT(answer["largest_fringe_frequency"].get<double>(), 70);  // levers spread by 1 %
+  EXPECT_LT(answer["largest_fringe_frequency"].get<double>(), 70);  // phase sensitivities spread by 1 %
   EXPECT_EQ(answer["rate"].get<double>(), 1024);
   EXPECT_GT(answer["strain"][1]["asd"].get<double>(), 0);
   EXPECT_EQ(straytrace(project({"--format", "json", "--seed", "3", "--threads", "1"})).out, got.out);

@@ -91,7 +91,7 @@ TEST(VibratingMirror, FringesOfTheChiefRayE2b) {
   // beta lambda^2 |u(0)|^2 of a ray on the axis of a mode of 1 mm (eq. 1.7), behind two perfect faces.
   EXPECT_NEAR(c.coupling.mean / (0.05 / M_PI * 1064e-9 * 1064e-9 * 2 / (M_PI * 1e-6)), 1, 1e-9);
   ASSERT_FALSE(c.records.empty());
-  for (Lever const& l : c.records[0].levers) {
+  for (PhaseSensitivity const& l : c.records[0].phase_sensitivities) {
     if (run.trace.coupling.bodies[l.body.value] != "shaker") continue;
     double const phase = 10.5e-6 * (l.d[1] + l.d[2]);  // k (d_in - d_out)·A, eq. 2.2
     EXPECT_NEAR(std::fabs(phase), 124.0102, 1e-4);

@@ -50,8 +50,8 @@ void expect_rigid(CouplingTable const& table) {
   auto const check = [&](CouplingClass const& c, std::string const& name, double along) {
     if (c.steps.empty() || name.find("ETM") != name.npos) return;  // that one does not move with the bench
     for (PathRecord const& record : c.records) {
-      ASSERT_EQ(record.levers.size(), 1u) << name;
-      double const* const d = record.levers[0].d;
+      ASSERT_EQ(record.phase_sensitivities.size(), 1u) << name;
+      double const* const d = record.phase_sensitivities[0].d;
       EXPECT_NEAR(d[0], along, 0.01 * k) << name;  // rays within a spot differ by its divergence, squared
       EXPECT_NEAR(std::hypot(d[1], d[2]), 0, 1e-3 * k) << name;
       several += c.steps.size() > 2;

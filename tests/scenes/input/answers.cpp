@@ -83,14 +83,15 @@ TEST(Answers, HIsShortForTheTotal) {
   EXPECT_EQ(run("c", "hh < 20 %").code, 2);  // twin
 }
 
-// emitted = sum of the fates, one line each.
+// emitted = sum of the terms, one line each.
 TEST(Answers, TraceSaysWhereTheLightWent) {
   Folder const folder;
   Finished const r = straytrace({"trace", two_mirrors, "-o", folder / "a.h5", "--histories", "40960"});
   EXPECT_EQ(r.code, 0) << r.err;
-  for (char const* fate : {"emitted", "absorbed", "escaped", "limit", "window", "sampling"})
-    EXPECT_TRUE(std::regex_search(r.out, std::regex("\n" + std::string(fate) + " +[0-9n-]"))) << fate << r.out;
-  EXPECT_THAT(r.out, HasSubstr("Closure: emitted and the sum of the fates differ by"));
+  for (char const* balance_term : {"emitted", "absorbed", "escaped", "truncated", "roulette", "sampling"})
+    EXPECT_TRUE(std::regex_search(r.out, std::regex("\n" + std::string(balance_term) + " +[0-9n-]")))
+        << balance_term << r.out;
+  EXPECT_THAT(r.out, HasSubstr("Closure: emitted power and the sum of the terms differ by"));
   Finished const json =
       straytrace({"trace", two_mirrors, "-o", folder / "b.h5", "--histories", "4096", "--format", "json"});
   EXPECT_THAT(json.out, Not(HasSubstr("Closure")));

@@ -62,7 +62,8 @@ TEST(Files, OfARun) {
   EXPECT_THAT(text_of(folder / "out/h_asd.txt"), HasSubstr("one-sided strain ASD"));
 }
 
-// Every group the light can reach is listed with what arrives there; fates add up to what was emitted, per history.
+// Every group the light can reach is listed with what arrives there; terms of the energy balance add up to what was
+// emitted, per history.
 TEST(Files, BooksOfTheVirgoArm) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "out", "--histories", "60000", "--quiet"}).code, 0);
@@ -76,17 +77,18 @@ TEST(Files, BooksOfTheVirgoArm) {
     EXPECT_NE(report.substr(line, 60).find("e-0"), report.npos) << group << ": no light";
   }
   BlockSums const sums = read_run(folder / "out/run.h5").trace.total;
-  auto const imbalance = [&](int fates) {
+  auto const imbalance = [&](int balance_terms) {
     double sum = 0;
-    for (int f = 0; f < fates; ++f) sum += sums.ledger[std::size_t(f)].sum;
+    for (int f = 0; f < balance_terms; ++f) sum += sums.energy_balance[std::size_t(f)].sum;
     return std::fabs(sum / sums.emitted.sum - 1);
   };
-  EXPECT_LT(imbalance(fate_count), 1e-12);  // rounding only
-  EXPECT_GT(imbalance(fate_count - 1), 1e-9);
+  EXPECT_LT(imbalance(balance_term_count), 1e-12);  // rounding only
+  EXPECT_GT(imbalance(balance_term_count - 1), 1e-9);
   double objects = 0;  // R2.24: what is absorbed is on an object or in a medium
   for (Moments const& m : sums.absorbed) objects += m.sum;
-  EXPECT_NEAR(objects / sums.ledger[int(Fate::absorbed)].sum, 1, 1e-12);
-  EXPECT_GT(std::fabs((objects - sums.absorbed.front().sum) / sums.ledger[int(Fate::absorbed)].sum - 1), 1e-9);
+  EXPECT_NEAR(objects / sums.energy_balance[int(BalanceTerm::absorbed)].sum, 1, 1e-12);
+  EXPECT_GT(std::fabs((objects - sums.absorbed.front().sum) / sums.energy_balance[int(BalanceTerm::absorbed)].sum - 1),
+            1e-9);
   EXPECT_EQ(sums.lost, 0u);
 }
 

@@ -25,9 +25,9 @@ Read read(std::string const& bodies, std::vector<std::string> const& names, File
   return r;
 }
 
-// Mean-square phase of a unit lever on one coordinate.
+// Mean-square phase of a unit phase sensitivity on one coordinate.
 double variance(MotionSet const& m, std::uint32_t body, int axis) {
-  Lever l{BodyId{body}, {}};
+  PhaseSensitivity l{BodyId{body}, {}};
   l.d[axis] = 1;
   double sum = 0;
   for (std::size_t i = 0; i < m.inputs.size(); ++i) {
@@ -45,7 +45,8 @@ TEST(ReadMotion, StillIsAStatement) {
   EXPECT_THAT(read("  a: {pivot: [0 m, 0 m, 0 m]}\n", {"a"}).problems, HasSubstr("'a' does not say how it moves"));
 }
 
-// A ground that only the new motion has may carry bodies of a run; what has no levers there is not dropped in silence.
+// A ground that only the new motion has may carry bodies of a run; what has no phase sensitivities there is not dropped
+// in silence.
 TEST(ReadMotion, OfATracedRun) {
   auto const problems = [](std::string const& bodies, bool traced) {
     Scene const scene = scene_of("bodies:\n" + bodies, {});
@@ -124,7 +125,7 @@ TEST(ReadMotion, UnnamedTranslationIsAnError) {
 
 TEST(ReadMotion, LikeIsIndependentAndSameAsIsCoherent) {
   std::string const z = "  a: {motion: {z: {peterson: high}, y: still, x: ";
-  Lever l{BodyId{0}, {1, 0, 1, 0, 0, 0}};  // x and z in phase
+  PhaseSensitivity l{BodyId{0}, {1, 0, 1, 0, 0, 0}};  // x and z in phase
   auto const both = [&](MotionSet const& m) {
     double sum = 0;
     for (std::size_t i = 0; i < m.inputs.size(); ++i)
@@ -159,9 +160,9 @@ TEST(ReadMotion, BodiesShareMotion) {
   double const shared = variance(r.motion, 0, 2);
   EXPECT_NEAR(variance(r.motion, 1, 2) - shared, 1e-12, 1e-20);
   double relative = 0;
-  std::vector<Lever> const levers = {{BodyId{0}, {0, 0, 1}}, {BodyId{1}, {0, 0, -1}}};
+  std::vector<PhaseSensitivity> const phase_sensitivities = {{BodyId{0}, {0, 0, 1}}, {BodyId{1}, {0, 0, -1}}};
   for (std::size_t i = 0; i < r.motion.inputs.size(); ++i)
-    relative += r.motion.sensitivity(i, levers, 1) * r.motion.inputs[i].spectrum.total();
+    relative += r.motion.sensitivity(i, phase_sensitivities, 1) * r.motion.inputs[i].spectrum.total();
   EXPECT_NEAR(relative / 1e-12, 1, 1e-9);
   EXPECT_THAT(read(ground + "  a: {motion: {follows: grund}}\n", {"a"}).problems, HasSubstr("did you mean 'ground'?"));
   EXPECT_THAT(read("  a: {motion: {follows: b}}\n  b: {motion: {follows: a}}\n", {"a"}).problems,
@@ -175,7 +176,7 @@ TEST(ReadMotion, TonesOfOneFrequencyAreOneInput) {
       {"a"});
   ASSERT_EQ(r.problems, "");
   ASSERT_EQ(r.motion.inputs.size(), 1u);
-  Lever const l{BodyId{0}, {1, 1, 0, 0, 0, 0}};
+  PhaseSensitivity const l{BodyId{0}, {1, 1, 0, 0, 0, 0}};
   EXPECT_NEAR(std::sqrt(r.motion.sensitivity(0, {&l, 1}, 1)) / 5e-6, 1, 1e-12);
 }
 

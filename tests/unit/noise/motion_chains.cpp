@@ -27,17 +27,17 @@ Read read(std::string const& bodies, std::vector<std::string> const& names, File
   return r;
 }
 
-Lever lever(std::uint32_t body, int axis, double value) {
-  Lever l{BodyId{body}, {}};
+PhaseSensitivity phase_sensitivity(std::uint32_t body, int axis, double value) {
+  PhaseSensitivity l{BodyId{body}, {}};
   l.d[axis] = value;
   return l;
 }
 
-// PSD of the phase of these levers.
-double psd(MotionSet const& m, std::vector<Lever> const& levers, double hz) {
+// PSD of the phase of these phase sensitivities.
+double psd(MotionSet const& m, std::vector<PhaseSensitivity> const& phase_sensitivities, double hz) {
   double sum = 0;
   for (std::size_t i = 0; i < m.inputs.size(); ++i)
-    if (double const s = m.inputs[i].spectrum.at(hz); s > 0) sum += m.sensitivity(i, levers, hz) * s;
+    if (double const s = m.inputs[i].spectrum.at(hz); s > 0) sum += m.sensitivity(i, phase_sensitivities, hz) * s;
   return sum;
 }
 
@@ -54,11 +54,14 @@ TEST(MotionChains, GroundStructureScatterer) {  // R2.16, eq. 11.2
   ASSERT_EQ(r.problems, "");
   for (double f : {0.5, 7.9, 30.0}) {
     double const x = f / 8, y = x / 50, t2 = (1 + y * y) / (std::pow(1 - x * x, 2) + y * y);
-    EXPECT_NEAR(psd(r.motion, {lever(1, 0, 1)}, f) / (t2 * psd(r.motion, {lever(0, 2, 1)}, f)), 1, 1e-9) << f;
-    EXPECT_EQ(psd(r.motion, {lever(1, 2, 1)}, f), 0);
+    EXPECT_NEAR(psd(r.motion, {phase_sensitivity(1, 0, 1)}, f) / (t2 * psd(r.motion, {phase_sensitivity(0, 2, 1)}, f)),
+                1, 1e-9)
+        << f;
+    EXPECT_EQ(psd(r.motion, {phase_sensitivity(1, 2, 1)}, f), 0);
   }
   // Coherent with the ground: far below the resonance it moves with it (times 0.5 times 2).
-  EXPECT_LT(psd(r.motion, {lever(1, 0, 1), lever(0, 2, -1)}, 0.11), 1e-6 * psd(r.motion, {lever(0, 2, 1)}, 0.11));
+  EXPECT_LT(psd(r.motion, {phase_sensitivity(1, 0, 1), phase_sensitivity(0, 2, -1)}, 0.11),
+            1e-6 * psd(r.motion, {phase_sensitivity(0, 2, 1)}, 0.11));
 }
 
 // R2.16: 1e-6 m at 1 Hz falling as f^-2: 1e-8 at 10 Hz; behind two pendulums another (f_1 f_2 / f^2)^2.
@@ -68,11 +71,14 @@ TEST(MotionChains, SuspendedBody) {
       read(ground + "  mirror: {motion: {suspended: {from: ground, vertical: y, stages: " + stages + "}, y: still}}\n",
            {"ground", "mirror"});
   ASSERT_EQ(r.problems, "");
-  EXPECT_NEAR(std::sqrt(psd(r.motion, {lever(0, 2, 1)}, 10)), 1e-8, 1e-14);
-  EXPECT_NEAR(std::sqrt(psd(r.motion, {lever(1, 2, 1)}, 50)) / (1e-6 / 2500 * 0.36 * 1.44 / std::pow(50, 4)), 1, 2e-3);
-  EXPECT_EQ(psd(r.motion, {lever(1, 1, 1)}, 10), 0);
-  EXPECT_GT(psd(r.motion, {lever(1, 0, 1)}, 10), 0);
-  EXPECT_NEAR(psd(r.motion, {lever(1, 2, 1)}, 0.1) / psd(r.motion, {lever(0, 2, 1)}, 0.1), 1.07, 0.02);
+  EXPECT_NEAR(std::sqrt(psd(r.motion, {phase_sensitivity(0, 2, 1)}, 10)), 1e-8, 1e-14);
+  EXPECT_NEAR(
+      std::sqrt(psd(r.motion, {phase_sensitivity(1, 2, 1)}, 50)) / (1e-6 / 2500 * 0.36 * 1.44 / std::pow(50, 4)), 1,
+      2e-3);
+  EXPECT_EQ(psd(r.motion, {phase_sensitivity(1, 1, 1)}, 10), 0);
+  EXPECT_GT(psd(r.motion, {phase_sensitivity(1, 0, 1)}, 10), 0);
+  EXPECT_NEAR(psd(r.motion, {phase_sensitivity(1, 2, 1)}, 0.1) / psd(r.motion, {phase_sensitivity(0, 2, 1)}, 0.1), 1.07,
+              0.02);
   EXPECT_THAT(read(ground + "  m: {motion: {suspended: {from: ground, vertical: y, stages: " + stages + "}}}\n", {"m"})
                   .problems,
               HasSubstr("how it moves along y"));
@@ -101,7 +107,9 @@ TEST(MotionChains, NormalModesOfPendulums) {
   // The chain solved as it stands: k_2 (x_1 - x_2) = -w^2 m x_2, ..., at 2 Hz.
   double const m = 3, k1 = 2 * m * w2, k2 = m * w2, w = std::pow(4 * pi, 2),
                direct = k1 * k2 / ((k1 + k2 - w * m) * (k2 - w * m) - k2 * k2);
-  EXPECT_NEAR(psd(r.motion, {lever(1, 0, 1)}, 2) / (direct * direct * psd(r.motion, {lever(0, 0, 1)}, 2)), 1, 1e-6);
+  EXPECT_NEAR(psd(r.motion, {phase_sensitivity(1, 0, 1)}, 2) /
+                  (direct * direct * psd(r.motion, {phase_sensitivity(0, 0, 1)}, 2)),
+              1, 1e-6);
   EXPECT_THAT(read(ground + "  m: {motion: {x: {from: ground, through: {pendulum: {masses: [3 kg], lengths: [], "
                             "quality: 5}}}, others: still}}\n",
                    {"m"})
@@ -117,9 +125,10 @@ TEST(MotionChains, FollowsThroughAChain) {
                "  twin: {motion: {follows: tower, through: {pendulum: {frequency: 0.5 Hz, quality: 5}}}}\n",
            {"ground", "tower", "bench", "twin"});
   ASSERT_EQ(r.problems, "");
-  EXPECT_EQ(psd(r.motion, {lever(2, 0, 1), lever(3, 0, -1)}, 3), 0);
+  EXPECT_EQ(psd(r.motion, {phase_sensitivity(2, 0, 1), phase_sensitivity(3, 0, -1)}, 3), 0);
   double const x = 12 / 0.5, drop = std::pow(1 - x * x, 2) + std::pow(x / 5, 2);
-  EXPECT_NEAR(psd(r.motion, {lever(2, 1, 1)}, 12) / psd(r.motion, {lever(1, 1, 1)}, 12) * drop, 1, 1e-9);
+  EXPECT_NEAR(psd(r.motion, {phase_sensitivity(2, 1, 1)}, 12) / psd(r.motion, {phase_sensitivity(1, 1, 1)}, 12) * drop,
+              1, 1e-9);
   // Equal chains are one object: one class of motion, not two.
   Gain const *bench = nullptr, *twin = nullptr;
   for (Gain const& g : r.motion.inputs.at(0).gains) (g.body.value == 2 ? bench : twin) = &g;
@@ -146,8 +155,12 @@ TEST(MotionChains, TonesAndDriftsPassToo) {
   MotionInput const& drift = r.motion.inputs[1];
   EXPECT_TRUE(drift.drift);
   double const v = 1e-6 / 3600;
-  EXPECT_NEAR(std::sqrt(r.motion.sensitivity(1, std::vector{lever(0, 2, 1), lever(2, 2, -1)}, 0)) / (3 * v), 1, 1e-12);
-  EXPECT_EQ(r.motion.sensitivity(1, std::vector{lever(0, 2, 1), lever(1, 2, -1)}, 0), 0);  // a pendulum follows slowly
+  EXPECT_NEAR(
+      std::sqrt(r.motion.sensitivity(1, std::vector{phase_sensitivity(0, 2, 1), phase_sensitivity(2, 2, -1)}, 0)) /
+          (3 * v),
+      1, 1e-12);
+  EXPECT_EQ(r.motion.sensitivity(1, std::vector{phase_sensitivity(0, 2, 1), phase_sensitivity(1, 2, -1)}, 0),
+            0);  // a pendulum follows slowly
   EXPECT_THAT(read("  a: {motion: {z: {drift: 2 um}, others: still}}\n", {"a"}).problems, HasSubstr("is a speed"));
   EXPECT_THAT(read("  a: {motion: {z: {drift: 2 um/h}, x: {like: z}, y: still}}\n", {"a"}).problems,
               HasSubstr("no independent twin"));
@@ -207,10 +220,13 @@ TEST(CrossSpectra, RelativeMotion) {
                             "2, scale: 2}, others: still}}\n",
                         {"a", "b"}, files);
     ASSERT_EQ(r.problems, "") << form;
-    EXPECT_NEAR(psd(r.motion, {lever(0, 2, 1)}, 5) / s1, 1, 1e-9);
-    EXPECT_NEAR(psd(r.motion, {lever(1, 0, 1)}, 5) / (4 * s2), 1, 1e-9);
-    EXPECT_NEAR(psd(r.motion, {lever(0, 2, 1), lever(1, 0, -0.5)}, 5) / (s1 + s2 - cross), 1, 1e-9) << form;
-    EXPECT_GT(std::fabs(psd(r.motion, {lever(0, 2, 1), lever(1, 0, -0.5)}, 5) / (s1 + s2) - 1), 0.1);  // twin
+    EXPECT_NEAR(psd(r.motion, {phase_sensitivity(0, 2, 1)}, 5) / s1, 1, 1e-9);
+    EXPECT_NEAR(psd(r.motion, {phase_sensitivity(1, 0, 1)}, 5) / (4 * s2), 1, 1e-9);
+    EXPECT_NEAR(psd(r.motion, {phase_sensitivity(0, 2, 1), phase_sensitivity(1, 0, -0.5)}, 5) / (s1 + s2 - cross), 1,
+                1e-9)
+        << form;
+    EXPECT_GT(std::fabs(psd(r.motion, {phase_sensitivity(0, 2, 1), phase_sensitivity(1, 0, -0.5)}, 5) / (s1 + s2) - 1),
+              0.1);  // twin
   }
 }
 
@@ -227,8 +243,8 @@ TEST(CrossSpectra, UnitsOfTheMembers) {
            {"a", "b"}, {{"x.txt", rows}});
   ASSERT_EQ(r.problems, "");
   for (double f : {0.7, 1.0, 3.0}) {
-    EXPECT_NEAR(psd(r.motion, {lever(1, 2, 1)}, f) / 1e-12, 1, 1e-6);
-    EXPECT_LT(psd(r.motion, {lever(0, 2, 1), lever(1, 2, -1)}, f), 1e-20);  // one motion
+    EXPECT_NEAR(psd(r.motion, {phase_sensitivity(1, 2, 1)}, f) / 1e-12, 1, 1e-6);
+    EXPECT_LT(psd(r.motion, {phase_sensitivity(0, 2, 1), phase_sensitivity(1, 2, -1)}, f), 1e-20);  // one motion
   }
 }
 
@@ -258,10 +274,12 @@ TEST(ModeMotion, AModeIsACoordinateOfItsOwn) {
   std::vector<std::string> const names = {"ground", "bench", "bench/bend"};
   Read const r = read(ground + bench, names);
   ASSERT_EQ(r.problems, "");
-  EXPECT_NEAR(psd(r.motion, {lever(2, 0, 1)}, 30) / (std::pow(1.3 * 200, 2) * psd(r.motion, {lever(0, 1, 1)}, 30)), 1,
-              1e-9);
-  EXPECT_NEAR(psd(r.motion, {lever(2, 0, 1)}, 3) / (std::pow(1.3 / 99, 2) * psd(r.motion, {lever(0, 1, 1)}, 3)), 1,
-              1e-5);
+  EXPECT_NEAR(psd(r.motion, {phase_sensitivity(2, 0, 1)}, 30) /
+                  (std::pow(1.3 * 200, 2) * psd(r.motion, {phase_sensitivity(0, 1, 1)}, 30)),
+              1, 1e-9);
+  EXPECT_NEAR(psd(r.motion, {phase_sensitivity(2, 0, 1)}, 3) /
+                  (std::pow(1.3 / 99, 2) * psd(r.motion, {phase_sensitivity(0, 1, 1)}, 3)),
+              1, 1e-5);
   EXPECT_THAT(read(ground + "  bench: {motion: {follows: ground}, modes: {bend: {shape: {}}}}\n", names).problems,
               HasSubstr("mode 'bench/bend' does not say how it moves"));
   EXPECT_THAT(read(ground + "  bench: {motion: {follows: ground}}\n", names).problems,

@@ -131,7 +131,7 @@ TEST(ReadMotionFiles, LineKeepsItsPower) {  // a line between the frequencies of
 
 // R4.04: a tone, and the same tone as a sampled series, turn the phase of a path alike. z = 118 rad; 1e-12 relative.
 TEST(ReadMotionFiles, ToneAndItsSamplesR4_04) {
-  double const rate = 512, f = 5, lever = 4 * pi / 1064e-9, start = 1234567890;
+  double const rate = 512, f = 5, phase_sensitivity = 4 * pi / 1064e-9, start = 1234567890;
   TimeSeries samples{"POSITION", "um", start, rate, {}};
   for (int i = 0; i < 4096; ++i) samples.samples.push_back(10 * std::sin(2 * pi * std::fmod(f * i / rate, 1) + pi / 6));
   Read const series = read("series: x.hdf5", {{"x.hdf5", series_hdf5({&samples, 1})}}),
@@ -143,11 +143,11 @@ TEST(ReadMotionFiles, ToneAndItsSamplesR4_04) {
   double worst = 0, twin = 0;
   for (std::size_t i = 0; i < recorded.samples.size(); ++i) {
     double const turn = 2 * pi * std::fmod(f * double(i) / rate, 1),
-                 phase = lever * of_series.value.real() * recorded.samples[i];
-    worst = std::max(worst, std::fabs(phase - lever * std::imag(of_tone.value * std::polar(1.0, turn))));
-    twin = std::max(twin, std::fabs(phase - lever * std::real(of_tone.value * std::polar(1.0, turn))));
+                 phase = phase_sensitivity * of_series.value.real() * recorded.samples[i];
+    worst = std::max(worst, std::fabs(phase - phase_sensitivity * std::imag(of_tone.value * std::polar(1.0, turn))));
+    twin = std::max(twin, std::fabs(phase - phase_sensitivity * std::real(of_tone.value * std::polar(1.0, turn))));
   }
-  EXPECT_LT(worst, 1e-12 * lever * 10e-6);
+  EXPECT_LT(worst, 1e-12 * phase_sensitivity * 10e-6);
   EXPECT_GT(twin, 1);  // cosine for sine
 }
 
@@ -161,8 +161,9 @@ TEST(ReadMotionFiles, OneRecordIsOneMotion) {
   MotionSet const m = read_motion(scene.root()["bodies"], {"a", "b"});
   ASSERT_EQ(problems_of(scene), "");
   ASSERT_EQ(m.inputs.size(), 1u);
-  std::vector<Lever> const levers = {{BodyId{0}, {0, 0, 1, 0, 0, 0}}, {BodyId{1}, {0, 0, -2, 0, 0, 0}}};
-  EXPECT_EQ(m.sensitivity(0, levers, 1), 0);
+  std::vector<PhaseSensitivity> const phase_sensitivities = {{BodyId{0}, {0, 0, 1, 0, 0, 0}},
+                                                             {BodyId{1}, {0, 0, -2, 0, 0, 0}}};
+  EXPECT_EQ(m.sensitivity(0, phase_sensitivities, 1), 0);
 }
 
 TEST(ReadMotionFiles, WhatARecordNeeds) {

@@ -21,7 +21,7 @@ struct Many {
     for (std::size_t j = 0; j < paths; ++j) {
       terms.amplitude.push_back(rng.uniform());
       terms.turns.push_back(rng.uniform());
-      for (std::size_t c = 0; c < coordinates; ++c) terms.lever.push_back(1.88e6 * (2 * rng.uniform() - 1));
+      for (std::size_t c = 0; c < coordinates; ++c) terms.phase_sensitivity.push_back(1.88e6 * (2 * rng.uniform() - 1));
     }
   }
 };
@@ -31,7 +31,7 @@ std::complex<double> with_long_doubles(PhaseTerms const& t, std::size_t i) {
   for (std::size_t j = 0; j < t.paths(); ++j) {
     long double turns = t.turns[j];
     for (std::size_t c = 0; c < t.coordinate.size(); ++c)
-      turns += static_cast<long double>(t.lever[j * t.coordinate.size() + c]) * t.coordinate[c][i];
+      turns += static_cast<long double>(t.phase_sensitivity[j * t.coordinate.size() + c]) * t.coordinate[c][i];
     sum += std::polar<long double>(t.amplitude[j], 2 * std::acos(-1.0L) * turns);
   }
   return std::complex<double>(sum);
@@ -74,7 +74,8 @@ TEST(PhaseSum, ThreadsDoNotChangeABit) {
 
 CouplingTable uneven() {
   std::vector<PathRecord> records;
-  for (std::uint64_t j = 0; j < 300; ++j) records.push_back(record(j, double(j % 17) / 2400, {lever(0, 2, two_k)}));
+  for (std::uint64_t j = 0; j < 300; ++j)
+    records.push_back(record(j, double(j % 17) / 2400, {phase_sensitivity(0, 2, two_k)}));
   return known_table({known_class(9, 1e-20, records)});
 }
 double total_power(std::vector<StrayPath> const& paths) {
@@ -120,7 +121,8 @@ std::vector<std::complex<double>> field_of(CouplingTable const& table, MotionSer
 
 // Two ghosts half a wavelength apart in length cancel, whatever their common phase; powers would add to 2.
 TEST(StrayPaths, GhostsInterfereByTheirFields) {  // eq. 10.5
-  CouplingClass ghosts = known_class(3, 2, {record(0, 1, {lever(0, 2, two_k)}), record(0, 1, {lever(0, 2, two_k)})});
+  CouplingClass ghosts = known_class(
+      3, 2, {record(0, 1, {phase_sensitivity(0, 2, two_k)}), record(0, 1, {phase_sensitivity(0, 2, two_k)})});
   ghosts.kind = ClassKind::ghost;
   ghosts.records[0].field = {1, 0};
   ghosts.records[1].field = {-1, 0};
@@ -132,7 +134,7 @@ TEST(StrayPaths, GhostsInterfereByTheirFields) {  // eq. 10.5
 }
 
 TEST(StrayFields, PowerOfBothQuadraturesIsConstant) {  // R4.11
-  CouplingTable const one = known_table({known_class(1, 4e-20, {record(0, 1, {lever(0, 2, two_k)})})});
+  CouplingTable const one = known_table({known_class(1, 4e-20, {record(0, 1, {phase_sensitivity(0, 2, two_k)})})});
   MotionSeries const m = draw_motion(moving({gaussian_line(1, 0.2, 1e-6)}), {0, 64, 640}, 1);
   for (std::complex<double> const s : field_of(one, m)) EXPECT_NEAR(std::norm(s), 4e-20, 1e-30);
 }

@@ -103,7 +103,8 @@ TEST(ReadPorts, ResponsesFromFiles) {
 // Light that comes back at an end mirror joins there unless the table says otherwise: Gamma - 1/2 instead of Gamma, 0.6
 // of the radiation pressure for Cosmic Explorer 1.
 TEST(ReadPorts, EndMirrorsOfTheScene) {
-  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "ETM", .entrance = Entrance::end_mirror}};
+  std::vector<TracedPort> const ports = {{.name = "ITM"},
+                                         {.name = "ETM", .injection_point = InjectionPoint::end_mirror}};
   auto const pressure = [&](std::string const& keys) {
     Detector const d = detector("preset: ce" + keys, {}, 1064e-9, ports);
     EXPECT_THAT(d.problems, IsEmpty());
@@ -117,7 +118,8 @@ TEST(ReadPorts, EndMirrorsOfTheScene) {
 
 // Light that was followed through the end mirror has T_E in its coupling: what a bench does, over T_E (eq. 9.3, 9.4).
 TEST(ReadPorts, LightFollowedThroughTheEndMirror) {
-  std::vector<TracedPort> const ports = {{.name = "ITM"}, {.name = "bench", .entrance = Entrance::through_end}};
+  std::vector<TracedPort> const ports = {{.name = "ITM"},
+                                         {.name = "bench", .injection_point = InjectionPoint::through_end}};
   auto const response = [&](std::string const& keys) {
     Detector const d = detector("preset: ce" + keys, {}, 1064e-9, ports);
     EXPECT_THAT(d.problems, IsEmpty());

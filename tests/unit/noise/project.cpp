@@ -11,7 +11,7 @@ std::vector<double> const band = {10, 10.4, 20, 21};
 Spectrum const weak = power_law_asd(1e-13, 10, -2, 1, 100);
 
 CouplingClass route(std::uint64_t hash, double mean) {
-  return known_class(hash, mean, {record(0, mean, {lever(0, 2, two_k)})});
+  return known_class(hash, mean, {record(0, mean, {phase_sensitivity(0, 2, two_k)})});
 }
 
 NoiseBudget budget(std::vector<CouplingClass> classes) {
@@ -122,7 +122,7 @@ TEST(Project, NoiseOfAFewAmongManyIsUnresolved) {
     CouplingClass c = route(1, 200);
     c.records.clear();
     for (int i = 0; i < 200; ++i)
-      c.records.push_back(record(std::uint64_t(i) * 4096, 1, {lever(0, 2, i < few ? two_k : 0)}));
+      c.records.push_back(record(std::uint64_t(i) * 4096, 1, {phase_sensitivity(0, 2, i < few ? two_k : 0)}));
     return budget({c});
   };
   NoiseBudget const three = of(3);
@@ -205,8 +205,9 @@ TEST(Project, PathsThatAreDrawnAreSaidAndInTheError) {
     std::vector<PathRecord> records;
     for (std::uint64_t i = 0; i < count; ++i) {
       double const along = std::fmod(0.618034 * double(i), 1), across = std::fmod(0.754878 * double(i), 1);
-      records.push_back(
-          record(i * 4096, 1, {lever(0, 2, two_k * (0.7 + 0.6 * along)), lever(1, 2, two_k * std::pow(30, across))}));
+      records.push_back(record(i * 4096, 1,
+                               {phase_sensitivity(0, 2, two_k * (0.7 + 0.6 * along)),
+                                phase_sensitivity(1, 2, two_k * std::pow(30, across))}));
     }
     CouplingTable table = known_table({known_class(1, 1, std::move(records))});
     table.groups = {"baffle"};

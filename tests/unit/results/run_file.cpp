@@ -35,7 +35,7 @@ class ReportRunFile : public ::testing::Test {
 };
 
 TEST_F(ReportRunFile, ComesBackBitByBit) {
-  trace.coupling.classes[0].records[3].levers[0].d[4] = -0.0;
+  trace.coupling.classes[0].records[3].phase_sensitivities[0].d[4] = -0.0;
   trace.coupling.classes[1].records[3].field = {{{1e-5, -2e-6}, {-0.0, 3e-7}}};
   trace.coupling.classes[1].kind = ClassKind::edge;
   trace.coupling.classes[1].statement = "upper bound: one smooth spherical wave";
@@ -62,8 +62,8 @@ TEST_F(ReportRunFile, ComesBackBitByBit) {
 // The comparison itself sees one changed last bit, and -0 where 0 was.
 TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   CouplingTable other = trace.coupling;
-  double& lever = other.classes[2].records[7].levers[1].d[5];
-  lever = -lever;
+  double& phase_sensitivity = other.classes[2].records[7].phase_sensitivities[1].d[5];
+  phase_sensitivity = -phase_sensitivity;
   EXPECT_FALSE(same(trace.coupling, other));
   CouplingTable kinds = trace.coupling;
   kinds.classes[2].kind = ClassKind::ghost;
@@ -117,7 +117,7 @@ TEST_F(ReportRunFile, ReadsFilesOfSchema1_1) {
           "/classes/tail_slope", "/classes/halves", "/classes/kind", "/classes/statement"})
       old.unlink(path);
   }
-  std::ofstream(folder / "sealed.h5", std::ios::binary) << sealed(read_file(file));
+  std::ofstream(folder / "sealed.h5", std::ios::binary) << with_checksum_header(read_file(file));
   RunFile const back = read_run(folder / "sealed.h5");
   EXPECT_FALSE(same(trace.total, back.trace.total));
   Moments const& m = back.trace.total.classes.at(1000).moments;
@@ -179,7 +179,8 @@ TEST_F(ReportRunFile, HashSeesOneChangedBitOrName) {
 TEST_F(ReportRunFile, NoObjectHasATimeStamp) {
   write_file(folder / "plain.h5", unsealed(read_file(written()), "run.h5"));
   H5::H5File const in(folder / "plain.h5", H5F_ACC_RDONLY);
-  for (char const* path : {"/", "/classes", "/classes/mean", "/noise/total", "/records/lever", "/input/files/0"}) {
+  for (char const* path :
+       {"/", "/classes", "/classes/mean", "/noise/total", "/records/phase_sensitivity", "/input/files/0"}) {
     H5O_info_t info = {};
     ASSERT_GE(H5Oget_info_by_name2(in.getId(), path, &info, H5O_INFO_TIME, H5P_DEFAULT), 0) << path;
     EXPECT_EQ(info.mtime, 0) << path;
@@ -204,7 +205,7 @@ std::string made(std::string const& kind, std::uint64_t major) {
   out.attribute("/", "schema", std::vector<std::uint64_t>{major, 0});
   out.attribute("/", "program", "straytrace");
   out.attribute("/", "version", "9.1");
-  return sealed(out.bytes());
+  return with_checksum_header(out.bytes());
 }
 
 TEST_F(ReportRunFile, RefusesOtherKindsAndNewerSchemas) {

@@ -32,18 +32,20 @@ inline bool same(Moments const& a, Moments const& b) {
          same_bits(a.tail, b.tail);
 }
 
-inline bool same(std::vector<LeverProduct> const& a, std::vector<LeverProduct> const& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](LeverProduct const& p, LeverProduct const& q) {
-    return p.replica == q.replica && p.first == q.first && p.second == q.second && p.sum == q.sum;
-  });
+inline bool same(std::vector<PhaseSensitivityProduct> const& a, std::vector<PhaseSensitivityProduct> const& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](PhaseSensitivityProduct const& p, PhaseSensitivityProduct const& q) {
+                      return p.replica == q.replica && p.first == q.first && p.second == q.second && p.sum == q.sum;
+                    });
 }
 
 inline bool same(ClassSums const& a, ClassSums const& b) {
   bool equal = a.port == b.port && same(a.moments, b.moments) && a.replica_sum == b.replica_sum &&
                same_bits(a.threshold, b.threshold) && same_bits(a.off_list, b.off_list) &&
-               a.kept.size() == b.kept.size() && a.levers.paths == b.levers.paths &&
-               a.levers.weight == b.levers.weight && a.levers.given_up == b.levers.given_up &&
-               same(a.levers.products, b.levers.products);
+               a.kept.size() == b.kept.size() && a.phase_sensitivities.paths == b.phase_sensitivities.paths &&
+               a.phase_sensitivities.weight == b.phase_sensitivities.weight &&
+               a.phase_sensitivities.given_up == b.phase_sensitivities.given_up &&
+               same(a.phase_sensitivities.products, b.phase_sensitivities.products);
   for (std::size_t i = 0; equal && i < a.kept.size(); ++i)
     equal = a.kept[i].history == b.kept[i].history && a.kept[i].event == b.kept[i].event &&
             a.kept[i].connection == b.kept[i].connection && same_bits(a.kept[i].coupling, b.kept[i].coupling) &&
@@ -55,7 +57,7 @@ inline bool same(BlockSums const& a, BlockSums const& b) {
   bool equal = a.histories == b.histories && a.blocks == b.blocks && a.bounces == b.bounces && a.rays == b.rays &&
                a.lost == b.lost && same(a.emitted, b.emitted) && a.arrived.size() == b.arrived.size() &&
                a.absorbed.size() == b.absorbed.size() && a.classes.size() == b.classes.size();
-  for (std::size_t i = 0; i < fate_count; ++i) equal = equal && same(a.ledger[i], b.ledger[i]);
+  for (std::size_t i = 0; i < balance_term_count; ++i) equal = equal && same(a.energy_balance[i], b.energy_balance[i]);
   for (std::size_t i = 0; equal && i < a.arrived.size(); ++i) equal = same(a.arrived[i], b.arrived[i]);
   for (std::size_t i = 0; equal && i < a.absorbed.size(); ++i) equal = same(a.absorbed[i], b.absorbed[i]);
   for (auto const& [hash, sums] : a.classes)
@@ -73,10 +75,11 @@ inline bool same(SumTree const& a, SumTree const& b) {
 inline bool same(PathRecord const& a, PathRecord const& b) {
   bool equal = a.history == b.history && a.event == b.event && a.connection == b.connection &&
                same_bits(a.coupling, b.coupling) && same_bits(a.weight, b.weight) &&
-               same_bits(a.path_length, b.path_length) && a.field == b.field && a.levers.size() == b.levers.size();
-  for (std::size_t i = 0; equal && i < a.levers.size(); ++i)
-    equal =
-        a.levers[i].body == b.levers[i].body && std::memcmp(a.levers[i].d, b.levers[i].d, sizeof a.levers[i].d) == 0;
+               same_bits(a.path_length, b.path_length) && a.field == b.field &&
+               a.phase_sensitivities.size() == b.phase_sensitivities.size();
+  for (std::size_t i = 0; equal && i < a.phase_sensitivities.size(); ++i)
+    equal = a.phase_sensitivities[i].body == b.phase_sensitivities[i].body &&
+            std::memcmp(a.phase_sensitivities[i].d, b.phase_sensitivities[i].d, sizeof a.phase_sensitivities[i].d) == 0;
   return equal;
 }
 
@@ -96,7 +99,7 @@ inline bool same(CouplingClass const& a, CouplingClass const& b) {
                a.coupling.why_not == b.coupling.why_not && same_bits(a.coupling.tail_slope, b.coupling.tail_slope) &&
                same_bits(a.coupling.halves, b.coupling.halves) && a.replica_sum == b.replica_sum &&
                a.records.size() == b.records.size() && a.folded_routes == b.folded_routes &&
-               a.folded.size() == b.folded.size() && same(a.levers, b.levers);
+               a.folded.size() == b.folded.size() && same(a.phase_sensitivities, b.phase_sensitivities);
   for (std::size_t i = 0; equal && i < a.folded.size(); ++i) equal = same(a.folded[i], b.folded[i]);
   for (std::size_t i = 0; equal && i < a.records.size(); ++i) equal = same(a.records[i], b.records[i]);
   return equal;

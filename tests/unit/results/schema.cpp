@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// schema/run-1.txt against a written file.
+// schema/run-2.txt against a written file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,9 +21,9 @@ std::string written(bool with_noise) {
   return read_file(folder / "run.h5");
 }
 
-// Every path of schema/run-1.txt stands in the file and the reverse; units agree.
+// Every path of schema/run-2.txt stands in the file and the reverse; units agree.
 std::set<std::string> schema_paths() {
-  std::istringstream lines(read_file(std::string(STRAY_SOURCE_DIR) + "/schema/run-1.txt"));
+  std::istringstream lines(read_file(std::string(STRAY_SOURCE_DIR) + "/schema/run-2.txt"));
   std::set<std::string> paths;
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with("/") && !line.starts_with("@")) continue;

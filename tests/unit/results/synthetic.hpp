@@ -51,12 +51,12 @@ inline BlockSums block(std::uint64_t index) {
     double const x = spread(history);
     b.emitted.add(power, history);
     double const shares[] = {0.61, 0.35 + 0.02 * (x - 0.5), 0.04 - 0.02 * (x - 0.5)};
-    for (std::size_t f = 0; f < 3; ++f) b.ledger[f].add(power * shares[f], history);
+    for (std::size_t f = 0; f < 3; ++f) b.energy_balance[f].add(power * shares[f], history);
     for (std::size_t g = 0; g < 3; ++g) b.arrived[g].add(power * 0.1 * double(g + 1) * x, history);
     for (std::size_t g : {0, 1, 4}) b.absorbed[g].add(power * 0.61 / 3, history);
   }
   b.emitted.close_block();
-  for (Moments& m : b.ledger) m.close_block();
+  for (Moments& m : b.energy_balance) m.close_block();
   for (Moments& m : b.arrived) m.close_block();
   for (Moments& m : b.absorbed) m.close_block();
   for (std::size_t c = 0; c < route_count; ++c) {
@@ -68,7 +68,7 @@ inline BlockSums block(std::uint64_t index) {
     sums.off_list = 0.1 * coupling;
     sums.replica_sum[index % replica_count] += coupling;
     sums.kept.push_back({history, 2, 1, coupling, coupling / spread(history + 7)});
-    sums.levers.add(index % replica_count, coupling, {{BodyId{0}, {1, 2, spread(c)}}, {BodyId{1}, {4}}});
+    sums.phase_sensitivities.add(index % replica_count, coupling, {{BodyId{0}, {1, 2, spread(c)}}, {BodyId{1}, {4}}});
   }
   return b;
 }
@@ -81,8 +81,8 @@ inline PathRecord record(std::size_t c, std::size_t k) {
   r.coupling = 1e-20 * spread(k);
   r.weight = 1e-22 * (1 + spread(k + c));
   r.path_length = 200.0 * double(c + 1) + 3 * spread(k);
-  r.levers.push_back({{0}, {1e5 * spread(k), 2e5 * spread(k + 1), 1.18e7, 0, 3, 4}});
-  if (c % 2 == 0) r.levers.push_back({{1}, {1e4, 2e4, -1.18e7 * spread(k), 1, 2, 0}});
+  r.phase_sensitivities.push_back({{0}, {1e5 * spread(k), 2e5 * spread(k + 1), 1.18e7, 0, 3, 4}});
+  if (c % 2 == 0) r.phase_sensitivities.push_back({{1}, {1e4, 2e4, -1.18e7 * spread(k), 1, 2, 0}});
   return r;
 }
 
@@ -109,7 +109,8 @@ inline CouplingTable coupling_table() {
     k.by_reverse = c == 3;
     k.replica_sum.fill(mean * 4736);
     for (std::size_t r = 0; r < 20; ++r) k.records.push_back(record(c, r));
-    if (c != 1) k.levers = {{std::uint32_t(c), {0}, {0}, {spread(c), 2}}, {std::uint32_t(c + 1), {0}, {1}, {3, -4}}};
+    if (c != 1)
+      k.phase_sensitivities = {{std::uint32_t(c), {0}, {0}, {spread(c), 2}}, {std::uint32_t(c + 1), {0}, {1}, {3, -4}}};
     t.classes.push_back(k);
   }
   t.classes[6].folded_routes = 9;

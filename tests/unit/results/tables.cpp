@@ -106,7 +106,7 @@ TEST_F(ReportTables, RanksByCouplingWithoutNoise) {
 // The tube shakes a thousand times more than the mirror; the twin swaps them.
 TEST_F(ReportTables, NamesTheBodyThatShakesThePhase) {
   EXPECT_EQ(table().rows[0].body, "tube");
-  EXPECT_NEAR(table().rows[0].lever, 1.18e7, 0.01e7);
+  EXPECT_NEAR(table().rows[0].phase_sensitivity, 1.18e7, 0.01e7);
   std::swap(shake.inputs[0].spectrum, shake.inputs[1].spectrum);
   EXPECT_EQ(table().rows[0].body, "ITM");
 }

@@ -113,7 +113,7 @@ TEST(Emission, QuantilesOfTheStatisticalLawR5_06) {
   for (std::uint64_t h = 0; h < 1 << 17; ++h) {
     PathState path;
     bool const alive = launch(view, 1, h, s, {}, {0, 0, -1}, path, silent);
-    path.power *= complete(view, path, nullptr);
+    path.power *= finish_hop_weight(view, path, nullptr);
     double const theta = std::atan2(std::hypot(path.ray.dir.x, path.ray.dir.y), path.ray.dir.z);
     for (int i = 0; i < 5; ++i)  // b has no cosine, the walk carries one
       below[i].add(alive && theta < angles[i] ? path.power / path.ray.dir.z / loss : 0);

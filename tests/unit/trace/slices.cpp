@@ -43,15 +43,15 @@ TEST(Slices, TreesSayWhatTheyHold) {
 }
 
 TEST(Slices, HandoutGivesEachBlockOnce) {
-  Handout handout({{3, 5}, {8, 12}});
-  EXPECT_EQ(handout.take(1), (BlockRange{3, 4}));
-  EXPECT_EQ(handout.take(9), (BlockRange{4, 5}));
-  EXPECT_EQ(handout.take(3), (BlockRange{8, 11}));
-  handout.give_back({9, 11});
-  EXPECT_EQ(handout.left(), 3u);
-  EXPECT_EQ(handout.take(9), (BlockRange{9, 11}));
-  EXPECT_EQ(handout.take(9), (BlockRange{11, 12}));
-  EXPECT_FALSE(handout.take(1));
+  BlockQueue block_queue({{3, 5}, {8, 12}});
+  EXPECT_EQ(block_queue.take(1), (BlockRange{3, 4}));
+  EXPECT_EQ(block_queue.take(9), (BlockRange{4, 5}));
+  EXPECT_EQ(block_queue.take(3), (BlockRange{8, 11}));
+  block_queue.give_back({9, 11});
+  EXPECT_EQ(block_queue.left(), 3u);
+  EXPECT_EQ(block_queue.take(9), (BlockRange{9, 11}));
+  EXPECT_EQ(block_queue.take(9), (BlockRange{11, 12}));
+  EXPECT_FALSE(block_queue.take(1));
 }
 
 // Replicas are numbers of blocks modulo 32 (noise bands by jackknife): those of a run with gaps are counted, not those

@@ -206,7 +206,7 @@ TEST(Records, WeightsOfATracedClass) {
           view.lit[lit].surface.value != 1)
         return;
       all += f;
-      if (by_itself(number)) analog += f;
+      if (is_hit(number)) analog += f;
     }
   } split;
   split.view = world.view();
@@ -220,7 +220,7 @@ TEST(Records, WeightsOfATracedClass) {
     double sum = 0, analog = 0;
     for (PathRecord const& p : c->records) {
       sum += p.weight;
-      if (by_itself(p.connection)) analog += p.weight;
+      if (is_hit(p.connection)) analog += p.weight;
     }
     EXPECT_NEAR(sum, c->coupling.mean, 1e-12 * sum);
     share.add(analog / sum);

@@ -199,8 +199,8 @@ BlockSums BatchBlocks::block(std::uint32_t position, std::uint64_t number) const
   block.lost = row.lost;
   block.window_variance = row.window_variance;
   block.emitted = moments_of(row.column[0]);
-  for (int f = 0; f < fate_count; ++f) block.ledger[f] = moments_of(row.column[1 + f]);
-  block.absorbed.back() = moments_of(row.column[1 + fate_count]);
+  for (int f = 0; f < balance_term_count; ++f) block.energy_balance[f] = moments_of(row.column[1 + f]);
+  block.absorbed.back() = moments_of(row.column[1 + balance_term_count]);
   for (GroupRow const& group : of_block(sums_.groups, position)) {
     block.arrived[group.group] = moments_of(group.arrived);
     block.absorbed[group.group] = moments_of(group.absorbed);

@@ -7,9 +7,9 @@
 
 #include <array>
 
+#include "trace/backend/device/energy_balance_sums.hpp"
 #include "trace/backend/device/engine.hpp"
 #include "trace/backend/device/history_kernel.hpp"
-#include "trace/backend/device/ledger_sums.hpp"
 #include "trace/backend/device/phases.hpp"
 
 namespace straytrace::device {

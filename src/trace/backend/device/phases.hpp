@@ -12,7 +12,7 @@
 namespace straytrace::device {
 
 struct SumPhases {
-  double const *amplitude, *turns, *lever, *position;
+  double const *amplitude, *turns, *phase_sensitivity, *position;
   std::size_t paths, coordinates, samples;
   double *real, *imaginary;
   STRAY_HD void operator()(std::uint32_t i) const {
@@ -20,7 +20,7 @@ struct SumPhases {
     for (std::size_t j = 0; j < paths; ++j) {
       double phase = turns[j];
       for (std::size_t c = 0; c < coordinates; ++c) {
-        double const by = lever[j * coordinates + c];
+        double const by = phase_sensitivity[j * coordinates + c];
         if (by != 0) phase += by * position[c * samples + i];
       }
       add_turned(phase, amplitude[j], re, im);
@@ -32,11 +32,12 @@ struct SumPhases {
 
 inline std::vector<std::complex<double>> summed_phases(PhaseOrder const& o) {
   Array<double> const amplitude(o.amplitude.begin(), o.amplitude.end()), turns(o.turns.begin(), o.turns.end()),
-      lever(o.lever.begin(), o.lever.end()), position(o.position.begin(), o.position.end());
+      phase_sensitivity(o.phase_sensitivity.begin(), o.phase_sensitivity.end()),
+      position(o.position.begin(), o.position.end());
   Array<double> real(o.samples), imaginary(o.samples);
   for_each_number(std::uint32_t(o.samples),
-                  SumPhases{data_of(amplitude), data_of(turns), data_of(lever), data_of(position), o.amplitude.size(),
-                            o.coordinates, o.samples, data_of(real), data_of(imaginary)});
+                  SumPhases{data_of(amplitude), data_of(turns), data_of(phase_sensitivity), data_of(position),
+                            o.amplitude.size(), o.coordinates, o.samples, data_of(real), data_of(imaginary)});
   std::vector<double> re(o.samples), im(o.samples);
   thrust::copy(real.begin(), real.end(), re.begin());
   thrust::copy(imaginary.begin(), imaginary.end(), im.begin());

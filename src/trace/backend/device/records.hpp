@@ -24,7 +24,7 @@ struct Recorded {
   T what;
 };
 
-constexpr int batch_columns = 2 + fate_count;  // emitted, the fates, absorbed in media
+constexpr int batch_columns = 2 + balance_term_count;  // emitted, the terms of the energy balance, absorbed in media
 struct HistoryRecord {
   double column[batch_columns];
   double window_variance;
@@ -39,8 +39,8 @@ template <template <class> class List>
 STRAY_HD HistoryRecord record_of(BasicTally<List> const& tally) {
   HistoryRecord r{};
   r.column[0] = tally.power_emitted();
-  for (int f = 0; f < fate_count; ++f) r.column[1 + f] = tally.booked(static_cast<Fate>(f));
-  r.column[1 + fate_count] = tally.absorbed_in_media();
+  for (int f = 0; f < balance_term_count; ++f) r.column[1 + f] = tally.booked(static_cast<BalanceTerm>(f));
+  r.column[1 + balance_term_count] = tally.absorbed_in_media();
   r.window_variance = tally.window_variance();
   r.bounces = tally.bounces();
   r.lost = tally.lost();

@@ -35,7 +35,7 @@ std::vector<double> strain_per_motion(double reverse) {
   double const coupling = wavelength * wavelength * 1e-4 * baffle_sum(3.2145e-9, 2.3986, 0.5, 10e3, 32.35);
   std::vector<CouplingClass> mirrors;
   for (std::uint32_t port : {0u, 1u}) {
-    mirrors.push_back(known_class(port, coupling, {record(0, coupling, {lever(0, 2, two_k)})}));
+    mirrors.push_back(known_class(port, coupling, {record(0, coupling, {phase_sensitivity(0, 2, two_k)})}));
     mirrors.back().port = PortId{port};
     mirrors.back().reverse = reverse;
   }
@@ -60,7 +60,8 @@ TEST(EinsteinTelescope, BackScatterStrain) {  // B5, tolerance 1e-4
 
 TEST(EinsteinTelescope, QuadraturesAddInPower) {
   double const coupling = 1e-24;
-  CouplingTable const table = known_table({known_class(1, coupling, {record(0, coupling, {lever(0, 2, two_k)})})});
+  CouplingTable const table =
+      known_table({known_class(1, coupling, {record(0, coupling, {phase_sensitivity(0, 2, two_k)})})});
   MotionSet const motion = moving({Spectrum({1, 1000}, {1e-30, 1e-30})});
   NoiseTrace const t = project_noise(table, motion, detector(), on({9.99, 10.01, 99.9, 100.1})).total;
   for (std::size_t i = 0; i < t.asd.size(); ++i)

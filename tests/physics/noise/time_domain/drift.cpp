@@ -71,16 +71,16 @@ TEST(Drift, MovesTheShareOfFirstOrder) {
   EXPECT_LT(s.linear[6], 1e-3 * s.psd[6]);
 }
 
-// Paths whose levers differ share lines between neighbouring nodes: power and mean frequency stay.
-TEST(Drift, PathsOfDifferentLeversKeepTheirPower) {
+// Paths whose phase sensitivities differ share lines between neighbouring nodes: power and mean frequency stay.
+TEST(Drift, PathsOfDifferentPhaseSensitivitiesKeepTheirPower) {
   MotionSet m = moving({});
   m.inputs = {drift(20.0 / hz_per_velocity)};
   std::vector<PathRecord> records;
   double mean = 0;
   for (int i = 0; i < 500; ++i) {
-    double const lever_i = two_k * (1 + 0.0005 * i);
-    records.push_back(record(std::uint64_t(i) * 4096, 1, {lever(0, 2, lever_i)}));
-    mean += 20 * lever_i / two_k / 500;
+    double const phase_sensitivity_i = two_k * (1 + 0.0005 * i);
+    records.push_back(record(std::uint64_t(i) * 4096, 1, {phase_sensitivity(0, 2, phase_sensitivity_i)}));
+    mean += 20 * phase_sensitivity_i / two_k / 500;
   }
   CouplingTable const table = known_table({known_class(1, 1, records)});
   NoiseSettings const settings = on(logarithmic_grid(15, 30, 400).edges);

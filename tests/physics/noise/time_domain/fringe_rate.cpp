@@ -62,12 +62,13 @@ TEST(PublishedArches, CutOffAndMicroseism) {  // R2.39, R2.41
   EXPECT_GT(deviation(fringe_of(300e-6, 0.06), 425.2), 0.4);  // twin: peak to peak read as peak
 }
 
-// Multiplicity from the levers: a route that sees the body twice has arches twice as high (eq. 7.1).
-TEST(FringeCurve, CountsBouncesByTheLevers) {
-  CouplingTable table = known_table(
-      {known_class(1, 1, {record(0, 1, {lever(0, 2, two_k)})}),
-       known_class(2, 1, {record(0, 0.5, {lever(0, 2, 1.9 * two_k)}), record(1, 0.5, {lever(0, 2, 2.1 * two_k)})}),
-       known_class(3, 1, {record(0, 1, {lever(1, 2, two_k)})})});
+// Multiplicity from the phase sensitivities: a route that sees the body twice has arches twice as high (eq. 7.1).
+TEST(FringeCurve, CountsBouncesByThePhaseSensitivities) {
+  CouplingTable table = known_table({known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k)})}),
+                                     known_class(2, 1,
+                                                 {record(0, 0.5, {phase_sensitivity(0, 2, 1.9 * two_k)}),
+                                                  record(1, 0.5, {phase_sensitivity(0, 2, 2.1 * two_k)})}),
+                                     known_class(3, 1, {record(0, 1, {phase_sensitivity(1, 2, two_k)})})});
   MotionSeries const m = swinging(14e-6, 0.42);
   FringeCurve const once = fringe_curve(table, 0, m), twice = fringe_curve(table, 1, m),
                     still = fringe_curve(table, 2, m);

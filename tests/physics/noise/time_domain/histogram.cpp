@@ -26,16 +26,17 @@ struct Shared {
   double checked;  // largest error that the spot checks found
 };
 
-Shared compare(PhaseSpectra const& spectra, Strengths const& paths, StrengthNodes::Options options, double floor = 0) {
-  StrengthNodes const nodes(spectra, paths, options);
+Shared compare(PhaseSpectra const& spectra, Strengths const& paths, SpectrumInterpolator::Options options,
+               double floor = 0) {
+  SpectrumInterpolator const nodes(spectra, paths, options);
   std::vector<double> direct(spectra.grid().size()), shared(direct);
-  std::vector<StrengthNodes::Share> shares;
+  std::vector<SpectrumInterpolator::Share> shares;
   for (std::size_t p = 0; p < paths.size(); ++p) {
     std::vector<double> const one = spectra(paths.of(p)).psd;
     nodes.shares(p, shares);
     for (std::size_t i = 0; i < one.size(); ++i) {
       direct[i] += one[i];
-      for (StrengthNodes::Share const& s : shares) shared[i] += s.weight * nodes.basis()[s.basis].psd[i];
+      for (SpectrumInterpolator::Share const& s : shares) shared[i] += s.weight * nodes.basis()[s.basis].psd[i];
     }
   }
   double worst = 0;
@@ -79,7 +80,7 @@ TEST(StrengthHistogram, SeveralClasses) {  // two strong ones and one that is li
   Strengths const paths = spread({unit, 0.5 / other.variance(), 1e-5 / quiet.variance()}, 200, 0.4);
   EXPECT_LT(compare(spectra, paths, {}).error, 5e-4);
   Shared const usual = compare(spectra, paths, {0.25, 400, false});
-  EXPECT_GT(usual.step, StrengthNodes::same);
+  EXPECT_GT(usual.step, SpectrumInterpolator::same);
   EXPECT_LT(usual.error, 5e-4);
 }
 
@@ -97,13 +98,13 @@ TEST(StrengthHistogram, StrengthsOfTwoClassesSpreadOverDecades) {
     paths.kappa.insert(paths.kappa.end(), {two_k * two_k * along, 0.3 * two_k * two_k * across});
   }
   Shared const usual = compare(spectra, paths, {});
-  EXPECT_GT(usual.step, StrengthNodes::same);
+  EXPECT_GT(usual.step, SpectrumInterpolator::same);
   EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
   EXPECT_GT(usual.checked, 0);  // some paths were looked at
-  EXPECT_LE(usual.checked, StrengthNodes::tolerance);
+  EXPECT_LE(usual.checked, SpectrumInterpolator::tolerance);
   Shared const coarse = compare(spectra, paths, {1, 400, false});  // twin: four times as coarse
   EXPECT_GT(coarse.error, 1e-2);
-  EXPECT_GT(coarse.checked, StrengthNodes::tolerance);  // and the spot checks see it
+  EXPECT_GT(coarse.checked, SpectrumInterpolator::tolerance);  // and the spot checks see it
 }
 
 TEST(StrengthHistogram, FewPathsAreTheirOwnNodes) {
@@ -115,7 +116,7 @@ TEST(StrengthHistogram, FewPathsAreTheirOwnNodes) {
 
 TEST(StrengthHistogram, StepGrowsUntilNodesAreFew) {
   PhaseSpectra const spectra({ground}, FrequencyGrid{{10, 11}});
-  StrengthNodes const nodes(spectra, spread({unit}, 1000, 1), {1e-3, 100, false});
+  SpectrumInterpolator const nodes(spectra, spread({unit}, 1000, 1), {1e-3, 100, false});
   EXPECT_LE(nodes.nodes(), 100u);
   EXPECT_GT(nodes.step(), 1e-3);
 }

@@ -94,13 +94,14 @@ TEST(StaticPhase, BothQuadraturesAddUp) {  // R4.11; eq. 7.10 with a known phase
   }
 }
 
-// Two paths from one body with levers z and 0.4 z: line n is sum_j s_j J_n(z_j), fields first.
+// Two paths from one body with phase sensitivities z and 0.4 z: line n is sum_j s_j J_n(z_j), fields first.
 TEST(CoherentFamily, LinesAddAsFields) {
   double const z = 2.7;
   MotionSet m;
   m.bodies = {"body"};
   m.inputs = {tone(1, 1)};
-  std::vector<CoherentPath> const paths = {{1.0, {lever(0, 2, z)}}, {std::polar(0.8, 1.9), {lever(0, 2, -0.4 * z)}}};
+  std::vector<CoherentPath> const paths = {{1.0, {phase_sensitivity(0, 2, z)}},
+                                           {std::polar(0.8, 1.9), {phase_sensitivity(0, 2, -0.4 * z)}}};
   std::vector<double> edges;
   for (int n = 1; n <= 6; ++n) edges.insert(edges.end(), {n - 0.3, n + 0.3});
   PhaseSpectra const spectra(group_by_shape(m), FrequencyGrid{edges});
@@ -108,8 +109,8 @@ TEST(CoherentFamily, LinesAddAsFields) {
   for (int n = 1; n <= 6; ++n) {
     std::complex<double> plus = 0, minus = 0;
     double powers = 0;
-    for (auto const& [field, levers] : paths) {
-      double const zj = levers[0].d[2];
+    for (auto const& [field, phase_sensitivities] : paths) {
+      double const zj = phase_sensitivities[0].d[2];
       plus += field * bessel(n, zj);
       minus += field * bessel(n, zj) * (n % 2 ? -1.0 : 1.0);
       powers += std::norm(field) * std::pow(bessel(n, zj), 2);
@@ -122,10 +123,11 @@ TEST(CoherentFamily, LinesAddAsFields) {
   }
 }
 
-TEST(CoherentFamily, EqualLeversAreOnePath) {
+TEST(CoherentFamily, EqualPhaseSensitivitiesAreOnePath) {
   MotionSet const m = gaussian(1e-7);
   PhaseSpectra const spectra(group_by_shape(m), FrequencyGrid{{1, 3, 9, 10}});
-  std::vector<CoherentPath> const two = {{0.7, {lever(0, 2, two_k)}}, {std::polar(0.7, 2.0), {lever(0, 2, two_k)}}};
+  std::vector<CoherentPath> const two = {{0.7, {phase_sensitivity(0, 2, two_k)}},
+                                         {std::polar(0.7, 2.0), {phase_sensitivity(0, 2, two_k)}}};
   std::vector<double> const one = spectra(std::vector{two_k * two_k}).psd,
                             both = pair_spectrum(spectra, coherent_family(m, spectra.classes(), two)).psd;
   double const power = std::norm(two[0].field + two[1].field);
@@ -136,9 +138,10 @@ TEST(CoherentFamily, EqualLeversAreOnePath) {
 TEST(CoherentFamily, AgreesWithTimeSeries) {
   MotionSet m = moving({gaussian_line(1, 0.2, 8e-8), gaussian_line(0.7, 0.1, 6e-8)});
   m.inputs[0].gains.push_back({BodyId{1}, 2, 0.6});
-  std::vector<CoherentPath> const paths = {{1.0, {lever(0, 2, two_k)}},
-                                           {std::polar(0.9, 0.8), {lever(1, 2, two_k)}},
-                                           {std::polar(0.5, -1.5), {lever(0, 2, two_k), lever(1, 2, two_k)}}};
+  std::vector<CoherentPath> const paths = {
+      {1.0, {phase_sensitivity(0, 2, two_k)}},
+      {std::polar(0.9, 0.8), {phase_sensitivity(1, 2, two_k)}},
+      {std::polar(0.5, -1.5), {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, two_k)}}};
   std::vector<double> const edges = {0.5, 1.5, 2.5, 3.5, 5};
   PhaseSpectra const spectra(group_by_shape(m), FrequencyGrid{edges});
   std::vector<double> const exact = pair_spectrum(spectra, coherent_family(m, spectra.classes(), paths)).psd;
@@ -148,7 +151,7 @@ TEST(CoherentFamily, AgreesWithTimeSeries) {
     std::complex<double> sum = 0;
     for (CoherentPath const& p : paths) {
       double phase = 0;
-      for (Lever const& l : p.levers) phase += l.d[2] * x[l.body.value];
+      for (PhaseSensitivity const& l : p.phase_sensitivities) phase += l.d[2] * x[l.body.value];
       sum += p.field * std::polar(1.0, phase);
     }
     return sum;
@@ -156,7 +159,7 @@ TEST(CoherentFamily, AgreesWithTimeSeries) {
   double apart = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_LT(deviation(seen[i], exact[i]), 0.05) << edges[i] << " Hz";
   for (CoherentPath const& p : paths)
-    apart += std::norm(p.field) * spectra(kappa_of(m, spectra.classes(), p.levers)).psd[0];
+    apart += std::norm(p.field) * spectra(kappa_of(m, spectra.classes(), p.phase_sensitivities)).psd[0];
   EXPECT_GT(deviation(apart, exact[0]), 0.1);  // twin: powers added
 }
 

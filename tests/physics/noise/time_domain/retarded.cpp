@@ -6,9 +6,10 @@
 namespace straytrace::testing::noise_retarded {
 namespace {
 
-// One body moves at a tone; light takes 6 km. A hit: its lever over 2k, and metres from there to the end of the path.
+// One body moves at a tone; light takes 6 km. A hit: its phase sensitivity over 2k, and metres from there to the end of
+// the path.
 struct Hit {
-  double lever, left;
+  double phase_sensitivity, left;
 };
 struct Path {
   std::vector<Hit> hits;
@@ -19,25 +20,25 @@ constexpr double length = 6000, hz = 100, peak = 1e-12;  // m, Hz, m: linear
 std::complex<double> exact(std::vector<Path> const& paths) {
   std::complex<double> sum = 0;
   for (Path const& p : paths)
-    for (Hit const& h : p.hits) sum += h.lever * std::polar(1.0, 2 * pi * hz * h.left / speed_of_light);
+    for (Hit const& h : p.hits) sum += h.phase_sensitivity * std::polar(1.0, 2 * pi * hz * h.left / speed_of_light);
   return sum;
 }
 
-// The same by the program: levers summed, half of the length.
+// The same by the program: phase sensitivities summed, half of the length.
 std::complex<double> by_half(std::vector<Path> const& paths) {
   MotionSet m;
   m.bodies = {"a"};
   m.inputs = {tone(hz, peak)};
   SampleTimes const times{0, 8192, 8192};
   MotionSeries const motion = draw_motion(m, times, 7, 0);
-  std::vector<Lever> levers = {lever(0, 2, 0)};
+  std::vector<PhaseSensitivity> phase_sensitivities = {phase_sensitivity(0, 2, 0)};
   for (Path const& p : paths)
-    for (Hit const& h : p.hits) levers[0].d[2] += two_k * h.lever / double(paths.size());
+    for (Hit const& h : p.hits) phase_sensitivities[0].d[2] += two_k * h.phase_sensitivity / double(paths.size());
   StrayPath one;
   one.port = PortId{0};
   one.amplitude = double(paths.size());
   one.length = length;
-  one.levers = levers;
+  one.phase_sensitivities = phase_sensitivities;
   PortField const field = stray_fields(std::vector{one}, motion, Delay::half_path).front();
   std::complex<double> sum = 0, drive = 0;
   for (std::size_t i = 0; i < times.samples; ++i) {

@@ -11,11 +11,11 @@ std::vector<double> spaced(double from, double to, double step, double spacing) 
   return edges;
 }
 
-// `n` paths with levers of a spread of +- 20 % on body 0.
+// `n` paths with phase sensitivities of a spread of +- 20 % on body 0.
 CouplingTable several_paths(int n, double power = 1) {
   std::vector<PathRecord> records;
   for (int j = 0; j < n; ++j)
-    records.push_back(record(std::uint64_t(j), power / n, {lever(0, 2, two_k * (0.8 + 0.4 * j / n))}));
+    records.push_back(record(std::uint64_t(j), power / n, {phase_sensitivity(0, 2, two_k * (0.8 + 0.4 * j / n))}));
   return known_table({known_class(1, power, records)});
 }
 
@@ -31,7 +31,7 @@ TEST(TimeDomainAgreement, LinearCoupling) {
 TEST(TimeDomainAgreement, WrappedFringes) {  // A5: 5 % up to 10 Hz
   UnitDetector const ifo;
   Simulation s{several_paths(1), moving({gaussian_line(0.2, 0.05, 2e-6)}), &ifo, spaced(0.5, 16.5, 1, 0.25)};
-  s.table.classes[0].records[0].levers = {lever(0, 2, two_k)};
+  s.table.classes[0].records[0].phase_sensitivities = {phase_sensitivity(0, 2, two_k)};
   s.duration = 80;
   s.rate = 128;
   s.realisations = 800;
@@ -70,7 +70,8 @@ TEST(TimeDomainAgreement, TwoBodiesOnOneGround) {  // eq. 1.10, 7.12
   s.motion.inputs.push_back({"ground z", ground, 0, {{BodyId{0}, 2, 1}, {BodyId{1}, 2, 0.6}}});
   for (double share : {-1.0, -0.9, -0.7, 0.8})
     s.table.classes[0].records.push_back(
-        record(std::uint64_t(110 + 100 * share), 0.25, {lever(0, 2, two_k), lever(1, 2, share * two_k)}));
+        record(std::uint64_t(110 + 100 * share), 0.25,
+               {phase_sensitivity(0, 2, two_k), phase_sensitivity(1, 2, share * two_k)}));
   s.table.classes[0].records.erase(s.table.classes[0].records.begin());
   s.duration = 20;
   s.rate = 256;

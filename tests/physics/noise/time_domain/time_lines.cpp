@@ -7,16 +7,21 @@
 namespace straytrace::testing {
 namespace {
 
-// One path that sees the motion of body 0 along z through a lever [rad/m], with no static phase.
+// One path that sees the motion of body 0 along z through a phase sensitivity [rad/m], with no static phase.
 struct OnePath {
-  std::vector<Lever> levers;
+  std::vector<PhaseSensitivity> phase_sensitivities;
   std::vector<StrayPath> paths;
-  explicit OnePath(double value) : levers{lever(0, 2, value)} { paths.push_back({PortId{0}, 1, 0, 0, levers, 0, 0}); }
+  explicit OnePath(double value) : phase_sensitivities{phase_sensitivity(0, 2, value)} {
+    paths.push_back({PortId{0}, 1, 0, 0, phase_sensitivities, 0, 0});
+  }
 };
 
-constexpr double e2b_lever = two_k / 2, e2b_peak = e2b_lever * 21e-6;  // 21 um of path at 10 Hz: 124.0102 rad
+constexpr double e2b_phase_sensitivity = two_k / 2,
+                 e2b_peak = e2b_phase_sensitivity * 21e-6;  // 21 um of path at 10 Hz: 124.0102 rad
 
-CouplingTable e2b() { return known_table({known_class(1, 1, {record(17, 1, {lever(0, 2, e2b_lever)})})}); }
+CouplingTable e2b() {
+  return known_table({known_class(1, 1, {record(17, 1, {phase_sensitivity(0, 2, e2b_phase_sensitivity)})})});
+}
 MotionSet e2b_motion() {
   MotionSet m = moving({Spectrum()});
   m.inputs = {tone(10, 21e-6)};
@@ -69,7 +74,7 @@ std::vector<double> phase_quadrature(OnePath const& path, MotionSeries const& m)
 
 TEST(FringesInTime, LinesOfTheVibratingMirror) {  // E.2b, eq. 7.3
   MotionSeries const m = draw_motion(e2b_motion(), {0, 8192, 16384}, 1);
-  std::vector<double> const y = phase_quadrature(OnePath(e2b_lever), m);
+  std::vector<double> const y = phase_quadrature(OnePath(e2b_phase_sensitivity), m);
   struct {
     double hz, amplitude;
   } const expected[] = {{10, -0.09294}, {30, 0.09643}, {50, -0.10309}, {110, 0.13329}};
@@ -81,7 +86,7 @@ TEST(FringesInTime, LinesOfTheVibratingMirror) {  // E.2b, eq. 7.3
   EXPECT_NEAR(variance, 0.514709, 1e-6);
   // Twin: 256 samples per second fold 1240 Hz back; the lines are then others.
   MotionSeries const slow = draw_motion(e2b_motion(), {0, 256, 512}, 1);
-  EXPECT_GT(std::fabs(line(phase_quadrature(OnePath(e2b_lever), slow), 256, 30) - 0.09643), 0.01);
+  EXPECT_GT(std::fabs(line(phase_quadrature(OnePath(e2b_phase_sensitivity), slow), 256, 30) - 0.09643), 0.01);
 }
 
 TEST(FringesInTime, LinesOfTheSmallMotion) {  // E.2b, small case: z = 0.885787
@@ -101,8 +106,9 @@ TEST(FringesInTime, SourceTonesOnAStillMirror) {  // E.2b: phases put on the lig
   MotionSet motion = moving({Spectrum()});
   motion.inputs.clear();
   for (Tone const& t : tones)
-    motion.inputs.push_back({"", {}, t.hz, {{BodyId{0}, 2, std::polar(t.amplitude / e2b_lever, t.phase)}}});
-  std::vector<double> const y = phase_quadrature(OnePath(e2b_lever), draw_motion(motion, {0, 1024, 2048}, 1));
+    motion.inputs.push_back({"", {}, t.hz, {{BodyId{0}, 2, std::polar(t.amplitude / e2b_phase_sensitivity, t.phase)}}});
+  std::vector<double> const y =
+      phase_quadrature(OnePath(e2b_phase_sensitivity), draw_motion(motion, {0, 1024, 2048}, 1));
   for (Tone const& t : tones) {
     std::complex<double> sum = 0;
     for (std::size_t i = 0; i < y.size(); ++i) sum += y[i] * std::polar(1.0, -2 * pi * t.hz * double(i) / 1024);

@@ -45,7 +45,7 @@ inline std::vector<PortField> linear(std::vector<StrayPath> paths, MotionSeries 
     for (std::size_t i = 0; i < f.field.size(); ++i) {
       double turns = 0;
       for (std::size_t c = 0; c < t.coordinate.size(); ++c)
-        turns += t.lever[j * t.coordinate.size() + c] * t.coordinate[c][i];
+        turns += t.phase_sensitivity[j * t.coordinate.size() + c] * t.coordinate[c][i];
       f.field[i] += std::polar(t.amplitude[j], 2 * pi * t.turns[j]) * std::complex(1.0, 2 * pi * turns);
     }
   return {f};

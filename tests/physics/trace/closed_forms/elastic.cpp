@@ -7,8 +7,8 @@
 #include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 #include "trace/tally/replay.hpp"
-#include "world/model/levers.hpp"
 #include "world/model/mode_shapes.hpp"
+#include "world/model/phase_sensitivities.hpp"
 
 namespace straytrace::testing::trace_elastic {
 namespace {
@@ -37,17 +37,17 @@ World world_with(std::vector<std::string> const& shapes, FileTexts files = {}) {
   return world;
 }
 
-double mode_lever(World const& world, std::uint32_t mode, Vec3 point, Vec3 kappa) {
-  std::vector<Lever> levers;
-  add_hit(levers, world, {0}, point, kappa);
-  return levers.at(1 + mode).d[0];
+double mode_phase_sensitivity(World const& world, std::uint32_t mode, Vec3 point, Vec3 kappa) {
+  std::vector<PhaseSensitivity> phase_sensitivities;
+  add_hit(phase_sensitivities, world, {0}, point, kappa);
+  return phase_sensitivities.at(1 + mode).d[0];
 }
 Vec3 psi(World const& world, std::uint32_t mode, Vec3 point) {
-  return {mode_lever(world, mode, point, {1, 0, 0}), mode_lever(world, mode, point, {0, 1, 0}),
-          mode_lever(world, mode, point, {0, 0, 1})};
+  return {mode_phase_sensitivity(world, mode, point, {1, 0, 0}), mode_phase_sensitivity(world, mode, point, {0, 1, 0}),
+          mode_phase_sensitivity(world, mode, point, {0, 0, 1})};
 }
 
-// The six rigid motions written as modes have the levers of the body, to 1e-12.
+// The six rigid motions written as modes have the phase sensitivities of the body, to 1e-12.
 TEST(ElasticModes, RigidShapesAreTheRigidBody) {
   // r x: rotation about x is e_x cross r = (0, -z, y), and so on.
   World const world = world_with(
@@ -59,11 +59,13 @@ TEST(ElasticModes, RigidShapesAreTheRigidBody) {
   auto const any = [&] { return Vec3{normal(engine), normal(engine), normal(engine)}; };
   std::vector<PassedVertex> path(3);
   for (PassedVertex& v : path) v = {SurfaceId{0}, any(), unit(any()), unit(any())};
-  std::vector<Lever> const levers = levers_of(world, path, 0, 0);
-  ASSERT_EQ(levers.size(), 7u);
+  std::vector<PhaseSensitivity> const phase_sensitivities = phase_sensitivities_of(world, path, 0, 0);
+  ASSERT_EQ(phase_sensitivities.size(), 7u);
   for (int i = 0; i < 6; ++i)
-    EXPECT_NEAR(levers[std::size_t(i) + 1].d[0], levers[0].d[i], 1e-12 * std::fabs(levers[0].d[i])) << i;
-  EXPECT_GT(std::fabs(levers[1].d[0] - levers[0].d[1]), 1e-3 * k);  // twin: another axis
+    EXPECT_NEAR(phase_sensitivities[std::size_t(i) + 1].d[0], phase_sensitivities[0].d[i],
+                1e-12 * std::fabs(phase_sensitivities[0].d[i]))
+        << i;
+  EXPECT_GT(std::fabs(phase_sensitivities[1].d[0] - phase_sensitivities[0].d[1]), 1e-3 * k);  // twin: another axis
 }
 
 // cos 2 phi: the wall goes out at 0 and pi, in at pi/2; light reflected along the diameter sees 2 k per metre.
@@ -75,8 +77,8 @@ TEST(ElasticModes, TubeCrossSection) {
     Vec3 const out{std::cos(phi), std::sin(phi), 0}, round{-std::sin(phi), std::cos(phi), 0},
         p = r * out + Vec3{0, 0, 7};
     // Reflection at the inner wall: kappa = k (in - out) = 2 k along the outward normal.
-    EXPECT_NEAR(mode_lever(world, 0, p, 2 * k * out), 2 * k * std::cos(2 * phi), 1e-9 * k);
-    EXPECT_NEAR(mode_lever(world, 1, p, 2 * k * out), 2 * k, 1e-9 * k);  // breathing
+    EXPECT_NEAR(mode_phase_sensitivity(world, 0, p, 2 * k * out), 2 * k * std::cos(2 * phi), 1e-9 * k);
+    EXPECT_NEAR(mode_phase_sensitivity(world, 1, p, 2 * k * out), 2 * k, 1e-9 * k);  // breathing
     // The wall keeps its length: radial/r + d(tangential)/(r d phi) = 0.
     double const h = 1e-4;
     Vec3 const p1 = r * Vec3{std::cos(phi - h), std::sin(phi - h), 0},

@@ -58,7 +58,7 @@ TEST(Furnace, ClosedSphereArrivingPower) {
     SampleMean const s = arrived(world, r, "wall");
     expect_mean("sphere", s, expected, 2e-3 * expected);
     expect_rejected("a wall that is 0.1 % more reflecting", s, 1 / (1 - 1.001 * c.rho));
-    EXPECT_LT(r.total.ledger[int(Fate::escaped)].sum, 1e-6 * r.total.emitted.sum);
+    EXPECT_LT(r.total.energy_balance[int(BalanceTerm::escaped)].sum, 1e-6 * r.total.emitted.sum);
   }
 }
 
@@ -78,8 +78,8 @@ struct Orders : Silent {
   void visit(PathState const& path, Vertex const&) {
     if (path.event <= power.size()) power[path.event - 1] += path.power;
   }
-  void book(Fate fate, double p) {
-    if (fate == Fate::window) window += p;
+  void book(BalanceTerm balance_term, double p) {
+    if (balance_term == BalanceTerm::roulette) window += p;
   }
 };
 
@@ -120,8 +120,8 @@ double arriving(World const& world, bool divide) {
     for (bool alive = true; alive;) {
       Hit const hit = view.closest(path.ray, path.from);
       Vertex v = make_vertex(view, hit.surface, path.ray.origin + hit.distance * path.ray.dir, path.ray.dir);
-      look(view, path, path.ray.dir, v);
-      path.power *= complete(view, path, &v);
+      evaluate_scattering(view, path, path.ray.dir, v);
+      path.power *= finish_hop_weight(view, path, &v);
       ++path.event;
       sum += path.power;
       double const before = path.power;
@@ -146,7 +146,8 @@ TEST(Furnace, LowerCutR3_27) {
   TraceResult const a = run_histories(high, 1 << 17, 1), b = run_histories(low, 1 << 17, 2);
   expect_mean("cut 0.3 against 0.03", difference(arrived(high, a, "wall"), arrived(low, b, "wall")), 0, 0.1);
   for (TraceResult const* r : {&a, &b}) {  // watts cut are reported, and cancel on average
-    Estimate const watts = estimate(r->total.ledger[int(Fate::window)], r->total.histories, r->total.blocks);
+    Estimate const watts =
+        estimate(r->total.energy_balance[int(BalanceTerm::roulette)], r->total.histories, r->total.blocks);
     EXPECT_GT(watts.std_error, 0);
     EXPECT_LT(std::fabs(watts.mean), 5 * watts.std_error);
   }
@@ -158,12 +159,14 @@ TEST(Furnace, NothingIsLostA18b) {
   World world = sphere(1, Profile::even, 0.3);
   world.limits.max_order = 300;
   TraceResult const r = run_histories(world, 4096);
-  EXPECT_NEAR(r.total.ledger[int(Fate::limit)].sum, r.total.emitted.sum, 1e-12 * r.total.emitted.sum);
+  EXPECT_NEAR(r.total.energy_balance[int(BalanceTerm::truncated)].sum, r.total.emitted.sum,
+              1e-12 * r.total.emitted.sum);
   EXPECT_EQ(r.total.bounces, 4096u * 300u);
   World leaky = sphere(1 - 1e-9, Profile::even, 0.3);  // twin: one part in 1e9 is absorbed
   leaky.limits.max_order = 300;
   TraceResult const t = run_histories(leaky, 4096);
-  EXPECT_GT(std::fabs(t.total.ledger[int(Fate::limit)].sum - t.total.emitted.sum), 1e-12 * t.total.emitted.sum);
+  EXPECT_GT(std::fabs(t.total.energy_balance[int(BalanceTerm::truncated)].sum - t.total.emitted.sum),
+            1e-12 * t.total.emitted.sum);
 }
 
 // Share of all arrivals of a history, from order `first` on, that falls on each group.

@@ -51,7 +51,7 @@ TEST(Glass, LosslessPlateAndItsGhostScene7) {
               1.4746e-3, 7e-4);
   expect_rejected("one face only, 1 - R", received(r), 0.96);
   double sum = 0;
-  for (Moments const& column : r.total.ledger) sum += column.sum;
+  for (Moments const& column : r.total.energy_balance) sum += column.sum;
   EXPECT_NEAR(sum / r.total.emitted.sum, 1, 1e-12);
 }
 

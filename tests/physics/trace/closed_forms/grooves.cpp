@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Grooves on surfaces of a scene: how they lie, and that the books know their total depends on the azimuth.
+// Grooves on surfaces of a scene: how they lie, and that the energy balance know their total depends on the azimuth.
 #include "base/errors.hpp"
 #include "support/trace_support.hpp"
 
@@ -63,8 +63,8 @@ TEST(Lay, FollowsTheSurface) {
   EXPECT_EQ(make_vertex(view, matt, {0.3, 0.4, 1}, {0, 0, 1}).frame.e1.x, around.e1.x);  // others stay as they are
 }
 
-// Light at 75 deg onto a plate, along its grooves: what the books expect is what the samples carry. Twin: a total that
-// is the mean over the azimuth leaves a mean in `sampling`.
+// Light at 75 deg onto a plate, along its grooves: what the energy balance expect is what the samples carry. Twin: a
+// total that is the mean over the azimuth leaves a mean in `sampling`.
 TEST(Lay, BooksKnowTheAzimuth) {
   for (bool const mean_only : {false, true}) {
     World world;
@@ -82,7 +82,7 @@ TEST(Lay, BooksKnowTheAzimuth) {
       continue;
     }
     BlockSums const total = run_histories(world, 1 << 19).total;
-    Estimate const e = estimate(total.ledger[int(Fate::sampling)], total.histories, total.blocks);
+    Estimate const e = estimate(total.energy_balance[int(BalanceTerm::sampling)], total.histories, total.blocks);
     expect_mean("sampling", sample_mean(e, total.histories, double(total.histories) / total.emitted.sum), 0, 1e-2);
   }
 }

@@ -22,7 +22,7 @@ struct Coupled : Silent {
   double sum = 0;
   Coupled(WorldView const& v, bool s) : view(v), strict(s) {}
   void score(PathState const& path, Vertex const& x, std::uint32_t, std::uint32_t number, Vertex const& y, double c) {
-    if (!strict || !(by_itself(number) ? aim_hidden(path, y) : line_hidden(x, y))) sum += c;
+    if (!strict || !(is_hit(number) ? aim_hidden(path, y) : line_hidden(x, y))) sum += c;
   }
   static bool aim_hidden(PathState const& path, Vertex const& y) {
     return path.hop.aim.valid() && y.leg < path.hop.aim_distance * (1 - 1e-9);

@@ -116,7 +116,7 @@ SampleMean wall_to_itself(double h, std::uint64_t histories, Weight&& weight) {
     double const u = uniform(engine), v = uniform(engine);
     Vec3 const start = tube.sample(u, v), outward = tube.normal(start);
     launch(view, 1, i, wall, start, outward, path, silent);
-    path.power *= complete(view, path, nullptr);
+    path.power *= finish_hop_weight(view, path, nullptr);
     bool const hit = view.closest(path.ray, path.from).surface.valid();
     found.add(hit ? path.power * weight(-dot(path.ray.dir, outward)) : 0);
   }

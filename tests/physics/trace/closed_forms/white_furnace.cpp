@@ -51,9 +51,9 @@ double radiance(WorldView const& view, std::uint32_t oven, std::uint64_t number,
     if (!hit.surface.valid()) return 0;
     Vertex vertex = vertex_at(view, path, hit);
     double const lobe = path.hop.lobe;
-    path.power *= complete(view, path, &vertex) * (divide ? 1 : lobe);
+    path.power *= finish_hop_weight(view, path, &vertex) * (divide ? 1 : lobe);
     ++path.event;
-    look(view, path, path.ray.dir, vertex);
+    evaluate_scattering(view, path, path.ray.dir, vertex);
     if (view.surfaces[hit.surface.value].group.value == oven) return path.power;
     if (!scatter(view, 1, path, vertex, sink)) return 0;
   }

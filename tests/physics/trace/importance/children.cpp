@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Children at a hit (requirements.md R3.26, C2.1): N paths that share the power, whatever N; and a walk that splits and
-// ends paths by chance keeps its books (estimators.md 4, 8).
+// ends paths by chance keeps its energy balance (estimators.md 4, 8).
 #include "base/errors.hpp"
 #include "support/trace_support.hpp"
 #include "trace/importance/importance.hpp"
@@ -39,7 +39,7 @@ struct Generations : Silent {
     second += path.power;
     ++children;
   }
-  void book(Fate, double power) { booked += power; }
+  void book(BalanceTerm, double power) { booked += power; }
 };
 
 TEST(Children, ShareThePowerOfTheirParentR3_26) {
@@ -105,7 +105,7 @@ TEST(Window, WithoutTheOddsSomeAreRefused) {
   int refused = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TraceResult const r = run_histories(world, 48 * largest_block, seed);
-    Estimate const e = estimate(r.total.ledger[int(Fate::window)], r.total.histories, r.total.blocks);
+    Estimate const e = estimate(r.total.energy_balance[int(BalanceTerm::roulette)], r.total.histories, r.total.blocks);
     refused += std::fabs(e.mean) > 5 * e.std_error;
     EXPECT_LT(std::fabs(e.mean),
               5 * std::max(e.std_error, std::sqrt(r.total.window_variance) / double(r.total.histories)));

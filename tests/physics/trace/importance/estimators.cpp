@@ -27,8 +27,8 @@ class Techniques : public Silent {
   }
   void score(PathState const& path, Vertex const&, std::uint32_t, std::uint32_t number, Vertex const&,
              double coupling) {
-    if (by_itself(number) && !(path.hop.pdf > 0)) return;
-    (by_itself(number) ? weighted_walk_ : weighted_connection_) += coupling;
+    if (is_hit(number) && !(path.hop.pdf > 0)) return;
+    (is_hit(number) ? weighted_walk_ : weighted_connection_) += coupling;
   }
   void close() {
     double const sum = weighted_walk_ + weighted_connection_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The mixture of scatter law and targets (estimators.md 6, 8): scene 16, and what a wrong table does to the books.
+// The mixture of scatter law and targets (estimators.md 6, 8): scene 16, and what a wrong table does to the energy
+// balance.
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
@@ -94,10 +95,10 @@ TEST(Mixture, ArrivingPowerScene16) {
     TraceResult const r = run_histories(world, 1 << 17);
     expect_mean("arriving power, 1/(1 - rho)", arriving(world, r), 10, 0.5);
     double sum = 0;
-    for (Moments const& column : r.total.ledger) sum += column.sum;
+    for (Moments const& column : r.total.energy_balance) sum += column.sum;
     EXPECT_NEAR(sum / r.total.emitted.sum, 1, 1e-12);
-    for (Fate const fate : {Fate::sampling, Fate::window}) {
-      Estimate const e = estimate(r.total.ledger[int(fate)], r.total.histories, r.total.blocks);
+    for (BalanceTerm const balance_term : {BalanceTerm::sampling, BalanceTerm::roulette}) {
+      Estimate const e = estimate(r.total.energy_balance[int(balance_term)], r.total.histories, r.total.blocks);
       EXPECT_GT(e.std_error, 0);
       EXPECT_LT(std::fabs(e.mean), 5 * e.std_error);
     }
@@ -110,7 +111,8 @@ TEST(Mixture, ArrivingPowerWithPatchesScene16) {
     world.steer(patched(alpha));
     TraceResult const r = run_histories(world, 1 << 17);
     expect_mean("arriving power, 1/(1 - rho)", arriving(world, r), 10, 0.5);
-    Estimate const sampling = estimate(r.total.ledger[int(Fate::sampling)], r.total.histories, r.total.blocks);
+    Estimate const sampling =
+        estimate(r.total.energy_balance[int(BalanceTerm::sampling)], r.total.histories, r.total.blocks);
     EXPECT_LT(std::fabs(sampling.mean), 5 * sampling.std_error);
   }
 }
@@ -131,12 +133,12 @@ TEST(Mixture, WrongPatchesAreRefused) {
       expect_rejected(even ? "even over strips" : "strips left out", arriving(world, run_histories(world, 1 << 17)),
                       10);
     } catch (NumericalError const&) {
-      SUCCEED() << "the books refuse it";
+      SUCCEED() << "the energy balance refuses it";
     }
   }
 }
 
-// The weight of a hop as in complete(), with one thing wrong.
+// The weight of a hop as in finish_hop_weight(), with one thing wrong.
 enum class Fault { none, no_square, no_cosine, hidden_kept, area };
 double weight(WorldView const& view, PathState& path, Vertex const& v, Fault fault) {
   Hop& hop = path.hop;
@@ -167,7 +169,7 @@ SampleMean arriving_with(Fault fault, std::uint64_t histories) {
       Vertex v = vertex_at(view, path, hit);
       path.power *= weight(view, path, v, fault);
       if (!(path.power > 0)) break;
-      look(view, path, path.ray.dir, v);
+      evaluate_scattering(view, path, path.ray.dir, v);
       sum += path.power;
       if (!scatter(view, 1, path, v, sink)) break;
     }
@@ -186,7 +188,7 @@ TEST(Mixture, WrongDensitiesAreRejected) {
   expect_rejected("patch area wrong by 1 %", arriving_with(Fault::area, 1 << 20), expected);
 }
 
-// Twin: patch areas wrong by a few per cent leave a mean in `sampling`, which the books refuse.
+// Twin: patch areas wrong by a few per cent leave a mean in `sampling`, which the energy balance refuse.
 TEST(Mixture, WrongAreasAreRefused) {
   World world = two_caps();
   SteeringTables tables = uneven(0.1);

@@ -98,7 +98,7 @@ TEST(Patches, WrongPatchAreaIsRefused) {
     SampleMean const wrong = received_share(run_histories(world, 1 << 16));
     expect_rejected("patches a tenth too large", difference(wrong, right), 0);
   } catch (NumericalError const&) {
-    SUCCEED() << "the books refuse it";
+    SUCCEED() << "the energy balance refuses it";
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Case A12, physics.md 8.3: mirror -> diffuse wall -> far mirror, one direction, and the lever of the wall.
+// Case A12, physics.md 8.3: mirror -> diffuse wall -> far mirror, one direction, and the phase sensitivity of the wall.
 #include "support/aimed_walls.hpp"
 #include "trace/tally/replay.hpp"
 
@@ -33,8 +33,9 @@ World tube() {
   return world;
 }
 
-// Path integral eq. 1.2 over the wall of the near half, exact in the angles; `lever`: times the squared radial lever.
-double near_half(bool lever) {
+// Path integral eq. 1.2 over the wall of the near half, exact in the angles; `phase sensitivity`: times the squared
+// radial phase sensitivity.
+double near_half(bool phase_sensitivity) {
   double sum = 0;
   constexpr int steps = 100000;
   double const span = std::log((arm - first) / first);
@@ -43,7 +44,8 @@ double near_half(bool lever) {
     double const l1 = std::hypot(z, radius), l2 = std::hypot(arm - z, radius), s1 = radius / l1, s2 = radius / l2;
     double const b1 = kappa / std::pow(std::atan2(radius, z), 2), b2 = kappa / std::pow(std::atan2(radius, arm - z), 2);
     double const mirrors = std::sqrt((1 - s1 * s1) * (1 - s2 * s2)), j = k * (s1 + s2);
-    sum += b1 * b2 * beta_wall * mirrors * s1 * s2 / (l1 * l1 * l2 * l2) * 2 * pi * radius * dz * (lever ? j * j : 1);
+    sum += b1 * b2 * beta_wall * mirrors * s1 * s2 / (l1 * l1 * l2 * l2) * 2 * pi * radius * dz *
+           (phase_sensitivity ? j * j : 1);
   }
   return lambda * lambda * sum * span / steps;
 }
@@ -86,7 +88,7 @@ TEST(WallForward, TracedA12) {
   EXPECT_EQ(c->reverse, 2);  // one beam: the mirrors of one arm
 }
 
-// Squared radial lever of every path over the near wall, and how far any lever is from eq. 8.8.
+// Squared radial phase sensitivity of every path over the near wall, and how far any phase sensitivity is from eq. 8.8.
 struct Listener : Silent {
   World const& world;
   double now = 0, worst = 0, twin = 0;
@@ -96,7 +98,7 @@ struct Listener : Silent {
     auto const found = replay(world, 1, path.history, path.event, number);
     if (!found || found->vertices.size() != 3) return;
     double const z = v.point.z, l1 = std::hypot(z, radius), l2 = std::hypot(arm - z, radius);
-    for (Lever const& l : found->levers)
+    for (PhaseSensitivity const& l : found->phase_sensitivities)
       if (world.bodies()[l.body.value].name == "pipe") {
         double const radial = std::hypot(l.d[0], l.d[1]);
         worst = std::fmax(worst, std::fabs(radial - k * (radius / l1 + radius / l2)) / radial);
@@ -111,16 +113,17 @@ struct Listener : Silent {
   }
 };
 
-TEST(WallForward, LeverEq8_8) {
+TEST(WallForward, PhaseSensitivityEq8_8) {
   World const world = tube();
-  Listener levers(world);
-  walk(world, 1 << 18, levers, [&] { levers.close(); });
-  EXPECT_LT(levers.worst, 1e-9);
-  EXPECT_GT(levers.twin, 1e-9);  // the difference of the sines
+  Listener phase_sensitivities(world);
+  walk(world, 1 << 18, phase_sensitivities, [&] { phase_sensitivities.close(); });
+  EXPECT_LT(phase_sensitivities.worst, 1e-9);
+  EXPECT_GT(phase_sensitivities.twin, 1e-9);  // the difference of the sines
   double const expected = near_half(true);
-  expect_mean("f times squared lever", levers.f_lever2.mean(), expected, 0.1 * expected);
-  double const middle = k * radius * 4 / arm;  // lever of the middle of the arm
-  expect_rejected("mid-arm lever for all", levers.f_lever2.mean(), near_half(false) * middle * middle);
+  expect_mean("f times squared phase sensitivity", phase_sensitivities.f_lever2.mean(), expected, 0.1 * expected);
+  double const middle = k * radius * 4 / arm;  // phase sensitivity of the middle of the arm
+  expect_rejected("mid-arm phase sensitivity for all", phase_sensitivities.f_lever2.mean(),
+                  near_half(false) * middle * middle);
 }
 
 }  // namespace

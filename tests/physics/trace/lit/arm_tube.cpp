@@ -63,8 +63,9 @@ TEST(ArmTube, SpotOfMirrorOneE1) {
   }
 }
 
-// A wall that moves by 10 um: the lever of grazing light is so weak that the phase peaks at 0.047 rad and the line is
-// still linear (eq. 7.3), to 1e-3; with the lever of back-scatter, 2k, it would peak at 118 rad.
+// A wall that moves by 10 um: the phase sensitivity of grazing light is so weak that the phase peaks at 0.047 rad and
+// the line is still linear (eq. 7.3), to 1e-3; with the phase sensitivity of back-scatter, 2k, it would peak at 118
+// rad.
 TEST(ArmTube, LargeMotionIsStillLinearE1) {
   Orders const o = quadrature(make(), 0, 10e-6);
   EXPECT_NEAR(std::sqrt(o.line2[1]), 1.737e-22, 1e-3 * 1.737e-22);
@@ -101,7 +102,7 @@ TEST(ArmTube, FirstOrderOfTheSpotTracedE1) {
   expect_first_order(c, quadrature(make(c), c.spot).coupling[1], 1.293e-24, 5 << 19);
 }
 
-TEST(ArmTube, RouteAndLeversOfTheRunE1) {
+TEST(ArmTube, RouteAndPhaseSensitivitiesOfTheRunE1) {
   World world = make();
   TraceResult const r = run_histories(world, 1 << 20);
   CouplingClass const* c = find_route(r, "mirror 1·S > wall·R > mirror 2·S");
@@ -112,13 +113,13 @@ TEST(ArmTube, RouteAndLeversOfTheRunE1) {
   CouplingClass const* even = find_route(r, "mirror 1·S > wall·R > wall·R > mirror 2·S");
   ASSERT_NE(even, nullptr);
   for (PathRecord const& p : even->records)
-    for (Lever const& l : p.levers)
+    for (PhaseSensitivity const& l : p.phase_sensitivities)
       if (world.bodies()[l.body.value].name == "pipe") {
         EXPECT_LT(std::hypot(l.d[0], l.d[1]), 1e-6 * k * first_angle(1));
       }
 }
 
-// A13, eq. 8.15: h of one path of power eps that arrives at angle theta, without its lever.
+// A13, eq. 8.15: h of one path of power eps that arrives at angle theta, without its phase sensitivity.
 double path_constant(Profile profile, double theta) {
   struct Catch : Silent {
     double f = 0;

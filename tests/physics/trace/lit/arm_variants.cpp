@@ -87,7 +87,8 @@ SampleMean arriving(World const& world, SurfaceId where, std::uint32_t order) {
 
 // Rings of 0.176 to 0.4 m a centimetre before each mirror. The far one stands in the light of mirror 1 between 59 and
 // 133 urad; kappa_s ln(r_2/r_1) of the light meets it, and S/pi of that per sr goes straight back (eq. 8.1, 8.2):
-// K = pi kappa^2/l^2 (theta_1^-2 - theta_2^-2). Its lever along the axis is 2k: 1 um at 100 Hz wraps to 1181 Hz.
+// K = pi kappa^2/l^2 (theta_1^-2 - theta_2^-2). Its phase sensitivity along the axis is 2k: 1 um at 100 Hz wraps to
+// 1181 Hz.
 TEST(ArmTube, FarRingOfSiliconCarbideE1) {
   World world = make({.rings = true});
   world.steer(aimed_walls(world, mirror_1, {{ring_2, pi * (0.4 * 0.4 - 0.176 * 0.176), {0, 0.1, 0.4, 1}}}));
@@ -103,9 +104,9 @@ TEST(ArmTube, FarRingOfSiliconCarbideE1) {
   ASSERT_NE(c, nullptr);
   EXPECT_EQ(c->reverse, 2);
   for (PathRecord const& p : c->records)
-    for (Lever const& lever : p.levers)
-      if (world.bodies()[lever.body.value].name == "rings") {
-        EXPECT_NEAR(lever.d[2], 2 * k, 1e-8 * 2 * k);
+    for (PhaseSensitivity const& phase_sensitivity : p.phase_sensitivities)
+      if (world.bodies()[phase_sensitivity.body.value].name == "rings") {
+        EXPECT_NEAR(phase_sensitivity.d[2], 2 * k, 1e-8 * 2 * k);
       }
   EXPECT_NEAR(2 * k * 1e-6 * 100, 1181.05, 0.01);  // Hz, eq. 7.2
   SampleMean const share = arriving(world, ring_2, 1);

@@ -49,7 +49,7 @@ TEST(BaffledTube, MissedPathTrap) {
   std::vector<std::string> const& warnings = insured.coupling.warnings;
   ASSERT_FALSE(warnings.empty());
   EXPECT_NE(warnings[0].find("receiver A comes from 'wall'"), std::string::npos) << warnings[0];
-  // exclusive lists: the books see that light is missing
+  // exclusive lists: the energy balance see that light is missing
   world.steer(without_near_wall(world, tables, 0));
   EXPECT_THROW(run_histories(world, 1 << 18), NumericalError);
 }

@@ -98,7 +98,7 @@ TEST(Edges, FollowsJ0) {
 }
 
 // Eq. 8.12 and 8.13: derivatives for motion of the rim, and none for motion of all three bodies together.
-TEST(Edges, LeversAreDerivatives) {
+TEST(Edges, PhaseSensitivitiesAreDerivatives) {
   double const z = 3e3, d = 0.7e-3;
   Arm made = arm({z});
   EdgeWave const wave = wave_of(made, d);
@@ -114,7 +114,8 @@ TEST(Edges, LeversAreDerivatives) {
     Field const all = gradient(wave, mirror_a, axis) + gradient(wave, pipe, axis) + gradient(wave, mirror_b, axis);
     EXPECT_NEAR(std::abs(all) / (kr * size), 0, 1e-6) << axis;
   }
-  // Frozen geometry: that the BSDF changes around a rim off centre, n/(ka^2/l_r) = 0.5 %, is not in the lever.
+  // Frozen geometry: that the BSDF changes around a rim off centre, n/(ka^2/l_r) = 0.5 %, is not in the phase
+  // sensitivity.
   double const step = 1e-6;
   Field const moved = (wave_of(made, d + step).amplitude - wave_of(made, d - step).amplitude) / (2 * step);
   EXPECT_NEAR(std::abs(gradient(wave, pipe, 0) - moved) / std::abs(moved), 0, 1e-2);

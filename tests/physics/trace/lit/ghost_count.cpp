@@ -47,7 +47,7 @@ void follow(WorldView const& view, std::uint32_t end, PathState path, std::uint3
       out.power[reflections] += path.power;
       return;
     }
-    look(view, path, path.ray.dir, v);
+    evaluate_scattering(view, path, path.ray.dir, v);
     path.from = {v.surface, v.piece, v.contact};
     path.ray.origin = v.point;
     if (reflections < Ghosts::most) {

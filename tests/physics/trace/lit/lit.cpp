@@ -116,16 +116,16 @@ World lit_world(std::vector<std::uint32_t> const& bodies, std::vector<Vec3> cons
   world.finish();
   return world;
 }
-Lever on_body(std::vector<Lever> const& levers, std::uint32_t body) {
-  for (Lever const& l : levers)
+PhaseSensitivity on_body(std::vector<PhaseSensitivity> const& phase_sensitivities, std::uint32_t body) {
+  for (PhaseSensitivity const& l : phase_sensitivities)
     if (l.body.value == body) return l;
   return {{body}, {}};
 }
 // Back-scatter at the last surface of the chain.
-std::vector<Lever> back_scatter(World const& world, std::uint32_t last) {
+std::vector<PhaseSensitivity> back_scatter(World const& world, std::uint32_t last) {
   Footprint const& f = world.footprints()[last];
   std::vector<PassedVertex> const one{{f.surface, f.centre, f.travel, -f.travel, Event::couple, f.index, f.index, {}}};
-  return levers_of(world, one, last, last);
+  return phase_sensitivities_of(world, one, last, last);
 }
 
 // Optical length from the start by all points and back again, with points moved.
@@ -140,9 +140,9 @@ double there_and_back(std::vector<Vec3> const& points, Vec3 start, std::vector<d
   return sum;
 }
 
-// eq. 2.2, 2.3: levers of light that is fed by a chain, scattered back at its end and returned by the chain are the
-// derivatives of the optical path there and back, 1e-5 k; twin: the way of the beam is forgotten.
-TEST(Lit, LeversOfTheChainAreDerivativesOfTheWayThereAndBack) {
+// eq. 2.2, 2.3: phase sensitivities of light that is fed by a chain, scattered back at its end and returned by the
+// chain are the derivatives of the optical path there and back, 1e-5 k; twin: the way of the beam is forgotten.
+TEST(Lit, PhaseSensitivitiesOfTheChainAreDerivativesOfTheWayThereAndBack) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> normal;
   auto const random = [&] { return Vec3{normal(engine), normal(engine), normal(engine)}; };
@@ -154,7 +154,7 @@ TEST(Lit, LeversOfTheChainAreDerivativesOfTheWayThereAndBack) {
     std::vector<std::uint32_t> const bodies{0, 1, 1, 0};
     Vec3 const start = random();
     World const world = lit_world(bodies, pivots, chain(points, start, index));
-    auto const levers = back_scatter(world, 3);
+    auto const phase_sensitivities = back_scatter(world, 3);
     for (std::uint32_t b = 0; b < 2; ++b)
       for (int axis = 0; axis < 6; ++axis) {
         Vec3 along;
@@ -169,7 +169,7 @@ TEST(Lit, LeversOfTheChainAreDerivativesOfTheWayThereAndBack) {
           });
         };
         double const h = 1e-5, slope = k * (length_with(h) - length_with(-h)) / (2 * h);
-        ASSERT_NEAR(on_body(levers, b).d[axis], slope, 1e-5 * k);
+        ASSERT_NEAR(on_body(phase_sensitivities, b).d[axis], slope, 1e-5 * k);
         Footprint const& f = world.footprints()[3];
         double const alone = b == 0 ? 2 * k * f.index * (&f.travel.x)[axis % 3] : 0;
         if (axis < 3) caught += std::fabs(alone - slope) > 1e-5 * k;
@@ -184,7 +184,7 @@ TEST(Lit, BenchMovesAsAWhole) {
   std::vector<Vec3> const points{{0, 0, 5}, {0, 0, 10}, {1, 0, 10}, {1, 2, 10}};  // a lens elsewhere first
   std::vector<double> const vacuum{1, 1, 1, 1};
   World const world = lit_world({0, 1, 1, 1}, {{}, {}}, chain(points, {}, vacuum));
-  Lever const bench = on_body(back_scatter(world, 3), 1), lens = on_body(back_scatter(world, 3), 0);
+  PhaseSensitivity const bench = on_body(back_scatter(world, 3), 1), lens = on_body(back_scatter(world, 3), 0);
   EXPECT_NEAR(bench.d[2], 2 * k, 1e-9 * k);
   EXPECT_NEAR(std::hypot(bench.d[0], bench.d[1]), 0, 1e-9 * k);
   for (double const d : lens.d) EXPECT_NEAR(d, 0, 1e-9 * k);                         // passed straight on
@@ -197,7 +197,7 @@ TEST(Lit, BenchMovesAsAWhole) {
 TEST(Lit, MirrorOfTheChainCountsTwice) {
   std::vector<Vec3> const points{{0, 0, 10}, {3, 0, 10}};
   World const world = lit_world({0, 1}, {{}, {}}, chain(points, {}, {1, 1}));
-  Lever const mirror = on_body(back_scatter(world, 1), 0);
+  PhaseSensitivity const mirror = on_body(back_scatter(world, 1), 0);
   Vec3 const normal = unit({1, 0, -1});
   double const along = dot({mirror.d[0], mirror.d[1], mirror.d[2]}, normal);
   EXPECT_NEAR(along, -4 * k * std::cos(pi / 4), 1e-9 * k);
@@ -223,9 +223,9 @@ TEST(Lit, TracedPathsKnowTheWayOfTheBeam) {
               0.25 * 0.5 / pi * lambda * lambda / (pi * 1e-6), 1e-2);
   for (PathRecord const& p : dump->records) {
     EXPECT_NEAR(p.path_length, 26, 1e-9);
-    EXPECT_NEAR(on_body(p.levers, 0).d[0], -2 * k, 1e-6 * k);
-    EXPECT_NEAR(on_body(p.levers, 0).d[2], 2 * k, 1e-6 * k);
-    EXPECT_NEAR(on_body(p.levers, 1).d[0], 2 * k, 1e-6 * k);
+    EXPECT_NEAR(on_body(p.phase_sensitivities, 0).d[0], -2 * k, 1e-6 * k);
+    EXPECT_NEAR(on_body(p.phase_sensitivities, 0).d[2], 2 * k, 1e-6 * k);
+    EXPECT_NEAR(on_body(p.phase_sensitivities, 1).d[0], 2 * k, 1e-6 * k);
   }
   // mirror·S > dump·S: one end at the mirror itself, the other came by it and goes back by it
   CouplingClass const* both = find_route(r, "mirror·S > dump·S");

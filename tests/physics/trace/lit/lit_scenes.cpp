@@ -81,7 +81,7 @@ TEST(LitScenes, BenchAndEndMirrorMoveAgainstEachOther) {
   ASSERT_NE(back, nullptr);
   for (PathRecord const& p : back->records) {
     double along[3] = {};  // bodies in the order of the scene
-    for (Lever const& l : p.levers) along[l.body.value] = l.d[2];
+    for (PhaseSensitivity const& l : p.phase_sensitivities) along[l.body.value] = l.d[2];
     EXPECT_NEAR(along[0], 0, 1e-9 * k);
     EXPECT_NEAR(along[1], -2 * k, 1e-6 * k);
     EXPECT_NEAR(along[2], 2 * k, 1e-6 * k);
@@ -95,7 +95,7 @@ TEST(LitScenes, BenchAndEndMirrorMoveAgainstEachOther) {
   bare.mirror = Feed::none;
   loose.add_footprint(plate, bare);
   auto const last = std::uint32_t(loose.footprints().size() - 1);
-  for (Lever const& l : levers_of(loose, one, last, last))
+  for (PhaseSensitivity const& l : phase_sensitivities_of(loose, one, last, last))
     if (l.body.value == 1) {
       EXPECT_NEAR(l.d[2], 0, 1e-6 * k);
     }

@@ -22,7 +22,7 @@ TEST(SequentialLaws, CriticalAngle) {
       PathState path;
       path.media.enter(0);
       Vertex v = make_vertex(bench.world.view(), face, {}, ray.dir);
-      look(bench.world.view(), path, ray.dir, v);
+      evaluate_scattering(bench.world.view(), path, ray.dir, v);
       if (end == SequenceEnd::total_reflection) {
         EXPECT_NEAR(v.reflect, 1, 1e-12);
         EXPECT_EQ(v.transmit, 0);
@@ -54,8 +54,8 @@ TEST(SequentialLaws, PipeOfAMillionBounces) {
       length = p.path_length;
       ++count;
     }
-    void book(Fate fate, double power) {
-      if (fate == Fate::limit) limit += power;
+    void book(BalanceTerm balance_term, double power) {
+      if (balance_term == BalanceTerm::truncated) limit += power;
     }
   } last;
   WorldView const view = bench.world.view();

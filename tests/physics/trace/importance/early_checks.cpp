@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stop rules that few histories meet: they are met by few, and stopping there favours no value
 // (docs/theory/errors.md, Determinism).
-#include "trace/run/early_looks.hpp"
+#include "trace/run/early_checks.hpp"
 
 #include "support/small_tube.hpp"
 
-namespace straytrace::testing::early_looks {
+namespace straytrace::testing::early_checks {
 namespace {
 
 double error_of_total(CouplingTable const& table) {
@@ -26,7 +26,7 @@ TraceResult until(double wanted, std::uint64_t seed) {
   return trace_to_rule(world, settings, *test_backend());
 }
 
-TEST(EarlyLooks, FewHistoriesMeetALooseRule) {
+TEST(EarlyChecks, FewHistoriesMeetALooseRule) {
   TraceResult const loose = until(0.2, 1), tight = until(0.05, 1);
   EXPECT_EQ(loose.stopped, Stopped::by_error);
   EXPECT_LT(loose.total.histories, 131072u);
@@ -40,7 +40,7 @@ TEST(EarlyLooks, FewHistoriesMeetALooseRule) {
   EXPECT_FALSE(same(run_histories(world, loose.total.histories).total, loose.total));
 }
 
-TEST(EarlyLooks, EverySizeMakesEnoughBlocks) {
+TEST(EarlyChecks, EverySizeMakesEnoughBlocks) {
   for (std::uint64_t n = 1000; n < 300000; n += 37) {
     std::uint64_t const size = block_size_of(n), blocks = blocks_of(n, size);
     ASSERT_GE(blocks, enough_blocks) << n;
@@ -71,7 +71,7 @@ double stopped_greedily(std::uint64_t route, std::uint64_t seed) {
 // Over many seeds, the mean of what is found where the rule of 20 % stops, of the least known route, in the error of
 // that mean; a long run says what is true. Broken twin: a rule that looks after every few histories, trusts two scores
 // and stops at the first good-looking moment; of k scores it finds 1/k too much.
-TEST(EarlyLooks, StoppingLeavesNoBias) {
+TEST(EarlyChecks, StoppingLeavesNoBias) {
   BlockSums const truth = run_histories(two_plates(), 1u << 21).total;
   std::uint64_t route = 0;
   double worst = 0;
@@ -91,4 +91,4 @@ TEST(EarlyLooks, StoppingLeavesNoBias) {
 }
 
 }  // namespace
-}  // namespace straytrace::testing::early_looks
+}  // namespace straytrace::testing::early_checks

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The error of h falls as the root of the number of histories: second moments of the levers need no kept paths
-// (docs/theory/errors.md, Second moments of the levers).
+// The error of h falls as the root of the number of histories: second moments of the phase sensitivities need no kept
+// paths (docs/theory/errors.md, Second moments of the phase sensitivities).
 #include <numeric>
 
 #include "physics/noise/support.hpp"
 #include "support/small_tube.hpp"
 
-namespace straytrace::testing::moments_of_levers {
+namespace straytrace::testing::moments_of_phase_sensitivities {
 namespace {
 
 constexpr std::uint64_t few = 16384;  // histories
 constexpr int seeds = 6;
 
-// Grey walls all round a spot: routes of one bounce and of several, whose levers on the wall spread widely.
+// Grey walls all round a spot: routes of one bounce and of several, whose phase sensitivities on the wall spread
+// widely.
 World chamber() {
   World world;
   BodyId const plates = world.add_body("plates", {}), wall = world.add_body("wall", {});
@@ -38,7 +39,7 @@ MotionSet shaking(double asd) {  // of the wall, along x and z
 // As it was: 512 kept paths, drawn from those that there are, and nothing else.
 CouplingTable with_512_paths(CouplingTable table) {
   for (CouplingClass& c : table.classes) {
-    c.levers.clear();
+    c.phase_sensitivities.clear();
     std::vector<PathRecord> all = std::move(c.records);
     std::sort(all.begin(), all.end(), [](auto& a, auto& b) { return a.history < b.history; });
     c.records.clear();
@@ -76,8 +77,9 @@ Seen seen(std::uint64_t histories, MotionSet const& motion, Change const& change
 CouplingTable as_it_is(CouplingTable table) { return table; }
 
 // Each stated error is known to 13 % (32 replicas), their mean over seeds to 5 %; the spread of 6 seeds to 32 %. Fewer
-// histories than these are no start: all their paths are kept, and the levers have no error beside that of the power.
-TEST(LeverMoments, ErrorFallsAsTheRootOfHistories) {
+// histories than these are no start: all their paths are kept, and the phase sensitivities have no error beside that of
+// the power.
+TEST(PhaseSensitivityMoments, ErrorFallsAsTheRootOfHistories) {
   MotionSet const weak = shaking(1e-14);
   Seen const one = seen(few, weak, as_it_is), four = seen(4 * few, weak, as_it_is);
   EXPECT_NEAR(one.stated / four.stated, 2, 0.6);
@@ -104,7 +106,7 @@ double mean_square_pull(std::vector<NoiseTrace> const& runs, double factor = 1) 
 // Coverage: the spread over 240 seeds is that of the stated errors, of one route and of the total. The ratio of the
 // squares is known to sqrt(2/239) = 9 %; limits at 3 of that. Broken twins: errors 1.3 and 1.5 times too small, and as
 // much too large, are refused.
-TEST(LeverMoments, SpreadOverManySeedsIsTheStatedError) {
+TEST(PhaseSensitivityMoments, SpreadOverManySeedsIsTheStatedError) {
   constexpr std::uint64_t runs = 240, histories = 2048;
   World const world = chamber();
   std::vector<NoiseTrace> route, total;
@@ -124,7 +126,7 @@ TEST(LeverMoments, SpreadOverManySeedsIsTheStatedError) {
 }
 
 // Where fringes wrap, the kept paths decide; they grow from 512 to 4096 with the blocks, and their error falls.
-TEST(LeverMoments, KeptPathsGrowWhereFringesWrap) {
+TEST(PhaseSensitivityMoments, KeptPathsGrowWhereFringesWrap) {
   MotionSet const strong = shaking(1e-6);
   World const world = chamber();
   CouplingTable const short_run = run_histories(world, 256 * 64).coupling,
@@ -138,36 +140,36 @@ TEST(LeverMoments, KeptPathsGrowWhereFringesWrap) {
 
 // Strengths from second moments are the means of those of the paths, cross terms of bodies that move together
 // included. What only rounding is left of is not known. Twin: without the products of two bodies.
-TEST(LeverMoments, StrengthsAreTheMeansOfThePaths) {
+TEST(PhaseSensitivityMoments, StrengthsAreTheMeansOfThePaths) {
   std::vector<PathRecord> paths, opposite;
   for (std::uint64_t i = 0; i < 64; ++i) {
     double const x = std::sin(double(i)), y = std::cos(3.0 * double(i));
     paths.push_back(record(i * largest_block, 1 + x * x, {{BodyId{0}, {x, 0, 3}}, {BodyId{1}, {y, 1, 0, 0, x}}}));
-    opposite.push_back(record(i * largest_block, 1, {lever(0, 0, x + 2), lever(1, 0, -x - 2)}));
+    opposite.push_back(record(i * largest_block, 1, {phase_sensitivity(0, 0, x + 2), phase_sensitivity(1, 0, -x - 2)}));
   }
   MotionSet motion = shaking(1e-14);
   motion.inputs[0].gains.push_back({BodyId{0}, 0, 0.7});
   std::vector<MotionClass> const classes = group_by_shape(motion);
-  auto const sums_of = [&](std::vector<LeverProduct> const& products) {
+  auto const sums_of = [&](std::vector<PhaseSensitivityProduct> const& products) {
     KappaSum const s = kappa_sums(motion, classes, products).at(0);
     return s.known ? std::accumulate(s.of.begin(), s.of.end(), 0.0) : not_a_number;
   };
   auto const moments = [](std::vector<PathRecord> records, double mean) {
     CouplingTable const table = known_table({known_class(1, mean, std::move(records))});
-    return lever_moments(table.classes[0], {}, true, table.histories, table.block_size);
+    return phase_sensitivity_moments(table.classes[0], {}, true, table.histories, table.block_size);
   };
   double expected = 0, weight = 0;
   for (PathRecord const& p : paths) {
-    expected += p.weight * kappa_of(motion, classes, p.levers)[0];
+    expected += p.weight * kappa_of(motion, classes, p.phase_sensitivities)[0];
     weight += p.weight;
   }
-  std::vector<LeverProduct> products = moments(paths, weight);
+  std::vector<PhaseSensitivityProduct> products = moments(paths, weight);
   EXPECT_NEAR(sums_of(products) / expected, 1, 1e-12);
-  std::erase_if(products, [](LeverProduct const& p) { return p.first != p.second; });
+  std::erase_if(products, [](PhaseSensitivityProduct const& p) { return p.first != p.second; });
   EXPECT_GT(std::fabs(sums_of(products) / expected - 1), 1e-3);
   motion.inputs[0].gains[1].value = 1;  // as the other body
   EXPECT_TRUE(std::isnan(sums_of(moments(opposite, 64))));
 }
 
 }  // namespace
-}  // namespace straytrace::testing::moments_of_levers
+}  // namespace straytrace::testing::moments_of_phase_sensitivities

@@ -8,16 +8,16 @@
 #include "trace/camera/sequential.hpp"
 #include "trace/tally/replay.hpp"
 
-namespace straytrace::testing::trace_levers {
+namespace straytrace::testing::trace_phase_sensitivities {
 namespace {
 
 constexpr double k = 2 * pi / 1.064e-6;
 
-Vec3 along(Lever const& l) { return {l.d[0], l.d[1], l.d[2]}; }
-Vec3 turning(Lever const& l) { return {l.d[3], l.d[4], l.d[5]}; }
+Vec3 along(PhaseSensitivity const& l) { return {l.d[0], l.d[1], l.d[2]}; }
+Vec3 turning(PhaseSensitivity const& l) { return {l.d[3], l.d[4], l.d[5]}; }
 bool close(Vec3 a, Vec3 b, double tolerance) { return length(a - b) <= tolerance * (length(a) + length(b)) / 2; }
-Lever on_body(std::vector<Lever> const& levers, BodyId body) {
-  for (Lever const& l : levers)
+PhaseSensitivity on_body(std::vector<PhaseSensitivity> const& phase_sensitivities, BodyId body) {
+  for (PhaseSensitivity const& l : phase_sensitivities)
     if (l.body == body) return l;
   return {body, {}};
 }
@@ -37,10 +37,10 @@ World bodies_world(std::vector<std::uint32_t> const& bodies, std::vector<Vec3> c
 double bounce(Vec3 in, Vec3 out, Vec3 moved, int times = 1) {
   World const world = bodies_world({0}, {{}});
   std::vector<PassedVertex> const hits(std::size_t(times), PassedVertex{{0}, {}, in, out});
-  return dot(along(levers_of(world, hits, 0, 0)[0]), moved);
+  return dot(along(phase_sensitivities_of(world, hits, 0, 0)[0]), moved);
 }
 
-TEST(Levers, MovingBounceA1) {
+TEST(PhaseSensitivities, MovingBounceA1) {
   double const s45 = std::sin(pi / 4), nm = 1e-9, tolerance = 1e-9;  // rad
   Vec3 const in45{s45, 0, -s45}, out45{s45, 0, s45}, out30{0, 0.5, std::cos(pi / 6)};
   EXPECT_NEAR(bounce({0, 0, 1}, {0, 0, -1}, {0, 0, nm}), 0.01181050, 5e-9);  // printed digits of the case
@@ -61,7 +61,7 @@ TEST(Levers, MovingBounceA1) {
 
 // R4.01: 3 km are 2.82e9 cycles. A quarter of a wave more at their end is pi/2 to the rounding of double precision;
 // twin: single precision.
-TEST(Levers, PhaseOfThreeKilometresR4_01) {
+TEST(PhaseSensitivities, PhaseOfThreeKilometresR4_01) {
   auto const length_to = [](double z) {
     World world;
     std::uint32_t const black = black_optic(world);
@@ -99,15 +99,15 @@ class RandomPaths {
 };
 
 // physics.md eq. 2.4, R4.06: the inner terms of a rigid body cancel; 1e-12 relative.
-TEST(Levers, RigidBodyInvariantR4_06) {
+TEST(PhaseSensitivities, RigidBodyInvariantR4_06) {
   RandomPaths random;
   World const one = bodies_world({0, 0, 0}, {{0.1, 0.2, 0.3}}), two = bodies_world({0, 1, 0}, {{}, {}});
   for (int i = 0; i < 1000; ++i) {
     auto const hits = random.path(3);
     Vec3 const ends = k * (hits.front().in - hits.back().out);
-    ASSERT_TRUE(close(along(levers_of(one, hits, 0, 0)[0]), ends, 1e-12 * 2 * k / length(ends)));
+    ASSERT_TRUE(close(along(phase_sensitivities_of(one, hits, 0, 0)[0]), ends, 1e-12 * 2 * k / length(ends)));
     // twin: the middle hit belongs to another body
-    ASSERT_FALSE(close(along(levers_of(two, hits, 0, 0)[0]), ends, 1e-12 * 2 * k / length(ends)));
+    ASSERT_FALSE(close(along(phase_sensitivities_of(two, hits, 0, 0)[0]), ends, 1e-12 * 2 * k / length(ends)));
   }
 }
 
@@ -138,19 +138,20 @@ double slope(World const& world, std::vector<PassedVertex> const& hits, BodyId b
 }
 
 // eq. 2.3, rotations about the pivot: 1e-5 relative to the finite difference of the optical path.
-TEST(Levers, RotationsAndTranslationsAreDerivativesOfTheOpticalPath) {
+TEST(PhaseSensitivities, RotationsAndTranslationsAreDerivativesOfTheOpticalPath) {
   RandomPaths random;
   std::vector<Vec3> const pivots{{0.3, -0.2, 0.5}, {-1, 0.4, 0.1}};
   World const world = bodies_world({0, 1, 0, 1}, pivots), off = bodies_world({0, 1, 0, 1}, {{}, {}});
   int twin_caught = 0;
   for (int i = 0; i < 200; ++i) {
     auto const hits = random.path(4);
-    auto const levers = levers_of(world, hits, 0, 0), elsewhere = levers_of(off, hits, 0, 0);
+    auto const phase_sensitivities = phase_sensitivities_of(world, hits, 0, 0),
+               elsewhere = phase_sensitivities_of(off, hits, 0, 0);
     for (std::uint32_t b = 0; b < 2; ++b)
       for (Vec3 const axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
         double const turn = slope(world, hits, {b}, axis, true), shift = slope(world, hits, {b}, axis, false);
-        ASSERT_NEAR(dot(turning(on_body(levers, {b})), axis), turn, 1e-5 * k);
-        ASSERT_NEAR(dot(along(on_body(levers, {b})), axis), shift, 1e-5 * k);
+        ASSERT_NEAR(dot(turning(on_body(phase_sensitivities, {b})), axis), turn, 1e-5 * k);
+        ASSERT_NEAR(dot(along(on_body(phase_sensitivities, {b})), axis), shift, 1e-5 * k);
         // twin: turned about another pivot
         twin_caught += std::fabs(dot(turning(on_body(elsewhere, {b})), axis) - turn) > 1e-5 * k;
       }
@@ -182,45 +183,45 @@ struct Cavity {
 };
 
 // The route one > ring > one has no analog hit in a million histories: histories are sent to the ring by hand.
-std::vector<Lever> there_and_back(Cavity const& c, double radius) {
+std::vector<PhaseSensitivity> there_and_back(Cavity const& c, double radius) {
   Vec3 const hit{radius, 0, 400}, out = unit(hit);
   std::vector<PassedVertex> const path{
       {{0}, {}, {0, 0, -1}, out, Event::emit}, {{2}, hit, out, -out}, {{0}, {}, -out, {0, 0, 1}, Event::couple}};
-  return levers_of(c.world, path, 0, 0);
+  return phase_sensitivities_of(c.world, path, 0, 0);
 }
 
 // eq. 2.5: +2k on the baffle and -2k on the mirror; cosines of 7.5e-5 rad are 1 to 3e-9.
-TEST(Levers, CavityMirrorBaffleMirror) {
+TEST(PhaseSensitivities, CavityMirrorBaffleMirror) {
   Cavity const c;
-  auto const levers = there_and_back(c, 0.03);
-  EXPECT_NEAR(on_body(levers, c.ring).d[2], 2 * k, 1e-8 * k);
-  EXPECT_NEAR(on_body(levers, c.one).d[2], -2 * k, 1e-8 * k);
+  auto const phase_sensitivities = there_and_back(c, 0.03);
+  EXPECT_NEAR(on_body(phase_sensitivities, c.ring).d[2], 2 * k, 1e-8 * k);
+  EXPECT_NEAR(on_body(phase_sensitivities, c.one).d[2], -2 * k, 1e-8 * k);
   Cavity const running(false);  // twin: the main mode's own bounce is not taken off
   EXPECT_GT(std::fabs(on_body(there_and_back(running, 0.03), running.one).d[2] + 2 * k), k);
 }
 
-// A path straight from mirror to mirror moves with the main mode: zero lever on both.
-TEST(Levers, CavityMirrorToMirrorIsTheMode) {
+// A path straight from mirror to mirror moves with the main mode: zero phase sensitivity on both.
+TEST(PhaseSensitivities, CavityMirrorToMirrorIsTheMode) {
   Cavity const c, running(false);
   std::vector<PassedVertex> const path{{{0}, {}, {0, 0, -1}, {0, 0, 1}, Event::emit},
                                        {{1}, {0, 0, 1000}, {0, 0, 1}, {0, 0, 1}, Event::couple}};
   auto straight = path;
   straight[1].out = {0, 0, -1};
-  for (Lever const& l : levers_of(c.world, straight, 0, 1))
+  for (PhaseSensitivity const& l : phase_sensitivities_of(c.world, straight, 0, 1))
     for (double const d : l.d) EXPECT_LT(std::fabs(d), 1e-12 * k);
-  EXPECT_GT(std::fabs(on_body(levers_of(running.world, straight, 0, 1), running.two).d[2]), k);  // twin
+  EXPECT_GT(std::fabs(on_body(phase_sensitivities_of(running.world, straight, 0, 1), running.two).d[2]), k);  // twin
 }
 
-// The same rules in traced paths: direct light of a cavity has no axial lever beyond theta^2/2, and a translation of
-// the whole scene changes no relative phase, so the levers of every record add up to zero.
-TEST(Levers, TracedCavityPathsAreRelativeToTheMode) {
+// The same rules in traced paths: direct light of a cavity has no axial phase sensitivity beyond theta^2/2, and a
+// translation of the whole scene changes no relative phase, so the phase sensitivities of every record add up to zero.
+TEST(PhaseSensitivities, TracedCavityPathsAreRelativeToTheMode) {
   Cavity const c, running(false);
   TraceResult const r = run_histories(c.world, 1 << 14), s = run_histories(running.world, 1 << 14);
   CouplingClass const* direct = find_route(r, "one·S > two·S");
   ASSERT_NE(direct, nullptr);
   double const theta = 4 * 5e-3 / 1000;  // spots of 5 mm, out to 4 radii in all
   for (PathRecord const& p : direct->records) {
-    for (Lever const& l : p.levers) {
+    for (PhaseSensitivity const& l : p.phase_sensitivities) {
       EXPECT_LT(std::fabs(l.d[2]), k * theta * theta);
       EXPECT_LT(std::hypot(l.d[0], l.d[1]), k * theta);
     }
@@ -228,14 +229,14 @@ TEST(Levers, TracedCavityPathsAreRelativeToTheMode) {
   }
   CouplingClass const* twin = find_route(s, "one·S > two·S");
   ASSERT_NE(twin, nullptr);
-  EXPECT_GT(std::fabs(twin->records[0].levers[0].d[2]), k);
+  EXPECT_GT(std::fabs(twin->records[0].phase_sensitivities[0].d[2]), k);
   for (CouplingClass const& route : r.coupling.classes)
     for (PathRecord const& p : route.records) {
       Vec3 sum;
-      for (Lever const& l : p.levers) sum = sum + along(l);
+      for (PhaseSensitivity const& l : p.phase_sensitivities) sum = sum + along(l);
       EXPECT_LT(length(sum), 1e-9 * k) << route_name(r.coupling, route);  // ends: main beam in, reversed mode out
     }
 }
 
 }  // namespace
-}  // namespace straytrace::testing::trace_levers
+}  // namespace straytrace::testing::trace_phase_sensitivities

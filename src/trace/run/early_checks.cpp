@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trace/run/early_looks.hpp"
+#include "trace/run/early_checks.hpp"
 
 #include <algorithm>
 
@@ -37,7 +37,7 @@ TraceResult trace_to_rule(World& world, TraceSettings settings, Backend const& b
     };
     TraceResult result = trace(world, early, backend);
     if (result.stopped != Stopped::by_histories) {
-      if (settings.ranks) send_home(settings.ranks->transport);
+      if (settings.ranks) stop_workers(settings.ranks->transport);
       return result;
     }
     settings.error_before = error;

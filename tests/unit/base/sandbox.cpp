@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work in a copy of the process: what it returns comes back, what it breaks stays there.
+#include "base/process/sandbox.hpp"
+
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -7,25 +9,23 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/process/sandbox.hpp"
-
 namespace straytrace {
 namespace {
 
 constexpr Bounds bounds{std::size_t{1} << 28, 1};
 
-TEST(Apart, BytesComeBack) {
+TEST(SandboxResult, BytesComeBack) {
   std::string const large(3 << 20, 'x');
-  Apart const done = done_apart([&] { return large; }, bounds);
+  SandboxResult const done = run_sandboxed([&] { return large; }, bounds);
   EXPECT_EQ(done.why, "");
   EXPECT_TRUE(done.bytes == large);
 }
 
-TEST(Apart, WhatBreaksStaysThere) {
+TEST(SandboxResult, WhatBreaksStaysThere) {
   int here = 1;
-  EXPECT_EQ(done_apart([&] { return std::string(std::size_t(++here), 'x'); }, bounds).bytes, "xx");
+  EXPECT_EQ(run_sandboxed([&] { return std::string(std::size_t(++here), 'x'); }, bounds).bytes, "xx");
   EXPECT_EQ(here, 1);
-  auto const why = [](auto work) { return done_apart(work, bounds).why; };
+  auto const why = [](auto work) { return run_sandboxed(work, bounds).why; };
   EXPECT_EQ(why([]() -> std::string {
               ::raise(SIGSEGV);
               return "x";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the beam tree carries along: clipping at rims, the power ledger, polarisation, levers, and its memory.
+// What the beam tree carries along: clipping at rims, the power energy balance, polarisation, phase sensitivities, and
+// its memory.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -57,23 +58,23 @@ TEST(GhostRims, share_beside_other_rims) {
 }
 
 // R2.24: each watt is on an object, in a medium, beside a rim, out of the scene or cut, with names.
-TEST(GhostLedger, every_watt_has_a_place) {
+TEST(GhostEnergyBalance, every_watt_has_a_place) {
   World world = plate(0.04, 1.45, 0.01, 1e-3, 0.006);
   world.add_surface(disk(0, 0.5, {{0, 0, 1}, {0, 0, -1}}), lambertian_optic(world, 0.3), 0, world.add_body("dump", {}),
                     world.add_group("dump"));
   world.finish();
-  BeamLedger books;
-  rows(world, launched(world), {1e-6, 3, 1000}, &books);
-  EXPECT_NEAR(books.total(), 1, 1e-14);
-  BeamLedger::Object const &front = books.objects[0], &dump = books.objects[2];
+  BeamEnergyBalance energy_balance;
+  rows(world, launched(world), {1e-6, 3, 1000}, &energy_balance);
+  EXPECT_NEAR(energy_balance.total(), 1, 1e-14);
+  BeamEnergyBalance::Object const &front = energy_balance.objects[0], &dump = energy_balance.objects[2];
   EXPECT_NEAR(front.beside, std::exp(-2 * 36.0 / 25.0), 3e-3);  // ghosts that come back add a little
   // The back face lies in the shadow of the front. Twin: it clips a whole Gaussian again.
   EXPECT_NEAR(dump.landed, (1 - std::exp(-2 * 36.0 / 25.0)) * 0.96 * 0.96, 3e-3);
   EXPECT_GT(std::fabs(dump.landed - std::pow(1 - std::exp(-2 * 36.0 / 25.0), 2) * 0.96 * 0.96), 0.03);
   EXPECT_NEAR(dump.scattered, 0.3 * (dump.landed), 1e-12);
   EXPECT_GT(dump.ghosts, 1e-4);
-  EXPECT_GT(books.floor + books.order, 0);
-  EXPECT_GT(std::fabs(books.total() - dump.landed - 1), 0.1);  // twin: an object is left out
+  EXPECT_GT(energy_balance.floor + energy_balance.order, 0);
+  EXPECT_GT(std::fabs(energy_balance.total() - dump.landed - 1), 0.1);  // twin: an object is left out
 }
 
 // Fresnel at 45 degrees (eq. 3.25): unpolarised light is the even mixture of two states, and stays that mixture.
@@ -103,15 +104,15 @@ TEST(GhostPolarisation, fresnel_for_each_state) {
   EXPECT_GT(std::fabs(reflected_at_45(1, false) - rp * rp), 0.05);  // twin: s and p exchanged
 }
 
-double lever(std::vector<Lever> const& levers, std::uint32_t body, int axis) {
-  for (Lever const& l : levers)
+double phase_sensitivity(std::vector<PhaseSensitivity> const& phase_sensitivities, std::uint32_t body, int axis) {
+  for (PhaseSensitivity const& l : phase_sensitivities)
     if (l.body.value == body) return l.d[axis];
   return 0;
 }
 
 // Section 2: a reflection inside glass counts n k twice, a plate moved as a whole nothing in transmission and 2 k in
 // reflection.
-TEST(GhostLevers, plate_in_one_body_and_in_two) {
+TEST(GhostPhaseSensitivities, plate_in_one_body_and_in_two) {
   double const k = 2 * pi / lambda, n = 1.45;
   for (bool two : {false, true}) {
     World world;
@@ -125,15 +126,16 @@ TEST(GhostLevers, plate_in_one_body_and_in_two) {
     MainBeam const main(world, launch, {});
     for (Row const& r : rows(world, launch)) {
       if (r.order == 0 || r.order > 2) continue;
-      auto const levers = main.levers(r.standing.recoupled, r.way);
+      auto const phase_sensitivities = main.phase_sensitivities(r.standing.recoupled, r.way);
       bool const from_back = r.way[0].event == Event::transmit;
       if (r.order == 2) {
-        EXPECT_NEAR(lever(levers, 0, 2), two ? -2 * n * k : 0, 1e-6 * k);
-        EXPECT_NEAR(lever(levers, 1, 2), two ? 2 * n * k : 0, 1e-6 * k);
+        EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 0, 2), two ? -2 * n * k : 0, 1e-6 * k);
+        EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 1, 2), two ? 2 * n * k : 0, 1e-6 * k);
         EXPECT_FALSE(r.standing.recoupled.against);
       } else {
-        EXPECT_NEAR(lever(levers, 0, 2), two && from_back ? 2 * (1 - n) * k : 2 * k, 1e-6 * k);
-        EXPECT_NEAR(lever(levers, 1, 2), two && from_back ? 2 * n * k : 0, 1e-6 * k);  // twin: 2 k, no index
+        EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 0, 2), two && from_back ? 2 * (1 - n) * k : 2 * k, 1e-6 * k);
+        EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 1, 2), two && from_back ? 2 * n * k : 0,
+                    1e-6 * k);  // twin: 2 k, no index
         EXPECT_TRUE(r.standing.recoupled.against);
       }
     }
@@ -142,7 +144,7 @@ TEST(GhostLevers, plate_in_one_body_and_in_two) {
 
 // A cavity leaks through its end mirror, and a surface behind it sends a part back: f = T R T (eq. 5.4), and only the
 // motion against the mirror counts (eq. 2.5).
-TEST(GhostLevers, behind_an_end_mirror) {
+TEST(GhostPhaseSensitivities, behind_an_end_mirror) {
   double const k = 2 * pi / lambda, t = 4e-6, back = 1e-3;
   World world;
   world.wavelength = lambda;
@@ -166,9 +168,10 @@ TEST(GhostLevers, behind_an_end_mirror) {
     Recoupling const& back_in = r.standing.recoupled;
     ASSERT_TRUE(back_in.any && back_in.against);
     EXPECT_NEAR(back_in.share() / (t * t * back), 1, 1e-4);  // 1: the overlap of 2 m of flight at 50 mm
-    auto const levers = main.levers(back_in, r.way);
-    EXPECT_NEAR(lever(levers, 1, 2), 2 * k, 1e-9 * k);
-    EXPECT_NEAR(lever(levers, 0, 2), -2 * k, 1e-9 * k);  // twin: 0, when the main mode's own bounce is forgotten
+    auto const phase_sensitivities = main.phase_sensitivities(back_in, r.way);
+    EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 1, 2), 2 * k, 1e-9 * k);
+    EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 0, 2), -2 * k,
+                1e-9 * k);  // twin: 0, when the main mode's own bounce is forgotten
   }
   EXPECT_TRUE(found);
 }
@@ -197,9 +200,9 @@ TEST(GhostMemory, does_not_grow_with_their_number) {
   world.finish();
   BeamLaunch const launch = launched(world);
   BeamSink nobody;
-  BeamLedger const few = grow_tree(world, launch, {1e-6}, nobody);
+  BeamEnergyBalance const few = grow_tree(world, launch, {1e-6}, nobody);
   double const before = resident_megabytes();
-  BeamLedger const many = grow_tree(world, launch, {1e-10}, nobody);
+  BeamEnergyBalance const many = grow_tree(world, launch, {1e-10}, nobody);
   std::printf("%llu ghosts, then %llu, %.1f MB more\n", static_cast<unsigned long long>(few.beams),
               static_cast<unsigned long long>(many.beams), resident_megabytes() - before);
   EXPECT_GT(many.beams, 20 * few.beams);

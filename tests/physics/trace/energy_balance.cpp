@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The books of the light (estimators.md 4): absorbed + escaped + limit + window + sampling = emitted, and the columns
+// The energy balance (estimators.md 4): absorbed + escaped + limit + window + sampling = emitted, and the columns
 // `window` and `sampling` are zero on average.
 #include <random>
 
@@ -54,13 +54,13 @@ class Lottery {
   std::uniform_real_distribution<double> uniform_;
 };
 
-double gap(BlockSums const& total) {  // of the ledger, relative to what was emitted
+double gap(BlockSums const& total) {  // of the energy balance, relative to what was emitted
   double sum = 0;
-  for (Moments const& column : total.ledger) sum += column.sum;
+  for (Moments const& column : total.energy_balance) sum += column.sum;
   return std::fabs(sum - total.emitted.sum) / total.emitted.sum;
 }
-SampleMean column(BlockSums const& total, Fate fate) {  // relative to what was emitted
-  Estimate const e = estimate(total.ledger[int(fate)], total.histories, total.blocks);
+SampleMean column(BlockSums const& total, BalanceTerm balance_term) {  // relative to what was emitted
+  Estimate const e = estimate(total.energy_balance[int(balance_term)], total.histories, total.blocks);
   return sample_mean(e, total.histories, double(total.histories) / total.emitted.sum);
 }
 
@@ -69,10 +69,10 @@ TEST(Books, CloseInRandomScenes) {
     World const world = Lottery(seed).world();
     BlockSums const total = run_histories(world, histories).total;
     EXPECT_LT(gap(total), 1e-12) << "scene " << seed;
-    expect_mean("window", column(total, Fate::window), 0, 2e-2);
-    expect_mean("sampling", column(total, Fate::sampling), 0, 5e-2);
+    expect_mean("roulette", column(total, BalanceTerm::roulette), 0, 2e-2);
+    expect_mean("sampling", column(total, BalanceTerm::sampling), 0, 5e-2);
     BlockSums forgetful = total;  // twin: a column is left out
-    forgetful.ledger[int(Fate::window)] = {};
+    forgetful.energy_balance[int(BalanceTerm::roulette)] = {};
     EXPECT_GT(gap(forgetful), 1e-12) << "scene " << seed;
   }
 }
@@ -81,7 +81,9 @@ TEST(Books, CloseInRandomScenes) {
 double open_by_object(BlockSums const& total) {
   double sum = 0;
   for (Moments const& m : total.absorbed) sum += m.sum;
-  for (Fate fate : {Fate::escaped, Fate::limit, Fate::window, Fate::sampling}) sum += total.ledger[int(fate)].sum;
+  for (BalanceTerm balance_term :
+       {BalanceTerm::escaped, BalanceTerm::truncated, BalanceTerm::roulette, BalanceTerm::sampling})
+    sum += total.energy_balance[int(balance_term)].sum;
   return std::fabs(sum - total.emitted.sum) / total.emitted.sum;
 }
 TEST(Books, CloseByObject) {
@@ -112,10 +114,10 @@ TEST(Books, CloseByObject) {
 }
 
 // Every single history closes, not only the sum.
-struct Ledger : Silent {
+struct EnergyBalance : Silent {
   double out = 0, in = 0, worst = 0;
   void emitted(PathState const& path, Vertex const&) { in = path.emitted; }
-  void book(Fate, double p) { out += p; }
+  void book(BalanceTerm, double p) { out += p; }
   void close() {
     worst = std::fmax(worst, std::fabs(out - in) / in);
     out = 0;
@@ -123,12 +125,12 @@ struct Ledger : Silent {
 };
 TEST(Books, CloseInEveryHistory) {
   World const world = Lottery(1).world();
-  Ledger ledger;
-  walk(world, 20000, ledger, [&] { ledger.close(); });
-  EXPECT_LT(ledger.worst, 1e-12);
+  EnergyBalance energy_balance;
+  walk(world, 20000, energy_balance, [&] { energy_balance.close(); });
+  EXPECT_LT(energy_balance.worst, 1e-12);
 }
 
-// A pdf that is wrong by 1 %: the albedo that the ledger expects is not what the samples carry.
+// A pdf that is wrong by 1 %: the albedo that the energy balance expects is not what the samples carry.
 TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
   for (double const wrong : {1.0, 1.01}) {
     World world;
@@ -143,7 +145,7 @@ TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
     world.add_footprint(spot(s, {}, {0, 0, -1}, Profile::gaussian, 0.1, world.add_port("plate")));
     world.finish();
     if (wrong == 1) {
-      expect_mean("sampling", column(run_histories(world, 1 << 19).total, Fate::sampling), 0, 1e-2);
+      expect_mean("sampling", column(run_histories(world, 1 << 19).total, BalanceTerm::sampling), 0, 1e-2);
     } else {
       EXPECT_THROW(run_histories(world, 1 << 19), NumericalError);
     }
@@ -152,7 +154,7 @@ TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
 
 // A small disk takes three quarters of the directions. Strata deal these evenly, and the law, whose quarter would have
 // to meet the disk as well, does so less than once in a run: what was drawn then spreads much less than the mean of
-// `sampling` lies from zero, and nothing is wrong (errors.md, "The books of the light").
+// `sampling` lies from zero, and nothing is wrong (errors.md, "The energy balance").
 World spot_and_disk(bool sound) {
   World world;
   BodyId const body = world.add_body("all", {});
@@ -174,8 +176,9 @@ TEST(Books, DirectionsTooRareToBeDrawnAreNoImbalance) {
   World const sound = spot_and_disk(true), wrong = spot_and_disk(false);
   double farthest = 0;  // in standard errors of what was drawn
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    BlockSums const total = run_histories(sound, 1 << 18, seed).total;  // throws where the books do not balance
-    Estimate const e = estimate(total.ledger[int(Fate::sampling)], total.histories, total.blocks);
+    BlockSums const total =
+        run_histories(sound, 1 << 18, seed).total;  // throws where the energy balance do not balance
+    Estimate const e = estimate(total.energy_balance[int(BalanceTerm::sampling)], total.histories, total.blocks);
     farthest = std::fmax(farthest, std::fabs(e.mean) / e.std_error);
     EXPECT_THROW(run_histories(wrong, 1 << 18, seed), NumericalError) << "seed " << seed;  // twin: an albedo 1 % off
   }

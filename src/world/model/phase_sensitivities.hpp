@@ -9,10 +9,10 @@
 namespace straytrace {
 
 // The entry of a body, made where there is none.
-Lever& lever_of(std::vector<Lever>&, BodyId);
+PhaseSensitivity& phase_sensitivity_of(std::vector<PhaseSensitivity>&, BodyId);
 
 // Adds kappa [rad/m], its moment about the pivot of the body, and kappa . psi for each elastic mode of it. A surface of
 // no body (a measuring plane) adds nothing.
-void add_hit(std::vector<Lever>&, World const&, SurfaceId, Vec3 point, Vec3 kappa);
+void add_hit(std::vector<PhaseSensitivity>&, World const&, SurfaceId, Vec3 point, Vec3 kappa);
 
 }  // namespace straytrace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The books of each block, what arrives on each group, and the cells of maps, summed on the device in the order of
-// histories, as BlockSink does (totals.hpp).
+// The energy balance of each block, what arrives on each group, and the cells of maps, summed on the device in the
+// order of histories, as BlockSink does (totals.hpp).
 #pragma once
 
 #include "trace/backend/device/totals.hpp"
