@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/text/words.hpp"
 #include "cli/data_options.hpp"
@@ -93,20 +94,23 @@ BandLevel nothing(double hz) {
   return {hz, hz, hz, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number, not_a_number};
 }
 
-// What eq. 2.6 leaves out if the largest translation were transverse to the mean leg of each path; mean by power.
+// What eq. 2.6 leaves out of this route if the largest translation of a body on each path were transverse to its mean
+// leg; mean over the paths by power.
 double second_order_of(TimeInputs const& in, StrayLight const& light) {
-  double motion = 0, phase = 0, power = 0;
-  for (MovingCoordinate const& c : light.motion.coordinates)
-    for (double x : c.position)
-      if (!is_rotation(c.axis)) motion = std::max(motion, std::fabs(x));
-  for (std::uint32_t r : in.routes) {
-    CouplingClass const& c = in.coupling().classes[r];
-    double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
-    for (PathRecord const& record : c.records) {
-      if (!(record.path_length > 0)) continue;
-      phase += record.weight * second_order_phase(motion, record.path_length / legs, in.coupling().wavelength);
-      power += record.weight;
-    }
+  CouplingClass const& c = in.coupling().classes[light.moving.route];
+  double const legs = c.steps.size() > 2 ? double(c.steps.size() - 1) : 1;
+  std::map<std::uint32_t, double> largest;  // m, by body
+  for (MovingCoordinate const& m : light.motion.coordinates)
+    for (double x : m.position)
+      if (!is_rotation(m.axis)) largest[m.body.value] = std::max(largest[m.body.value], std::fabs(x));
+  double phase = 0, power = 0;
+  for (PathRecord const& record : c.records) {
+    if (!(record.path_length > 0)) continue;
+    double motion = 0;
+    for (Lever const& lever : record.levers)
+      if (auto const at = largest.find(lever.body.value); at != largest.end()) motion = std::max(motion, at->second);
+    phase += record.weight * second_order_phase(motion, record.path_length / legs, in.coupling().wavelength);
+    power += record.weight;
   }
   return power > 0 ? phase / power : 0;
 }
@@ -162,7 +166,8 @@ ProjectResult project_result(TimeInputs const& in, TimeDomainSettings const& s, 
   r.realisations = all.size();
   r.routes = in.routes.size();
   r.paths = light.paths;
-  r.rms_phase = light.rms_phase;
+  r.rms_phase = light.moving.rms_phase;
+  r.rms_phase_route = light.moving_route;
   r.rule = light.rule;
   r.fastest = light.fastest;
   r.fastest_route = light.fastest_route;
@@ -195,8 +200,9 @@ std::string project_text(ProjectResult const& r) {
   std::string text =
       fmt::format("{:g} s at {:g} Hz from GPS {}, seed {}: {}, {}\n", r.times.duration(), r.times.rate,
                   gps_text(r.times.start), r.seed, counted(r.routes, "route"), counted(r.paths, "field"));
-  text += fmt::format("phase: {:.4g} rad rms; fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.rms_phase, r.fastest.hz,
-                      r.fastest.time, r.fastest_route);
+  text += fmt::format("phase: {:.4g} rad rms of {}, the route with the largest moving power\n", r.rms_phase,
+                      r.rms_phase_route);
+  text += fmt::format("fastest fringe {:.4g} Hz at GPS {:.2f}: {}\n", r.fastest.hz, r.fastest.time, r.fastest_route);
   text += fmt::format("rate: above {:.5g} Hz needed (eq. 7.13: twice the fringe and a margin of {:.4g} Hz)\n",
                       r.rule.least(), r.rule.margin);
   text += fmt::format("left out (eq. 2.6): second order about {:.2g} rad, tilt of the rays, ", r.second_order);
@@ -223,6 +229,7 @@ std::string project_json(ProjectResult const& r) {
                               {"routes", r.routes},
                               {"fields", r.paths},
                               {"rms_phase", r.rms_phase},
+                              {"rms_phase_route", r.rms_phase_route},
                               {"largest_fringe_frequency", r.fastest.hz},
                               {"largest_fringe_gps", r.fastest.time},
                               {"largest_fringe_route", r.fastest_route},

@@ -43,7 +43,8 @@ struct ProjectResult {
   SampleTimes times;
   std::uint64_t seed = 0;
   std::size_t realisations = 0, routes = 0, paths = 0;
-  double rms_phase = 0;
+  double rms_phase = 0;  // rad, of the route below
+  std::string rms_phase_route;
   SamplingRule rule;
   FastestFringe fastest;
   std::string fastest_route;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "base/math/constants.hpp"
@@ -94,6 +95,37 @@ std::vector<double> phase_sensitivity_of(StrayPath const& path, MotionSeries con
   return turns;
 }
 
+// Means and covariances over time of the coordinates of a motion.
+class CoordinateMoments {
+ public:
+  explicit CoordinateMoments(MotionSeries const& motion) : n_(motion.coordinates.size()), covariance_(n_ * n_) {
+    auto const samples = double(motion.times.samples);
+    std::vector<double> mean(n_);
+    for (std::size_t c = 0; c < n_; ++c) {
+      auto const& x = motion.coordinates[c].position;
+      mean[c] = std::accumulate(x.begin(), x.end(), 0.0) / samples;
+    }
+    for (std::size_t a = 0; a < n_; ++a)
+      for (std::size_t b = a; b < n_; ++b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < motion.times.samples; ++i)
+          sum += (motion.coordinates[a].position[i] - mean[a]) * (motion.coordinates[b].position[i] - mean[b]);
+        covariance_[a * n_ + b] = covariance_[b * n_ + a] = sum / samples;
+      }
+  }
+  // rad^2, of the moving part of the phase; `lever` in turns per unit of each coordinate.
+  double mean_square_phase(std::vector<double> const& lever) const {
+    double turns2 = 0;
+    for (std::size_t a = 0; a < n_; ++a)
+      for (std::size_t b = 0; b < n_; ++b) turns2 += lever[a] * covariance_[a * n_ + b] * lever[b];
+    return 4 * pi * pi * std::max(0.0, turns2);
+  }
+
+ private:
+  std::size_t n_;
+  std::vector<double> covariance_;
+};
+
 }  // namespace
 
 std::vector<StrayPath> stray_paths(CouplingTable const& table, Interferometer const& ifo, PathChoice const& choice) {
@@ -169,30 +201,27 @@ FastestFringe fastest_fringe(std::span<StrayPath const> paths, MotionSeries cons
   return best;
 }
 
-double rms_phase(std::span<StrayPath const> paths, MotionSeries const& motion) {
-  std::size_t const n = motion.coordinates.size(), samples = motion.times.samples;
-  std::vector<double> mean(n), covariance(n * n);
-  for (std::size_t c = 0; c < n; ++c) {
-    auto const& x = motion.coordinates[c].position;
-    mean[c] = std::accumulate(x.begin(), x.end(), 0.0) / double(samples);
-  }
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = a; b < n; ++b) {
-      double sum = 0;
-      for (std::size_t i = 0; i < samples; ++i)
-        sum += (motion.coordinates[a].position[i] - mean[a]) * (motion.coordinates[b].position[i] - mean[b]);
-      covariance[a * n + b] = covariance[b * n + a] = sum / double(samples);
-    }
-  double power = 0, square = 0;
+MovingRoute moving_route(std::span<StrayPath const> paths, MotionSeries const& motion) {
+  CoordinateMoments const moments(motion);
+  struct Sums {
+    double power = 0, square = 0, moved = 0;  // of p, p phi^2 and p (1 - exp(-phi^2)) over the paths of a route
+  };
+  std::map<std::uint32_t, Sums> by_route;
   for (StrayPath const& p : paths) {
-    std::vector<double> const phase_sensitivity = phase_sensitivity_of(p, motion);
-    double turns = 0;
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < n; ++b) turns += phase_sensitivity[a] * covariance[a * n + b] * phase_sensitivity[b];
-    power += p.amplitude * p.amplitude;
-    square += p.amplitude * p.amplitude * turns;
+    double const power = p.amplitude * p.amplitude, phase2 = moments.mean_square_phase(lever_of(p, motion));
+    Sums& sums = by_route[p.route];
+    sums.power += power;
+    sums.square += power * phase2;
+    sums.moved -= power * std::expm1(-phase2);
   }
-  return power > 0 ? 2 * pi * std::sqrt(std::max(0.0, square) / power) : 0;
+  MovingRoute best;
+  double moved = -1;
+  for (auto const& [route, sums] : by_route)
+    if (sums.moved > moved) {
+      moved = sums.moved;
+      best = {route, sums.power > 0 ? std::sqrt(sums.square / sums.power) : 0};
+    }
+  return best;
 }
 
 }  // namespace straytrace

@@ -50,7 +50,12 @@ struct FastestFringe {
 };
 FastestFringe fastest_fringe(std::span<StrayPath const>, MotionSeries const&);
 
-// Rms over time of the moving part of the phase, rms over paths by power, rad.
-double rms_phase(std::span<StrayPath const>, MotionSeries const&);
+// The route with the largest moving power, the sum over its paths of p (1 - exp(-phi^2)) (docs/theory/time_domain.md,
+// "The rms phase"): p is the power of a path [1], phi [rad] the rms over time of the moving part of its phase.
+struct MovingRoute {
+  std::uint32_t route = 0;  // as StrayPath::route; the first of the chosen ones if nothing moves
+  double rms_phase = 0;     // rad: rms over time, and over the paths of the route by power
+};
+MovingRoute moving_route(std::span<StrayPath const>, MotionSeries const&);
 
 }  // namespace straytrace

@@ -131,7 +131,8 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
   StrayPath const& fastest = paths[light.fastest.path];
   light.fastest_route = path_name(table, fastest);
   if (!(light.times.rate > light.rule.least())) refuse(table, light, fastest, light.times.rate);
-  light.rms_phase = rms_phase(paths, light.motion);
+  light.moving = moving_route(paths, light.motion);
+  light.moving_route = route_name(table, table.classes[light.moving.route]);
   for (StrayPath const& p : paths)
     if (p.length > 0) light.longest_delay = std::max(light.longest_delay, p.length / speed_of_light);
   light.fields = stray_fields(paths, light.motion, s.delay, s.threads, s.direct, s.told);

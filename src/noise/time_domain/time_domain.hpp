@@ -47,7 +47,8 @@ struct StrayLight {
   SamplingRule rule;
   FastestFringe fastest;
   std::string fastest_route;
-  double rms_phase = 0;      // rad
+  MovingRoute moving;
+  std::string moving_route;
   double longest_delay = 0;  // s, of light on these paths
 };
 

@@ -43,6 +43,9 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   EXPECT_GT(answer["largest_fringe_frequency"].get<double>(), 67.2);
   EXPECT_LT(answer["largest_fringe_frequency"].get<double>(), 70);  // phase sensitivities spread by 1 %
   EXPECT_EQ(answer["rate"].get<double>(), 1024);
+  // 2k of 5 um peak on the sensor: 41.76 rad rms, levers spread by 1 %.
+  EXPECT_NEAR(answer["rms_phase"].get<double>() / 41.76, 1, 0.02);
+  EXPECT_EQ(answer["rms_phase_route"].get<std::string>(), "sensor·S");
   EXPECT_GT(answer["strain"][1]["asd"].get<double>(), 0);
   EXPECT_EQ(straytrace(project({"--format", "json", "--seed", "3", "--threads", "1"})).out, got.out);
   EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);

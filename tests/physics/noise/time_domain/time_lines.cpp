@@ -158,6 +158,36 @@ TEST(FringesInTime, SizeOfTheNeglectedTerms) {  // R4.07, eq. 2.6
   EXPECT_NEAR(delay_cycles(1000, 6000), 0.0200, 0.00005);
 }
 
+// A bright route that hardly moves, a faint one of 2.5 rad rms that makes the noise, and a fainter one that moves most:
+// p (1 - exp(-phi^2)) is 1e-6 of 1, 0.00998 of 0.01, 0.0001 of 0.0001.
+TEST(FringesInTime, RmsPhaseIsThatOfTheRouteWithTheLargestMovingPower) {
+  double const peak = 1e-6, rms = two_k * peak / std::sqrt(2), slow = 1e-3 / rms, fast = 2.5 / rms;
+  CouplingTable const table = known_table({known_class(1, 1, {record(1, 1, {lever(0, 2, slow * two_k)})}),
+                                           known_class(2, 0.01,
+                                                       {record(2, 0.005, {lever(0, 2, fast * two_k)}),
+                                                        record(3, 0.005, {lever(0, 2, 1.2 * fast * two_k)})}),
+                                           known_class(3, 1e-4, {record(4, 1e-4, {lever(0, 2, 4 * fast * two_k)})})});
+  MotionSet motion = moving({Spectrum()});
+  motion.inputs = {tone(10, peak)};
+  std::vector<StrayPath> const paths = stray_paths(table, UnitDetector(), {{0, 1, 2}, 0, 1, 0});
+  MotionSeries const m = draw_motion(motion, {0, 1024, 2048}, 1);
+  MovingRoute const found = moving_route(paths, m);
+  EXPECT_EQ(found.route, 1u);
+  EXPECT_NEAR(found.rms_phase, 2.5 * std::sqrt((1 + 1.44) / 2), 1e-9);
+  // Twin: the rms over all routes by power is that of light that makes no noise.
+  double power = 0, square = 0;
+  for (StrayPath const& p : paths) {
+    double const phase = std::array{1e-3, 2.5, 10.0}[p.route], p2 = p.amplitude * p.amplitude;
+    power += p2;
+    square += p2 * phase * phase;
+  }
+  EXPECT_LT(std::sqrt(square / power), 0.1 * found.rms_phase);
+  // Nothing moves: the first, and exactly 0.
+  MovingRoute const still = moving_route(paths, draw_motion(moving({}), {0, 1024, 2048}, 1));
+  EXPECT_EQ(still.route, 0u);
+  EXPECT_EQ(still.rms_phase, 0);
+}
+
 // Light of 6 km that sees a 1 kHz tone: half of its way is a hundredth of a cycle.
 TEST(FringesInTime, RetardedMotion) {  // R4.07
   MotionSet motion = moving({Spectrum()});
