@@ -7,9 +7,9 @@ from PIL import Image, PngImagePlugin
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "python"))
 
-from straytrace.plot import FATE_COLOURS, ROUTE_COLOURS  # noqa: E402
+from straytrace.plot import TERM_COLOURS, ROUTE_COLOURS  # noqa: E402
 
-CURVES = (*ROUTE_COLOURS, *FATE_COLOURS.values(), "#000000", "#6b6b6b", "#ffffff")   # told apart whatever else is in a picture
+CURVES = (*ROUTE_COLOURS, *TERM_COLOURS.values(), "#000000", "#6b6b6b", "#ffffff")   # told apart whatever else is in a picture
 
 
 def with_palette(image, colours):

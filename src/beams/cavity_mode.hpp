@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenmode of a two-mirror cavity in closed form (physics.md eq. 6.3). Any other: beams/eigenmode.hpp.
+// Eigenmode of a two-mirror cavity in closed form (docs/theory/beams.md, eq. 6.3). Any other: beams/eigenmode.hpp.
 #pragma once
 
 namespace straytrace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Power that a Gaussian beam loses at an aperture (physics.md section 5). All shares are of the power of the beam and
+// Power that a Gaussian beam loses at an aperture (docs/theory/beams.md). All shares are of the power of the beam and
 // keep their relative accuracy however small they are.
 #pragma once
 

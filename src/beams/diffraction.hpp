@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A Gaussian beam behind a circular aperture: Fresnel integral at any distance, hard or serrated rim, beam off centre
-// (requirements.md R2.26, R2.27; physics.md eq. 5.5 to 5.7).
+// (R2.26, R2.27; docs/theory/beams.md, eq. 5.5 to 5.7).
 #pragma once
 
 #include <complex>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenmodes of cavities from their round-trip ray matrices: linear, folded, ring and twisted ones (physics.md eq. 6.2;
-// the closed forms of two mirrors are in beams/cavity_mode.hpp).
+// Eigenmodes of cavities from their round-trip ray matrices: linear, folded, ring and twisted ones
+// (docs/theory/beams.md, eq. 6.2; the closed forms of two mirrors are in beams/cavity_mode.hpp).
 #pragma once
 
 #include <array>

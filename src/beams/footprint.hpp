@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a beam of the interferometer meets a surface. Sources and ports of the trace are made of these: light scattered
 // there leaves the mode with weight |u|^2, light arriving there rejoins it with weight lambda^2 |u|^2 times the BSDF
-// (physics.md 1.1, eq. 1.1).
+// (docs/theory/recoupling.md, eq. 1.1).
 #pragma once
 
 #include "base/math/functions.hpp"
@@ -16,7 +16,7 @@ namespace straytrace {
 // weight of eq. 8.15). point: all light at the centre (closed forms of section 8).
 enum class Profile : std::uint8_t { gaussian, even, point, astigmatic };
 
-// Spot and wavefront of an astigmatic mode, in the principal axes of the spot: with Q of physics.md 0.3,
+// Spot and wavefront of an astigmatic mode, in the principal axes of the spot: with Q of docs/theory/conventions.md,
 // Im Q = lambda/pi diag(w1^-2, w2^-2) and Re Q = C.
 struct Astigmatism {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};     // unit vectors across the travel
@@ -85,8 +85,7 @@ struct Footprint {
     light.irradiance = intensity(light.start) / (wider * wider * dot(light.travel, travel));
     return light;
   }
-  // Lag of the wavefront on the plane across the chief ray, m: of a sphere sqrt(R^2 + rho^2) - R (requirements.md
-  // R3.10).
+  // Lag of the wavefront on the plane across the chief ray, m: of a sphere sqrt(R^2 + rho^2) - R (R3.10).
   STRAY_HD double lag(Vec3 p) const {
     Vec3 const o = offset(p);
     if (profile == Profile::astigmatic) {

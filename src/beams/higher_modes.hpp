@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hermite-Gauss modes about a beam with two principal axes (requirements.md R2.11).
+// Hermite-Gauss modes about a beam with two principal axes (R2.11).
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace straytrace {
 
-// A Gaussian beam as a sum over the higher modes of another one (requirements.md R2.11).
+// A Gaussian beam as a sum over the higher modes of another one (R2.11).
 
 // Amplitudes c(a, b) for a + b <= order. With the powers of all orders they sum to 1.
 class ModeCoefficients {
@@ -49,7 +49,7 @@ std::complex<double> hermite_field(Mode const& basis, int n, int m, Vec3 p);
 // shifted and mismatched in any way. What they lack of 1 in power is in higher orders.
 ModeCoefficients hermite_coefficients(Mode const& beam, Mode const& basis, int order);
 
-// Laguerre-Gauss modes about a circular beam (requirements.md R2.11).
+// Laguerre-Gauss modes about a circular beam (R2.11).
 
 // sqrt(p!/(p + l)!) x^(l/2) exp(-x/2) L_p^l(x), l >= 0: the integral over x > 0 of the product of two of one l is 1 for
 // equal p, else 0.

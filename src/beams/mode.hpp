@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gaussian beams of general astigmatism in space: flight, mirrors and refracting faces met at any angle (physics.md 0.3
-// and section 6; docs/theory/beams.md). Host only: the trace reads footprints, which are made of these.
+// Gaussian beams of general astigmatism in space: flight, mirrors and refracting faces met at any angle
+// (docs/theory/conventions.md and section 6; docs/theory/beams.md). Host only: the trace reads footprints, which are
+// made of these.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How much of one beam is in the mode of another: tilt, shift, mismatch and astigmatism in one closed form
-// (physics.md section 5, eq. 5.1-5.3 are special cases).
+// (docs/theory/beams.md, eq. 5.1-5.3 are special cases).
 #pragma once
 
 #include <Eigen/LU>

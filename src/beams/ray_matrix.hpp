@@ -28,8 +28,8 @@ RayMatrix ray_face(FaceMap const&);
 // Two axes that know nothing of each other.
 RayMatrix both_axes(AxisMatrix const& x, AxisMatrix const& y);
 
-// Beam parameter q = z + i z_R over the index of the medium (physics.md 0.3): with the vacuum wavelength it gives the
-// radius in every medium.
+// Beam parameter q = z + i z_R over the index of the medium (docs/theory/conventions.md): with the vacuum wavelength it
+// gives the radius in every medium.
 using BeamParameter = std::complex<double>;
 BeamParameter transformed(AxisMatrix const&, BeamParameter);  // eq. 6.2
 double beam_radius(BeamParameter, double wavelength);         // 1/e^2 intensity radius, m

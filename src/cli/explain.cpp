@@ -342,7 +342,7 @@ std::optional<Explanation> explain_message(std::string const& text) {
 
 // h^2(f) = C C_rev N (|T_phase|^2 + |T_amplitude|^2) S(f), with S the one-sided PSD of the quadrature of a unit field
 // whose phase moves as the paths of the route do, mean over static phases: 1/2 of the PSD of the phase where motion is
-// small (physics.md 1.7, eq. 7.2, section 9).
+// small (docs/theory/spectra.md, eq. 7.2, section 9).
 
 namespace {
 

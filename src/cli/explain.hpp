@@ -26,8 +26,8 @@ std::optional<Explanation> explain_column(std::string const& what);
 Explanation explain_unit(std::string const& unit);
 // A message as it was printed, or a part of it; nothing when none is like it.
 std::optional<Explanation> explain_message(std::string const& text);
-// The chain of factors from the coupling of one route to its strain at `hz` (physics.md 1.7, section 9). `path`: its
-// rank in the path table.
+// The chain of factors from the coupling of one route to its strain at `hz` (docs/theory/spectra.md and
+// docs/theory/interferometer.md). `path`: its rank in the path table.
 Explanation explain_strain(std::string const& run_file, std::size_t path, double hz);
 
 }  // namespace straytrace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Closed forms of arm cavities and of stray light in them (physics.md sections 6, 8.2 and 9). Power transmissions and
-// losses as fractions, lengths in m, frequencies in Hz.
+// Closed forms of arm cavities and of stray light in them (docs/theory/interferometer.md and docs/theory/arm.md). Power
+// transmissions and losses as fractions, lengths in m, frequencies in Hz.
 #pragma once
 
 #include <complex>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Michelson interferometer with arm cavities, power and signal recycling, in plane waves with radiation pressure
-// (physics.md sections 6, 9 and 12.1). The read-out is calibrated as DARM, h = (dLx - dLy)/L.
+// (docs/theory/interferometer.md and docs/theory/sensitivity.md). The read-out is calibrated as DARM, h = (dLx -
+// dLy)/L.
 #pragma once
 
 #include <Eigen/Core>
@@ -152,7 +153,7 @@ class HeldResponse {
   Eigen::Matrix<Phasor, 1, loops> per_length_;  // read-out per m of each length
 };
 
-// Names of presets and their numbers (physics.md 12.1; the reference page has a source for each).
+// Names of presets and their numbers (docs/theory/sensitivity.md; the reference page has a source for each).
 struct DualRecycledPreset {
   std::string_view name, detector;
   DualRecycledParameters parameters;

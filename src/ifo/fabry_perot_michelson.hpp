@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Michelson interferometer with Fabry-Perot arms in closed forms: eq. 9.1 and 9.2 inside an arm, 9.3 to 9.6 and 9.8 at
-// other ports (physics.md).
+// other ports (docs/theory).
 #pragma once
 
 #include <span>

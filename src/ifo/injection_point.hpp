@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where stray light joins the light of an interferometer again (physics.md section 9).
+// Where stray light joins the light of an interferometer again (docs/theory/interferometer.md).
 #pragma once
 
 #include <array>

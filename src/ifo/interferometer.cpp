@@ -42,8 +42,8 @@ std::unique_ptr<Interferometer> make_interferometer(Node const& table, std::vect
   return ifo;
 }
 
-// Detectors of physics.md 12.1; sources and marks in docs/reference/interferometer.md. Where budgets of the same
-// detectors (data/detectors) differ, tests/unit/results/presets.cpp says why.
+// Detectors of docs/theory/sensitivity.md; sources and marks in docs/reference/interferometer.md. Where budgets of the
+// same detectors (data/detectors) differ, tests/unit/results/presets.cpp says why.
 
 std::span<DualRecycledPreset const> dual_recycled_presets() {
   static std::array<DualRecycledPreset, 6> const presets = {{

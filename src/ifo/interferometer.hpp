@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a stray field does to h (physics.md section 9).
+// What a stray field does to h (docs/theory/interferometer.md).
 #pragma once
 
 #include <complex>

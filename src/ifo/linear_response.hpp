@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What small motion, stray light, forces and the vacuum do to a read-out of an interferometer, at one Fourier frequency
-// (physics.md sections 8.2 and 9). Around each carrier stand two sidebands; light pushes mirrors and moving mirrors
-// change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X exp(-2 pi i f t)).
+// (docs/theory/arm.md and docs/theory/interferometer.md). Around each carrier stand two sidebands; light pushes mirrors
+// and moving mirrors change light, so radiation pressure, optical springs and recycling are in. Quantities go as Re(X
+// exp(-2 pi i f t)).
 #pragma once
 
 #include <span>
@@ -63,8 +64,8 @@ class LinearResponse {
 
   Phasor to_displacement(ComponentId) const;  // per m that an actuator or the ground adds
   Phasor to_force(ComponentId) const;         // per N
-  // Stray field s (physics.md 9), of what enters this port of a component unless said otherwise: s = i e for phase,
-  // s = e for amplitude. Carriers get it alike.
+  // Stray field s (docs/theory/interferometer.md), of what enters this port of a component unless said otherwise: s = i
+  // e for phase, s = e for amplitude. Carriers get it alike.
   Phasor to_phase(std::uint32_t port) const { return to_phase(Injection{port}); }
   Phasor to_amplitude(std::uint32_t port) const { return to_amplitude(Injection{port}); }
   Phasor to_phase(Injection const&) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Interferometers of any topology in plane waves: components that scatter, spaces between their ports (physics.md
-// sections 0.3, 6 and 9). Fields are in sqrt(W), proportional to exp(i(kr - wt)); phase grows along the way. A lossless
-// interface reflects i r and transmits t on both sides.
+// Interferometers of any topology in plane waves: components that scatter, spaces between their ports
+// (docs/theory/conventions.md and docs/theory/interferometer.md). Fields are in sqrt(W), proportional to exp(i(kr -
+// wt)); phase grows along the way. A lossless interface reflects i r and transmits t on both sides.
 #pragma once
 
 #include <Eigen/Core>

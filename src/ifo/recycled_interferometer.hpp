@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stray light to strain by the network of a dual-recycled interferometer (physics.md section 9).
+// Stray light to strain by the network of a dual-recycled interferometer (docs/theory/interferometer.md).
 #pragma once
 
 #include <map>

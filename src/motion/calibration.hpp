@@ -13,7 +13,7 @@ namespace straytrace {
 struct Calibration {
   double factor = 1;    // SI; of the ASD
   bool is_psd = false;  // the value is a power density: sqrt first
-  int derivatives = 0;  // 1: velocity, 2: acceleration (physics.md eq. 11.3)
+  int derivatives = 0;  // 1: velocity, 2: acceleration (docs/theory/motion.md, eq. 11.3)
   Transfer response;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How bodies shake: independent inputs (ground axes, own noise of each body, tones) times gains per body and
-// coordinate, so that correlation between bodies cannot be forgotten (architecture.md 5.6).
+// coordinate, so that correlation between bodies cannot be forgotten (docs/develop/architecture.md).
 #pragma once
 
 #include <complex>
@@ -49,7 +49,7 @@ class MotionSet {
 
   // |sum over bodies and axes of phase sensitivity times gain times transfer function|^2: factor from the PSD of input
   // i at a frequency to the PSD of the phase of a path (rad^2/m^2); for a tone, at any frequency, the square of its
-  // phase amplitude z (physics.md eq. 7.2, 7.12), for a drift that of its phase rate [rad^2/s^2].
+  // phase amplitude z (docs/theory/spectra.md, eq. 7.2, 7.12), for a drift that of its phase rate [rad^2/s^2].
   double sensitivity(std::size_t i, std::span<PhaseSensitivity const> phase_sensitivities, double hz) const;
 };
 

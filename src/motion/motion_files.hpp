@@ -25,7 +25,7 @@ struct MotionFile {
 Band joined(Band a, std::span<Band const> others);
 
 // Highest frequency that fringes of one reflection would reach by the motion below f_0 = known.low, if that went on as
-// f^-2 down to 0.1 Hz: 4 times the rms fringe frequency 2 v/lambda (physics.md eq. 7.8), with
+// f^-2 down to 0.1 Hz: 4 times the rms fringe frequency 2 v/lambda (docs/theory/spectra.md, eq. 7.8), with
 // v^2 = (2 pi)^2 asd_low^2 f_0^4 (1/0.1 Hz - 1/f_0). Hz; 0 for files that begin at 0.1 Hz or below.
 double reach_of_missing(MotionFile const&, double wavelength_m);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// coupling table x motion x interferometer -> strain noise (physics.md 1.7, section 7, section 10).
+// coupling table x motion x interferometer -> strain noise (docs/theory/spectra.md).
 #pragma once
 
 #include <string>
@@ -73,7 +73,7 @@ struct NoiseBands {
 
 struct NoiseSettings {
   FrequencyGrid grid;
-  double margin = 0.1;               // of the design curve (physics.md 12.1)
+  double margin = 0.1;               // of the design curve (docs/theory/sensitivity.md)
   std::vector<std::string> compare;  // design curves by name or file
 };
 
@@ -96,7 +96,8 @@ struct NoiseBudget {
 };
 
 NoiseSettings read_noise_settings(Node const& table);  // table `noise`; absent keys have defaults
-// Design curves: built-in fits (physics.md eq. 12.1) or two-column text read through the table's document.
+// Design curves: built-in fits (docs/theory/environment.md, eq. 12.1) or two-column text read through the table's
+// document.
 std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettings const&);
 
 // `upper_bound` of the routes and `bound_share` of the total, from the kinds of the classes.

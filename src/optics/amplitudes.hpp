@@ -34,16 +34,17 @@ STRAY_HD Complex exp_turns(Complex z) {
 }
 
 // s: field across the plane of incidence, p: in it. Transmission is scaled to power: |t|^2 = transmitted over incident
-// power, so |r|^2 + |t|^2 = 1 without loss. Signs: r_s, r_p of physics.md eq. 3.25 (opposite to each other at normal
-// incidence, because the p field is counted along k x s of each wave, and k turns round).
+// power, so |r|^2 + |t|^2 = 1 without loss. Signs: r_s, r_p of docs/theory/surfaces.md, eq. 3.25 (opposite to each
+// other at normal incidence, because the p field is counted along k x s of each wave, and k turns round).
 struct Amplitudes {
   Complex rs, rp, ts, tp;
   STRAY_HD double reflectance() const { return 0.5 * (norm(rs) + norm(rp)); }  // of unpolarised light
   STRAY_HD double transmittance() const { return 0.5 * (norm(ts) + norm(tp)); }
 };
 
-// The interface of which only powers are known: reflection i r, transmission t from both sides (physics.md 0.3), which
-// is unitary when nothing is lost. The field turns at reflection as on a metal: r_p = -r_s.
+// The interface of which only powers are known: reflection i r, transmission t from both sides
+// (docs/theory/conventions.md), which is unitary when nothing is lost. The field turns at reflection as on a metal: r_p
+// = -r_s.
 STRAY_HD Amplitudes unitary_amplitudes(double reflect_s, double reflect_p, double transmit_s, double transmit_p) {
   return {
       {0, std::sqrt(reflect_s)}, {0, -std::sqrt(reflect_p)}, {std::sqrt(transmit_s), 0}, {std::sqrt(transmit_p), 0}};

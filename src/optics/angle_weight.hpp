@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Weight of one law in a sum, against the angle: the law is multiplied by sqrt(w(theta_i) w(theta_s)), which keeps it
-// reciprocal (physics.md eq. 3.2) for any w. Page: docs/reference/scatter/mixtures.md.
+// reciprocal (docs/theory/surfaces.md, eq. 3.2) for any w. Page: docs/reference/scatter/mixtures.md.
 #pragma once
 
 #include "optics/lobes/bsdf.hpp"

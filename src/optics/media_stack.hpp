@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which filled volumes a point lies in, carried along a path, and the media on both sides of a surface
-// (requirements.md R3.23). Page: docs/reference/interfaces/media.md.
+// (R3.23). Page: docs/reference/interfaces/media.md.
 #pragma once
 
 #include <cstdint>

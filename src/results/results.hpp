@@ -31,7 +31,7 @@ struct Provenance {
   std::string created;  // ISO 8601, UTC
 };
 
-// Where light must not go, as the trace was steered: adjoint of each side of each patch (estimators.md 7).
+// Where light must not go, as the trace was steered: adjoint of each side of each patch (docs/theory/sampling.md).
 struct ImportanceMap {
   struct Strip {
     std::uint32_t group = 0, patch = 0;

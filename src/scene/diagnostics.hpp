@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Problems as people read them (interface.md 4).
+// Problems as people read them (docs/reference/scene.md).
 #pragma once
 
 #include <string>

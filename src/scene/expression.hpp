@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Quantities and expressions of parameters: "L - 50 m", "2e-11 m/sqrt(Hz)", "10 um peak", "-37 dB" (interface.md 3.1).
+// Quantities and expressions of parameters: "L - 50 m", "2e-11 m/sqrt(Hz)", "10 um peak", "-37 dB"
+// (docs/reference/scene.md).
 #pragma once
 
 #include <array>

@@ -338,7 +338,7 @@ std::size_t shadow_count(Node const& repeat, double origin, double from, double 
   return 0;
 }
 
-// Distances from `origin` in geometric progression: the shadow rule of baffles (physics.md eq. 8.16).
+// Distances from `origin` in geometric progression: the shadow rule of baffles (docs/theory/arm.md, eq. 8.16).
 std::vector<double> by_ratio(Node const& repeat) {
   double const origin = repeat.number("origin", dim::length, 0), from = repeat.number("from", dim::length);
   double const ratio = repeat.number("ratio", dim::plain, required, 1e-3, 1e3);

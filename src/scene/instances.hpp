@@ -14,7 +14,7 @@ namespace straytrace {
 
 std::vector<Scene::Instance> expand_scene(SceneDocument&, Node const& root);
 
-// `repeat`: where the instances of an entry stand and which parameters each of them has (interface.md 3.2).
+// `repeat`: where the instances of an entry stand and which parameters each of them has (docs/reference/scene.md).
 
 // A column of a table besides the position: sets the parameter of that name.
 struct RepeatColumn {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The main file, its includes and the built-in parts as one table (interface.md 3.2).
+// The main file, its includes and the built-in parts as one table (docs/reference/scene.md).
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Front door of the scene room: text files -> one checked tree (interface.md 3). Includes, parameters, parts and
-// repeats are already expanded; units, references and geometry are checked by the rooms that read the tree.
+// Front door of the scene room: text files -> one checked tree (docs/reference/scene.md). Includes, parameters, parts
+// and repeats are already expanded; units, references and geometry are checked by the rooms that read the tree.
 #pragma once
 
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Strict YAML (interface.md 3): no duplicate keys, anchors, aliases, merge keys, tags, further documents, tabs, plain
-// values broken over lines.
+// Strict YAML (docs/reference/scene.md): no duplicate keys, anchors, aliases, merge keys, tags, further documents,
+// tabs, plain values broken over lines.
 #pragma once
 
 #include <memory>

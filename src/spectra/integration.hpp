@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Accelerometers and velocity meters to displacement (physics.md eq. 11.3; R6.05).
+// Accelerometers and velocity meters to displacement (docs/theory/motion.md, eq. 11.3; R6.05).
 #pragma once
 
 #include "spectra/series.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One-sided power spectral densities as functions of frequency with EXACT integrals over bins, so that rms values
-// survive any choice of grid (physics.md 0.4).
+// survive any choice of grid (docs/theory/conventions.md).
 #pragma once
 
 #include <functional>

@@ -26,8 +26,8 @@ class TransferFunction {
   // over log f; beyond them is an error, with `name`.
   TransferFunction(std::string name, std::vector<double> hz, std::vector<std::complex<double>> values);
   // From the motion of the support to that of a mass on a spring, x = f / hz: damped against what does not move,
-  // 1/(1 - x^2 - i x/Q), or against the support, (1 - i x/Q)/(1 - x^2 - i x/Q) (physics.md eq. 11.2), or to what the
-  // latter moves relative to the support, x^2/(1 - x^2 - i x/Q).
+  // 1/(1 - x^2 - i x/Q), or against the support, (1 - i x/Q)/(1 - x^2 - i x/Q) (docs/theory/environment.md, eq. 11.2),
+  // or to what the latter moves relative to the support, x^2/(1 - x^2 - i x/Q).
   enum class Response : std::uint8_t { inertial, support, relative };
   static TransferFunction oscillator(double hz, double quality, Response);
   static TransferFunction product(TransferFunction const&, TransferFunction const&);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The coupling table: what the trace hands to the noise. Motion, calibration and frequency grid are not in here, so
-// all of them can change without tracing again (architecture.md 5.9).
+// all of them can change without tracing again (docs/develop/architecture.md).
 #pragma once
 
 #include <array>
@@ -21,8 +21,9 @@ constexpr int replica_count = 32;  // blocks with number = r modulo 32 share rep
 char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T'; receive: 'D' (detected); start of a
                      // free beam: 'B'; diffract: 'E' (edge)
 
-// Light of the Monte-Carlo walk, and what stands beside it (physics.md 1.8): specular returns and diffraction at rims.
-// The last two are deterministic: a fixed set of path records, no Monte-Carlo error, and limits stated in words.
+// Light of the Monte-Carlo walk, and what stands beside it (docs/theory/diffraction.md): specular returns and
+// diffraction at rims. The last two are deterministic: a fixed set of path records, no Monte-Carlo error, and limits
+// stated in words.
 enum class ClassKind : std::uint8_t { scattered, ghost, edge };
 char const* name_of(ClassKind);
 
@@ -88,7 +89,7 @@ struct CouplingClass {
   std::string statement;  // of deterministic classes: what the number is and how far it holds, in words
   Estimate coupling;
   double off_list = 0;                                 // part of coupling.mean that no target was aimed at
-  double reverse = 1;                                  // C_rev, physics.md eq. 1.5
+  double reverse = 1;                                  // C_rev, docs/theory/path_integral.md, eq. 1.5
   bool by_reverse = false;                             // all of this was sampled on the same route run backwards
   std::array<double, replica_count> replica_sum = {};  // sum of scores of the histories of each replica
   std::vector<PathRecord> records;
@@ -99,7 +100,7 @@ struct CouplingClass {
   std::vector<FoldedRoute> folded;  // the largest of them, descending
 
   bool deterministic() const { return kind != ClassKind::scattered; }
-  // Whether its paths add as fields with known relative phases (physics.md eq. 10.5), not in power.
+  // Whether its paths add as fields with known relative phases (docs/theory/ghosts.md, eq. 10.5), not in power.
   bool adds_fields() const {
     return records.size() > 1 && records.front().field != std::array<std::complex<double>, 2>{};
   }
@@ -115,9 +116,9 @@ struct CouplingTable {
   std::uint64_t block_size = largest_block;  // histories
   double wavelength = 0;                     // m
   // One sentence for each surface from which more than 1 % of an end's light comes although no target was aimed at it
-  // (estimators.md 13, 15).
+  // (docs/theory/errors.md).
   std::vector<std::string> warnings;
-  bool reverse_routes = true;  // whether C_rev was applied (physics.md 1.3)
+  bool reverse_routes = true;  // whether C_rev was applied (docs/theory/path_integral.md)
 };
 
 // "ITM·S > baffles·S > ITM·S", or "other" for routes beyond the length limit; of a coherent family its strongest path

@@ -32,8 +32,8 @@ struct PhaseSensitivitySums {
 
 // Draws paths of a block that was traced, at most 32 on all routes to ports together (part of the run-file schema), and
 // adds their phase sensitivities to the sums. A route is drawn as often as the root of its light says, and within it a
-// path with the chance of its coupling: priority sampling (estimators.md 12) of coupling over the root of that of the
-// route in the block. `replica`: of the block. What is drawn is a function of the scores of the block.
+// path with the chance of its coupling: priority sampling (docs/theory/errors.md) of coupling over the root of that of
+// the route in the block. `replica`: of the block. What is drawn is a function of the scores of the block.
 void sum_phase_sensitivities(World const&, std::uint64_t seed, std::size_t replica, BlockSums& block);
 
 // What a row of the coupling table holds of them, `drawn` and kept paths taken together by their numbers. Where all

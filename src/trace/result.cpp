@@ -278,7 +278,7 @@ std::string tail_objection(Estimate const& e) {
 
 namespace {
 
-// Why an estimate is not to be trusted, in words (estimators.md 13); empty when it is.
+// Why an estimate is not to be trusted, in words (docs/theory/errors.md); empty when it is.
 std::string objection(Estimate const& e, std::uint64_t blocks) {
   if (e.scored == 0) return "no history has scored";
   if (double(e.scored) < fewest)

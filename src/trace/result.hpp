@@ -28,11 +28,11 @@ struct Moments {
   void close_block();                                   // the sums are those of one whole block
 };
 Moments merged(Moments const& left, Moments const& right);
-// How many of the first blocks are held against the rest (estimators.md 13, halves). The tree of sums knows the sums of
-// its nodes only, so the border lies between two nodes, the nearest to the middle: 1/3 to 2/3 of the blocks, half of
-// them at powers of two. A function of the number of blocks: threads and resuming do not matter.
+// How many of the first blocks are held against the rest (docs/theory/errors.md, halves). The tree of sums knows the
+// sums of its nodes only, so the border lies between two nodes, the nearest to the middle: 1/3 to 2/3 of the blocks,
+// half of them at powers of two. A function of the number of blocks: threads and resuming do not matter.
 std::uint64_t first_part(std::uint64_t blocks);
-// Blocks are the independent units from 32 blocks on (estimators.md 13); below, the spread of the histories.
+// Blocks are the independent units from 32 blocks on (docs/theory/errors.md); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
 // What speaks against an estimate although its scores are enough: more of them, or more routes summed with it, do not
 // mend its error bar soon. Empty: nothing, or the scores are too few to tell.
@@ -46,7 +46,7 @@ struct MapSums {
   std::vector<double> sum, sum2;
 };
 // Coherent light of one route on a receiver: per pixel the power, and the power times cos and sin of its phase
-// (requirements.md R4.02).
+// (R4.02).
 struct FieldSums {
   std::vector<double> power, real, imaginary;
 };
@@ -65,7 +65,7 @@ struct ScoreAddress {
 // Kept of the scores of a class in so many blocks; part of the run-file schema.
 std::size_t records_kept(std::uint64_t blocks);
 
-// Keeps the k largest priorities (priority sampling, estimators.md 12): independent of order, so merging is exact.
+// Keeps the k largest priorities (priority sampling, docs/theory/errors.md): independent of order, so merging is exact.
 struct ClassSums {
   std::uint32_t port = 0;
   Moments moments;
@@ -112,7 +112,7 @@ struct BlockSums {
 BlockSums merged(BlockSums left, BlockSums const& right);
 
 // Sums live on the nodes of the binary tree over block numbers. A node is its left child plus its right child, so its
-// bits do not depend on who added what, or when (architecture.md 7).
+// bits do not depend on who added what, or when (docs/develop/architecture.md).
 class SumTree {
  public:
   void add(unsigned level, std::uint64_t index, BlockSums sums);  // covers blocks [index << level, (index+1) << level)

@@ -87,12 +87,12 @@ inline World plate(double reflect, double n, double thickness, double wedge, dou
 }
 
 inline std::vector<Row> rows(World const& world, BeamLaunch const& launch, TreeLimits limits = {},
-                             BeamEnergyBalance* energy_balance = nullptr) {
+                             BeamEnergyBalance* wanted = nullptr) {
   MainBeam const main(world, launch, limits);
   Rows sink(&main);
   BeamEnergyBalance const energy_balance = grow_tree(world, launch, limits, sink);
   EXPECT_NEAR(energy_balance.total(), 1, 1e-12);  // R2.24
-  if (energy_balance) *energy_balance = energy_balance;
+  if (wanted) *wanted = energy_balance;
   return sink.all;
 }
 

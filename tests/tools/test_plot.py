@@ -26,7 +26,7 @@ def made_run(path, routes=9, bins=60, noise=True):
     names = [f"ITM·S > baffles[{i}]·S > vacuum_tube_section_{i}·R > ITM·S" for i in range(routes)]
     mean = 1e-21 * (centre / 5) ** -2.5 * 0.6 ** np.arange(routes)[:, None]
     with h5py.File(path, "w") as f:
-        f.attrs.update(file_type=np.bytes_("straytrace-run"), schema=[1, 0], program="straytrace", version="0.1.0",
+        f.attrs.update(file_type=np.bytes_("straytrace-run"), schema=[2, 0], program="straytrace", version="0.1.0",
                        commit="abc", created="2024-05-01T12:00:00Z", title="Made up", model_hash="0" * 64, seed=1,
                        histories=1000000, complete=1)
         text = lambda values: np.array([v.encode() for v in values], dtype="S80")  # noqa: E731
@@ -117,9 +117,9 @@ def check_refusals(folder):
     newer = folder / "newer.h5"
     made_run(newer)
     with h5py.File(newer, "r+") as f:
-        f.attrs["schema"] = [2, 0]
+        f.attrs["schema"] = [3, 0]
     (folder / "text.h5").write_text("hello")
-    for path, reason in ((other, "not a straytrace run"), (newer, "format 2.0"), (folder / "text.h5", "cannot read"),
+    for path, reason in ((other, "not a straytrace run"), (newer, "format 3.0"), (folder / "text.h5", "cannot read"),
                         (folder / "none.h5", "cannot read")):
         try:
             straytrace.open(path)

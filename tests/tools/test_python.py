@@ -245,8 +245,8 @@ class Runs(unittest.TestCase):
         self.refused(bad, "cannot read")
         bad.write_bytes(whole[512:])
         with h5py.File(bad, "r+") as file:
-            file.attrs["schema"] = [2, 0]
-        self.refused(bad, "has format 2.0")
+            file.attrs["schema"] = [3, 0]
+        self.refused(bad, "has format 3.0")
         self.refused(self.place / "none.h5", "cannot read")
 
     def refused(self, path, words):

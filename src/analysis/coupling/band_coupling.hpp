@@ -24,7 +24,7 @@ struct BandCoupling {
 BandCoupling band_coupling(CrossSpectra const& injection, CrossSpectra const& quiet, double low, double high,
                            WelchSettings const& settings);
 
-// How surely one averaged spectrum lies above another (requirements.md R6.01). A PSD averaged over n independent
+// How surely one averaged spectrum lies above another (R6.01). A PSD averaged over n independent
 // segments of Gaussian noise is chi-square with 2 n degrees of freedom; the ratio of two of them follows Fisher's F.
 
 struct AveragedPsd {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coupling functions from injections: how much of a target (strain) a unit of a witness (motion, sound) makes, per
-// frequency (requirements.md R6.01, R6.08).
+// frequency (R6.01, R6.08).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A measured coupling times the quiet level of its witness (requirements.md R6.08).
+// A measured coupling times the quiet level of its witness (R6.08).
 #pragma once
 
 #include <span>

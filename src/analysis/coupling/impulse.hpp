@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a target answers to a knock: its response divided by the force, in frequency and in time, and the modes that
-// ring (requirements.md R6.02, R6.03).
+// ring (R6.02, R6.03).
 #pragma once
 
 #include <complex>

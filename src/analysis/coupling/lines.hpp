@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lines that a shaker or loudspeaker drives: frequency, amplitude and phase over time, with errors (requirements.md
-// R6.03).
+// Lines that a shaker or loudspeaker drives: frequency, amplitude and phase over time, with errors (R6.03).
 #pragma once
 
 #include <cmath>

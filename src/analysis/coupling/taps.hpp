@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tapping: a hammer with a force sensor knocks at places one after another; which of them does the target hear
-// (requirements.md R6.02)?
+// (R6.02)?
 #pragma once
 
 #include <span>

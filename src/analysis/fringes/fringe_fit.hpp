@@ -103,7 +103,7 @@ struct FringeFit {
 };
 
 // Throws InputError: records that do not overlap, a band outside the sampled one, a sample rate that cannot hold the
-// fringes of the ranges (physics.md eq. 7.13), too few data, a search without end.
+// fringes of the ranges (docs/theory/spectra.md, eq. 7.13), too few data, a search without end.
 FringeFit fit_fringes(FringeRecords const&, FringeFitSettings const&);
 
 // The fitted noise at the samples of the target from first to last (beyond the witness: 0), inside the band, with edges

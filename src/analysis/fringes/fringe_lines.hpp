@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is a driven line linear or a fringe? Its harmonics and its growth with the drive tell (requirements.md R6.03;
-// physics.md eq. 7.3): h = G sin(phi_0 + z sin wt) has lines 2 G J_n(z) |cos phi_0| at odd n, |sin phi_0| at even n.
+// Is a driven line linear or a fringe? Its harmonics and its growth with the drive tell (R6.03;
+// docs/theory/spectra.md, eq. 7.3): h = G sin(phi_0 + z sin wt) has lines 2 G J_n(z) |cos phi_0| at odd n, |sin phi_0|
+// at even n.
 #pragma once
 
 #include <span>

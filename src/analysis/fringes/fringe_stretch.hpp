@@ -13,7 +13,7 @@
 
 namespace straytrace {
 
-// Strain per Im s or Re s of a stray field, convention exp(-2 pi i f t) (physics.md section 9).
+// Strain per Im s or Re s of a stray field, convention exp(-2 pi i f t) (docs/theory/interferometer.md).
 using StrainResponse = std::function<std::complex<double>(double hz)>;
 
 // theta(t) = W (4 pi/lambda) u(t - delay) + drift (t - middle), u = x_1 - ratio x_2.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Effective motion from where the shelf of fringe noise ends (requirements R2.40, R2.41): edge = factor * 2
-// v_max/lambda (physics.md eq. 7.1, 7.2), stride by stride. Only powers are compared, so that static phase, drift and
-// delays below a segment do not matter.
+// v_max/lambda (docs/theory/spectra.md, eq. 7.1, 7.2), stride by stride. Only powers are compared, so that static
+// phase, drift and delays below a segment do not matter.
 #pragma once
 
 #include <vector>

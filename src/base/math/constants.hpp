@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Physical and mathematical constants in SI units (physics.md 0.2).
+// Physical and mathematical constants in SI units (docs/theory/conventions.md).
 #pragma once
 
 #include <limits>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Strain, length and phase of a detector with arms along x and y (physics.md section 0.3). Lengths in m, phases in rad.
+// Strain, length and phase of a detector with arms along x and y (docs/theory/conventions.md). Lengths in m, phases in
+// rad.
 #pragma once
 
 #include <cstdint>

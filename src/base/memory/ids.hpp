@@ -31,7 +31,7 @@ struct View {
 };
 
 // d(phase)/d(coordinate) of one body: x, y, z [rad/m], then rotations about its pivot [rad/rad].
-// Relative to the main mode's own phase (physics.md eq. 2.3, 2.5).
+// Relative to the main mode's own phase (docs/theory/motion.md, eq. 2.3, 2.5).
 struct PhaseSensitivity {
   BodyId body;
   double d[6] = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Physical dimensions and quantities of the input language (interface.md 3.1).
+// Physical dimensions and quantities of the input language (docs/reference/scene.md).
 #pragma once
 
 #include <cstdint>

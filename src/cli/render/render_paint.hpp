@@ -35,7 +35,7 @@ Drawn draw_shaded(World const&, Camera const&, LookSettings const&);
 Drawn draw_ids(World const&, Camera const&, LookSettings const&);      // one flat colour per group
 Drawn draw_normals(World const&, Camera const&, LookSettings const&);  // in the frame of the camera
 Drawn draw_depths(World const&, Camera const&, LookSettings const&);   // near white, far black, logarithmic
-// Adjoint of the steering tables (estimators.md 7): where light must not go.
+// Adjoint of the steering tables (docs/theory/sampling.md): where light must not go.
 // `kept`: of a run of this scene; null: made anew.
 Drawn draw_importance(World&, Camera const&, LookSettings const&, ImportanceMap const* kept);
 // Logarithmic; what is more than the brightest scattered light is white (cli/render/render.cpp).

@@ -107,8 +107,9 @@ double second_order_of(TimeInputs const& in, StrayLight const& light) {
   for (PathRecord const& record : c.records) {
     if (!(record.path_length > 0)) continue;
     double motion = 0;
-    for (Lever const& lever : record.levers)
-      if (auto const at = largest.find(lever.body.value); at != largest.end()) motion = std::max(motion, at->second);
+    for (PhaseSensitivity const& phase_sensitivity : record.phase_sensitivities)
+      if (auto const at = largest.find(phase_sensitivity.body.value); at != largest.end())
+        motion = std::max(motion, at->second);
     phase += record.weight * second_order_phase(motion, record.path_length / legs, in.coupling().wavelength);
     power += record.weight;
   }

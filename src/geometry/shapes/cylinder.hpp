@@ -111,8 +111,8 @@ struct CutCylinder : Cylinder {
   }
 };
 
-// Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only (requirements.md
-// R3.14). Keys: pierced_cylinder.cpp; page: docs/reference/shapes/pierced_cylinder.md.
+// Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only (R3.14). Keys:
+// pierced_cylinder.cpp; page: docs/reference/shapes/pierced_cylinder.md.
 
 struct PiercedCylinder : Cylinder {
   Vec3 e1{1, 0, 0}, e2{0, 1, 0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Spread of one realisation of the unknown static phases around the mean (physics.md section 10,
+// Spread of one realisation of the unknown static phases around the mean (docs/theory/spectra.md,
 // docs/theory/spectra.md).
 #pragma once
 
@@ -44,7 +44,7 @@ struct SpeckleMode {
 // Of all blocks, the largest first. Without directions, which take most of the time, those of the modes are empty.
 std::vector<SpeckleMode> modes_of(std::vector<SpeckleMoments> const& blocks, bool directions);
 
-// One realisation against the speckle mean (physics.md section 10).
+// One realisation against the speckle mean (docs/theory/spectra.md).
 
 // Power |sum of fields|^2 of one speckle that a share `below` of the realisations stays under, over its mean; eq. 10.2.
 double speckle_percentile(double below);

@@ -16,7 +16,7 @@
 namespace straytrace {
 
 // The phase of a path has the PSD sum over classes of kappa * reference; for a tone its square peak amplitude is
-// z^2 = kappa (physics.md eq. 1.10, 7.11), for a drift the square of its rate [rad^2/s^2].
+// z^2 = kappa (docs/theory/spectra.md, eq. 1.10, 7.11), for a drift the square of its rate [rad^2/s^2].
 //
 // Where one input reaches bodies through transfer functions H_k, with sums of phase sensitivity times gain a_k,
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noises side by side: their sum, and what is small enough (physics.md 12.1, R2.22, R2.23).
+// Noises side by side: their sum, and what is small enough (docs/theory/sensitivity.md, R2.22, R2.23).
 #pragma once
 
 #include <span>

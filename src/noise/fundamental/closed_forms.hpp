@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Textbook forms of fundamental noises (physics.md eq. 12.2 to 12.9, R2.18 to R2.21): checks of the full calculation,
-// and orders of magnitude where its parameters are not known. One-sided ASD; strain in 1/sqrt(Hz).
+// Textbook forms of fundamental noises (docs/theory/sensitivity.md, eq. 12.2 to 12.9, R2.18 to R2.21): checks of the
+// full calculation, and orders of magnitude where its parameters are not known. One-sided ASD; strain in 1/sqrt(Hz).
 #pragma once
 
 namespace straytrace::closed_forms {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Built-in design sensitivities (physics.md 12.2). The name says the source: curves of one detector differ by factors.
+// Built-in design sensitivities (docs/theory/sensitivity.md). The name says the source: curves of one detector differ
+// by factors.
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fundamental noises of a detector as a list of named functions (physics.md 12.3).
+// The fundamental noises of a detector as a list of named functions (docs/theory/sensitivity.md).
 #pragma once
 
 #include <span>

@@ -9,7 +9,7 @@
 
 namespace straytrace {
 
-// Motion of what suspensions hang from, m/sqrt(Hz) (physics.md section 11). "BSC": in-vacuum platform of LIGO, straight
+// Motion of what suspensions hang from, m/sqrt(Hz) (docs/theory/motion.md). "BSC": in-vacuum platform of LIGO, straight
 // lines in log-log between the knots; "6D": the same with a six-axis seismometer; "intermediate": geometric mean of
 // both; "low", "typical", "high": Peterson's models; "quiet": 1e-7/f^2; "virgo": 1e-6/f^2. NaN: no such name.
 double platform_asd(std::string_view name, double hz);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Suspended test masses: how ground motion and dissipation move them (physics.md eq. 12.9 for one stage).
+// Suspended test masses: how ground motion and dissipation move them (docs/theory/sensitivity.md, eq. 12.9 for one
+// stage).
 #pragma once
 
 #include <array>

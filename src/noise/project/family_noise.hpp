@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A coherent family turned into the spectrum of Im s at its port (physics.md eq. 10.5).
+// A coherent family turned into the spectrum of Im s at its port (docs/theory/ghosts.md, eq. 10.5).
 #pragma once
 
 #include "noise/project/route_noise.hpp"

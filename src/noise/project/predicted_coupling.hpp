@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What one coordinate of one body does to h, from the coupling table: the coupling function of small motion, and the
-// response to a large one (physics.md eq. 7.2, 7.4, 7.9).
+// response to a large one (docs/theory/spectra.md, eq. 7.2, 7.4, 7.9).
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Routes add in power: their static phases are independent (physics.md eq. 10.1, 1.13). Paths of a coherent family are
-// one route.
+// Routes add in power: their static phases are independent (docs/theory/spectra.md, eq. 10.1, 1.13). Paths of a
+// coherent family are one route.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Predicted fringe frequencies over time (physics.md eq. 7.1): arches of a spectrogram, storms (R6.10).
+// Predicted fringe frequencies over time (docs/theory/spectra.md, eq. 7.1): arches of a spectrogram, storms (R6.10).
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sum of many fields whose phases move: the coherent mode (performance.md section 8).
+// Sum of many fields whose phases move: the coherent mode (docs/develop/performance.md).
 #pragma once
 
 #include <complex>

@@ -113,11 +113,12 @@ class CoordinateMoments {
         covariance_[a * n_ + b] = covariance_[b * n_ + a] = sum / samples;
       }
   }
-  // rad^2, of the moving part of the phase; `lever` in turns per unit of each coordinate.
-  double mean_square_phase(std::vector<double> const& lever) const {
+  // rad^2, of the moving part of the phase; `phase sensitivity` in turns per unit of each coordinate.
+  double mean_square_phase(std::vector<double> const& phase_sensitivity) const {
     double turns2 = 0;
     for (std::size_t a = 0; a < n_; ++a)
-      for (std::size_t b = 0; b < n_; ++b) turns2 += lever[a] * covariance_[a * n_ + b] * lever[b];
+      for (std::size_t b = 0; b < n_; ++b)
+        turns2 += phase_sensitivity[a] * covariance_[a * n_ + b] * phase_sensitivity[b];
     return 4 * pi * pi * std::max(0.0, turns2);
   }
 
@@ -208,7 +209,7 @@ MovingRoute moving_route(std::span<StrayPath const> paths, MotionSeries const& m
   };
   std::map<std::uint32_t, Sums> by_route;
   for (StrayPath const& p : paths) {
-    double const power = p.amplitude * p.amplitude, phase2 = moments.mean_square_phase(lever_of(p, motion));
+    double const power = p.amplitude * p.amplitude, phase2 = moments.mean_square_phase(phase_sensitivity_of(p, motion));
     Sums& sums = by_route[p.route];
     sums.power += power;
     sums.square += power * phase2;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stray light in the time domain: coupling table x motion x interferometer -> h(t), one realisation of the speckle
-// (physics.md sections 2, 7, 10; R4.03 to R4.11). For measured, recorded or drifting motion, single events, specular
-// families; means over realisations agree with project_noise.
+// (docs/theory/phase.md and docs/theory/spectra.md; R4.03 to R4.11). For measured, recorded or drifting motion, single
+// events, specular families; means over realisations agree with project_noise.
 #pragma once
 
 #include <complex>

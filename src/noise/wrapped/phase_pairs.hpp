@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fields whose static phases are known: coherent families (physics.md eq. 10.5).
+// Fields whose static phases are known: coherent families (docs/theory/ghosts.md, eq. 10.5).
 #pragma once
 
 #include <complex>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Spectrum of the stray field of a path, per unit of recoupled power, from its strength of phase modulation
-// (physics.md 1.7 and section 7). Exact for stationary Gaussian motion, tones and drift, from linear coupling to strong
+// (docs/theory/spectra.md). Exact for stationary Gaussian motion, tones and drift, from linear coupling to strong
 // fringe wrapping, and over the full dynamic range of doubles.
 #pragma once
 
@@ -62,7 +62,8 @@ class PhaseSpectra {
   double variance(std::size_t c) const { return variance_[c]; }  // of a class, kept: it is asked for by every path
   FrequencyGrid const& grid() const { return grid_; }
   // Mean of power(low, high) over the bands that drifts of the phase bring into one of them [Hz]: each drift f_d brings
-  // half of what is at f + f_d and half of what is at |f - f_d| (C(tau) cos(2 pi f_d tau), physics.md 1.12).
+  // half of what is at f + f_d and half of what is at |f - f_d| (C(tau) cos(2 pi f_d tau),
+  // docs/theory/path_integral.md).
   double moved_by_drifts(std::span<double const> kappa, double low, double high,
                          std::function<double(double, double)> const& power) const;
   // rad^2; a drift counts as pi^2/3, the variance of a phase that is anywhere.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// First-order effect of weak phase modulation on a field that already has a spectrum (physics.md eq. 7.14).
+// First-order effect of weak phase modulation on a field that already has a spectrum (docs/theory/spectra.md,
+// eq. 7.14).
 #pragma once
 
 #include <span>

@@ -41,7 +41,8 @@ struct SlowPhase {
   std::vector<PhaseTone> tones;
 };
 
-// Mean over phi_0 of the PSD of Im s, on lines k * spacing of width `spacing` (physics.md eq. 1.12 with C(0) = 1).
+// Mean over phi_0 of the PSD of Im s, on lines k * spacing of width `spacing` (docs/theory/spectra.md, eq. 1.12 with
+// C(0) = 1).
 struct WrappedSpectrum {
   double spacing = 0;           // Hz
   std::vector<double> density;  // 1/Hz at k * spacing; zero where the transform shows only rounding

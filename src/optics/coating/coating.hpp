@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Surface known by its shares of power against the angle of incidence: reflected and transmitted, for s and p, and
-// scattered; the rest is absorbed. Phases are those of the unitary interface (physics.md 0.3).
+// scattered; the rest is absorbed. Phases are those of the unitary interface (docs/theory/conventions.md).
 // Page: docs/reference/interfaces/coating.md.
 #pragma once
 

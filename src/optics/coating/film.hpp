@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Thin-film stack between two media by the transfer of admittances (physics.md eq. 3.25 at every boundary), with phase,
-// for s and p, from both sides, in total reflection too. The recursion runs from the far side and holds only factors
-// exp(i k z) that decay: stable for any thickness. Page: docs/reference/interfaces/film.md.
+// Thin-film stack between two media by the transfer of admittances (docs/theory/surfaces.md, eq. 3.25 at every
+// boundary), with phase, for s and p, from both sides, in total reflection too. The recursion runs from the far side
+// and holds only factors exp(i k z) that decay: stable for any thickness. Page: docs/reference/interfaces/film.md.
 #pragma once
 
 #include "base/memory/ids.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bare boundary between two media (physics.md eq. 3.25); beyond the critical angle everything is reflected.
-// Page: docs/reference/interfaces/fresnel.md.
+// Bare boundary between two media (docs/theory/surfaces.md, eq. 3.25); beyond the critical angle everything is
+// reflected. Page: docs/reference/interfaces/fresnel.md.
 #pragma once
 
 #include <cmath>

@@ -6,8 +6,8 @@
 
 namespace straytrace {
 
-// Snell's law as a vector (physics.md eq. 3.25): `normal` is a unit vector towards the side the light comes from.
-// False beyond the critical angle.
+// Snell's law as a vector (docs/theory/surfaces.md, eq. 3.25): `normal` is a unit vector towards the side the light
+// comes from. False beyond the critical angle.
 STRAY_HD bool refracted(Vec3 dir, Vec3 normal, double n_in, double n_out, Vec3& out) {
   Vec3 const along = (n_in / n_out) * (dir - dot(dir, normal) * normal);  // tangential part, conserved times n
   double const square = 1 - length2(along);
@@ -16,10 +16,10 @@ STRAY_HD bool refracted(Vec3 dir, Vec3 normal, double n_in, double n_out, Vec3& 
   return true;
 }
 
-// Order of a grating (physics.md eq. 3.26, in every plane): n_out t_out = n_in t_in + order lambda f, where t are the
-// tangential parts of the directions and f [1/m] is the spatial frequency of the grooves, across them and in the
-// surface. `normal` points to the side the light comes from; `through`: into the medium behind. False when the order
-// does not propagate.
+// Order of a grating (docs/theory/surfaces.md, eq. 3.26, in every plane): n_out t_out = n_in t_in + order lambda f,
+// where t are the tangential parts of the directions and f [1/m] is the spatial frequency of the grooves, across them
+// and in the surface. `normal` points to the side the light comes from; `through`: into the medium behind. False when
+// the order does not propagate.
 STRAY_HD bool diffracted(Vec3 dir, Vec3 normal, double n_in, double n_out, Vec3 frequency, int order, double wavelength,
                          bool through, Vec3& out) {
   Vec3 const tangent =

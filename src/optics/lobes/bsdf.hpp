@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What every scatter law offers. Directions are in the local frame, z = normal of the lit side, and both point AWAY
 // from the surface. A law has
-//   eval(wi, wo)      BSDF in 1/sr, WITHOUT the cosine (physics.md eq. 0.4)
+//   eval(wi, wo)      BSDF in 1/sr, WITHOUT the cosine (docs/theory/conventions.md, eq. 0.4)
 //   pdf(wi, wo)       density of sample() in 1/sr; integrates to at most 1, the rest are samples that find no direction
 //   albedo(cos_i)     integral of eval cos over the hemisphere, dimensionless. Laws with a direction on the surface
 //                     (local x and y, see Optic::lay) have albedo(wi) besides, and here its mean over the azimuth

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lambertian scatter: BSDF = reflectance/pi (physics.md eq. 3.3). Page: docs/reference/scatter/lambertian.md.
+// Lambertian scatter: BSDF = reflectance/pi (docs/theory/surfaces.md, eq. 3.3). Page:
+// docs/reference/scatter/lambertian.md.
 #pragma once
 
 #include "optics/lobes/bsdf.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Particles lying on a reflecting surface: Mie scatter over a size distribution, four paths per particle (direct,
-// reflected before or after or both), physics.md eq. 3.22 and 3.23. Particles hide one another at grazing: the factor
-// 1/(cos_i cos_s) of eq. 3.22 is replaced by (1 - exp(-tau (1/cos_i + 1/cos_s)))/(tau (cos_i + cos_s)), tau =
-// (1 + R) times the optical depth of the layer, which keeps the albedo below 1 and is the same for tau -> 0. Page:
-// docs/reference/scatter/dust.md.
+// reflected before or after or both), docs/theory/surfaces.md, eq. 3.22 and 3.23. Particles hide one another at
+// grazing: the factor 1/(cos_i cos_s) of eq. 3.22 is replaced by (1 - exp(-tau (1/cos_i + 1/cos_s)))/(tau (cos_i +
+// cos_s)), tau = (1 + R) times the optical depth of the layer, which keeps the albedo below 1 and is the same for tau
+// -> 0. Page: docs/reference/scatter/dust.md.
 #pragma once
 
 #include <vector>
@@ -43,7 +43,7 @@ struct Dust {
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
-// Particles per area and size: IEST-STD-CC1246 (physics.md eq. 3.21). Host only.
+// Particles per area and size: IEST-STD-CC1246 (docs/theory/surfaces.md, eq. 3.21). Host only.
 struct Cleanliness {
   double level = 0, slope = 0.926;          // level: size in um at which one particle per 0.1 m^2 is larger
   double smallest = 1e-6, largest = 0;      // m; 0: the level

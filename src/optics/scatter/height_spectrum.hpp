@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Power spectra of surface heights and what they scatter in total (physics.md eq. 3.5 to 3.7, 3.10). Host only.
+// Power spectra of surface heights and what they scatter in total (docs/theory/surfaces.md, eq. 3.5 to 3.7, 3.10). Host
+// only.
 #pragma once
 
 #include <vector>

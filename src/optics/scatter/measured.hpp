@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measured BSDF: log(BSDF) against the offset |alpha - alpha_0|, one curve per measured incidence, interpolated in the
-// sine of incidence. Reciprocity (physics.md eq. 3.2) is enforced: the mean of the values for the incident and for the
-// outgoing direction as incidence. Page: docs/reference/scatter/table.md.
+// sine of incidence. Reciprocity (docs/theory/surfaces.md, eq. 3.2) is enforced: the mean of the values for the
+// incident and for the outgoing direction as incidence. Page: docs/reference/scatter/table.md.
 #pragma once
 
 #include <vector>

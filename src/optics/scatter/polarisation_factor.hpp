@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Polarisation factors Q of roughness scatter from one interface (physics.md eq. 3.9): relative permittivity eps, or a
-// constant reflectance for a coated mirror.
+// Polarisation factors Q of roughness scatter from one interface (docs/theory/surfaces.md, eq. 3.9): relative
+// permittivity eps, or a constant reflectance for a coated mirror.
 #pragma once
 
 #include "base/math/vec3.hpp"

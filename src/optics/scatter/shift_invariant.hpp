@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // ABg scatter law: BSDF = A/(B + |alpha - alpha_0|^g), alpha = projection of the outgoing direction on the surface,
-// alpha_0 the same for the specular direction (physics.md eq. 3.16). Page: docs/reference/scatter/abg.md.
+// alpha_0 the same for the specular direction (docs/theory/surfaces.md, eq. 3.16). Page: docs/reference/scatter/abg.md.
 #pragma once
 
 #include "optics/lobes/lobe_table.hpp"
@@ -41,9 +41,9 @@ struct Gaussian {
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
-// Harvey scatter law: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (physics.md eq. 3.14). Extended: two widths, along
-// and across the plane of travel. That plane holds the mean of the incident and the outgoing travelling direction, so
-// that the law stays reciprocal. Page: docs/reference/scatter/harvey.md.
+// Harvey scatter law: BSDF = b0 [1 + (|alpha - alpha_0|/l)^2]^(s/2) (docs/theory/surfaces.md, eq. 3.14). Extended: two
+// widths, along and across the plane of travel. That plane holds the mean of the incident and the outgoing travelling
+// direction, so that the law stays reciprocal. Page: docs/reference/scatter/harvey.md.
 
 struct Harvey {
   double b0 = 0, width = 0.01, slope = -1.5,
@@ -71,7 +71,7 @@ struct Harvey {
 };
 
 // Small-angle scatter of mirrors: BSDF = kappa theta^-n for theta >= above, theta = angle from the specular direction
-// (physics.md eq. 3.18). Below `above` the light belongs to the modes (hand-over angle, requirements.md R2.31).
+// (docs/theory/surfaces.md, eq. 3.18). Below `above` the light belongs to the modes (hand-over angle, R2.31).
 // Page: docs/reference/scatter/power-law.md.
 
 struct PowerLaw {
@@ -93,8 +93,9 @@ struct PowerLaw {
   STRAY_HD BsdfSample sample(Vec3 wi, double u, double v) const { return lobe.sample(wi, u, v); }
 };
 
-// Virgo's statistical 1/theta^2 law (physics.md eq. 3.19, 3.20): a mirror scatters the total fraction `tis` with polar
-// density kappa_s/theta^2 between `above` and pi/2; returns kappa_s (dimensionless), so kappa = tis kappa_s/(2 pi).
+// Virgo's statistical 1/theta^2 law (docs/theory/surfaces.md, eq. 3.19, 3.20): a mirror scatters the total fraction
+// `tis` with polar density kappa_s/theta^2 between `above` and pi/2; returns kappa_s (dimensionless), so kappa = tis
+// kappa_s/(2 pi).
 double statistical_kappa(double above);
 // Integral of sin(t)/t^2 from a to b = [-sin t/t + Ci(t)]_a^b (eq. 3.20), angles in (0, pi].
 double statistical_integral(double a, double b);

@@ -2,8 +2,8 @@
 // Scatter to the other side of a surface, out of any law: the law acts on n alpha, the transverse wave vector over that
 // of vacuum, which refraction keeps. With m the smaller of the two indices
 //   f(wi, wo) = (n_out/m)^2 law(n_in alpha_i/m, n_out alpha_o/m),
-// so that f_12/n_2^2 = f_21/n_1^2 (physics.md eq. 3.2), the lobe is centred on the refracted direction, and the
-// integral of f cos is the albedo of the law. Directions in the denser medium beyond the critical angle, where
+// so that f_12/n_2^2 = f_21/n_1^2 (docs/theory/surfaces.md, eq. 3.2), the lobe is centred on the refracted direction,
+// and the integral of f cos is the albedo of the law. Directions in the denser medium beyond the critical angle, where
 // n alpha > m, neither send nor get such light. wi.z > 0, wo.z < 0. Page: docs/reference/scatter/through.md.
 #pragma once
 

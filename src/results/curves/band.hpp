@@ -8,7 +8,7 @@
 
 namespace straytrace {
 
-constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (physics.md eq. 1.11)
+constexpr double wrapped_from = 1;  // rad rms; above, fringes wrap (docs/theory/spectra.md, eq. 1.11)
 
 // {low, high}, or the whole grid when high <= low.
 std::pair<double, double> band_of(FrequencyGrid const&, double low, double high);

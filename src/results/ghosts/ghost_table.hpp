@@ -36,7 +36,7 @@ struct GhostSettings {
   }
 };
 
-// Ghosts that return to the port with equal phase sensitivities: they move together (physics.md eq. 10.5).
+// Ghosts that return to the port with equal phase sensitivities: they move together (docs/theory/ghosts.md, eq. 10.5).
 struct GhostFamily {
   std::vector<PhaseSensitivity> phase_sensitivities;
   std::array<std::complex<double>, 2> field{};  // at the launch, relative to the main mode, by state of polarisation

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detectors from files in the layout of pygwinc's ifo.yaml, or by the name of a preset (interface.md 5).
+// Detectors from files in the layout of pygwinc's ifo.yaml, or by the name of a preset (docs/reference/budget.md).
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Noise budgets in the HDF5 layout of pygwinc (interface.md 6): version 2 is written, 1 and 2 are read.
+// Noise budgets in the HDF5 layout of pygwinc (docs/reference/budget.md): version 2 is written, 1 and 2 are read.
 #pragma once
 
 #include <string>

@@ -17,7 +17,7 @@ struct CellEstimates {
 };
 CellEstimates cell_estimates(MapSums const&, std::uint64_t histories, std::uint64_t blocks);
 
-// Coherent field of one pixel row by row: sum over routes of sqrt(P/area) e^(i phase) (requirements.md R4.02), in
+// Coherent field of one pixel row by row: sum over routes of sqrt(P/area) e^(i phase) (R4.02), in
 // sqrt(W)/m per sqrt(W) of the main mode. `coherence`: smallest share of a route's power in a pixel that is in phase
 // with its mean; far below 1 the pixels are too coarse for the phase.
 struct FieldMap {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How fast a run learns: 1/(relative error^2 x seconds of tracing). It depends on machine and load, so it stands in
-// /timing and is printed, but is no part of a result (estimators.md section 16).
+// /timing and is printed, but is no part of a result (docs/theory/errors.md).
 #pragma once
 
 #include <string>

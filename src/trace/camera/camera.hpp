@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures computed by rays from a camera, to see whether a scene is built as meant (requirements.md R3.36). No light
+// Pictures computed by rays from a camera, to see whether a scene is built as meant (R3.36). No light
 // is simulated: a headlight shows shapes. Page: docs/reference/render.md.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a camera sees by the light of its own flash: scattered light, and glints, as in photographs taken to find what
-// sends light back (requirements.md R3.36). Page: docs/reference/render.md.
+// sends light back (R3.36). Page: docs/reference/render.md.
 #pragma once
 
 #include "trace/camera/camera.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Deterministic classes: light that no walk of rays finds, computed once and put into the coupling table beside the
-// scattered light (physics.md 1.8).
+// scattered light (docs/theory/diffraction.md).
 #pragma once
 
 #include "trace/coupling.hpp"
@@ -8,7 +8,7 @@
 namespace straytrace {
 
 // A class without a Monte-Carlo error. The weights of the records, all positive, sum to its coupling, which counts the
-// ordered path alone; `reverse` is C_rev (physics.md eq. 1.5). The hash names kind, steps and port.
+// ordered path alone; `reverse` is C_rev (docs/theory/path_integral.md, eq. 1.5). The hash names kind, steps and port.
 CouplingClass deterministic_class(ClassKind, std::vector<PathStep> steps, PortId, double reverse,
                                   std::vector<PathRecord>, std::string statement);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How light goes from patch to patch, by quadrature over pairs of points with visibility (estimators.md 7).
+// How light goes from patch to patch, by quadrature over pairs of points with visibility (docs/theory/sampling.md).
 #pragma once
 
 #include <vector>

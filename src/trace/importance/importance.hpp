@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tables that steer the walk: adjoint of every side of every patch, and the patches worth aiming at from there
-// (estimators.md 6 to 8). A function of the scene only.
+// (docs/theory/sampling.md). A function of the scene only.
 #pragma once
 
 #include <string>

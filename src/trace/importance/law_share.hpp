@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much of the mixture the scatter law keeps at one side of a patch (alpha of estimators.md 6).
+// How much of the mixture the scatter law keeps at one side of a patch (alpha of docs/theory/sampling.md).
 #pragma once
 
 #include <vector>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What paths scored after they arrived on each side of each patch, learned from a short run of its own (estimators.md
-// 7): it knows mirrors and glass, which the diffuse exchange does not. Its histories never enter results.
+// What paths scored after they arrived on each side of each patch, learned from a short run of its own
+// (docs/theory/sampling.md): it knows mirrors and glass, which the diffuse exchange does not. Its histories never enter
+// results.
 #pragma once
 
 #include <cstdint>

@@ -32,7 +32,7 @@ void check_energy_balance(BlockSums const& total) {
   double sum = 0;
   for (Moments const& column : total.energy_balance) sum += column.sum;
   for (BalanceTerm balance_term :
-       {BalanceTerm::roulette, BalanceTerm::sampling}) {  // zero on average (estimators.md 4)
+       {BalanceTerm::roulette, BalanceTerm::sampling}) {  // zero on average (docs/theory/sampling.md)
     Estimate const e = estimate(total.energy_balance[static_cast<int>(balance_term)], total.histories, total.blocks);
     double const rounding = 1e-12 * total.emitted.sum / double(total.histories);
     bool const sound = total.blocks >= 32 && e.scored >= 100 && e.variance_of_variance < 0.1;

@@ -42,14 +42,14 @@ STRAY_HD bool scatters_through(Optic const& optic) {
     if (optic.through[i]) return true;
   return false;
 }
-// Etendue of one mode in the medium where it arrives, m^2 sr (physics.md 1.2), times q.
+// Etendue of one mode in the medium where it arrives, m^2 sr (docs/theory/path_integral.md), times q.
 STRAY_HD double accepted(WorldView const& world, Footprint const& lit) {
   double const wavelength = world.wavelength / lit.index;
   return wavelength * wavelength * lit.share;
 }
 
 // Share of light of this polarisation, travelling along `out`, that the mode can take after the scatter at `y`; 1 when
-// polarisation is not followed (physics.md 0.7: laws then speak of the main polarisation alone).
+// polarisation is not followed (docs/theory/conventions.md: laws then speak of the main polarisation alone).
 STRAY_HD double mode_share(WorldView const& world, Polarisation const& light, Vec3 out, Vertex const& y,
                            Footprint const& lit) {
   if (!world.polarised) return 1;

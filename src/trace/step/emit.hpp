@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first vertex of a history: a point on a lit surface, drawn with the mode's own weight |u|^2 (physics.md eq. 1.6),
-// where light is scattered out of the mode. Specular reflection of the mode is the mode itself, not stray light.
+// The first vertex of a history: a point on a lit surface, drawn with the mode's own weight |u|^2
+// (docs/theory/path_integral.md, eq. 1.6), where light is scattered out of the mode. Specular reflection of the mode is
+// the mode itself, not stray light.
 #pragma once
 
 #include "trace/step/scatter.hpp"
@@ -23,8 +24,8 @@ STRAY_HD bool emit_free(Footprint const& beam, Ray const& line, PathState& path,
   return true;
 }
 
-// Histories of a block are dealt to sources and first targets by systematic sampling (estimators.md 11): evenly spaced
-// numbers in (0, 1) with one random shift per block.
+// Histories of a block are dealt to sources and first targets by systematic sampling (docs/theory/sampling.md): evenly
+// spaced numbers in (0, 1) with one random shift per block.
 STRAY_HD double stratum(std::uint64_t seed, std::uint64_t history, std::uint64_t block_size) {
   std::uint64_t const place = history % block_size;
   double const shift = Rng(seed, history - place, 0xffffffffu, Stream::source).uniform();

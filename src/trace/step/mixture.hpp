@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The mixture from which directions are drawn, in solid angle at the vertex left (estimators.md 6):
+// The mixture from which directions are drawn, in solid angle at the vertex left (docs/theory/sampling.md):
 //   p(w) = alpha p_law(w) + (1 - alpha) q_k d^2/(A_k cos_y)      k: the patch that is hit first along w
 // One sample, one division, whichever component drew it. The scatter law always takes part (alpha >= 0.1), so no light
 // is missed because no target was listed for it.

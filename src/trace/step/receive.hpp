@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Light counted in watts: receivers met by the walk itself and connections to points drawn on them, combined by the
-// balance heuristic like those to modes (estimators.md 5). A score is power relative to the main mode.
+// balance heuristic like those to modes (docs/theory/sampling.md). A score is power relative to the main mode.
 #pragma once
 
 #include "trace/step/connect.hpp"

@@ -39,8 +39,8 @@ STRAY_HD double reached_density(WorldView const& world, PathState const& path, V
   return world.lit[path.source].passing(vertex.point).irradiance * vertex.wi.z / double(world.emitters.size);
 }
 
-// Phase of the interface, in turns (physics.md 0.3): a stated power reflects with a quarter, so that a splitter without
-// loss is unitary and the two ports of an interferometer are each other's complement.
+// Phase of the interface, in turns (docs/theory/conventions.md): a stated power reflects with a quarter, so that a
+// splitter without loss is unitary and the two ports of an interferometer are each other's complement.
 STRAY_HD double interface_turns(WorldView const& world, Vertex const& vertex, bool through) {
   Amplitudes const a =
       specular_amplitudes(world.interfaces, *vertex.optic, vertex.wi.z, vertex.n_in, vertex.n_out, vertex.front);

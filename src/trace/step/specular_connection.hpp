@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Receivers behind lenses and mirrors (estimators.md 9): neither a connection nor, for a small receiver, chance reaches
-// them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering surface z,
-// and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass -> receiver by
-// itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the sub-path has
-// the density of its start (start_density): etendue is the same at both ends. Where a sub-path meets a surface that a
-// beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter is scored as
-// well, weighed against the walk that starts with it.
+// Receivers behind lenses and mirrors (docs/theory/sampling.md): neither a connection nor, for a small receiver, chance
+// reaches them. A sub-path starts on the receiver, walks backwards through specular surfaces to the first scattering
+// surface z, and the vertex x of the walk is connected to z. It is combined with the walk that goes x -> z -> glass ->
+// receiver by itself by the balance heuristic, in area at z times projected solid angle from z [1/(m^2 sr)], where the
+// sub-path has the density of its start (start_density): etendue is the same at both ends. Where a sub-path meets a
+// surface that a beam lights, directly or as a free beam by the straight way from its plane, that light's own scatter
+// is scored as well, weighed against the walk that starts with it.
 #pragma once
 
 #include "trace/step/receive.hpp"
@@ -117,8 +117,8 @@ struct Chain {
   }
 };
 
-// The same etendue as seen at z towards `wo`, m^2 sr: over n^2 it is conserved (physics.md eq. 3.2); receivers stand
-// outside all glass.
+// The same etendue as seen at z towards `wo`, m^2 sr: over n^2 it is conserved (docs/theory/surfaces.md, eq. 3.2);
+// receivers stand outside all glass.
 STRAY_HD double etendue_at(Backward const& back, Vertex const& z, Vec3 wo) {
   double const n = wo.z < 0 ? z.n_out : z.n_in;
   return back.etendue / (n * n);

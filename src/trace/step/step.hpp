@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // THE step: one hop and one vertex of one path; and the loop over a history. Everything else prepares the world or adds
-// up. physics.md 1.4; estimators.md 4.
+// up. docs/theory/path_integral.md; docs/theory/sampling.md.
 //
 // Sink: where ports, receivers, energy balance and pictures listen; the only output.
 //   emitted(path, vertex)                     a history starts: power scattered out of the mode by its first vertex

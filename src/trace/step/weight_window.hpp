@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keeps the population of paths level (estimators.md 8): bright or important paths are split, faint ones survive by
-// chance with their power raised, so the mean is kept. Power times adjoint is what a path is worth.
+// Keeps the population of paths level (docs/theory/sampling.md): bright or important paths are split, faint ones
+// survive by chance with their power raised, so the mean is kept. Power times adjoint is what a path is worth.
 #pragma once
 
 #include "base/math/rng.hpp"

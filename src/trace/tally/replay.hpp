@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs one history again to learn what the sums do not hold: route, phase sensitivities and optical length of a kept
-// score (physics.md eq. 2.2 to 2.5).
+// score (docs/theory/phase.md, eq. 2.2 to 2.5).
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace straytrace {
 
 // One vertex as it was passed: what happened there, the unit vectors of the light before and after it, and the indices
 // of the media it ran in. A free beam starts on no surface. On a receiver the outgoing leg is zero
-// (requirements.md C3.7).
+// (C3.7).
 struct PassedVertex {
   SurfaceId surface;
   Vec3 point, in, out;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A route and the same route run backwards couple alike (reciprocity, physics.md eq. 1.2; case A25): same power, same
-// phase sensitivities, same optical length. Sampling is not symmetric: a connection can end a path on a lit surface,
-// but not one that reflects into the mode of another (`ITM·S > baffle·S > ITM·R > ETM·S`), while `ETM·S > ITM·R >
-// baffle·S > ITM·S` is easy.
+// A route and the same route run backwards couple alike (reciprocity, docs/theory/path_integral.md, eq. 1.2; case A25):
+// same power, same phase sensitivities, same optical length. Sampling is not symmetric: a connection can end a path on
+// a lit surface, but not one that reflects into the mode of another (`ITM·S > baffle·S > ITM·R > ETM·S`), while `ETM·S
+// > ITM·R > baffle·S > ITM·S` is easy.
 #pragma once
 
 #include <vector>

@@ -19,7 +19,8 @@
 namespace straytrace {
 namespace {
 
-// A route and its reverse are one coherent pair: C_rev counts on both ends being ports (physics.md eq. 1.5).
+// A route and its reverse are one coherent pair: C_rev counts on both ends being ports (docs/theory/path_integral.md,
+// eq. 1.5).
 void warn_of_closed_ends(Scene const& scene, World const& world) {
   for (Footprint const& f : world.footprints())
     if (f.standing && !f.receives && !world.ports().empty())
@@ -74,7 +75,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
                          "add 'ports: {ITM: {beam: arm, at: ITM}}', or 'receivers: {PD: {on: SURFACE}}'");
 }
 
-// Cavities: their modes are computed, not typed (physics.md eq. 6.3).
+// Cavities: their modes are computed, not typed (docs/theory/beams.md, eq. 6.3).
 
 namespace {
 
@@ -195,7 +196,8 @@ void read_polarisation(Node const& beam, Vec3 travel, World& world, Footprint& f
 }
 
 // Radius and curvature of the wavefront where the beam starts; of a Gaussian also from its waist:
-// w^2 = w0^2 (1 + z^2/zR^2), 1/R = z/(z^2 + zR^2), zR = pi w0^2/lambda, at z behind the waist (physics.md eq. 0.6).
+// w^2 = w0^2 (1 + z^2/zR^2), 1/R = z/(z^2 + zR^2), zR = pi w0^2/lambda, at z behind the waist (docs/theory/beams.md,
+// eq. 0.6).
 void read_wavefront(Node const& beam, World const& world, Footprint& f) {
   Node const waist = beam.table("waist");
   if (!waist) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table `edges`: rims that diffract light from one mirror of a cavity to the other (physics.md 8.5).
+// The table `edges`: rims that diffract light from one mirror of a cavity to the other (docs/theory/diffraction.md).
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -189,7 +189,7 @@ void read_grooves(Node const& law, LawReading& out) {
   out.add(p);
 }
 
-// physics.md 3.5, 3.4: isotropic floor; obstacles take twice their area out of the beam, half of it by diffraction.
+// docs/theory/surfaces.md: isotropic floor; obstacles take twice their area out of the beam, half of it by diffraction.
 void read_defects(Node const& law, LawReading& out) {
   if (first_of(law, "tis", "coverage")) {
     out.add(Lambertian{law.number("tis", dim::plain, required, 0, 1)});
@@ -246,7 +246,7 @@ void read_dust(Node const& law, LawReading& out) {
   out.add(p);
 }
 
-// Laws from a power spectrum of heights: k-correlation, psd, harvey-shack (physics.md 3.2).
+// Laws from a power spectrum of heights: k-correlation, psd, harvey-shack (docs/theory/surfaces.md).
 
 namespace {
 

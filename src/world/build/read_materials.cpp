@@ -104,8 +104,8 @@ Vec3 incoming(double cosine, double turn) {
   return {sine * azimuth.cos, sine * azimuth.sin, cosine};
 }
 
-// physics.md eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum. What the quadrature behind a
-// table adds to an albedo of 1 is no light.
+// docs/theory/surfaces.md, eq. 3.1, at every incidence of the albedo table, from vacuum into vacuum. What the
+// quadrature behind a table adds to an albedo of 1 is no light.
 void check_energy(std::string const& name, Node const& node, Optic const& optic, WorldView const& world) {
   constexpr double quadrature = 1e-4;
   for (int i = AlbedoTable::size - 1; i >= 0; --i) {

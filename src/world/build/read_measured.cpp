@@ -68,8 +68,8 @@ class MeasuredReader {
     return false;
   }
 
-  // physics.md eq. 3.8: of a smooth surface the same spatial frequencies scatter at offsets in proportion to the
-  // wavelength, with a BSDF that goes as its inverse fourth power.
+  // docs/theory/surfaces.md, eq. 3.8: of a smooth surface the same spatial frequencies scatter at offsets in proportion
+  // to the wavelength, with a BSDF that goes as its inverse fourth power.
   void at_wavelength(LawReading& out) {
     double const measured = file.declared.wavelength, wanted = out.world.wavelength, ratio = measured / wanted;
     double const factor = std::pow(ratio, 4);

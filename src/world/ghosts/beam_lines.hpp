@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A beam as lines parallel to its chief ray (physics.md eq. 5.5, 5.6 for any rim at any angle).
+// A beam as lines parallel to its chief ray (docs/theory/beams.md, eq. 5.5, 5.6 for any rim at any angle).
 #pragma once
 
 #include <cmath>

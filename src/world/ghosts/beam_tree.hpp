@@ -39,8 +39,8 @@ struct BeamLaunch {
                                   // itself; what passes into the cavity has rejoined it
   double passes = 1;              // share of the power that leaves the cavity through `arrives_at`; 1: no cavity
 
-  // Behind an input mirror the light interferes with what comes from the splitter (physics.md 9), which is not
-  // launched: end mirrors pass some ppm, input mirrors of detectors 0.4 % and more.
+  // Behind an input mirror the light interferes with what comes from the splitter (docs/theory/interferometer.md),
+  // which is not launched: end mirrors pass some ppm, input mirrors of detectors 0.4 % and more.
   bool through_input_mirror() const { return !cavity.empty() && passes > 1e-3; }
 };
 // Every Gaussian beam of the scene in its order; a cavity is launched once through each of its mirrors.
@@ -129,7 +129,7 @@ struct BeamEnergyBalance {
   struct Object {
     LongSum landed;     // neither reflected nor transmitted there: absorbed or scattered; all that a screen takes
     LongSum scattered;  // part of `landed`
-    LongSum beside;     // passed beside the rim (physics.md eq. 5.5, 5.6)
+    LongSum beside;     // passed beside the rim (docs/theory/beams.md, eq. 5.5, 5.6)
     LongSum ghosts;     // part of landed + beside that ghosts brought
   };
   std::vector<Object> objects;  // by group

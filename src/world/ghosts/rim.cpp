@@ -111,7 +111,7 @@ std::vector<FlatRim> flat_rims(WorldView const& view, SurfaceId id) {
   return view.shapes.visit(view.surfaces[id.value].shape, [](auto const& s) { return rim_of_shape(s); });
 }
 
-// How much of a beam passes beside the surface that its chief ray meets (physics.md eq. 5.5, 5.6).
+// How much of a beam passes beside the surface that its chief ray meets (docs/theory/beams.md, eq. 5.5, 5.6).
 
 namespace {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What stands beside the chief ray of a beam on its flight from one surface to the next, and takes a part of it: the
-// screen around a hole, the edge of something beside the beam (physics.md eq. 5.5, 5.6). docs/theory/ghosts.md.
+// screen around a hole, the edge of something beside the beam (docs/theory/beams.md, eq. 5.5, 5.6).
+// docs/theory/ghosts.md.
 #pragma once
 
 #include <cstdint>

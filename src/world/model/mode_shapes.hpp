@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elastic modes of bodies: how far each point goes, and where, per metre of the coordinate (physics.md eq. 2.1).
+// Elastic modes of bodies: how far each point goes, and where, per metre of the coordinate (docs/theory/motion.md,
+// eq. 2.1).
 #pragma once
 
 #include <memory>

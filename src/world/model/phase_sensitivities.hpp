@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one hit adds to the phase Jacobians of a path (physics.md eq. 2.3).
+// What one hit adds to the phase Jacobians of a path (docs/theory/motion.md, eq. 2.3).
 #pragma once
 
 #include <vector>

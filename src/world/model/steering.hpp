@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What steers the walk towards light that will count: patches made of strips of surfaces, the adjoint of each side of a
-// patch, and the list of patches worth aiming at from there (estimators.md 6 to 8). Any table gives the right answer; a
-// good one gives it soon. Made by trace/importance/importance.hpp.
+// patch, and the list of patches worth aiming at from there (docs/theory/sampling.md). Any table gives the right
+// answer; a good one gives it soon. Made by trace/importance/importance.hpp.
 #pragma once
 
 #include <cmath>

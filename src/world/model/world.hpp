@@ -55,10 +55,10 @@ struct WalkLimits {
   std::uint32_t max_order = 64;      // surface events after the source; light beyond is booked as `limit`
   double roulette_below = 0.1;       // of the power first scattered: below it paths survive by chance (unbiased)
   std::uint32_t route_vertices = 5;  // routes with more vertices than this are summed in the class `other`
-  bool targets = true;               // aim at what the adjoint tables call important (estimators.md 6)
+  bool targets = true;               // aim at what the adjoint tables call important (docs/theory/sampling.md)
   double law_share = 0.25;           // of directions, that the scatter law keeps at least beside the targets (alpha)
-  bool window = true;                // split and weed paths by power x adjoint (estimators.md 8)
-  std::uint32_t children = 1;        // paths that go on from the first vertex (requirements.md R3.26)
+  bool window = true;                // split and weed paths by power x adjoint (docs/theory/sampling.md)
+  std::uint32_t children = 1;        // paths that go on from the first vertex (R3.26)
   bool brute_force = false;          // test every surface: must give the same bits
 };
 
@@ -251,7 +251,7 @@ class World {
   WalkLimits limits;
   EdgeSettings edges;  // stands beside the trace and is no part of the fingerprint
   bool polarised = false;
-  bool reverse_routes = true;  // apply C_rev (physics.md 1.3)
+  bool reverse_routes = true;  // apply C_rev (docs/theory/path_integral.md)
   double wavelength = 1.064e-6;
   // Histories: how they are dealt to sources. Of the run, not of the scene: no part of the fingerprint.
   std::uint64_t block_size = largest_block;

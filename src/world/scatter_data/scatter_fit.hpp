@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Laws of three parameters through measured points: ABg (physics.md eq. 3.16), Harvey (eq. 3.14), and k-correlation
-// through Rayleigh-Rice (eq. 3.13, 3.8), with a constant floor (eq. 3.18) where the points show one. One set of
-// parameters for all incidences; least squares in ln(BSDF), Huber's beyond 2.5 standard errors, upper limits by the
-// probability that the measured value lies below them.
+// Laws of three parameters through measured points: ABg (docs/theory/surfaces.md, eq. 3.16), Harvey (eq. 3.14), and
+// k-correlation through Rayleigh-Rice (eq. 3.13, 3.8), with a constant floor (eq. 3.18) where the points show one. One
+// set of parameters for all incidences; least squares in ln(BSDF), Huber's beyond 2.5 standard errors, upper limits by
+// the probability that the measured value lies below them.
 #pragma once
 
 #include <string>

@@ -190,7 +190,8 @@ void read_zemax_table(std::string_view text, ScatterFile& file, std::vector<Prob
   ZemaxReader(text, file, problems).read();
 }
 
-// Zemax ABg catalogues: entries of a name, a wavelength and rows of incidence, A, B, g (physics.md eq. 3.16).
+// Zemax ABg catalogues: entries of a name, a wavelength and rows of incidence, A, B, g (docs/theory/surfaces.md,
+// eq. 3.16).
 
 namespace {
 

@@ -2,8 +2,8 @@
 // Search structure for coaxial things along a line: walls, baffles, rims, end discs of a beam tube, sorted by height.
 // Along a ray r^2(t) is a convex quadratic, so "inside the clear aperture" is one interval in t, known in closed form:
 // a ray passes whole groups of baffles in one step, where a box tree tests every one of them, because the box of an
-// annulus includes its hole (performance.md 1 and 3). A skipped surface was certainly not hit, so the answer equals
-// brute force bit by bit: heights and radii are widened by more than everything that rounding can do.
+// annulus includes its hole (docs/develop/performance.md). A skipped surface was certainly not hit, so the answer
+// equals brute force bit by bit: heights and radii are widened by more than everything that rounding can do.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Run files: what was written comes back bit by bit, and nothing else is accepted.
+#include "results/run_file/run_file.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -12,6 +14,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "io/hdf5/contents.hpp"
 #include "io/hdf5/writer.hpp"
 #include "results/run_file/checksum_header.hpp"
 #include "support/message_of.hpp"
@@ -74,6 +77,40 @@ TEST_F(ReportRunFile, ComparisonSeesOneBit) {
   NoiseBudget louder = noise;
   louder.routes[3].sigma[9] = std::nextafter(louder.routes[3].sigma[9], 1);
   EXPECT_FALSE(same(noise, louder));
+}
+
+// A file of schema 1: the same values under the names of that time.
+hdf5::Contents of_schema_1(hdf5::Contents const& contents, std::string const& ledger = "ledger") {
+  std::pair<std::string, std::string> const names[] = {
+      {"/energy_balance", "/" + ledger}, {"/phase_sensitivities", "/levers"}, {"/phase_sensitivity", "/lever"}};
+  hdf5::Contents out;
+  for (auto const& [path, object] : contents) {
+    std::string name = path;
+    for (auto const& [now, then] : names)
+      if (auto const at = path.find(now); at != path.npos) {
+        name.replace(at, now.size(), then);
+        break;
+      }
+    out[name] = object;
+  }
+  auto& about = out.at("/").attributes;
+  auto checks = about.extract("good_checks");
+  checks.key() = "good_looks";
+  about.insert(std::move(checks));
+  about.at("schema").bytes[0] = 1;
+  return out;
+}
+
+TEST_F(ReportRunFile, ReadsSchema1) {
+  std::string const file = written();
+  std::ifstream in(file, std::ios::binary);
+  hdf5::Contents const contents = hdf5::contents_of(unsealed({std::istreambuf_iterator<char>(in), {}}, file));
+  RunFile const now = run_of(contents, file), then = run_of(of_schema_1(contents), file);
+  EXPECT_TRUE(same(now.trace.coupling, then.trace.coupling));
+  EXPECT_TRUE(same(now.trace.total, then.trace.total));
+  EXPECT_TRUE(same(*now.noise, *then.noise));
+  EXPECT_EQ(now.trace.good_checks, then.trace.good_checks);
+  EXPECT_THROW((void)run_of(of_schema_1(contents, "cellar"), file), InputError);  // negative control: no such name
 }
 
 TEST_F(ReportRunFile, ResumesToTheSameBits) {
@@ -210,11 +247,11 @@ std::string made(std::string const& kind, std::uint64_t major) {
 
 TEST_F(ReportRunFile, RefusesOtherKindsAndNewerSchemas) {
   write_file(folder / "kind.h5", made("straytrace-scan", 1));
-  write_file(folder / "new.h5", made("straytrace-run", 2));
+  write_file(folder / "new.h5", made("straytrace-run", 3));
   write_file(folder / "bare.h5", made("straytrace-run", 1));
   EXPECT_THAT(message_of([&] { read_run(folder / "kind.h5"); }), HasSubstr("its type is 'straytrace-scan'"));
   EXPECT_THAT(message_of([&] { read_run(folder / "new.h5"); }),
-              HasSubstr("format 2.0 and was written by straytrace 9.1"));
+              HasSubstr("format 3.0 and was written by straytrace 9.1"));
   EXPECT_THAT(message_of([&] { read_run(folder / "bare.h5"); }), HasSubstr("is damaged"));
 }
 

@@ -162,11 +162,12 @@ TEST(FringesInTime, SizeOfTheNeglectedTerms) {  // R4.07, eq. 2.6
 // p (1 - exp(-phi^2)) is 1e-6 of 1, 0.00998 of 0.01, 0.0001 of 0.0001.
 TEST(FringesInTime, RmsPhaseIsThatOfTheRouteWithTheLargestMovingPower) {
   double const peak = 1e-6, rms = two_k * peak / std::sqrt(2), slow = 1e-3 / rms, fast = 2.5 / rms;
-  CouplingTable const table = known_table({known_class(1, 1, {record(1, 1, {lever(0, 2, slow * two_k)})}),
-                                           known_class(2, 0.01,
-                                                       {record(2, 0.005, {lever(0, 2, fast * two_k)}),
-                                                        record(3, 0.005, {lever(0, 2, 1.2 * fast * two_k)})}),
-                                           known_class(3, 1e-4, {record(4, 1e-4, {lever(0, 2, 4 * fast * two_k)})})});
+  CouplingTable const table =
+      known_table({known_class(1, 1, {record(1, 1, {phase_sensitivity(0, 2, slow * two_k)})}),
+                   known_class(2, 0.01,
+                               {record(2, 0.005, {phase_sensitivity(0, 2, fast * two_k)}),
+                                record(3, 0.005, {phase_sensitivity(0, 2, 1.2 * fast * two_k)})}),
+                   known_class(3, 1e-4, {record(4, 1e-4, {phase_sensitivity(0, 2, 4 * fast * two_k)})})});
   MotionSet motion = moving({Spectrum()});
   motion.inputs = {tone(10, peak)};
   std::vector<StrayPath> const paths = stray_paths(table, UnitDetector(), {{0, 1, 2}, 0, 1, 0});
