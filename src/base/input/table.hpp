@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The checked input tree that every room reads its own structs from. A Node knows its place in the file, the parameters
 // in force there, and the document it belongs to. Readers never throw at the first problem: they record it in the
-// document, return a placeholder (NaN, empty) and go on; the document throws once, at the end
+// document, return NaN or an empty value and continue; the document throws once, at the end
 // (docs/reference/scene.md).
 #pragma once
 
