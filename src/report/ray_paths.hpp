@@ -47,7 +47,7 @@ struct RaySegment {
 };
 std::vector<RaySegment> sample_rays(World const&, Box const&, std::uint64_t seed, std::uint64_t histories);
 
-// Every event of one history, in order. Its terms of the energy balance sum to what it emits, the power scattered out
+// Every event of one history, in order. Its terms sum to what it emits, the power scattered out
 // of the mode.
 struct HistoryEvent {
   std::string what;  // emit, arrive, rejoin, receive, or a term of the energy balance

@@ -82,7 +82,8 @@ void check_entrances(Node const& interferometer, World const& world) {
 }
 
 // Behind the input mirror the light of the arm interferes with the light that the splitter sends, which `lit` does not
-// follow: on resonance a quarter of what the mirror passes stands there (docs/theory/interferometer.md, eq. 9.5).
+// follow: on resonance the field behind it carries a quarter of the power that the mirror transmits
+// (docs/theory/interferometer.md, eq. 9.5).
 void refuse_input_mirrors(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
   auto const name = [&](Footprint const& f) { return world.groups()[world.surfaces()[f.surface.value].group.value]; };

@@ -21,7 +21,7 @@ constexpr int replica_count = 32;  // blocks with number = r modulo 32 share rep
 char letter(Event);  // emit, scatter, couple: 'S'; reflect: 'R'; transmit: 'T'; receive: 'D' (detected); start of a
                      // free beam: 'B'; diffract: 'E' (edge)
 
-// Light of the Monte-Carlo walk, and what stands beside it (docs/theory/diffraction.md): specular returns and
+// Light of the Monte-Carlo walk and the routes computed without it (docs/theory/diffraction.md): specular returns and
 // diffraction at rims. The last two are deterministic: a fixed set of path records, no Monte-Carlo error, and limits
 // stated in words.
 enum class ClassKind : std::uint8_t { scattered, ghost, edge };

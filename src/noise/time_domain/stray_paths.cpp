@@ -113,7 +113,7 @@ class CoordinateMoments {
         covariance_[a * n_ + b] = covariance_[b * n_ + a] = sum / samples;
       }
   }
-  // rad^2, of the moving part of the phase; `phase sensitivity` in turns per unit of each coordinate.
+  // rad^2, of the moving part of the phase; `phase_sensitivity` in turns per unit of each coordinate.
   double mean_square_phase(std::vector<double> const& phase_sensitivity) const {
     double turns2 = 0;
     for (std::size_t a = 0; a < n_; ++a)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Total of a GGX surface of small mirrors with Smith's shadowing (microfacet.hpp, grooves.hpp), and how it is tabled.
-// What the energy balance call absorbed is 1 - total, so it must be what the samples average to.
+// What the energy balance calls absorbed is 1 - total, so it must be what the samples average to.
 #pragma once
 
 #include "base/math/functions.hpp"

@@ -25,7 +25,7 @@ void write_maps_of(hdf5::Writer&, BlockSums const& total);  // /maps
 void write_importance(hdf5::Writer&, ImportanceMap const&);              // /importance
 ImportanceMap read_importance(hdf5::Reader const&, std::size_t groups);  // empty in files before schema 1.3
 
-void write_energy_balance(hdf5::Writer&, TraceResult const&);  // /energy balance, /arrived
+void write_energy_balance(hdf5::Writer&, TraceResult const&);  // /energy_balance, /arrived
 
 void write_noise(hdf5::Writer&, NoiseBudget const&);  // /noise
 NoiseBudget read_noise(hdf5::Reader const&);

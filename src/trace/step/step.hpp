@@ -8,7 +8,7 @@
 //   score(path, vertex, lit, connection, y, coupling)  light rejoined the mode of footprint `lit` at the point y
 //   score_through(path, vertex, z, chain, receiver, end, power)  optional: power on a receiver by x -> z -> glass
 //   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
-//   book(term of the energy balance, power)                         the energy balance
+//   book(term, power)                         the energy balance
 //   absorbed(group, power)                    optional: what of it a group absorbed; no group: a medium
 //   wagered(variance)                         optional: of what the roulette has just booked in `window`
 #pragma once

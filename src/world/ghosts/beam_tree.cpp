@@ -156,7 +156,7 @@ class Tree {
     }));
   }
 
-  // Reflected and transmitted parts of what meets the surface; energy balance what stays there.
+  // Reflected and transmitted parts of what meets the surface; adds what stays there to the energy balance.
   std::array<Way, 2> ways(BeamSpot const& spot, Vertex const& vertex, bool cavity) {
     std::array<Way, 2> both;
     both[1].through = true;

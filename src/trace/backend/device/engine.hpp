@@ -42,7 +42,7 @@ struct BatchCounts {
   std::size_t bytes = 0;        // of device memory that this engine holds
 };
 
-// Paths that move together, in the order of phase_sum (noise/time_domain/phase_sum.hpp): `phase sensitivity` by path
+// Paths that move together, in the order of phase_sum (noise/time_domain/phase_sum.hpp): `phase_sensitivity` by path
 // and coordinate, `position` by coordinate and sample.
 struct PhaseOrder {
   std::span<double const> amplitude, turns, phase_sensitivity, position;
