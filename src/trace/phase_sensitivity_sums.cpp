@@ -71,7 +71,7 @@ void PhaseSensitivitySums::add(PhaseSensitivitySums const& other, double factor)
 
 namespace {
 
-constexpr std::size_t phase_sensitivities_per_block = 32;
+constexpr std::size_t phase_sensitivities_per_block = 128;
 
 struct Candidate {
   double priority;  // coupling over the root of that of its route in the block, over its random number
