@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGES = ROOT / "docs" / "reference" / "scatter"
 BLOCK = re.compile(r"^```yaml\n(straytrace:.*?)^```$", re.MULTILINE | re.DOTALL)
 ON_THE_MIRROR = ("power-law", "psd", "defects")    # pages whose law is that of the material `mirror`, not `steel`
-WITHOUT = ("specular", "grooves")                   # plot_interfaces.py and draw_grooves.py draw them
+WITHOUT = ("grooves",)                               # draw_grooves.py draws it
 LARGEST = 60_000                                    # bytes
 
 

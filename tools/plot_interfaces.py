@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draw the pictures of docs/reference/interfaces, and that of scatter/specular. Usage: plot_interfaces.py [ROOT]"""
+"""Draw the pictures of docs/reference/interfaces. Usage: plot_interfaces.py [ROOT]"""
 import pathlib
 import sys
 
@@ -57,15 +57,6 @@ def fixed(axes):
         ax.stackplot([0, 90], [[reflect] * 2, [transmit] * 2, [1 - reflect - transmit] * 2],
                      labels=["R", "T", "absorbed or scattered"], colors=["C0", "C1", "0.85"])
         power_axes(ax, title)
-
-
-def specular(axes):
-    for ax, (reflect, scatter, transmit), title in zip(axes, ((0.98599, 1e-5, 0.014), (0.05, 0.02, 0)), ("mirror", "steel")):
-        rest = 1 - reflect - scatter - transmit
-        ax.stackplot([0, 90], [[x] * 2 for x in (reflect, transmit, scatter, rest)], colors=["C0", "C1", "C2", "0.85"],
-                     labels=["reflect", "transmit", "scattered", "absorbed"])
-        power_axes(ax, title)
-        ax.set_ylim(0, 1.4)                                 # room for the legend
 
 
 def fresnel(axes):
@@ -138,7 +129,6 @@ def main(root):
     folder = root / "docs" / "reference" / "interfaces"
     for draw in (fixed, fresnel, film, coating, polarisation, media):
         figure(folder / f"{draw.__name__}.png", draw)
-    figure(folder.parent / "scatter" / "specular.png", specular)
 
 
 if __name__ == "__main__":
