@@ -251,9 +251,9 @@ class Maker:
                 "allOf": cases}
 
     def page(self):
-        lines = ["# All keys", "", "Every key that the readers of scenes and motion files know, by the table it stands in. "
-                 "`straytrace explain TABLE.KEY` prints the same.", "",
-                 "This page is written by `tools/make_schema.py`, from the readers themselves and from `schema/words.yaml`."]
+        lines = ["# All keys", "", "All keys of scenes and motion files, by table. [Scene language](scene.md) explains how they work together. "
+                 "`straytrace explain TABLE.KEY` prints one entry.", "",
+                 "`tools/make_schema.py` writes this page from the readers themselves and from `schema/words.yaml`."]
         for context in sorted(self.facts.contexts, key=lambda c: self.words[c]["name"]):
             entry = self.words[context]
             if not self.facts.contexts[context]:
