@@ -47,7 +47,7 @@ std::string csv_titles(PathTable const& table) {
   std::string text = "rank,id,port,sequence,vertices,coupling,coupling_sigma,coupling_hint,status,C_rev";
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz,h_{0:g}Hz_sigma", f);
   text +=
-      ",share_percent,share_percent_sigma,moving_body,lever_rad_per_m,rms_phase_rad,regime,path_mean_m,"
+      ",share_percent,share_percent_sigma,moving_body,phase_sensitivity_rad_per_m,rms_phase_rad,regime,path_mean_m,"
       "path_min_m,path_max_m,histories_scored,largest_history_share,effective_scores,sampled_on,kind,statement";
   for (double const f : table.frequencies) text += fmt::format(",h_{0:g}Hz_input_low,h_{0:g}Hz_input_high", f);
   return text + ",bound\n";

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "results/results.hpp"
@@ -54,13 +56,43 @@ Words fields(std::string const& line) {
   return all;
 }
 
+// Titles of paths.csv; leaves `in` at the first row.
+Words titles_of(std::istringstream& in) {
+  std::string line;
+  while (std::getline(in, line) && line.starts_with('#')) {
+  }
+  return fields(line);
+}
+
+// Names of columns with any frequency written as 10 Hz.
+std::set<std::string> at_10_hz(Words const& names) {
+  std::set<std::string> all;
+  for (std::string const& name : names) all.insert(std::regex_replace(name, std::regex("[0-9]+Hz"), "10Hz"));
+  return all;
+}
+
+// Columns of paths.csv in the table of docs/reference/run_file.md: the words in code font of the first cell of each
+// row.
+Words documented_columns() {
+  std::string const page = text_of(source_folder + "/docs/reference/run_file.md");
+  std::size_t const begin = page.find("\n## paths.csv"), end = page.find("\n## ", begin + 1);
+  std::istringstream in(page.substr(begin, end - begin));
+  std::regex const code("`([A-Za-z0-9_]+)`");
+  Words all;
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("| `")) continue;
+    std::string const cell = line.substr(0, line.find(" | "));
+    for (std::sregex_iterator i(cell.begin(), cell.end(), code); i != std::sregex_iterator(); ++i)
+      all.push_back((*i)[1]);
+  }
+  return all;
+}
+
 // Sum of a column of paths.csv over the resolved rows.
 double column_sum(std::string const& csv, std::string const& title) {
   std::istringstream in(csv);
   std::string line;
-  while (std::getline(in, line) && line.starts_with('#')) {
-  }
-  Words const titles = fields(line);
+  Words const titles = titles_of(in);
   auto const at = std::size_t(std::find(titles.begin(), titles.end(), title) - titles.begin());
   if (at == titles.size()) return not_a_number;
   double sum = 0;
@@ -76,7 +108,11 @@ void expect_shares(std::string const& run_file) {
   Finished const csv = straytrace({"paths", run_file, "--csv"});
   EXPECT_EQ(csv.code, 0);
   EXPECT_NEAR(column_sum(csv.out, "share_percent"), 100, 1e-9);
-  EXPECT_GT(std::fabs(column_sum(csv.out, "effective_scores") - 100), 1);  // twin: another column
+  EXPECT_GT(std::fabs(column_sum(csv.out, "effective_scores") - 100), 1);  // negative control: another column
+  std::istringstream lines(csv.out);
+  Words const titles = titles_of(lines);
+  EXPECT_EQ(at_10_hz(titles), at_10_hz(documented_columns()));
+  EXPECT_NE(at_10_hz(Words(titles.begin() + 1, titles.end())), at_10_hz(documented_columns()));  // control: one less
   Finished const text = straytrace({"paths", run_file, "--format", "json"});
   auto const json = nlohmann::json::parse(text.out, nullptr, false);
   ASSERT_TRUE(json.is_object()) << text.out;
