@@ -20,9 +20,9 @@ import straytrace  # noqa: E402
 
 HEAD = """# Python
 
-`import straytrace`; [guide](../guide/python.md). This page is made from the docstrings by `tools/python_reference.py --write`,
-and a test compares. Arrays are numpy's, `[n]` is over frequency, tables are pandas'. Strains are one-sided ASDs in
-1/sqrt(Hz) unless it says otherwise.
+Reference of `import straytrace`; see also the [guide](../guide/python.md). `tools/python_reference.py --write` makes this page from the
+docstrings. Arrays are numpy arrays, `[n]` is over frequency, tables are pandas data frames. Strains are one-sided ASDs in
+1/sqrt(Hz) unless stated otherwise.
 
 """
 PARTS = (

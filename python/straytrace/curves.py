@@ -28,21 +28,21 @@ class Curve:
     """One strain noise curve on the frequencies of the run."""
 
     name: str
-    mean: Array                       # [n] over the static phases of the paths
+    mean: Array                       # [n] speckle (ensemble) average
     sigma: Array                      # [n] one standard error, Monte Carlo
     phase: Array                      # [n] of it: phase quadrature
     amplitude: Array                  # [n] of it: amplitude quadrature
     resolved: bool = True
     why_not: str = ""
     mean_square_phase: float = 0.0    # rad^2
-    linear_share: Array | None = None    # [n] of the PSD, by motion of that frequency; None before schema 1.5
-    input_low: Array | None = None       # [n] of routes: what stated inputs leave open; None before schema 1.6
+    linear_share: Array | None = None    # [n] fraction of the PSD from motion at that frequency; None before schema 1.5
+    input_low: Array | None = None       # [n] of routes: range due to stated inputs; None before schema 1.6
     input_high: Array | None = None
-    bound_share: Array | None = None     # [n] of the total: share of the PSD that upper bounds make; None before schema 1.8
+    bound_share: Array | None = None     # [n] of the total: PSD fraction of upper bounds; None before schema 1.8
 
     @property
     def at_most(self) -> npt.NDArray[np.bool_]:
-        """[n] Where `mean` is an upper bound: it may be less by more than its error, and than 0.05 %."""
+        """[n] True where `mean` is an upper bound: the true value may be lower by more than its error and 0.05 %."""
         if self.bound_share is None:
             return np.zeros(len(self.mean), dtype=bool)
         less = self.mean * (1 - np.sqrt(np.clip(1 - self.bound_share, 0, None)))
@@ -52,9 +52,9 @@ class Curve:
 
 @dataclass
 class Bands:
-    """Beside the Monte-Carlo error of the total, [n], 1/sqrt(Hz)."""
+    """Bands of the total other than its Monte Carlo error, [n], 1/sqrt(Hz)."""
 
-    input_low: Array                  # what brackets and uncertainties of the input leave open
+    input_low: Array                  # range due to brackets and uncertainties of the input
     input_high: Array
     speckle_05: Array                 # percentiles of one realisation of the static phases
     speckle_50: Array
@@ -66,29 +66,29 @@ class Bands:
 
 @dataclass
 class Noise:
-    """The strain noise of a run. Called, it gives that of other motion: ``run.noise(motion="storm.yaml")``."""
+    """The strain noise of a run. Call it to get the noise for other motion: ``run.noise(motion="storm.yaml")``."""
 
     frequency: Array                  # [n] Hz, geometric centres of bins
     edges: Array                      # [n + 1] Hz
-    total: Curve                      # holds hints of unresolved routes; a lower bound when `unresolved` is not empty
+    total: Curve                      # includes hints of unresolved routes; a lower bound if `unresolved` is not empty
     routes: list[Curve]               # one per route of the run
     unresolved: list[str]             # names with reason
-    faint: list[str]                  # unresolved too, but too faint to move the total
+    faint: list[str]                  # also unresolved, but too faint to affect the total
     design: dict[str, Array]          # name: ASD
     margin: float                     # of the first design curve
-    bands: Bands | None = None      # None where only the mean was made
+    bands: Bands | None = None      # None if only the mean was computed
     run: Run | None = field(default=None, repr=False, compare=False)
 
     @property
     def bound(self) -> str:
-        """What the total is besides its error, for titles: "", " (lower bound)", " (at most)" and so on."""
+        """Kind of the total, for titles: "", " (lower bound)", " (at most)" and so on."""
         if self.total.at_most.any():
             return " (at most, routes unresolved)" if self.unresolved else " (at most)"
         return " (lower bound)" if self.unresolved else ""
 
     def __call__(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
                  response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None) -> "Noise":
-        """The noise of the same light under other motion or with other responses, without tracing: Run.project."""
+        """The noise of the same traced light with other motion or responses, without tracing: Run.project."""
         if self.run is None:
             raise RunError("this noise is of no run that could be projected again")
         noise = self.run.project(motion, response).noise
@@ -96,7 +96,7 @@ class Noise:
         return noise
 
     def power(self, curve: Curve, low: float = 0.0, high: float = np.inf) -> tuple[float, float]:
-        """Integral of the PSD over the band [Hz], strain^2, with its error (errors of bins add)."""
+        """Integral of the PSD over the band [Hz], strain^2, and its error (the errors of bins add linearly)."""
         inside = (self.frequency >= low) & (self.frequency <= high)
         width = np.diff(self.edges)[inside]
         mean, sigma = curve.mean[inside], curve.sigma[inside]
@@ -116,12 +116,12 @@ class Noise:
         return np.where(resolved, share, np.nan), np.where(resolved, error, np.nan)
 
     def at(self, hz: npt.ArrayLike, curve: Curve | None = None) -> Array:
-        """The ASD of the total, or of a curve, at frequencies: straight in log-log between the centres of bins, the
-        average of the bin beside a line or a zero, NaN outside the band."""
+        """The ASD of the total, or of a curve, at frequencies: linear in log-log between bin centres, the average of
+        the bin next to a line or a zero, NaN outside the band."""
         return between_bins(hz, self.edges, (curve or self.total).mean)
 
     def table(self) -> pandas.DataFrame:
-        """A row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)]; index: Hz."""
+        """One row per frequency: total, its errors and bands, design curves [1/sqrt(Hz)]; index: Hz."""
         import pandas
 
         columns = {"h": self.total.mean, "sigma": self.total.sigma, "phase": self.total.phase,
@@ -136,8 +136,9 @@ class Noise:
         return table
 
     def to_gwpy(self, curve: Curve | None = None, *, interpolate: float | None = None) -> Any:
-        """A gwpy FrequencySeries of the ASD. It holds regular axes only: a logarithmic one is refused unless
-        `interpolate` gives the step [Hz] of a regular one within the band, straight in log-log between the bins."""
+        """A gwpy FrequencySeries of the ASD. It supports regular axes only: a logarithmic axis is an error unless
+        `interpolate` gives the step [Hz] of a regular one within the band, interpolated linearly in log-log between
+        the bins."""
         from .gwpy import frequency_series
 
         return frequency_series(self, curve or self.total, interpolate)

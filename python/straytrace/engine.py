@@ -28,16 +28,16 @@ _guard = threading.Lock()
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a trace is."""
+    """Progress of a trace."""
 
     histories: int
-    wanted_histories: int             # of the present goal
+    wanted_histories: int             # of the current stage
     seconds: float
     histories_per_s: float
     rays_per_s: float
-    error: float                      # relative, of what the stop rule asks; NaN before its first look
+    error: float                      # relative error for the stop rule; NaN before its first check
     wanted_error: float               # 0: the rule is not about errors
-    line: str                         # the line of the command, for people
+    line: str                         # the progress line of the command
 
 
 @dataclass(frozen=True)

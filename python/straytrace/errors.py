@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Problem:
-    """One problem of an input: what is wrong, and what to write instead. Lines and columns count from 1; 0: the whole."""
+    """A problem of an input, and its remedy. Lines and columns count from 1; 0: the whole."""
 
     message: str
     suggestion: str = ""
     file: str = ""
     line: int = 0
     column: int = 0
-    width: int = 1                    # characters meant, from `column` on
+    width: int = 1                    # number of characters concerned, from `column` on
     severity: str = "error"           # or "warning"
 
 
@@ -25,7 +25,8 @@ def problems_of(text: str) -> tuple[Problem, ...]:
 
 
 class InputError(ValueError):
-    """The input is wrong and nothing was run. `str()` is what the command line prints, `problems` has all of them."""
+    """The input is wrong and nothing was run. `str()` is the message of the command line, `problems` lists all
+    problems."""
 
     def __init__(self, text: str, problems: str = "") -> None:
         super().__init__(text, problems)          # what a copy in another process is made from
@@ -38,12 +39,12 @@ class InputError(ValueError):
 
 
 class RunError(InputError):
-    """The file is not a run file that can be read, or holds not what is asked of it; the message says why."""
+    """The file is not a readable run file, or lacks the requested data; the message states the reason."""
 
 
 class NumericalError(ArithmeticError):
-    """A failure of numerics, not of the input: please report it with the model and the seed."""
+    """A numerical failure, not an error of the input: please report it with the model and the seed."""
 
 
 class StraytraceWarning(UserWarning):
-    """What a reader of a result must know."""
+    """A warning about a result."""

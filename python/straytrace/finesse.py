@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Responses of ports to stray light from a FINESSE 3 model (the extra straytrace[finesse]).
 
-A stray field at a port is the main light there times s (docs/theory/interferometer.md): its real part is an amplitude, its imaginary part
-a phase. Both sidebands of s go into the model at the node where the light joins, and the read-out answers in W; divided
-by its answer to DARM this is what `responses` of an interferometer reads (docs/reference/interferometer.md)::
+A stray field at a port is the main light there times s (docs/theory/interferometer.md): its real part is an amplitude,
+its imaginary part a phase modulation. Both sidebands of s are injected at the node where the light enters, and the
+readout responds in W. Divided by its response to DARM, this is the input of `responses` of an interferometer
+(docs/reference/interferometer.md)::
 
     found = straytrace.finesse.response(kat, inject="ETMx.p2.i", relative_to="ETMx.p2.o", frequencies=f)
     model.interferometer.responses = {"SNEB": found.save("responses", "SNEB")}
@@ -26,7 +27,7 @@ DARM: Mapping[str, float] = {"ETMx.mech.z": -0.5, "ETMy.mech.z": 0.5}    # one m
 
 @dataclass
 class Response:
-    """Of one read-out, [n] over frequency, complex, for exp(+iwt)."""
+    """Response of one readout, [n] over frequency, complex, for exp(+iwt)."""
 
     frequency: npt.NDArray[np.float64]    # Hz
     phase: ComplexArray                   # W per relative field in quadrature with the main light (Im s)
@@ -34,8 +35,8 @@ class Response:
     darm: ComplexArray                    # W/m
 
     def save(self, folder: str | os.PathLike[str], name: str) -> dict[str, str | list[str]]:
-        """Writes NAME_phase.txt, NAME_amplitude.txt and NAME_darm.txt into `folder`, and returns what `responses` says
-        of the port; the names are relative to a model beside `folder`."""
+        """Writes NAME_phase.txt, NAME_amplitude.txt and NAME_darm.txt into `folder`, and returns the entry of the port
+        for `responses`; the names are relative to a model next to `folder`."""
         folder = pathlib.Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         said: dict[str, str | list[str]] = {"columns": ["Hz", "re", "im"], "unit": "W"}
@@ -70,13 +71,13 @@ def _sidebands(model: Any, node: str, fields: Any, main: str, f: npt.NDArray[np.
 
 def response(model: Any, *, inject: str, frequencies: npt.ArrayLike, relative_to: str | None = None,
              readout: str = "AS.DC.o", darm: Mapping[str, float] = DARM) -> Response:
-    """How `readout` [W] answers to stray light at a node of a FINESSE model.
+    """Response of `readout` [W] to stray light at a node of a FINESSE model.
 
-    inject: optical node where the light joins, in its direction: "ETMx.p2.i", or "ITMx.p2.o" inside an arm.
-    relative_to: node whose light the couplings of the port are relative to (docs/reference/interferometer.md, Ports);
-    `inject` itself unless given.
+    inject: optical node where the light enters, in its direction: "ETMx.p2.i", or "ITMx.p2.o" inside an arm.
+    relative_to: node of the main light to which the couplings of the port are relative
+    (docs/reference/interferometer.md, Ports); default: `inject`.
     frequencies: Hz, above 0.
-    readout: what answers, in W.
+    readout: the readout, in W.
     darm: inputs with their weights for one metre of DARM.
 
     The model needs `fsig`; with higher modes the stray light has the mode content of the main light."""

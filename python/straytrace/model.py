@@ -29,15 +29,15 @@ Parameters = Mapping[str, str | float]
 
 @dataclass(frozen=True)
 class Check:
-    """What can be known of a model without tracing."""
+    """Results of a model that need no tracing."""
 
     surfaces: int
     groups: int
     bodies: int
     ports: int
     receivers: int
-    lit: list[dict[str, Any]]         # what beams that are followed light: commands.md, check
-    model_hash: str                   # of what decides the trace
+    lit: list[dict[str, Any]]         # surfaces lit by followed beams: commands.md, check
+    model_hash: str                   # of everything that can change the trace
     warnings: tuple[Problem, ...]
 
 
@@ -73,15 +73,15 @@ def trace_words(histories: int | float | None = None, until: str | None = None, 
 
 
 class Model(Table):
-    """A model as a tree of tables, lists, numbers and texts, exactly as in YAML (docs/reference/scene.md).
+    """A model as a tree of tables, lists, numbers and strings, as in YAML (docs/reference/scene.md).
 
-    Tables are dicts whose keys are attributes too, entries of lists are found by their name::
+    Tables are dicts whose keys are also attributes; list entries can be accessed by name::
 
         model = Model.load("arm.yaml")
         model.params.aperture = "60 cm"
         model.scene["baffle"].at = ["0 m", "0 m", "400 m"]
 
-    `folder` is where names of files in the model start from, `name` that of the model itself in messages and run files.
+    File names in the model are relative to `folder`; `name` is the name of the model in messages and run files.
     """
 
     def __init__(self, tree: Mapping[str, Any] | None = None, *, folder: str | os.PathLike[str] = ".",
@@ -111,7 +111,7 @@ class Model(Table):
 
     @classmethod
     def from_text(cls, text: str, path: str | os.PathLike[str] = "model.yaml") -> Model:
-        """The model in a text that stands, or might stand, in the file `path`. Raises InputError."""
+        """The model in a text, treated as if read from the file `path`. Raises InputError."""
         path = pathlib.Path(path)
         try:
             data = load(text)
@@ -127,7 +127,7 @@ class Model(Table):
 
     @classmethod
     def of(cls, what: Model | Mapping[str, Any] | str | os.PathLike[str]) -> Model:
-        """A model as it is, of a dict, or of a file."""
+        """A model from a Model (unchanged), a dict or a file."""
         if isinstance(what, Model):
             return what
         if isinstance(what, Mapping):
@@ -137,7 +137,7 @@ class Model(Table):
         raise TypeError(f"{what!r} is no model; give a Model, a dict of its tables, or the name of a YAML file")
 
     def text(self) -> str:
-        """The YAML text; that of the file, to the letter, as long as nothing was changed."""
+        """The YAML text; identical to the file until the model is changed."""
         now = dump(self.data)
         return self._read[0] if self._read and self._read[1] == now else now
 
@@ -155,8 +155,8 @@ class Model(Table):
 
     @property
     def included(self) -> dict[str, Model]:
-        """The files that this model includes, by the names it gives them, as models whose changes are checked and run with
-        this one; `save` writes each alone. Files of the library are not there, only files on disk."""
+        """The files that this model includes, by name, as models; their changes are checked and run with this one, and
+        `save` writes each separately. Files of the library are not included."""
         for name in self._included_names():
             path = self.path.parent / name
             if name not in self._included and path.is_file():
@@ -168,7 +168,7 @@ class Model(Table):
         return [str(name) for name in names] if isinstance(names, list) else [str(names)]
 
     def texts(self) -> dict[str, str]:
-        """What is read in place of files, by their names: this model, and what it includes as far as it was looked at."""
+        """The texts read instead of files, by name: this model, and the included files that were accessed."""
         texts = {str(self.path): self.text()}
         for name in self._included_names():
             texts |= self._included[name].texts() if name in self._included else {}
@@ -181,7 +181,7 @@ class Model(Table):
         return engine.ask(words[0], str(self.path), *words[1:], unsaved=self.texts(), **options)
 
     def check(self, params: Parameters | None = None) -> Check:
-        """Everything that can be known without tracing. Raises InputError with all problems at once."""
+        """All checks and results that need no tracing. Raises InputError with all problems at once."""
         answer = self._ask("check", "--format", "json", *overrides(params))
         about = {"surfaces": 0, "groups": 0, "ports": 0, "receivers": 0, "lit": [], "model_hash": "",
                  **json.loads(answer.output)}
@@ -189,24 +189,25 @@ class Model(Table):
         return Check(**about, warnings=answer.told)
 
     def resolved(self, params: Parameters | None = None) -> str:
-        """The YAML text with every parameter evaluated, includes, parts and repeats unfolded, in SI."""
+        """The YAML text in SI with every parameter evaluated, and includes, parts and repeats expanded."""
         return self._ask("check", "--resolved", *overrides(params)).output
 
     def run(self, out: str | os.PathLike[str] | None = None, *, params: Parameters | None = None,
             histories: int | float | None = None, until: str | None = None, seed: int | None = None,
             threads: int | None = None, max_time: float | str | None = None, force: bool = False,
             progress: bool | Shown | None = True) -> Run:
-        """Check, trace and noise, as `straytrace run`: the same bits.
+        """Check, trace and noise, as `straytrace run`, with bit-identical results.
 
-        out: a folder for all results, or a run file (.h5); None: a file that goes with the result.
-        params: of the model, instead of its own, as -p: ``{"aperture": "60 cm"}``.
-        histories, until, seed: how much light, or how sure: ``"h_total < 5 %"``; else as the model says.
-        threads: all cores unless given; the numbers do not depend on it.
+        out: a folder for all results, or a run file (.h5); None: a temporary file, deleted with the result.
+        params: overrides parameters of the model, as -p: ``{"aperture": "60 cm"}``.
+        histories, until, seed: number of histories, stop rule such as ``"h_total < 5 %"``, random seed;
+        default: as in the model.
+        threads: all cores by default; the results do not depend on it.
         max_time: seconds, or "50min".
-        force: overwrite the run of another model in `out`; otherwise a run of the same model is continued.
-        progress: True, False, or a function that is called with a `Progress` every half second.
+        force: overwrite the run of another model in `out`; otherwise a run of the same model is resumed.
+        progress: True, False, or a function called with a `Progress` every half second.
 
-        Ctrl-C gives what was traced so far, a valid result with ``complete == False``."""
+        Ctrl-C returns the result so far, valid, with ``complete == False``."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
         return traced(self.texts(), "run", words, out, progress)
 
@@ -214,7 +215,7 @@ class Model(Table):
               histories: int | float | None = None, until: str | None = None, seed: int | None = None,
               threads: int | None = None, max_time: float | str | None = None, force: bool = False,
               progress: bool | Shown | None = True) -> Run:
-        """The coupling table alone, as `straytrace trace`, into the run file `out`; arguments as of `run`."""
+        """Traces only, as `straytrace trace`, into the run file `out`; arguments as for `run`."""
         words = [*overrides(params), *trace_words(histories, until, seed, threads, max_time, force)]
         return traced(self.texts(), "trace", words, out, progress)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The ranked routes of a run. Conditions that pick some of them are those of `straytrace paths --where`."""
+"""The ranked routes of a run. Conditions that select routes are those of `straytrace paths --where`."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Path:
     kind: str                         # scattered, ghost or edge
     resolved: bool
     why_not: str
-    coupling: float                   # recoupled power fraction of the ordered path
+    coupling: float                   # recoupled power fraction of the ordered route
     coupling_sigma: float
-    hint: float                       # of the coupling, where it is not resolved
+    hint: float                       # unreliable estimate of the coupling where it is not resolved
     C_rev: float
     share: float                      # of the resolved strain noise power
     share_sigma: float
@@ -42,17 +42,17 @@ class Path:
 
     @property
     def at_most(self) -> bool:
-        """Whether its numbers are upper bounds: diffraction at rims, which speckle lowers."""
+        """True if its numbers are upper bounds: diffraction at edges, which speckle reduces."""
         return self.kind == "edge"
 
     @property
     def objects(self) -> list[str]:
-        """What the light meets, in order; nothing of a row `other`, which sums many routes."""
+        """The objects that the light meets, in order; empty for a row `other`, which sums many routes."""
         return [step.split("·")[0] for step in self.sequence.split(" > ") if "·" in step]
 
     @property
     def scatters(self) -> int:
-        """Events S of the sequence, the first and the last among them."""
+        """Number of events S in the sequence, including the first and the last."""
         return sum(step.strip().endswith("·S") for step in self.sequence.split(">"))
 
 
@@ -64,7 +64,7 @@ class Paths(Sequence[Path]):
     """Routes by rank."""
 
     rows: list[Path]
-    ask: Callable[[str], list[str]]   # ids of the rows of which a condition is true
+    ask: Callable[[str], list[str]]   # ids of the rows for which a condition is true
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -76,7 +76,7 @@ class Paths(Sequence[Path]):
         return iter(self.rows)
 
     def where(self, which: Where | None) -> Paths:
-        """Those for which `which` is true: a function of a row, or a condition as `straytrace paths --where` takes it, for
+        """The routes for which `which` is true: a function of a row, or a condition of `straytrace paths --where`, for
         example ``'via("baffle*") and h(30 Hz) > 1e-25 and share > 5 %'``. Raises InputError."""
         if which is None:
             return self
@@ -88,7 +88,7 @@ class Paths(Sequence[Path]):
         return Paths([row for row in self.rows if row.id in wanted], self.ask)
 
     def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
-        """A row per route; h at `frequencies` [Hz] in 1/sqrt(Hz), NaN outside the band and where not resolved."""
+        """One row per route; h at `frequencies` [Hz] in 1/sqrt(Hz), NaN outside the band and where not resolved."""
         import pandas
 
         names = ("id", "port", "sequence", "kind", "scatters", "coupling", "coupling_sigma", "share", "share_sigma", "body",

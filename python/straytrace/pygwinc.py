@@ -81,8 +81,9 @@ def _of_text(path: pathlib.Path) -> Known:
 
 def read_strain(path: str | os.PathLike[str]) -> Known:
     """Frequencies [Hz], one-sided strain ASD [1/sqrt(Hz)] and title of the stray light in a file: a run file (or the
-    folder of run.h5), an exported budget (HDF5), or text. Of runs these are averages over bins: a bin that holds a line has
-    points at its borders too, so that the line is as wide as its bin and PSD times width its power. Raises RunError."""
+    folder of run.h5), an exported budget (HDF5), or text. For runs these are averages over bins. A bin with a line
+    also has points at its edges, so that the line is as wide as its bin and PSD times width is its power. Raises
+    RunError."""
     path = pathlib.Path(path)
     if path.is_dir():
         path = path / "run.h5"
@@ -103,10 +104,11 @@ def read_strain(path: str | os.PathLike[str]) -> Known:
 
 
 class StrayLight(Noise):  # type: ignore[misc]
-    """Stray light of a file in a gwinc Budget, whose calibration to strain it undoes beforehand: calc() returns the PSD
-    of the difference of the arms, m^2/Hz, so that the budget gets back h^2. Used alone, `quantity = "strain"` gives h^2.
+    """Stray light from a file as a noise of a gwinc Budget. calc() returns the PSD of the difference of the arms,
+    m^2/Hz, which the calibration of the budget converts to h^2. For use without a budget, `quantity = "strain"` gives
+    h^2.
 
-    Make a class for each file: ``StrayLight.of("run.h5")``, or a subclass that says `file`."""
+    Create a class for each file: ``StrayLight.of("run.h5")``, or a subclass that sets `file`."""
 
     file: str | os.PathLike[str] | None = None    # run file, exported budget or text: read_strain
     beyond = "nan"          # outside the band of the file: log_log
@@ -115,7 +117,8 @@ class StrayLight(Noise):  # type: ignore[misc]
 
     @classmethod
     def of(cls, file: Run | str | os.PathLike[str], name: str = "StrayLight", **values: Any) -> type[StrayLight]:
-        """A class for `file`, or for a Run; names must differ within a budget. Further values: `beyond`, `quantity`, `style`."""
+        """A class for a file or a Run; names must be unique within a budget. Further values: `beyond`, `quantity`,
+        `style`."""
         unknown = sorted(set(values) - {"beyond", "quantity", "style"})
         if unknown:
             raise TypeError(f"StrayLight.of knows beyond, quantity and style, not {', '.join(unknown)}")

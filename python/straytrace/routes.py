@@ -17,22 +17,22 @@ Array = npt.NDArray[np.float64]
 
 @dataclass
 class Routes:
-    """Columns of the coupling table: one entry per ordered route, [c]."""
+    """Columns of the table of routes: one entry per ordered route, [c]."""
 
     hash: npt.NDArray[np.uint64]
     name: list[str]
     port: list[str]
-    coupling: Array                   # recoupled power fraction; only a hint where not `trusted`
+    coupling: Array                   # recoupled power fraction; not reliable where not `trusted`
     sigma: Array
     reverse: Array                    # C_rev, not multiplied into `coupling`
-    by_reverse: npt.NDArray[np.bool_]    # carries the numbers of the same route run backwards
+    by_reverse: npt.NDArray[np.bool_]    # taken from the reversed route (reciprocity)
     trusted: npt.NDArray[np.bool_]
     why_not: list[str]
     kind: list[str]                   # "scattered"; "ghost", "edge": computed, without a Monte-Carlo error
-    statement: list[str]              # of ghosts and edges: what the number is and how far it holds
+    statement: list[str]              # for ghosts and edges: meaning of the number and its validity
 
     def table(self) -> pandas.DataFrame:
-        """A row per route; couplings are NaN where they are not resolved, `hint` has what was seen."""
+        """One row per route; unresolved couplings are NaN, `hint` has the unreliable estimate."""
         import pandas
 
         hidden = np.where(self.trusted, 1.0, np.nan)
@@ -44,19 +44,19 @@ class Routes:
 
 @dataclass
 class Receiver:
-    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was seen.
+    """Light in watts per watt of the main mode; maps row by row from the lower left, NaN where no light was recorded.
 
-    An error of a map is NaN, too, where it is not resolved."""
+    The error of a map is also NaN where it is not resolved."""
 
     name: str
-    power: float                      # only a hint where not `trusted`
+    power: float                      # not reliable where not `trusted`
     sigma: float
     trusted: bool
     why_not: str
     half: tuple[float, ...]           # m, half width and height of the image
     angle_sine: float                 # half width of the map of directions
     chart: str = ""                   # of `cells`: plane (x, y), polar (radius, angle) or unrolled (along, arc)
-    cells: Array | None = None      # [n, 4] sides of the cells of a map without stated pixels [m; angles: rad]
+    cells: Array | None = None      # [n, 4] edges of the cells of a map without stated pixels [m; angles: rad]
     image: Array | None = None      # [rows, columns] power per pixel, or [n] per cell
     image_error: Array | None = None
     angles: Array | None = None     # [bins, bins] power per cell of direction cosines
@@ -67,7 +67,7 @@ class Receiver:
 
     @property
     def areas(self) -> Any:
-        """Of each pixel or cell of `image` [m^2]."""
+        """Area of each pixel or cell of `image` [m^2]."""
         if self.cells is None:
             return 4 * self.half[0] * self.half[1] / self.image.size if self.image is not None else None
         low, high, first, last = self.cells.T
@@ -78,7 +78,7 @@ class Receivers(list[Receiver]):
     """The receivers of a run, in the order of its scene."""
 
     def table(self) -> pandas.DataFrame:
-        """A row per receiver: power over that of the main mode, NaN where it is not resolved."""
+        """One row per receiver: power relative to the main mode, NaN where it is not resolved."""
         import pandas
 
         rows = [(r.power if r.trusted else np.nan, r.sigma if r.trusted else np.nan, r.trusted, r.why_not) for r in self]
@@ -87,10 +87,10 @@ class Receivers(list[Receiver]):
 
 
 class EnergyBalance(dict[str, tuple[float, float]]):
-    """Where the light went: name to (mean, standard error) of the power per history."""
+    """The energy balance: name to (mean, standard error) of the power per history."""
 
     def table(self) -> pandas.DataFrame:
-        """A row per term, with its share of what was emitted."""
+        """One row per term, with its fraction of the emitted power."""
         import pandas
 
         table = pandas.DataFrame(list(self.values()), columns=["mean", "sigma"], index=pandas.Index(list(self), name="term"))

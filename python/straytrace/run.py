@@ -32,7 +32,7 @@ __all__ = ["Run", "RunError", "open_run"]
 
 @dataclass
 class Run:
-    """A run file, read whole; the file is closed again."""
+    """The content of a run file. The file is closed after reading."""
 
     path: pathlib.Path
     attributes: dict[str, Any]        # of the root: version, model_hash, seed, histories ...
@@ -44,36 +44,36 @@ class Run:
     bodies: list[str]
     ports: list[str]
     warnings: list[str]
-    noise: Noise | None = None      # None: traced only; project() makes it
+    noise: Noise | None = None      # None: traced only; project() computes it
     files: dict[str, str] = field(default_factory=dict)   # input texts by name
     receivers: Receivers = field(default_factory=Receivers)
-    beam_power: float = 0.0           # W, 0: not stated
+    beam_power: float = 0.0           # W; 0: not stated
     scratch: Scratch | None = field(default=None, repr=False)    # holds a file that nobody asked to keep
 
     @property
     def complete(self) -> bool:
-        """False: stopped early, a valid result that can be continued."""
+        """False: stopped early; a valid result that can be resumed."""
         return bool(self.attributes["complete"])
 
     @property
     def histories(self) -> int:
-        """How many were traced."""
+        """Number of histories traced."""
         return int(self.attributes["histories"])
 
     @property
     def title(self) -> str:
-        """That of the model, or nothing."""
+        """Title of the model, or an empty string."""
         return str(self.attributes.get("title") or "")
 
     @property
     def maps(self) -> dict[str, Receiver]:
-        """The receivers that hold an image, a map of directions or quadrants, by name."""
+        """The receivers with an image, a map of directions or quadrants, by name."""
         return {r.name: r for r in self.receivers
                 if r.image is not None or r.angles is not None or r.quadrants is not None}
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """What the run was made by and from: version, commit, seed, hash of the model, names of all input files."""
+        """Version, commit, seed, model hash and names of all input files of the run."""
         wanted = ("program", "version", "commit", "build_flags", "created", "title", "model_hash", "seed", "histories",
                   "complete", "stop_rule", "stopped_by", "motion_file")
         found = {name: self.attributes[name] for name in wanted if name in self.attributes}
@@ -83,9 +83,9 @@ class Run:
     def paths(self, where: Where | None = None, low: float = 0.0, high: float = 0.0) -> Paths:
         """The routes, ranked by their share of the noise, as `straytrace paths`.
 
-        where: which of them, a condition of `straytrace paths --where`, for example ``'via("baffle*") and h(30 Hz) > 1e-25'``, or
-        a function of a row.
-        low, high: Hz, band of the shares; 0: all frequencies."""
+        where: selects routes by a function of a row, or by a condition of `straytrace paths --where`, for example
+        ``'via("baffle*") and h(30 Hz) > 1e-25'``.
+        low, high: Hz, band for the shares; 0: all frequencies."""
         words = ["paths", str(self.path), "--format", "json", "--by", "port"]
         if high > low:
             words += ["--band", f"{float(low)!r} Hz..{min(float(high), 1e12)!r} Hz"]
@@ -98,9 +98,10 @@ class Run:
     def project(self, motion: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
                 response: Model | Mapping[str, Any] | str | os.PathLike[str] | None = None,
                 out: str | os.PathLike[str] | None = None) -> Run:
-        """The same light under other motion (or `noise`, `interferometer`) and with other responses at ports: a new run,
-        without tracing. Each is a file, a Model or a dict of its tables, ``{"bodies": {"tube": {"motion": ...}}}``.
-        out: a folder for all results, or a run file (.h5); None: a file that goes with the result."""
+        """The same traced light with other motion (or `noise`, `interferometer`) and other responses at ports: a new
+        run, without tracing. Each argument is a file, a Model or a dict of its tables, ``{"bodies": {"tube":
+        {"motion": ...}}}``.
+        out: a folder for all results, or a run file (.h5); None: a temporary file, deleted with the result."""
         scratch = Scratch() if out is None else None
         place = scratch.file("run.h5") if scratch else os.fspath(out)  # type: ignore[arg-type]
         words = ["noise", str(self.path), "-o", place]
@@ -119,10 +120,10 @@ class Run:
         return run
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, low: float = 0.0, high: float = 0.0) -> Figure:
-        """The picture of the run: noise, routes, where the light went.
+        """Plot of the run: noise, routes, energy balance.
 
         path: also written there (png, pdf, svg).
-        low, high: Hz, band of the shares; 0: all frequencies."""
+        low, high: Hz, band for the shares; 0: all frequencies."""
         import matplotlib.pyplot as plt
 
         from .plot import STYLE, draw, save
@@ -135,7 +136,7 @@ class Run:
         return figure
 
     def plot_map(self, receiver: str, path: str | os.PathLike[str] | None = None) -> Figure:
-        """The pictures of a receiver: image, directions, quadrants, with their errors.
+        """Plots of a receiver: image, directions, quadrants, with their errors.
 
         receiver: one of `maps`.
         path: also written there."""

@@ -51,14 +51,15 @@ class ScanPoint:
 
 @dataclass
 class Scan:
-    """Points in the order asked for. The files of runs that nobody asked to keep go with it."""
+    """Points in the requested order. Temporary run files are deleted with it."""
 
     points: list[ScanPoint]
-    complete: bool = True             # False: stopped early; points that were not reached are not in it
+    complete: bool = True             # False: stopped early; unfinished points are missing
     scratch: Scratch | None = field(default=None, repr=False)
 
     def table(self, frequencies: Sequence[float] = (10.0, 30.0, 100.0)) -> pandas.DataFrame:
-        """A row per point: parameters, h at `frequencies` [Hz] with one standard error [1/sqrt(Hz)], the largest ratio to
+        """One row per point: parameters, h at `frequencies` [Hz] with one standard error [1/sqrt(Hz)], the largest
+        ratio to
         the margin line with its error and frequency, and whether h is a lower bound."""
         import pandas
 
@@ -78,7 +79,7 @@ class Scan:
         return pandas.DataFrame(rows)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """The noise of every point, and the largest ratio to the margin line against the points.
+        """The noise of every point, and the largest ratio to the margin line per point.
 
         path: also written there."""
         import matplotlib.pyplot as plt
@@ -141,14 +142,14 @@ def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
     """Runs the model at every point: all combinations of ``{"aperture": ["50 cm", "60 cm"], "n": [40, 80]}``, or a list of
     points ``[{"aperture": "50 cm", "n": 40}, ...]``.
 
-    executor: any of concurrent.futures, with threads, processes or jobs elsewhere; give `threads=1` besides when as many
-    points as cores run at once. Its machines need this package; model and result travel with the job, data files that the
-    model names do not. Without one, point after point with all cores.
-    out: folder for a run file of every point, point000.h5 ...: finished points are reused, not traced again.
-    progress: a line per point on stderr.
+    executor: any of concurrent.futures, with threads, processes or remote jobs; add `threads=1` if as many points as
+    cores run at once. Remote machines need this package; model and result are transferred with the job, data files
+    named in the model are not. Without an executor, points run one by one on all cores.
+    out: folder for a run file per point, point000.h5 ...: finished points are reused, not traced again.
+    progress: one line per point on stderr.
     options: those of Model.run (histories, until, seed, threads, max_time, force).
 
-    Ctrl-C gives the points that are done, with ``complete == False``."""
+    Ctrl-C returns the finished points, with ``complete == False``."""
     source = Model.of(model)
     points = _points(params)
     trace_words(**options)                      # wrong ones are told here

@@ -16,7 +16,7 @@ SCALARS = (str, bool, int, float)
 
 
 def quantity(value: float, unit: str) -> str:
-    """A number with its unit as models write it: ``quantity(3, "km")`` is ``"3 km"``."""
+    """A number with its unit, as written in models: ``quantity(3, "km")`` is ``"3 km"``."""
     number = plain(value, "quantity")
     if isinstance(number, bool) or not isinstance(number, (int, float)):
         raise TypeError(f"quantity takes a number and a unit, not {value!r}; write quantity(3, 'km')")
@@ -66,7 +66,7 @@ def wrapped(data: Any, where: str) -> Any:
 
 
 class Table(MutableMapping[str, Any]):
-    """A table of a model: a dict whose keys are attributes too. Changes go into the model."""
+    """A table of a model: a dict whose keys are also attributes. Changes apply to the model."""
 
     data: Any
     where: str
@@ -120,7 +120,7 @@ class Table(MutableMapping[str, Any]):
 
 
 class Items(MutableSequence[Any]):
-    """A list of a model; an entry with a name is also found by it: ``model.scene["baffle"]``."""
+    """A list of a model; a named entry can be accessed by its name: ``model.scene["baffle"]``."""
 
     def __init__(self, data: Any, where: str) -> None:
         self.data, self.where = data, where
