@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Fail for a dead link in the documents, a file or test that documents or messages name and that does not exist, a shape,
-scatter law or interface without its page, a cited equation that docs/theory does not set, a test that skips and is not
+BSDF model or interface without its page, a cited equation that docs/theory does not set, a test that skips and is not
 told of, or a picture of a tree with uncommitted changes. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re

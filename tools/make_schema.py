@@ -20,7 +20,7 @@ ANY_SCALAR = ["string", "number", "boolean"]
 # A quantity holds a unit or a parameter, so a letter; only 0 may be bare. Expressions are left to the program.
 QUANTITY = {"anyOf": [{"type": "string", "pattern": "[A-Za-zµ°%]|^[-+*/(). 0]+$"}, {"const": 0}]}
 SWITCH = {"enum": ["on", "off", "yes", "no", "true", "false", True, False]}
-LAWS, MOTION, ENTRY = "scatter law", "motion", "scene entry"
+LAWS, MOTION, ENTRY = "BSDF model", "motion", "scene entry"
 
 
 def scalar_schema(asked):
@@ -69,7 +69,7 @@ class Maker:
     def slot(self, context, key):
         """That of a sister table (another law, another motion) where this one does not use the key."""
         slot = self.facts.contexts[context][key]
-        family = next((f for f in ("scatter law '", "motion '", "a face") if context.startswith(f)), None)
+        family = next((f for f in ("BSDF model '", "motion '", "a face") if context.startswith(f)), None)
         if slot.examples or slot.concrete() or not family:
             return slot
         sisters = [keys[key] for c, keys in self.facts.contexts.items() if c.startswith(family) and key in keys]
@@ -125,7 +125,7 @@ class Maker:
 
     def table_schemas(self, slot):
         options = []
-        groups = {LAWS: "scatter law '", MOTION: "motion '", "interferometer": "interferometer"}
+        groups = {LAWS: "BSDF model '", MOTION: "motion '", "interferometer": "interferometer"}
         for context in sorted(slot.tables):
             group = next((g for g, start in groups.items() if context.startswith(start)), context)
             options.append({"$ref": f"#/$defs/{group}"})

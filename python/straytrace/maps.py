@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Power spectrum of a mirror map, as the scatter law `psd` reads it.
+"""Power spectrum of a mirror map, as read by the BSDF model `psd`.
 
 python3 -m straytrace.maps ETM.dat -o etm_psd.csv --aperture "30 cm" --remove curvature
 python3 -m straytrace.maps ETM_asc.dat -o etm_psd.csv --aperture "16 cm" --remove tilt --join wide.json --plot etm.png

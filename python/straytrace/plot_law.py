@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws a scatter law: python3 -m straytrace.plot_law LAW.json -o law.png, LAW.json as `straytrace inspect` prints it."""
+"""Draws a BSDF model: python3 -m straytrace.plot_law LAW.json -o law.png, LAW.json as `straytrace inspect` prints it."""
 
 import argparse
 import json

@@ -28,7 +28,7 @@ class Routes:
     by_reverse: npt.NDArray[np.bool_]    # taken from the reversed route (reciprocity)
     trusted: npt.NDArray[np.bool_]
     why_not: list[str]
-    kind: list[str]                   # "scattered"; "ghost", "edge": computed, without a Monte-Carlo error
+    kind: list[str]                   # "scattered"; "ghost", "edge": computed, without Monte Carlo error
     statement: list[str]              # for ghosts and edges: meaning of the number and its validity
 
     def table(self) -> pandas.DataFrame:

@@ -52,7 +52,7 @@ View<AngleWeight const> read_weight(Node const& law, World& world, PoolRef ref) 
 
 void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info) {
   if (law.kind() != Node::Kind::table)
-    return law.problem("a scatter law is a table", "write {model: lambertian, tis: 1 %}");
+    return law.problem("a BSDF model is a table", "write {model: lambertian, tis: 1 %}");
   static std::vector<std::string_view> const names = [] {
     std::vector<std::string_view> all;
     for (LawReader const& reader : law_readers) all.push_back(reader.model);
@@ -76,7 +76,7 @@ void read_law(Node const& law, LawReading& out, Optic& optic, MaterialInfo& info
     info.laws.push_back(about);
   }
   info.spread.widen(read_spread(law));
-  if (!model.empty()) law.refuse_unknown(fmt::format("scatter law '{}'", model));
+  if (!model.empty()) law.refuse_unknown(fmt::format("BSDF model '{}'", model));
 }
 
 // Dust scatters all light at grazing: stated shares become a coating, which never sends out more than is left.
@@ -153,8 +153,7 @@ void read_materials(Scene const& scene, World& world, Registry& names) {
     }
     for (Node const& law : node.list("scatter")) read_law(law, reading, optic, info);
     if (reading.laws.size() > std::size_t(Optic::most_laws))
-      node.problem(fmt::format("more than {} scatter laws in one material", int(Optic::most_laws)),
-                   "join some of them");
+      node.problem(fmt::format("more than {} BSDF models in one material", int(Optic::most_laws)), "join some of them");
     optic.laws = std::min(int(reading.laws.size()), Optic::most_laws);
     yield_to_dust(info, world, optic);
     prescribe_scatter(node, world, optic);
