@@ -351,8 +351,9 @@ std::string objects_text(GhostReport const& report, std::size_t show) {
     return std::max({o.strain2[0], o.strain2[1], o.strain2[2]});
   };
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) > key(b); });
-  Columns table{
-      {"dump me first", report.power > 0 ? "ghosts end there/W" : "ghosts end there", "recoupled saved"}, {true}, {}};
+  Columns table{{"mitigation ranking", report.power > 0 ? "ghosts end there/W" : "ghosts end there", "recoupled saved"},
+                {true},
+                {}};
   if (report.has_noise)
     for (double hz : ghost_frequencies) table.titles.push_back(fmt::format("h({:g} Hz) saved", hz));
   for (std::size_t const i : order) {

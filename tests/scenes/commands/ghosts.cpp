@@ -47,7 +47,7 @@ TEST(GhostCommand, bench_is_listed_and_its_energy_balance_close) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2"});
   EXPECT_EQ(text.code, 0);
   for (char const* part : {"main > photodiode/sensor·land", "main > pick_off/back·R > pick_off/front·R > ",
-                           "dump me first", "Energy balance of 1 W", "28 of order 2"})
+                           "mitigation ranking", "Energy balance of 1 W", "28 of order 2"})
     EXPECT_THAT(text.out, HasSubstr(part));
   json const beam = ghosts_of(bench, {"--order", "2", "--show", "100"}).at(0);
   EXPECT_NEAR(beam["energy_balance"]["total"].get<double>(), 1, 1e-12);
