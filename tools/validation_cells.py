@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the tests recorded, as the cells "obtained" and "error" of docs/theory/validation.md; used by validation.py.
 
-A record (build/validation/NAME.json, written by tests/support/recorded.cpp and tests/tools/records.py) holds the comparisons of
+A record (build/validation/NAME.json, written by tests/support/recorded.cpp and tests/tools/compare/records.py) holds the comparisons of
 one test that passed: kind, text in the source, count, the first numbers and those nearest to the limit.
 """
 import json

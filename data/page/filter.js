@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The filter of the path table: via("NE_bench/*") and scatters == 2 and h(30 Hz) > 1e-25, or plain words. The same
-// language as `straytrace paths --where` (src/results/route_table/filter_parser.cpp), message for message; tests/tools/test_filter.py
+// language as `straytrace paths --where` (src/results/route_table/filter_parser.cpp), message for message; tests/tools/report/test_filter.py
 // compares the two. Names, units and values are those of the table.
 "use strict";
 

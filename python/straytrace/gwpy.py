@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .curves import Curve, Noise
+if TYPE_CHECKING:
+    from .curves import Curve, Noise
 
 UNIT = "1 / Hz(1/2)"  # as gwpy writes it
 

@@ -126,7 +126,8 @@ class Run:
         low, high: Hz, band for the shares; 0: all frequencies."""
         import matplotlib.pyplot as plt
 
-        from .plot import STYLE, draw, save
+        from .plots.overview import draw
+        from .plots.style import STYLE, save
 
         with plt.rc_context(STYLE):
             figure: Figure = draw(self, (low, high) if high > low else None)
@@ -142,8 +143,8 @@ class Run:
         path: also written there."""
         import matplotlib.pyplot as plt
 
-        from .plot import STYLE, save
-        from .plot_maps import draw
+        from .plots.maps import STYLE, draw
+        from .plots.style import save
 
         if receiver not in self.maps:
             raise RunError(f"'{self.path}' holds no map of '{receiver}'; it has maps of: {', '.join(self.maps) or 'nothing'}")

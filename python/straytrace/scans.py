@@ -84,8 +84,8 @@ class Scan:
         path: also written there."""
         import matplotlib.pyplot as plt
 
-        from .plot import STYLE, save
-        from .plot_points import draw
+        from .plots.points import draw
+        from .plots.style import STYLE, save
 
         with plt.rc_context(STYLE):
             figure: Figure = draw(self)

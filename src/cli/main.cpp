@@ -12,11 +12,11 @@
 #include "base/text/words.hpp"
 #include "results/results.hpp"
 #include "scene/scene_document.hpp"
+#include "session/backend/device.hpp"
+#include "session/backend/mpi.hpp"
 #include "session/build_info.hpp"
 #include "session/common_options.hpp"
-#include "session/device.hpp"
 #include "session/events.hpp"
-#include "session/mpi.hpp"
 #include "session/options.hpp"
 
 namespace straytrace {

@@ -10,8 +10,8 @@
 #include "cli/data_options.hpp"
 #include "cli/time/project_coupling.hpp"
 #include "cli/time/time_results.hpp"
+#include "session/backend/device.hpp"
 #include "session/common_options.hpp"
-#include "session/device.hpp"
 #include "session/interrupt.hpp"
 
 namespace straytrace {

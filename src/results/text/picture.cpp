@@ -35,7 +35,7 @@ std::string interpreter() {
 
 bool holds_package(fs::path const& folder) {
   std::error_code ignored;
-  return fs::exists(folder / "straytrace" / "plot.py", ignored);
+  return fs::exists(folder / "straytrace" / "plots" / "__main__.py", ignored);
 }
 
 std::string package_folder() {
@@ -128,7 +128,7 @@ std::string picture_of(std::string const& json, DrawFromJson draw_from, std::str
 
 bool draw_picture(std::string const& run_file, std::string const& png_file, std::string& message, double low_hz,
                   double high_hz) {
-  std::vector<std::string> words = {"straytrace.plot", run_file, "-o", png_file};
+  std::vector<std::string> words = {"straytrace.plots", run_file, "-o", png_file};
   if (high_hz > low_hz) words.insert(words.end(), {"--band", fmt::format("{}", low_hz), fmt::format("{}", high_hz)});
   return draw(std::move(words), png_file, message);
 }
@@ -141,31 +141,31 @@ std::string svg_of_run(std::string const& run_file, std::string& message) {
 
 bool draw_map_pictures(std::string const& run_file, std::string const& folder, std::string const& one_of_them,
                        std::string& message) {
-  return draw({"straytrace.plot_maps", run_file, "-o", folder}, one_of_them, message);
+  return draw({"straytrace.plots", run_file, "--maps", folder}, one_of_them, message);
 }
 
 bool draw_law_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plot_law", json_file, "-o", png_file}, png_file, message);
+  return draw({"straytrace.plots.law", json_file, "-o", png_file}, png_file, message);
 }
 
 bool draw_scatter_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plot_scatter", json_file, "-o", png_file}, png_file, message);
+  return draw({"straytrace.plots.scatter", json_file, "-o", png_file}, png_file, message);
 }
 
 bool draw_ghost_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plot_ghosts", json_file, "-o", png_file}, png_file, message);
+  return draw({"straytrace.plots.ghosts", json_file, "-o", png_file}, png_file, message);
 }
 
 bool draw_curves_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plot_curves", json_file, "-o", png_file}, png_file, message);
+  return draw({"straytrace.plots.curves", json_file, "-o", png_file}, png_file, message);
 }
 
 bool draw_scan_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plot_scan", json_file, "-o", png_file}, png_file, message);
+  return draw({"straytrace.plots.scan", json_file, "-o", png_file}, png_file, message);
 }
 
 bool draw_budget_picture(std::string const& json_file, std::string const& png_file, std::string& message) {
-  return draw({"straytrace.plot_budget", json_file, "-o", png_file}, png_file, message);
+  return draw({"straytrace.plots.budget", json_file, "-o", png_file}, png_file, message);
 }
 
 }  // namespace straytrace

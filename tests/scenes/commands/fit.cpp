@@ -21,7 +21,7 @@ Words words(Words more, char const* band = "20 Hz..85 Hz") {
   return all;
 }
 
-// The formula of tools/make_fringe_example.py: G 2e-21, W 1.3 of a witness of 4.3 um peak.
+// The formula of tools/data/make_fringe_example.py: G 2e-21, W 1.3 of a witness of 4.3 um peak.
 TEST(Fit, ExampleGivesItsFormulaR6_07) {
   Folder const folder;
   Finished const done = straytrace(words({"--gain-per-field", "1.1e-16", "--format", "json", "--subtract",

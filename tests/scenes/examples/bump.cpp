@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A bump at 70 Hz, its witnesses in counts and an injection, on records whose truth is known (docs/guide/bump.md,
-// tools/make_bump_example.py): h = G sin(0.7 + 4 pi x/lambda), G = 4.5e-21.
+// tools/data/make_bump_example.py): h = G sin(0.7 + 4 pi x/lambda), G = 4.5e-21.
 #include <cmath>
 #include <sstream>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Python side on a run file written here: tests/tools/test_plot.py, and the picture through a child process.
+// The Python side on a run file written here: tests/tools/python/test_plot.py, and the picture through a child process.
 #include "results/text/picture.hpp"
 
 #include <gmock/gmock.h>
@@ -67,7 +67,7 @@ TEST_F(ReportPicture, TakesOddNames) {
 }
 
 TEST_F(ReportPicture, PythonReadsRunAndCurves) {
-  std::string const script = source + "/tests/tools/test_plot.py";
+  std::string const script = source + "/tests/tools/python/test_plot.py";
   std::string const command =
       "/usr/bin/python3 '" + script + "' '" + (folder / "run.h5") + "' '" + (folder / "h_asd.txt") + "' 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0);

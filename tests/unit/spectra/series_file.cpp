@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Series from text and CSV. HDF5 is compared with h5py by tests/tools/test_signal.py.
+// Series from text and CSV. HDF5 is compared with h5py by tests/tools/compare/test_signal.py.
 #include "spectra/files/series_file.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several ranks trace the bits of one, whoever runs which block, and whoever leaves before the end. Here ranks are
-// threads; under mpirun they are tried by tests/tools/test_mpi.py.
+// threads; under mpirun they are tried by tests/tools/cluster/test_mpi.py.
 #include "trace/run/ranks.hpp"
 
 #include <deque>

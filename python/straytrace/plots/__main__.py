@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws a run: python3 -m straytrace.plots RUN_FILE_OR_FOLDER -o report.png, or --maps FOLDER for its receivers."""
+
+import argparse
+import pathlib
+import sys
+
+import matplotlib.pyplot as plt
+
+from ..run import RunError, open_run
+from . import maps, overview
+from .style import STYLE, save
+
+
+def pictures(run, options):
+    """The pictures asked for, each with its file."""
+    if options.maps is None:
+        yield overview.draw(run, options.band), options.out
+        return
+    for receiver in run.receivers:
+        figure = maps.draw(run, receiver)
+        if figure is not None:
+            yield figure, options.maps / (receiver.name.replace("/", "_") + ".png")
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="straytrace.plots", description="Draws the pictures of a run.")
+    parser.add_argument("run", help="run file, or the folder that holds run.h5")
+    out = parser.add_mutually_exclusive_group()
+    out.add_argument("-o", "--out", type=pathlib.Path, default="report.png", help="picture of the run to write (png, pdf or svg)")
+    out.add_argument("--maps", type=pathlib.Path, metavar="FOLDER", help="write the maps of the receivers instead, a NAME.png each")
+    parser.add_argument("--band", nargs=2, type=float, metavar=("LOW", "HIGH"), help="Hz, for the shares of the routes")
+    options = parser.parse_args(arguments)
+    try:
+        run = open_run(options.run)
+    except RunError as error:
+        print(error, file=sys.stderr)
+        return 2
+    with plt.rc_context(STYLE if options.maps is None else maps.STYLE):
+        for figure, path in pictures(run, options):
+            try:
+                save(figure, path)
+            except OSError as error:
+                print(f"error: cannot write '{path}': {error.strerror}", file=sys.stderr)
+                return 2
+            finally:
+                plt.close(figure)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

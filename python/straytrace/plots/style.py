@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Colours, fonts and the writing of files that all pictures share."""
+
+import os
+import pathlib
+import tempfile
+
+# Okabe and Ito: told apart by every common kind of colour vision. Black is the total, grey the design curve.
+ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+GREY = "#6b6b6b"
+LIGHT = "#d9d9d9"
+TERM_COLOURS = {"absorbed": "#0072B2", "escaped": "#56B4E9", "truncated": "#E69F00"}
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11,
+    "axes.titlesize": 12,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "legend.frameon": False,
+    "legend.fontsize": 10,
+}
+
+
+def plain_number(x, _position=None):
+    return f"{x:g}"
+
+
+def save(figure, path):
+    """Appears complete or not at all. A PNG file says in a text chunk too what made it."""
+    path = pathlib.Path(path)
+    handle, name = tempfile.mkstemp(prefix=path.name + ".part-", dir=path.parent or ".")
+    os.close(handle)
+    try:
+        made_by = next((text.get_text() for text in figure.texts if "straytrace " in text.get_text()), None)
+        figure.savefig(name, format=path.suffix[1:] or "png", metadata={"Software": made_by} if path.suffix == ".png" else None)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    finally:
+        pathlib.Path(name).unlink(missing_ok=True)

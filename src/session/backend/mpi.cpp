@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session/backend/mpi.hpp"
+
+#include <fmt/format.h>
+
+#include <dlfcn.h>
+#include <filesystem>
+#include <optional>
+
+#include "base/errors.hpp"
+#include "mpi/transport.h"
+
+namespace straytrace {
+namespace {
+
+class Mpi final : public Transport {
+ public:
+  explicit Mpi(straytrace_transport const& mpi) : mpi_(mpi) {}
+
+  int rank() const override { return mpi_.rank; }
+  int size() const override { return mpi_.size; }
+  void send(int to, std::string const& bytes) override { mpi_.send(to, bytes.data(), bytes.size()); }
+  std::optional<Message> receive() override {
+    Message message;
+    long const size = mpi_.next(&message.from);
+    if (size < 0) return {};
+    message.bytes.resize(std::size_t(size));
+    mpi_.receive(message.from, message.bytes.data(), message.bytes.size());
+    return message;
+  }
+  void lost(int rank) override {
+    lost_ = true;
+    fmt::print(stderr, "warning: rank {} does not answer; its blocks go to others\n", rank);
+  }
+  void close(int exit_code) { mpi_.close(lost_, exit_code); }
+
+ private:
+  straytrace_transport mpi_;
+  bool lost_ = false;
+};
+
+std::optional<Mpi> job;
+
+[[noreturn]] void refuse_transport(std::string const& why) {
+  throw InputError(
+      fmt::format("error: --backend mpi: {}\n  build straytrace where MPI is found (scripts/setup --test installs "
+                  "libopenmpi-dev), or divide the run: --slice 1/16, and straytrace merge",
+                  why));
+}
+
+}  // namespace
+
+// The library stays loaded: MPI cannot be started twice. Its own plug-ins look for its symbols (RTLD_GLOBAL).
+Transport& open_mpi() {
+  std::error_code none;
+  std::filesystem::path const program = std::filesystem::read_symlink("/proc/self/exe", none);
+  std::string const file = (program.parent_path() / "straytrace-mpi.so").string();
+  if (!std::filesystem::exists(file, none)) refuse_transport(fmt::format("there is no '{}'", file));
+  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (!library) refuse_transport(dlerror());
+  auto const open = reinterpret_cast<decltype(&straytrace_transport_open)>(dlsym(library, "straytrace_transport_open"));
+  straytrace_transport mpi = {};
+  if (!open || open(straytrace_transport_version, &mpi) != straytrace_transport_version)
+    refuse_transport(fmt::format("'{}' is of another version of straytrace", file));
+  return job.emplace(mpi);
+}
+
+void close_mpi(int exit_code) {
+  if (job) job->close(exit_code);
+}
+
+}  // namespace straytrace

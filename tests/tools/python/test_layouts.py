@@ -1,0 +1,151 @@
+"""Specular layouts become scenes that straytrace follows. Usage: test_layouts.py STRAYTRACE"""
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "python"))
+
+from straytrace import layouts  # noqa: E402
+from straytrace.layouts.scene import LayoutError, rotation, scene_text  # noqa: E402
+
+# A waist at the launch; a mirror at 45 deg sends the beam along +y to a dump; a lens of 0.5 m stands before it.
+TIA = """# a bench
+Fold
+order = 1
+bm 1*mm, 1*mm, Wl = 1064*nm, P = 2*W, Ref = 'IN'
+bo 1*m, 0, 0
+mr Phi = 135*deg, Wedge = {wedge}*deg, HRK = 0, Diameter = 10*cm, Thickness = 2*cm, N = 1.45, HRr = {r}, HRt = 0.01, Ref = 'M1'
+th 0, 40*cm, 0, 90*deg, -90*deg, Focal = 50*cm, Diameter = 5*cm, R = 0, T = 1, Ref = 'L1'
+bd 0, 1*m, 0, 90*deg, -90*deg, 4*cm, 1*cm, 'END'
+gh 0, 90*cm, 0, 90*deg, -90*deg, 4*cm, 'MID'
+"""
+
+GTRACE = {"name": "KAGRA-like", "optics": [
+    {"type": "Mirror", "name": "M1", "HRcenter": [1.0, 0.0], "normAngleHR": 3 * math.pi / 4, "diameter": 0.1,
+     "thickness": 0.02, "wedgeAngle": 0.01, "inv_ROC_HR": 0.0, "inv_ROC_AR": 0.0, "Refl_HR": 0.99, "Trans_HR": 0.01,
+     "Refl_AR": 0.001, "Trans_AR": 0.999, "n": 1.45},
+    {"type": "Mirror", "name": "M2", "HRcenter": [1.0, 2.0], "normAngleHR": -math.pi / 2, "diameter": 0.1,
+     "thickness": 0.02, "wedgeAngle": 0.0, "inv_ROC_HR": 0.1, "inv_ROC_AR": 0.0, "Refl_HR": 0.5, "Trans_HR": 0.5,
+     "Refl_AR": 0.001, "Trans_AR": 0.999, "n": 1.45}],
+    "sources": [{"name": "in", "pos": [0.0, 0.0], "dirAngle": 0.0, "wl": 1.064e-6, "P": 1.0, "qx": [-0.5, 2.0],
+                 "qy": [-0.5, 2.0]}]}
+
+
+def converted(folder, name, text):
+    (folder / name).write_text(text)
+    assert layouts.main([str(folder / name), "-o", str(folder / "out.yaml")]) == 0
+    return (folder / "out.yaml").read_text()
+
+
+def refused(folder, name, text, *reasons):
+    (folder / name).write_text(text)
+    try:
+        scene_text(layouts.read_layout(folder / name), name)
+    except LayoutError as error:
+        for reason in reasons:
+            assert reason in str(error), error
+        return
+    raise AssertionError(f"accepted; expected {reasons}")
+
+
+def lit(program, scene):
+    """Rows of `check`: surface, radius in mm, power, path in m, incidence in deg."""
+    run = subprocess.run([program, "check", str(scene)], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr + run.stdout
+    rows = {}
+    for line in run.stdout.splitlines():
+        words = re.split(r"\s{2,}", line.strip())
+        if len(words) > 6 and "/" in words[1]:
+            rows[words[1]] = dict(radius=words[3], power=float(words[4]), path=float(words[6]), angle=float(words[7].split()[0]))
+    return rows
+
+
+def check_theia(folder, program):
+    converted(folder, "a.tia", TIA.format(wedge=0, r=0.98))
+    rows = lit(program, folder / "out.yaml")
+    assert abs(rows["M1/front"]["angle"] - 45) < 0.01 and abs(rows["M1/front"]["path"] - 1) < 1e-6, rows
+    assert abs(rows["END/front"]["power"] - 0.98) < 1e-3 and abs(rows["END/front"]["path"] - 2) < 0.01
+    # Gaussian optics: waist 1 mm, 1.4 m to a lens of 0.5 m, 0.6 m on: physics.md eq. 6.2.
+    q = complex(1.4, math.pi * 1e-6 / 1.064e-6)
+    q = 1 / (1 / q - 1 / 0.5) + 0.6
+    width = math.sqrt(-1.064e-6 / math.pi / (1 / q).imag) * 1e3
+    assert abs(float(rows["END/front"]["radius"].split()[0]) / width - 1) < 0.02, (rows["END/front"], width)
+    text = converted(folder, "b.tia", TIA.format(wedge=0, r=0.98).replace("50*cm", "-50*cm"))      # twin: diverging
+    other = lit(program, folder / "out.yaml")["END/front"]["radius"]
+    assert abs(float(other.split()[0]) / width - 1) > 0.2 and "radius_1: -0.45" in text
+
+
+def check_wedge(folder, program):
+    """The normal of the back face, from the scene, is the one of theia: alpha 0 leans it towards the second axis."""
+    text = converted(folder, "w.tia", TIA.format(wedge=1, r=0.98))
+    axis, angle = re.search(r"axis: \[(.*?)\], angle: (\S+) rad", text).groups()
+    axis, angle = np.array([float(v) for v in axis.split(",")]), float(angle)
+    wedge = math.radians(1)
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    turn = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    back = turn @ np.array([-math.sin(wedge), 0, -math.cos(wedge)])
+    normal = np.array([-math.sqrt(0.5), math.sqrt(0.5), 0])
+    second = np.cross(normal, [0, 0, 1])
+    np.testing.assert_allclose(back, -math.cos(wedge) * normal + math.sin(wedge) * second, atol=1e-9)
+    assert np.abs(back - (-math.cos(wedge) * normal - math.sin(wedge) * second)).max() > 1e-3      # twin
+    assert abs(float(re.search(r"thickness: (\S+) m, wedge", text)[1]) - (0.02 + math.tan(wedge) * 0.05)) < 1e-9
+    lit(program, folder / "out.yaml")
+    for across in ([1, 0, 0], [0, 1, 0], [0, 0, 1]):     # quarter and half turns too
+        for normal in np.vstack([np.eye(3), -np.eye(3)]):
+            if abs(np.dot(normal, across)) < 0.5:
+                axis, angle = rotation(np.array(normal), np.array(across, float))
+                assert abs(np.linalg.norm(axis) - 1) < 1e-9 and 0 <= angle <= math.pi
+
+
+def check_gtrace(folder, program):
+    layout = dict(GTRACE)
+    text = converted(folder, "g.json", json.dumps(layout))
+    assert "add ports and an interferometer" in text
+    with open(folder / "out.yaml", "a") as scene:
+        scene.write("receivers: {PD: {on: M2/front, side: front}}\n")
+    rows = lit(program, folder / "out.yaml")
+    assert abs(rows["M1/front"]["angle"] - 45) < 0.01 and abs(rows["M2/front"]["path"] - 3) < 1e-6, rows
+    # q = -0.5 + 2i: the waist of sqrt(2 lambda/pi) lies 0.5 m ahead.
+    width = math.sqrt(2 * 1.064e-6 / math.pi * (1 + (2.5 / 2)**2)) * 1e3
+    assert abs(float(rows["M2/front"]["radius"].split()[0]) / width - 1) < 0.01
+    thickness = float(re.search(r"name: M2.*thickness: (\S+) m", text)[1])
+    assert abs(thickness - (0.02 - 0.1 * 0.05**2 / 2)) < 1e-6     # concave: thinner in the middle. Twin: thicker
+    assert thickness < 0.02
+
+
+def check_refusals(folder):
+    good = TIA.format(wedge=0, r=0.98)
+    refused(folder, "x.tia", TIA.format(wedge=0, r=1.2), "x.tia:6:1: error: 'M1', front (HR): R = 1.2, T = 0.01")
+    refused(folder, "x.tia", good.replace("HRK = 0", "HRC = 0"), "x.tia:6:1", "has no 'HRC'")
+    refused(folder, "x.tia", good.replace("10*cm", "10*inch"), "'inch' is neither")
+    refused(folder, "x.tia", good.replace("Focal = 50*cm", "Focal = 0"), "x.tia:7:1", "focal length 0")
+    refused(folder, "x.tia", good.replace("bd 0", "xx 0"), "x.tia:8:1: error: unknown keyword 'xx'")
+    refused(folder, "x.tia", good.replace("1*m, 0, 0", "1*m; 0"), "x.tia:5:", "cannot read")
+    refused(folder, "x.tia", good.replace("P = 2*W", "P = 1/0"), "x.tia:4:1")
+    refused(folder, "x.tia", "title\nbm\n", "holds no optic")
+    for key, value, reason in (("Refl_HR", 1.5, "R = 1.5"), ("n", None, "'n' is missing"), ("HRcenter", [1], "2 finite numbers"),
+                               ("type", "Prism", "unknown type 'Prism'"), ("inv_ROC_HR", 100.0, "wider than the sphere")):
+        layout = json.loads(json.dumps(GTRACE))
+        layout["optics"][1][key] = value
+        refused(folder, "x.json", json.dumps(layout), reason)
+    refused(folder, "x.json", "{,}", "x.json:1:2")
+    refused(folder, "x.json", "{}", "no list 'optics'")
+    cylinder = json.loads(json.dumps(GTRACE))
+    cylinder["optics"][1]["type"] = "CyMirror"
+    (folder / "c.json").write_text(json.dumps(cylinder))
+    assert any("cylindrical" in note for note in layouts.read_layout(folder / "c.json").left_out)
+
+
+with tempfile.TemporaryDirectory() as name:
+    here = pathlib.Path(name)
+    check_theia(here, sys.argv[1])
+    check_wedge(here, sys.argv[1])
+    check_gtrace(here, sys.argv[1])
+    check_refusals(here)
+print("ok")

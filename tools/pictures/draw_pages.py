@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+"""Draw the pictures of report and view as a browser shows them, without scroll bars. Usage: draw_pages.py PROGRAM [NAME...]
+
+NAME: report, view or cad_bench_view. Needs Chromium (scripts/setup --test).
+"""
+import base64
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/tools/report"))
+sys.dont_write_bytecode = True
+
+from browser import Browser  # noqa: E402
+
+from pictures import small  # noqa: E402
+
+NO_BARS = "const s = document.createElement('style'); s.textContent = '::-webkit-scrollbar { display: none }'; document.head.append(s)"
+
+
+def picture(file, to, width, height, element=None):
+    """Of the page from its top, or of one element of it."""
+    with tempfile.TemporaryDirectory() as folder, Browser() as browser:
+        browser.open(file)
+        browser.resize(width, height)
+        browser.run(NO_BARS)
+        browser.resize(width, height)
+        place = browser.run(f"const r = document.querySelector({element!r}).getBoundingClientRect();"
+                            "return [r.x, r.y + scrollY, r.width, r.height]") if element else (0, 0, width, height)
+        clip = dict(zip(("x", "y", "width", "height"), place)) | {"scale": 1}
+        shot = browser.driver.execute_cdp_cmd("Page.captureScreenshot", {"clip": clip, "captureBeyondViewport": True})
+        whole = pathlib.Path(folder) / "page.png"
+        whole.write_bytes(base64.b64decode(shot["data"]))
+        small(whole, to)
+
+
+def main(program, names):
+    docs, examples = ROOT / "docs", ROOT / "examples"
+    with tempfile.TemporaryDirectory() as folder:
+        def made(*words):
+            subprocess.run([program, *map(str, words), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+
+        if "report" in names:
+            made("run", examples / "virgo_arm.yaml", "-o", f"{folder}/demo")
+            picture(f"{folder}/demo/report.html", docs / "reference/report.png", 1000, 900)
+        if "view" in names:
+            made("view", examples / "bench.yaml", "-o", f"{folder}/bench.html")
+            picture(f"{folder}/bench.html", docs / "reference/view.png", 1400, 900)
+        if "cad_bench_view" in names:
+            made("view", examples / "suspended_bench.yaml", "-o", f"{folder}/cad.html")
+            picture(f"{folder}/cad.html", docs / "guide/cad_bench_view.png", 1080, 760, ".stage")
+
+
+if __name__ == "__main__":
+    ALL = ("report", "view", "cad_bench_view")
+    if len(sys.argv) < 2 or set(sys.argv[2:]) - set(ALL):
+        sys.exit(__doc__)
+    main(pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:] or ALL)

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Draws the pictures of docs/reference/render.md and ghosts.md. Usage: tools/pictures/draw_renders.sh [PROGRAM]
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+program=${1:-build/straytrace}
+pages=docs/reference
+"$program" render examples/bench.yaml -o $pages/render_bench.png --eye=-35cm,50cm,5cm --look 12cm,-3cm,58cm \
+  --fov 34deg --pixels 660x440
+"$program" render examples/virgo_arm.yaml -o $pages/render_importance.png --mode importance --pixels 900x300
+folder=$(mktemp -d)
+"$program" ghosts examples/bench.yaml --order 2 --show 38 -o "$folder" > /dev/null
+cp "$folder/ghosts.png" $pages/ghosts_bench.png
+rm -r "$folder"
