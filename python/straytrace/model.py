@@ -13,17 +13,14 @@ from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from typing import Any
 
-from ruamel.yaml.comments import CommentedMap
-
 from . import engine
 from .errors import InputError, Problem, StraytraceWarning
 from .progress import Shown, shown
 from .run import Run, open_run
 from .scratch import Scratch
-from .tree import SCALARS, Table, plain
+from .tree import SCALARS, Table, plain, scene_tree
 from .yaml_text import YAMLError, dump, load
 
-FORMAT = 1
 Parameters = Mapping[str, str | float]
 
 
@@ -88,9 +85,7 @@ class Model(Table):
                  name: str = "model.yaml", **tables: Any) -> None:
         if tree is not None and not isinstance(tree, Mapping):
             raise TypeError(f"a model is a dict of tables, not {type(tree).__name__}; for a file: Model.load({tree!r})")
-        data = plain({**(tree or {}), **tables}, "model")
-        data.insert(0, "straytrace", data.pop("straytrace", FORMAT))      # the key that must be first
-        self._set(data, pathlib.Path(folder) / name, None)
+        self._set(scene_tree({**(tree or {}), **tables}), pathlib.Path(folder) / name, None)
 
     def _set(self, data: Any, path: pathlib.Path, text: str | None) -> None:
         super().__init__(data, "model")

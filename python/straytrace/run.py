@@ -109,8 +109,8 @@ class Run:
         for option, given in (("motion", motion), ("response", response)):
             if given is None:
                 continue
-            texts = _table_of(given, option)
-            words += ["--" + option, next(iter(texts))]
+            texts = {} if isinstance(given, (str, os.PathLike)) else _texts_of(given, option)
+            words += ["--" + option, next(iter(texts), str(given))]
             unsaved |= texts
         answer = engine.ask(*words, unsaved=unsaved)
         run = open_run(place)
@@ -162,15 +162,18 @@ class Run:
         os.replace(part, path)
 
 
-def _table_of(given: Any, option: str) -> dict[str, str]:
-    """The text of other motion or responses by the file where it stands, or might stand; then those it includes."""
-    from .model import Model
+def _texts_of(given: Any, option: str) -> dict[str, str]:
+    """The texts of motion or responses by the names of their files, the main one first: of a Model with those that it includes."""
+    if hasattr(type(given), "texts"):
+        texts: dict[str, str] = given.texts()
+        return texts
+    if isinstance(given, Mapping):
+        from .tree import scene_tree
+        from .yaml_text import dump
 
-    model = Model.of(given)
-    if not isinstance(given, Mapping) or isinstance(given, Model):
-        return model.texts()
-    text = model.text()
-    return {f"{option}-{hashlib.sha256(text.encode()).hexdigest()[:8]}.yaml": text}
+        text = dump(scene_tree(given))
+        return {f"{option}-{hashlib.sha256(text.encode()).hexdigest()[:8]}.yaml": text}
+    raise TypeError(f"{option} is {given!r}; give a Model, a dict of its tables, or the name of a YAML file")
 
 
 def _read(file: Any, path: pathlib.Path) -> Run:

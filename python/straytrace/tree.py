@@ -12,6 +12,7 @@ from typing import Any, overload
 import numpy as np
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+FORMAT = 1                     # of the scene language
 SCALARS = (str, bool, int, float)
 
 
@@ -57,6 +58,13 @@ def plain(value: Any, where: str) -> Any:
         return entries
     hint = "leave the key out" if value is None else "write a number, a text with a unit such as '3 km', a list or a dict"
     raise TypeError(f"{where}: {value!r} ({type(value).__name__}) cannot stand in a model; {hint}")
+
+
+def scene_tree(tables: Mapping[str, Any]) -> Any:
+    """The tree of a scene file, which begins with its format."""
+    tree = plain({**tables}, "model")
+    tree.insert(0, "straytrace", tree.pop("straytrace", FORMAT))
+    return tree
 
 
 def wrapped(data: Any, where: str) -> Any:

@@ -61,6 +61,32 @@ class CheckFiles(unittest.TestCase):
         self.expect(full | {"bench/a/29.txt": ""}, 1, "bench/a: has 31 entries")
 
 
+class CheckImports(unittest.TestCase):
+    ONE_WAY = {"python/p/__init__.py": "from .a import f\n", "python/p/a.py": "from .sub import b\n", "python/p/sub/__init__.py": "",
+               "python/p/sub/b.py": "import json\n", "tools/t.py": "import p\nfrom p.sub import b\n"}
+
+    def expect(self, files, status, part):
+        found, output = verdict("lint/check_imports.py", {**self.ONE_WAY, **files})
+        self.assertEqual(found, status, output)
+        self.assertIn(part, output)
+
+    def test_one_way_passes(self):
+        self.expect({}, 0, "5 Python modules import each other in no circle")
+        types = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ..a import F\n"
+        self.expect({"python/p/sub/b.py": types}, 0, "no circle")                       # they are not imported when it runs
+        self.expect({"tools/json.py": "import p\n"}, 0, "no circle")       # the package does not see it
+
+    def test_circles_fail(self):
+        way = "p/a.py -> python/p/sub/b.py -> python/p/a.py"
+        self.expect({"python/p/sub/b.py": "import os\nfrom .. import a\n"}, 1, way)
+        self.expect({"python/p/sub/b.py": "def g():\n    from ..a import f\n"}, 1, way)     # the late import hides it
+        self.expect({"python/p/sub/b.py": "import p.a\n"}, 1, way)
+        self.expect({"bench/u.py": "import v\n", "bench/v.py": "\nimport u\n"}, 1, "bench/u.py:1: closes a circle")
+
+    def test_nothing_found_fails(self):
+        self.assertEqual(verdict("lint/check_imports.py", {"a.txt": ""})[0], 1)
+
+
 class CheckCalls(unittest.TestCase):
     def expect(self, name, line, status):
         found, output = verdict("lint/check_calls.py", {name: line + "\n"})
