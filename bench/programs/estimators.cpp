@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ways to sample, each on the same scenes of estimators.md 17: bench_estimators SECONDS TURNS prints a JSON line
-// for each scene, quantity, way and seed. bench/estimators.py compares them.
+// The ways to sample, each on the same scenes of docs/theory/sampling.md: bench_estimators SECONDS TURNS prints a
+// JSON line for each scene, quantity, way and seed. bench/estimators.py compares them.
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a beam of the interferometer meets a surface. Sources and ports of the trace are made of these: light scattered
 // there leaves the mode with weight |u|^2, light arriving there rejoins it with weight lambda^2 |u|^2 times the BSDF
-// (docs/theory/recoupling.md, eq. 1.1).
+// (docs/theory/path_integral.md, eq. 1.1).
 #pragma once
 
 #include "base/math/functions.hpp"

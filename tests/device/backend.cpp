@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A device leaves the bits of the host: every scene, shape and law, traced by the twin of a device (twin.cpp), which
-// runs the kernels, sorts and sums of a device on the host. architecture.md 6 and 7.
+// runs the kernels, sorts and sums of a device on the host. See docs/develop/device.md.
 #include <gtest/gtest.h>
 
 #include <mutex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What takes minutes: the scenes of estimators.md 17 at the accuracy that it states.
+// What takes minutes: the scenes of docs/theory/sampling.md at the accuracy that it states.
 #include "support/baffled_tube.hpp"
 #include "support/diffuse_tube.hpp"
 

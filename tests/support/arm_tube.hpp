@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// requirements.md E.1: an empty tube between two 1/theta^2 mirrors, and its closed forms (docs/theory/arm.md eq. 8.10,
+// E.1: an empty tube between two 1/theta^2 mirrors, and its closed forms (docs/theory/arm.md eq. 8.10,
 // 8.15). One direction, one arm, static phase 0 unless said.
 #pragma once
 
@@ -40,7 +40,7 @@ inline World make(Case const& c = {}) {
   world.add_surface(Cylinder{{}, {0, 0, 1}, tube_radius, 0, arm}, black, world.add_optic(steel), pipe,
                     world.add_group("wall"));
   if (c.rings) {
-    Optic carbide;  // Baffle_SiC of requirements.md 8.1
+    Optic carbide;  // as `sic_baffle` of the library
     carbide.reflect = 0.19526;
     carbide.laws = 1;
     carbide.law[0] = world.add_law(Lambertian{5e-5});

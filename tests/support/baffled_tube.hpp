@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene 11 of estimators.md 17: a baffled tube of 4 km. A mirror's spot scatters into the tube; receiver A is the
+// A baffled tube of 4 km. A mirror's spot scatters into the tube; receiver A is the
 // mirror itself, receiver B a photodiode of 1 cm^2 hidden behind a far ring.
 #pragma once
 
@@ -106,7 +106,7 @@ inline void expect_estimators_agree(std::uint64_t histories, double goal) {
   SampleMean const brute = arrived(world, law, "mirror");  // per power scattered by the spot
   double const emitted = law.total.emitted.sum / double(law.total.histories);
   expect_same("A by waiting ", {brute.mean * emitted, brute.std_error * emitted, brute.n}, received(law, 0));
-  // what aiming is for: the hidden photodiode, at equal histories (estimators.md 16)
+  // what aiming is for: the hidden photodiode, at equal histories (docs/theory/errors.md)
   EXPECT_LT(relative(received(every, 1)), relative(received(law, 1)) / 3);
   EXPECT_LT(relative(received(every, 0, true)), relative(received(law, 0, true)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chi-square comparison of counts with expectations (architecture.md section 10): significance 1e-6 over a family of
+// Chi-square comparison of counts with expectations (docs/develop/testing.md): significance 1e-6 over a family of
 // checks (Sidak), cells pooled to at least five expected counts.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Transmission of a diffuse tube whose mouth is filled by a Lambertian source (estimators.md 17, scene 5; Clausing's
+// Transmission of a diffuse tube whose mouth is filled by a Lambertian source (docs/theory/sampling.md; Clausing's
 // problem for rho = 1). The numbers are those of the integral equation of the wall,
 //   E(z) = E_0(z) + rho int K(|z - z'|) E(z') dz',  K(x) = 1/2 (1 - x (x^2 + 6)/(x^2 + 4)^(3/2))   (radius 1),
 // solved to more digits than printed.

@@ -90,7 +90,7 @@ Soup cells(int from, int to, Inside holds) {
           }
   return s;
 }
-// Side 1 m, 12 triangles, area 6 (requirements.md R3.34).
+// Side 1 m, 12 triangles, area 6.
 inline Soup cube() {
   return cells(0, 0, [](int i, int j, int k) { return i == 0 && j == 0 && k == 0; });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a Monte-Carlo number is compared with theory (architecture.md section 10).
+// How a Monte-Carlo number is compared with theory (docs/develop/testing.md).
 #pragma once
 
 #include <gtest/gtest.h>

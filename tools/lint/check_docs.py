@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Fail for a dead link in the documents, a file or test that documents or messages name and that does not exist, a shape,
-BSDF model or interface without its page, a cited equation that docs/theory does not set, a test that skips and is not
+BSDF model or interface without its page, a cited page or equation that is not where the citation says, a test that skips and is not
 told of, or a picture of a tree with uncommitted changes. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
@@ -20,12 +20,15 @@ TAG = re.compile(r"\\tag\{([^}]*)\}")                   # "5.4", "5.5, 5.6" or "
 # Names of files in what a program prints, and in pages outside of links.
 STRING = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 TOLD_FILE = re.compile(r"(?<![\w./<-])((?:(?:docs|examples|library|scripts|tests|tools)/[\w./-]*\w)|[\w/-]+\.md)\b")
-NAMES_OF_CODE = ("docs/theory/index.md", "docs/theory/errors.md", "docs/theory/sampling.md")  # say what those in comments mean
+PAGE = re.compile(r"(?<![\w./\"-])[\w./-]*\w\.md\b")    # a page that code cites
+ON_PAGE = re.compile(r"(docs/theory/\w+\.md),?\s(?:// |# )?\s*eqs?\. (\d+\.\d+)")
 CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
 SKIPS = re.compile(r"GTEST_SKIP\(|skipTest\(|unittest\.skip|echo 'skipped|SKIP_RETURN_CODE")
 TESTING = "docs/develop/testing.md"
+CODE_FILES = {".cpp", ".hpp", ".h", ".cu", ".py", ".sh", ".js", ""}
+MADE_UP = {"tests/tools/tree/test_checks.py"}           # names pages that do not exist
 
 
 def text_of(page):
@@ -70,8 +73,6 @@ def told_files(root, pages):
                 if not (root / name).exists():
                     yield f"{file.relative_to(root)}: a reader is told of {name}, which does not exist"
     for page in pages:
-        if page in [root / name for name in NAMES_OF_CODE]:
-            continue
         for name in TOLD_FILE.findall(LINK.sub("", text_of(page))):
             if name.endswith(".md") and "NAME" not in name and name not in known and not (root / name).exists() and not (page.parent / name).exists():
                 yield f"{page.relative_to(root)}: there is no {name}"
@@ -105,22 +106,38 @@ def missing_pages(root):
                 yield f"docs/reference/{' or '.join(folders)}/{key}.md is missing: the page of '{key}'"
 
 
-def numbered(root):
-    """Numbers of the equations that docs/theory sets."""
+def equations_of(page):
+    """Numbers of the equations that a page sets."""
     found = set()
-    for page in (root / "docs" / "theory").glob("*.md"):
-        for tag in TAG.findall(page.read_text(encoding="utf-8")):
-            ends = re.findall(r"(\w+)\.(\d+)", tag)
-            for (chapter, first), (_, last) in zip(ends, ends[1:] if "–" in tag else ends):
-                found |= {f"{chapter}.{number}" for number in range(int(first), int(last) + 1)}
+    for tag in TAG.findall(page.read_text(encoding="utf-8")):
+        ends = re.findall(r"(\w+)\.(\d+)", tag)
+        for (chapter, first), (_, last) in zip(ends, ends[1:] if "–" in tag else ends):
+            found |= {f"{chapter}.{number}" for number in range(int(first), int(last) + 1)}
     return found
 
 
-def unknown_equations(root):
-    known = numbered(root)
-    for file in sorted(file for room in ("src", "tests") for file in (root / room).rglob("*.[ch]pp")):
-        for equation in sorted(set(CITED.findall(file.read_text(encoding="utf-8"))) - known):
-            yield f"{file.relative_to(root)}: no page of docs/theory sets equation {equation}"
+def code_files(root):
+    for folder in ("src", "step", "tests", "fuzz", "bench", "python", "tools", "scripts", "data/page"):
+        for file in sorted((root / folder).rglob("*")):
+            if file.is_file() and file.suffix in CODE_FILES and "corpus" not in file.parts and str(file.relative_to(root)) not in MADE_UP:
+                yield file
+
+
+def wrong_citations(root):
+    """Pages and equations that code cites and a reader of the repository would not find."""
+    pages = {str(page.relative_to(root)): equations_of(page) for page in sorted((root / "docs" / "theory").glob("*.md"))}
+    known = set().union(*pages.values())
+    for file in code_files(root):
+        text = file.read_text(encoding="utf-8")
+        for name in sorted(set(PAGE.findall(LINK.sub("", text)))):
+            if not (root / name).is_file() and "NAME" not in name:
+                yield f"{file.relative_to(root)}: cites {name}, which is not in the repository; cite docs/theory/NAME.md, eq. N"
+        for name, equation in sorted(set(ON_PAGE.findall(text))):
+            if equation in known and equation not in pages.get(name, ()):
+                yield f"{file.relative_to(root)}: {name} does not set equation {equation}"
+        if file.suffix in (".cpp", ".hpp"):
+            for equation in sorted(set(CITED.findall(text)) - known):
+                yield f"{file.relative_to(root)}: no page of docs/theory sets equation {equation}"
 
 
 def silent_skips(root):
@@ -154,7 +171,7 @@ def main(root):
         print(f"{root}: no pages found; is the path right?")
         return 1
     found = [*dead_links(root, pages), *missing_files(root, pages), *told_files(root, pages), *missing_tests(root),
-             *missing_pages(root), *unknown_equations(root), *silent_skips(root), *dirty_pictures(root)]
+             *missing_pages(root), *wrong_citations(root), *silent_skips(root), *dirty_pictures(root)]
     print("\n".join(found) or f"{len(pages)} pages are in order")
     return 1 if found else 0
 

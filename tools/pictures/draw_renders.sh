@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the pictures of docs/reference/render.md and ghosts.md. Usage: tools/pictures/draw_renders.sh [PROGRAM]
+# Draws the pictures of docs/reference/render.md and docs/reference/ghosts.md. Usage: tools/pictures/draw_renders.sh [PROGRAM]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 program=${1:-build/straytrace}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coupling of a whole band, from all the power that rose in it (theory: commissioning.md, C.13).
+// Coupling of a whole band, from all the power that rose in it (docs/theory/commissioning.md, eq. C.13).
 #pragma once
 
 #include "base/math/constants.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coupling along the ridge of a sweep (R6.03, R6.04).
+// Coupling along the ridge of a sweep (R6.03).
 #pragma once
 
 #include <vector>

@@ -25,7 +25,7 @@ STRAY_HD Vec3 unit(Vec3 a) { return (1 / std::sqrt(dot(a, a))) * a; }
 // A unit vector at right angles to the unit vector a.
 STRAY_HD Vec3 any_normal(Vec3 a) { return unit(std::fabs(a.x) < 0.5 ? Vec3{0, -a.z, a.y} : Vec3{-a.y, a.x, 0}); }
 
-// Mirror image of a direction at a plane with unit normal n (R3.22).
+// Mirror image of a direction at a plane with unit normal n.
 STRAY_HD Vec3 reflected(Vec3 d, Vec3 n) { return d - (2 * dot(d, n)) * n; }
 
 struct Ray {

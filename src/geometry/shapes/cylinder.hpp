@@ -111,7 +111,7 @@ struct CutCylinder : Cylinder {
   }
 };
 
-// Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only (R3.14). Keys:
+// Side wall of a cylinder with round holes, each drilled from outside to the axis: on one side only. Keys:
 // pierced_cylinder.cpp; page: docs/reference/shapes/pierced_cylinder.md.
 
 struct PiercedCylinder : Cylinder {

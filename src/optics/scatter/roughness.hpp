@@ -2,7 +2,7 @@
 // Scatter of a rough surface from its power spectrum of heights, by first-order perturbation (Rayleigh-Rice,
 // docs/theory/surfaces.md, eq. 3.8) or generalised Harvey-Shack (eq. 3.11, 3.12). Lengths are in wavelengths: the
 // spectrum is S2/lambda^4 against rho = |f| lambda = |alpha - alpha_0|. Pages: docs/reference/scatter/k-correlation.md,
-// psd.md, harvey-shack.md.
+// docs/reference/scatter/psd.md, docs/reference/scatter/harvey-shack.md.
 #pragma once
 
 #include "optics/lobes/lobe_table.hpp"

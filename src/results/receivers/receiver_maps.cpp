@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps of receivers as CSV and NPY (R3.29). Row 0 is the lowest row, column 0 the leftmost column, seen
+// Maps of receivers as CSV and NPY. Row 0 is the lowest row, column 0 the leftmost column, seen
 // from the front, with e1 to the right and e2 up.
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sequential tracing: one ray through surfaces in an order that is given, with the indices of a prescription. Nothing
-// is searched for and nothing is drawn, so it checks the walk, which has to find both by itself (R3.02).
+// is searched for and nothing is drawn, so it checks the walk, which has to find both by itself.
 #pragma once
 
 #include <span>

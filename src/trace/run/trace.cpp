@@ -19,7 +19,7 @@ namespace {
 // the spread of what was drawn says nothing. Of wins of a roulette the odds are known. In `sampling` they are
 // directions that the law draws where the targets were expected to (strata leave no other spread there): none of mu
 // expected ones is drawn with the chance exp(-mu), which for mu = 15 is that of five standard errors, and each moves
-// the total of a history by no more than from one end of what was drawn to the other (errors.md, The energy balance).
+// the total of a history by no more than from one end of what was drawn to the other (docs/theory/errors.md).
 double spread_of(BalanceTerm balance_term, Estimate const& e, BlockSums const& total) {
   constexpr double unseen = 15.0 / 5;  // standard errors
   double const n = double(total.histories);

@@ -21,7 +21,7 @@
 
 namespace straytrace {
 
-// All of them carry the same share; those that are not followed at once wait with their parent (R3.26).
+// All of them carry the same share; those that are not followed at once wait with their parent.
 STRAY_HD void have_children(History& history, Vertex const& vertex, std::uint32_t children) {
   history.path.power /= children;
   history.parent = history.path;

@@ -276,7 +276,7 @@ Pose rotated(Vec3 origin, Vec3 axis, double cosine, double sine) {
           turned({0, 0, 1}, axis, cosine, sine)};
 }
 
-// The smallest turn that takes z to `to`; half a turn about x for -z (R3.21).
+// The smallest turn that takes z to `to`; half a turn about x for -z.
 Pose facing(Vec3 origin, Vec3 to) {
   Vec3 const across = cross({0, 0, 1}, to);
   double const sine = length(across);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The main beam as its ghosts meet it again: how much of a ghost that leaves a surface of the main beam is in the mode
-// of the main beam (docs/theory/beams.md, eq. 5.4), and with which phase sensitivities (eq. 2.3, 2.5).
+// of the main beam (docs/theory/ghosts.md, eq. 5.4), and with which phase sensitivities (eq. 2.3, 2.5).
 #pragma once
 
 #include <array>

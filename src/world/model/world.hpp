@@ -58,7 +58,7 @@ struct WalkLimits {
   bool targets = true;               // aim at what the adjoint tables call important (docs/theory/sampling.md)
   double law_share = 0.25;           // of directions, that the scatter law keeps at least beside the targets (alpha)
   bool window = true;                // split and weed paths by power x adjoint (docs/theory/sampling.md)
-  std::uint32_t children = 1;        // paths that go on from the first vertex (R3.26)
+  std::uint32_t children = 1;        // paths that go on from the first vertex
   bool brute_force = false;          // test every surface: must give the same bits
 };
 

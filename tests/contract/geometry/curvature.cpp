@@ -82,7 +82,7 @@ TYPED_TEST(ShapeCurvature, twins_are_caught) {
   }
 }
 
-// Signs as users know them: concave towards the normal is positive (architecture.md section 3).
+// Signs as users know them: concave towards the normal is positive (docs/develop/conventions.md).
 TEST(Curvature, has_the_sign_of_mirrors) {
   EXPECT_DOUBLE_EQ(curvature_of(cap(1 / 1420.0, 0, 0.175), {0, 0, 0}, 0).aa, 1 / 1420.0);
   EXPECT_DOUBLE_EQ(curvature_of(sphere(2), {0, 0, 2}, 0).bb, -0.5);

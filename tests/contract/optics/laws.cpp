@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every scatter law must keep (architecture.md section 10; physics.md 3.1): sample() follows pdf(), albedo() is
-// the integral of eval cos (eq. 3.4), reciprocity (eq. 3.2), energy (eq. 3.1). Each with broken variants.
+// What every scatter law must keep (docs/develop/testing.md; docs/theory/surfaces.md): sample() follows pdf(), albedo()
+// is the integral of eval cos (eq. 3.4), reciprocity (eq. 3.2), energy (eq. 3.1). Each with broken variants.
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"

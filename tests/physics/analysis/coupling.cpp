@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Couplings from injections against synthetic truth (requirements.md R6.01, R6.08).
+// Couplings from injections against synthetic truth (R6.01, R6.08).
 #include "analysis/coupling/coupling.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Injection, coupling, projection: the noise that a witness makes in quiet times (requirements.md R6.08).
+// Injection, coupling, projection: the noise that a witness makes in quiet times (R6.08).
 #include "analysis/coupling/coupling_projection.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Significance of excess between averaged spectra (requirements.md R6.01).
+// Significance of excess between averaged spectra (R6.01).
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/non_central_f.hpp>
 #include <gtest/gtest.h>

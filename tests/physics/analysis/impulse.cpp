@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Knocks, the response they ring and when something was injected (requirements.md R6.01, R6.02).
+// Knocks, the response they ring and when something was injected (R6.01, R6.02).
 #include "analysis/coupling/impulse.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Driven lines with known answers: tracking, harmonics, amplitude ramps, sweeps (requirements.md R6.03, R6.04).
+// Driven lines with known answers: tracking, harmonics, amplitude ramps, sweeps (R6.03).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tapping with known answers (requirements.md R6.02).
+// Tapping with known answers (R6.02).
 #include "analysis/coupling/taps.hpp"
 
 #include <gtest/gtest.h>

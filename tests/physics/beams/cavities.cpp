@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gaussian optics against published numbers: two-mirror eigenmodes (physics.md eq. 6.3), beams through lenses and
-// mirrors (eq. 6.2); validation cases A9, B7, B8 and requirements R2.07, R2.10.
+// Gaussian optics against published numbers: two-mirror eigenmodes (docs/theory/beams.md, eq. 6.3), beams through
+// lenses and mirrors (eq. 6.2); validation cases A9, B7, B8 and requirements R2.07, R2.10.
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
@@ -130,7 +130,7 @@ TEST(beams, kagra_mode_cleaner_b7) {
 
 // B7, KAGRA power recycling: the arm mode leaves through the input mirror (concave face of 1900 m, 0.15 m of sapphire,
 // flat face), meets PR3 and PR2 and arrives at PRM. Spot on PR3 36.688 mm; published 36.639 to 36.6854 mm (0.5 %). By
-// eq. 6.2 face by face as physics.md writes it (q of the medium), by ray matrices, and in space.
+// eq. 6.2 face by face as docs/theory writes it (q of the medium), by ray matrices, and in space.
 struct Recycling {
   double pr3 = 0;
   BeamParameter at_prm;

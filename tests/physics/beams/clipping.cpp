@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loss of a Gaussian beam at an aperture (physics.md eq. 5.5, 5.6; cases A8, B8; requirements.md R2.26).
+// Loss of a Gaussian beam at an aperture (docs/theory/beams.md, eq. 5.5, 5.6; cases A8, B8; R2.26).
 #include "beams/clipping.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gaussian beams behind apertures (requirements.md R2.26, R2.27; physics.md eq. 5.5 to 5.7, A8).
+// Gaussian beams behind apertures (R2.26, R2.27; docs/theory/beams.md, eq. 5.5 to 5.7, A8).
 #include "beams/diffraction.hpp"
 
 #include <gtest/gtest.h>

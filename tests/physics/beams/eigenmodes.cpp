@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenmodes of cavities in space (physics.md eq. 6.2; docs/theory/beams.md): linear, folded, astigmatic and twisted
+// Eigenmodes of cavities in space (docs/theory/beams.md, eq. 6.2): linear, folded, astigmatic and twisted
 // rings, against eq. 6.3 with the focal lengths of tilted mirrors and against themselves after a round trip.
 #include <gtest/gtest.h>
 

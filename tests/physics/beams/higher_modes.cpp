@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hermite- and Laguerre-Gauss modes (requirements.md R2.11): orthonormal to 1e-9 up to order 30, Gouy phases against
+// Hermite- and Laguerre-Gauss modes (R2.11): orthonormal to 1e-9 up to order 30, Gouy phases against
 // the diffraction integral, and Gaussian beams expanded in them against eq. 5.1-5.3.
 #include "beams/higher_modes.hpp"
 
@@ -218,8 +218,7 @@ TEST(laguerre, coefficients_are_overlap_integrals) {
   EXPECT_THROW(laguerre_coefficients(beam, flat, 3), NumericalError);
 }
 
-// What a mismatched beam puts into LG_p0 depends on the mismatch alone, by powers of one number (requirements.md
-// R2.11).
+// What a mismatched beam puts into LG_p0 depends on the mismatch alone, by powers of one number (R2.11).
 TEST(laguerre, mismatch_makes_a_geometric_series) {
   auto const c = laguerre_coefficients(circular_mode({}, along_z, 5e-3, 0, nd_yag),
                                        circular_mode({}, along_z, 10e-3, 0, nd_yag), 30);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gaussian beams of general astigmatism in space (physics.md 0.3, section 6; docs/theory/beams.md): free flight, Gouy
-// phase, tilted curved mirrors and refracting faces against closed forms and the phase on the surface itself.
+// Gaussian beams of general astigmatism in space (docs/theory/conventions.md and docs/theory/interferometer.md;
+// docs/theory/beams.md): free flight, Gouy phase, tilted curved mirrors and refracting faces against closed forms and
+// the phase on the surface itself.
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"

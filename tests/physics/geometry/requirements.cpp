@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Check numbers of requirements.md section 2 for the shapes beyond disk, cap, cylinder, cone and sphere (those are in
+// Reference numbers of the shapes beyond disk, cap, cylinder, cone and sphere (those are in
 // tests/unit/geometry/numbers.cpp), each with a variant that must miss them.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Dual-recycled interferometers from parameters: physics.md 6, 12.1 and 14.4, B6, requirements.md R2.03, R2.09, R2.13.
+// Dual-recycled interferometers from parameters: docs/theory/interferometer.md and docs/theory/sensitivity.md, B6,
+// R2.03, R2.09, R2.13.
 #include "ifo/dual_recycled.hpp"
 
 #include <gtest/gtest.h>

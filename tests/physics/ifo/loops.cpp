@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Demodulation and loops: physics.md eq. 6.10, requirements.md R2.12 and R2.14.
+// Demodulation and loops: docs/theory/interferometer.md, eq. 6.10, R2.12 and R2.14.
 #include <gtest/gtest.h>
 
 #include <array>

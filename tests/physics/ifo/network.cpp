@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plane waves in networks against closed forms: requirements.md R2.02 to R2.09, physics.md eq. 6.4 to 6.11, A10, B6.
+// Plane waves in networks against closed forms: R2.02 to R2.09, docs/theory/interferometer.md, eq. 6.4 to 6.11, A10,
+// B6.
 #include "ifo/network.hpp"
 
 #include <gtest/gtest.h>

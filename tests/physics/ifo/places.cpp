@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Places where stray light joins, beside those of physics.md section 9: what the network answers there against closed
-// forms for carriers and sidebands in two equal arms (physics.md eq. 6.4, 6.8, 6.11, 8.6, 9.5, 9.6).
+// Places where stray light joins, beside those of docs/theory/interferometer.md: what the network answers there against
+// closed forms for carriers and sidebands in two equal arms (docs/theory/interferometer.md,
+// eq. 6.4, 6.8, 6.11, 8.6, 9.5, 9.6).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stray light at the ports of an interferometer, by the network and by closed forms: physics.md eq. 9.1 to 9.10, A14,
-// B4; requirements.md R2.36, R5.01, R5.02.
+// Stray light at the ports of an interferometer, by the network and by closed forms: docs/theory/interferometer.md,
+// eq. 9.1 to 9.10, A14, B4; R2.36, R5.01, R5.02.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -146,7 +146,7 @@ TEST(Ports, AntisymmetricPortEq9_6) {
       EXPECT_NEAR(isolated / (solved * std::pow(10, -37.0 / 20)), 1, 1e-9);
     }
   }
-  // Order of magnitude in physics.md 9: 4 pm, 0.002 ppm, 3 km.
+  // Order of magnitude in docs/theory/interferometer.md: 4 pm, 0.002 ppm, 3 km.
   EXPECT_NEAR(std::real(strain_at_antisymmetric_port(4e-12, 3000, 0, {1, 1})) * std::sqrt(2e-9) / 6.0e-20, 1, 0.01);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Linear response of networks against closed forms: eq. 6.10, 8.6, 9.1 to 9.5, 12.5, 12.6 of physics.md (A14, A23).
+// Linear response of networks against closed forms: eq. 6.10, 8.6, 9.1 to 9.5, 12.5, 12.6 of docs/theory (A14, A23).
 #include <gtest/gtest.h>
 
 #include <array>

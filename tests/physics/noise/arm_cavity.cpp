@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arm cavities and injection points (physics.md eq. 6.4, 6.5, 6.8, 6.11, 9.1, 9.3, 9.5, 9.10; cases A10, A14, B6).
+// Arm cavities and injection points (docs/theory/interferometer.md, eq. 6.4, 6.5, 6.8, 6.11, 9.1, 9.3, 9.5, 9.10; cases
+// A10, A14, B6).
 #include "ifo/cavity.hpp"
 #include "physics/noise/support.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The full result of requirements.md E.1, from the trace to h: the empty tube with light both ways and two arms.
+// The full result of E.1, from the trace to h: the empty tube with light both ways and two arms.
 // Eq. 8.10 (docs/theory/arm.md) is of one direction and one arm: x 2 in amplitude for the reverse path, x sqrt 2 for
 // the arms.
 #include "support/arm_tube.hpp"

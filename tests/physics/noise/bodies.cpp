@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several bodies on one path (physics.md eq. 1.10, 2.5, 7.12).
+// Several bodies on one path (docs/theory/spectra.md, eq. 1.10, 2.5, 7.12).
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coherent families in the projection: paths of one class whose relative static phases are known (physics.md eq. 10.5),
-// as spectra, as one realisation in time, and in the band of realisations. Twin everywhere: their powers added.
+// Coherent families in the projection: paths of one class whose relative static phases are known
+// (docs/theory/ghosts.md, eq. 10.5), as spectra, as one realisation in time, and in the band of realisations. Twin
+// everywhere: their powers added.
 #include "noise/bands/speckle_band.hpp"
 #include "physics/noise/time_domain/time_support.hpp"
 
@@ -158,7 +159,7 @@ TEST(Family, PhasesThatAreNotKnownAreDrawnOneByOne) {
   EXPECT_LT(std::abs(mean), 5 / std::sqrt(400.0));
 }
 
-// One input: the family is one phasor, as a single path of its summed field (physics.md section 10).
+// One input: the family is one phasor, as a single path of its summed field (docs/theory/spectra.md).
 TEST(Family, SpreadOfRealisationsIsThatOfOnePhasor) {
   MotionSet const m = moving({gaussian_line(30, 3, 1e-11)});
   auto const bands = [&](CouplingClass const& c) {

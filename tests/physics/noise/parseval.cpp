@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Power is conserved whatever moves (physics.md eq. 7.10), and what share of a bin is first order.
+// Power is conserved whatever moves (docs/theory/spectra.md, eq. 7.10), and what share of a bin is first order.
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One realisation of many equal paths on one rigid body (physics.md eq. 10.1 to 10.4, case A20).
+// One realisation of many equal paths on one rigid body (docs/theory/spectra.md, eq. 10.1 to 10.4, case A20).
 #include <algorithm>
 
 #include "base/math/rng.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Percentiles of one realisation of the static phases (physics.md eq. 10.1 to 10.5, case A20).
+// Percentiles of one realisation of the static phases (docs/theory/spectra.md, eq. 10.1 to 10.5, case A20).
 #include "noise/bands/speckle_band.hpp"
 
 #include <boost/math/distributions/chi_squared.hpp>

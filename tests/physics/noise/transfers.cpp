@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One drive that reaches bodies through transfer functions (physics.md eq. 1.10, 7.12, 11.2): the phase has the PSD
-// |sum of phase sensitivity times transfer function|^2 times that of the drive.
+// One drive that reaches bodies through transfer functions (docs/theory/spectra.md, eq. 1.10, 7.12, 11.2): the phase
+// has the PSD |sum of phase sensitivity times transfer function|^2 times that of the drive.
 #include "base/math/rng.hpp"
 #include "noise/classes/motion_classes.hpp"
 #include "physics/noise/support.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gaussian motion of any strength (physics.md eq. 7.7 to 7.10, case A5).
+// Gaussian motion of any strength (docs/theory/spectra.md, eq. 7.7 to 7.10, case A5).
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing {

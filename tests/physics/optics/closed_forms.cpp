@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter laws against their closed forms: validation case A16 (physics.md eq. 3.15, 3.17), power between two angles
-// of eq. 3.18, the statistical 1/theta^2 law of eq. 3.19 and 3.20 (requirements R5.06), mean cosine of eq. 3.3.
+// Scatter laws against their closed forms: validation case A16 (docs/theory/surfaces.md, eq. 3.15, 3.17), power between
+// two angles of eq. 3.18, the statistical 1/theta^2 law of eq. 3.19 and 3.20 (requirements R5.06), mean cosine of
+// eq. 3.3.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -163,7 +164,7 @@ TEST(optics_closed_forms, statistical_law_scatters_the_fraction_it_states) {
   EXPECT_GT(deviation(law.albedo(1), tis * 2 * pi), 0.1);  // trap 14.1: a factor 2 pi
 }
 
-// eq. 3.3: mean cosine of Lambertian scatter 2/3; the twin is uniform in solid angle and has 1/2 (R3.25).
+// eq. 3.3: mean cosine of Lambertian scatter 2/3; the twin is uniform in solid angle and has 1/2.
 template <class Draw>
 testing::SampleMean mean_cosine(Draw draw) {
   constexpr int n = 400000;

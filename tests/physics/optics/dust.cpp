@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Dust (physics.md eq. 3.21 to 3.24): the law and its totals against Mie sums at single angles, for all angles and size
-// parameters from 0.1 to 200. Twin of the tables: 512 linear steps at chords 2 (i/512)^4, which have no node within 14
-// deg of exact backscatter.
+// Dust (docs/theory/surfaces.md, eq. 3.21 to 3.24): the law and its totals against Mie sums at single angles, for all
+// angles and size parameters from 0.1 to 200. Twin of the tables: 512 linear steps at chords 2 (i/512)^4, which have no
+// node within 14 deg of exact backscatter.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Thin films: estimators.md scene 7, the transfer-matrix method against characteristic matrices and closed forms.
+// Thin films: docs/theory/sampling.md, the transfer-matrix method against characteristic matrices and closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -107,8 +107,8 @@ TEST(optics_film, agrees_with_characteristic_matrices) {
   EXPECT_GT(other_side, 0.1);
 }
 
-// A lossless stack is unitary from both sides at all angles (physics.md 0.3): energy 1e-12, t the same both ways, and
-// r_front conj(t) + t conj(r_back) = 0. Frustrated total reflection included. Twin: an absorbing layer.
+// A lossless stack is unitary from both sides at all angles (docs/theory/conventions.md): energy 1e-12, t the same both
+// ways, and r_front conj(t) + t conj(r_back) = 0. Frustrated total reflection included. Twin: an absorbing layer.
 TEST(optics_film, unitary_without_loss) {
   auto const defect = [](std::vector<FilmLayer> const& layers, double n_front, double n_back) {
     Film const film = film_of(layers);

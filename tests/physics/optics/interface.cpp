@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Smooth boundaries: physics.md eq. 3.25 and 3.26, section 0.3 (unitary interface), requirements R2.03, R2.25, R2.28,
-// R3.22 to R3.24, estimators.md scene 7.
+// Smooth boundaries: docs/theory/surfaces.md, eq. 3.25 and 3.26, docs/theory/conventions.md (unitary interface), R2.03,
+// R2.25, R2.28, R3.22 to R3.24, docs/theory/sampling.md.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ TEST(optics_interface, fresnel_numbers) {
   EXPECT_TRUE(close(bare(0, 1, 1.44963).reflectance(), 0.033691));
 }
 
-// Power through a plate without interference, and its first ghost (scene 7, R2.25): sums of powers of eq. 3.25.
+// Power through a plate without interference, and its first ghost (R2.25): sums of powers of eq. 3.25.
 TEST(optics_interface, plates_and_first_ghost) {
   auto const plate = [](double r) { return (1 - r) / (1 + r); };
   double const r = bare(0, 1, 1.5).reflectance(), t = bare(0, 1.5, 1).transmittance();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coatings tabulated against the angle (requirements R3.24, 8.2, C2.6, C8.9): the steel of beam tubes, energy, and
+// Coatings tabulated against the angle (8.2, C2.6, C8.9): the steel of beam tubes, energy, and
 // scatter laws that follow the table.
 #include <gtest/gtest.h>
 

@@ -181,7 +181,8 @@ TEST(optics_polarisation, turning_back_and_scatter) {
   EXPECT_GT(distance(wrong, in, down), 0.1);
 }
 
-// (1 + s s_m)/2: the same state 1, the orthogonal one 0, unpolarised light one half (physics.md 0.7), for any axes.
+// (1 + s s_m)/2: the same state 1, the orthogonal one 0, unpolarised light one half (docs/theory/conventions.md), for
+// any axes.
 TEST(optics_polarisation, overlap_with_a_mode) {
   Rng rng(5, 0, 0, Stream::lobe);
   for (int i = 0; i < 100; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scatter laws against closed forms and published numbers: estimators.md rows 6 and 8, requirements R2.29, R2.30,
-// R2.32, physics.md eq. 3.5 to 3.24. Next to each check a variant that must fail it.
+// Scatter laws against closed forms and published numbers: docs/theory/sampling.md, requirements R2.29, R2.30,
+// R2.32, docs/theory/surfaces.md, eq. 3.5 to 3.24. Next to each check a variant that must fail it.
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"
@@ -42,7 +42,7 @@ TEST(height_spectrum, surface_of_a_profile_eq_3_7) {
   }
 }
 
-// eq. 3.10, estimators.md row 6 and R2.30, to the printed digits. The twin has 2 pi for 4 pi.
+// eq. 3.10, docs/theory/sampling.md and R2.30, to the printed digits. The twin has 2 pi for 4 pi.
 TEST(total_scatter, of_a_smooth_surface_row_6) {
   struct Case {
     double rms, wavelength, tis, tolerance;
@@ -163,7 +163,8 @@ TEST(mie, published_numbers_row_8) {
   EXPECT_LT(deviation(mie(0.01, 1.5, {}).q_sca, 8.0 / 3 * 1e-8 * std::pow(1.25 / 4.25, 2)), 1e-3);
 }
 
-// physics.md 3.5: coverage by the fit 0.106 % and 0.80 %, by integration 0.0982 % and 0.741 %, levels 400 and 600.
+// docs/theory/surfaces.md: coverage by the fit 0.106 % and 0.80 %, by integration 0.0982 % and 0.741 %, levels 400 and
+// 600.
 TEST(cleanliness, coverage) {
   Cleanliness c;
   c.level = 400;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers of physics.md 15.1 for roughness and spheres: A15, A17, A17b. Next to each a variant that must fail it.
+// Reference numbers for roughness and spheres: A15, A17, A17b. Next to each a variant that must fail it.
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"

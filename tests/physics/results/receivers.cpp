@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light in watts: enclosures, energy balance, census, files (requirements.md R2.24, R3.28, R3.31, R3.32).
+// Light in watts: enclosures, energy balance, census, files (R2.24).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,7 +103,8 @@ TEST(Receivers, CensusOfATwoMirrorPath) {
   EXPECT_THAT(census_text(table, 10), ::testing::HasSubstr("M2"));
 }
 
-// R3.32 and architecture.md 7: bits do not depend on threads, nor on stopping, writing, reading and going on.
+// R3.32 and docs/develop/architecture.md: bits do not depend on threads, nor on stopping, writing, reading and going
+// on.
 TEST(Receivers, TheSameBitsHoweverTheyCame) {
   test::Folder const folder;
   auto const hash_of = [&](Traced const& t) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps of receivers: flatness, quadrants, interference (requirements.md R3.29, R3.30, R4.02).
+// Maps of receivers: flatness, quadrants, interference (R3.29, R3.30, R4.02).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Confidence of averaged periodograms, and the bias of their median (requirements.md R2.15).
+// Confidence of averaged periodograms, and the bias of their median (R2.15).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coherence and transfer functions (requirements.md R6.05).
+// Coherence and transfer functions (R6.05).
 #include "spectra/cross_spectra.hpp"
 
 #include <gtest/gtest.h>

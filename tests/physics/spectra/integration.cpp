@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Accelerometer to displacement (physics.md eq. 11.3; requirements.md R6.05).
+// Accelerometer to displacement (docs/theory/motion.md, eq. 11.3; R6.05).
 #include "spectra/integration.hpp"
 
 #include <gtest/gtest.h>

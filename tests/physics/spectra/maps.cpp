@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whitening, rms within bands, spectrograms, constant-Q tiles, filters (requirements.md R2.15; Parseval).
+// Whitening, rms within bands, spectrograms, constant-Q tiles, filters (R2.15; Parseval).
 #include <gtest/gtest.h>
 
 #include <algorithm>

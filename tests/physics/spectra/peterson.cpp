@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ground noise models (physics.md eq. 11.1 and the table of section 11; case A21).
+// Ground noise models (docs/theory/environment.md, eq. 11.1 and its table; case A21).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Averaged periodograms (requirements.md R2.15): scale, sides, axis, error.
+// Averaged periodograms (R2.15): scale, sides, axis, error.
 #include "spectra/welch.hpp"
 
 #include <gtest/gtest.h>

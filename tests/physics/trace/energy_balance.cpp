@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The energy balance (estimators.md 4): absorbed + escaped + limit + window + sampling = emitted, and the columns
-// `window` and `sampling` are zero on average.
+// The energy balance (docs/theory/sampling.md): absorbed + escaped + limit + window + sampling = emitted, and the
+// columns `window` and `sampling` are zero on average.
 #include <random>
 
 #include "base/errors.hpp"
@@ -77,7 +77,7 @@ TEST(Books, CloseInRandomScenes) {
   }
 }
 
-// Each watt is on an object, in a medium, or out of the scene (requirements.md R2.24). Two groups, glass with losses.
+// Each watt is on an object, in a medium, or out of the scene (R2.24). Two groups, glass with losses.
 double open_by_object(BlockSums const& total) {
   double sum = 0;
   for (Moments const& m : total.absorbed) sum += m.sum;
@@ -154,7 +154,7 @@ TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
 
 // A small disk takes three quarters of the directions. Strata deal these evenly, and the law, whose quarter would have
 // to meet the disk as well, does so less than once in a run: what was drawn then spreads much less than the mean of
-// `sampling` lies from zero, and nothing is wrong (errors.md, "The energy balance").
+// `sampling` lies from zero, and nothing is wrong (docs/theory/errors.md).
 World spot_and_disk(bool sound) {
   World world;
   BodyId const body = world.add_body("all", {});

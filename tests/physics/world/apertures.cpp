@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rims that main beams pass, at any angle and for elliptic beams (physics.md eq. 5.5 to 5.7, R2.26).
+// The rims that main beams pass, at any angle and for elliptic beams (docs/theory/beams.md, eq. 5.5 to 5.7, R2.26).
 #include "world/ghosts/apertures.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shadow rule of baffles (physics.md eq. 8.16, case A24) as a user lays baffles out: no straight line leads from
-// the mirror to the wall.
+// The shadow rule of baffles (docs/theory/arm.md, eq. 8.16, case A24) as a user lays baffles out: no straight line
+// leads from the mirror to the wall.
 #include <gtest/gtest.h>
 
 #include <cmath>

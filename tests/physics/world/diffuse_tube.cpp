@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Zero lost rays and zero wrong hits in 1e7 diffuse bounces of the closed baffled tube at 3 km and at 40 km
-// (performance.md section 5): every hit of the search structure is checked against 80-bit arithmetic that knows between
-// which baffles the ray starts. Everything is a Lambertian wall, so every direction occurs at every place.
+// (docs/develop/performance.md): every hit of the search structure is checked against 80-bit arithmetic that knows
+// between which baffles the ray starts. Everything is a Lambertian wall, so every direction occurs at every place.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ghost beams of plates, wedges and interferometers against closed forms (physics.md section 5, R2.25, R2.24, eq. 6.9).
+// Ghost beams of plates, wedges and interferometers against closed forms (docs/theory/beams.md, R2.25, R2.24, eq. 6.9).
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(Ghosts, wedge_turns_a_ghost_by_2_n_psi) {
   EXPECT_GT(std::fabs(angle - 2 * psi), 1e-4);  // twin: the mirror's angle without refraction
 }
 
-// Two-bounce ghosts of N surfaces: N (N - 1)/2 that go on forwards (physics.md section 5).
+// Two-bounce ghosts of N surfaces: N (N - 1)/2 that go on forwards (docs/theory/beams.md).
 TEST(Ghosts, number_of_two_bounce_ghosts) {
   for (int plates : {1, 2, 3, 4}) {
     World world;

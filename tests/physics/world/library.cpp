@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The library as geometry and optics: every part and material is sound, and baffles by the shadow rule hide the wall of
-// every arm from both of its mirrors (physics.md eq. 8.16, requirements.md E.1).
+// every arm from both of its mirrors (docs/theory/arm.md, eq. 8.16, E.1).
 #include "scene/library.hpp"
 
 #include <gtest/gtest.h>
@@ -155,7 +155,7 @@ TEST(LibraryWorld, BafflesTooFarApartLeakE1) {
   EXPECT_GT(lines_to_the_wall(arm, 40000), 0);
 }
 
-// The numbers of requirements.md R5.08 and physics.md 8.7.
+// The numbers of R5.08 and docs/theory/arm.md.
 TEST(LibraryWorld, NumberOfBaffles) {
   auto const per_half = [](std::string const& name) {
     int count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The built-in composites (requirements.md R3.06 and 7.2): sizes, closed bodies of glass, normals that point out.
+// The built-in composites (R3.06 and 7.2): sizes, closed bodies of glass, normals that point out.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene text -> world: the physics that the readers put in between (physics.md eq. 3.19, 6.3, 8.16; case B7).
+// Scene text -> world: the physics that the readers put in between (docs/theory/surfaces.md, eq. 3.19, 6.3, 8.16; case
+// B7).
 #include <gtest/gtest.h>
 
 #include <cmath>

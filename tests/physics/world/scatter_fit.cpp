@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fits and audit of measured scatter against the closed forms of physics.md 3.2 and 3.3, on points made from them.
+// Fits and audit of measured scatter against the closed forms of docs/theory/surfaces.md, on points made from them.
 #include "world/scatter_data/scatter_fit.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Screens beside the chief ray of a followed beam: what they take (physics.md eq. 5.5, 5.6; requirements.md R2.26).
+// Screens beside the chief ray of a followed beam: what they take (docs/theory/beams.md, eq. 5.5, 5.6; R2.26).
 #include <gtest/gtest.h>
 
 #include "beams/clipping.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Commissioning commands on records made here, whose truth is known: kinds of witnesses, several of them, measured
-// beside predicted (requirements.md R6.01 to R6.08).
+// beside predicted (R6.01 to R6.08).
 #include <fmt/format.h>
 
 #include <cmath>

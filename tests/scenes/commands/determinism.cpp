@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A result is a function of scene, seed and number of histories, and of nothing else (architecture.md 7).
+// A result is a function of scene, seed and number of histories, and of nothing else (docs/develop/architecture.md).
 #include <map>
 
 #include "results/results.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Receivers as a user meets them: trace, paths, census, maps, stop rules, messages (requirements.md R2.24,
+// Receivers as a user meets them: trace, paths, census, maps, stop rules, messages (R2.24,
 // R3.28-R3.32).
 #include <cmath>
 #include <cstdio>

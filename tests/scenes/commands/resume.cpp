@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs that are stopped, continued, rerun or in the way (interface.md 2: exit code 85, manners).
+// Runs that are stopped, continued, rerun or in the way (docs/reference/commands.md: exit code 85, manners).
 #include "results/results.hpp"
 #include "scenes/program.hpp"
 #include "support/recorded.hpp"

@@ -144,9 +144,9 @@ TEST_F(Scan, RequirementClosesInOnTheDoubtFromBothSides) {
   EXPECT_LT(j["exceeds"].get<double>() - j["meets"].get<double>(), 0.3e-15) << "twin: 1.8e-15";
 }
 
-// Most of the time of these points passes between the traces, where Ctrl-C must not lose the table (interface.md 2).
-// A parameter of this length fills the page by which the program may be ahead of its reader with six points: it cannot
-// end before it is interrupted, however late that is.
+// Most of the time of these points passes between the traces, where Ctrl-C must not lose the table
+// (docs/reference/commands.md). A parameter of this length fills the page by which the program may be ahead of its
+// reader with six points: it cannot end before it is interrupted, however late that is.
 TEST_F(Scan, InterruptedBetweenTracesItGoesOnFromThere) {
   std::string const name = "black" + std::string(600, 'k');
   std::string const text = edited(text_of(scene), "  black: 1e-4 /sr", "  " + name + ": 1e-4 /sr");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The small benches of examples/benches against their closed forms (requirements.md E.2, E.3; physics.md 5, 7, 9).
+// The small benches of examples/benches against their closed forms (E.2, E.3; docs/theory/beams.md,
+// docs/theory/spectra.md and docs/theory/interferometer.md).
 #include "scenes/benches.hpp"
 
 #include <nlohmann/json.hpp>

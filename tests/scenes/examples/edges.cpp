@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rims of baffles and apertures as a user meets them (physics.md 8.5, R2.27).
+// Rims of baffles and apertures as a user meets them (docs/theory/diffraction.md, R2.27).
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {

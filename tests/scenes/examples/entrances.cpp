@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the ports of a scene join the interferometer (physics.md section 9), told by the scene and by its table.
+// Where the ports of a scene join the interferometer (docs/theory/interferometer.md), told by the scene and by its
+// table.
 #include "scenes/program.hpp"
 
 namespace straytrace::testing::app_entrances {

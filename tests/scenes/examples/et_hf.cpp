@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From a scene file to strain: arm back-scatter of the Einstein Telescope as the public code GWINC_ET gives it
-// (physics.md eq. 8.1 to 8.5, 6.11, 9.1, 9.2; cases A11, B5, B6).
+// (docs/theory/arm.md, eq. 8.1 to 8.5, 6.11, 9.1, 9.2; cases A11, B5, B6).
 #include <cmath>
 #include <sstream>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rings of a Michelson (requirements.md E.2a, R4.02): mirrors of 2.2 m and 9.2 m, 0.25 um apart. The spots are
+// Rings of a Michelson (E.2a, R4.02): mirrors of 2.2 m and 9.2 m, 0.25 um apart. The spots are
 // magnified differently, so that fields sqrt(P/area) have contrast 0.9757; rays counted as amplitudes 0.9085.
 #include <complex>
 

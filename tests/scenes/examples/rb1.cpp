@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// End bench RB-1 (requirements.md E.3): the closed forms of a bench behind an end mirror.
+// End bench RB-1 (E.3): the closed forms of a bench behind an end mirror.
 #include <nlohmann/json.hpp>
 
 #include <map>

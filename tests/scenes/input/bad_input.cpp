@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Wrong input is refused with place, reason and remedy, and leaves nothing behind (interface.md 2 and 4).
+// Wrong input is refused with place, reason and remedy, and leaves nothing behind (docs/reference/commands.md).
 #include <nlohmann/json.hpp>
 
 #include <regex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command line: help that is true, and one clear sentence when it is wrong (interface.md 2).
+// The command line: help that is true, and one clear sentence when it is wrong (docs/reference/commands.md).
 #include <sstream>
 
 #include "scenes/program.hpp"

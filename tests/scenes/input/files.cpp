@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of a run: complete, readable by others, and silent about the machine (interface.md 6 and 10).
+// The files of a run: complete, readable by others, and silent about the machine (docs/reference/run_file.md).
 #include <cmath>
 #include <numeric>
 #include <pwd.h>

@@ -95,9 +95,9 @@ TEST(Explain, UnitsAndMessages) {
   EXPECT_THAT(refusal({"explain", "xyzzy plugh"}), HasSubstr("nothing in the language"));
 }
 
-// S = 1/2 kappa^2 S_x where motion is small (physics.md eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2 m^2/Hz, of the
-// one body that moves, and the paths of a flat baffle 100 m away have kappa within 1e-3 of their rms. Their product is
-// h.
+// S = 1/2 kappa^2 S_x where motion is small (docs/theory/spectra.md, eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2
+// m^2/Hz, of the one body that moves, and the paths of a flat baffle 100 m away have kappa within 1e-3 of their rms.
+// Their product is h.
 TEST(Explain, TheChainOfAPathIsItsStrain) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
@@ -189,7 +189,8 @@ TEST(Messages, WhatIsAlmostRightIsShownRight) {
   EXPECT_THAT(straytrace({"explain", "brdf"}).out, HasSubstr("BRDF (1/sr)"));
 }
 
-// Twice the BRDF is twice the power and sqrt(2) of the strain (physics.md eq. 1.1); the same seed, so hardly any error.
+// Twice the BRDF is twice the power and sqrt(2) of the strain (docs/theory/path_integral.md, eq. 1.1); the same seed,
+// so hardly any error.
 TEST(Diff, RunsDifferBySigmas) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
@@ -207,8 +208,8 @@ TEST(Diff, RunsDifferBySigmas) {
   for (auto const& band : same["results"]["bands"]) EXPECT_EQ(band["sigmas"], 0);
 }
 
-// Twice the motion of the same light is twice h (physics.md eq. 1.3): the change is h, and so is its relative error.
-// Twin: errors taken as independent, sqrt(5) times too large.
+// Twice the motion of the same light is twice h (docs/theory/path_integral.md, eq. 1.3): the change is h, and so is its
+// relative error. Twin: errors taken as independent, sqrt(5) times too large.
 TEST(Diff, SameHistoriesErrAlike) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);

@@ -77,7 +77,7 @@ TEST(LibraryExamples, AssumedNumbersAreSaidWhereTheyAct) {
   EXPECT_THAT(straytrace({"check", virgo_arm, "-p", "first_baffle=12m"}).out, Not(HasSubstr("first_baffle")));
 }
 
-// requirements.md E.1 as a user meets it: the line at 10 Hz of an empty tube, on average over static phases. One and
+// E.1 as a user meets it: the line at 10 Hz of an empty tube, on average over static phases. One and
 // three wall hits count, even orders cancel (eq. 8.10). Twins: a wall that reflects 90 %, and static phases of 0.
 double line_at_10_hz(std::string const& scene, Words const& options, double& error) {
   Folder const folder;
@@ -114,7 +114,7 @@ TEST(LibraryExamples, LineOfTheEmptyTubeE1) {
   EXPECT_GT(std::fabs(line_at_10_hz(scene, {"-p", "reflectance=90 %"}, error) - expected), 4 * error);
 }
 
-// requirements.md E.1: the bare tube leads light from mirror to mirror; baffles by the shadow rule take all of it away,
+// E.1: the bare tube leads light from mirror to mirror; baffles by the shadow rule take all of it away,
 // and a ring that faces the mirror gives it back.
 TEST(LibraryExamples, BafflesTakeTheWallAway) {
   Folder const folder;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What does not fit inside a built-in part is told at the entry that uses it (requirements.md R3.05, R3.06).
+// What does not fit inside a built-in part is told at the entry that uses it.
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Profiles of `straytrace apertures` against scipy: a Hankel transform by quadrature, and a two-dimensional FFT.
-Usage: test_diffraction.py PROGRAM (requirements.md R2.27, physics.md eq. 5.7)"""
+Usage: test_diffraction.py PROGRAM (R2.27, docs/theory/diffraction.md, eq. 5.7)"""
 import json
 import pathlib
 import subprocess

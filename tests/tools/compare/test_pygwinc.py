@@ -38,7 +38,7 @@ from straytrace.pygwinc import StrayLight, log_log, read_strain  # noqa: E402
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 RECORDS = Records("tools.pygwinc", PROGRAM)
 PAIRS = {"aligo": "aLIGO", "aplus": "Aplus", "ce": "CE1"}
-# Largest relative difference in ASD, 5 Hz to 4 kHz. Where one is not small the reason stands in sensitivity.md.
+# Largest relative difference in ASD, 5 Hz to 4 kHz. Where one is not small docs/theory/sensitivity.md gives the reason.
 TOLERANCE = {
     "Quantum": 1e-2,
     "Seismic": 1e-4,  # with the platform motion of pygwinc between the knots of its table

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """`straytrace signal` against scipy, number by number, and its files against h5py. Usage: test_signal.py PROGRAM
-(requirements.md R2.15, R6.05)"""
+(R2.15, R6.05)"""
 import json
 import pathlib
 import subprocess

@@ -71,7 +71,7 @@ def check_theia(folder, program):
     rows = lit(program, folder / "out.yaml")
     assert abs(rows["M1/front"]["angle"] - 45) < 0.01 and abs(rows["M1/front"]["path"] - 1) < 1e-6, rows
     assert abs(rows["END/front"]["power"] - 0.98) < 1e-3 and abs(rows["END/front"]["path"] - 2) < 0.01
-    # Gaussian optics: waist 1 mm, 1.4 m to a lens of 0.5 m, 0.6 m on: physics.md eq. 6.2.
+    # Gaussian optics: waist 1 mm, 1.4 m to a lens of 0.5 m, 0.6 m on: docs/theory/beams.md, eq. 6.2.
     q = complex(1.4, math.pi * 1e-6 / 1.064e-6)
     q = 1 / (1 / q - 1 / 0.5) + 0.6
     width = math.sqrt(-1.064e-6 / math.pi / (1 / q).imag) * 1e3

@@ -32,7 +32,7 @@ def main():
             exec(compile(block, "docs/guide/python.md", "exec"), names)
         assert pathlib.Path("arm.png").stat().st_size > 50000
         found = names["found"]
-        assert abs(abs(found.phase / found.darm)[0] / (5e-6 * 1064e-9 / 12.566370614) - 1) < 1e-3     # physics.md 9.3
+        assert abs(abs(found.phase / found.darm)[0] / (5e-6 * 1064e-9 / 12.566370614) - 1) < 1e-3     # docs/theory/interferometer.md
         assert names["run"].noise.at(30) > 0
         pathlib.Path("demo").mkdir()
         names["run"].save("demo/run.h5")

@@ -176,7 +176,7 @@ class FromFinesse(unittest.TestCase):
         np.testing.assert_allclose(ours.phase, theirs[:, 1], rtol=1e-6)
 
     def test_light_behind_an_end_mirror_counts_as_its_displacement(self):
-        """physics.md eq. 9.3: a phase quadrature s of light that enters through T is the displacement T lambda/(4 pi) s;
+        """docs/theory/interferometer.md, eq. 9.3: a phase quadrature s of light that enters through T is the displacement T lambda/(4 pi) s;
         DARM of one metre is half a metre on either end mirror."""
         found = straytrace.finesse.response(self.kat, inject="ETMx.p2.i", relative_to="ETMx.p2.o", frequencies=self.F)
         np.testing.assert_allclose(abs(found.phase / found.darm), 4.4e-6 * 1064e-9 / (4 * np.pi), rtol=2e-3)

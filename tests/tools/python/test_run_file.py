@@ -21,7 +21,7 @@ np.testing.assert_allclose(frequency, run.noise.frequency, rtol=1e-9)
 np.testing.assert_allclose(h, run.noise.total.mean, rtol=1e-9)
 assert not np.allclose(h, run.noise.total.phase, rtol=1e-3, atol=0)  # twin: another column
 
-# Powers of routes add, and the two quadratures of each do (interface.md 10, rule 6).
+# Powers of routes add, and the two quadratures of each do (docs/reference/run_file.md).
 square = sum(r.mean**2 for r in run.noise.routes if r.resolved)
 np.testing.assert_allclose(np.sqrt(square), h, rtol=1e-9)
 np.testing.assert_allclose(np.hypot(run.noise.total.phase, run.noise.total.amplitude), h, rtol=1e-9)

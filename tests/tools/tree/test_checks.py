@@ -188,7 +188,6 @@ class CheckDocs(unittest.TestCase):
         for file in ("src/a.cpp", "data/page/a.js", "python/a.py"):
             self.expect("", 0, "in order", **{file: there})
             self.expect("", 1, "told of physics.md", **{file: wrong})
-        self.expect("", 0, "in order", **{"src/a.cpp": "// as \"physics.md\" says\n"})
         self.expect("see physics.md", 1, "there is no physics.md")
         self.expect("see cap.md", 0, "in order")
 
@@ -201,8 +200,19 @@ class CheckDocs(unittest.TestCase):
 
     def test_cited_equation_without_its_formula_fails(self):
         formulas = {"docs/theory/a.md": "$$x \\tag{9.3, 9.4}$$\n$$y \\tag{5.1–5.3}$$\n"}
-        self.expect("", 0, "in order", **formulas, **{"src/a.hpp": "// physics.md eq. 9.4, eq. 5.2\n"})
-        self.expect("", 1, "sets equation 9.5", **formulas, **{"src/a.hpp": "// physics.md eq. 9.5\n"})
+        self.expect("", 0, "in order", **formulas, **{"src/a.hpp": "// docs/theory/a.md, eq. 9.4, eq. 5.2\n"})
+        self.expect("", 1, "sets equation 9.5", **formulas, **{"src/a.hpp": "// docs/theory/a.md, eq. 9.5\n"})
+
+    def test_citation_outside_of_the_repository_fails(self):
+        for cited in ("physics.md 8.5", "house.md", "docs/design/wave.md", "(estimators.md 13)", "docs/theory/physics.md, eq. 8.5"):
+            for file, mark in (("src/a/b.hpp", "//"), ("bench/a.py", "#"), ("scripts/a", "#")):
+                self.expect("", 1, "which is not in the repository", **{file: f"{mark} as in {cited}\n"})
+        self.expect("", 0, "in order", **{"src/a/b.hpp": "// docs/reference/shapes/cap.md, docs/reference/shapes/NAME.md\n"})
+
+    def test_equation_of_another_page_fails(self):
+        pages = {"docs/theory/a.md": "$$x \\tag{9.3}$$\n", "docs/theory/b.md": "$$y \\tag{5.1}$$\n"}
+        self.expect("", 0, "in order", **pages, **{"tests/a.cpp": "// (docs/theory/a.md, eq. 9.3; docs/theory/b.md eq. 5.1)\n"})
+        self.expect("", 1, "docs/theory/b.md does not set equation 9.3", **pages, **{"tests/a.cpp": "// docs/theory/b.md,\n// eq. 9.3\n"})
 
     def test_skip_that_is_not_told_fails(self):
         skips = {"tests/unit/b.cpp": "GTEST" "_SKIP() << 1;\n"}

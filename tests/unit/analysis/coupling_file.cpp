@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of couplings, and what is projected with them (requirements.md R6.08).
+// Files of couplings, and what is projected with them (R6.08).
 #include "analysis/coupling/coupling_file.hpp"
 
 #include <gmock/gmock.h>

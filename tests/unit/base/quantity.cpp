@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Units and dimensions of interface.md 3.1, and the nearest word of interface.md 4.
+// Units and dimensions, and the nearest word (docs/reference/scene.md).
 #include "base/units/quantity.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Strain, length and phase with the sign of each arm (physics.md section 0.3, requirements.md R2.01).
+// Strain, length and phase with the sign of each arm (docs/theory/conventions.md, R2.01).
 #include "base/math/strain.hpp"
 
 #include <gtest/gtest.h>

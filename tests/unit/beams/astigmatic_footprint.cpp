@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An elliptic spot with tilted axes and a wavefront of two curvatures: the matrices of physics.md 0.3 (Q), as density,
-// as sampler and as wavefront.
+// An elliptic spot with tilted axes and a wavefront of two curvatures: the matrices of docs/theory/conventions.md (Q),
+// as density, as sampler and as wavefront.
 #include <gtest/gtest.h>
 
 #include <algorithm>

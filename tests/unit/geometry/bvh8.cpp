@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The eight-wide tree loses no hit: points 1 to 100 nm inside the edges of their own box, points on its faces, rays
-// that run in a face (performance.md section 4). Twins without the growth of boxes lose hits.
+// that run in a face (docs/develop/performance.md). Twins without the growth of boxes lose hits.
 #include "geometry/mesh/bvh8.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Triangle meshes: no leak at shared edges (requirements.md R3.18), the tree finds what testing every triangle finds
+// Triangle meshes: no leak at shared edges, the tree finds what testing every triangle finds
 // (R3.07), area, samples, bounds.
 #include <gtest/gtest.h>
 

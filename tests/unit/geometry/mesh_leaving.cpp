@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths in closed meshes are neither lost nor hit their own start (performance.md section 5; LeavingRule).
+// Paths in closed meshes are neither lost nor hit their own start (docs/develop/performance.md; LeavingRule).
 #include <gtest/gtest.h>
 
 #include "support/mesh_twin.hpp"

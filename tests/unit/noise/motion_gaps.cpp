@@ -73,7 +73,7 @@ TEST(MotionGaps, WhatElseMovesTheCoordinateGoesOn) {
 }
 
 // 2 v/lambda times 4 with v^2 = (2 pi)^2 a^2 f^4 (1/0.1 Hz - 1/f), by quadrature of the density that is assumed.
-TEST(MotionGaps, SlowMotionThatWouldWrap) {  // physics.md eq. 7.8
+TEST(MotionGaps, SlowMotionThatWouldWrap) {  // docs/theory/spectra.md, eq. 7.8
   double const f0 = 8, a0 = 2e-9, steps = 200000, ratio = std::log(f0 / 0.1);
   double square = 0;
   for (double i = 0.5; i < steps; ++i) {

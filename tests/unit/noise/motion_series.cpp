@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motion drawn, recorded, filtered (R4.04; physics.md 0.3, 0.4).
+// Motion drawn, recorded, filtered (R4.04; docs/theory/conventions.md).
 #include "noise/time_domain/motion_series.hpp"
 
 #include <numbers>

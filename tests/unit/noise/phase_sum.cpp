@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sum over fields, its tables, and the choice of paths (R4.05, R4.09, physics.md 1.6, eq. 10.5).
+// The sum over fields, its tables, and the choice of paths (R4.05, R4.09, docs/theory/ghosts.md, eq. 10.5).
 #include <numeric>
 
 #include "base/math/rng.hpp"
@@ -100,7 +100,7 @@ TEST(StrayPaths, RepresentativesKeepTheMeanPower) {
   EXPECT_EQ(seen[17], 0);
 }
 
-TEST(StrayPaths, StaticPhasesAreUniformAndRepeatable) {  // physics.md 1.6
+TEST(StrayPaths, StaticPhasesAreUniformAndRepeatable) {  // docs/theory/path_integral.md
   UnitDetector const ifo;
   std::vector<StrayPath> const a = stray_paths(uneven(), ifo, {{0}, 0, 4, 0}),
                                again = stray_paths(uneven(), ifo, {{0}, 0, 4, 0}),

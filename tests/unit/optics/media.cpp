@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sequence of media along paths through touching, cemented, nested and overlapping glasses (requirements R3.23, C8.4),
-// and the indices of the presets (physics.md 13.3).
+// Sequence of media along paths through touching, cemented, nested and overlapping glasses (C8.4),
+// and the indices of the presets (docs/reference/library.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -148,7 +148,7 @@ TEST(OpticsMedia, Absorption) {
   EXPECT_EQ(kept_on_the_way(0, 1e9), 1);
 }
 
-// physics.md 13.3 and catalogue values at the sodium or helium line, to the last printed digit.
+// docs/reference/library.md and catalogue values at the sodium or helium line, to the last printed digit.
 TEST(OpticsMedia, PresetIndices) {
   auto const index = [](std::string_view name, double wavelength) {
     for (MediumPreset const& p : medium_presets())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Filters of the path table (interface.md section 7), and sums of some of its rows.
+// Filters of the path table (docs/reference/filter.md), and sums of some of its rows.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -160,7 +160,8 @@ TEST_F(ReportFilter, sorts_with_the_unknown_last) {
   EXPECT_EQ(sorted_by("shar", all, columns).problems.at(0).suggestion, "did you mean 'share'?");
 }
 
-// Nothing left out: the total. Left out: h_rest^2 = h^2 - sum of h_i^2, since routes add in power (physics.md 10.1).
+// Nothing left out: the total. Left out: h_rest^2 = h^2 - sum of h_i^2, since routes add in power
+// (docs/theory/spectra.md).
 TEST_F(ReportFilter, sums_without_some_routes) {
   Without const same = without_rows(table, {}, trace.coupling, &noise);
   Rows const out = rows("via(\"baffles\")");

@@ -21,9 +21,10 @@ struct Difference {
 };
 constexpr std::array<Difference, 7> differences = {{
     {"adv", "end_transmission", "budget: design, 1 ppm; preset: 4.4 ppm as built, which light behind the mirror needs"},
-    {"adv", "arm_power", "physics.md 12.1 has 125 W and 650 kW; 125 W make 668 kW: the budget takes the latter"},
+    {"adv", "arm_power",
+     "docs/theory/sensitivity.md has 125 W and 650 kW; 125 W make 668 kW: the budget takes the latter"},
     {"adv", "signal_recycling_tuning", "budget: detuned as the design curve is; preset: tuned"},
-    {"aligo", "round_trip_loss", "budget: pygwinc, 40 ppm per mirror; preset: 37.5 ppm, with the 750 kW of physics.md"},
+    {"aligo", "round_trip_loss", "budget: pygwinc, 40 ppm per mirror; preset: 37.5 ppm, with 750 kW"},
     {"aligo", "arm_power", "follows from the loss"},
     {"aligo", "signal cavity", "budget: pygwinc, 55 m; preset: 56 m as built"},
     {"kagra", "signal_recycling_tuning", "budget: detuned as the design curve is; preset: tuned"},

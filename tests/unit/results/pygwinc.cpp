@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detectors and budgets in the layouts of pygwinc (interface.md 5 and 6).
+// Detectors and budgets in the layouts of pygwinc (docs/reference/budget.md).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ TEST(Ifo, EveryPresetIsWhole) {
   EXPECT_THAT(ifo_presets(), ::testing::IsSupersetOf({"adv", "aligo", "kagra", "et-hf", "et-lf", "ce"}));
 }
 
-TEST(Ifo, NumbersOfTheTable) {  // physics.md 12.1: w from eq. 6.3, arm power from eq. 6.11
+TEST(Ifo, NumbersOfTheTable) {  // docs/theory/sensitivity.md: w from eq. 6.3, arm power from eq. 6.11
   Detector const et = read_ifo("et-hf").detector, adv = read_ifo("adv").detector, lf = read_ifo("et-lf").detector;
   EXPECT_NEAR(et.spots().input, 120.5e-3, 1e-4);
   EXPECT_NEAR(et.circulating_power() / 3.0593e6, 1, 1e-3);
@@ -152,7 +152,7 @@ TEST(BudgetFile, ThereAndBack) {
   EXPECT_EQ(back.total.parts[0].parts[0].name, "A:1");  // a slash would be a group
 }
 
-TEST(BudgetFile, RulesOfVersion2) {  // interface.md 6
+TEST(BudgetFile, RulesOfVersion2) {  // docs/reference/run_file.md
   hdf5::Reader const in(budget_file_bytes(made(), {}));
   EXPECT_EQ(in.attribute_text("/", "SCHEMA"), "GWINC noise budget");
   EXPECT_EQ(in.attribute_count("/", "SCHEMA_VERSION"), 2u);

@@ -121,7 +121,7 @@ inline CouplingTable coupling_table() {
   return t;
 }
 
-// Fit of the Advanced Virgo design, physics.md eq. 12.1.
+// Fit of the Advanced Virgo design, docs/theory/environment.md, eq. 12.1.
 inline double design_asd(double hz) {
   double const x = std::log(hz / 300);
   return 1.259e-24 *

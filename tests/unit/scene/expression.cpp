@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Quantities and expressions of interface.md 3.1, read through the tables as every room reads them.
+// Quantities and expressions of docs/reference/scene.md, read through the tables as every room reads them.
 #include <cmath>
 
 #include "unit/scene/support.hpp"

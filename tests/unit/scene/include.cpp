@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parameters from the command line, includes, overrides, files (interface.md 3.2).
+// Parameters from the command line, includes, overrides, files (docs/reference/scene.md).
 #include <filesystem>
 #include <fstream>
 

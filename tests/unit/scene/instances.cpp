@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts, repeats and the names of instances (interface.md 3.2).
+// Parts, repeats and the names of instances (docs/reference/scene.md).
 #include <cmath>
 
 #include "unit/scene/support.hpp"

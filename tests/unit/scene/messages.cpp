@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The wording and layout of messages (interface.md 4).
+// The wording and layout of messages (docs/reference/scene.md).
 #include <array>
 #include <cmath>
 #include <sstream>

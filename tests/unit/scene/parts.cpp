@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The structure of parts, and parts inside parts (interface.md 3.2).
+// The structure of parts, and parts inside parts (docs/reference/scene.md).
 #include "unit/scene/support.hpp"
 
 namespace straytrace::test {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The strict subset of YAML (interface.md 3): each refused text stands next to the accepted one it differs from.
+// The strict subset of YAML (docs/reference/scene.md): each refused text stands next to the accepted one it differs
+// from.
 #include "unit/scene/support.hpp"
 
 namespace straytrace::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera pictures (requirements.md R3.36): geometry of the frame, silhouettes, maps against a search of every surface.
+// Camera pictures (R3.36): geometry of the frame, silhouettes, maps against a search of every surface.
 #include "trace/camera/camera.hpp"
 
 #include "support/trace_support.hpp"

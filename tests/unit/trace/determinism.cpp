@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A result is a function of scene, seed and number of histories (architecture.md 7); and when a trace stops.
+// A result is a function of scene, seed and number of histories (docs/develop/architecture.md); and when a trace stops.
 #include <atomic>
 
 #include "support/small_tube.hpp"

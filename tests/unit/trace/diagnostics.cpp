@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tail slope and halves of an estimate (estimators.md 13): known distributions, merging in any order, and verdicts.
+// Tail slope and halves of an estimate (docs/theory/errors.md): known distributions, merging in any order, and
+// verdicts.
 #include <algorithm>
 #include <random>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where light leaves the mode and in which direction (requirements.md R3.10).
+// Where light leaves the mode and in which direction (R3.10).
 #include "optics/scatter/shift_invariant.hpp"
 #include "support/trace_support.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Histories in flight together leave the same sums as one after the other (architecture.md 7).
+// Histories in flight together leave the same sums as one after the other (docs/develop/architecture.md).
 #include "trace/step/flight.hpp"
 
 #include <gtest/gtest.h>

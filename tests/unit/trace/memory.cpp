@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Memory of a run does not grow with its rays (requirements.md R3.09: 1e7 rays in 2 GB, 200 bytes each).
+// Memory of a run does not grow with its rays (R3.09: 1e7 rays in 2 GB, 200 bytes each).
 #include <sys/resource.h>
 #include <sys/wait.h>
 

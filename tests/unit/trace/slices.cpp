@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Slices of a run and what becomes of them: they cover each block once, sums with gaps say what they hold, and all of
-// them together are the bits of one run (interface.md 11).
+// them together are the bits of one run (docs/guide/clusters.md).
 #include <atomic>
 #include <chrono>
 #include <random>

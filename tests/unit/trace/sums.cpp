@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Moments and their verdicts (estimators.md 13), exact merging (architecture.md 7), kept records (estimators.md 12).
+// Moments and their verdicts (docs/theory/errors.md), exact merging (docs/develop/architecture.md), kept records
+// (docs/theory/errors.md).
 #include <algorithm>
 #include <random>
 #include <set>

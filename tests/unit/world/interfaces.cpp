@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `specular` and `media` of a scene: what is read, and what is refused and why (requirements R3.24, 8.1, C2.6).
+// `specular` and `media` of a scene: what is read, and what is refused and why (8.1, C2.6).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files: what is read from each format (requirements.md R3.34, R3.08), and the mesh doctor.
+// Mesh files: what is read from each format, and the mesh doctor.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

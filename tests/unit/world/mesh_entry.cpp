@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene entries with `file` (interface.md 3.3, 5) and material lists (requirements.md R3.35).
+// Scene entries with `file` (docs/reference/scene.md) and material lists.
 #include "support/mesh_texts.hpp"
 #include "unit/scene/support.hpp"
 #include "world/build/read_mesh.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tables `receivers` and free `beams` -> world (requirements.md R3.10, R3.28, R3.30).
+// Tables `receivers` and free `beams` -> world (R3.10, R3.28, R3.30).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -156,7 +156,7 @@ TEST(ScatterFiles, AbgCatalogue) {
   EXPECT_EQ(by_incidence(f.points).size(), 2u);
   for (ScatterPoint const& p : f.points)
     if (p.theta_i < 0.2) {
-      EXPECT_NEAR(p.value, 2.5e-3 / (1e-3 + std::pow(p.offset, 1.8)), 1e-12);  // physics.md eq. 3.16
+      EXPECT_NEAR(p.value, 2.5e-3 / (1e-3 + std::pow(p.offset, 1.8)), 1e-12);  // docs/theory/surfaces.md, eq. 3.16
     }
   EXPECT_THAT(refusal(text), HasSubstr("2 entries"));
   EXPECT_THAT(refusal(text, {.entry = "blak"}), HasSubstr("did you mean 'black'"));

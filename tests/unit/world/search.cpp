@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contract of the search structure: the same hit as brute force, bit by bit, for every ray (architecture.md section
-// 10).
+// Contract of the search structure: the same hit as brute force, bit by bit, for every ray (docs/develop/testing.md).
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rays searched together hit what each hits alone, bit by bit, in every instruction set (performance.md 6).
+// Rays searched together hit what each hits alone, bit by bit, in every instruction set (docs/develop/performance.md).
 #include <gtest/gtest.h>
 
 #include "support/mesh_shapes.hpp"

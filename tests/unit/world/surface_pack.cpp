@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sorting out surfaces by the rings they lie in loses no hit: at rims, at grazing incidence, from afar (performance.md,
-// Structure). The twin without widening loses hits; and the test is worth its time: nearly all it lets pass is hit.
+// Sorting out surfaces by the rings they lie in loses no hit: at rims, at grazing incidence, from afar
+// (docs/develop/performance.md). The twin without widening loses hits; and the test is worth its time: nearly all it
+// lets pass is hit.
 #include "world/search/surface_pack.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Back-scatter in the arm of the Einstein Telescope: the whole chain from couplings to strain in closed form
-// (physics.md eq. 8.1, 8.3 to 8.6; cases A11 and B5).
+// (docs/theory/arm.md, eq. 8.1, 8.3 to 8.6; cases A11 and B5).
 #include "ifo/fabry_perot_michelson.hpp"
 #include "physics/noise/support.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fundamental noises of a whole detector against closed forms (physics.md eq. 12.6, 12.7, 12.9) in their limits.
+// The fundamental noises of a whole detector against closed forms (docs/theory/sensitivity.md, eq. 12.6, 12.7, 12.9) in
+// their limits.
 #include "noise/fundamental/budget.hpp"
 #include "noise/fundamental/closed_forms.hpp"
 #include "noise/fundamental/coating.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kinds of thermal noise as named entries of a budget (requirements.md R2.22, physics.md eq. 12.7 to 12.9): each is
+// Kinds of thermal noise as named entries of a budget (R2.22, docs/theory/sensitivity.md, eq. 12.7 to 12.9): each is
 // there by name, grows with its own parameter and with no other, and the parts of suspensions are where their modes
 // are.
 #include <algorithm>

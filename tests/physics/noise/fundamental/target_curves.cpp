@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Design sensitivities in closed form (physics.md eq. 12.1, table of 12.2; cases A22, B12).
+// Design sensitivities in closed form (docs/theory/environment.md, eq. 12.1, table of 12.2; cases A22, B12).
 #include "noise/fundamental/design.hpp"
 #include "physics/noise/support.hpp"
 
@@ -27,7 +27,8 @@ TEST(TargetCurves, FitsAndTables) {  // tolerance 1e-3
   EXPECT_GT(worst("adv-lal", kagra), 0.1);  // twin: the curve of another detector
 }
 
-TEST(TargetCurves, TablesOfPublicBudgets) {  // physics.md 12.2: the seven values of ET-D, read off between points
+TEST(TargetCurves,
+     TablesOfPublicBudgets) {  // docs/theory/sensitivity.md: the seven values of ET-D, read off between points
   expect_curve("et-d",
                {{1, 3.50e-17}, {3, 2.21e-23}, {10, 1.16e-24}, {20, 9.39e-25}, {100, 3.93e-25}, {1000, 5.78e-25}}, 3e-3);
   // LIGO-P1600143: points next to 5 Hz, and the line of the suspensions at 420.29 Hz, a per cent wide; printed digits.

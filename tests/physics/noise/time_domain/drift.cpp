@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A steady drift turns the static phase: C(tau) cos(2 pi f_d tau), f_d = |J.v|/2pi (physics.md eq. 7.1).
+// A steady drift turns the static phase: C(tau) cos(2 pi f_d tau), f_d = |J.v|/2pi (docs/theory/spectra.md, eq. 7.1).
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing {

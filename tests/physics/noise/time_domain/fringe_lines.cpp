@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sine motion: lines and shelf (physics.md eq. 7.2 to 7.6, 7.10, 7.11; cases A3, A3b, A4).
+// Sine motion: lines and shelf (docs/theory/spectra.md, eq. 7.2 to 7.6, 7.10, 7.11; cases A3, A3b, A4).
 #include "physics/noise/support.hpp"
 
 namespace straytrace::testing::noise_fringe_lines {

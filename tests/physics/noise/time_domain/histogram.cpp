@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths that share spectra against the spectrum of each path by itself (requirement R4.08, physics.md eq. 1.11).
+// Paths that share spectra against the spectrum of each path by itself (requirement R4.08, docs/theory/spectra.md,
+// eq. 1.11).
 #include "base/math/rng.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
 #include "physics/noise/support.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Static phases that are known: one quadrature of one realisation, and coherent families (physics.md
+// Static phases that are known: one quadrature of one realisation, and coherent families (docs/theory/spectra.md,
 // eq. 7.3, 7.4, 10.5).
 #include "noise/wrapped/phase_pairs.hpp"
 #include "physics/noise/support.hpp"

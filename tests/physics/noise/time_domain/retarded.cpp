@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light that takes its time (physics.md eq. 2.6): what a delay of half of the path leaves out of the delay of each
-// body.
+// Light that takes its time (docs/theory/phase.md, eq. 2.6): what a delay of half of the path leaves out of the delay
+// of each body.
 #include "physics/noise/time_domain/time_support.hpp"
 
 namespace straytrace::testing::noise_retarded {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// h(t) drawn at random has the spectra of the closed formulas (physics.md eq. 1.10 to 1.13, 7.7, 7.11, 7.12; R4.11).
+// h(t) drawn at random has the spectra of the closed formulas (docs/theory/spectra.md, eq. 1.10
+// to 1.13, 7.7, 7.11, 7.12; R4.11).
 #include "physics/noise/time_domain/time_support.hpp"
 
 namespace straytrace::testing {

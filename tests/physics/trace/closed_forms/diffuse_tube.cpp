@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene 5 of estimators.md 17, short and long tubes (tests/support/diffuse_tube.hpp).
+// Diffuse tubes, short and long (tests/support/diffuse_tube.hpp).
 #include "support/diffuse_tube.hpp"
 
 namespace straytrace::testing {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elastic modes: J_m = sum over hits of kappa . psi_m(r) (physics.md eq. 2.1 to 2.3).
+// Elastic modes: J_m = sum over hits of kappa . psi_m(r) (docs/theory/motion.md, eq. 2.1 to 2.3).
 #include <fmt/format.h>
 
 #include <random>

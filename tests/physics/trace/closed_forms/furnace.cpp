@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Closed Lambertian enclosures (estimators.md scenes 1, 2, 16; cases A18, A18b): arriving power 1/(1 - rho), share of
+// Closed Lambertian enclosures (docs/theory/sampling.md; cases A18, A18b): arriving power 1/(1 - rho), share of
 // order n rho^(n-1), uniform radiance without absorption, the integrating sphere.
 #include "support/trace_support.hpp"
 
@@ -83,7 +83,7 @@ struct Orders : Silent {
   }
 };
 
-// Share of order n: rho^(n-1) (scene 1). Without roulette it is exact; with it, on average.
+// Share of order n: rho^(n-1). Without roulette it is exact; with it, on average.
 TEST(Furnace, ShareOfEachOrder) {
   double const rho = 0.7;
   World world = sphere(rho, Profile::even, 0.3);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light through glass: plates and ghosts (estimators.md 17 scene 7, physics.md eq. 3.25), plates in contact
-// (requirements.md R3.23), absorption, and receivers that are only seen through glass (estimators.md 9).
+// Light through glass: plates and ghosts (docs/theory/sampling.md, docs/theory/surfaces.md, eq. 3.25), plates in
+// contact (R3.23), absorption, and receivers that are only seen through glass (docs/theory/sampling.md).
 #include <gtest/gtest.h>
 
 #include "support/trace_support.hpp"

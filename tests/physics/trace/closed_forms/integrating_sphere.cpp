@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Integrating sphere with receivers (estimators.md 17, scene 2): multiplier M = rho/(1 - rho (1 - f)) of a sphere with
+// Integrating sphere with receivers (docs/theory/sampling.md): multiplier M = rho/(1 - rho (1 - f)) of a sphere with
 // a black port of area share f, and the exchange of any two patches of the wall, A/(4 pi R^2).
 #include "support/shapes.hpp"
 #include "support/trace_received.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Phase of a path under motion: case A1, the rigid-body invariant (requirements.md R4.06), the cavity rule (eq. 2.5)
+// Phase of a path under motion: case A1, the rigid-body invariant (R4.06), the cavity rule (eq. 2.5)
 // and rotations against the optical path itself.
 #include <functional>
 #include <random>
@@ -33,7 +33,7 @@ World bodies_world(std::vector<std::uint32_t> const& bodies, std::vector<Vec3> c
   return world;
 }
 
-// physics.md eq. 0.2, case A1.
+// docs/theory/conventions.md, eq. 0.2, case A1.
 double bounce(Vec3 in, Vec3 out, Vec3 moved, int times = 1) {
   World const world = bodies_world({0}, {{}});
   std::vector<PassedVertex> const hits(std::size_t(times), PassedVertex{{0}, {}, in, out});
@@ -98,7 +98,7 @@ class RandomPaths {
   std::normal_distribution<double> normal_;
 };
 
-// physics.md eq. 2.4, R4.06: the inner terms of a rigid body cancel; 1e-12 relative.
+// docs/theory/phase.md, eq. 2.4, R4.06: the inner terms of a rigid body cancel; 1e-12 relative.
 TEST(PhaseSensitivities, RigidBodyInvariantR4_06) {
   RandomPaths random;
   World const one = bodies_world({0, 0, 0}, {{0.1, 0.2, 0.3}}), two = bodies_world({0, 1, 0}, {{}, {}});

@@ -7,7 +7,8 @@ namespace {
 
 constexpr double lambda = 1.064e-6;
 
-// physics.md eq. 1.4, 4.3, case A6: diffuse plate in a beam of radius w, f = q^2 beta cos(theta) lambda^2/(pi w^2).
+// docs/theory/path_integral.md, eq. 1.4, 4.3, case A6: diffuse plate in a beam of radius w, f = q^2 beta cos(theta)
+// lambda^2/(pi w^2).
 SampleMean plate(double w, double incidence = 0, double share = 1, double beta = 1e-3) {
   World world;
   BodyId const body = world.add_body("plate", {});
@@ -37,8 +38,8 @@ TEST(Recoupling, OneVertexAtAnAngleAndAfterASplitter) {
   expect_rejected("share counted once", s, 2 * expected);
 }
 
-// physics.md eq. 8.1 to 8.4: annuli between `nearest` and length - first; each fills the gap to the next, so that light
-// leaving at angle theta is caught at l = R_t/theta.
+// docs/theory/arm.md, eq. 8.1 to 8.4: annuli between `nearest` and length - first; each fills the gap to the next, so
+// that light leaving at angle theta is caught at l = R_t/theta.
 struct BaffleSum {
   double kappa, exponent, tube, length, first, beta, nearest;
   double from_angle() const { return tube / (length - first); }

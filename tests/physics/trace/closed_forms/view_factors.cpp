@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// View factors (case A18; estimators.md scenes 3 and 4): by walking, from an evenly lit Lambertian disc, and by the
+// View factors (case A18; docs/theory/sampling.md): by walking, from an evenly lit Lambertian disc, and by the
 // coupling between two evenly lit discs, which is the same integral (eq. 1.2):
 //   f = lambda^2 (rho_1/pi) (rho_2/pi) int int G dA dA/(A_1 A_2) = lambda^2 rho_1 rho_2 F_12/(pi A_2).
 #include <random>
@@ -73,7 +73,7 @@ TEST(ViewFactors, SmallToLargeDiscA18) {
   expect_rejected("without the cosines of the receiver", s.coupled, 3.585996e-3 * (1 + 0.18 / 100));
 }
 
-// estimators.md scene 4: no walk would ever find these.
+// docs/theory/sampling.md: no walk would ever find these.
 TEST(ViewFactors, RareOnesByConnection) {
   for (Pair const& p :
        {Pair{0.17, 0.17, 3994.5}, Pair{0.31, 0.31, 1e4}}) {  // every connection is worth the same to 1e-8
@@ -127,7 +127,7 @@ TEST(ViewFactors, CylinderWallToItself) {
   auto const truth = [](double) { return 1.0; };
   expect_mean("H = 0.5", wall_to_itself(1, 1 << 20, truth), 0.381966, 4e-3);
   expect_mean("H = 1", wall_to_itself(2, 1 << 20, truth), 0.585786, 4e-3);
-  // twin: directions uniform in solid angle, a density without its cosine (requirements.md C2.5)
+  // twin: directions uniform in solid angle, a density without its cosine (C2.5)
   expect_rejected("no cosine", wall_to_itself(1, 1 << 18, [](double cosine) { return 0.5 / cosine; }), 0.381966);
 }
 

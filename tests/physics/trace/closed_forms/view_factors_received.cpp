@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// View factors by receivers, standard errors of 3e-4 to 6e-4, the rare ones far better (estimators.md 17, scenes 3 and
+// View factors by receivers, standard errors of 3e-4 to 6e-4, the rare ones far better (docs/theory/sampling.md and
 // 4): an evenly lit Lambertian surface and what arrives on another, counted in watts by walk and connections together.
 #include "support/shapes.hpp"
 #include "support/trace_received.hpp"

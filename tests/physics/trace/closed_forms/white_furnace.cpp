@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// White furnace (estimators.md scene 1, requirements.md R3.03): an enclosure of unit radiance is seen with radiance 1
+// White furnace (docs/theory/sampling.md): an enclosure of unit radiance is seen with radiance 1
 // wherever one looks, by a lens, by a film, by rough surfaces: what they do not reflect they transmit.
 #include "support/trace_support.hpp"
 

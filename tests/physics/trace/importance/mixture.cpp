@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The mixture of scatter law and targets (estimators.md 6, 8): scene 16, and what a wrong table does to the energy
+// The mixture of scatter law and targets (docs/theory/sampling.md): scene 16, and what a wrong table does to the energy
 // balance.
 #include <gtest/gtest.h>
 
@@ -178,7 +178,7 @@ SampleMean arriving_with(Fault fault, std::uint64_t histories) {
   return found.mean();
 }
 
-// Twins of the mixture's density (estimators.md 17): none gives 1 + rho + rho^2 + rho^3.
+// Twins of the mixture's density (docs/theory/sampling.md): none gives 1 + rho + rho^2 + rho^3.
 TEST(Mixture, WrongDensitiesAreRejected) {
   double const expected = 3.439;
   expect_mean("as it is", arriving_with(Fault::none, 1 << 20), expected, 0.02);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Aiming in scenes of more strips than the tables of importance have rows (estimators.md 6, 7): neighbours share a
+// Aiming in scenes of more strips than the tables of importance have rows (docs/theory/sampling.md): neighbours share a
 // patch; a patch is drawn, then a point of it. The mean is that of the scatter law alone, the error is smaller.
 #include "trace/importance/patches.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where sub-paths from receivers behind glass (estimators.md 9) have to know more than the way: the index of the medium
-// in which they end, and that they know no polarisation.
+// Where sub-paths from receivers behind glass (docs/theory/sampling.md) have to know more than the way: the index of
+// the medium in which they end, and that they know no polarisation.
 #include "support/trace_received.hpp"
 
 namespace straytrace::testing::trace_sub_paths {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One technique at a time (estimators.md 17, scene 12): a laser lights a square, a second one at right angles to it
+// One technique at a time (docs/theory/sampling.md): a laser lights a square, a second one at right angles to it
 // passes the light on to a receiver. Thin plates of index 1 change nothing but what can be connected: each technique
 // has to carry the whole result alone, and in company. Truth: quadrature of eq. 1.2 over the second square and the
 // receiver.

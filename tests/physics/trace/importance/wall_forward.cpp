@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Case A12, physics.md 8.3: mirror -> diffuse wall -> far mirror, one direction, and the phase sensitivity of the wall.
+// Case A12, docs/theory/arm.md: mirror -> diffuse wall -> far mirror, one direction, and the phase sensitivity of the
+// wall.
 #include "support/aimed_walls.hpp"
 #include "trace/tally/replay.hpp"
 

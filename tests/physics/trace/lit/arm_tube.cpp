@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// requirements.md E.1: empty tube with a reflecting wall, 1/theta^2 mirrors, even weight on the far mirror
+// E.1: empty tube with a reflecting wall, 1/theta^2 mirrors, even weight on the far mirror
 // (docs/theory/arm.md eq. 8.10); and A13, the prefactor of the 1997 formula (8.15).
 #include "support/arm_tube.hpp"
 

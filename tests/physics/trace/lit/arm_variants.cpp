@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Variants of the empty tube of requirements.md E.1: one Lambert scatter on its wall (docs/theory/arm.md eq. 8.9), and
+// Variants of the empty tube of E.1: one Lambert scatter on its wall (docs/theory/arm.md eq. 8.9), and
 // flat rings of silicon carbide before the mirrors (eq. 8.1).
 #include "support/arm_tube.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Baffles of a tube like those of GEO 600 (estimators.md 17, scene 15; case B11; docs/theory/arm.md eq. 8.16; pure
+// Baffles of a tube like those of GEO 600 (docs/theory/sampling.md; case B11; docs/theory/arm.md eq. 8.16; pure
 // visibility): tube of radius R, baffles of clear radius r, mirrors of radius m at both ends. Light from the far edge
 // of a mirror that just passes the baffle at z meets the wall at q z, q = (R + m)/(r + m), where the next one has to
 // stand: from the first at z_0 to the middle of the tube ceil(ln(L/(2 z_0))/ln q) per half, and one in the middle when

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene 11 of estimators.md 17 (tests/support/baffled_tube.hpp), and the missed-path trap of its section 15.
+// The baffled tube of tests/support/baffled_tube.hpp, and paths that a technique misses (docs/theory/sampling.md).
 #include "support/baffled_tube.hpp"
 
 #include "base/errors.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Diffraction at baffle rims (physics.md 8.5, eq. 8.11 to 8.14, case A19), against closed forms and against integrals
-// that know nothing of them: over the rim, and over the blocked area.
+// Diffraction at baffle rims (docs/theory/diffraction.md, eq. 8.11 to 8.14, case A19), against closed forms and against
+// integrals that know nothing of them: over the rim, and over the blocked area.
 #include "trace/deterministic/edges.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Field = std::complex<double>;
 constexpr double lambda = 1064e-9, k = 2 * pi / lambda, L = 1e4, aperture = 0.42;
-constexpr double kappa = 3.2145e-9, slope = 2.3986;  // mirrors of ET-HF, per sr and angle (physics.md 13.1)
+constexpr double kappa = 3.2145e-9, slope = 2.3986;  // mirrors of ET-HF, per sr and angle
 
 double beta(double theta) { return kappa * std::pow(theta, -slope); }
 double j0(double x) { return std::cyl_bessel_j(0, x); }

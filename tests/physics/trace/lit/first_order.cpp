@@ -88,7 +88,7 @@ TEST(FirstOrder, MirrorsTakeTheirShare) {
   EXPECT_GT(std::fabs(ratio - 0.8), 1e-12);
 }
 
-// Baffles by the shadow rule hide the whole wall of a tube from every point of the mirror (estimators.md scene 15).
+// Baffles by the shadow rule hide the whole wall of a tube from every point of the mirror (docs/theory/sampling.md).
 // Twin: one baffle missing.
 TEST(FirstOrder, BafflesHideTheWholeWall) {
   auto const wall_seen = [](int missing) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The flash camera (requirements.md R3.36) against closed forms of radiometry.
+// The flash camera (R3.36) against closed forms of radiometry.
 #include "support/trace_support.hpp"
 #include "trace/camera/flash_camera.hpp"
 

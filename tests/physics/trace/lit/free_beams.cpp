@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light of a beam that starts in empty space, scattered once and then seen through glass or in a mirror (estimators.md
-// 9): sub-paths from the receiver meet what the beam lights. Truth: small receivers on the axis of an even disc of
-// radiance rho/(pi A), irradiance pi L sin^2; view factors between coaxial discs; the walk alone.
+// Light of a beam that starts in empty space, scattered once and then seen through glass or in a mirror
+// (docs/theory/sampling.md): sub-paths from the receiver meet what the beam lights. Truth: small receivers on the axis
+// of an even disc of radiance rho/(pi A), irradiance pi L sin^2; view factors between coaxial discs; the walk alone.
 #include "support/trace_received.hpp"
 
 namespace straytrace::testing::trace_free_beams {

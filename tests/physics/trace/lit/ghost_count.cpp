@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ghost paths through N surfaces (estimators.md scene 9): N(N-1)/2 with two reflections, 190 for N = 20; 30,115 with
+// Ghost paths through N surfaces (docs/theory/sampling.md): N(N-1)/2 with two reflections, 190 for N = 20; 30,115 with
 // four. Counted by following both ways at every surface that the search finds; the walk finds the same power.
 #include <set>
 

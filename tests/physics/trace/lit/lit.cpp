@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lit surfaces down the beam: elliptic spots, spots in glass, and the phase of light that comes and goes by a chain of
-// optics (physics.md 1.2, 2.2 to 2.5, 4.3).
+// optics (docs/theory/path_integral.md, docs/theory/phase.md and docs/theory/recoupling.md).
 #include <functional>
 #include <random>
 

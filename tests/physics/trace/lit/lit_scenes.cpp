@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The key `lit`: benches fed through mirrors, and beams that are followed (physics.md 1.2, 4.3, eq. 9.3; R2.33; B4).
+// The key `lit`: benches fed through mirrors, and beams that are followed (docs/theory/interferometer.md, eq. 9.3;
+// cases R2.33, B4).
 #include <algorithm>
 #include <complex>
 

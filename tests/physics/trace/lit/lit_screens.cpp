@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A screen around the hole that a followed beam passes: light that it scatters back into the beam (physics.md eq. 1.4,
-// 5.5).
+// A screen around the hole that a followed beam passes: light that it scatters back into the beam
+// (docs/theory/path_integral.md, eq. 1.4, 5.5).
 #include "scene/scene.hpp"
 #include "support/trace_support.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A beam lights what of a surface it meets first, on the side from which it comes: light rejoins it there, through the
-// surface where that lets light through, and nowhere in its shadow (physics.md eq. 1.1, 1.7; docs/theory/sampling.md).
+// surface where that lets light through, and nowhere in its shadow (docs/theory/path_integral.md, eq. 1.1, 1.7;
+// docs/theory/sampling.md).
 #include "support/mesh_shapes.hpp"
 #include "support/trace_received.hpp"
 

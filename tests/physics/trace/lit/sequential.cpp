@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sequential tracing against the walk, which finds surfaces and media by itself (requirements.md R3.01, R3.02, R3.23).
+// Sequential tracing against the walk, which finds surfaces and media by itself.
 #include "support/trace_bench.hpp"
 
 namespace straytrace::testing {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sequential tracing and the walk against closed forms (requirements.md R3.04, R3.22, R3.23).
+// Sequential tracing and the walk against closed forms.
 #include "support/trace_bench.hpp"
 
 namespace straytrace::testing {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Point-source transmission of a clean mirror telescope, single scatter (estimators.md 17, scene 10): irradiance on the
+// Point-source transmission of a clean mirror telescope, single scatter (docs/theory/sampling.md): irradiance on the
 // detector over that on the pupil = BSDF x projected solid angle of the pupil cone, pi sin^2 with tan = 1/(2 F). The
 // small-angle form pi/(4 F^2) must not be met.
 #include "support/shapes.hpp"
