@@ -3,7 +3,7 @@
 attribute of the run files must be equal, bit for bit, but for the time, the program and the seconds it took.
 
 Usage: compare_runs.py OLD_PROGRAM NEW_PROGRAM [--histories N] [SCENE.yaml ...]
-Exit code 1 when a file differs; scenes that neither program accepts with the same message are equal."""
+Exit code 1 when a file differs; scenes that both programs reject with the same message and exit code are equal."""
 import argparse
 import pathlib
 import subprocess
@@ -39,7 +39,7 @@ def contents(path):
 
 def bits(value):
     array = np.asarray(value)
-    return array.tolist() if array.dtype == object else array.tobytes()    # texts are objects
+    return array.dtype.str, array.shape, array.tolist() if array.dtype == object else array.tobytes()    # texts are objects
 
 
 def differences(old, new):
@@ -53,18 +53,18 @@ def differences(old, new):
 def run(program, scene, histories, folder):
     done = subprocess.run([program, "run", scene, "--histories", str(histories), "--quiet", "-o", folder],
                           capture_output=True, text=True, cwd=ROOT)
-    return folder / "run.h5", done.stderr
+    return folder / "run.h5", done.stderr, done.returncode
 
 
 def compare(programs, scene, histories):
     with tempfile.TemporaryDirectory() as scratch:
         ran = [run(program, scene, histories, pathlib.Path(scratch) / side) for program, side in zip(programs, ("old", "new"))]
-        there = [path.exists() for path, _ in ran]
+        there = [path.exists() for path, *_ in ran]
         if not any(there):
-            return "no run file from either" if ran[0][1] == ran[1][1] else "messages differ"
+            return "no run file from either" if ran[0][1:] == ran[1][1:] else "exit codes or messages differ"
         if not all(there):
             return f"no run file from the {'new' if there[0] else 'old'} program: {ran[there[0]][1].strip()[:200]}"
-        return list(differences(*(contents(path) for path, _ in ran)))
+        return list(differences(*(contents(path) for path, *_ in ran)))
 
 
 def main():
@@ -82,8 +82,10 @@ def main():
         same = not found or found == "no run file from either"
         failed += not same
         name = pathlib.Path(scene).name
-        print(f"{name}: {found if isinstance(found, str) else 'equal' if same else '; '.join(found[:5])}", flush=True)
-    print(f"{len(scenes)} scenes, {failed} differ" if failed else f"{len(scenes)} scenes, all equal")
+        shown = found if isinstance(found, str) else "equal" if same else "; ".join(found[:5])
+        more = f"; and {len(found) - 5} more" if isinstance(found, list) and len(found) > 5 else ""
+        print(f"{name}: {shown}{more}", flush=True)
+    print(f"scenes: {len(scenes)}, different: {failed}")
     return failed > 0
 
 
