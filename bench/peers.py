@@ -3,7 +3,7 @@
 """Whole problems against other programs: what share of the light of a lamp reaches a receiver after scatter.
 
 Each program gets the same scene (bench/peers/problems.py), one core and about the same processor time, in turns. The figure of merit is
-1/(relative error^2 x processor seconds of sampling); set-up (reading, trees, tables, compiling) stands beside it. Where two values
+1/(relative error^2 x processor seconds of sampling); set-up (reading, trees, tables, compiling) is listed separately. Where two values
 differ by more than four standard errors the comparison is void and says so. Programs: scripts/setup --peers.
 
 Examples:

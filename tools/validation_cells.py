@@ -168,22 +168,22 @@ class Records:
         found = [json.loads(f.read_text(encoding="utf-8"))["comparisons"] for f in files if f.exists()]
         return merged([unscaled(c) for comparisons in found for c in comparisons]) if found else None
 
-    def is_twin(self, comparison):
-        """Whether the source calls it a twin, in its statement or in the comment right above."""
+    def is_control(self, comparison):
+        """Whether the source calls it a control, in its statement or in the comment right above."""
         file, _, line = comparison["at"].rpartition(":")
         if file not in self.lines:
             self.lines[file] = (self.source / file).read_text(encoding="utf-8").split("\n")
         lines, at = self.lines[file], int(line) - 1
         end = next((i for i in range(at, min(at + 6, len(lines))) if ";" in lines[i]), at)
         above = lines[at - 1] if at and at <= len(lines) and lines[at - 1].lstrip().startswith("//") else ""
-        return "twin" in " ".join([above, *lines[at:end + 1]]).lower()
+        return "control" in " ".join([above, *lines[at:end + 1]]).lower()
 
     def shown(self, test):
-        """What the page shows of a test: equalities; or else bounds; twins never."""
+        """What the page shows of a test: equalities; or else bounds; controls never."""
         comparisons = self.read(test)
         if comparisons is None:
             return None
-        kept = [c for c in comparisons if not self.is_twin(c)]
+        kept = [c for c in comparisons if not self.is_control(c)]
         upper = {c["what"]: c["worst"][1] for c in kept if c["kind"] == "below"}
         paired = {c["what"] for c in kept if c["kind"] == "above"} & set(upper)
         pairs = [Shown(c, upper[c["what"]]) for c in kept if c["kind"] == "above" and c["what"] in paired]

@@ -201,7 +201,7 @@ class Plot {
         g.append("circle").attr("cx", x(s.x[i])).attr("cy", y(s.y[i])).attr("r", 1.5 + (s.width || 1.6)).attr("fill", s.colour);
     });
   }
-  // Series that stand beside the others until the next call; those that are `gone` are not drawn.
+  // Series shown with the others until the next call; those that are `gone` are not drawn.
   bring(series, gone) {
     const all = axis => this.scale[axis].domain().every((v, i) => v === this.full[axis][i]);
     const whole = all("x") && all("y");

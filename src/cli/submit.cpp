@@ -60,7 +60,7 @@ double job_time(std::string const& text) {
       fmt::format("error: --time '{}': a job takes between 1min and 8784h\n  write for example 50min", text));
 }
 
-// Parts in the folder must be those of the same division: their jobs go on with them.
+// Parts in the folder must be those of the same division: their jobs resume them.
 void check_parts(std::string const& folder, Model const& model, std::uint64_t jobs) {
   std::error_code none;
   for (auto const& entry : fs::directory_iterator(folder, none)) {

@@ -125,7 +125,7 @@ void add_trace(CLI::App& app, Options& options, int& exit_code) {
   add_scene_options(*command, options);
   add_trace_options(*command, options);
   auto* const out =
-      command->add_option("-o,--out", options.out, "run file to write (HDF5); default: the one to go on with");
+      command->add_option("-o,--out", options.out, "run file to write (HDF5); default: the one to resume");
   command
       ->add_option_function<std::string>(
           "--slice", [&](std::string const& text) { read_slice(text, options); },

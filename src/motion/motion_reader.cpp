@@ -209,7 +209,7 @@ void MotionReader::resolve_reference(Draft& draft, int axis, AxisReference const
       draft.axes[axis].push_back(passed_on(term, r.scale, r.through, r.where));
     else if (input.tone_frequency > 0 || input.drift)
       r.where.problem(
-          fmt::format("a {} is definite, so it has no independent twin", input.drift ? "drift" : "sine"),
+          fmt::format("a {} is definite, so it has no independent copy", input.drift ? "drift" : "sine"),
           fmt::format("write 'same_as: {}', or a '{}' of its own", axis_names[r.axis], input.drift ? "drift" : "sine"));
     else
       draft.axes[axis].push_back(independent(term, fmt::format("{} {}", draft.name, axis_names[axis]), r));
@@ -232,11 +232,11 @@ Term MotionReader::passed_on(Term term, double scale, Transfer const& through, N
 // A new input with the spectrum that another coordinate has.
 Term MotionReader::independent(Term const& term, std::string name, AxisReference const& r) {
   MotionInput const& input = inputs[term.input];
-  OwnMotion twin{input.spectrum.scaled(std::norm(term.gain)), input.uncertainty};
+  OwnMotion copy{input.spectrum.scaled(std::norm(term.gain)), input.uncertainty};
   if (Transfer const& h = term.through)
-    twin.spectrum = filtered(
-        twin.spectrum, [&](double f) { return std::norm((*h)(f)); }, h->features());
-  return passed_on({gaussian(std::move(name), twin), 1.0, {}}, r.scale, r.through, r.where);
+    copy.spectrum = filtered(
+        copy.spectrum, [&](double f) { return std::norm((*h)(f)); }, h->features());
+  return passed_on({gaussian(std::move(name), copy), 1.0, {}}, r.scale, r.through, r.where);
 }
 
 std::size_t MotionReader::gaussian(std::string name, OwnMotion const& own) {

@@ -61,7 +61,7 @@ struct InputSource {
   double low = 1, high = 1;  // least and largest factor on the ASD of the total, over the band
   double share = 0;          // of the noise power of the band on routes that it acts on
 };
-// What stands beside the Monte-Carlo error of the total; 1/sqrt(Hz), empty when not made.
+// Uncertainties of the total besides its Monte-Carlo error; 1/sqrt(Hz), empty when not computed.
 struct NoiseBands {
   std::vector<double> input_low, input_high;               // what materials and motion leave open
   std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Problems inside the built-in parts, told where the user can mend them: at the entry that uses the part.
+// Problems inside the built-in parts, told where the user can fix them: at the entry that uses the part.
 #pragma once
 
 #include <string>

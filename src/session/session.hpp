@@ -20,7 +20,7 @@ class Transport;
 // Lets the command line overrule the scene: seed, histories, stop rule.
 void apply(Options const&, Model&);
 
-// Traces, or goes on with the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
+// Traces, or resumes the run file at `run_file` when it is of the same model and seed. Progress on stderr, Ctrl-C
 // finishes the blocks under way. From time to time `run_file` is written with what there is, unless it is empty. Throws
 // InputError when another model's run would be overwritten without --force. `transport`: this is rank 0 of several.
 TraceResult trace_model(Model&, Options const&, std::string const& run_file, Transport* transport = nullptr);

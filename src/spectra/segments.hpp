@@ -20,7 +20,7 @@ class Segments {
   double hz(std::size_t line) const { return double(line) * rate_ / double(settings_.segment); }
   std::size_t begin(std::size_t segment) const { return segment * step_; }
   double noise_bandwidth() const { return rate_ * square_ / (sum_ * sum_); }
-  // |X|^2 times this is a one-sided PSD: 1/(rate sum w^2), twice that where a negative frequency stands beside it.
+  // |X|^2 times this is a one-sided PSD: 1/(rate sum w^2), twice that for each frequency with a negative counterpart.
   double density(std::size_t line) const;
   bool is_real_line(std::size_t line) const { return line == 0 || 2 * line == settings_.segment; }
   // Independent segments that average as well as these: neighbours share samples (Welch 1967).

@@ -35,7 +35,7 @@ std::uint64_t first_part(std::uint64_t blocks);
 // Blocks are the independent units from 32 blocks on (docs/theory/errors.md); below, the spread of the histories.
 Estimate estimate(Moments const&, std::uint64_t histories, std::uint64_t blocks);
 // What speaks against an estimate although its scores are enough: more of them, or more routes summed with it, do not
-// mend its error bar soon. Empty: nothing, or the scores are too few to tell.
+// repair its error bar soon. Empty: nothing, or the scores are too few to tell.
 std::string tail_objection(Estimate const&);
 
 // Light that ends on a receiver is summed like light that rejoins a port; this tells the two apart in ClassSums::port.
@@ -89,7 +89,7 @@ struct BlockRange {
   bool operator==(BlockRange const& o) const { return first == o.first && end == o.end; }
 };
 
-// One of several parts of a run that are traced by themselves: 7/200. All of them hold each block once.
+// One of several parts of a run that are traced separately: 7/200. All of them hold each block once.
 struct Slice {
   std::uint64_t number = 1, of = 1;
   bool whole() const { return of == 1; }

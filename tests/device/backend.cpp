@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device leaves the bits of the host: every scene, shape and law, traced by the twin of a device (twin.cpp), which
-// runs the kernels, sorts and sums of a device on the host. See docs/develop/device.md.
+// A device leaves the bits of the host: every scene, shape and law, traced by the emulation of a device
+// (host_emulation.cpp), which runs the kernels, sorts and sums of a device on the host. See docs/develop/device.md.
 #include <gtest/gtest.h>
 
 #include <mutex>
@@ -20,7 +20,7 @@ namespace {
 // The blocks of a world on a device, asked for by as many threads at once.
 std::vector<std::string> on_device(World const& world, std::vector<std::uint64_t> const& blocks, BatchCounts& counts,
                                    std::uint32_t room = 0) {
-  auto const backend = device_backend("twin", load_engine(engine_tested()),
+  auto const backend = device_backend("emulation", load_engine(engine_tested()),
                                       {room, [&](BatchCounts const& c) { counts.run_again += c.run_again; }});
   std::vector<std::string> found(blocks.size());
   std::vector<std::jthread> callers;
@@ -148,7 +148,7 @@ TEST(Device, BlocksThatRunTogether) {
   EXPECT_TRUE(on_device(room.world, blocks, counts) == on_host(room.world, blocks));
 }
 
-// Twins of the check itself: an order of adding up that is not that of the histories, and a bit of each kind of sum.
+// Controls of the check itself: an order of adding up that is not that of the histories, and a bit of each kind of sum.
 TEST(Device, OtherBitsAreSeen) {
   Room const room;
   WorldView const view = room.world.view();

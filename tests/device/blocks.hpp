@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sums of blocks as one string of bytes, and the twin of a device.
+// Sums of blocks as one string of bytes, and the emulation of a device.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,10 +13,10 @@
 
 namespace straytrace::testing {
 
-// The twin, or the engine that STRAYTRACE_TEST_ENGINE names.
+// The emulation, or the engine that STRAYTRACE_TEST_ENGINE names.
 inline std::string engine_tested() {
   char const* const named = std::getenv("STRAYTRACE_TEST_ENGINE");
-  return named ? named : STRAY_TWIN;
+  return named ? named : STRAY_EMULATION;
 }
 
 // One of examples/, ready to be traced.

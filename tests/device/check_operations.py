@@ -12,7 +12,7 @@ import tempfile
 OPERATION = re.compile(r"^\s+(?:@!?%\w+ )?([a-z]\w*(?:\.\w+)*\.f(?:32|64)(?:\.\w+)*)\s", re.MULTILINE)
 MOVES = {"mov", "ld", "st", "ldu", "selp", "setp", "set", "slct", "abs", "neg", "testp", "copysign"}
 ROUNDED = {"add", "sub", "mul", "div", "sqrt", "rcp"}          # to nearest: one operation of IEEE 754 each
-TWIN = "\tfma.rn.f64 \t%fd3, %fd1, %fd2, %fd0;\n\tatom.global.add.f64 \t%fd4, [%rd1], %fd3;\n\tsin.approx.f32 \t%f1, %f0;\n"
+CONTROL = "\tfma.rn.f64 \t%fd3, %fd1, %fd2, %fd0;\n\tatom.global.add.f64 \t%fd4, [%rd1], %fd3;\n\tsin.approx.f32 \t%f1, %f0;\n"
 
 
 def refused(operation):
@@ -32,7 +32,7 @@ def complaints(ptx):
 
 
 def main(architecture, *compiler):
-    assert len(complaints(TWIN)[1]) == 3, "the check does not see what it has to refuse"
+    assert len(complaints(CONTROL)[1]) == 3, "the check does not see what it has to refuse"
     with tempfile.TemporaryDirectory() as folder:
         ptx = pathlib.Path(folder) / "engine.ptx"
         subprocess.run([*compiler[:-1], f"-arch=compute_{architecture}", "-ptx", "-o", ptx, compiler[-1]], check=True)

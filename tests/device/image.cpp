@@ -59,7 +59,7 @@ TEST_P(Image, HoldsNoAddressOfTheWorldItWasMadeOf) {
   std::vector<std::byte> placed = image.placed_at(reinterpret_cast<void const*>(std::uintptr_t{1} << 60));
   EXPECT_GT(placed.size(), sizeof view + view.surfaces.size * sizeof(Surface));
   EXPECT_EQ(left_behind(placed, mapped), 0u);
-  std::memcpy(placed.data(), static_cast<void const*>(&view), sizeof view);  // twin: the view as it was
+  std::memcpy(placed.data(), static_cast<void const*>(&view), sizeof view);  // control: the view as it was
   EXPECT_GT(left_behind(placed, mapped), 10u);
 }
 INSTANTIATE_TEST_SUITE_P(Device, Image,

@@ -32,7 +32,7 @@ TEST(DevicePhases, LeaveTheBitsOfTheHost) {
   std::vector<double> position;
   auto const device = load_engine(engine_tested())->phase_sum(order_of(terms, position));
   EXPECT_TRUE(device == direct_phase_sum(terms));
-  terms.turns[7] = std::nextafter(terms.turns[7], 2.0);  // twin: one bit of one path
+  terms.turns[7] = std::nextafter(terms.turns[7], 2.0);  // control: one bit of one path
   EXPECT_FALSE(device == direct_phase_sum(terms));
 }
 

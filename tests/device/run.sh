@@ -10,6 +10,6 @@ if ! "$build/straytrace" --version | grep -q '^cuda: .* GB$'; then
   exit 0
 fi
 export STRAYTRACE_TEST_ENGINE=$engine
-for program in device_twin unit_trace contract_geometry contract_optics physics_trace physics_world physics_results; do
+for program in device_emulation unit_trace contract_geometry contract_optics physics_trace physics_world physics_results; do
   "$build/$program" --gtest_brief=1
 done

@@ -12,7 +12,7 @@ TEST(NightlyBaffledTube, EstimatorsAgreeScene11) { expect_estimators_agree(3 << 
 // Clausing's problem in a long tube.
 TEST(NightlyDiffuseTube, LosslessScene5) { expect_tubes({{10, 1, 0.190942, 1e-2, 1 << 22}}, false); }
 
-TEST(NightlyDiffuseTube, TwinsAreRejected) {
+TEST(NightlyDiffuseTube, ControlsAreRejected) {
   expect_rejected("1 % less", transmission(10, 1, 1 << 22, Aim::none), 0.99 * 0.190942);
 }
 

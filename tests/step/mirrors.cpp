@@ -59,7 +59,7 @@ TEST(step_mirror, focuses_like_the_closed_form) {
   Built const b = built({{"m.step", sample(step::add_mirror)}}, "file: m.step, units: from_file, material: grey");
   ASSERT_EQ(b.errors, "");
   EXPECT_LT(worst_focus(b.world.view()), 1e-9 * R);
-  EXPECT_GT(worst_focus(triangulated().view()), 1e-4 * R) << "the twin of triangles";
+  EXPECT_GT(worst_focus(triangulated().view()), 1e-4 * R) << "the control of triangles";
 }
 
 TEST(step_mirror, is_the_native_cap_with_its_area_and_rim) {

@@ -55,12 +55,12 @@ TEST(step_scenes, run_again_from_what_is_kept_without_the_converter) {
   ASSERT_TRUE(first.files.contains("s.step.cad.json"));
   ::setenv("STRAYTRACE_STEP", "/nowhere/straytrace-step", 1);
   Built const again = built(first.files, entry);
-  Built const twin = built({{"s.step", first.files.at("s.step")}}, entry);
+  Built const control = built({{"s.step", first.files.at("s.step")}}, entry);
   ::setenv("STRAYTRACE_STEP", STRAY_PROGRAM "-step", 1);
   EXPECT_EQ(again.errors, "");
   EXPECT_EQ(again.world.fingerprint(), first.world.fingerprint());
-  EXPECT_THAT(twin.errors, HasSubstr("read by the program straytrace-step, which is neither beside"));
-  EXPECT_THAT(twin.errors, HasSubstr("scripts/setup"));
+  EXPECT_THAT(control.errors, HasSubstr("read by the program straytrace-step, which is neither beside"));
+  EXPECT_THAT(control.errors, HasSubstr("scripts/setup"));
 }
 
 // A machine that lost its power may leave a part of what was kept: it is converted again.
@@ -116,7 +116,7 @@ int leaks(CadFile const& file, double shrink) {
 TEST(step_scenes, no_light_passes_the_seams) {
   CadFile const file = converted(sample(step::add_crossing));
   EXPECT_EQ(leaks(file, 0), 0);
-  EXPECT_GT(leaks(file, 1e-4), 0) << "the twin with faces that are a little too small";
+  EXPECT_GT(leaks(file, 1e-4), 0) << "the control with faces that are a little too small";
 }
 
 }  // namespace

@@ -38,11 +38,11 @@ inline void expect_mean(char const* what, SampleMean s, double expected, double 
   if (agrees) record_mean(what, s.mean, s.std_error, expected);
 }
 
-// The broken twin of expect_mean: a wrong trace against the right number, or a right trace against a wrong one.
+// The negative control of expect_mean: a wrong trace against the right number, or a right trace against a wrong one.
 inline void expect_rejected(char const* what, SampleMean s, double expected, double z_false = 5) {
   ASSERT_TRUE(std::isfinite(s.mean) && s.std_error > 0) << what;
   EXPECT_TRUE(std::abs(s.mean - expected) > z_false * s.std_error)
-      << what << ": the broken twin passed, " << s.mean << " +- " << s.std_error << " against " << expected;
+      << what << ": the negative control passed, " << s.mean << " +- " << s.std_error << " against " << expected;
 }
 
 // Mean of independent values.

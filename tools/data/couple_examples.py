@@ -47,12 +47,12 @@ TAPS = (("tower", 8, "soft", 20, 1), ("link", 14, "soft", 10, 2), ("bench", 20, 
 
 
 def taps():
-    """100 Hz, 8 s quiet, then 6 s at each place: a knock each 2 s; a mode at 31 Hz that dies in 0.3 s; link couples most."""
+    """100 Hz, 8 s quiet, then 6 s at each place: an impulse each 2 s; a mode at 31 Hz that dies in 0.3 s; link couples most."""
     draw, rate = random.Random(2), 100
     force, heard = [0.0] * (32 * rate), [0.0] * (32 * rate)
     for _, start, _, newton, factor in TAPS:
-        for knock in range(3):
-            at, strength = int((start + 0.3 + 1.9 * knock) * rate), newton * draw.uniform(0.7, 1.4)
+        for impulse in range(3):
+            at, strength = int((start + 0.3 + 1.9 * impulse) * rate), newton * draw.uniform(0.7, 1.4)
             force[at] = strength
             heard[at] = factor * strength
     strain = added([1e-21 * y for y in resonant(heard, rate, 31, 0.3)], noise(draw, len(heard), 1e-21))

@@ -46,7 +46,7 @@ class Build:
         return json.loads(file.read_text(encoding="utf-8"))
 
     def points(self, tests, kinds=("mean",)):
-        """(words, expected, obtained, standard error) of what the tests compared; twins are in none of these kinds."""
+        """(words, expected, obtained, standard error) of what the tests compared; controls are in none of these kinds."""
         for test in tests:
             for c in self.record(test)["comparisons"]:
                 if c["kind"] in kinds:

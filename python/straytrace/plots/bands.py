@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stands beside the Monte-Carlo error of a run, as bands of its picture."""
+"""Uncertainties of a run besides its Monte-Carlo error, as bands of its picture."""
 
 import numpy as np
 

@@ -26,7 +26,7 @@ double median(std::vector<double> v) {
   return *middle;
 }
 
-// Samples of a stretch less their mean before the knock.
+// Samples of a stretch less their mean before the impulse.
 std::vector<double> stretch(TimeSeries const& s, std::size_t begin, std::size_t n, std::size_t silent) {
   std::vector<double> part(s.samples.begin() + std::ptrdiff_t(begin), s.samples.begin() + std::ptrdiff_t(begin + n));
   double mean = 0;
@@ -67,13 +67,13 @@ ImpulseSums sums_of(TimeSeries const& force, TimeSeries const& target, std::span
   }
   if (s.count < 2)
     throw InputError(
-        fmt::format("error: {} of {} knocks lie with their whole stretch inside the data; two are needed\n  "
+        fmt::format("error: {} of {} impulses lie with their whole stretch inside the data; two are needed\n  "
                     "choose a lower --threshold or a shorter --length",
                     s.count, starts.size()));
   return s;
 }
 
-// What still rings of earlier knocks has the mode's own shape: it moves its amplitude, and neither frequency nor Q.
+// What still rings of earlier impulses has the mode's own shape: it moves its amplitude, and neither frequency nor Q.
 // With s = -1/tau + 2 pi i f and F_i the force of stretch i, R_i = exp(s T_i) (F_(i-1) + R_(i-1)) rings at its start
 // beside F_i; the amplitude is that of sum conj(F_i) (F_i + R_i) instead of sum |F_i|^2.
 // Returns F_i + R_i.
@@ -96,9 +96,9 @@ Complexes take_off_left_over(RingDown& mode, ImpulseSums const& s, std::size_t k
   return with;
 }
 
-// Relative error of the amplitude from how much the knocks differ: no two hit quite alike, and the fit of their mean
+// Relative error of the amplitude from how much the impulses differ: no two hit quite alike, and the fit of their mean
 // does not see it.
-double scatter_of_knocks(ImpulseSums const& s, Complexes const& force, std::size_t k) {
+double scatter_of_impulses(ImpulseSums const& s, Complexes const& force, std::size_t k) {
   std::complex<double> mean = 0;
   double weight = 0, scatter = 0;
   for (std::size_t i = 0; i < s.count; ++i) mean += std::conj(force[i]) * s.answer[i][k], weight += std::norm(force[i]);
@@ -203,7 +203,7 @@ ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& targ
     Complexes drive;
     for (Complexes const& f : sums.single) drive.push_back(f[k]);
     if (s.cut) drive = take_off_left_over(mode, sums, k);
-    mode.amplitude_sigma = std::max(mode.amplitude_sigma, mode.amplitude * scatter_of_knocks(sums, drive, k));
+    mode.amplitude_sigma = std::max(mode.amplitude_sigma, mode.amplitude * scatter_of_impulses(sums, drive, k));
     r.modes.push_back(mode);
   }
   return r;
@@ -313,8 +313,8 @@ RingDown fit_ring_down(ImpulseResponse const& r, std::size_t from, std::size_t t
   RingDown out;
   out.chi_square = best_fit.chi;
   out.degrees = mode.degrees();
-  // What the bins scatter around the mode is their error: the noise may be less, where the knock before still rings, or
-  // another mode more.
+  // What the bins scatter around the mode is their error: the noise may be less, where the impulse before still rings,
+  // or another mode more.
   Eigen::MatrixXd const covariance =
       mode.covariance(at[0], std::exp(at[1]), best_fit.linear) * out.chi_square / out.degrees;
   out.hz = at[0];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a target answers to a knock: its response divided by the force, in frequency and in time, and the modes that
+// What a target answers to an impulse: its response divided by the force, in frequency and in time, and the modes that
 // ring (R6.02, R6.03).
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace straytrace {
 
-// First samples of knocks, GPS s: where the force leaves its median by `threshold` times its usual deviation (1.4826
+// First samples of impulses, GPS s: where the force leaves its median by `threshold` times its usual deviation (1.4826
 // times the median one). The next is looked for `length` s later.
 std::vector<double> find_taps(TimeSeries const& force, double threshold, double length);
 
@@ -20,7 +20,7 @@ struct ImpulseSettings {
   double length = 2;         // s of each stretch
   double low = 0, high = 0;  // Hz, where modes are looked for
   int modes = 3;             // at most
-  // The stretch ends while the target still rings, as after a knock; false: all is over at its end (a sweep and
+  // The stretch ends while the target still rings, as after an impulse; false: all is over at its end (a sweep and
   // silence), so the response is not cut.
   bool cut = true;
 };
@@ -41,13 +41,13 @@ struct ImpulseResponse {
   std::vector<double> hz;
   std::vector<std::complex<double>> response;  // sum conj(F) Y/sum |F|^2: target unit per force unit, exp(+2 pi i f t)
   std::vector<double> sigma, coherence;        // of |response|; coherence without what chance gives
-  std::vector<double> time, value;             // s after the knock; target unit per (force unit x s)
+  std::vector<double> time, value;             // s after the impulse; target unit per (force unit x s)
   double value_sigma = 0;                      // from the noise of the target
   std::vector<RingDown> modes;                 // the strongest first
 };
 
 // Stretches at `starts` (GPS s) without a window: what rings must not be weighted. In time the response is damped by
-// the coherence, so that frequencies without force or answer do not fill it with noise. What still rings of knocks
+// the coherence, so that frequencies without force or answer do not fill it with noise. What still rings of impulses
 // before is taken off the amplitudes of modes. Throws InputError with fewer than two stretches inside the data: without
 // repeats there is no error.
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,

@@ -63,7 +63,7 @@ LogRatio log_ratio(Visit const& v, Quiet const& q, std::size_t k) {
   double const n = double(v.force.segments.size());
   std::vector<double> left;
   double mean = 0;
-  for (std::size_t i = 0; i + 1 < v.force.segments.size(); ++i) {  // neighbours share knocks
+  for (std::size_t i = 0; i + 1 < v.force.segments.size(); ++i) {  // neighbours share impulses
     auto const without = [&](Stretch const& s) { return n * s.mean[k] - s.segments[i][k] - s.segments[i + 1][k]; };
     left.push_back(std::log(without(v.target) / without(v.force)) / 2);
     mean += left.back();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tapping: a hammer with a force sensor knocks at places one after another; which of them does the target hear
+// Tapping: a hammer with a force sensor strikes places one after another; which of them does the target hear
 // (R6.02)?
 #pragma once
 
@@ -43,7 +43,7 @@ struct TapAnswer {
   double local_ratio = 0;
 };
 
-// A place that was knocked and made the target rise no further than noise may.
+// A place that was struck and made the target rise no further than noise may.
 struct TapLimit {
   std::string place;
   double coupling = 0;  // at most, at 95 % confidence of all its repeats together; target unit per unit of force

@@ -271,7 +271,7 @@ FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, Fri
   return out;
 }
 
-// The fit against the part of the record that it has not seen, and the verdict (docs/theory/fit.md).
+// The fit against the part of the record that it has not seen, and what follows from it (docs/theory/fit.md).
 
 namespace {
 

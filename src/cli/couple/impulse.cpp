@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace couple impulse: what rings after a knock; straytrace couple events: when something was injected.
+// straytrace couple impulse: what rings after an impulse; straytrace couple events: when something was injected.
 #include "analysis/coupling/impulse.hpp"
 
 #include <CLI/CLI.hpp>
@@ -86,7 +86,7 @@ int run_impulse(ImpulseOptions const& o) {
   ImpulseResponse const r = impulse_response(both[0], both[1], starts, s);
   std::string const unit = coupling_unit(both[1].unit, both[0].unit);
   CurveSheet sheet;
-  sheet.title = fmt::format("response of {} to a knock", both[1].name);
+  sheet.title = fmt::format("response of {} to an impulse", both[1].name);
   sheet.notes = {source_note(both[0]), source_note(both[1]),
                  fmt::format("{} stretches of {:g} s, divided by the force, damped by the coherence; one sigma {:.3g}",
                              r.stretches, s.length, r.value_sigma)};
@@ -149,7 +149,7 @@ int run_events(EventOptions o) {
 }  // namespace
 
 void add_couple_impulse(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("impulse", "response to knocks in time, frequency and Q of what rings");
+  auto* const command = couple.add_subcommand("impulse", "response to impulses in time, frequency and Q of what rings");
   auto const options = std::make_shared<ImpulseOptions>();
   ImpulseOptions& o = *options;
   command->add_option("--force", o.force, "FILE::CHANNEL of the hammer or drive")->required();
@@ -157,12 +157,12 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
   command->add_option("--force-unit", o.force_unit, "where the file does not say it: N");
   command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");
   command->add_option("--gps", o.data.gps, "stretch A..B in GPS seconds or UTC; default: all");
-  command->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of looking for knocks")
+  command->add_option("--list", o.list, "CSV with start times (place, start, duration) instead of looking for impulses")
       ->check(CLI::ExistingFile);
   command->add_flag("--sweeps", o.sweeps, "the drive is over, and all is silent, at the end of each stretch");
   command->add_option("--length", o.length, "of the stretch behind each start")->default_str(o.length);
   command->add_option("--before", o.before, "silence taken in front of it")->default_str(o.before);
-  command->add_option("--threshold", o.threshold, "of a knock, in usual deviations of the force")->default_str("8");
+  command->add_option("--threshold", o.threshold, "of an impulse, in usual deviations of the force")->default_str("8");
   command->add_option("--modes", o.modes, "at most so many")->default_str("3")->check(CLI::Range(0, 100));
   add_band_option(*command, o.data, "LOW..HIGH where modes are looked for");
   add_couple_outputs(*command, o.data);

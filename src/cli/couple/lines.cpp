@@ -215,7 +215,7 @@ CurveSheet sheet_of(Driven const& d, RampFit const& r) {
   return sheet;
 }
 
-// The coupling at the line with the verdict as its flag, for the projection.
+// The coupling at the line with the outcome as its flag, for the projection.
 CouplingFunction coupling_of(Driven const& d, RampFit const& r) {
   CouplingPoint p;
   p.hz = d.frequency();
@@ -268,7 +268,7 @@ void add_couple_ramp(CLI::App& couple, int& exit_code) {
   command->add_option("--significance", o.significance, "from which a fringe is called one, standard deviations")
       ->default_str("3")
       ->check(CLI::Range(0.0, 37.0));
-  command->add_option("--save", o.save, "CSV of pemcoupling with the verdict as flag, for straytrace project");
+  command->add_option("--save", o.save, "CSV of pemcoupling with the outcome as flag, for straytrace project");
   add_couple_outputs(*command, o.data);
   command->footer(
       "Examples:\n"

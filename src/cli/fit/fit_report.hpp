@@ -36,9 +36,9 @@ Fitted effective_peak(FitAnswer const&, std::size_t path);
 double unseen_phase(FitAnswer const&, std::size_t path);
 std::string fit_text(FitAnswer const&);
 nlohmann::json fit_json(FitAnswer const&);
-// ASD of the target, of the fitted noise and, where the verdict allows, of what is left.
+// ASD of the target, of the fitted noise and, where the outcome allows, of what is left.
 CurveSheet fit_curves(FitAnswer const&, FringeModel const&);
-// Target less model; throws InputError when the verdict does not allow it.
+// Target less model; throws InputError when the outcome does not allow it.
 TimeSeries subtracted(FitAnswer const&, FringeModel const&);
 
 }  // namespace straytrace

@@ -116,7 +116,7 @@ void add_materials(NoiseBudget& b, Materials const& all, Spreads& spreads) {
       spreads.routes[r].sigma(psd_of(b.routes[r], all.factor(m, r, 1 / one.factor)),
                               psd_of(b.routes[r], all.factor(m, r, one.factor)), of_route);
     double const share = share_of(b, all, m, total);
-    if (!(share > 0)) continue;  // no noise comes by
+    if (!(share > 0)) continue;  // the route carries no noise
     if (!(one.low < 1 || one.high > 1 || one.factor > 1)) {
       b.bands.taken_as_exact.push_back(
           fmt::format("material {}{}", one.name, one.status.empty() ? "" : " (" + one.status + ")"));

@@ -10,7 +10,7 @@
 
 namespace straytrace {
 
-// What stands beside the Monte-Carlo error of stray light, 1/sqrt(Hz); empty where it was not made.
+// Uncertainties of stray light besides its Monte-Carlo error, 1/sqrt(Hz); empty where not computed.
 struct BudgetBands {
   std::vector<double> input_low, input_high;               // what stated inputs leave open
   std::vector<double> speckle_05, speckle_50, speckle_95;  // percentiles of one realisation of the static phases

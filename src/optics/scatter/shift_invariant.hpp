@@ -71,7 +71,7 @@ struct Harvey {
 };
 
 // Small-angle scatter of mirrors: BSDF = kappa theta^-n for theta >= above, theta = angle from the specular direction
-// (docs/theory/surfaces.md, eq. 3.18). Below `above` the light belongs to the modes (hand-over angle, R2.31).
+// (docs/theory/surfaces.md, eq. 3.18). Below `above` the light belongs to the modes (minimum scatter angle, R2.31).
 // Page: docs/reference/scatter/power-law.md.
 
 struct PowerLaw {

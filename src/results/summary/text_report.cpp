@@ -239,7 +239,7 @@ std::string objects_text(RunContent const& run) {
       row.insert(row.end(), more.begin(), more.end());
     c.rows.push_back(std::move(row));
   }
-  return aligned(c) + "\nLight arrives as often as it comes by; what is absorbed sums to 'absorbed' above.\n";
+  return aligned(c) + "\nArrivals are counted at every encounter; what is absorbed sums to 'absorbed' above.\n";
 }
 
 std::string verdict_sentence(NoiseBudget const& b, double low_hz, double high_hz) {

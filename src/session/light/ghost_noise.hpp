@@ -19,7 +19,7 @@ struct GhostClasses {
   std::vector<std::string> warnings;
 };
 
-// Classes of all beams of a world, to stand beside the scattered light of its trace.
+// Classes of all beams of a world, added to the scattered light of its trace.
 GhostClasses ghosts_beside(World const&, GhostSettings const&);
 
 // A deterministic class for each family of equal phase sensitivities; powers of classes add. With GhostSum::coherent

@@ -10,7 +10,7 @@
 //   score_lit(path, source, z, chain, receiver, end, power)      optional: by z -> glass from the light of a beam on z
 //   book(term, power)                         the energy balance
 //   absorbed(group, power)                    optional: what of it a group absorbed; no group: a medium
-//   wagered(variance)                         optional: of what the roulette has just booked in `window`
+//   roulette_variance(variance)                         optional: of what the roulette has just booked in `window`
 #pragma once
 
 #include "trace/step/connect.hpp"

@@ -58,7 +58,7 @@ void read_beams(Scene const& scene, World& world, Registry const& names) {
     else if (node.has("from"))
       read_free(node, names, world, light);
     else
-      node.problem(fmt::format("beam '{}' lights nothing", name),
+      node.problem(fmt::format("beam '{}' illuminates no surface", name),
                    "give 'cavity: [MIRROR, MIRROR]', 'on: SURFACE', or 'from' and 'facing'");
     node.refuse_unknown(fmt::format("beam '{}'", name));
     beams.names.push_back(name);

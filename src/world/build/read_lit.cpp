@@ -144,7 +144,7 @@ void warn_of_light_beside(Node const& beam, std::string const& name, World const
     beam.warning(
         fmt::format("{}{:.2g} of the light of '{}' falls beside '{}'{}", most.second > 1 ? "up to " : "", most.first,
                     name, world.groups()[group], most.second > 1 ? fmt::format(", in {} spots", most.second) : ""),
-        "enlarge it or move it into the beam: light beside it lights nothing here");
+        "enlarge it or move it into the beam: light that misses it is ignored");
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ bool same_light(World const& world, std::uint32_t followed, std::uint32_t other)
   if (g.free || f.beam == g.beam || f.surface != g.surface || !f.emits || !g.emits) return false;
   return dot(f.travel, g.travel) > 0.99 && f.intensity(g.centre) > 0.1 * f.intensity(f.centre);
 }
-void warn_of_twins(Scene const& scene, World const& world) {
+void warn_of_light_counted_twice(Scene const& scene, World const& world) {
   auto const beams = scene.table("beams").items();
   auto const count = std::uint32_t(world.footprints().size());
   for (std::uint32_t i = 0; i < count; ++i)
@@ -123,7 +123,7 @@ void check_beams(Scene const& scene, World const& world) {
     else
       check_spot(node, name, f, world);
   }
-  warn_of_twins(scene, world);
+  warn_of_light_counted_twice(scene, world);
   if (scene.root().healthy()) warn_of_clipping(scene, world);
   warn_of_glass_in_polarised_light(scene, world);
 }

@@ -78,7 +78,7 @@ class Tree {
     arrive(arriving, hit);
   }
 
-  // What stands beside the chief ray takes its share.
+  // Screens off the chief ray take their share.
   void pass_screens(Branch& branch, Hit const& hit) {
     LeavingBeam& beam = branch.beam;
     double const power = beam.field.power();

@@ -36,6 +36,6 @@ struct LitRow {
   double resolution = 0;
   bool scatters = true;
 };
-std::vector<LitRow> lit_rows(World const&);  // of a finished world; free beams light nothing by themselves
+std::vector<LitRow> lit_rows(World const&);  // of a finished world; free beams illuminate no surface alone
 
 }  // namespace straytrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands beside the chief ray of a beam on its flight from one surface to the next, and takes a part of it: the
+// Surfaces off the chief ray of a beam that clip it between one surface and the next: the
 // screen around a hole, the edge of something beside the beam (docs/theory/beams.md, eq. 5.5, 5.6).
 // docs/theory/ghosts.md.
 #pragma once

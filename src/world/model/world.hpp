@@ -249,7 +249,7 @@ class World {
 
   Storage storage;  // tables that shapes, laws and coatings point into
   WalkLimits limits;
-  EdgeSettings edges;  // stands beside the trace and is no part of the fingerprint
+  EdgeSettings edges;  // independent of the trace, not part of the fingerprint
   bool polarised = false;
   bool reverse_routes = true;  // apply C_rev (docs/theory/path_integral.md)
   double wavelength = 1.064e-6;

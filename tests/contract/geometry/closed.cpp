@@ -117,7 +117,7 @@ TEST(closed_shapes, are_left_as_often_as_entered) {
     }
 }
 
-TEST(closed_shapes, twins_with_a_gap_are_rejected) {
+TEST(closed_shapes, controls_with_a_gap_are_rejected) {
   Body open = can(0.5, 2, {});
   open.disks.pop_back();
   EXPECT_FALSE(left_as_often_as_entered(open, 20000));

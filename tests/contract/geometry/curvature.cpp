@@ -54,11 +54,11 @@ TYPED_TEST(ShapeCurvature, is_the_slope_of_the_normal) {
   EXPECT_LT(worst_of_all<TypeParam>([](auto const& s, Vec3 p, std::uint32_t i) { return curvature_of(s, p, i); }), 1);
 }
 
-// Broken twins: the other sign, and the two principal directions exchanged.
+// Negative controls: the other sign, and the two principal directions exchanged.
 template <class Shape>
 constexpr bool curved =
     !std::is_base_of_v<PlaneFrame, Shape> && !std::is_same_v<Shape, Disk> && !std::is_same_v<Shape, Cuboid>;
-TYPED_TEST(ShapeCurvature, twins_are_caught) {
+TYPED_TEST(ShapeCurvature, controls_are_caught) {
   if constexpr (curved<TypeParam>) {
     EXPECT_GT(worst_of_all<TypeParam>(
                   [](auto const& s, Vec3 p, std::uint32_t i) { return curvature_of(s, p, i).from_behind(); }),

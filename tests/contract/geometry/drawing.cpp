@@ -37,7 +37,7 @@ TYPED_TEST(Drawn, CoversTheShape) {
     Drawing const d = drawing_of(s);
     EXPECT_TRUE(fits(s, d)) << "area " << d.area() << ", of the shape " << s.area();
     EXPECT_LT(d.triangles.size(), 60000u);
-    Drawing holed = d;  // broken twin: a third of the triangles is missing
+    Drawing holed = d;  // negative control: a third of the triangles is missing
     holed.triangles.resize(holed.triangles.size() * 2 / 3);
     EXPECT_FALSE(fits(s, holed));
   }

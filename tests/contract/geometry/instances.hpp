@@ -197,7 +197,7 @@ inline double feature(CadFace const& s) {
 inline double feature(Torus const& s) { return s.minor_radius; }
 inline double feature(Conic const& s) { return s.outer_radius / (1 + s.bend * s.outer_radius); }
 
-// A shape as the contracts see it, with or without pieces; broken twins derive from it.
+// A shape as the contracts see it, with or without pieces; negative controls derive from it.
 template <class Shape>
 struct Seen {
   Shape s;

@@ -122,7 +122,7 @@ TYPED_TEST(ShapeLines, lie_as_evenly_as_samples) {
   }
 }
 
-// Twins: a shape that has lost its far roots, and one that hits itself where it starts.
+// Controls: a shape that has lost its far roots, and one that hits itself where it starts.
 TEST(shape_lines, lost_and_invented_roots_are_seen) {
   Torus const ring = tilted_instances<Torus>()[0];
   EXPECT_GT(std::fabs(deviation(cross(ring, 1), ring.area())), 5);

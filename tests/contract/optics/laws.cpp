@@ -17,7 +17,7 @@ template <class T>
 class ScatterLaw : public ::testing::Test {};
 TYPED_TEST_SUITE(ScatterLaw, AllLaws);
 
-// What a variant of a law samples and what it claims. The law itself is Law; twins override a member.
+// What a variant of a law samples and what it claims. The law itself is Law; controls override a member.
 template <class Law>
 struct SamplesTooNarrow : Law {  // a lobe 1 % too narrow
   BsdfSample sample(Vec3 wi, double u, double v) const {
@@ -197,8 +197,8 @@ TYPED_TEST(ScatterLaw, mean_weight_is_the_albedo) {
       else
         expect_mean("weight", m, exact, 0.05 * exact);
       if (degrees == 60) {
-        SampleMean const twin = mean_weight(law, wi, 0);  // forgets the cosine
-        EXPECT_GT(std::fabs(twin.mean - exact), 5 * twin.std_error + 0.05 * exact);
+        SampleMean const control = mean_weight(law, wi, 0);  // forgets the cosine
+        EXPECT_GT(std::fabs(control.mean - exact), 5 * control.std_error + 0.05 * exact);
       }
     }
 }

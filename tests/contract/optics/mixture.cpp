@@ -134,8 +134,8 @@ TEST(mixture, mean_weight_is_the_sum_of_the_albedos) {
                          albedo_by_quadrature(sum.broad[0], wi);
     EXPECT_NEAR(scatter_albedo(sum.pool, sum.optic, wi.z) / exact, 1, 1e-3);
     expect_mean("weight", mean_weight(sum, wi), exact, 0.02 * exact);
-    SampleMean const twin = mean_weight(sum, wi, 0.9);  // a wrong cosine
-    EXPECT_GT(std::fabs(twin.mean - exact), 5 * twin.std_error);
+    SampleMean const control = mean_weight(sum, wi, 0.9);  // a wrong cosine
+    EXPECT_GT(std::fabs(control.mean - exact), 5 * control.std_error);
   }
 }
 

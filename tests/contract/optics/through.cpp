@@ -59,7 +59,7 @@ double far_integral(F f) {
   return sum * 4 / n / n;
 }
 
-// Tolerance 3e-3: the rim of the grid. The twin forgets the gain (n_out/m)^2.
+// Tolerance 3e-3: the rim of the grid. The control forgets the gain (n_out/m)^2.
 TEST(through, albedo_is_the_integral_over_the_far_side) {
   Gaussian const law = gaussian(0.3, 0.3);
   for (Indices n : pairs)
@@ -148,13 +148,13 @@ TEST(through, samples_of_a_sum_follow_the_pdf) {
     }
 }
 
-// Mean of eval cos/pdf is the albedo of the sum, both sides counted; the pdf returned is that of the sum. Twin: without
-// the indices.
+// Mean of eval cos/pdf is the albedo of the sum, both sides counted; the pdf returned is that of the sum. Control:
+// without the indices.
 TEST(through, mean_weight_is_the_albedo) {
   Window const w;
   for (Indices n : {Indices{1, 1.45}, {1.45, 1}}) {
     Vec3 const wi = incoming(35);
-    Sampler sampler, twin;
+    Sampler sampler, control;
     for (int i = 0; i < draws; ++i) {
       Rng rng(3, std::uint64_t(i), 0, Stream::direction);
       double const choice = rng.uniform(), u = rng.uniform(), v = rng.uniform();
@@ -164,11 +164,11 @@ TEST(through, mean_weight_is_the_albedo) {
         ASSERT_NEAR(scatter_pdf(w.pool, w.optic, wi, s.wo, n.in, n.out) / s.pdf, 1, 1e-7);
       }
       sampler.add(good ? scatter_eval(w.pool, w.optic, wi, s.wo, n.in, n.out) * std::fabs(s.wo.z) / s.pdf : 0);
-      twin.add(good ? scatter_eval(w.pool, w.optic, wi, s.wo) * std::fabs(s.wo.z) / s.pdf : 0);
+      control.add(good ? scatter_eval(w.pool, w.optic, wi, s.wo) * std::fabs(s.wo.z) / s.pdf : 0);
     }
     double const albedo = scatter_albedo(w.pool, w.optic, wi.z, n.in, n.out);
     EXPECT_NEAR(sampler.mean().mean / albedo, 1, 2e-3);  // the albedo is tabulated
-    EXPECT_GT(std::fabs(twin.mean().mean / albedo - 1), 2e-3);
+    EXPECT_GT(std::fabs(control.mean().mean / albedo - 1), 2e-3);
   }
 }
 

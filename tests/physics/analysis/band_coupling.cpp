@@ -42,8 +42,8 @@ CrossSpectra stretch(double rms, std::uint64_t seed) {
   return cross_spectra(channel("ACC", "rad", rate, fast), channel("H", "1", rate, y), settings);
 }
 
-// h = G sin(theta + z), z small: power G^2/2 of that of z, wherever theta spreads it, so H = G/sqrt(2). Twins: the part
-// that is coherent with the witness, and single lines, which are flagged.
+// h = G sin(theta + z), z small: power G^2/2 of that of z, wherever theta spreads it, so H = G/sqrt(2). Controls: the
+// part that is coherent with the witness, and single lines, which are flagged.
 TEST(BandCoupling, SlowMotionSpreadsPowerAndKeepsIt) {
   double mean = 0, coherent = 0;
   int const trials = 16;
@@ -63,7 +63,7 @@ TEST(BandCoupling, SlowMotionSpreadsPowerAndKeepsIt) {
   EXPECT_NEAR(mean, gain / std::sqrt(2), 0.04 * gain);
   EXPECT_GT(std::sqrt(squares), 0.5) << "an error twice too large";
   EXPECT_LT(std::sqrt(squares), 1.5) << "an error too small";
-  EXPECT_LT(coherent, 0.5 * gain / std::sqrt(2)) << "twin";
+  EXPECT_LT(coherent, 0.5 * gain / std::sqrt(2)) << "negative control";
 }
 
 TEST(BandCoupling, BandThatCutsThePowerSaysSo) {

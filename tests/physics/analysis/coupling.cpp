@@ -76,7 +76,8 @@ TEST(Coupling, LinearTruthIsFoundWithItsErrorR6_01) {
   EXPECT_NEAR(strong.mean / truth, 1, 0.01);
   EXPECT_GT(strong.coverage.share(), 0.60);
   EXPECT_LT(strong.coverage.share(), 0.75);
-  EXPECT_GT(strong.apart.share(), 0.80) << "twin: witness and target taken as independent, though they rise together";
+  EXPECT_GT(strong.apart.share(), 0.80)
+      << "control: witness and target taken as independent, though they rise together";
 }
 
 TEST(Coupling, WhatTheQuietWitnessMakesIsTakenOffR6_08) {
@@ -86,7 +87,7 @@ TEST(Coupling, WhatTheQuietWitnessMakesIsTakenOffR6_08) {
   EXPECT_NEAR(o.mean, 1, 0.02);
   EXPECT_GT(o.coverage.share(), 0.60);
   EXPECT_LT(o.coverage.share(), 0.75);
-  // Twin: with noise of its own in the target the plain ratio of injected spectra is too large.
+  // Control: with noise of its own in the target the plain ratio of injected spectra is too large.
   Outcome const weak = repeat({1000, truth, 1.5}, {1, truth, 1.5}, 80 * segment, 20);
   EXPECT_NEAR(weak.mean / truth, 1, 0.01);
   EXPECT_GT(weak.plain / truth, 1.08);
@@ -129,7 +130,7 @@ TEST(Coupling, LimitsHoldIn95PercentOfTrialsR6_08) {
     Outcome const o = repeat({1000, 1e-3 * seen}, {1, 1e-3 * seen}, twenty, 400);
     EXPECT_GT(o.flags[int(CouplingFlag::upper_limit)], 0.9 * o.points);
     EXPECT_NEAR(o.missed(), 0.045, 0.015) << seen;
-    EXPECT_LT(o.whole_missed, 0.001 * o.points) << "twin: the whole power of the target never misses";
+    EXPECT_LT(o.whole_missed, 0.001 * o.points) << "control: the whole power of the target never misses";
   }
   EXPECT_LT(repeat({1000, 5e-4}, {1, 5e-4}, twenty, 100).missed(), 0.005) << "a low draw of noise is no knowledge";
 }
@@ -155,7 +156,7 @@ TEST(Coupling, LowestOfSeveralLimitsHoldsR6_08) {
     return double(above) / points;
   };
   EXPECT_LT(missed(each_of(4, 0.95)), 0.05);
-  EXPECT_GT(missed(0.95), 0.06) << "twin: four limits of 95 %";
+  EXPECT_GT(missed(0.95), 0.06) << "control: four limits of 95 %";
 }
 
 TEST(Coupling, FringeWrappedTargetIsFlaggedR6_08) {
@@ -176,7 +177,7 @@ TEST(Coupling, FringeWrappedTargetIsFlaggedR6_08) {
     return wrapped;
   };
   EXPECT_GT(flags(slow), 55) << "2.5 rad rms: hardly any of the 64 bins is linear";
-  EXPECT_EQ(flags(weak), 0) << "twin: 0.25 rad rms is linear";
+  EXPECT_EQ(flags(weak), 0) << "control: 0.25 rad rms is linear";
 }
 
 TEST(Coupling, InjectionsCombineR6_01) {

@@ -56,7 +56,7 @@ TEST(CouplingProjection, LinearSyntheticIsTheTruthWithinFivePercentR6_08) {
       coverage.add(p.asd, p.sigma, 2 * factor * std::cos(pi * p.hz / rate) * 1e-9 * std::sqrt(2 / rate));
   EXPECT_GT(coverage.share(), 0.6);
   EXPECT_LT(coverage.share(), 0.75);
-  // Twins: PSDs divided without the root; the injected witness projected instead of the quiet one.
+  // Controls: PSDs divided without the root; the injected witness projected instead of the quiet one.
   EXPECT_GT(std::fabs(mean_ratio(c, {"m", w.hz, quiet.input, w.sigma}, factor) - 1), 0.05);
   std::vector<double> injected = injection.input;
   for (double& v : injected) v = std::sqrt(v);

@@ -77,7 +77,7 @@ TEST(Excess, ThreefoldInOneBinIsFoundAtFiveSigmaR6_01) {
   expect_share(by_amplitude, trials, chance_of_line(8, 20, 20));   // 0.99
   expect_share(by_power, trials, chance_of_line(2, 20, 20 * 20));  // 0.75
   EXPECT_NEAR(false_alarms / (10.0 * trials), 0.02275, 0.01);
-  EXPECT_GT(std::fabs(excess_significance({3, 20}, {1, 20}) - (3 - 1) * std::sqrt(20)), 5) << "twin: normal errors";
+  EXPECT_GT(std::fabs(excess_significance({3, 20}, {1, 20}) - (3 - 1) * std::sqrt(20)), 5) << "control: normal errors";
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ TEST(FringeClock, OneClockIsFoundAndNotDoubtedR6_07) {
   }
 }
 
-// A wrong clock is told with its delay and the amplitude there; twin: the fit that trusts it finds another amplitude.
+// A wrong clock is told with its delay and the amplitude there; control: the fit that trusts it finds another
+// amplitude.
 TEST(FringeClock, AnotherClockIsToldR6_07) {
   for (double const late : {0.031, -0.031, 0.2}) {
     FringeFit const fit = fitted(7, late, 0.25);
@@ -48,7 +49,7 @@ TEST(FringeClock, AnotherClockIsToldR6_07) {
     EXPECT_NEAR(fit.clock.paths[0].multiplicity.value, 1, 5 * fit.clock.paths[0].multiplicity.sigma);
     FringeFit const trusting = fitted(7, late, 0);
     Fitted const g = trusting.paths[0].amplitude;
-    EXPECT_GT(std::fabs(g.value - gain), 4 * g.sigma) << "twin: a clock that is trusted";
+    EXPECT_GT(std::fabs(g.value - gain), 4 * g.sigma) << "control: a clock that is trusted";
     EXPECT_NE(trusting.verdict, FitOutcome::clock);
   }
 }

@@ -140,11 +140,11 @@ TEST(FringeFit, WrongWitnessIsNoFringe) {
   EXPECT_GE(alarms, 1) << "so few that the look-elsewhere correction must be too large";
   EXPECT_LE(found, 3) << "0.05^2: the rest is noise of its own";
   EXPECT_LE(odds, 0.05 * trials) << "Markov: a bound, not a mean";
-  EXPECT_GT(halves, 0.05 * trials) << "twin: half of the model stands in noise more often";
+  EXPECT_GT(halves, 0.05 * trials) << "control: half of the model stands in noise more often";
 }
 
-// Broken twins: the linear model of R2.37 (multiplicity so small that fringes do not wrap) and a wrong multiplicity
-// find nothing in strong fringes.
+// Negative controls: the linear model of R2.37 (multiplicity so small that fringes do not wrap) and a wrong
+// multiplicity find nothing in strong fringes.
 TEST(FringeFit, WrongModelsAreRejected) {
   TimeSeries h = quiet(3);
   add_fringes(h, baffle, 2e-21, 0.4, 1);
@@ -223,10 +223,10 @@ TEST(FringeFit, BothQuadraturesR6_06) {
   EXPECT_NEAR(fit.paths[0].amplitude.value, 2e-5, 4 * fit.paths[0].amplitude.sigma);
   EXPECT_LT(fit.paths[0].amplitude.sigma, 0.02 * 2e-5);
   EXPECT_LT(std::fabs(pull(fit.paths[0].phase, phase_at_mean(fit, 0.5, 1))), 4);
-  // Broken twin: phase quadrature alone.
+  // Negative control: phase quadrature alone.
   s.paths[0].amplitude = {};
-  FringeFit const twin = fit_fringes(records, s);
-  EXPECT_LT(twin.paths[0].gain, 0.7 * fit.paths[0].gain);
+  FringeFit const control = fit_fringes(records, s);
+  EXPECT_LT(control.paths[0].gain, 0.7 * fit.paths[0].gain);
 }
 
 // What is subtracted is what was put in: Welch spectra of the rest stand at the noise again, clear of the band's edges.

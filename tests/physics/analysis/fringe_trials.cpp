@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fits of synthetic fringe noise over many trials: what the errors and the verdict promise (requirements R6.07,
+// Fits of synthetic fringe noise over many trials: what the errors and the outcome promise (requirements R6.07,
 // docs/theory/fit.md).
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST(FringeTrials, ErrorsOfDelayRatioAndScaleCoverTheTruthR6_07) {
     EXPECT_NEAR(share.one, 0.683 * trials, 3.5 * std::sqrt(0.683 * 0.317 * trials)) << name;
     EXPECT_GE(share.two, 0.954 * trials - 3.5 * std::sqrt(0.954 * 0.046 * trials)) << name;
   }
-  EXPECT_LT(alone, 0.6 * trials) << "twin: the factor's error without those of the fit";
+  EXPECT_LT(alone, 0.6 * trials) << "control: the factor's error without those of the fit";
 }
 
 // Strong enough, a fringe is found; too weak for the rest to tell, it is untested and not refuted.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Knocks, the response they ring and when something was injected (R6.01, R6.02).
+// Impulses, the response they ring and when something was injected (R6.01, R6.02).
 #include "analysis/coupling/impulse.hpp"
 
 #include <gtest/gtest.h>
@@ -30,10 +30,10 @@ std::vector<double> ringing(std::vector<double> const& force, double hz, double 
   return y;
 }
 
-struct Knocked {
+struct Ringing {
   TimeSeries force, target;
 };
-Knocked knocked(std::uint64_t seed, double noise, double tau = 0.35, double every = 2.5) {
+Ringing ringing(std::uint64_t seed, double noise, double tau = 0.35, double every = 2.5) {
   auto const n = std::size_t(30 * rate);
   std::vector<double> f(n);
   Rng rng(seed, 5, 0, Stream::source);
@@ -48,14 +48,14 @@ Knocked knocked(std::uint64_t seed, double noise, double tau = 0.35, double ever
           channel("H", "1", rate, y + white_noise(n, seed + 1000, noise))};
 }
 
-ImpulseResponse response(Knocked const& k) {
+ImpulseResponse response(Ringing const& k) {
   std::vector<double> const taps = find_taps(k.force, 8, 2);
   EXPECT_EQ(taps.size(), 12u);
   return impulse_response(k.force, k.target, taps, {.length = 2, .low = 20, .high = 300});
 }
 
-TEST(Impulse, ResponseAndModesOfAKnockR6_02) {
-  ImpulseResponse const r = response(knocked(1, 0.05));
+TEST(Impulse, ResponseAndModesOfAnImpulseR6_02) {
+  ImpulseResponse const r = response(ringing(1, 0.05));
   EXPECT_EQ(r.stretches, 12u);
   ASSERT_GE(r.modes.size(), 2u);
   EXPECT_NEAR(r.modes[0].hz, 91.3, 0.01);
@@ -71,7 +71,8 @@ TEST(Impulse, ResponseAndModesOfAKnockR6_02) {
     worst = std::max(worst, std::fabs(r.value[i] / rate - truth));
   }
   EXPECT_LT(worst, 0.06) << "of 1.5; the coherence damps what is below the noise";
-  // The modes, drawn, are the response: their phases count. Twin: cosines that all begin at their top a quarter later.
+  // The modes, drawn, are the response: their phases count. Control: cosines that all begin at their top a quarter
+  // later.
   auto const off = [&](double turn) {
     double most = 0;
     for (std::size_t i = 5; i < 500; ++i) {
@@ -83,11 +84,11 @@ TEST(Impulse, ResponseAndModesOfAKnockR6_02) {
     return most;
   };
   EXPECT_LT(off(0), 0.08);
-  EXPECT_GT(off(pi / 2), 0.5) << "twin";
+  EXPECT_GT(off(pi / 2), 0.5) << "negative control";
 }
 
 TEST(Impulse, RingingThatIsCutStillHasItsQ) {  // 2 s of a ring of 1.5 s
-  Knocked const k = knocked(2, 0.02, 1.5, 9.5);
+  Ringing const k = ringing(2, 0.02, 1.5, 9.5);
   std::vector<double> const taps = find_taps(k.force, 8, 2);
   ImpulseSettings s{.length = 2, .low = 20, .high = 300};
   ImpulseResponse const r = impulse_response(k.force, k.target, taps, s);
@@ -95,16 +96,16 @@ TEST(Impulse, RingingThatIsCutStillHasItsQ) {  // 2 s of a ring of 1.5 s
   EXPECT_NEAR(r.modes[0].quality / (pi * 91.3 * 1.5), 1, 0.02);
   EXPECT_NEAR(r.modes[0].hz, 91.3, 0.005);
   s.cut = false;
-  ImpulseResponse const twin = impulse_response(k.force, k.target, taps, s);
-  ASSERT_GE(twin.modes.size(), 1u);
+  ImpulseResponse const control = impulse_response(k.force, k.target, taps, s);
+  ASSERT_GE(control.modes.size(), 1u);
   EXPECT_NEAR(r.modes[0].amplitude / rate, 1, 0.02);
-  EXPECT_GT(std::fabs(twin.modes[0].amplitude / rate - 1), 0.1) << "twin: taken as if it had died away";
+  EXPECT_GT(std::fabs(control.modes[0].amplitude / rate - 1), 0.1) << "control: taken as if it had died away";
 }
 
-TEST(Impulse, ErrorsOfFrequencyAndQAreThoseOfRepeatedKnocks) {
+TEST(Impulse, ErrorsOfFrequencyAndQAreThoseOfRepeatedImpulses) {
   Coverage hz, q;
   for (int i = 0; i < 60; ++i) {
-    ImpulseResponse const r = response(knocked(2000 + std::uint64_t(i), 3, 0.2));
+    ImpulseResponse const r = response(ringing(2000 + std::uint64_t(i), 3, 0.2));
     ASSERT_FALSE(r.modes.empty());
     hz.add(r.modes[0].hz, r.modes[0].hz_sigma, 91.3);
     q.add(r.modes[0].quality, r.modes[0].quality_sigma, pi * 91.3 * 0.2);
@@ -115,7 +116,7 @@ TEST(Impulse, ErrorsOfFrequencyAndQAreThoseOfRepeatedKnocks) {
   }
 }
 
-// Knocks on a mode of 91.3 Hz at these distances, and its fit without what is said of earlier knocks.
+// Impulses on a mode of 91.3 Hz at these distances, and its fit without what is said of earlier impulses.
 struct Rung {
   RingDown mode, alone;
 };
@@ -137,7 +138,7 @@ Rung rung(std::uint64_t seed, double tau, double noise, Distance const& distance
   return {r.modes.empty() ? RingDown() : r.modes[0], fit_ring_down(r, top - 10, top + 10, 2 - 0.01)};
 }
 
-// The knock before still rings: 10 % of it is there when the next falls, at any phase.
+// The impulse before still rings: 10 % of it is there when the next falls, at any phase.
 TEST(Impulse, WhatStillRingsIsTakenOffTheAmplitude) {
   Coverage amplitude, hz, q, alone;
   for (std::uint64_t seed = 1; seed <= 120; ++seed) {
@@ -148,14 +149,14 @@ TEST(Impulse, WhatStillRingsIsTakenOffTheAmplitude) {
     q.add(r.mode.quality, r.mode.quality_sigma, pi * 91.3 * 0.9);
   }
   for (Coverage const& c : {amplitude, hz, q}) EXPECT_NEAR(c.share(), 0.683, 0.13);
-  EXPECT_LT(alone.share(), 0.3) << "twin: as if each knock fell on silence";
+  EXPECT_LT(alone.share(), 0.3) << "control: as if each impulse fell on silence";
 }
 
-// Knocks at equal distances, of 183 periods here: what is left adds up.
-TEST(Impulse, LeftOverOfRegularKnocksIsTakenOff) {
+// Impulses at equal distances, of 183 periods here: what is left adds up.
+TEST(Impulse, LeftOverOfRegularImpulsesIsTakenOff) {
   Rung const r = rung(5, 0.9, 0.1, [](Rng&) { return 183 / 91.3; });
   EXPECT_NEAR(r.mode.amplitude / rate, 1, 0.01);
-  EXPECT_GT(r.alone.amplitude / rate, 1.08) << "twin";
+  EXPECT_GT(r.alone.amplitude / rate, 1.08) << "negative control";
 }
 
 // At Q = 5 the line at negative frequency reaches over.
@@ -191,9 +192,9 @@ TEST(Impulse, ErrorsGrowWhereAnotherModeIsBeside) {
   EXPECT_NEAR(m.hz, 91.3, 3 * m.hz_sigma);
 }
 
-// Knocks of one place that couple by 20 % more or less: the error is that of their mean. Twin: the fit of the mean
+// Impulses of one place that couple by 20 % more or less: the error is that of their mean. Control: the fit of the mean
 // alone.
-TEST(Impulse, KnocksThatDifferAreInTheErrorOfTheAmplitude) {
+TEST(Impulse, ImpulsesThatDifferAreInTheErrorOfTheAmplitude) {
   auto const n = std::size_t(30 * rate);
   Coverage amplitude, alone;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -211,16 +212,16 @@ TEST(Impulse, KnocksThatDifferAreInTheErrorOfTheAmplitude) {
                          {.length = 2, .low = 20, .high = 300, .modes = 1});
     ASSERT_EQ(r.modes.size(), 1u);
     auto const top = std::size_t(std::lround(91.3 / r.hz[1]));
-    RingDown const twin = fit_ring_down(r, top - 10, top + 10, 2 - 0.01);
+    RingDown const control = fit_ring_down(r, top - 10, top + 10, 2 - 0.01);
     amplitude.add(r.modes[0].amplitude, r.modes[0].amplitude_sigma, rate);
-    alone.add(twin.amplitude, twin.amplitude_sigma, rate);
+    alone.add(control.amplitude, control.amplitude_sigma, rate);
   }
   EXPECT_NEAR(amplitude.share(), 0.66, 0.15);
   EXPECT_LT(alone.share(), 0.3);
 }
 
-TEST(Impulse, RefusesOneKnock) {
-  Knocked const k = knocked(1, 0.1);
+TEST(Impulse, RefusesOneImpulse) {
+  Ringing const k = ringing(1, 0.1);
   std::vector<double> const one{1e9 + 3};
   EXPECT_THROW(impulse_response(k.force, k.target, one, {}), InputError);
 }

@@ -92,7 +92,7 @@ TEST(Harmonics, BesselRatiosOfTheThirdToTheFirstR6_03) {  // J_3/J_1 = 0.04446 a
   EXPECT_NEAR(f.z, 1, 1e-3);
   EXPECT_NEAR(f.odd, std::cos(0.4), 1e-3);
   EXPECT_NEAR(f.even, std::sin(0.4), 1e-3);
-  EXPECT_GT(std::fabs(f.harmonics[2].ratio - 0.04446 * 0.04446), 0.01) << "twin: ratio of powers";
+  EXPECT_GT(std::fabs(f.harmonics[2].ratio - 0.04446 * 0.04446), 0.01) << "control: ratio of powers";
   EXPECT_NEAR(motion_of_phase(1, 1064e-9, 1), 84.67e-9, 5e-12);  // lambda/4 pi
   EXPECT_NEAR(motion_of_phase(4.6e-1, 1064e-9, 2), 84.67e-9 * 0.23, 5e-12);
 }
@@ -238,7 +238,7 @@ TEST(Ridge, CouplingAlongASweepR6_04) {  // 20 to 120 Hz in 50 s; the target ans
 
 struct BinTrials {
   int bins = 0, measured = 0, missed = 0,
-      any_window = 0;  // missed: limits below the truth; twin: one window at 3 sigma
+      any_window = 0;  // missed: limits below the truth; control: one window at 3 sigma
   Coverage coverage;
 };
 
@@ -276,7 +276,7 @@ TEST(Ridge, NothingIsMeasuredWhereNothingAnswersR6_04) {
   BinTrials const t = bin_trials(0, 60);
   ASSERT_GT(t.bins, 1400);
   EXPECT_LE(t.measured, 0.005 * t.bins);
-  EXPECT_GT(t.any_window, 0.03 * t.bins) << "twin: the most significant window of each bin";
+  EXPECT_GT(t.any_window, 0.03 * t.bins) << "control: the most significant window of each bin";
 }
 
 TEST(Ridge, LimitsAndErrorsOfABinHoldR6_04) {
@@ -285,7 +285,7 @@ TEST(Ridge, LimitsAndErrorsOfABinHoldR6_04) {
     EXPECT_LT(t.measured, 0.8 * t.bins);
     EXPECT_LE(t.missed, 0.065 * t.bins) << sigmas;
   }
-  EXPECT_GT(bin_trials(1.7, 40).missed, 0) << "twin: limits that are never reached";
+  EXPECT_GT(bin_trials(1.7, 40).missed, 0) << "control: limits that are never reached";
   BinTrials const sure = bin_trials(4, 40);
   EXPECT_GT(sure.measured, 0.97 * sure.bins) << "one window at either end of the sweep";
   EXPECT_NEAR(sure.coverage.share(), 0.683, 0.07);

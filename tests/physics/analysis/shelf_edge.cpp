@@ -76,7 +76,7 @@ TEST(ShelfEdge, FreeRatioOfTwoBodiesR2_40) {
       << "many ratios are as good: " << untold.value << ", " << untold.sigma;
   s.ratio = {0.5, 0.5};
   ShelfEdgeFit const held = fit_shelf_edge(apart, s);
-  EXPECT_GT(std::fabs(held.factor.value - 1), 3 * held.factor.sigma) << "twin: ratio 0.5 instead of 0.8";
+  EXPECT_GT(std::fabs(held.factor.value - 1), 3 * held.factor.sigma) << "control: ratio 0.5 instead of 0.8";
 }
 
 // |T(f)| of a port, 1 at 50 Hz or below.
@@ -131,9 +131,9 @@ TEST(ShelfEdge, ErrorsCoverTheScatterR2_40) {
     }
   EXPECT_NEAR(all.mean(), 0, 3 / std::sqrt(all.count));
   EXPECT_NEAR(all.variance(), 1, 3 * all.variance_error());
-  EXPECT_GT(halved.variance(), 1 + 3 * halved.variance_error()) << "twin: errors half as large";
+  EXPECT_GT(halved.variance(), 1 + 3 * halved.variance_error()) << "control: errors half as large";
   EXPECT_GT(std::fabs(of_likelihood.variance() - 1), 3 * of_likelihood.variance_error())
-      << "twin: errors as if the shelf were Gaussian noise: " << of_likelihood.variance();
+      << "control: errors as if the shelf were Gaussian noise: " << of_likelihood.variance();
 }
 
 // No edge where there is no shelf.

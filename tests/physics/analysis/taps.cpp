@@ -33,19 +33,19 @@ struct Taps {
   GpsSpan quiet{start, start + each};
 };
 
-struct Knock {
+struct Impulse {
   std::string place;
   double factor, newton;
   double saturates = 0;  // target amplitude at which coupling folds, as sin() does; 0: linear
 };
 
-// Quiet for 20 s, then each place for 20 s: a knock each second, its force random within a factor of four.
-Taps tapping(std::vector<Knock> const& knocks, std::uint64_t seed) {
+// Quiet for 20 s, then each place for 20 s: an impulse each second, its force random within a factor of four.
+Taps tapping(std::vector<Impulse> const& impulses, std::uint64_t seed) {
   auto const n = std::size_t(each * rate);
   std::vector<double> force(n), heard(n);
   Taps t;
   Rng rng(seed, 1, 0, Stream::source);
-  for (Knock const& k : knocks) {
+  for (Impulse const& k : impulses) {
     std::vector<double> f(n);
     for (std::size_t i = 200; i < n; i += std::size_t(rate))
       f[i + std::size_t(100 * rng.uniform())] = k.newton * std::pow(4, rng.uniform());
@@ -78,7 +78,7 @@ TEST(Taps, RightPlaceComesFirstAtRatioTwoR6_02) {
   double lead = 0;
   for (int i = 0; i < trials; ++i) {
     auto const seed = std::uint64_t(i);
-    // The guilty one is knocked more softly, so that the target alone would name another place.
+    // The guilty one is struck more softly, so that the target alone would name another place.
     Taps const t = tapping({{"tower", 1, 32}, {"link", 2, 8}, {"bench", 1, 16}, {"pipe", 0.3, 16}}, 50 + seed);
     auto const peaks = tap_peaks(t.series, t.places, t.quiet, settings, {});
     TapPeak const* const p = at_resonance(peaks);
@@ -94,7 +94,7 @@ TEST(Taps, RightPlaceComesFirstAtRatioTwoR6_02) {
                             by["bench"].coupling_sigma / by["bench"].coupling),
                  0);
     EXPECT_EQ(p->places[0].local, "ACC_A");
-    EXPECT_FALSE(by["tower"].target_ratio < by["link"].target_ratio) << "twin: ranked by the target alone";
+    EXPECT_FALSE(by["tower"].target_ratio < by["link"].target_ratio) << "control: ranked by the target alone";
   }
   EXPECT_EQ(seen, trials);
   EXPECT_GE(right, 0.95 * trials);
@@ -121,11 +121,11 @@ TEST(Taps, SlopeOfRepeatsTellsLinearFromFoldedR6_02) {
   int linear = 0, folded = 0;
   constexpr int trials = 20;
   for (int i = 0; i < trials; ++i) {
-    auto const knocks = [&](double fold) {
-      return std::vector<Knock>{{"link", 2, 3, fold}, {"link", 2, 8, fold}, {"link", 2, 20, fold}};
+    auto const impulses = [&](double fold) {
+      return std::vector<Impulse>{{"link", 2, 3, fold}, {"link", 2, 8, fold}, {"link", 2, 20, fold}};
     };
     auto const flagged = [&](double fold) {
-      Taps const t = tapping(knocks(fold), 400 + std::uint64_t(i));
+      Taps const t = tapping(impulses(fold), 400 + std::uint64_t(i));
       auto const peaks = tap_peaks(t.series, t.places, t.quiet, settings, {});
       TapPeak const* const p = at_resonance(peaks);
       EXPECT_TRUE(p && p->places[0].repeats == 3);
@@ -167,7 +167,7 @@ TEST(Taps, SilentPlacesHaveLimitsR6_02) {
   }
   EXPECT_GE(silent, trials / 2);
   EXPECT_GE(holds, 0.95 * silent - 3 * std::sqrt(0.05 * 0.95 * silent));
-  EXPECT_LT(tenth, 0.5 * silent) << "twin: a limit ten times too low";
+  EXPECT_LT(tenth, 0.5 * silent) << "control: a limit ten times too low";
 }
 
 TEST(Taps, ListsAreReadAndRefused) {

@@ -34,7 +34,8 @@ TEST(Clipping, ClosedForms) {
   EXPECT_NEAR(clipped_share(arm, opening(0.175)) / 1.277e-8, 1, 1e-3);
   EXPECT_NEAR(clipped_share(a8, opening(0.17)) / 3.4513e-8, 1, 1e-4);
   EXPECT_NEAR(clipped_share(a8, opening(0.165)) / 9.3427e-8, 1, 1e-4);
-  EXPECT_GT(std::fabs(clipped_share(a8, opening(0.165 / 2)) / 9.3427e-8 - 1), 1);  // twin: the radius for the diameter
+  EXPECT_GT(std::fabs(clipped_share(a8, opening(0.165 / 2)) / 9.3427e-8 - 1),
+            1);  // control: the radius for the diameter
 }
 double outside(double radius, double offset) {  // by a sum over the plane, units of w
   double sum = 0;
@@ -52,7 +53,7 @@ TEST(Clipping, OffCentreA8) {
   double const sum = outside(radius, offset);
   EXPECT_NEAR(clipped_share(flat, opening(radius * w, offset * w)) / sum, 1, 1e-3);
   EXPECT_NEAR(clipped_share(flat, opening(radius * w, 0.36 * w, -0.48 * w)) / sum, 1, 1e-3);
-  EXPECT_GT(std::fabs(clipped_share(flat, opening(radius * w)) / sum - 1), 0.1);  // twin: centred
+  EXPECT_GT(std::fabs(clipped_share(flat, opening(radius * w)) / sum - 1), 0.1);  // control: centred
 }
 
 // Eq. 5.7 and the two 17 % of R2.27: far away the axis loses them, nearby it goes up and down by them.
@@ -70,7 +71,7 @@ TEST(Diffraction, AxisAtPiHalfW) {
   double const edge = std::exp(-a.radius * a.radius / (w * w));
   EXPECT_NEAR(low, (1 - edge) * (1 - edge), 1e-3);
   EXPECT_NEAR(high, (1 + edge) * (1 + edge), 1e-3);
-  EXPECT_NEAR(far_axis_factor(flat, opening(pi * w)), 1, 2e-4);  // twin: twice the aperture
+  EXPECT_NEAR(far_axis_factor(flat, opening(pi * w)), 1, 2e-4);  // control: twice the aperture
 }
 
 // On the axis of a centred aperture the integral is elementary: u/u_0 = 1 - exp(-gamma a^2).
@@ -118,7 +119,7 @@ TEST(Diffraction, OffCentreAgainstTheSumOverThePlane) {
   Field const ours = field_behind(flat, off, z, x, y);
   EXPECT_NEAR(std::abs(ours - direct) / std::abs(direct), 0, 2e-3);
   Field const centred = field_behind(flat, opening(a), z, x, y);
-  EXPECT_GT(std::abs(centred - direct) / std::abs(direct), 0.02);  // twin: the offset forgotten
+  EXPECT_GT(std::abs(centred - direct) / std::abs(direct), 0.02);  // control: the offset forgotten
 }
 
 // The power behind the aperture is what it let through; what goes beyond `reach` falls like 1/reach.
@@ -139,7 +140,7 @@ TEST(Diffraction, PowerIsConserved) {
   EXPECT_NEAR(power_behind(centred, z, 16 * w, 800, 1) / (1 - clipped_share(flat, centred)), 1, 2e-3);
   double const behind = power_behind(off, z, 4 * w, 80, 12);
   EXPECT_NEAR(behind / (1 - clipped_share(flat, off)), 1, 0.015);
-  EXPECT_GT(std::fabs(behind / (1 - clipped_share(flat, centred)) - 1), 0.1);  // twin: the offset forgotten
+  EXPECT_GT(std::fabs(behind / (1 - clipped_share(flat, centred)) - 1), 0.1);  // control: the offset forgotten
   // Of random teeth only the mean field: less than what passes between them.
   EXPECT_LT(power_behind(serrated, z, 4 * w, 100, 1) / (1 - clipped_share(flat, serrated)), 0.995);
 }
@@ -172,7 +173,7 @@ TEST(Diffraction, GivenTeeth) {
   Opening random = a;
   random.teeth = 0;
   EXPECT_GT(std::abs(field_behind(flat, random, z, px, py) - direct) / std::abs(direct),
-            0.01);  // twin: without pattern
+            0.01);  // control: without pattern
   Field mean = 0;
   int const phases = 16;
   for (int p = 0; p < phases; ++p) {
@@ -205,7 +206,7 @@ TEST(Diffraction, WideRimsNearbyAgainstRings) {
       Field const ours = field_behind(beam, opening(radius), z, x, 0), exact = by_rings(beam, radius, z, x);
       EXPECT_NEAR(std::abs(ours - exact), 0, 1e-6 * std::abs(free_field(beam, z, 0, 0))) << number << ' ' << x;
       if (x > 0.2) {
-        Field const wrong = by_rings(beam, radius * (1 + 0.3 / number), z, x);  // twin: the rim by a third of a ring
+        Field const wrong = by_rings(beam, radius * (1 + 0.3 / number), z, x);  // control: the rim by a third of a ring
         EXPECT_GT(std::abs(ours - wrong), 1e-4 * std::abs(ours));
       }
     }
@@ -225,7 +226,7 @@ TEST(Diffraction, StraightEdgeOfAWideRim) {
     double const most = std::norm(field_behind(beam, opening(radius), z, radius - 1.217 * zone, 0)) /
                         std::norm(free_field(beam, z, radius - 1.217 * zone, 0));
     EXPECT_NEAR(most, 1.370, 1.370 / std::sqrt(number));
-    EXPECT_GT(std::fabs(share - 0.5), 0.1);  // twin: half the intensity
+    EXPECT_GT(std::fabs(share - 0.5), 0.1);  // control: half the intensity
   }
 }
 
@@ -247,7 +248,7 @@ TEST(Diffraction, OffCentreNearbyAgainstRings) {
   Field const exact = k / (2 * pi * Field{0, 1} * z) * sum * (radius / rings * 2 * pi / angles);
   EXPECT_NEAR(std::abs(field_behind(beam, off, z, px, py) - exact) / std::abs(exact), 0, 2e-3);
   Field const centred = field_behind(beam, opening(radius), z, px, py);
-  EXPECT_GT(std::abs(centred - exact) / std::abs(exact), 0.01);  // twin: the offset forgotten
+  EXPECT_GT(std::abs(centred - exact) / std::abs(exact), 0.01);  // control: the offset forgotten
 }
 
 TEST(Diffraction, RefusesWhatItCannotIntegrate) {

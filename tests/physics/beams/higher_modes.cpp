@@ -25,20 +25,20 @@ constexpr int highest = 30;
 
 // Integrals over the whole axis of smooth functions that vanish at both ends: equal steps are exact to rounding.
 TEST(hermite, functions_are_orthonormal_to_order_30) {
-  double worst = 0, worst_twin = 0;
+  double worst = 0, worst_control = 0;
   for (int n = 0; n <= highest; ++n)
     for (int m = 0; m <= n; ++m) {
-      double sum = 0, twin = 0, step = 0.05;
+      double sum = 0, control = 0, step = 0.05;
       for (int i = -280; i <= 280; ++i) {
         double const x = i * step, product = hermite_function(n, x) * hermite_function(m, x);
         sum += product;
-        twin += hermite_function(n, x) * hermite_function(m, 1.001 * x);  // of a beam 0.1 % smaller
+        control += hermite_function(n, x) * hermite_function(m, 1.001 * x);  // of a beam 0.1 % smaller
       }
       worst = std::max(worst, std::fabs(sum * step - (n == m)));
-      worst_twin = std::max(worst_twin, std::fabs(twin * step - (n == m)));
+      worst_control = std::max(worst_control, std::fabs(control * step - (n == m)));
     }
   EXPECT_LT(worst, 1e-12);
-  EXPECT_GT(worst_twin, 1e-3);
+  EXPECT_GT(worst_control, 1e-3);
   EXPECT_EQ(hermite_function(30, 60), 0);
   EXPECT_NEAR(hermite_function(2, 0.7), (4 * 0.49 - 2) * std::exp(-0.245) / std::sqrt(8 * std::sqrt(pi)), 1e-15);
 }
@@ -95,10 +95,10 @@ TEST(laguerre, fields_are_orthonormal) {
   auto const one = Eigen::MatrixXcd::Identity(count, count);
   auto const u = [&](int k, Vec3 p) { return laguerre_field(basis_of_test, orders[k].first, orders[k].second, p); };
   EXPECT_LT((gram(u, count, 0.7) - one).cwiseAbs().maxCoeff(), 1e-9);
-  auto const twin = [&](int k, Vec3 p) {
+  auto const control = [&](int k, Vec3 p) {
     return laguerre_field(basis_of_test, orders[k].first, 0, p);
   };  // no exp(i l phi)
-  EXPECT_GT((gram(twin, count, 0.7) - one).cwiseAbs().maxCoeff(), 0.1);
+  EXPECT_GT((gram(control, count, 0.7) - one).cwiseAbs().maxCoeff(), 0.1);
 }
 
 // Laguerre modes are sums of Hermite modes of their order, at any distance: LG(0, +-1) = (HG10 +- i HG01)/sqrt(2),

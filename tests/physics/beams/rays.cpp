@@ -173,7 +173,7 @@ TEST(beam_path, bevel_of_an_input_mirror_b13) {
   double const within = pi / 4 - std::asin(std::sin(pi / 4) / 1.45);
   EXPECT_NEAR(ring_angle(bevel, flat), std::asin(1.45 * std::sin(within)) * 180 / pi, 1e-9);
   EXPECT_NEAR(ring_angle(bevel, flat), 20, 4);
-  EXPECT_NEAR(ring_angle(bevel, bevel), 0, 1e-6);  // twin: a back parallel to the bevel makes no ring
+  EXPECT_NEAR(ring_angle(bevel, bevel), 0, 1e-6);  // control: a back parallel to the bevel makes no ring
 }
 
 }  // namespace

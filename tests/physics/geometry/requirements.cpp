@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-// R3.14: hole on +x: a ray to +x passes, a ray to -x hits. The twin drills through both walls.
+// R3.14: hole on +x: a ray to +x passes, a ray to -x hits. The control drills through both walls.
 TEST(GeometryRequirements, HoleOnOneSideR3_14) {
   PiercedCylinder const wall = pierced(0.5, 0, 2, 0.1, 1);
   EXPECT_EQ(wall.distance({{0, 0, 1}, {1, 0, 0}}, false), infinity);
@@ -27,7 +27,7 @@ TEST(GeometryRequirements, HoleOnOneSideR3_14) {
 TEST(GeometryRequirements, AreaOfAPiercedWall) {
   double const a = 0.01, r = 0.5, gone = 2 * pi * r * 2 - pierced(r, 0, 2, a, 1).area();
   EXPECT_NEAR(gone / (pi * a * a * (1 + a * a / (8 * r * r))), 1, 1e-7);
-  EXPECT_GT(std::fabs(gone / (pi * a * a) - 1), 1e-5);  // twin: the flat disk
+  EXPECT_GT(std::fabs(gone / (pi * a * a) - 1), 1e-5);  // control: the flat disk
 }
 
 // R3.15, rectangle and apertures: edges to 1e-4 m.
@@ -126,10 +126,10 @@ TEST(GeometryRequirements, AreaOfAParaboloid) {
       sum += std::sqrt(1 + 0.25 * (x * x + y * y)) * rho * 0.2 / n * 2 * pi / n;
     }
   EXPECT_NEAR(mirror.area() / sum, 1, 1e-7);
-  EXPECT_GT(std::fabs(mirror.area() / (pi * 0.08) - 1), 0.01);  // twin: the flat ring
+  EXPECT_GT(std::fabs(mirror.area() / (pi * 0.08) - 1), 0.01);  // control: the flat ring
 }
 
-// R3.20 for the box: 1e6 bounces inside, every one on another face. The twin forgets the face it starts on.
+// R3.20 for the box: 1e6 bounces inside, every one on another face. The control forgets the face it starts on.
 TEST(GeometryRequirements, NoSelfHitsInABoxR3_20) {
   auto const self_hits = [](bool know_face, int bounces) {
     Cuboid const box = cuboid(1, 2, 3, {{5, -3, 3000}, unit({0.1, 0.2, 0.9})});
@@ -150,12 +150,12 @@ TEST(GeometryRequirements, NoSelfHitsInABoxR3_20) {
   EXPECT_GT(self_hits(false, 10000), 100);
 }
 
-// Lines through points of the edges of a box, to rounding: it is left as often as it is entered. The twin takes the
+// Lines through points of the edges of a box, to rounding: it is left as often as it is entered. The control takes the
 // faces as six rectangles.
 TEST(GeometryRequirements, BoxIsWatertightAtItsEdges) {
   Cuboid const box = cuboid(1, 2, 3, {{5, -3, 300}, unit({0.1, 0.2, 0.9})});
   Rng rng(3, 0, 0, Stream::direction);
-  int odd = 0, twin = 0, touched = 0;
+  int odd = 0, control = 0, touched = 0;
   for (int i = 0; i < 200000; ++i) {
     Vec3 const edge = box.centre + 0.5 * box.e1 + box.e2 + (3 * rng.uniform() - 1.5) * box.axis;
     double const z = 2 * rng.uniform() - 1, r = std::sqrt(1 - z * z);
@@ -182,11 +182,11 @@ TEST(GeometryRequirements, BoxIsWatertightAtItsEdges) {
       faces += std::fabs(dot(p, e[(i0 + 1) % 3])) < 0.5 * sizes[(i0 + 1) % 3] &&
                std::fabs(dot(p, e[(i0 + 2) % 3])) < 0.5 * sizes[(i0 + 2) % 3];
     }
-    twin += faces % 2;
+    control += faces % 2;
   }
   EXPECT_EQ(odd, 0);
   EXPECT_GT(touched, 100000);
-  EXPECT_GT(twin, 0);
+  EXPECT_GT(control, 0);
 }
 
 TEST(GeometryRequirements, ImpossibleShapesAreRefused) {

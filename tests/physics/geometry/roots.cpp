@@ -115,7 +115,7 @@ TEST(GeometryRoots, AsphereRootsAgainstIsolation) {
     };
   };
   Rng rng(5, 0, 0, Stream::direction);
-  int wrong = 0, twin = 0, several = 0;
+  int wrong = 0, control = 0, several = 0;
   for (int i = 0; i < 3000; ++i) {
     Vec3 const through{0.4 * (rng.uniform() - 0.5), 0.4 * (rng.uniform() - 0.5), 0.02 * rng.uniform()};
     Vec3 const d = unit({rng.uniform() - 0.5, rng.uniform() - 0.5, 0.05 * (rng.uniform() - 0.5)});
@@ -136,11 +136,11 @@ TEST(GeometryRoots, AsphereRootsAgainstIsolation) {
       return !same;
     };
     wrong += differ(wanted);
-    twin += differ(roots(-8.01));
+    control += differ(roots(-8.01));
   }
   EXPECT_LE(wrong, 1);  // a pair of roots between two points of the grid
   EXPECT_GT(several, 50);
-  EXPECT_GT(twin, 1000);
+  EXPECT_GT(control, 1000);
 }
 
 }  // namespace

@@ -46,9 +46,9 @@ TEST(DualRecycled, ArmPowersB6) {
   EXPECT_NEAR(DualRecycled(preset("adv")).arm_power() / 650e3, 1, 0.03);
   EXPECT_NEAR(DualRecycled(preset("aligo")).arm_power() / 750e3, 1, 0.01);
   EXPECT_NEAR(DualRecycled(preset("kagra")).arm_power() / 340e3, 1, 1e-9);  // given
-  DualRecycledParameters twin = preset("et-hf");
-  twin.beam_splitter_loss = 0;
-  EXPECT_GT(std::fabs(DualRecycled(twin).arm_power() / 3.0593e6 - 1), 0.02) << "twin: no loss at the splitter";
+  DualRecycledParameters control = preset("et-hf");
+  control.beam_splitter_loss = 0;
+  EXPECT_GT(std::fabs(DualRecycled(control).arm_power() / 3.0593e6 - 1), 0.02) << "control: no loss at the splitter";
 }
 
 // R2.03: what leaves equals what enters, through arms, recycling, offsets and modulators.
@@ -73,10 +73,10 @@ TEST(DualRecycled, LosslessOnesConservePowerR2_03) {
     leaving += d.power_at("laser", 0);
     EXPECT_NEAR(leaving, 1, 1e-12) << repeat;
     p.round_trip_loss = 1e-9;
-    DualRecycled const twin(p, modulators);
-    double kept = twin.power_at("laser", 0);
-    for (char const* end : {"dark", "bench x", "bench y"}) kept += twin.power_at(end, 0);
-    EXPECT_GT(1 - kept, 1e-12) << "twin: a part in 1e9 is lost";
+    DualRecycled const control(p, modulators);
+    double kept = control.power_at("laser", 0);
+    for (char const* end : {"dark", "bench x", "bench y"}) kept += control.power_at(end, 0);
+    EXPECT_GT(1 - kept, 1e-12) << "control: a part in 1e9 is lost";
   }
 }
 
@@ -104,7 +104,7 @@ TEST(DualRecycled, ModulatorsConservePowerR2_03) {
     if (order == 12)
       EXPECT_NEAR(leaving / 3, 1, 1e-12);
     else
-      EXPECT_GT(std::fabs(leaving / 3 - 1), 1e-6) << "twin: bands left out";
+      EXPECT_GT(std::fabs(leaving / 3 - 1), 1e-6) << "control: bands left out";
   }
 }
 
@@ -129,7 +129,7 @@ TEST(DualRecycled, GainOfStrayLightEq6_8) {
   }
   DualRecycledParameters detuned = plain(0.007, 0.05);
   detuned.signal_recycling_tuning = 0.1;
-  EXPECT_GT(DualRecycled(detuned).stray_gain(0.01).total(), 1.5 * 4.15) << "twin: not tuned";
+  EXPECT_GT(DualRecycled(detuned).stray_gain(0.01).total(), 1.5 * 4.15) << "control: not tuned";
 }
 
 // R2.09: a signal-recycling mirror that transmits all changes nothing, and power recycling only the power.
@@ -144,7 +144,7 @@ TEST(DualRecycled, WithoutMirrorsR2_09) {
   p.signal_recycling_tuning = 0.7;
   EXPECT_NEAR(DualRecycled(p).pole(), d.pole(), 1e-6);
   p.signal_recycling_transmission = 0.9;
-  EXPECT_GT(std::fabs(DualRecycled(p).pole() / d.pole() - 1), 0.01) << "twin: a mirror of 10 %";
+  EXPECT_GT(std::fabs(DualRecycled(p).pole() / d.pole() - 1), 0.01) << "control: a mirror of 10 %";
 }
 
 // Eq. 12.6, A23: 650 kW in the arms, no signal recycling, whatever the power recycling.
@@ -166,7 +166,7 @@ TEST(DualRecycled, QuantumNoiseA23) {
   p.injection_loss = 0.2;
   EXPECT_NEAR(DualRecycled(p).quantum_noise(1000) / d.quantum_noise(1000), std::sqrt(0.8 * 0.1 + 0.2), 1e-3);
   p.squeezing_angle = pi / 2;
-  EXPECT_GT(DualRecycled(p).quantum_noise(1000), 2 * d.quantum_noise(1000)) << "twin: the other quadrature";
+  EXPECT_GT(DualRecycled(p).quantum_noise(1000), 2 * d.quantum_noise(1000)) << "control: the other quadrature";
 }
 
 // A23 to 1e-4. Eq. 12.6 has gamma = T c/(4L) and phases of sidebands to first order in T and in f L/c: with T, L and
@@ -185,8 +185,8 @@ TEST(DualRecycled, QuantumNoiseInTheLimitOfA23) {
     };
     EXPECT_LT(std::fabs(off(100)), 1e-4) << row.hz;
     EXPECT_NEAR((off(10) - off(1000)) / (off(100) - off(1000)), 11, 0.5) << row.hz;  // 0.099 / 0.009: first order
-    EXPECT_GT(std::fabs(off(1)), 1e-3) << "twin: T as it is";
-    EXPECT_GT(std::fabs(off(100, 0.99)), 1e-3) << "twin: a signal-recycling mirror of 1 %";
+    EXPECT_GT(std::fabs(off(1)), 1e-3) << "control: T as it is";
+    EXPECT_GT(std::fabs(off(100, 0.99)), 1e-3) << "control: a signal-recycling mirror of 1 %";
   }
 }
 
@@ -198,7 +198,7 @@ TEST(DualRecycled, LossOfTheSignalCavityEq6_8) {
   double const gain = differential_mode(arm_of(p), 1 - 0.8 * 0.9).gain;
   EXPECT_NEAR(DualRecycled(p).stray_gain(0.01).total() / gain, 1, 1e-6);
   p.signal_cavity_loss = 0;
-  EXPECT_GT(std::fabs(DualRecycled(p).stray_gain(0.01).total() / gain - 1), 0.05) << "twin: not lost";
+  EXPECT_GT(std::fabs(DualRecycled(p).stray_gain(0.01).total() / gain - 1), 0.05) << "control: not lost";
   p.signal_recycling_transmission = 1;
   DualRecycledParameters later = p;
   p.signal_cavity_loss = 0.1;
@@ -227,7 +227,7 @@ TEST(DualRecycled, FilterCavityOfKimble) {
     double const hz = share * standard / (2 * pi);
     EXPECT_NEAR(with.quantum_noise(hz) / without.quantum_noise(hz), std::sqrt(0.1), 0.03 * std::sqrt(0.1)) << hz;
   }
-  EXPECT_GT(fixed.quantum_noise(3), 3 * without.quantum_noise(3)) << "twin: no cavity";
+  EXPECT_GT(fixed.quantum_noise(3), 3 * without.quantum_noise(3)) << "control: no cavity";
 }
 
 // R2.13: the map is invertible; the sixth direction is what no light sees.
@@ -242,7 +242,7 @@ TEST(DualRecycled, DegreesOfFreedomR2_13) {
   EXPECT_LT(std::abs(d.to_freedom(r, Freedom::mean_short)), 1e-8 * darm);
   EXPECT_NEAR(std::abs(d.to_freedom(r, Freedom::mich)) * 2 * finesse(arm_of(p)) / pi / darm, 1, 0.01);
   EXPECT_GT(std::abs(d.to_freedom(r, Freedom::srcl)), 1e-6 * std::abs(d.to_freedom(r, Freedom::mean_short)))
-      << "twin: a length that light sees";
+      << "control: a length that light sees";
   // The splitter itself, along its normal at 45 degrees, is a change of ly and of -ls by sqrt(2).
   LengthMatrix const m = freedoms_of_lengths();
   Eigen::Matrix<double, 6, 1> moved = Eigen::Matrix<double, 6, 1>::Zero();

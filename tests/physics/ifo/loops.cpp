@@ -27,7 +27,7 @@ TEST(Demodulation, HeterodyneR2_12) {
     EXPECT_NEAR(i2, i1, 1e-12);
     EXPECT_NEAR(q2, q1, 1e-12);
     EXPECT_NEAR(std::atan2(q1, i1), 0.3, 1e-12);
-    EXPECT_GT(std::fabs(demodulated(carriers, light, hz, -pi / 2) - q1), 0.05) << "twin: the sign of Q";
+    EXPECT_GT(std::fabs(demodulated(carriers, light, hz, -pi / 2) - q1), 0.05) << "control: the sign of Q";
   }
 }
 
@@ -66,7 +66,7 @@ TEST(Demodulation, NetworkAgainstTimeSeriesR2_12) {
 
 TEST(Loops, SuppressionR2_14) {
   EXPECT_NEAR(std::abs(suppression(9)), 0.1, 1e-15);
-  EXPECT_GT(std::abs(suppression(-0.9)), 9) << "twin: the sign of the loop";
+  EXPECT_GT(std::abs(suppression(-0.9)), 9) << "control: the sign of the loop";
   TransferFunction const integrator({}, {0}, 100);  // unity gain at 100 Hz
   EXPECT_NEAR(std::abs(suppression(integrator(100))), 1 / std::sqrt(2), 1e-12);
   EXPECT_NEAR(std::abs(suppression(integrator(1))), 0.01, 1e-6);

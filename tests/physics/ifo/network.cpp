@@ -68,7 +68,7 @@ TEST(Network, FabryPerotR2_05) {
   EXPECT_NEAR(range * width / 1.064e-6, 96.27, 0.005);        // pole
   EXPECT_NEAR(finesse({3000, 0.02, 0.004, 0}), 259.52, 5e-3);
   EXPECT_NEAR(cavity_pole({3000, 0.02, 0.004, 0}), 96.27, 5e-3);
-  EXPECT_NEAR(finesse({3000, 0.98, 0.004, 0}), 1.37, 5e-3) << "twin: 0.98 as a transmission";
+  EXPECT_NEAR(finesse({3000, 0.98, 0.004, 0}), 1.37, 5e-3) << "control: 0.98 as a transmission";
 }
 
 // R2.05: a cavity of low finesse, where eq. 6.5 is no longer the width of eq. 6.4: the whole scan.
@@ -85,7 +85,7 @@ TEST(Network, FabryPerotOfLowFinesseR2_05) {
   // Half the power: sin(delta/2) = (1 - r1 r2)/(2 sqrt(r1 r2)).
   double const exact = 1.064e-6 / pi * std::asin((1 - product) / (2 * std::sqrt(product)));
   EXPECT_NEAR(scan.width() / exact, 1, 1e-6);
-  EXPECT_GT(std::fabs(scan.width() / (1.064e-6 / (2 * finesse({3000, 0.1, 0.3, 0}))) - 1), 1e-3) << "twin: eq. 6.5";
+  EXPECT_GT(std::fabs(scan.width() / (1.064e-6 / (2 * finesse({3000, 0.1, 0.3, 0}))) - 1), 1e-3) << "control: eq. 6.5";
 }
 
 // A10: Advanced Virgo's arm.
@@ -112,7 +112,7 @@ TEST(Network, PhaseSlopeR2_06) {
   EXPECT_NEAR(slope(0.004) / limit(0.004), 1.2475, 1e-4);
   EXPECT_NEAR(slope(0) / 2.338e9, 1, 3e-4);
   EXPECT_NEAR(limit(0) / 2.338e9, 1, 3e-4);
-  EXPECT_GT(slope(0.004) / limit(0.004), 1.2) << "twin: 8F/lambda for an end mirror that transmits";
+  EXPECT_GT(slope(0.004) / limit(0.004), 1.2) << "control: 8F/lambda for an end mirror that transmits";
 }
 
 // R2.08, eq. 6.7: a mirror in front of one that reflects 99 % as an arm on resonance does.

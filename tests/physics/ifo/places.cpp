@@ -39,7 +39,7 @@ TEST(Places, RadiationPressureInTheShortArm) {
       EXPECT_NEAR(solved / closed, 1 - p.input_transmission / 4, 1e-3) << signal << " " << hz;
     }
     if (signal < 1) {
-      EXPECT_LT(left, 0.6) << "twin: without the signal-recycling mirror";
+      EXPECT_LT(left, 0.6) << "control: without the signal-recycling mirror";
     }
   }
 }
@@ -63,7 +63,7 @@ TEST(Places, PhaseInTheShortArmOfAdvancedVirgo) {
     EXPECT_LT(std::abs(phase(held, hz) / closed - 1.0), 0.01) << hz;
   }
   EXPECT_NEAR(std::abs(phase(offset, 10)) / 4.31e-14, 1, 0.01);
-  EXPECT_GT(std::abs(phase(offset, 1)), 50 * std::abs(phase(held, 1))) << "twin: an offset and free mirrors";
+  EXPECT_GT(std::abs(phase(offset, 1)), 50 * std::abs(phase(held, 1))) << "control: an offset and free mirrors";
 }
 
 // Power that a stray field in short arm x makes at f = 0, (dPx - dPy)/P: common fields c and differential fields d of
@@ -100,7 +100,7 @@ TEST(Places, OffsetTurnsPhaseInTheShortArmIntoPower) {
   EXPECT_NEAR(std::abs(r.to_phase(i) / darm) / (per_power * power_difference(p, {0, 1})), 1, 0.01);
   EXPECT_NEAR(std::fabs(power_difference(p, {0, 1})), 3.34e-3, 5e-5);
   p.signal_recycling_transmission = 1;
-  EXPECT_LT(std::fabs(power_difference(p, {0, 1})), 1e-12) << "twin: no signal-recycling mirror";
+  EXPECT_LT(std::fabs(power_difference(p, {0, 1})), 1e-12) << "control: no signal-recycling mirror";
 }
 
 // On its way out of a dark port with an offset x the light is k x of the arms', and so is the sideband of DARM: Re s is
@@ -118,7 +118,7 @@ TEST(Places, SignalCavity) {
       EXPECT_NEAR(std::abs(s.amplitude) / closed, 1, 1e-3) << signal << " " << hz;
       EXPECT_LT(std::abs(s.phase), 1e-9 * closed) << signal << " " << hz;
       if (signal < 1) {
-        EXPECT_LT(closed, 0.6 * closed / left) << "twin: without the mirror";
+        EXPECT_LT(closed, 0.6 * closed / left) << "control: without the mirror";
       }
     }
   }
@@ -139,7 +139,7 @@ TEST(Places, RecyclingCavityAndSymmetricPort) {
     EXPECT_NEAR(strain(d, InjectionPoint::symmetric_port, hz).both() / input * (1 - rp * arm) / (arm - rp), 1, 5e-3)
         << hz;
   }
-  EXPECT_GT(1 / (1 - rp * arm), 20) << "twin: as the input bench";
+  EXPECT_GT(1 / (1 - rp * arm), 20) << "control: as the input bench";
 }
 
 }  // namespace

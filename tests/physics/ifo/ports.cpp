@@ -26,7 +26,7 @@ TEST(Ports, InsideAnArmA14) {
     EXPECT_NEAR(length / (1e-9 * wavelength / (4 * pi)), 1, 1e-5);                        // eq. 9.1
     EXPECT_NEAR(length / (arm.r1() * arm.r2()) / 8.5273e-17, 1, 1e-4);                    // A14
     EXPECT_NEAR(equivalent_length(arm, wavelength, {0, 1e-9}, 0) / 8.5273e-17, 1, 1e-4);  // eq. 9.10
-    EXPECT_GT(std::fabs(length / 8.5273e-17 - 1), 5e-3) << "twin: without 1/(r1 r2)";
+    EXPECT_GT(std::fabs(length / 8.5273e-17 - 1), 5e-3) << "control: without 1/(r1 r2)";
   }
 }
 
@@ -44,8 +44,8 @@ TEST(Ports, EndBenchAndShortArmA14) {
   EXPECT_NEAR(bench / (arm.r1() * of_9_10), 1, 1e-4);
   EXPECT_NEAR(bench / of_9_3, 1, 1e-4);
   EXPECT_GT(bench / of_9_10 - 1, -0.01);
-  EXPECT_LT(bench / of_9_10 - 1, -0.005) << "twin: without r1";
-  EXPECT_GT(std::fabs(bench / std::sqrt(p.end_transmission) / of_9_3), 100) << "twin: the mirror passed once";
+  EXPECT_LT(bench / of_9_10 - 1, -0.005) << "control: without r1";
+  EXPECT_GT(std::fabs(bench / std::sqrt(p.end_transmission) / of_9_3), 100) << "control: the mirror passed once";
   double const before = std::real(strain(d, InjectionPoint::short_arm, 0.01).phase) * p.arm_length * 1e-9;
   EXPECT_NEAR(before / equivalent_length(arm, wavelength, 0, {0, 1e-9}), 1, 1e-3);
   for (double const hz : {0.01, 30.0, 300.0}) {
@@ -63,9 +63,9 @@ TEST(Ports, PoleOfTheShortArmWithSignalRecyclingEq9_5) {
   Phasor const solved = strain(d, InjectionPoint::short_arm, 300).phase;
   EXPECT_NEAR(std::abs(solved / strain_per_phase_in_short_arm(arm_of(p), wavelength, 300)), 1, 0.01);
   DifferentialMode const recycled = differential_mode(arm_of(p), 0.2);
-  double const twin =
+  double const control =
       strain_per_phase_in_arm(wavelength, 3000) * pi / (2 * finesse(arm_of(p))) * std::hypot(1, 300 / recycled.pole);
-  EXPECT_GT(std::abs(solved) / twin, 4) << "twin: the pole of eq. 6.8";
+  EXPECT_GT(std::abs(solved) / control, 4) << "control: the pole of eq. 6.8";
 }
 
 // Eq. 9.2, 9.4 and 6.8: radiation pressure with and without signal recycling, in an arm and behind its end.
@@ -89,9 +89,9 @@ TEST(Ports, RadiationPressureEq9_2) {
       double const behind = (mode.gain - 0.25) / mode.gain;
       EXPECT_NEAR(bench / (p.end_transmission * std::abs(closed) * behind), 1, 0.01) << signal << " " << hz;
       if (signal < 0.1) {
-        EXPECT_GT(std::fabs(bench / (p.end_transmission * std::abs(closed) * end) - 1), 0.1) << "twin: Gamma - 1/2";
+        EXPECT_GT(std::fabs(bench / (p.end_transmission * std::abs(closed) * end) - 1), 0.1) << "control: Gamma - 1/2";
       }
-      EXPECT_GT(std::fabs(2 * arm / std::abs(closed) - 1), 0.5) << "twin: a factor 2";
+      EXPECT_GT(std::fabs(2 * arm / std::abs(closed) - 1), 0.5) << "control: a factor 2";
     }
   }
 }
@@ -114,14 +114,14 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     for (double const hz : {tuned ? 3 : 0.3, 1.0}) EXPECT_NEAR(ratio(hz), 1, 0.03) << each.name << " " << hz;
     // Detuned, the read-out sees the amplitude itself, which grows with f^2 beside radiation pressure.
     if (!tuned) {
-      EXPECT_GT(ratio(5), 1.1) << "twin: where eq. 9.2 does not hold";
+      EXPECT_GT(ratio(5), 1.1) << "control: where eq. 9.2 does not hold";
     }
   }
   DualRecycled const adv(dual_recycled_presets()[0].parameters);
   HeldResponse const held(adv, 1);
   Injection const arm = adv.injection(InjectionPoint::arm);
   EXPECT_GT(strain(adv, arm, 1).both() * 2999.8, 10 * std::abs(held.to_amplitude(arm) / held.to_freedom(Freedom::darm)))
-      << "twin: nothing held";
+      << "control: nothing held";
 }
 
 // Eq. 9.6: back into the dark port, with and without signal recycling; |T_phase|^2 + |T_amplitude|^2 is what counts.
@@ -139,7 +139,7 @@ TEST(Ports, AntisymmetricPortEq9_6) {
                    solved = strain(d, InjectionPoint::as_port, hz).both();
       EXPECT_NEAR(solved / closed, 1, 0.01) << signal << " " << hz;
       EXPECT_GT(std::fabs(solved / (closed / std::hypot(1, hz / mode.pole)) - 1), hz > 400 ? 0.01 : -1)
-          << "twin: without the pole";
+          << "control: without the pole";
       // Behind the isolator: -37 dB of power are 10^(-37/20) of the field.
       std::uint32_t const behind = d.network().number_of({d.network().find("output"), 1});
       double const isolated = strain(d, Injection{behind, false, true}, hz).both();
@@ -170,13 +170,13 @@ TEST(Ports, InputBeamEq9_7) {
   }
   EXPECT_LT(std::abs(strain(d, InjectionPoint::input_bench, 10 * pole).amplitude),
             0.2 * p.dark_fringe_offset / p.arm_length)
-      << "twin: without the pole";
+      << "control: without the pole";
   p.loss_difference = 30e-6;
   p.transmission_difference = 0.01;
   DualRecycled const unequal(p);
   EXPECT_GT(std::abs(strain(unequal, InjectionPoint::input_bench, 100).phase),
             10 * std::abs(strain(d, InjectionPoint::input_bench, 100).phase))
-      << "twin: unequal arms";
+      << "control: unequal arms";
 }
 
 // The closed forms of a scene: R5.02, R2.36, B4 and eq. 9.8.
@@ -204,7 +204,7 @@ TEST(Ports, ClosedFormsR5_02) {
   };
   EXPECT_NEAR(ratio(45.6), 1, 3e-3);                             // with the pole
   EXPECT_NEAR(ratio(52.0) * std::hypot(1, 52.0 / 55), 1, 3e-3);  // without
-  EXPECT_GT(std::fabs(ratio(52.0) - 1), 0.1) << "twin: 52.0 Hz with the pole";
+  EXPECT_GT(std::fabs(ratio(52.0) - 1), 0.1) << "control: 52.0 Hz with the pole";
   EXPECT_NEAR(std::abs(ifo.strain_per_phase(PortId{1}, 10) / ifo.strain_per_phase(bench, 10)), 0.25, 1e-12);  // eq. 9.8
 }
 
@@ -254,10 +254,10 @@ TEST(Ports, SwingingEndBenchR5_03) {
     // At position 0 odd lines are phase and even lines radiation pressure.
     double const alone = std::sqrt(f_sc * 2 * bessel * bessel * (n % 2 == 1 ? phase : amplitude));
     EXPECT_LT(deviation(std::sqrt(h2[0]), alone), 1e-6) << n;
-    EXPECT_GT(std::fabs(h2[0] / h2[1] - 1), 0.5) << "twin: one position is not the mean";
+    EXPECT_GT(std::fabs(h2[0] / h2[1] - 1), 0.5) << "control: one position is not the mean";
     EXPECT_GT(deviation(std::sqrt(amplitude) * std::hypot(1, n * hz / pole), std::sqrt(t_amplitude)), 1e-3)
-        << "twin: without the pole";
-    EXPECT_GT(deviation(2 * std::sqrt(phase), std::sqrt(t_phase)), 0.4) << "twin: lambda/2 pi L";
+        << "control: without the pole";
+    EXPECT_GT(deviation(2 * std::sqrt(phase), std::sqrt(t_phase)), 0.4) << "control: lambda/2 pi L";
   }
 }
 
@@ -277,7 +277,7 @@ TEST(Ports, VirgoBenchesB4) {
   EXPECT_NEAR(g(0.03e-6) / g(0.005e-6), std::sqrt(6.0), 1e-12);
   double const behind = std::norm(ifo.strain_per_phase(PortId{1}, 10) / ifo.strain_per_phase(PortId{2}, 10));
   EXPECT_NEAR(2 * behind / 3.99e-4, 1, 1e-3);  // 2 ppm behind 37 dB
-  EXPECT_GT(2 * std::sqrt(behind), 0.01) << "twin: decibels of the field";
+  EXPECT_GT(2 * std::sqrt(behind), 0.01) << "control: decibels of the field";
 }
 
 }  // namespace

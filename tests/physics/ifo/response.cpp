@@ -68,7 +68,7 @@ TEST(Response, QuantumNoiseA23) {
     EXPECT_NEAR(strain / row.strain, 1, 0.01) << row.hz;
     double const limit = std::sqrt(8 * hbar / (mass * std::pow(2 * pi * row.hz * length, 2)));
     EXPECT_GT(strain, limit) << "below the quantum limit";
-    // Twin: free of radiation pressure, only shot noise is left.
+    // Control: free of radiation pressure, only shot noise is left.
     Detector const heavy(transmission, 0, 0, length, infinity, 2 * arm_power / gain);
     LinearResponse const q(heavy.n, f, Readout::homodyne(d.port(d.dark, 0), angle), row.hz);
     double const shot = std::sqrt(q.quantum_noise()) / std::abs(darm(q, heavy)) / length;

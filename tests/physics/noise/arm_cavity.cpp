@@ -12,7 +12,7 @@ TEST(ArmCavity, FabryPerotNumbers) {  // A10, tolerance 1e-5
   EXPECT_LT(deviation(finesse(arm), 443.2596), 1e-5);
   EXPECT_LT(deviation(cavity_pole(arm), 56.3651), 1e-5);
   EXPECT_LT(deviation(power_gain(arm), 280.687), 1e-5);
-  arm.round_trip_loss = 0;  // twin
+  arm.round_trip_loss = 0;  // negative control
   EXPECT_GT(deviation(finesse(arm), 443.2596), 1e-3);
 }
 
@@ -25,7 +25,7 @@ TEST(ArmCavity, SignalRecyclingGain) {  // list under eq. 6.8, printed digits
   EXPECT_NEAR(gain(0.007, 0.05), 4.15, 0.005);
   EXPECT_NEAR(gain(0.007, 0.2), 16.4, 0.05);
   EXPECT_NEAR(gain(0.014, 1), 142.36, 0.005);
-  EXPECT_GT(std::fabs(gain(0.014, 0.65) - 15.72), 1);  // twin: reflectivity read as transmission
+  EXPECT_GT(std::fabs(gain(0.014, 0.65) - 15.72), 1);  // control: reflectivity read as transmission
 }
 
 TEST(ArmCavity, NoSignalRecyclingIsThePlainArm) {  // eq. 6.8 with T_s = 1 against eq. 6.5, tolerance 1e-12
@@ -39,7 +39,7 @@ TEST(ArmCavity, PowerOfTheEinsteinTelescope) {  // B6, printed digits
   ArmCavity const hf{10000, 0.007, 5e-6, 75e-6}, lf{10000, 0.007, 5e-6, 40e-6};
   EXPECT_LT(deviation(arm_power(hf, 500, 0.045, 1e-3), 3.0593e6), 2e-5);
   EXPECT_LT(deviation(arm_power(lf, 1.7, 0.026, 1e-3), 18.188e3), 3e-5);
-  EXPECT_GT(deviation(arm_power(hf, 500, 0.045, 0), 3.0593e6), 1e-2);  // twin: lossless beam splitter
+  EXPECT_GT(deviation(arm_power(hf, 500, 0.045, 0), 3.0593e6), 1e-2);  // control: lossless beam splitter
 }
 
 TEST(InjectionPoints, ExactPlaneWavesAgainstTheTable) {  // A14
@@ -56,7 +56,7 @@ TEST(InjectionPoints, ExactPlaneWavesAgainstTheTable) {  // A14
                by_9_3 = wavelength / (4 * pi) * 4.4e-6 * 1e-4;
   EXPECT_LT(deviation(end_bench, by_9_3), 0.01);
   EXPECT_LT(std::fabs(equivalent_length(arm, wavelength, 1e-9, 0)), 1e-6 * inside);  // in phase: no length
-  // Twins: the splitter side taken as the arm; the real part as the imaginary one.
+  // Controls: the splitter side taken as the arm; the real part as the imaginary one.
   EXPECT_GT(deviation(by_9_1, std::fabs(splitter)), 100);
 }
 

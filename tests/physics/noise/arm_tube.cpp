@@ -37,7 +37,7 @@ SampleMean at_10_hz(bool both_ways, double arms) {  // rms strain, mean over sta
   return {total.asd[0] * std::sqrt(2.0), total.sigma[0] * std::sqrt(2.0), (long long)histories};
 }
 
-// An error of 3 % of h is seen; twins leave out one factor each.
+// An error of 3 % of h is seen; controls leave out one factor each.
 TEST(ArmTube, FullResultE1) {
   double const mean = std::sqrt(0.5), expected = mean * 3.68e-24;  // over static phases
   expect_mean("both directions, two arms", at_10_hz(true, 2), expected, 3e-2 * expected);

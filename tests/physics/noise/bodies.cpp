@@ -19,11 +19,11 @@ TEST(SeveralBodies, OnlyRelativeMotionCounts) {
   EXPECT_EQ(level(together), 0);
   double const alone = std::sqrt(two_k * two_k * s.power(10, 10.4) / 0.4 / 2);
   double const apart = level(moving({s, s}));
-  EXPECT_LT(deviation(apart, std::sqrt(2) * alone), 1e-4);  // twin of the first: independent bodies do not cancel
+  EXPECT_LT(deviation(apart, std::sqrt(2) * alone), 1e-4);  // control of the first: independent bodies do not cancel
   MotionSet opposite = moving({s});
   opposite.inputs[0].gains.push_back({BodyId{1}, 2, -1});
   EXPECT_LT(deviation(level(opposite), 2 * alone), 1e-4);
-  EXPECT_GT(deviation(level(opposite), apart), 0.1);  // twin: powers added where amplitudes must be
+  EXPECT_GT(deviation(level(opposite), apart), 0.1);  // control: powers added where amplitudes must be
 }
 
 TEST(SeveralBodies, TonesAddWithTheirPhases) {  // eq. 7.2: z = |sum J A exp(ip)|; tolerance 1e-9
@@ -33,7 +33,7 @@ TEST(SeveralBodies, TonesAddWithTheirPhases) {  // eq. 7.2: z = |sum J A exp(ip)
                                                              phase_sensitivity(1, 2, two_k)};
   EXPECT_LT(deviation(std::sqrt(set.sensitivity(0, phase_sensitivities, 1)), two_k * 5e-7), 1e-9);
   EXPECT_GT(deviation(std::sqrt(set.sensitivity(0, phase_sensitivities, 1)), two_k * 7e-7),
-            0.1);  // twin: phases forgotten
+            0.1);  // control: phases forgotten
 }
 
 TEST(SeveralBodies, ShapesAreGrouped) {

@@ -35,7 +35,7 @@ TEST(DynamicRange, QuietBodyUnderStrongSlowMotion) {  // tolerance 1e-3, at leve
     EXPECT_LT(deviation(psd[2], expected(400)), 1e-3);
     EXPECT_LT(deviation(psd[4], expected(800)), 1e-3);
   }
-  // Twin: one transform of everything loses the quiet motion altogether.
+  // Control: one transform of everything loses the quiet motion altogether.
   MotionClass const whole{slow + quiet, 0, {}};
   double const kappa = two_k * two_k;
   SlowPhase const all{1000, std::sqrt(kappa * whole.reference.rate_power(infinity)) / (2 * pi), {}};
@@ -56,7 +56,7 @@ TEST(DynamicRange, WeakLineUnderStrongSlowMotion) {  // a calibration line is sp
   double const peak = z * z / 4 / (std::sqrt(2 * pi) * sigma);
   EXPECT_LT(deviation(psd[0], peak), 2e-3);
   EXPECT_LT(deviation(psd[2], peak * std::exp(-25 / (2 * sigma * sigma))), 2e-3);
-  EXPECT_GT(deviation(psd[0], z * z / 4 / 0.2), 0.5);  // twin: an unspread line
+  EXPECT_GT(deviation(psd[0], z * z / 4 / 0.2), 0.5);  // control: an unspread line
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coherent families in the projection: paths of one class whose relative static phases are known
-// (docs/theory/ghosts.md, eq. 10.5), as spectra, as one realisation in time, and in the band of realisations. Twin
+// (docs/theory/ghosts.md, eq. 10.5), as spectra, as one realisation in time, and in the band of realisations. Control
 // everywhere: their powers added.
 #include "noise/bands/speckle_band.hpp"
 #include "physics/noise/time_domain/time_support.hpp"
@@ -55,7 +55,7 @@ TEST(Family, LinesOfTwoPathsInAndOutOfPhase) {
         EXPECT_NEAR(std::pow(t.asd[bin], 2) * width, expected, 1e-9) << second << ' ' << phase << " line " << n;
         EXPECT_EQ(t.sigma[bin], 0);
         if (n == 1) {
-          EXPECT_GT(deviation(std::pow(powers.asd[bin], 2) * width, expected), 0.05) << "twin: powers added";
+          EXPECT_GT(deviation(std::pow(powers.asd[bin], 2) * width, expected), 0.05) << "control: powers added";
         }
       }
     }
@@ -79,7 +79,7 @@ TEST(Family, WeakMotionSeesTheSumOfFieldsTimesPhaseSensitivities) {
         EXPECT_NEAR(t.linear_share[0], 1, 1e-4);
       }
       double const powers = std::pow(total(family(members, false), m, edges).asd[0], 2) / unit;
-      EXPECT_GT(std::fabs(powers - expected), 0.4) << "twin: powers added";
+      EXPECT_GT(std::fabs(powers - expected), 0.4) << "control: powers added";
     }
 }
 
@@ -121,10 +121,10 @@ TEST(Family, DriftsTogetherOrApart) {
   EXPECT_NEAR(std::pow(one.asd[0], 2) * 0.2, 0, 1e-9);
   EXPECT_NEAR(std::pow(two.asd[2], 2) * 0.2, 0.5, 1e-9);
   EXPECT_NEAR(std::pow(two.asd[0], 2) * 0.2, 0.125, 1e-9);
-  EXPECT_NEAR(std::pow(total(family(together, false), m, edges).asd[2], 2) * 0.2, 0.625, 1e-9);  // twin
+  EXPECT_NEAR(std::pow(total(family(together, false), m, edges).asd[2], 2) * 0.2, 0.625, 1e-9);  // negative control
 }
 
-// h(t) of one family, its relative phases kept from draw to draw, against its spectrum. Twin: phases of their own.
+// h(t) of one family, its relative phases kept from draw to draw, against its spectrum. Control: phases of their own.
 TEST(Family, OneRealisationInTimeKeepsRelativePhases) {
   TwoQuadratures const ifo;
   MotionSet m = moving({gaussian_line(3, 0.6, 9e-8), gaussian_line(5, 0.5, 6e-8)});
@@ -143,7 +143,7 @@ TEST(Family, OneRealisationInTimeKeepsRelativePhases) {
   double statistic = 0;
   for (std::size_t b = 0; b < powers.mean.size(); ++b)
     statistic += std::pow((powers.mean[b] - fields.exact[b]) / powers.error[b], 2);
-  EXPECT_LT(chi_square_tail(statistic, double(powers.mean.size())), 1e-6);  // twin
+  EXPECT_LT(chi_square_tail(statistic, double(powers.mean.size())), 1e-6);  // negative control
 }
 
 // Without fields the paths of a computed route have phases of their own in every realisation.
@@ -176,7 +176,7 @@ TEST(Family, SpreadOfRealisationsIsThatOfOnePhasor) {
                    powers = bands(family(members, false));
   EXPECT_LT(deviation(fields.speckle_50[0], one.speckle_50[0]), 0.02);
   EXPECT_LT(deviation(fields.speckle_95[0], one.speckle_95[0]), 0.02);
-  EXPECT_GT(deviation(powers.speckle_95[0], one.speckle_95[0]), 0.3) << "twin: phases of their own";
+  EXPECT_GT(deviation(powers.speckle_95[0], one.speckle_95[0]), 0.3) << "control: phases of their own";
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(InputBand, BracketsGoTogetherAndSigmasInQuadrature) {
   double const expected = std::exp(std::hypot(std::log(1.5), 0.5 * std::log(2.0)));
   EXPECT_NEAR(high(sigmas), expected, 1e-9);
   EXPECT_NEAR(low(sigmas), 1 / expected, 1e-9);
-  EXPECT_LT(high(sigmas), 1.5 * std::sqrt(2.0));  // twin: added like brackets
+  EXPECT_LT(high(sigmas), 1.5 * std::sqrt(2.0));  // control: added like brackets
   EXPECT_NEAR(sigmas.routes[0].input_high[0] / sigmas.routes[0].asd[0], expected, 1e-9);
 }
 

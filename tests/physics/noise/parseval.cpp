@@ -39,7 +39,7 @@ TEST(Parseval,
     EXPECT_NEAR(power_of(spectra, s), 0.5, 1e-4) << kappa[0] << ' ' << kappa[1] << ' ' << kappa[2] << ' ' << kappa[3];
     EXPECT_NEAR(s.total, 0.5, 0.5e-6);
     if (kappa[0] == 1) {
-      EXPECT_GT(std::fabs(power_of(spectra, s) - s.constant - 0.5), 1e-3);  // twin: without the unmoved light
+      EXPECT_GT(std::fabs(power_of(spectra, s) - s.constant - 0.5), 1e-3);  // control: without the unmoved light
     }
   }
 }

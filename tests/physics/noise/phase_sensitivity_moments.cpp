@@ -137,14 +137,14 @@ TEST(PhaseSensitivityMoments, KeptPathsGrowWhereFringesWrap) {
   CouplingTable const short_run = run_histories(world, 256 * 64).coupling,
                       long_run = run_histories(world, 2048 * 64).coupling;
   NoiseTrace const before = noise(short_run, strong), after = noise(long_run, strong),
-                   twin = noise(with_512_paths(long_run), strong);
+                   control = noise(with_512_paths(long_run), strong);
   double const falls = before.paths_sigma[0] / before.asd[0] * after.asd[0] / after.paths_sigma[0];
   EXPECT_NEAR(falls, std::sqrt(8.0), 1.2);
-  EXPECT_LT(before.paths_sigma[0] / before.asd[0] * twin.asd[0] / twin.paths_sigma[0], std::sqrt(8.0) - 1.2);
+  EXPECT_LT(before.paths_sigma[0] / before.asd[0] * control.asd[0] / control.paths_sigma[0], std::sqrt(8.0) - 1.2);
 }
 
 // Strengths from second moments are the means of those of the paths, cross terms of bodies that move together
-// included. What only rounding is left of is not known. Twin: without the products of two bodies.
+// included. What only rounding is left of is not known. Control: without the products of two bodies.
 TEST(PhaseSensitivityMoments, StrengthsAreTheMeansOfThePaths) {
   std::vector<PathRecord> paths, opposite;
   for (std::uint64_t i = 0; i < 64; ++i) {

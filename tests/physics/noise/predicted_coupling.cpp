@@ -25,7 +25,7 @@ TEST(PredictedCoupling, SmallMotionIsTheLinearLimitEq7_9) {
   for (std::size_t i = 0; i < grid.size(); ++i) {
     EXPECT_LT(deviation(tube.factor[i], std::sqrt(1e-20 / 2) * two_k), 1e-6);
     EXPECT_LT(deviation(bench.factor[i], std::sqrt(4e-20 / 2) * 2 * two_k), 1e-6);
-    EXPECT_GT(deviation(tube.factor[i], std::sqrt(1e-20) * two_k), 0.2) << "twin: without the mean over phases";
+    EXPECT_GT(deviation(tube.factor[i], std::sqrt(1e-20) * two_k), 0.2) << "control: without the mean over phases";
   }
   ASSERT_EQ(tube.routes.size(), 1u);
   EXPECT_NEAR(tube.routes[0].multiplicity, 1, 1e-6);

@@ -106,7 +106,8 @@ TEST(SharedSpectra, PathsThatNodesCannotFollowAreComputed) {
     Sum const all = shared_sum(spectra, paths, computed);
     EXPECT_FALSE(all.sampled) << hard.name;
     EXPECT_LT(worst(all.psd, expected), 1e-3) << hard.name;
-    EXPECT_GT(worst(shared_sum(spectra, paths, interpolated).psd, expected), hard.old_error) << hard.name << ": twin";
+    EXPECT_GT(worst(shared_sum(spectra, paths, interpolated).psd, expected), hard.old_error)
+        << hard.name << ": control";
   }
 }
 

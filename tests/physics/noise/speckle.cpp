@@ -29,7 +29,7 @@ TEST(Speckle, PercentilesOfOneRealisation) {  // A20, eq. 10.2, tolerance 3 %
   for (double p : power) mean += p / 40000;
   EXPECT_LT(deviation(mean, 1), 0.03);
   EXPECT_LT(deviation(power[38000], speckle_percentile(0.95)), 0.03);
-  EXPECT_GT(deviation(power[38000], 3.841 / 2), 0.03);  // twin: one quadrature for both, eq. 10.3
+  EXPECT_GT(deviation(power[38000], 3.841 / 2), 0.03);  // control: one quadrature for both, eq. 10.3
 }
 
 TEST(Speckle, PathsAddInPower) {  // eq. 10.4: a sum of ASDs would be 14.14 times too high

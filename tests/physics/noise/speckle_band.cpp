@@ -59,7 +59,7 @@ TEST(SpeckleBand, OneRigidBodyIsOneSpeckle) {  // A20: 200 equal paths, toleranc
   Percentiles const phase = band_of({known_class(1, 1, equal_paths(200))}, one_body(weak), UnitDetector());
   EXPECT_LT(deviation(phase.p95, 2 * 1.921), 0.03);
   EXPECT_LT(deviation(phase.p50, boost::math::quantile(boost::math::chi_squared(1), 0.5)), 0.03);
-  EXPECT_GT(deviation(phase.p95, field.p95), 0.2);  // twin: one law for both
+  EXPECT_GT(deviation(phase.p95, field.p95), 0.2);  // control: one law for both
 }
 
 TEST(SpeckleBand, RoutesOfOneBodyAreStillOneSpeckle) {  // one motion, not one route, makes a speckle
@@ -83,7 +83,7 @@ TEST(SpeckleBand, IndependentBodiesAverage) {  // sum of N exponentials of equal
     boost::math::gamma_distribution<> const law(n, 1.0 / n);
     EXPECT_LT(deviation(p.p95, boost::math::quantile(law, 0.95)), 0.03) << n;
     EXPECT_LT(deviation(p.p05, boost::math::quantile(law, 0.05)), 0.05) << n;
-    EXPECT_GT(deviation(p.p95, 2.996), 0.1) << n;  // twin: bodies taken for one
+    EXPECT_GT(deviation(p.p95, 2.996), 0.1) << n;  // control: bodies taken for one
   }
 }
 

@@ -79,7 +79,7 @@ TEST(MotionThroughTransfers, SuspendedBenchAgainstTheGround) {
   }
   // At 50 Hz the bench stands and the ground moves alone.
   EXPECT_LT(deviation(psd_at(set, between, 50), two_k * two_k * ground.at(50)), 1e-3);
-  // Twin: two bodies that do not know of each other.
+  // Control: two bodies that do not know of each other.
   double const apart = psd_at(set, along_z({-two_k, 0}), 0.01) + psd_at(set, along_z({0, two_k}), 0.01);
   EXPECT_GT(apart, 100 * psd_at(set, between, 0.01));
 }
@@ -89,10 +89,10 @@ TEST(MotionThroughTransfers, CommonMotionCancels) {
   Shared const table = oscillator(8, 100, Response::support);
   MotionSet const set = driven(ground, {table, table, nullptr});
   EXPECT_EQ(power_of(set, along_z({two_k, -two_k, 0}), 0.01, 100), 0);
-  // Through twin benches, one 1e-6 softer: the difference of the two is small and known.
-  MotionSet const twins = driven(ground, {table, oscillator(8 * (1 - 1e-6), 100, Response::support)});
-  double const left = psd_at(twins, along_z({two_k, -two_k}), 8), x = 1e-6 * 100 * 2;
-  EXPECT_LT(deviation(left / psd_at(twins, along_z({two_k, 0}), 8), x * x), 1e-3);
+  // Through two benches that differ by 1e-6 in stiffness: the difference of the two is small and known.
+  MotionSet const pair = driven(ground, {table, oscillator(8 * (1 - 1e-6), 100, Response::support)});
+  double const left = psd_at(pair, along_z({two_k, -two_k}), 8), x = 1e-6 * 100 * 2;
+  EXPECT_LT(deviation(left / psd_at(pair, along_z({two_k, 0}), 8), x * x), 1e-3);
 }
 
 // Transfer functions of unlike origin agree on the sign of their phases: a resonance by formula and as a table, whose
@@ -110,7 +110,7 @@ TEST(MotionThroughTransfers, TableAndFormulaAgree) {
                                         std::make_shared<TransferFunction const>("table", hz, values)});
   double const alone = power_of(set, along_z({1, 0}), 5, 12);
   EXPECT_LT(power_of(set, along_z({1, -1}), 5, 12), 1e-6 * alone);
-  for (auto& v : values) v = std::conj(v);  // twin
+  for (auto& v : values) v = std::conj(v);  // negative control
   MotionSet const turned = driven(ground, {std::make_shared<TransferFunction const>(formula),
                                            std::make_shared<TransferFunction const>("table", hz, values)});
   EXPECT_GT(power_of(turned, along_z({1, -1}), 5, 12), alone);
@@ -159,7 +159,7 @@ TEST(MotionThroughTransfers, AgreesWithTimeSeriesOfTwoFilteredCopies) {  // Welc
     EXPECT_NEAR(sum, expected, 5 * std::sqrt(variance)) << centre << " Hz";
     rejected += std::fabs(sum - forgotten) > 5 * std::sqrt(variance);
   }
-  EXPECT_GE(rejected, 2);  // twin: the correlation forgotten
+  EXPECT_GE(rejected, 2);  // control: the correlation forgotten
 }
 
 // Strong motion: up-conversion of light between a bench and the ground it hangs on sees the relative motion.

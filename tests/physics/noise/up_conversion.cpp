@@ -23,7 +23,7 @@ TEST(UpConversion, GaussianLineOfTwoMicrometres) {  // A5: exact 0.1 %
   EXPECT_LT(deviation(quasi_static(10), 9.9473e-3), 1e-4);
   EXPECT_LT(deviation(psd[0], quasi_static(1)), 1e-3);  // eq. 7.8 is the limit of strong slow motion
   EXPECT_LT(deviation(psd[2], quasi_static(10)), 2e-3);
-  // Twins: linear coupling, and 1 % too much motion.
+  // Controls: linear coupling, and 1 % too much motion.
   double const linear = two_k * two_k * s.power(9.9, 10.1) / 0.2 / 2;
   EXPECT_GT(deviation(linear, 9.9432e-3), 0.5);
   EXPECT_GT(deviation(fringe_psd(moving({gaussian_line(0.2, 0.05, 2.02e-6)}), around_1_and_10)[2], 9.9432e-3), 1e-2);
@@ -36,7 +36,7 @@ TEST(UpConversion, WeakMotionIsLinear) {  // eq. 7.9, tolerance 1e-4
   for (std::size_t i : {0u, 2u, 4u}) {
     double const expected = two_k * two_k * s.power(edges[i], edges[i + 1]) / (edges[i + 1] - edges[i]) / 2;
     EXPECT_LT(deviation(psd[i], expected), 1e-4);
-    EXPECT_GT(deviation(psd[i], 2 * expected), 0.4);  // twin: without the mean over the static phase
+    EXPECT_GT(deviation(psd[i], 2 * expected), 0.4);  // control: without the mean over the static phase
   }
 }
 
@@ -55,7 +55,7 @@ TEST(UpConversion, NoStepWhereTheTransformBegins) {
   for (std::size_t i = 0; i < below.size(); ++i) {
     EXPECT_LT(deviation(above[i], below[i]), 3 * PhaseSpectra::weak);
   }
-  EXPECT_GT(deviation(strong[0], below[0]), 3 * PhaseSpectra::weak);  // twin: strong motion is not linear
+  EXPECT_GT(deviation(strong[0], below[0]), 3 * PhaseSpectra::weak);  // control: strong motion is not linear
 }
 
 TEST(UpConversion, PowerIsConserved) {  // eq. 7.10, tolerance 1e-4
@@ -68,7 +68,7 @@ TEST(UpConversion, PowerIsConserved) {  // eq. 7.10, tolerance 1e-4
     EXPECT_NEAR(in_band, 0.5, 1e-4) << rms;
     EXPECT_NEAR(s.constant, std::exp(-std::pow(two_k * rms, 2)) / 2, 1e-4) << rms;
     if (rms == 1e-7) {
-      EXPECT_GT(std::fabs(in_band - s.constant - 0.5), 1e-2);  // twin: constant part forgotten
+      EXPECT_GT(std::fabs(in_band - s.constant - 0.5), 1e-2);  // control: constant part forgotten
     }
   }
 }
@@ -84,7 +84,7 @@ TEST(UpConversion, ResolutionDoesNotMatter) {
   std::vector<double> const a = usual(kappa).psd, b = fine(kappa).psd;
   EXPECT_LT(deviation(a[0], (b[0] * 0.016 + b[1] * 0.104) / 0.12), 0.01);
   for (std::size_t i = 1; i < a.size(); ++i) EXPECT_LT(deviation(a[i], b[i + 1]), 0.01) << i;
-  EXPECT_GT(deviation(a[2], b[1]), 0.01);  // twin: another bin
+  EXPECT_GT(deviation(a[2], b[1]), 0.01);  // control: another bin
 }
 
 }  // namespace

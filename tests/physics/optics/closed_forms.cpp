@@ -24,7 +24,7 @@ double simpson(std::function<double(double)> const& f, double a, double b) {
 }
 
 // A16: A = 0.0025, B = 0.001, TIS(0) = 0.0413437 for g = 1.8 and pi A ln(1 + 1/B) = 0.0542612 for g = 2. Rounding
-// of the printed digits: 2e-6; the closed form: 1e-6. The twin takes B^2 for B.
+// of the printed digits: 2e-6; the closed form: 1e-6. The control takes B^2 for B.
 TEST(optics_closed_forms, abg_total_scatter_a16) {
   EXPECT_LT(deviation(abg(0.0025, 0.001, 1.8).albedo(1), 0.0413437), 2e-6);
   EXPECT_LT(deviation(abg(0.0025, 0.001, 2).albedo(1), 0.0542612), 2e-6);
@@ -34,7 +34,7 @@ TEST(optics_closed_forms, abg_total_scatter_a16) {
 
 // A16: b_0 = 0.1, l = 0.01: TIS(0) = 1.131005e-3 for s = -1.5 and 2.893545e-4 for s = -2 (eq. 3.15), by the closed form
 // and by quadrature of eval(), to 1e-6; and the mean weight of sampled light (its distribution: ScatterLaw.samples_*).
-// Twins: s + 0.01 %, and the law without its cosine.
+// Controls: s + 0.01 %, and the law without its cosine.
 double hemisphere(Harvey const& law, bool cosine) {
   return simpson(
       [&](double x) {  // substitution x = ln(alpha^2 + l^2): the knee is smooth in it
@@ -53,8 +53,9 @@ TEST(optics_closed_forms, harvey_total_scatter_a16) {
     Harvey const law = testing::harvey(0.1, 0.01, row.s);
     EXPECT_LT(deviation(law.tis(), row.tis), 1e-6);
     EXPECT_LT(deviation(hemisphere(law, true), row.tis), 1e-6);
-    EXPECT_GT(deviation(hemisphere(testing::harvey(0.1, 0.01, 0.9999 * row.s), true), row.tis), 1e-6) << "twin";
-    EXPECT_GT(deviation(hemisphere(law, false), row.tis), 1e-3) << "twin";
+    EXPECT_GT(deviation(hemisphere(testing::harvey(0.1, 0.01, 0.9999 * row.s), true), row.tis), 1e-6)
+        << "negative control";
+    EXPECT_GT(deviation(hemisphere(law, false), row.tis), 1e-3) << "negative control";
     testing::Sampler weight;
     for (std::uint64_t i = 0; i < 400000; ++i) {
       Rng rng(3, i, 0, Stream::direction);
@@ -120,12 +121,12 @@ TEST(optics_closed_forms, sampled_power_between_two_angles_eq_3_18) {
     PowerLaw const law = power_law(1e-6, n, 5e-5);
     double const exact = closed_power(1e-6, n, 1e-4, 1e-2);
     testing::expect_mean("power", sampled_between(law, 1e-4, 1e-2), exact, 0.02 * exact);
-    testing::SampleMean const twin = sampled_between(law, 1.3e-4, 1e-2);  // a border 30 % off
-    EXPECT_GT(std::fabs(twin.mean - exact), 5 * twin.std_error);
+    testing::SampleMean const control = sampled_between(law, 1.3e-4, 1e-2);  // a border 30 % off
+    EXPECT_GT(std::fabs(control.mean - exact), 5 * control.std_error);
   }
 }
 
-// Table below eq. 3.20: kappa_s 0.0993409 and 0.2056198. The twin integrates over theta instead of sin(theta).
+// Table below eq. 3.20: kappa_s 0.0993409 and 0.2056198. The control integrates over theta instead of sin(theta).
 TEST(optics_closed_forms, statistical_kappa_eq_3_19) {
   EXPECT_LT(deviation(statistical_kappa(55e-6), 0.0993409), 1e-6);
   EXPECT_LT(deviation(statistical_kappa(1e-2), 0.2056198), 1e-6);
@@ -164,7 +165,7 @@ TEST(optics_closed_forms, statistical_law_scatters_the_fraction_it_states) {
   EXPECT_GT(deviation(law.albedo(1), tis * 2 * pi), 0.1);  // trap 14.1: a factor 2 pi
 }
 
-// eq. 3.3: mean cosine of Lambertian scatter 2/3; the twin is uniform in solid angle and has 1/2.
+// eq. 3.3: mean cosine of Lambertian scatter 2/3; the control is uniform in solid angle and has 1/2.
 template <class Draw>
 testing::SampleMean mean_cosine(Draw draw) {
   constexpr int n = 400000;

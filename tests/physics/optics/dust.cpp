@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Dust (docs/theory/surfaces.md, eq. 3.21 to 3.24): the law and its totals against Mie sums at single angles, for all
-// angles and size parameters from 0.1 to 200. Twin of the tables: 512 linear steps at chords 2 (i/512)^4, which have no
-// node within 14 deg of exact backscatter.
+// angles and size parameters from 0.1 to 200. Control of the tables: 512 linear steps at chords 2 (i/512)^4, which have
+// no node within 14 deg of exact backscatter.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -83,19 +83,19 @@ TEST(dust, table_is_the_mie_intensity_at_all_angles) {
     std::vector<double> const exact = exact_at(x, cosines);
     EXPECT_LT(worst_miss(one_sphere(x, 0).scatter, at, exact), 1e-4) << x;
     if (x < 10) continue;
-    OldNodes const twin([&](auto const& c) { return exact_at(x, c); });
-    EXPECT_GT(worst_miss(twin, at, exact), 0.5) << x;
+    OldNodes const control([&](auto const& c) { return exact_at(x, c); });
+    EXPECT_GT(worst_miss(control, at, exact), 0.5) << x;
   }
 }
 
-// eq. 3.23 for any two directions, through eval(). Twin: the scattering angle of the direct path is that of the
+// eq. 3.23 for any two directions, through eval(). Control: the scattering angle of the direct path is that of the
 // reflected one.
 TEST(dust, law_has_the_four_paths_eq_3_23) {
   double const r = 0.4;
   for (double x : sizes) {
     Dust const law = one_sphere(x, r);
     Rng rng(6, 0, 0, Stream::source);
-    double worst = 0, worst_twin = 0;
+    double worst = 0, worst_control = 0;
     for (int i = 0; i < 3000; ++i) {
       Vec3 const wi = incoming(89 * rng.uniform(), rng.uniform()), at = i % 3 ? wi : specular(wi);
       double const size = std::pow(10, -4 * rng.uniform());
@@ -104,10 +104,10 @@ TEST(dust, law_has_the_four_paths_eq_3_23) {
       std::vector<double> const exact = exact_at(x, {-dot(wi, wo), dot(specular(wi), wo)});
       double const lit = law.lit(wi.z, wo.z);
       worst = std::fmax(worst, deviation(law.eval(wi, wo), lit * ((1 + r * r) * exact[0] + 2 * r * exact[1])));
-      worst_twin = std::fmax(worst_twin, deviation(law.eval(wi, wo), lit * (1 + r) * (1 + r) * exact[1]));
+      worst_control = std::fmax(worst_control, deviation(law.eval(wi, wo), lit * (1 + r) * (1 + r) * exact[1]));
     }
     EXPECT_LT(worst, 1e-4) << x;
-    EXPECT_GT(worst_twin, 0.1) << x;
+    EXPECT_GT(worst_control, 0.1) << x;
   }
 }
 
@@ -185,7 +185,7 @@ double brute_albedo(Dust const& law, double degrees, int rings, int around) {
   }
   return 2 * pi * sum;
 }
-// Twin: a surface that reflects 0.1 % more.
+// Control: a surface that reflects 0.1 % more.
 TEST(dust, albedo_is_the_integral_over_the_hemisphere) {
   for (double x : {1.0, 10.0, 50.0})
     for (double degrees : {0.0, 40.0, 85.0}) {
@@ -195,12 +195,12 @@ TEST(dust, albedo_is_the_integral_over_the_hemisphere) {
       EXPECT_LT(deviation(law.albedo(cosine), exact), 1e-4) << x << " " << degrees;
       law.reflectance = 0.701;
       law.prepare();
-      EXPECT_GT(deviation(law.albedo(cosine), exact), 1e-4) << "twin: another surface";
+      EXPECT_GT(deviation(law.albedo(cosine), exact), 1e-4) << "control: another surface";
     }
 }
 
 // eq. 3.24 through eq. 3.23: a thin layer on a perfect mirror scatters 2 n Q_sca pi r^2 at normal incidence, since the
-// light meets each particle twice and all of it ends above the surface. The twin has R = 0, where only the backward
+// light meets each particle twice and all of it ends above the surface. The control has R = 0, where only the backward
 // half comes back.
 TEST(dust, total_scatter_of_a_thin_layer_eq_3_24) {
   double const diameter = 2e-6, coverage = 1e-7;
@@ -209,8 +209,8 @@ TEST(dust, total_scatter_of_a_thin_layer_eq_3_24) {
   EXPECT_LT(one_size(diameter, coverage, 0).albedo(1), 0.2 * coverage * sphere.q_sca);
 }
 
-// Grains that absorb nothing on a perfect mirror send all light back out, which is met at grazing. Twin: a mirror that
-// absorbs.
+// Grains that absorb nothing on a perfect mirror send all light back out, which is met at grazing. Control: a mirror
+// that absorbs.
 TEST(dust, all_light_leaves_a_perfect_mirror_at_grazing) {
   for (double x : {3.0, 50.0}) {
     auto const worst = [&](double reflectance) {

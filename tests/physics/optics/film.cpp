@@ -56,7 +56,7 @@ Matrices by_matrices(std::vector<FilmLayer> const& layers, double cos_i, double 
   return {r, std::norm(t) * (y_out / y_in).real()};
 }
 
-// Scene 7, printed digits. Twins: half-wave layer, one pair less.
+// Scene 7, printed digits. Controls: half-wave layer, one pair less.
 TEST(optics_film, quarter_wave_numbers) {
   auto const reflect = [](std::vector<FilmLayer> const& l, double n) {
     return film_of(l).amplitudes(1, 1, n, true).reflectance();
@@ -84,7 +84,7 @@ TEST(optics_film, no_film_is_fresnel) {
 }
 
 // r with phase and transmitted power against characteristic matrices, absorbing layers and total reflection included:
-// 1e-11. Twin: light from the other side.
+// 1e-11. Control: light from the other side.
 TEST(optics_film, agrees_with_characteristic_matrices) {
   std::vector<FilmLayer> const lossy{quarter(2.07, 1e-3), {{1.3, 0}, 310e-9}, {{0.3, 5.0}, 8e-9}, quarter(1.45, 0.02)};
   double other_side = 0;
@@ -108,7 +108,7 @@ TEST(optics_film, agrees_with_characteristic_matrices) {
 }
 
 // A lossless stack is unitary from both sides at all angles (docs/theory/conventions.md): energy 1e-12, t the same both
-// ways, and r_front conj(t) + t conj(r_back) = 0. Frustrated total reflection included. Twin: an absorbing layer.
+// ways, and r_front conj(t) + t conj(r_back) = 0. Frustrated total reflection included. Control: an absorbing layer.
 TEST(optics_film, unitary_without_loss) {
   auto const defect = [](std::vector<FilmLayer> const& layers, double n_front, double n_back) {
     Film const film = film_of(layers);
@@ -133,7 +133,7 @@ TEST(optics_film, unitary_without_loss) {
 }
 
 // Frustrated total reflection through an air gap d at 45 deg in n = 1.5, closed form T = 1/(1 + ((q^2 + k^2)/(2 q k))^2
-// sinh^2(2 pi k d/lambda)) for s; thick gaps and metals neither overflow nor make light. Twin: gap 10 % wider.
+// sinh^2(2 pi k d/lambda)) for s; thick gaps and metals neither overflow nor make light. Control: gap 10 % wider.
 TEST(optics_film, evanescent_and_thick_stacks) {
   double const q = 1.5 * std::sqrt(0.5), k = std::sqrt(1.125 - 1);
   auto const exact = [&](double d) {
@@ -166,7 +166,7 @@ TEST(optics_film, on_an_opaque_body) {
 }
 
 // Tables: every amplitude within the stated 1e-6 of the computed one, from both sides, in total reflection and near
-// grazing; no light is made; other indices are computed. Twin: a table of every 32nd entry.
+// grazing; no light is made; other indices are computed. Control: a table of every 32nd entry.
 TEST(optics_film, tables_keep_their_accuracy) {
   for (auto const& layers : {std::vector<FilmLayer>{quarter(1.38)}, mirror(5), mirror(18)})
     for (double back : {1.0, 1.45}) {

@@ -9,7 +9,7 @@ namespace {
 
 TEST(Grooves, EqualWidthsAreTheMicrofacetLaw) {
   for (double const width : {0.05, 0.6}) {
-    Grooves const law = grooves(width, width, 0.3, 0.9), twin = grooves(width, 0.9 * width, 0.3, 0.9);
+    Grooves const law = grooves(width, width, 0.3, 0.9), control = grooves(width, 0.9 * width, 0.3, 0.9);
     Microfacet const round = microfacet(width, 0.3, 0.9);
     double worst = 0;
     for (double const in : {0.0, 30.0, 75.0})
@@ -19,7 +19,7 @@ TEST(Grooves, EqualWidthsAreTheMicrofacetLaw) {
           EXPECT_NEAR(law.eval(wi, wo) / round.eval(wi, wo), 1, 1e-12);
           EXPECT_NEAR(law.pdf(wi, wo) / round.pdf(wi, wo), 1, 1e-12);
           EXPECT_NEAR(law.albedo(wi) / round.albedo(wi.z), 1, 1e-3);
-          worst = std::fmax(worst, std::fabs(twin.eval(wi, wo) / round.eval(wi, wo) - 1));
+          worst = std::fmax(worst, std::fabs(control.eval(wi, wo) / round.eval(wi, wo) - 1));
         }
     EXPECT_GT(worst, 0.05);
   }
@@ -38,14 +38,14 @@ TEST(Grooves, PeakAndGlints) {
     Vec3 const across = incoming(degrees, 0), along = incoming(degrees, 0.25);
     EXPECT_NEAR(law.eval(across, across) / back(0.4, 0.05), 1, 1e-9);
     EXPECT_NEAR(law.eval(along, along) / back(0.05, 0.4), 1, 1e-9);
-    EXPECT_GT(law.eval(across, across), 20 * law.eval(along, along));  // the glint; twin: grooves turned by 90 deg
+    EXPECT_GT(law.eval(across, across), 20 * law.eval(along, along));  // the glint; control: grooves turned by 90 deg
   }
 }
 
 // The total for light along the grooves, between the rows of the table, and its mean over the azimuth.
 TEST(Grooves, TotalDependsOnTheAzimuth) {
   Grooves const law = grooves(0.5, 0.02, 1, 1);
-  double worst = 0, twin = 0;
+  double worst = 0, control = 0;
   for (double const degrees : {20.0, 60.0, 80.0, 87.0})
     for (double const turn : {0.0, 0.03, 0.11, 0.19, 0.235, 0.249, 0.25, 0.6}) {
       Vec3 const wi = incoming(degrees, turn);
@@ -59,10 +59,10 @@ TEST(Grooves, TotalDependsOnTheAzimuth) {
         }
       }
       worst = std::fmax(worst, std::fabs(law.albedo(wi) / sum - 1));
-      twin = std::fmax(twin, std::fabs(law.albedo(wi.z) / sum - 1));
+      control = std::fmax(control, std::fabs(law.albedo(wi.z) / sum - 1));
     }
   EXPECT_LT(worst, 1e-3);
-  EXPECT_GT(twin, 0.05);  // the mean over the azimuth
+  EXPECT_GT(control, 0.05);  // the mean over the azimuth
   double mean = 0;
   for (int i = 0; i < 200; ++i) mean += law.albedo(incoming(80, (i + 0.5) / 200)) / 200;
   EXPECT_NEAR(law.albedo(incoming(80).z), mean, 1e-3);

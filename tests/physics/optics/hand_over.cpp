@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The hand-over between fields and rays (R2.31): light scattered by a rough mirror to small angles as a
+// The border between fields and rays (R2.31): light scattered by a rough mirror to small angles as a
 // diffracted field, to larger ones as rays of the scatter law. The total must not depend on where the border lies.
 #include <gtest/gtest.h>
 #include <unsupported/Eigen/FFT>
@@ -91,8 +91,8 @@ double rays_beyond(Roughness const& law, double border) {
   return law.albedo(1) * beyond / histories;
 }
 
-// 1 % of the total, which is that of eq. 3.10. The twins hand over with a gap of a fifth of the border, or from a law
-// of half the spectrum (a profile taken as one-sided).
+// 1 % of the total, which is that of eq. 3.10. The controls hand over with a gap of a fifth of the border, or from a
+// law of half the spectrum (a profile taken as one-sided).
 TEST(hand_over, total_does_not_depend_on_the_border_r2_31) {
   Roughness const law = k_correlation(Theory::rayleigh_rice, rms, knee, tail);
   ScatteredField const field(heights(law, 31));

@@ -19,7 +19,8 @@ Amplitudes bare(double degrees, double n_in, double n_out) {
 }
 double distance(Complex a, Complex b) { return std::sqrt(norm(a - b)); }
 
-// R3.24: printed digits, half a unit of the last. The twins are the wrong index of the neighbouring glass and s for p.
+// R3.24: printed digits, half a unit of the last. The controls are the wrong index of the neighbouring glass and s for
+// p.
 TEST(optics_interface, fresnel_numbers) {
   auto const close = [](double value, double printed) { return std::fabs(value - printed) < 0.6e-6; };
   EXPECT_TRUE(close(bare(0, 1, silica).reflectance(), 0.033740));
@@ -39,11 +40,11 @@ TEST(optics_interface, plates_and_first_ghost) {
   EXPECT_NEAR(plate(r), 0.923077, 1e-6);
   EXPECT_NEAR(t * t * r * r, 1.4746e-3, 1e-7);
   EXPECT_NEAR(plate(bare(0, 1, 1.44963).reflectance()), 0.934815, 1e-6);
-  EXPECT_GT(std::fabs((1 - r) * (1 - r) - 0.923077), 1e-3);  // twin: no inner reflections
+  EXPECT_GT(std::fabs((1 - r) * (1 - r) - 0.923077), 1e-3);  // control: no inner reflections
 }
 
 // R2.25: a wedge of 1 mrad, n = 1.45, sends its first ghost 2 n times the wedge, 2.90 mrad, beside the main beam (5
-// urad: sines and tangents); R_AR = 1e-4 on both faces: power 1e-8 of it. Twin: 2 times the wedge.
+// urad: sines and tangents); R_AR = 1e-4 on both faces: power 1e-8 of it. Control: 2 times the wedge.
 TEST(optics_interface, ghost_of_a_wedge) {
   double const n = 1.45, wedge = 1e-3;
   Vec3 const first{0, 0, -1}, second{std::sin(wedge), 0, -std::cos(wedge)};  // normals towards the incoming light
@@ -80,15 +81,15 @@ TEST(optics_interface, total_reflection) {
     EXPECT_NEAR(norm(bare(a, silica, 1).rp), 1, 1e-15) << a;
   }
   // Phases of total reflection, tan(arg r_s/2) = -sqrt(sin^2 - n^-2)/cos with exp(-i w t): against the closed form;
-  // twin: the sign of the other time convention.
+  // control: the sign of the other time convention.
   Amplitudes const a = bare(60, silica, 1);
   double const wanted = -2 * std::atan(std::sqrt(0.75 - 1 / (silica * silica)) / 0.5);
   EXPECT_NEAR(std::atan2(a.rs.im, a.rs.re), wanted, 1e-14);
   EXPECT_GT(std::fabs(std::atan2(-a.rs.im, a.rs.re) - wanted), 0.1);
 }
 
-// |r|^2 + |t|^2 = 1; Stokes: r21 = -r12, t12 t21 - r12 r21 = 1 (power scaling). 1e-14 at all angles. Twin: t as a ratio
-// of fields.
+// |r|^2 + |t|^2 = 1; Stokes: r21 = -r12, t12 t21 - r12 r21 = 1 (power scaling). 1e-14 at all angles. Control: t as a
+// ratio of fields.
 TEST(optics_interface, energy_and_stokes_relations) {
   double field_ratio = 0;
   for (double n : {1.0001, silica, 2.5835, 4.0})
@@ -125,7 +126,7 @@ TEST(optics_interface, normal_incidence_signs) {
   EXPECT_LT(distance(metal.rp, -metal.rs), 1e-15);
 }
 
-// R of a metal at normal incidence ((n-1)^2 + k^2)/((n+1)^2 + k^2), 1e-14; SiC of requirements 8.1: 0.19526. Twin: k
+// R of a metal at normal incidence ((n-1)^2 + k^2)/((n+1)^2 + k^2), 1e-14; SiC of requirements 8.1: 0.19526. Control: k
 // left out.
 TEST(optics_interface, opaque_bodies) {
   auto const exact = [](double n, double k) { return ((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k); };
@@ -147,7 +148,7 @@ double michelson(Complex r1, Complex r2, Complex t, double a, double b) {
   return norm(back) + norm(out);
 }
 
-// R2.03: any lossless Michelson gives back what it gets, 1e-12, whatever its splitter is made of. Twin: pi at each
+// R2.03: any lossless Michelson gives back what it gets, 1e-12, whatever its splitter is made of. Control: pi at each
 // reflection and nothing at transmission (C3.1) gives 2 W.
 TEST(optics_interface, michelson_conserves_power) {
   Rng rng(7, 0, 0, Stream::lobe);
@@ -165,7 +166,8 @@ TEST(optics_interface, michelson_conserves_power) {
   EXPECT_NEAR(michelson({-half, 0}, {-half, 0}, {half, 0}, 0.1, 0.1), 2, 1e-12);
 }
 
-// R3.22 to 1e-15; Snell's law as a vector: in the plane of incidence, n sin conserved, to 1e-14. Twin: indices swapped.
+// R3.22 to 1e-15; Snell's law as a vector: in the plane of incidence, n sin conserved, to 1e-14. Control: indices
+// swapped.
 TEST(optics_interface, directions) {
   Rng rng(8, 0, 0, Stream::lobe);
   double swapped = 0;
@@ -194,7 +196,7 @@ TEST(optics_interface, directions) {
 }
 
 // R2.28 at 1064 nm: 1e5 /m is 0.10660 rad at normal incidence, 0.1 rad is 9.383e4 /m. Conical mounting: along the
-// grooves the sine is kept. Twin: order counted the other way.
+// grooves the sine is kept. Control: order counted the other way.
 TEST(optics_interface, grating_equation) {
   Vec3 const up{0, 0, 1}, down{0, 0, -1};
   Vec3 out;

@@ -35,7 +35,7 @@ TEST(optics_interface_coating, steel_keeps_the_published_triple) {
   EXPECT_NEAR(scatter(c, 90), 0, 1e-12);
 }
 
-// Energy at every angle, 1e-12. Twin: the table of the original with its offset of 0.2 on S makes light.
+// Energy at every angle, 1e-12. Control: the table of the original with its offset of 0.2 on S makes light.
 TEST(optics_interface_coating, steel_makes_no_light) {
   Storage storage;
   Coating const c = steel(storage);
@@ -56,7 +56,7 @@ TEST(optics_interface_coating, steel_makes_no_light) {
 }
 
 // A path along a tube at 0.4 mrad grazing, 89.977 deg: 1 - R and S are those of 89 deg (0.1 and 0.08) scaled by the
-// cosine, 5 %, and halve with the angle, 2 %. Twin: rounded to whole degrees the path sees R = 1 and S = 0.
+// cosine, 5 %, and halve with the angle, 2 %. Control: rounded to whole degrees the path sees R = 1 and S = 0.
 TEST(optics_interface_coating, steel_at_grazing) {
   Storage storage;
   Coating const c = steel(storage);
@@ -70,7 +70,7 @@ TEST(optics_interface_coating, steel_at_grazing) {
 }
 
 // What holds between columns at the entries holds everywhere: here R_p = 1 - T_p and R_s = 2 R_p, 1e-14; and values
-// stay between entries. Twin: linear interpolation in the angle.
+// stay between entries. Control: linear interpolation in the angle.
 TEST(optics_interface_coating, relations_between_columns) {
   std::vector<CoatingRow> rows;
   for (double a : {0.0, 20.0, 45.0, 60.0, 75.0, 90.0}) {
@@ -104,7 +104,7 @@ TEST(optics_interface_coating, relations_between_columns) {
 }
 
 // A law under the weight of the table scatters what the table says, and stays reciprocal: total by quadrature, 2e-3 of
-// the largest share, for a Lambertian and for a lobe. Twin: without the weight.
+// the largest share, for a Lambertian and for a lobe. Control: without the weight.
 TEST(optics_interface_coating, laws_follow_the_table) {
   Storage storage;
   Coating const c = steel(storage);

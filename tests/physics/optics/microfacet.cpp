@@ -26,9 +26,9 @@ TEST(Microfacet, PeakAndTotalAtNormalIncidence) {
     Microfacet const law = microfacet(alpha, 0.8, 0.8);
     EXPECT_NEAR(law.eval(up, up) * 4 * pi * alpha * alpha, 0.8, 1e-12);
     EXPECT_NEAR(law.albedo(1) / 0.8, total_at_normal(alpha, true), 2e-4) << alpha;
-    EXPECT_GT(std::fabs(law.albedo(1) / 0.8 - 1.001 * total_at_normal(alpha, true)), 2e-4);  // twin: 0.1 % too much
+    EXPECT_GT(std::fabs(law.albedo(1) / 0.8 - 1.001 * total_at_normal(alpha, true)), 2e-4);  // control: 0.1 % too much
     if (alpha < 0.1) continue;
-    EXPECT_GT(std::fabs(law.albedo(1) / 0.8 - total_at_normal(alpha, false)), 2e-4);  // twin: G = 1
+    EXPECT_GT(std::fabs(law.albedo(1) / 0.8 - total_at_normal(alpha, false)), 2e-4);  // control: G = 1
   }
 }
 
@@ -54,7 +54,7 @@ TEST(Microfacet, NormalsCoverTheSurface) {
       }
       EXPECT_NEAR(covered, 1, 1e-3);
       EXPECT_NEAR(seen, 1, 1e-3) << alpha << " " << degrees;
-      EXPECT_TRUE(alpha < 0.3 || std::fabs(unweighted - 1) > 1e-2);  // twin: the cosine forgotten
+      EXPECT_TRUE(alpha < 0.3 || std::fabs(unweighted - 1) > 1e-2);  // control: the cosine forgotten
     }
 }
 
@@ -64,13 +64,13 @@ TEST(Microfacet, SchlickFactor) {
   EXPECT_DOUBLE_EQ(law.factor(1), 0.04);
   EXPECT_DOUBLE_EQ(law.factor(0), 1);
   EXPECT_NEAR(law.factor(0.5), 0.04 + 0.96 / 32, 1e-15);
-  EXPECT_GT(std::fabs(law.factor(0.5) - (0.04 + 0.96 / 16)), 1e-3);  // twin: the fourth power
+  EXPECT_GT(std::fabs(law.factor(0.5) - (0.04 + 0.96 / 16)), 1e-3);  // control: the fourth power
 }
 
 // Light is never made: no total, at any roughness and angle, exceeds the stated reflectance. Without the shadowing of
 // the outgoing side (the Cook-Torrance value with G = G1(wi)) it would at grazing incidence.
 TEST(Microfacet, TotalIsBelowTheReflectance) {
-  double worst = 0, twin = 0;
+  double worst = 0, control = 0;
   for (double const alpha : {1e-4, 1e-3, 0.01, 0.1, 0.3, 0.6, 1.0}) {
     Microfacet const law = microfacet(alpha, 0.5, 0.5), sloped = microfacet(alpha, 0.04, 0.9);
     for (int i = 0; i <= 2000; ++i) {
@@ -88,12 +88,12 @@ TEST(Microfacet, TotalIsBelowTheReflectance) {
         double const visible = (1 + law.slant(s.wo) / s.wo.z) / 2;  // 1/G1(wo)
         sum += law.eval(wi, s.wo) * s.wo.z / s.pdf * visible / (n * n);
       }
-      twin = std::fmax(twin, sum / 0.5);
+      control = std::fmax(control, sum / 0.5);
     }
   }
   EXPECT_LE(worst, 1 + 1e-12);
   EXPECT_GT(worst, 0.99);
-  EXPECT_GT(twin, 1 + 1e-3);
+  EXPECT_GT(control, 1 + 1e-3);
 }
 
 }  // namespace

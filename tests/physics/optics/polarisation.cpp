@@ -45,7 +45,7 @@ struct Sequence {
   double field = 0, stokes = 0, power = 0;  // worst deviations after the last surface
 };
 // Random sequences of six mirrors and refracting faces: the field in space, Jones and Stokes side by side. `turn`: an
-// angle by which the twin turns the axes wrongly at each surface.
+// angle by which the control turns the axes wrongly at each surface.
 Sequence run_sequences(double turn) {
   Rng rng(3, 0, 0, Stream::lobe);
   Sequence worst;
@@ -81,8 +81,8 @@ Sequence run_sequences(double turn) {
   return worst;
 }
 
-// Jones, Stokes and the field in space agree to 1e-10 after six surfaces, metals and total reflection included. Twin:
-// axes turned by 1 mrad at each surface.
+// Jones, Stokes and the field in space agree to 1e-10 after six surfaces, metals and total reflection included.
+// Control: axes turned by 1 mrad at each surface.
 TEST(optics_polarisation, sequences_against_fields_in_space) {
   Sequence const right = run_sequences(0), wrong = run_sequences(1e-3);
   EXPECT_LT(right.field, 1e-10);
@@ -93,7 +93,7 @@ TEST(optics_polarisation, sequences_against_fields_in_space) {
 }
 
 // A glass corner cube (total reflection three times) sends light back; state against the field in space, 1e-12, and all
-// power. Twin: scalar mirrors, r_p = -r_s.
+// power. Control: scalar mirrors, r_p = -r_s.
 TEST(optics_polarisation, corner_cube) {
   Vec3 const normals[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   Vec3 travel = unit({-1, -1.1, -0.95});

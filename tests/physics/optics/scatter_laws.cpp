@@ -11,7 +11,7 @@
 namespace straytrace::testing {
 namespace {
 
-// R2.29: two-sided profile spectrum 1e-25 m^3, flat from 1e3 to 1e6 1/m: sigma = 0.447 nm (three digits). The twin
+// R2.29: two-sided profile spectrum 1e-25 m^3, flat from 1e3 to 1e6 1/m: sigma = 0.447 nm (three digits). The control
 // counts one side only.
 TEST(height_spectrum, rms_of_a_flat_profile_r2_29) {
   HeightSpectrum const flat{{1e3, 1e-25}, {1e6, 1e-25}};
@@ -19,7 +19,7 @@ TEST(height_spectrum, rms_of_a_flat_profile_r2_29) {
   EXPECT_GT(std::fabs(std::sqrt(variance_1d(flat, 1e3, 1e6) / 2) - 0.447e-9), 0.0005e-9);
 }
 
-// eq. 3.6 for S2 = A f^-3: 2 pi A (1/f1 - 1/f2). Tolerance: quadrature, 1e-6. The twin forgets the factor f.
+// eq. 3.6 for S2 = A f^-3: 2 pi A (1/f1 - 1/f2). Tolerance: quadrature, 1e-6. The control forgets the factor f.
 TEST(height_spectrum, rms_of_a_surface_eq_3_6) {
   HeightSpectrum const s{{1e3, 1e-30 * 1e-9}, {1e6, 1e-30 * 1e-18}};
   double const exact = 2 * pi * 1e-30 * (1e-3 - 1e-6);
@@ -28,7 +28,7 @@ TEST(height_spectrum, rms_of_a_surface_eq_3_6) {
 }
 
 // eq. 3.7: S2 = A f^-m has the two-sided profile A sqrt(pi) Gamma((m-1)/2)/Gamma(m/2) f^(1-m); back again within 2e-3
-// (quadrature). The twin takes the one-sided profile for the two-sided one: a factor 2.
+// (quadrature). The control takes the one-sided profile for the two-sided one: a factor 2.
 TEST(height_spectrum, surface_of_a_profile_eq_3_7) {
   for (double m : {2.2, 3.0, 3.6}) {
     double const amplitude = 1e-30, factor = std::sqrt(pi) * std::tgamma((m - 1) / 2) / std::tgamma(m / 2);
@@ -42,7 +42,7 @@ TEST(height_spectrum, surface_of_a_profile_eq_3_7) {
   }
 }
 
-// eq. 3.10, docs/theory/sampling.md and R2.30, to the printed digits. The twin has 2 pi for 4 pi.
+// eq. 3.10, docs/theory/sampling.md and R2.30, to the printed digits. The control has 2 pi for 4 pi.
 TEST(total_scatter, of_a_smooth_surface_row_6) {
   struct Case {
     double rms, wavelength, tis, tolerance;
@@ -57,7 +57,8 @@ TEST(total_scatter, of_a_smooth_surface_row_6) {
 
 // The law scatters what its roughness says, when the lobe is narrow: knee 1/b = 1e-3, slope 4.5, so that all of it
 // stays within the hemisphere. Rayleigh-Rice: (4 pi sigma cos/lambda)^2 within 1 % (the lobe is not infinitely narrow);
-// Harvey-Shack of a moderately rough surface: the exponential form. Each theory is the other's twin at this roughness.
+// Harvey-Shack of a moderately rough surface: the exponential form. Each theory is the other's control at this
+// roughness.
 TEST(roughness, total_scatter_eq_3_10) {
   double const rms = 0.06;
   Roughness const smooth = k_correlation(Theory::rayleigh_rice, rms, 1000, 3.5),
@@ -94,7 +95,7 @@ TEST(roughness, k_correlation_at_normal_incidence_eq_3_13) {
 }
 
 // eq. 3.9 in the specular direction: Q_ss = R_s, Q_pp = R_p (eq. 3.25), no cross terms; the mean is reciprocal. The
-// twin is off by 1 deg.
+// control is off by 1 deg.
 TEST(roughness, polarisation_factors_eq_3_9) {
   PolarisationFactor const glass{2.25, 0, 1};
   for (double degrees : {20.0, 56.0, 80.0}) {
@@ -123,7 +124,7 @@ TEST(harvey, total_scatter_eq_3_15) {
   EXPECT_GT(deviation(harvey(1, 0.01, -1.51).albedo(1), 0.011310048), 3e-4);
 }
 
-// eq. 3.17, row 6. The twin has g = 1.99 and 1.51.
+// eq. 3.17, row 6. The control has g = 1.99 and 1.51.
 TEST(abg, total_scatter_row_6) {
   EXPECT_LT(deviation(abg(1e-7, 1e-6, 2).albedo(1), 4.340271e-6), 3e-4);
   EXPECT_LT(deviation(abg(1e-6, 1e-5, 1.5).albedo(1), 1.223906e-5), 3e-4);
@@ -140,8 +141,8 @@ TEST(gaussian, total_scatter) {
   }
 }
 
-// Row 8: Mie efficiencies and asymmetry, to the printed digits; the integral of the intensity is pi x^2 Q_sca. The twin
-// has m = 1.501.
+// Row 8: Mie efficiencies and asymmetry, to the printed digits; the integral of the intensity is pi x^2 Q_sca. The
+// control has m = 1.501.
 TEST(mie, published_numbers_row_8) {
   MieSphere const small = mie(10, 1.5, {}), large = mie(100, 1.5, {});
   EXPECT_NEAR(small.q_ext, 2.881999, 1e-6);

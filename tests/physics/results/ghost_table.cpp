@@ -39,7 +39,7 @@ std::pair<std::vector<double>, std::uint64_t> kept(std::size_t show) {
 
 TEST(GhostTable, KeepsAsManyRowsAsAreShown) {
   EXPECT_EQ(kept(0), std::pair(std::vector<double>{}, std::uint64_t(3)));
-  EXPECT_EQ(kept(2), std::pair(std::vector<double>({0.3, 0.2}), std::uint64_t(3)));  // twin: not always none
+  EXPECT_EQ(kept(2), std::pair(std::vector<double>({0.3, 0.2}), std::uint64_t(3)));  // control: not always none
   EXPECT_EQ(kept(9), std::pair(std::vector<double>({0.3, 0.2, 0.1}), std::uint64_t(3)));
 }
 

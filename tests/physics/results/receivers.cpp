@@ -36,7 +36,7 @@ TEST(Receivers, AFullEnclosureCountsAllLight) {
       "receivers: {all: {on: ball, side: ";
   Traced const walk = traced(ball + "back}}\n", 4);
   EXPECT_NEAR(walk.power(0).mean / walk.emitted(), 1, 1e-12);
-  EXPECT_EQ(traced(ball + "front}}\n", 4).power(0).scored, 0u);  // twin: the other side sees nothing
+  EXPECT_EQ(traced(ball + "front}}\n", 4).power(0).scored, 0u);  // control: the other side sees nothing
 
   Traced const lamp = traced(can(), 64);
   double variance = 0;
@@ -46,7 +46,7 @@ TEST(Receivers, AFullEnclosureCountsAllLight) {
   SampleMean const sum{lamp.all_received() / lamp.emitted(), std::sqrt(variance) / lamp.emitted(),
                        (long long)lamp.result.total.histories};
   expect_mean("can", sum, 1, 0.02);
-  Traced const open = traced(can(false), 64);  // twin: a receiver is missing
+  Traced const open = traced(can(false), 64);  // control: a receiver is missing
   expect_rejected("open can", {open.all_received() / open.emitted(), sum.std_error, sum.n}, 1);
 }
 
@@ -57,7 +57,7 @@ TEST(Receivers, BooksClose) {
   for (Moments const& m : t.result.total.energy_balance) balance_terms += m.sum;
   EXPECT_NEAR(balance_terms / t.result.total.emitted.sum, 1, 1e-12);
   double const without = balance_terms - t.result.total.energy_balance[int(BalanceTerm::absorbed)].sum;
-  EXPECT_GT(std::fabs(without / t.result.total.emitted.sum - 1), 0.1);  // twin
+  EXPECT_GT(std::fabs(without / t.result.total.emitted.sum - 1), 0.1);  // negative control
 }
 
 std::string two_mirrors(std::string const& material) {
@@ -95,7 +95,7 @@ TEST(Receivers, CensusOfATwoMirrorPath) {
   // The plane between the mirrors hides nothing and is met once.
   EXPECT_NEAR(table.receivers.at(1).power.mean, 0.99, 1e-12);
   EXPECT_EQ(table.receivers[1].routes.at(0).sequence, "probe·B > M1·R > plane·D");
-  // Twin: mirrors that scatter too have more than one.
+  // Control: mirrors that scatter too have more than one.
   EXPECT_GT(receiver_table(traced(two_mirrors("rough"), 32).content()).receivers.at(0).routes.size(), 1u);
   std::string const text = receiver_text(table, 10);
   EXPECT_THAT(text, ::testing::HasSubstr("1.96"));  // W
@@ -124,7 +124,7 @@ TEST(Receivers, TheSameBitsHoweverTheyCame) {
   EXPECT_EQ(whole.about.receivers.size(), 2u);
   EXPECT_EQ(whole.trace.coupling.received_power[0].mean, traced(scene, 13).power(0).mean);
   EXPECT_FALSE(whole.trace.total.receivers[0].fields.empty());
-  EXPECT_NE(hash_of(traced(scene, 14)), one);  // twin
+  EXPECT_NE(hash_of(traced(scene, 14)), one);  // negative control
 }
 
 // What an export says is what the sums say: rows from the lower left, watts per area, the error beside it.

@@ -43,13 +43,13 @@ TEST(ReceiverMaps, AUniformDiscIsFlatWithinItsErrors) {
   Traced const flat = traced(disc("even", map), 256);
   ASSERT_EQ(flat.result.total.receivers[0].image.sum.size(), 1024u);
   EXPECT_GT(two_sided(statistic(flat, 1), 1024), 1e-6) << statistic(flat, 1);
-  EXPECT_LT(two_sided(statistic(flat, 1.25), 1024), 1e-6);  // twins: errors too large, too small, another profile
+  EXPECT_LT(two_sided(statistic(flat, 1.25), 1024), 1e-6);  // controls: errors too large, too small, another profile
   EXPECT_LT(two_sided(statistic(flat, 0.8), 1024), 1e-6);
   EXPECT_LT(two_sided(statistic(traced(disc("gaussian", map), 64), 1), 1024), 1e-6);
 }
 
 // Without stated pixels: an even spot of 0.1 mm on a diode of 10 mm. Within r of its centre is (r/w)^2 of the light, by
-// cells small against the spot. Twin: squares of 9 x 9.
+// cells small against the spot. Control: squares of 9 x 9.
 TEST(ReceiverMaps, ASpotOfATenthOfAMillimetreIsResolved) {
   double const w = 5e-5, x = 1.2e-3, y = -0.7e-3;
   auto const scene = [](std::string const& map) {
@@ -86,13 +86,13 @@ TEST(ReceiverMaps, ASpotOfATenthOfAMillimetreIsResolved) {
     return inside / double(t.result.total.histories) / sum;
   };
   EXPECT_NEAR(within(0.5 * w), 0.25, 0.03);
-  Traced const squares = traced(scene("{pixels: [9, 9], width: 10 mm}"), 1);  // twin: one of them has it all
+  Traced const squares = traced(scene("{pixels: [9, 9], width: 10 mm}"), 1);  // control: one of them has it all
   auto const& nine = squares.result.total.receivers[0].image.sum;
   EXPECT_EQ(std::count_if(nine.begin(), nine.end(), [](double p) { return p > 0; }), 1);
 }
 
-// A uniform annulus is flat within the errors of its cells, whose number the program chose: chi-square as above. Twins:
-// a tilt of 5 % across the radius, and a Gaussian beam.
+// A uniform annulus is flat within the errors of its cells, whose number the program chose: chi-square as above.
+// Controls: a tilt of 5 % across the radius, and a Gaussian beam.
 TEST(ReceiverMaps, AUniformAnnulusIsFlatInItsOwnCells) {
   auto const scene = [](std::string const& profile) {
     return "scene:\n  - {name: det, shape: {disk: {inner_radius: 4 cm, outer_radius: 10 cm}}, at: [0 m, 0 m, 1 m], "
@@ -170,7 +170,7 @@ TEST(ReceiverMaps, Quadrants) {
       4 * 0.1 * 1e-3 / (pi * 0.01) / 4;  // strip of half the gap's width along the other axis, a quarter
   double const lower = c.mean[0] + c.mean[1];
   EXPECT_NEAR(lower, share - 2 * along * (1 - a), 5 * std::hypot(c.error[0], c.error[1]) + 1e-3);
-  EXPECT_GT(std::fabs(c.mean[2] + c.mean[3] - share), 0.2);  // twin: the axis turned the other way
+  EXPECT_GT(std::fabs(c.mean[2] + c.mean[3] - share), 0.2);  // control: the axis turned the other way
 }
 
 // R4.02: two plane waves cross at 2 theta: fringes lambda/(2 sin theta) apart, of contrast 2 sqrt(P1 P2)/(P1 + P2).
@@ -217,10 +217,10 @@ TEST(ReceiverMaps, CrossedPlaneWavesInterfere) {
     x.push_back((double(i % 64) + 0.5) * 4e-3 / 64);
     right.push_back(std::norm(map.field[i]));
     EXPECT_GT(map.coherence[i], 0.98);
-    std::complex<double> twin;  // the power of a pixel taken as its amplitude
+    std::complex<double> control;  // the power of a pixel taken as its amplitude
     for (auto const& [route, f] : t.result.total.receivers[0].fields)
-      twin += std::complex<double>(f.real[i], f.imaginary[i]);
-    wrong.push_back(std::norm(twin));
+      control += std::complex<double>(f.real[i], f.imaginary[i]);
+    wrong.push_back(std::norm(control));
   }
   double const k = 2 * pi / 1e-3;
   Fringes const seen = fringes_of(right, x, k);

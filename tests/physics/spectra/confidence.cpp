@@ -30,13 +30,14 @@ TEST(Confidence, HoldsTheTruthIn95PerCent) {  // 60 trials of 62 lines: one stan
   EXPECT_NEAR(covered({.segment = 512, .overlap = 0}, 60, false), 0.95, 0.015);
   EXPECT_NEAR(covered({.segment = 512, .overlap = 0.5}, 60, false), 0.95, 0.015);
   EXPECT_NEAR(covered({.segment = 512, .overlap = 0.75}, 60, false), 0.95, 0.015);
-  EXPECT_LT(covered({.segment = 512, .overlap = 0.75}, 60, true), 0.92) << "twin: overlapping segments as independent";
+  EXPECT_LT(covered({.segment = 512, .overlap = 0.75}, 60, true), 0.92)
+      << "control: overlapping segments as independent";
 }
 
 TEST(Confidence, OfTheMedianIsWider) {
   WelchSettings const settings{.segment = 512, .overlap = 0, .average = Average::median};
   EXPECT_NEAR(covered(settings, 60, false), 0.95, 0.03);
-  EXPECT_LT(covered(settings, 60, true), 0.90) << "twin: the median as precise as the mean";
+  EXPECT_LT(covered(settings, 60, true), 0.90) << "control: the median as precise as the mean";
 }
 
 TEST(Confidence, MedianHasNoBias) {  // its mean over many lines is that of the noise; without the correction ln 2 of it

@@ -22,25 +22,25 @@ std::vector<double> sum(std::vector<double> a, std::vector<double> const& b) {
 }
 
 // Independent records: mean coherence 1/n, and 5 % of the lines above the 5 % level. Half overlap, so that counting
-// segments instead of independent ones (the twin) would expect fewer.
+// segments instead of independent ones (the control) would expect fewer.
 TEST(CrossSpectra, CoherenceOfIndependentNoise) {
   WelchSettings const settings{.segment = 512};
-  double above = 0, above_twin = 0, mean = 0, lines = 0, n = 0;
+  double above = 0, above_control = 0, mean = 0, lines = 0, n = 0;
   for (std::uint64_t i = 0; i < 60; ++i) {
     CrossSpectra const s = cross_spectra(white_noise(512 * 8, 2 * i), white_noise(512 * 8, 2 * i + 1), rate, settings);
     n = s.effective_averages;
-    double const level = coherence_level(n), twin = coherence_level(double(s.segments));
+    double const level = coherence_level(n), control = coherence_level(double(s.segments));
     std::vector<double> const c = coherence(s);
     for (std::size_t k = 4; k < 252; k += 4, ++lines) {
       mean += c[k];
       above += c[k] > level ? 1 : 0;
-      above_twin += c[k] > twin ? 1 : 0;
+      above_control += c[k] > control ? 1 : 0;
     }
   }
   double const spread = std::sqrt(0.05 * 0.95 / lines);
   EXPECT_NEAR(mean / lines, 1 / n, 5 * (1 / n) / std::sqrt(lines));
   EXPECT_NEAR(above / lines, 0.05, 5 * spread);
-  EXPECT_GT(above_twin / lines, 0.05 - 5 * spread);
+  EXPECT_GT(above_control / lines, 0.05 - 5 * spread);
   EXPECT_EQ(coherence_level(1), 1);
 }
 
@@ -57,8 +57,8 @@ TEST(CrossSpectra, CoherenceIntervalHoldsTheTruth) {
   EXPECT_NEAR(inside / lines, 0.95, 0.015);
 }
 
-// y = x + noise of equal power, H = 1: the circle around the estimate holds it in 95 % of the lines; twin: half of it.
-// It leaves zero out just where the coherence is above the level of chance.
+// y = x + noise of equal power, H = 1: the circle around the estimate holds it in 95 % of the lines; control: half of
+// it. It leaves zero out just where the coherence is above the level of chance.
 TEST(CrossSpectra, ConfidenceCircleHoldsTheTruth) {
   double inside = 0, half = 0, lines = 0;
   for (std::uint64_t i = 0; i < 40; ++i) {
@@ -75,7 +75,7 @@ TEST(CrossSpectra, ConfidenceCircleHoldsTheTruth) {
   }
   double const spread = std::sqrt(0.05 * 0.95 / lines);
   EXPECT_NEAR(inside / lines, 0.95, 5 * spread);
-  EXPECT_LT(half / lines, 0.95 - 5 * spread) << "twin";
+  EXPECT_LT(half / lines, 0.95 - 5 * spread) << "negative control";
 }
 
 // R6.05: a known second-order system is recovered to 1 % by H1 when noise is in the output; H2 is too large there by
@@ -110,7 +110,7 @@ TEST(CrossSpectra, SecondOrderSystemR6_05) {
   EXPECT_NEAR(ratio / weight, 1, 0.01);
 }
 
-TEST(CrossSpectra, ADelayTurnsThePhaseDown) {  // 3 samples: -360 deg f tau; the twin of another sign would rise
+TEST(CrossSpectra, ADelayTurnsThePhaseDown) {  // 3 samples: -360 deg f tau; the control of another sign would rise
   std::vector<double> const x = white_noise(64 * 1024, 11);
   std::vector<double> y(x.size(), 0.0);
   for (std::size_t i = 3; i < x.size(); ++i) y[i] = 2 * x[i - 3];

@@ -32,7 +32,7 @@ double difference(std::vector<double> const& got, std::vector<double> const& wan
   return worst / largest;
 }
 
-TEST(Integration, AccelerationAt50HzR6_05) {  // 1e-4 m/s^2/sqrt(Hz) -> 1.013e-9 m/sqrt(Hz); twins: f, and omega once
+TEST(Integration, AccelerationAt50HzR6_05) {  // 1e-4 m/s^2/sqrt(Hz) -> 1.013e-9 m/sqrt(Hz); controls: f, and omega once
   EXPECT_NEAR(integrated_asd(1e-4, 50, 2), 1.013e-9, 5e-13);
   EXPECT_NEAR(integrated_asd(1e-4, 50, 2), 1e-4 / (4 * pi * pi * 2500), 1e-22);
   EXPECT_GT(std::abs(1e-4 / (50.0 * 50) / 1.013e-9 - 1), 10);
@@ -47,7 +47,7 @@ TEST(Integration, InTheFrequencyDomainHasNoPhase) {  // -w^2 x = a: amplitude an
   EXPECT_EQ(v.unit, "m/s");
   EXPECT_LT(difference(x.samples, tone(f, -2 / (w * w), 0.4)), 1e-4);
   EXPECT_LT(difference(v.samples, tone(f, -2 / w, 0.4 + pi / 2)), 1e-4);
-  EXPECT_GT(difference(x.samples, tone(f, 2 / (w * w), 0.4)), 1) << "twin: without the sign";
+  EXPECT_GT(difference(x.samples, tone(f, 2 / (w * w), 0.4)), 1) << "control: without the sign";
   double const low = 1.0, high_pass = 1 / (1 + std::pow(0.5 / low, 4));  // (f/c)^4/(1 + (f/c)^4)
   TimeSeries const slow = integrated(testing::series_with(tone(low, 1), rate, "m/s^2"), 2, 0.5);
   EXPECT_LT(difference(slow.samples, tone(low, -high_pass / std::pow(2 * pi * low, 2))), 2e-3);
@@ -61,7 +61,7 @@ TEST(Integration, WhatLiesBelowTheCornerIsKnown) {
   double const lost = 1e-6 / std::sqrt(2) * (kept(corner / 2) - kept(corner));
   EXPECT_NEAR(rms_below(a, 2, corner), lost, 5e-3 * lost);
   EXPECT_LT(rms_below(testing::series_with(tone(20, 1e-6 * w * w), rate, "m/s^2"), 2, corner), 1e-3 * lost)
-      << "twin: a tone far above";
+      << "control: a tone far above";
   EXPECT_TRUE(std::isnan(rms_below(a, 2, 0.25))) << "40 s are five periods of half of it";
 }
 
@@ -83,7 +83,7 @@ TEST(Integration, CausalOneIsWhatItSays) {
   EXPECT_LT(
       difference(integrated_causal(a, 1, 1).samples, tone(f, -rule / w * std::abs(once), std::arg(once) + pi / 2)),
       5e-3);
-  EXPECT_GT(difference(wanted, tone(f, -rule * rule / (w * w))), 0.1) << "twin: a high pass without phase";
+  EXPECT_GT(difference(wanted, tone(f, -rule * rule / (w * w))), 0.1) << "control: a high pass without phase";
   TimeSeries late = a;  // nothing comes before its cause
   std::fill(late.samples.begin(), late.samples.begin() + count / 2, 0.0);
   TimeSeries const out = integrated_causal(late, 2, 0.1);

@@ -101,7 +101,8 @@ TEST(QTransform, FindsABurstAndCountsNoise) {
   Spectrogram const quiet = q_transform(noise, q);
   double above = 0;
   for (double const e : quiet.value) above += e > 3 ? 1.0 / double(quiet.value.size()) : 0;
-  EXPECT_NEAR(above, std::exp(-3), 0.012) << "exponential: the twin that divides by the median alone has exp(-3 ln 2)";
+  EXPECT_NEAR(above, std::exp(-3), 0.012)
+      << "exponential: the control that divides by the median alone has exp(-3 ln 2)";
   TimeSeries burst = noise;
   for (std::size_t i = 0; i < burst.samples.size(); ++i) {
     double const t = double(i) / rate - 33;

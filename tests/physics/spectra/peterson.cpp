@@ -21,7 +21,7 @@ TEST(Peterson, TableOfDisplacement) {  // three printed digits: 0.5 %
   for (Row const& r : table) {
     EXPECT_LT(testing::deviation(peterson_asd(GroundModel::low, r.hz), r.low), 5e-3);
     EXPECT_LT(testing::deviation(peterson_asd(GroundModel::high, r.hz), r.high), 5e-3);
-    EXPECT_GT(testing::deviation(peterson_asd(GroundModel::typical, r.hz), r.low), 0.5);  // twin
+    EXPECT_GT(testing::deviation(peterson_asd(GroundModel::typical, r.hz), r.low), 0.5);  // negative control
   }
 }
 

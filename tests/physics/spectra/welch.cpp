@@ -44,7 +44,7 @@ TEST(Welch, WhiteNoiseR2_15) {  // sigma 1, 10 kHz: 2/rate = 2.0e-4 one-sided; m
     for (std::size_t k = 2; k + 2 < s.psd.size(); ++k) mean += s.psd[k] / double(s.psd.size() - 4);
     double const tolerance = 5 * 2e-4 / std::sqrt(double(x.size()) / 2);
     EXPECT_NEAR(mean, 2e-4, tolerance * 2);  // windows use half of the samples and more
-    EXPECT_GT(std::fabs(mean - 1e-4), 0.4e-4) << "twin: two-sided";
+    EXPECT_GT(std::fabs(mean - 1e-4), 0.4e-4) << "control: two-sided";
   }
 }
 
@@ -53,7 +53,7 @@ TEST(Welch, UnitSineR2_15) {  // Hann, 4000 samples: ENBW 1.5 bins = 3.75 Hz, pe
   EXPECT_NEAR(s.noise_bandwidth, 3.75, 1e-9);
   EXPECT_NEAR(s.psd[400], 0.13333, 5e-6);
   EXPECT_DOUBLE_EQ(s.hz[400], 1000);        // axis: rate/n per step
-  EXPECT_NE(400 * rate / 3999, s.hz[400]);  // twin: rate/(n - 1)
+  EXPECT_NE(400 * rate / 3999, s.hz[400]);  // control: rate/(n - 1)
   EXPECT_NEAR(power(s), 0.5, 1e-9);         // variance of a sine
   EXPECT_NEAR(s.psd[398] / s.psd[400], 0, 1e-12);
   EXPECT_NEAR(s.psd[399] / s.psd[400], 0.25, 1e-9);
@@ -112,7 +112,7 @@ TEST(Welch, ErrorsAreThoseOfRepeatedSeries) {  // spread over 400 series against
     EXPECT_NEAR(std::sqrt(ends) / 1e-4 / (std::sqrt(2) * spread), 1, 0.2) << overlap;
     std::size_t const segments = overlap == 0 ? 8 : overlap == 0.5 ? 15 : 29;
     if (overlap == 0.75) {
-      EXPECT_GT(spread * std::sqrt(double(segments)), 1.3) << "twin: as if they were independent";
+      EXPECT_GT(spread * std::sqrt(double(segments)), 1.3) << "control: as if they were independent";
     }
   }
 }

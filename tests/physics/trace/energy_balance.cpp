@@ -64,14 +64,14 @@ SampleMean column(BlockSums const& total, BalanceTerm balance_term) {  // relati
   return sample_mean(e, total.histories, double(total.histories) / total.emitted.sum);
 }
 
-TEST(Books, CloseInRandomScenes) {
+TEST(EnergyBalance, CloseInRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     World const world = Lottery(seed).world();
     BlockSums const total = run_histories(world, histories).total;
     EXPECT_LT(gap(total), 1e-12) << "scene " << seed;
     expect_mean("roulette", column(total, BalanceTerm::roulette), 0, 2e-2);
     expect_mean("sampling", column(total, BalanceTerm::sampling), 0, 5e-2);
-    BlockSums forgetful = total;  // twin: a column is left out
+    BlockSums forgetful = total;  // control: a column is left out
     forgetful.energy_balance[int(BalanceTerm::roulette)] = {};
     EXPECT_GT(gap(forgetful), 1e-12) << "scene " << seed;
   }
@@ -86,7 +86,7 @@ double open_by_object(BlockSums const& total) {
     sum += total.energy_balance[int(balance_term)].sum;
   return std::fabs(sum - total.emitted.sum) / total.emitted.sum;
 }
-TEST(Books, CloseByObject) {
+TEST(EnergyBalance, CloseByObject) {
   for (std::uint64_t seed = 11; seed <= 14; ++seed) {
     Lottery draw(seed);
     World world = draw.world();
@@ -105,7 +105,7 @@ TEST(Books, CloseByObject) {
     ASSERT_EQ(total.absorbed.size(), 4u);
     for (std::size_t i : {0, 1, 3}) EXPECT_GT(total.absorbed[i].sum, 0) << "scene " << seed << ", row " << i;
     EXPECT_LT(open_by_object(total), 1e-12) << "scene " << seed;
-    for (std::size_t i : {0, 1, 3}) {  // twins: an object or the medium is forgotten
+    for (std::size_t i : {0, 1, 3}) {  // controls: an object or the medium is forgotten
       BlockSums forgetful = total;
       forgetful.absorbed[i] = {};
       EXPECT_GT(open_by_object(forgetful), 1e-9) << "scene " << seed << ", row " << i;
@@ -123,7 +123,7 @@ struct EnergyBalance : Silent {
     out = 0;
   }
 };
-TEST(Books, CloseInEveryHistory) {
+TEST(EnergyBalance, CloseInEveryHistory) {
   World const world = Lottery(1).world();
   EnergyBalance energy_balance;
   walk(world, 20000, energy_balance, [&] { energy_balance.close(); });
@@ -131,7 +131,7 @@ TEST(Books, CloseInEveryHistory) {
 }
 
 // A pdf that is wrong by 1 %: the albedo that the energy balance expects is not what the samples carry.
-TEST(Books, WrongAlbedoLeavesAMeanInSampling) {
+TEST(EnergyBalance, WrongAlbedoLeavesAMeanInSampling) {
   for (double const wrong : {1.0, 1.01}) {
     World world;
     BodyId const body = world.add_body("all", {});
@@ -172,7 +172,7 @@ World spot_and_disk(bool sound) {
   steer(world);
   return world;
 }
-TEST(Books, DirectionsTooRareToBeDrawnAreNoImbalance) {
+TEST(EnergyBalance, DirectionsTooRareToBeDrawnAreNoImbalance) {
   World const sound = spot_and_disk(true), wrong = spot_and_disk(false);
   double farthest = 0;  // in standard errors of what was drawn
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -180,7 +180,7 @@ TEST(Books, DirectionsTooRareToBeDrawnAreNoImbalance) {
         run_histories(sound, 1 << 18, seed).total;  // throws where the energy balance do not balance
     Estimate const e = estimate(total.energy_balance[int(BalanceTerm::sampling)], total.histories, total.blocks);
     farthest = std::fmax(farthest, std::fabs(e.mean) / e.std_error);
-    EXPECT_THROW(run_histories(wrong, 1 << 18, seed), NumericalError) << "seed " << seed;  // twin: an albedo 1 % off
+    EXPECT_THROW(run_histories(wrong, 1 << 18, seed), NumericalError) << "seed " << seed;  // control: an albedo 1 % off
   }
   EXPECT_GT(farthest, 5);  // the effect is there
 }

@@ -53,7 +53,7 @@ TEST(Reciprocity, SwapOfEmitterAndReceiverA25) {
   }
   SampleMean const there = coupling(Law::abg, Law::abg, true), back = coupling(Law::abg, Law::abg, false);
   expect_mean("A25", difference(there, back), 0, 3e-2 * there.mean);
-  // twin: the emitting spot is 10 cm beside the receiving one
+  // control: the emitting spot is 10 cm beside the receiving one
   expect_rejected("moved spot", difference(coupling(Law::abg, Law::abg, true, {-0.1, 0.05, 0}), back), 0);
 }
 

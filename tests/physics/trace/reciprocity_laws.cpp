@@ -61,7 +61,7 @@ TYPED_TEST(ReciprocityOfLaw, SwapScene13) {
   SampleMean const there = watts(law, false), back = watts(law, true);
   ASSERT_GT(there.mean, 0);
   expect_mean("swapped", difference(there, back), 0, 0.15 * there.mean);
-  // twin: not of equal etendue
+  // control: not of equal etendue
   expect_rejected("a receiver 25 % larger", difference(watts(law, false, 1.12 * radius), back), 0);
 }
 

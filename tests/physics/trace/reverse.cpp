@@ -21,7 +21,7 @@ class Speckle {
     std::vector<Vec3> at;
     std::vector<Complex> amplitude;
   };
-  // `symmetric`: the way back is the way there. The twin breaks it by a random phase per leg and direction.
+  // `symmetric`: the way back is the way there. The control breaks it by a random phase per leg and direction.
   explicit Speckle(bool symmetric) : symmetric_(symmetric) {}
 
   Patch patch(double z, int n, double width) {
@@ -112,7 +112,7 @@ TEST(ReversePaths, FieldsOfRandomScatterersA26) {
   expect_mean("two baffles", s.two_baffles.mean(), 2 * (1 + 1.0 / many), 0.5);
 }
 
-TEST(ReversePaths, WithoutSymmetricPropagationTwin) {
+TEST(ReversePaths, WithoutSymmetricPropagation) {
   Ratio const r = ratios(false, 40000, 6);
   expect_rejected("mirror > baffle > same mirror", r.same_mirror.mean(), 2);
   expect_rejected("two baffles", r.two_baffles.mean(), 2 * (1 + 1.0 / 6));
@@ -202,12 +202,12 @@ TEST(ReversePaths, SameCouplingAndPhaseSensitivitiesFromEitherEnd) {
   ASSERT_FALSE(there->by_reverse || back->by_reverse);
   SampleMean const walked = route_coupling(r, by_walk), connected = route_coupling(r, by_connection);
   expect_mean("coupling", difference(walked, connected), 0, 0.1 * connected.mean);
-  // twin: an angle factor at the mirror
+  // control: an angle factor at the mirror
   expect_rejected("20 % more", difference(scaled(walked, 1.2), connected), 0);
   for (std::uint32_t body : {0u, 1u})
     EXPECT_NEAR(mean_phase_sensitivity(*there, body) / mean_phase_sensitivity(*back, body), 1, 0.02);
   EXPECT_GT(std::fabs(mean_phase_sensitivity(*there, 0) / mean_phase_sensitivity(*back, 1) - 1),
-            0.1);  // twin: phase sensitivities of another body
+            0.1);  // control: phase sensitivities of another body
 }
 
 // Small spots are hardly met by the walk: the connected reverse must speak for both.

@@ -148,8 +148,8 @@ TEST(ReversePaths, FieldsOfTracedPathsA26) {
     EXPECT_NEAR(s.pairs, 2, 1e-6) << route;
     expect_mean("all fields together", s.speckle, 2, 0.25);
     EXPECT_EQ(t.stated, 2) << route;
-    EXPECT_LT(s.strangers, 1.5) << "twin: reverses of other paths";
-    EXPECT_LT(s.unmoved_phase_sensitivities, 1.5) << "twin: phase sensitivities of the way back with the other sign";
+    EXPECT_LT(s.strangers, 1.5) << "control: reverses of other paths";
+    EXPECT_LT(s.unmoved_phase_sensitivities, 1.5) << "control: phase sensitivities of the way back with the other sign";
   }
 }
 

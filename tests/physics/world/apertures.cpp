@@ -53,7 +53,7 @@ TEST(Apertures, rim_of_a_tilted_mirror) {
   EXPECT_LT(a.clipped, 0.0455 + 0.01);
   EXPECT_NEAR(a.tilt, pi / 3, 1e-12);
   EXPECT_TRUE(a.reflected && !a.across);
-  EXPECT_GT(exact / clipped_share(2 * w, at), 50);  // twin: as across the beam
+  EXPECT_GT(exact / clipped_share(2 * w, at), 50);  // control: as across the beam
   EXPECT_NEAR(a.clipped, beside_rim(world.view(), {0}, mode), 1e-6 * exact);
 }
 
@@ -69,7 +69,7 @@ TEST(Apertures, holes_behind_an_elliptic_beam) {
   double const field = clipped_share(3 * w, {std::sqrt(2) * a.w_major, std::sqrt(2) * a.w_minor}, {0, 0});
   EXPECT_NEAR(a.axis_far, (1 - field) * (1 - field), 1e-6);
   double const mean = std::sqrt(a.w_major * a.w_minor);
-  EXPECT_GT(std::fabs(clipped_share(3 * w, mean) / exact - 1), 0.1);  // twin: as a round beam
+  EXPECT_GT(std::fabs(clipped_share(3 * w, mean) / exact - 1), 0.1);  // control: as a round beam
 }
 
 // A round hole across a round beam: closed forms, and the numbers of the command for --profile.
@@ -97,7 +97,7 @@ TEST(Apertures, losses_of_the_main_beam_are_named) {
   auto const hole = main_losses(bench({pi / 3, 20 * w, 1.2 * w, 1e6}));
   ASSERT_EQ(hole.size(), 1u);
   EXPECT_NEAR(hole[0].share, std::exp(-2 * 1.44), 1e-3);
-  EXPECT_EQ(main_losses(bench({pi / 3, 2 * w, 1.2 * w, 1e6}), 0.2).size(), 0u);  // twin: a share that neither has
+  EXPECT_EQ(main_losses(bench({pi / 3, 2 * w, 1.2 * w, 1e6}), 0.2).size(), 0u);  // control: a share that neither has
 }
 
 }  // namespace

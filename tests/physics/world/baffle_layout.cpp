@@ -41,7 +41,8 @@ bool sees_wall(World const& world, Vec3 from, Vec3 to) {
   return world.groups()[world.surfaces()[hit.surface.value].group.value] == "wall";
 }
 
-// Of the lines from the far edge of the mirror that pass just inside the rim of a baffle, those that reach the wall.
+// Of the lines from the far edge of the mirror that pass just inside the inner edge of a baffle, those that reach the
+// wall.
 int open_gaps(World const& world, double ratio) {
   int open = 0;
   double z = first;

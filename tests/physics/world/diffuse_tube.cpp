@@ -28,8 +28,8 @@ void expect_exact(Tube const& tube, long long bounces, std::uint64_t seed) {
 TEST(diffuse_tube, ten_million_bounces_over_3_km) { expect_exact(tube3, 10'000'000, 1); }
 TEST(diffuse_tube, ten_million_bounces_over_40_km) { expect_exact(tube40, 10'000'000, 2); }
 
-// Broken twin: a tracer that does not know which surface it starts on hits it again at zero distance.
-TEST(diffuse_tube, twin_that_forgets_the_start_surface_is_rejected) {
+// Negative control: a tracer that does not know which surface it starts on hits it again at zero distance.
+TEST(diffuse_tube, control_that_forgets_the_start_surface_is_rejected) {
   for (Tube const& tube : {tube3, tube40}) {
     TubeScene const scene(tube);
     WorldView const view = scene.world.view();
@@ -53,8 +53,8 @@ Tally walk_with_apertures(Tube const& tube, double widening) {
   return walk(scene, 200'000, 4, [&](Ray const& r, SurfaceId from) { return view.closest(r, from); });
 }
 
-// Broken twin: apertures 1 % too wide skip the inner edges of the baffles.
-TEST(diffuse_tube, twin_with_wider_apertures_is_rejected) {
+// Negative control: apertures 1 % too wide skip the inner edges of the baffles.
+TEST(diffuse_tube, control_with_wider_apertures_is_rejected) {
   for (Tube const& tube : {tube3, tube40}) {
     EXPECT_TRUE(exact_to_rounding(walk_with_apertures(tube, 0.999999)));
     Tally const t = walk_with_apertures(tube, 1.01);

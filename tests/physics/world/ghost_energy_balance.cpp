@@ -39,7 +39,7 @@ TEST(GhostRims, share_beside_a_round_mirror) {
     double const expected = clipped_share(a, w, d);
     EXPECT_NEAR(beside(disk(0, a), w, {d, 0, 0}) / expected, 1, 1e-9);
     EXPECT_NEAR(beside(round_by_scan(a), w, {d, 0, 0}) / expected, 1, 1e-3);
-    EXPECT_GT(beside(disk(0, a), w, {d, 0, 0}), 1.2 * beside(disk(0, a), w));  // twin: the offset forgotten
+    EXPECT_GT(beside(disk(0, a), w, {d, 0, 0}), 1.2 * beside(disk(0, a), w));  // control: the offset forgotten
   }
   EXPECT_EQ(beside(disk(0, 1), w), 0);
 }
@@ -68,13 +68,13 @@ TEST(GhostEnergyBalance, every_watt_has_a_place) {
   EXPECT_NEAR(energy_balance.total(), 1, 1e-14);
   BeamEnergyBalance::Object const &front = energy_balance.objects[0], &dump = energy_balance.objects[2];
   EXPECT_NEAR(front.beside, std::exp(-2 * 36.0 / 25.0), 3e-3);  // ghosts that come back add a little
-  // The back face lies in the shadow of the front. Twin: it clips a whole Gaussian again.
+  // The back face lies in the shadow of the front. Control: it clips a whole Gaussian again.
   EXPECT_NEAR(dump.landed, (1 - std::exp(-2 * 36.0 / 25.0)) * 0.96 * 0.96, 3e-3);
   EXPECT_GT(std::fabs(dump.landed - std::pow(1 - std::exp(-2 * 36.0 / 25.0), 2) * 0.96 * 0.96), 0.03);
   EXPECT_NEAR(dump.scattered, 0.3 * (dump.landed), 1e-12);
   EXPECT_GT(dump.ghosts, 1e-4);
   EXPECT_GT(energy_balance.floor + energy_balance.order, 0);
-  EXPECT_GT(std::fabs(energy_balance.total() - dump.landed - 1), 0.1);  // twin: an object is left out
+  EXPECT_GT(std::fabs(energy_balance.total() - dump.landed - 1), 0.1);  // control: an object is left out
 }
 
 // Fresnel at 45 degrees (eq. 3.25): unpolarised light is the even mixture of two states, and stays that mixture.
@@ -101,7 +101,7 @@ TEST(GhostPolarisation, fresnel_for_each_state) {
   EXPECT_NEAR(reflected_at_45(1, false), rs * rs, 1e-12);
   EXPECT_NEAR(reflected_at_45(1, true), rp * rp, 1e-12);
   EXPECT_NEAR(reflected_at_45(2, false), 0.5 * (rs * rs + rp * rp), 1e-12);
-  EXPECT_GT(std::fabs(reflected_at_45(1, false) - rp * rp), 0.05);  // twin: s and p exchanged
+  EXPECT_GT(std::fabs(reflected_at_45(1, false) - rp * rp), 0.05);  // control: s and p exchanged
 }
 
 double phase_sensitivity(std::vector<PhaseSensitivity> const& phase_sensitivities, std::uint32_t body, int axis) {
@@ -135,7 +135,7 @@ TEST(GhostPhaseSensitivities, plate_in_one_body_and_in_two) {
       } else {
         EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 0, 2), two && from_back ? 2 * (1 - n) * k : 2 * k, 1e-6 * k);
         EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 1, 2), two && from_back ? 2 * n * k : 0,
-                    1e-6 * k);  // twin: 2 k, no index
+                    1e-6 * k);  // control: 2 k, no index
         EXPECT_TRUE(r.standing.recoupled.against);
       }
     }
@@ -171,7 +171,7 @@ TEST(GhostPhaseSensitivities, behind_an_end_mirror) {
     auto const phase_sensitivities = main.phase_sensitivities(back_in, r.way);
     EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 1, 2), 2 * k, 1e-9 * k);
     EXPECT_NEAR(phase_sensitivity(phase_sensitivities, 0, 2), -2 * k,
-                1e-9 * k);  // twin: 0, when the main mode's own bounce is forgotten
+                1e-9 * k);  // control: 0, when the main mode's own bounce is forgotten
   }
   EXPECT_TRUE(found);
 }

@@ -18,8 +18,8 @@ TEST(Ghosts, first_ghost_of_a_plate) {
   EXPECT_NEAR(ghost / main, 1e-8, 1e-20);
   double const first = of_order(all, 1, false).power;  // of either face: 1e-4, or less what the front took twice
   EXPECT_NEAR(first, 1e-4, 2.1e-8);
-  World const twin = plate(1e-2, 1.45, 0.01, 0);  // amplitudes taken for powers
-  auto const wrong = rows(twin, launched(twin));
+  World const control = plate(1e-2, 1.45, 0.01, 0);  // amplitudes taken for powers
+  auto const wrong = rows(control, launched(control));
   EXPECT_GT(std::fabs(of_order(wrong, 2, true).power / of_order(wrong, 0, true).power / 1e-8 - 1), 1);
 }
 
@@ -34,7 +34,7 @@ TEST(Ghosts, wedge_turns_a_ghost_by_2_n_psi) {
   EXPECT_NEAR(angle, std::asin(n * std::sin(3 * psi)) - std::asin(n * std::sin(psi)), 1e-12);
   EXPECT_NEAR(angle, 2 * n * psi, 2e-8);
   EXPECT_NEAR(ghost.standing.angle, angle, 1e-12);
-  EXPECT_GT(std::fabs(angle - 2 * psi), 1e-4);  // twin: the mirror's angle without refraction
+  EXPECT_GT(std::fabs(angle - 2 * psi), 1e-4);  // control: the mirror's angle without refraction
 }
 
 // Two-bounce ghosts of N surfaces: N (N - 1)/2 that go on forwards (docs/theory/beams.md).
@@ -91,7 +91,7 @@ TEST(Ghosts, spot_of_a_lens_ghost_by_abcd) {
   EXPECT_NEAR(spot_of(0).major / radius(main), 1, 1e-9);
   EXPECT_NEAR(spot_of(2).major / radius(ghost), 1, 1e-9);
   EXPECT_NEAR(spot_of(2).minor / radius(ghost), 1, 1e-9);
-  EXPECT_GT(std::fabs(spot_of(2).major / radius(main) - 1), 0.1);  // twin: the spot of the main beam
+  EXPECT_GT(std::fabs(spot_of(2).major / radius(main) - 1), 0.1);  // control: the spot of the main beam
 }
 
 // The fields of all ghosts of a plane-parallel plate sum to Airy's formula, behind it and in front of it.
@@ -126,7 +126,7 @@ TEST(Ghosts, fields_of_a_plate_sum_to_airy) {
       EXPECT_LT(std::abs(found.through - through), 1e-9) << reflect << ' ' << thickness;
       EXPECT_LT(std::abs(found.back - back), 1e-9);
       EXPECT_NEAR(std::norm(found.through) + std::norm(found.back), 1, 1e-9);
-      EXPECT_GT(std::abs(summed(reflect, thickness, true).through - through), 1e-4);  // twins: other phases
+      EXPECT_GT(std::abs(summed(reflect, thickness, true).through - through), 1e-4);  // controls: other phases
       EXPECT_GT(std::abs(summed(reflect, thickness, false, true).through - through), 1e-4);
     }
   }
@@ -151,7 +151,7 @@ TEST(Ghosts, recoupled_fields_of_a_plate_sum_to_airy) {
   Amplitude const launch_turn = std::polar(1.0, 2 * pi / lambda * 2.0);
   Amplitude const back = launch_turn * (r + (1 - reflect) * r * turn * turn / (one - r * r * turn * turn));
   EXPECT_NEAR(std::norm(against), std::norm(back), 1e-9);
-  EXPECT_GT(std::fabs(std::norm(against) - reflect), 1e-3);  // twin: the front face alone
+  EXPECT_GT(std::fabs(std::norm(against) - reflect), 1e-3);  // control: the front face alone
 }
 
 // Eq. 6.9: two mirrors and a splitter; beams that come together again are summed as fields.
@@ -194,7 +194,7 @@ TEST(Ghosts, michelson_by_recombining_beams) {
 }
 
 // Between two faces that reflect most of the light a beam runs to and fro: each round is a ghost of one order more, and
-// the beam itself ends. Twins: a face that transmits, and light that is led along glass by total reflection.
+// the beam itself ends. Controls: a face that transmits, and light that is led along glass by total reflection.
 TEST(Ghosts, light_that_goes_round_inside_glass_is_a_ghost) {
   auto const orders = [](World const& world, BeamLaunch const& launch, std::uint32_t most) {
     std::map<std::uint32_t, int> spots;
@@ -219,7 +219,7 @@ TEST(Ghosts, light_that_goes_round_inside_glass_is_a_ghost) {
   EXPECT_GT(orders(guide, launched(guide, 1e-3, {0, 0, -0.6}, unit({0, 0.4, 1})), 0).at(0), 10);
 }
 
-// A spot 20 times wider than the mirror: 0.5 % of it fall there, and the beam ends. Twin: 5 times wider, 8 %.
+// A spot 20 times wider than the mirror: 0.5 % of it fall there, and the beam ends. Control: 5 times wider, 8 %.
 TEST(Ghosts, a_beam_far_wider_than_its_mirror_ends) {
   for (double const times : {20.0, 5.0}) {
     World world;

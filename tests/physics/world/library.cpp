@@ -135,8 +135,8 @@ TEST(LibraryWorld, NoMirrorSeesTheWallOfItsTubeE1) {
   for (std::string const& name : detectors()) EXPECT_EQ(lines_to_the_wall(arm_of(name), 40000), 0) << name;
 }
 
-// Broken twins: the same rule with every step 1.2 times too long; and rows that only reach the middle of the arm, which
-// shows the wall of LIGO there.
+// Negative controls: the same rule with every step 1.2 times too long; and rows that only reach the middle of the arm,
+// which shows the wall of LIGO there.
 TEST(LibraryWorld, BafflesTooFarApartLeakE1) {
   for (std::string const& name : detectors())
     EXPECT_GT(

@@ -58,9 +58,9 @@ TEST(WorldParts, LensSagsAndBarrels) {
   Barrel const convex =
       barrel_of(world_of("use: lens, radius_1: 0.1 m, radius_2: 0.1 m, diameter: 9 cm, thickness: 3 cm"));
   EXPECT_NEAR(-convex.to, 10.69714e-3, 5e-9);
-  EXPECT_GT(std::fabs(0.045 * 0.045 / 0.2 - 10.69714e-3), 1e-4);  // twin: the parabola
+  EXPECT_GT(std::fabs(0.045 * 0.045 / 0.2 - 10.69714e-3), 1e-4);  // control: the parabola
   EXPECT_NEAR(convex.to - convex.from, 0.03 - 2 * sag(0.1, 0.09), 1e-15);
-  // the lens of E.2b: edge 2.25697 mm; twin: one face convex, the other flat
+  // the lens of E.2b: edge 2.25697 mm; control: one face convex, the other flat
   Barrel const bench =
       barrel_of(world_of("use: lens, radius_1: 102.93 mm, radius_2: 102.93 mm, diameter: 10 mm, thickness: 2.5 mm"));
   EXPECT_NEAR(bench.to - bench.from, 2.25697e-3, 5e-9);
@@ -71,7 +71,8 @@ TEST(WorldParts, LensSagsAndBarrels) {
   Barrel const meniscus =
       barrel_of(world_of("use: lens, radius_1: 0.1 m, radius_2: -0.2 m, diameter: 9 cm, thickness: 1 cm"));
   EXPECT_NEAR(meniscus.to - meniscus.from, 0.01 - sag(0.1, 0.09) + sag(0.2, 0.09), 1e-15);
-  EXPECT_GT(std::fabs(meniscus.to - meniscus.from - (0.01 + sag(0.1, 0.09) - sag(0.2, 0.09))), 1e-3);  // twin
+  EXPECT_GT(std::fabs(meniscus.to - meniscus.from - (0.01 + sag(0.1, 0.09) - sag(0.2, 0.09))),
+            1e-3);  // negative control
 }
 
 // Lines through the body: every one goes in and out in turn. False for the first that does not.
@@ -129,7 +130,7 @@ TEST(WorldParts, GlassIsLeftAsOftenAsEntered) {  // 1e5 lines each
     }
 }
 
-// Twin: the barrel ends 1 um before the rim of the first face.
+// Control: the barrel ends 1 um before the rim of the first face.
 TEST(WorldParts, AGapOfOneMicrometreIsFound) {
   auto const with = [](std::string const& gap) {
     return "parts:\n  slab:\n    faces:\n      front: {shape: {disk: {outer_radius: 1 cm}}}\n"
@@ -209,7 +210,8 @@ TEST(WorldParts, ChamberHasWalls) {
   World const world = world_of("use: chamber, width: 2 m, wall: 2 cm");
   EXPECT_DOUBLE_EQ(hit_at(world, 0, 1), 1);
   EXPECT_DOUBLE_EQ(hit_at(world, 5, -1), 1.02);
-  EXPECT_GT(std::fabs(hit_at(world_of("use: chamber, width: 2 m, wall: 1 cm"), 5, -1) - 1.02), 5e-3);  // twin
+  EXPECT_GT(std::fabs(hit_at(world_of("use: chamber, width: 2 m, wall: 1 cm"), 5, -1) - 1.02),
+            5e-3);  // negative control
 }
 
 // Requirements 7.2: left and right mounts are mirror images of each other.
@@ -224,7 +226,8 @@ TEST(WorldParts, MotorMountsHaveHands) {
   EXPECT_EQ(behind(", hand: right", -0.0275, 0.0275), "x/upper_motor");
   EXPECT_EQ(behind(", hand: left", -0.0275, -0.0275), "x/lower_motor");
   EXPECT_EQ(behind(", hand: left", 0.0275, 0.0275), "x/upper_motor");
-  EXPECT_EQ(behind(", hand: left", 0.0275, -0.0275), "x/frame/back");  // twin: a mount without hands has a motor there
+  EXPECT_EQ(behind(", hand: left", 0.0275, -0.0275),
+            "x/frame/back");  // control: a mount without hands has a motor there
   EXPECT_THAT(refusal_of("use: motor_mount, hand: up"), HasSubstr("'hand' is right or left, got \"up\""));
   EXPECT_THAT(refusal_of("use: motor_mount, motor_width: 3 cm"), HasSubstr("must be at most 20.52 mm"));
 }

@@ -48,7 +48,7 @@ TEST(ReadWorld, CavityModesB7) {
   expect_spots(world_of(arm("3000 m", 1900, 1900)), 35.30e-3, 35.30e-3, 2e-4);
   expect_spots(world_of(arm("10 km", 5070, 5070)), 120.5e-3, 120.5e-3, 5e-4);
   expect_spots(world_of(arm("10 km", 5580, 5580, 1550)), 89.9e-3, 89.9e-3, 5e-3);
-  // twins: mirrors swapped, another wavelength
+  // controls: mirrors swapped, another wavelength
   EXPECT_GT(spot_deviation(world_of(arm("2999.8 m", 1683, 1420)), 48.65e-3, 58.02e-3), 0.1);
   EXPECT_GT(spot_deviation(world_of(arm("10 km", 5070, 5070, 1550)), 120.5e-3, 120.5e-3), 0.1);
 }
@@ -77,7 +77,7 @@ TEST(ReadWorld, TotalsAndBrdfs) {  // tolerance 1e-9 for closed forms, 2e-2 wher
   Sent const s = sent_by("{model: power-law, exponent: 2, tis: 5 ppm, above: 55 urad}", 1e-3);
   EXPECT_NEAR(s.brdf / (kappa / 1e-6), 1, 1e-5);
   EXPECT_NEAR(s.total / 5e-6, 1, 0.12);
-  EXPECT_GT(std::fabs(s.brdf / (2 * pi * kappa / 1e-6) - 1), 0.5);  // twin: 2 pi forgotten
+  EXPECT_GT(std::fabs(s.brdf / (2 * pi * kappa / 1e-6) - 1), 0.5);  // control: 2 pi forgotten
   // A list adds.
   EXPECT_NEAR(sent_by("[{model: lambertian, tis: 1 %}, {model: lambertian, tis: 2 %}]").total, 0.03, 1e-9);
 }

@@ -85,7 +85,7 @@ TEST(ScatterFit, GivesBackTheLaw) {
     for (int i = 0; i < 3; ++i)
       EXPECT_NEAR(fit.parameters[std::size_t(i)].value / c.value[i], 1, 1e-4) << c.model << ' ' << i;
     EXPECT_LT(fit.rms, 1e-5);
-    for (ScatterFit const& other : fits)  // twins: the other two laws
+    for (ScatterFit const& other : fits)  // controls: the other two laws
       if (other.model != c.model && other.why.empty()) {
         EXPECT_GT(other.rms, 1e-3) << c.model << " as " << other.model;
       }
@@ -101,7 +101,7 @@ TEST(ScatterFit, ErrorsHold) {
     EXPECT_LT(std::fabs(pull), 5) << fit.parameters[i].name;
   }
   EXPECT_NEAR(fit.chi2 / double(fit.freedom), 1, 5 * std::sqrt(2.0 / double(fit.freedom)));
-  EXPECT_GT(std::fabs(fit.parameters[2].value + 1.7) / fit.parameters[2].error, 5);  // twin: s = -1.7
+  EXPECT_GT(std::fabs(fit.parameters[2].value + 1.7) / fit.parameters[2].error, 5);  // control: s = -1.7
 }
 
 // A constant floor (eq. 3.18) is found; one glint of a factor 50 does not move the law.
@@ -118,7 +118,7 @@ TEST(ScatterFit, FloorAndGlint) {
   EXPECT_NE(fit.yaml.find("model: lambertian, brdf: "), std::string::npos);
 }
 
-// Points at the noise floor bound the law from above. Twin: taken as measurements they bend it up.
+// Points at the noise floor bound the law from above. Control: taken as measurements they bend it up.
 TEST(ScatterFit, UpperLimits) {
   ScatterFile file = scans(harvey, 0.05, 1e-2);
   auto const limits = std::count_if(file.points.begin(), file.points.end(), [](auto const& p) { return p.limit; });

@@ -55,14 +55,14 @@ TEST(Screens, holes_pass_what_eq_5_5_says) {
   EXPECT_NEAR(taken(energy_balance_of({{2.5 * there}}), 0) / 3.7267e-6, 1, 1e-4);
   EXPECT_EQ(taken(energy_balance_of({{6 * there}}), 0), 0);
   EXPECT_GT(std::fabs(taken(energy_balance_of({{there / 2}}), 0) - std::exp(-2.0)),
-            0.1);  // twin: a diameter for a radius
+            0.1);  // control: a diameter for a radius
 }
 
 TEST(Screens, holes_off_the_beam_by_eq_5_6) {
   for (double offset : {0.1 * w, 0.6 * w, 1.3 * w}) {
     double const exact = clipped_share(1.5 * w, there, offset);
     EXPECT_NEAR(taken(energy_balance_of({{1.5 * w, offset}}), 0) / exact, 1, 1e-9);
-    EXPECT_GT(std::fabs(clipped_share(1.5 * w, there) / exact - 1), 0.01);  // twin: centred
+    EXPECT_GT(std::fabs(clipped_share(1.5 * w, there) / exact - 1), 0.01);  // control: centred
   }
 }
 
@@ -72,7 +72,7 @@ TEST(Screens, tilted_holes) {
   Mode const mode = circular_mode({0, 0, -1}, {0, 0, 1}, w, 0, lambda);
   double const exact = clipped_share(Aperture{{}, {std::sin(pi / 3), 0, -0.5}, 2 * w}, mode);
   EXPECT_NEAR(taken(energy_balance, 0) / exact, 1, 1e-6);
-  EXPECT_GT(std::fabs(clipped_share(2 * w, there) / exact - 1), 0.5);  // twin: as across the beam
+  EXPECT_GT(std::fabs(clipped_share(2 * w, there) / exact - 1), 0.5);  // control: as across the beam
 }
 
 // Each line is taken once on one flight: equal holes in a row clip once, a smaller one behind takes the rest.
@@ -86,7 +86,7 @@ TEST(Screens, holes_in_a_row_take_each_line_once) {
   EXPECT_NEAR(taken(smaller, 1), one, 1e-5);
   EXPECT_NEAR(taken(smaller, 0), two - one, 1e-5);
   EXPECT_NEAR(taken(smaller, 0) + taken(smaller, 1) + taken(smaller, 2), 1, 1e-12);
-  EXPECT_GT(std::fabs((1 - one) * two - (two - one)), 0.04);  // twin: the second sees a whole Gaussian
+  EXPECT_GT(std::fabs((1 - one) * two - (two - one)), 0.04);  // control: the second sees a whole Gaussian
   // ...and what passes beside the plate is what no screen took.
   BeamEnergyBalance const plate = energy_balance_of({{1.2 * there}}, there);
   EXPECT_NEAR(taken(plate, 0), one, 1e-5);
@@ -95,7 +95,7 @@ TEST(Screens, holes_in_a_row_take_each_line_once) {
 }
 
 // What the rim of the surface left has cut off is dark on the flight from there: a second lens of one size, and the
-// mount behind it, take nothing more. Twin: each of them sees a whole Gaussian.
+// mount behind it, take nothing more. Control: each of them sees a whole Gaussian.
 TEST(Screens, stand_in_the_shadow_of_the_surface_left) {
   World world;
   world.wavelength = lambda;
@@ -174,7 +174,7 @@ TEST(Screens, any_shapes_against_drawn_lines) {
       swapped += std::fabs(taken(energy_balance, i) - met[(i + 1) % world.surfaces().size()] / lines);
     }
     EXPECT_NEAR(elsewhere, met.back() / lines, 5 * std::sqrt(met.back()) / lines + 2e-3);
-    EXPECT_GT(swapped, 0.1);  // twin: booked under the name of the neighbour
+    EXPECT_GT(swapped, 0.1);  // control: booked under the name of the neighbour
   }
 }
 
@@ -197,8 +197,8 @@ TEST(Screens, small_things_are_found) {
   }
 }
 
-// A tube around a beam that spreads takes what is wider than its far end (eq. 5.5). Twin: lines parallel to the chief
-// ray from the near end, which take nothing.
+// A tube around a beam that spreads takes what is wider than its far end (eq. 5.5). Control: lines parallel to the
+// chief ray from the near end, which take nothing.
 TEST(Screens, tubes_around_a_beam_that_spreads) {
   Clutter c;
   c.add(cylinder(10e-3, 0, 99), {0, 0, 0}, {0, 0, 1});
@@ -210,7 +210,7 @@ TEST(Screens, tubes_around_a_beam_that_spreads) {
   EXPECT_LT(std::exp(-2 * 1e-4 / (waist * waist)), 1e-80);
 }
 
-// A ball that stands with its front before a ring is lit, whichever of them is listed first. Twin: the first of the
+// A ball that stands with its front before a ring is lit, whichever of them is listed first. Control: the first of the
 // list takes what both cover.
 TEST(Screens, each_line_ends_where_it_meets_first) {
   double share[2];
@@ -258,7 +258,7 @@ TEST(Screens, light_on_them_is_that_of_the_energy_balance) {
       Footprint const& f = world.footprints().back();
       double const share = drawn_on(world, f, lines), exact = 2 * taken(energy_balance, f.surface.value);
       EXPECT_NEAR(f.share * share, exact, 5 * f.share * std::sqrt(share / lines) + 2e-3 * exact) << i;
-      Footprint whole = f;  // twin: the hole is not left out of the draws, the power is
+      Footprint whole = f;  // control: the hole is not left out of the draws, the power is
       whole.hollow = 1;
       if (f.hollow < 0.9) {
         EXPECT_GT(std::fabs(f.share * drawn_on(world, whole, lines) - exact), 0.05 * exact) << i;

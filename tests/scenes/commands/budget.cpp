@@ -54,7 +54,7 @@ TEST(Budget, AdvancedVirgoMeetsItsCurve) {  // docs/theory/sensitivity.md: 6 % a
     return most;
   };
   EXPECT_LT(worst({}), 0.06);
-  EXPECT_GT(worst({"Optics.SRM.Tunephase=0.35"}), 0.5);  // twins: another detuning; losses of today
+  EXPECT_GT(worst({"Optics.SRM.Tunephase=0.35"}), 0.5);  // controls: another detuning; losses of today
   EXPECT_GT(worst({"Materials.Coating.Phihighn=3.89e-4"}), 0.08);
 }
 
@@ -207,7 +207,7 @@ TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not 
   for (std::size_t i = 0; i < 2; ++i) {
     double const curve = at["curves"][0]["strain"][i];
     EXPECT_NEAR(curve / at["total"][i].get<double>(), 1, 1e-3);
-    EXPECT_GT(std::fabs(curve / noise(at, "Quantum")["strain"][i].get<double>() - 1), 0.01);  // twin
+    EXPECT_GT(std::fabs(curve / noise(at, "Quantum")["strain"][i].get<double>() - 1), 0.01);  // negative control
   }
   write_text(folder / "three.txt", "# Hz one two\n1 1e-22 2e-22\n1000 1e-22 2e-22\n");
   write_text(folder / "mine.yaml", "extends: aligo\nCurves: [{name: dark, file: three.txt}]\n");
@@ -219,7 +219,7 @@ TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not 
   }
 }
 
-TEST(Budget, AComputedZeroIsKnown) {  // twin: beyond the curve nothing is known
+TEST(Budget, AComputedZeroIsKnown) {  // control: beyond the curve nothing is known
   Folder const folder;
   write_text(folder / "dark.txt", "1 0\n10 0\n1000 2e-22\n");
   write_text(folder / "mine.yaml", "extends: aligo\nCurves: [{name: dark, file: dark.txt}]\n");
@@ -233,7 +233,7 @@ TEST(Budget, AComputedZeroIsKnown) {  // twin: beyond the curve nothing is known
   EXPECT_TRUE(dark[3].is_null());
 }
 
-TEST(Budget, RunsReachTheEdgesOfTheirBand) {  // 5 Hz to 1 kHz; bins are centred inside. Twin: beyond is not known
+TEST(Budget, RunsReachTheEdgesOfTheirBand) {  // 5 Hz to 1 kHz; bins are centred inside. Control: beyond is not known
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
   std::string const run = folder / "run/run.h5";
@@ -256,7 +256,7 @@ TEST(Budget, RunsReachTheEdgesOfTheirBand) {  // 5 Hz to 1 kHz; bins are centred
   EXPECT_NEAR(all["curves"]["frequency_Hz"][6].get<double>(), 1000, 1e-9);
 }
 
-TEST(Budget, ExportedBudgetsBringTheirFundamentalNoises) {  // twin: RunAlone is warned of
+TEST(Budget, ExportedBudgetsBringTheirFundamentalNoises) {  // control: RunAlone is warned of
   Folder const folder;
   ASSERT_EQ(straytrace({"budget", "aligo", "--export", "pygwinc", "-o", folder / "out", "--quiet"}).code, 0);
   Finished const done = straytrace({"budget", folder / "out/budget.hdf5", "--at", "100 Hz"});

@@ -93,7 +93,7 @@ TEST(FitWitness, VelocityAndAccelerationAreIntegratedR6_07) {
     EXPECT_NEAR(fit["paths"][0]["multiplicity"]["value"].get<double>(), 1.3, 0.002 * 1.3) << derivative;
     EXPECT_THAT(straytrace(with("0.6 Hz")).out,
                 HasSubstr("that is motion and not noise of the sensor, the amplitude is"));
-    EXPECT_THAT(straytrace(with("0.25 Hz")).out, Not(HasSubstr("below --corner"))) << "twin: all motion is above";
+    EXPECT_THAT(straytrace(with("0.25 Hz")).out, Not(HasSubstr("below --corner"))) << "control: all motion is above";
     Json const high = answer(with("0.6 Hz"))["paths"][0];
     EXPECT_NEAR(
         high["unseen_phase_rad"].get<double>() / high["multiplicity"]["value"].get<double>() / unseen_phase(0.6), 1,
@@ -151,7 +151,7 @@ TEST(FitWitness, SeveralPathsOfARunAreFittedTogetherR6_07) {
 }
 
 // R6.09: the ghost of a plate that picks off, traced and found in a record of G sin(phi): f_r = (G/T)^2, T = lambda/(4
-// pi L) of an arm so heavy and dark that no radiation pressure counts. Twin: with the pressure of 100 kW less field
+// pi L) of an arm so heavy and dark that no radiation pressure counts. Control: with the pressure of 100 kW less field
 // does.
 TEST(FitGhost, PickOffComesBackWithItsFractionR6_09) {
   Folder const folder;
@@ -216,7 +216,7 @@ TEST(FitEdge, FreeRatioR2_40) {
 }
 
 // eq. 7.1: f = 2 |v|/lambda. A velocity and an acceleration that are integrated give the fringes of the motion, without
-// the ends of the record, where integration makes up to four times as many. Twin: those ends.
+// the ends of the record, where integration makes up to four times as many. Control: those ends.
 TEST(Fringes, IntegratedMotionHasNoFringesOfItsEnds) {
   Folder const folder;
   double const w = 2 * M_PI * 0.7, a = 5e-6, truth = 2 * a * w / 1064e-9;

@@ -51,7 +51,7 @@ TEST(CoupleRecords, UnitsThatContradictTheFileAreRefused) {
   EXPECT_EQ(straytrace(words).code, 0);
 }
 
-// A second witness that hears nothing of the injection stands beside the first and does not rank before it.
+// A second witness, which does not see the injection, does not rank before the first.
 TEST(CoupleRecords, SeveralWitnessesAreRankedTogetherR6_01) {
   Folder const folder;
   std::string text = "time [s],MIC [Pa]\n";
@@ -104,7 +104,7 @@ TEST(CoupleRecords, LimitsOfASweepFollowTheDisplacementR6_04) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].is_null()) continue;
     double const f = hz[i].get<double>(), squared = 4 * pi * pi * f * f;
-    EXPECT_NEAR(b[i].get<double>() / a[i].get<double>() / squared, 1, 0.1) << f << " Hz; twin: 1/squared";
+    EXPECT_NEAR(b[i].get<double>() / a[i].get<double>() / squared, 1, 0.1) << f << " Hz; control: 1/squared";
     ++compared;
   }
   EXPECT_GT(compared, 10);

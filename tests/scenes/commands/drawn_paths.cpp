@@ -57,7 +57,7 @@ TEST(DrawnPaths, AreSaidWhereverTheirNoiseIsShown) {
   EXPECT_THAT(scan.err, HasSubstr("tone=1 mm"));
   EXPECT_THAT(scan.err, HasSubstr(said));
   Json const points = Json::parse(scan.out)["points"];
-  EXPECT_FALSE(has(points[0]["warnings"].get<Words>())) << "twin: a weak tone is shared well";
+  EXPECT_FALSE(has(points[0]["warnings"].get<Words>())) << "control: a weak tone is shared well";
   EXPECT_TRUE(has(points[1]["warnings"].get<Words>()));
 
   Finished const answer = straytrace({"scan", run, "--invert", "brdf(baffle_steel)"});

@@ -47,14 +47,14 @@ std::string line(std::string const& port, double entry, double sensor, std::stri
 }
 double at_port(std::string const& text) { return ghosts_of(text)["port"]["recoupled"]; }
 
-// f_r = T^2 R of eq. 5.4, of the launched mode, wherever the port stands: before the filter, behind it. Twins: over the
-// light at the sensor, over its square.
+// f_r = T^2 R of eq. 5.4, of the launched mode, wherever the port stands: before the filter, behind it. Controls: over
+// the light at the sensor, over its square.
 TEST(GhostPorts, a_filter_is_passed_twice) {
   for (char const* port : {"entry", "filter", "sensor"}) {
     double const f = at_port(line(port, 0, 1e-6));
     EXPECT_NEAR(f / 2.5e-7, 1, 1e-3) << port;
-    EXPECT_GT(std::fabs(f / 5e-7 - 1), 0.4) << "twin: divided by the share at the sensor";
-    EXPECT_GT(std::fabs(f / 1e-6 - 1), 0.4) << "twin: divided by its square";
+    EXPECT_GT(std::fabs(f / 5e-7 - 1), 0.4) << "control: divided by the share at the sensor";
+    EXPECT_GT(std::fabs(f / 1e-6 - 1), 0.4) << "control: divided by its square";
   }
 }
 
@@ -62,14 +62,14 @@ TEST(GhostPorts, a_filter_is_passed_twice) {
 TEST(GhostPorts, the_share_of_the_beam_counts_twice) {
   double const f = at_port(edited(line("entry", 0, 1e-6), "radius: 50 mm", "radius: 50 mm, share: 10 %"));
   EXPECT_NEAR(f / 2.5e-9, 1, 1e-3);
-  EXPECT_GT(std::fabs(f / 2.5e-7 - 1), 0.5) << "twin: relative to the launched beam";
+  EXPECT_GT(std::fabs(f / 2.5e-7 - 1), 0.5) << "control: relative to the launched beam";
 }
 
 // A ghost formed before the first surface with a port has not passed the filter.
 TEST(GhostPorts, a_ghost_formed_upstream_of_the_port) {
   double const f = at_port(line("sensor", 1e-6, 0));
   EXPECT_NEAR(f / 1e-6, 1, 1e-3);
-  EXPECT_GT(std::fabs(f / 4e-6 - 1), 0.5) << "twin: divided by T^2 of the filter";
+  EXPECT_GT(std::fabs(f / 4e-6 - 1), 0.5) << "control: divided by T^2 of the filter";
 }
 
 // Both at once move as one body: powers add unless the scene asks for the fields of the drawn geometry.
@@ -80,13 +80,13 @@ TEST(GhostPorts, equal_phase_sensitivities_add_in_power_or_as_fields) {
   EXPECT_NEAR(powers["recoupled"].get<double>() / 2e-6, 1, 1e-3);
   double const drawn = 2 + 2 * std::cos(2 * k * 2);                    // 2 m apart
   EXPECT_NEAR(fields["recoupled"].get<double>() / 1e-6, drawn, 5e-3);  // the Gouy phase of 2 m is 3e-4
-  EXPECT_GT(std::fabs(drawn / 2 - 1), 0.05) << "twin: the other sum";
+  EXPECT_GT(std::fabs(drawn / 2 - 1), 0.05) << "control: the other sum";
   EXPECT_NEAR(powers["recoupled_worst_case"].get<double>() / 4e-6, 1, 1e-3);
   EXPECT_NEAR(powers["recoupled_as_drawn"].get<double>(), fields["recoupled"].get<double>(), 1e-12);
 }
 
 // Faces on bodies of their own: the second moves half as far as the first, on one motion. Weak motion: h^2 goes with
-// |E_1 + E_2/2|^2 (eq. 10.5), through the run file and again without tracing. Twin: powers added.
+// |E_1 + E_2/2|^2 (eq. 10.5), through the run file and again without tracing. Control: powers added.
 TEST(GhostPorts, unequal_phase_sensitivities_add_as_fields_in_a_run) {
   Folder const folder;
   std::string const ground =
@@ -109,7 +109,7 @@ TEST(GhostPorts, unequal_phase_sensitivities_add_as_fields_in_a_run) {
   };
   double const ratio = strain("coherent") / strain("independent"), phase = 2 * k * 2;  // 2 m apart
   EXPECT_NEAR(ratio, std::sqrt((1.25 + std::cos(phase)) / 1.25), 3e-3);
-  EXPECT_GT(std::fabs(ratio - 1), 0.03) << "twin: powers added";
+  EXPECT_GT(std::fabs(ratio - 1), 0.03) << "control: powers added";
   Finished const table = straytrace({"paths", folder / "coherent.h5"});
   EXPECT_THAT(table.out, HasSubstr(" and 1 more"));
   EXPECT_THAT(table.out, HasSubstr("coherent family: 2 ghosts of 2 different phase sensitivities"));
@@ -166,7 +166,7 @@ TEST(GhostPorts, a_way_and_its_reverse_add_as_fields) {
   }
   EXPECT_GT(twice / once, 1e-6);
   EXPECT_NEAR(all["port"]["recoupled_powers_added"].get<double>() / (expected + 2 * twice), 1, 1e-9);
-  EXPECT_GT(std::fabs((expected + 2 * twice) / once - 1), 1e-6) << "twin: powers alone";
+  EXPECT_GT(std::fabs((expected + 2 * twice) / once - 1), 1e-6) << "control: powers alone";
 }
 
 // An attenuator is part of the main beam, and what stands behind it is lit by its share; the reflection of a coated
@@ -184,7 +184,7 @@ TEST(GhostPorts, light_goes_on_behind_an_attenuator) {
       if (row["surface"] == "sensor") share = row["power"];
     EXPECT_NEAR(share, 0.01, 1e-9) << filter;
   }
-  EXPECT_THAT(lit("transmit: 1 %, reflect: 90 %"), Not(HasSubstr("\"surface\":\"sensor\"")));  // twin: a mirror
+  EXPECT_THAT(lit("transmit: 1 %, reflect: 90 %"), Not(HasSubstr("\"surface\":\"sensor\"")));  // control: a mirror
 }
 
 // An arm whose input mirror passes 1.4 %, with a face behind each mirror.
@@ -236,7 +236,7 @@ TEST(GhostPorts, defaults_find_ghosts_behind_an_end_mirror) {
     EXPECT_NEAR(end["port"]["recoupled"].get<double>() / (4e-6 * 4e-6 * 1e-3), 1, 0.02);
     EXPECT_EQ(end["ghosts"].at(1)["route"], "main > far·R > out");
   }
-  EXPECT_TRUE(ghosts_of(arm(""), {"--beam", "ETM", "--order", "0"})["port"]["recoupled"] == 0.0);  // twin
+  EXPECT_TRUE(ghosts_of(arm(""), {"--beam", "ETM", "--order", "0"})["port"]["recoupled"] == 0.0);  // negative control
   json const input = ghosts_of(arm(""), {"--beam", "ITM"});
   EXPECT_FALSE(input.contains("port"));
   EXPECT_THAT(input["notes"].dump(), HasSubstr("Light from the splitter interferes behind 'ITM'"));
@@ -248,7 +248,7 @@ TEST(GhostPorts, defaults_find_ghosts_behind_an_end_mirror) {
 
 // The alternative: a beam of its own, as it leaves the input mirror, with a port in the short arm. h = (lambda/4 pi L)
 // (pi/2F) |1 + i f/f_cav| sqrt(f_sc) 2 k x for two arms and the mean over phases (eq. 9.5), f_sc = beta lambda^2/(pi
-// w^2). Twin: what the mirror passes, in the arm (eq. 9.3 with the transmission of the input mirror).
+// w^2). Control: what the mirror passes, in the arm (eq. 9.3 with the transmission of the input mirror).
 TEST(GhostPorts, a_beam_of_its_own_in_the_short_arm_eq_9_5) {
   Folder const folder;
   write_text(
@@ -274,7 +274,7 @@ TEST(GhostPorts, a_beam_of_its_own_in_the_short_arm_eq_9_5) {
   json const run = json::parse(straytrace({"noise", folder / "run.h5", "--format", "json", "--quiet"}).out);
   double const f_sc = 1e-3 * lambda * lambda / (M_PI * 0.049 * 0.049), h = run["total_strain"][2]["value"];
   EXPECT_NEAR(h / (response * std::sqrt(f_sc)), 1, 0.01);
-  EXPECT_GT(arm * 0.014 * std::sqrt(f_sc) / h, 1.8) << "twin: 1.4 % into the arm";
+  EXPECT_GT(arm * 0.014 * std::sqrt(f_sc) / h, 1.8) << "control: 1.4 % into the arm";
   double const slow = run["total_strain"][0]["value"];
   EXPECT_NEAR(arm * 0.014 * std::sqrt(f_sc) / slow, 4, 0.1);  // far below the pole: 4, T_1 against T_1/4
 }

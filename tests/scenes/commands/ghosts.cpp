@@ -73,7 +73,7 @@ TEST(GhostCommand, strain_of_a_face_behind_an_end_mirror) {
   EXPECT_NEAR(h / phase, 1, 0.03);                                // radiation pressure adds a little in quadrature
   EXPECT_GT(ghost["strain"]["10"].get<double>(), 3 * phase);      // and much here
   EXPECT_NEAR(beam["strain"]["100"].get<double>() / h, 1, 1e-2);  // nothing else counts
-  EXPECT_GT(std::fabs(h / (std::sqrt(2) * phase) - 1), 0.2);      // twin: amplitudes of the two arms added
+  EXPECT_GT(std::fabs(h / (std::sqrt(2) * phase) - 1), 0.2);      // control: amplitudes of the two arms added
 }
 
 // The table `ghosts` puts them into a run, beside the scattered light and through the same noise stage.
@@ -89,7 +89,8 @@ TEST(GhostCommand, ghosts_are_routes_of_a_run) {
   std::string const rows = straytrace({"paths", folder / "a.h5", "--csv"}).out;
   EXPECT_THAT(rows, HasSubstr("ghost"));
   EXPECT_THAT(rows, HasSubstr("ETM·T > plate·R > ETM·T"));
-  EXPECT_THAT(straytrace({"paths", folder / "b.h5", "--csv"}).out, Not(HasSubstr("plate·R > ETM·T")));  // twin
+  EXPECT_THAT(straytrace({"paths", folder / "b.h5", "--csv"}).out,
+              Not(HasSubstr("plate·R > ETM·T")));  // negative control
   Finished const wrong = straytrace({"check", folder / "wrong.yaml"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("did you mean 'floor'?"));
@@ -135,7 +136,7 @@ TEST(GhostCommand, an_interrupted_run_is_valid) {
   std::string const csv = text_of(folder / "out/ghosts.csv");
   std::ptrdiff_t const order0 = 1;
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), beam["count"].get<std::ptrdiff_t>() + order0 + 1);
-  Finished const short_run = straytrace({"ghosts", folder / "a.yaml", "--order", "1", "--quiet"});  // twin
+  Finished const short_run = straytrace({"ghosts", folder / "a.yaml", "--order", "1", "--quiet"});  // negative control
   EXPECT_EQ(short_run.code, 0);
   EXPECT_THAT(short_run.out, Not(HasSubstr("Stopped early")));
 }

@@ -34,7 +34,7 @@ TEST(Inspect, ExamplesOfTheHelpRun) {
   EXPECT_NEAR(sum, 1, 1e-12);
 }
 
-// Harvey: BSDF at |beta - beta0| = l is b0 2^(s/2), TIS(0) is eq. 3.15. Case by parameter. Twin: another slope.
+// Harvey: BSDF at |beta - beta0| = l is b0 2^(s/2), TIS(0) is eq. 3.15. Case by parameter. Control: another slope.
 TEST(Inspect, NumbersAreThoseOfTheLaw) {
   Folder const folder;
   write_text(folder / "a.yaml",

@@ -22,7 +22,7 @@ TEST(InspectScatter, AuditFitsAndJson) {
   auto const data = nlohmann::json::parse(straytrace({"inspect", dump, "--format", "json"}).out);
   EXPECT_EQ(data["points"].size(), 163u);
   EXPECT_EQ(data["audit"]["limits"], 42);
-  // The points were made with l = 0.01 and s = -2.3. Twin: s = -2.4.
+  // The points were made with l = 0.01 and s = -2.3. Control: s = -2.4.
   for (auto const& fit : data["fits"])
     if (fit["model"] == "harvey") {
       double const s = fit["parameters"][2]["value"], error = fit["parameters"][2]["error"];
@@ -85,7 +85,7 @@ TEST(InspectScatter, AnyFormatInAScene) {
   };
   double const expected = 3.14159265 * 1e-3 * std::log(101);  // eq. 3.17: pi A ln(1 + 1/B)
   EXPECT_NEAR(total("paint") / expected, 1, 1e-3);
-  EXPECT_GT(std::fabs(total("rust") / expected - 1), 1);  // twin
+  EXPECT_GT(std::fabs(total("rust") / expected - 1), 1);  // negative control
   write_text(folder / "rgl.bsdf", std::string("tensor_file\0\1\0", 14));
   EXPECT_THAT(scene_with(folder, "file: rgl.bsdf").err, HasSubstr("rgl.bsdf: error: this is an RGL binary BSDF"));
 }

@@ -128,7 +128,7 @@ void expect_other_motion(Folder const& folder, Curve const& own) {
   std::string const run = folder / "run/run.h5";
   ASSERT_EQ(straytrace({"noise", run, "--motion", storm, "-o", folder / "storm"}).code, 0);
   Curve const loud = curve_in(folder / "storm/h_asd.txt");
-  EXPECT_GT(difference(loud, own), 0.5);  // also the twin of the equality of curves
+  EXPECT_GT(difference(loud, own), 0.5);  // also the control of the equality of curves
   // The file that was written remembers its motion.
   ASSERT_EQ(straytrace({"noise", folder / "storm/run.h5", "-o", folder / "again"}).code, 0);
   EXPECT_LT(difference(curve_in(folder / "again/h_asd.txt"), loud), 1e-12);
@@ -226,13 +226,13 @@ TEST(NoiseAndPaths, NameTheBodyOfTheMotionThatWasProjected) {
   };
   EXPECT_TRUE(names_mirror(projected));
   EXPECT_THAT(straytrace({"explain", "h", other, "--path", "1"}).out, HasSubstr("moved by ITM"));
-  // Twin: with the motion of the scene it is the tube, with phase sensitivities that are no mirror's.
+  // Control: with the motion of the scene it is the tube, with phase sensitivities that are no mirror's.
   EXPECT_FALSE(names_mirror(moved_by({"paths", run, "--format", "json"})));
   EXPECT_NE(moved_by({"paths", run, "--format", "json"}), projected);
 }
 
 // A wall that shakes at 10 Hz and nowhere else: the bin of the line has its power (closed form of docs/theory/arm.md,
-// eq. 8.10: 1.3025e-24/sqrt(2) rms for one hit, more hits add), all others have none. Twin: the bin below.
+// eq. 8.10: 1.3025e-24/sqrt(2) rms for one hit, more hits add), all others have none. Control: the bin below.
 TEST(NoiseAndPaths, ALineIsReadFromItsBin) {
   Folder const folder;
   Finished const r = straytrace({"run", source_folder + "/examples/arm_tube.yaml", "-o", folder / "run", "--quiet"});
@@ -254,7 +254,7 @@ TEST(NoiseAndPaths, ALineIsReadFromItsBin) {
   EXPECT_LT(rms, 1.5 * 1.3025e-24 / std::sqrt(2));
   Finished const budget = straytrace({"budget", folder / "run/run.h5", "--at", "10 Hz", "--format", "json"});
   EXPECT_THAT(budget.out, HasSubstr(at_10["value"].dump().substr(0, 8))) << budget.err;
-  EXPECT_EQ(curve[i - 1][1], 0);  // twin
+  EXPECT_EQ(curve[i - 1][1], 0);  // negative control
 }
 
 TEST(NoiseAndPaths, OfASceneTellTheWayToARun) {
@@ -265,7 +265,8 @@ TEST(NoiseAndPaths, OfASceneTellTheWayToARun) {
     EXPECT_EQ(r.code, 2) << words[0];
     EXPECT_THAT(r.err, HasSubstr("trace it first: straytrace run " + virgo_arm)) << words[0];
   }
-  EXPECT_THAT(straytrace({"paths", source_folder + "/README.md"}).err, Not(HasSubstr("trace it first")));  // twin
+  EXPECT_THAT(straytrace({"paths", source_folder + "/README.md"}).err,
+              Not(HasSubstr("trace it first")));  // negative control
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST_F(NoiseResponse, TakesThePlaceOfThatOfTheScene) {
     EXPECT_EQ(one.amplitude[i], 0);
     EXPECT_NEAR(two.mean[i] / one.mean[i], 2, 1e-6);  // the modulus counts
   }
-  EXPECT_GT(std::fabs(own.mean.front() / own.phase.front() - 1), 0.1);  // twin: the scene has radiation pressure
+  EXPECT_GT(std::fabs(own.mean.front() / own.phase.front() - 1), 0.1);  // control: the scene has radiation pressure
 }
 
 TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
@@ -101,7 +101,7 @@ TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
 }
 
 // Another motion does not change what the interferometer makes of the light: the response stays, unless the motion file
-// says what the interferometer is. Twins: as it was, with the response of the scene; the response of another file.
+// says what the interferometer is. Controls: as it was, with the response of the scene; the response of another file.
 TEST_F(NoiseResponse, StaysWithAnotherMotion) {
   std::string const quiet = projected_run({"--response", both("one.yaml", "one.txt")}, "quiet");
   Columns const kept = projected({"noise", quiet, "--motion", storm}, "kept"),
@@ -143,7 +143,8 @@ TEST_F(NoiseResponse, IntoTheFolderOfTheRunItself) {
     EXPECT_EQ(done.code, 0) << done.err;
     return done.err;
   };
-  EXPECT_THAT(said({"noise", run, "-o", folder / "run"}), Not(HasSubstr("the run itself"))) << "twin: its own motion";
+  EXPECT_THAT(said({"noise", run, "-o", folder / "run"}), Not(HasSubstr("the run itself")))
+      << "control: its own motion";
   EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "storm"}), Not(HasSubstr("the run itself")));
   EXPECT_THAT(said({"noise", run, "--motion", storm, "-o", folder / "run"}),
               HasSubstr("is the folder of the run itself: its results and run file now are those of storm.yaml"));

@@ -152,7 +152,7 @@ TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
   EXPECT_NE(of_channel.out.find("134.6"), of_channel.out.npos) << of_channel.out;  // two bounces
 }
 
-// A projection of hours says how far it is; Ctrl-C ends it at once and leaves no file, not even part of one. Twin: a
+// A projection of hours says how far it is; Ctrl-C ends it at once and leaves no file, not even part of one. Control: a
 // short one says nothing of progress and writes both files.
 TEST_F(Projected, ShowsProgressAndLeavesNothingWhenInterrupted) {
   Folder const results;

@@ -58,7 +58,7 @@ TEST(ReceiversCommand, RunReportsTheBooks) {
 }
 
 // Without stated pixels: cells of the round detector, from the run file alone. Irradiance times area is the power of
-// the receiver (twin: with the areas of squares of the same sides).
+// the receiver (control: with the areas of squares of the same sides).
 TEST(ReceiversCommand, MapsOfCellsHoldThePower) {
   Folder const folder;
   std::string const scene = folder / "cells.yaml";
@@ -123,7 +123,7 @@ TEST(ReceiversCommand, StopRules) {
     EXPECT_THAT(r.err, HasSubstr(words));
     EXPECT_FALSE(fs::exists(folder / "no.h5"));
   };
-  // `histories` of the scene stays the upper limit; twin: a scene without.
+  // `histories` of the scene stays the upper limit; control: a scene without.
   write_text(folder / "short.yaml", edited(text_of(two_mirrors), "trace: {", "trace: {histories: 200000, "));
   Finished const capped =
       straytrace({"trace", folder / "short.yaml", "-o", folder / "short.h5", "--until", "receiver:PD < 0.01 %"});

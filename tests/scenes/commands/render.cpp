@@ -63,7 +63,7 @@ TEST(Render, ExamplesOfTheHelpRun) {
   EXPECT_EQ(two.out.find(" tube\n"), std::string::npos) << "the shadow rule hides the wall";
 }
 
-// Every colour of an id picture is in its legend. Twin: another picture's legend lacks some.
+// Every colour of an id picture is in its legend. Control: another picture's legend lacks some.
 TEST(Render, IdsAreInTheLegend) {
   Folder const folder;
   std::string const file = folder / "id.png";
@@ -179,7 +179,7 @@ TEST(Importance, OfARunIsThatOfItsScene) {
   EXPECT_EQ(text_of(from_run), text_of(from_scene));
   Finished const virgo = straytrace({"importance", virgo_arm, "--csv"}),
                  wider = straytrace({"importance", virgo_arm, "-p", "rim=50cm", "--csv"});
-  EXPECT_NE(virgo.out, wider.out) << "twin";
+  EXPECT_NE(virgo.out, wider.out) << "negative control";
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(RenderFlash, GlintOfTheEndMirror) {
   for (auto const& o : said["shine"]) shine[o["object"]] = o;
   double const d = 2999.8, expected = 1 / std::pow(2 * d * (1 - d / 1683), 2);
   EXPECT_NEAR(shine["ETM"]["glint"].get<double>() / expected, 1, 0.05);
-  EXPECT_GT(std::fabs(shine["ETM"]["glint"].get<double>() * 4 * d * d - 1), 0.3) << "twin: a flat mirror";
+  EXPECT_GT(std::fabs(shine["ETM"]["glint"].get<double>() * 4 * d * d - 1), 0.3) << "control: a flat mirror";
   EXPECT_EQ(shine["baffles_in"]["glint"], 0);
   EXPECT_GT(shine["baffles_in"]["scattered"].get<double>(), 0);
   EXPECT_THAT(said["scale"].get<std::string>(), HasSubstr("glints"));
@@ -43,7 +43,7 @@ TEST(RenderFlash, RefusesWithARemedy) {
   EXPECT_FALSE(fs::exists(file));
 }
 
-// Sources by receivers: the numbers of the routes. Twin: light of both beams together is not that of one source.
+// Sources by receivers: the numbers of the routes. Control: light of both beams together is not that of one source.
 TEST(PathsBySource, SumsResolvedRoutes) {
   Folder const folder;
   std::string const run = folder / "a.h5";

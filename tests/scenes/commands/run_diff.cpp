@@ -58,7 +58,7 @@ Change const& row(RunDifference const& d, std::string const& begin) {
 std::vector<std::string> const groups = {"ITM", "wall", "tube"};
 RunFile const before = run_of(1, groups, {{{0, 1, 0}, 1e-22}, {{}, 5e-23}});
 
-// 5^2 = 3^2 + 4^2: nothing has changed. Twin: `other` against `other` alone, 8 standard errors.
+// 5^2 = 3^2 + 4^2: nothing has changed. Control: `other` against `other` alone, 8 standard errors.
 TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   RunFile const after = run_of(2, groups, {{{0, 1, 0}, 1e-22}, {{0, 2, 0}, 3e-23}, {{}, 4e-23}});
   RunDifference const d = run_differences(before, after), back = run_differences(after, before);
@@ -71,10 +71,11 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
     EXPECT_EQ(one->routes.size(), 3u) << "each row once";
   }
   EXPECT_THAT(run_difference_text(d), HasSubstr("compared within 'other > ITM'"));
-  EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "twin";
+  EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "negative control";
 }
 
-// What is in `other` rises, with and without a route that got a row of its own. Twin: it rises by less than its error.
+// What is in `other` rises, with and without a route that got a row of its own. Control: it rises by less than its
+// error.
 TEST(RunDiff, AChangeInsideOtherIsOne) {
   auto const sigmas = [](std::vector<Row> rows) {
     rows.push_back({{0, 1, 0}, 1e-22});
@@ -83,7 +84,7 @@ TEST(RunDiff, AChangeInsideOtherIsOne) {
   EXPECT_GT(sigmas({{{}, 7e-23}}), 8);
   EXPECT_GT(sigmas({{{0, 2, 0}, 3e-23}, {{}, 6e-23}}), 8);
   EXPECT_LT(sigmas({{{0, 2, 0}, 3e-23}, {{}, 2e-23}}), -5);
-  EXPECT_LT(std::fabs(sigmas({{{}, 5.1e-23}})), 1) << "twin";
+  EXPECT_LT(std::fabs(sigmas({{{}, 5.1e-23}})), 1) << "negative control";
 }
 
 // A route by a surface that the other run has not is a change of its own, and `other` stays what it was.

@@ -131,8 +131,8 @@ TEST_F(Scan, RequirementOfAParameterIsAnInterval) {
             "always");
 }
 
-// The first half falls on the line itself, where errors leave a doubt: both ends close in on it all the same. Twin: an
-// answer that ends at the first doubt is as wide as the range.
+// The first half falls on the line itself, where errors leave a doubt: both ends close in on it all the same. Control:
+// an answer that ends at the first doubt is as wide as the range.
 TEST_F(Scan, RequirementClosesInOnTheDoubtFromBothSides) {
   double const worst = json({"moves=1e-15 m/sqrt(Hz)"})["points"][0]["worst_ratio"]["value"].get<double>();
   Json const j = json({"--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..1.9e-15 m/sqrt(Hz)", "--margin",
@@ -141,7 +141,7 @@ TEST_F(Scan, RequirementClosesInOnTheDoubtFromBothSides) {
   EXPECT_EQ(j["limited_by_errors"], true);
   EXPECT_LT(j["meets"].get<double>(), 1e-15);
   EXPECT_GT(j["exceeds"].get<double>(), 1e-15);
-  EXPECT_LT(j["exceeds"].get<double>() - j["meets"].get<double>(), 0.3e-15) << "twin: 1.8e-15";
+  EXPECT_LT(j["exceeds"].get<double>() - j["meets"].get<double>(), 0.3e-15) << "control: 1.8e-15";
 }
 
 // Most of the time of these points passes between the traces, where Ctrl-C must not lose the table

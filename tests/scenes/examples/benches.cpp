@@ -51,7 +51,7 @@ TEST(EndBenches2019, ShelvesOfNorthAndWest) {
     EXPECT_NEAR(std::sqrt(slow / share / (M_PI * edge)) / b.plateau, 1, 0.05) << b.route;
     EXPECT_NEAR(std::sqrt(all / (0.5 - missing) * 0.5 / edge) / b.rms_mean, 1, 0.02) << b.route;
     EXPECT_LT(beyond, 1e-6 * all) << b.route;
-    EXPECT_GT(std::sqrt(all / edge) / b.plateau, 1.15) << "twin: the plateau taken for the rms mean";
+    EXPECT_GT(std::sqrt(all / edge) / b.plateau, 1.15) << "control: the plateau taken for the rms mean";
     EXPECT_GT(t.amplitude_asd[bin_at(grid, 10)], 10 * t.phase_asd[bin_at(grid, 10)]);  // eq. 9.4: what was seen
   }
 }
@@ -80,7 +80,7 @@ TEST(VibratingMirror, LensByRays) {
     double const slope = -out.dir.y / out.dir.z;
     EXPECT_NEAR(height / slope, g.efl, 1e-6);
     EXPECT_NEAR(out.point.y / slope, g.bfl, 1e-6);
-    EXPECT_GT(std::fabs(height / slope - out.point.y / slope), 8e-4) << "twin: the principal plane at the back face";
+    EXPECT_GT(std::fabs(height / slope - out.point.y / slope), 8e-4) << "control: the principal plane at the back face";
   }
 }
 
@@ -96,7 +96,7 @@ TEST(VibratingMirror, FringesOfTheChiefRayE2b) {
     if (run.trace.coupling.bodies[l.body.value] != "shaker") continue;
     double const phase = 10.5e-6 * (l.d[1] + l.d[2]);  // k (d_in - d_out)·A, eq. 2.2
     EXPECT_NEAR(std::fabs(phase), 124.0102, 1e-4);
-    EXPECT_NEAR(std::fabs(10.5e-6 * l.d[2]), 124.0102 / 2, 1e-4) << "twin: one axis";
+    EXPECT_NEAR(std::fabs(10.5e-6 * l.d[2]), 124.0102 / 2, 1e-4) << "control: one axis";
   }
   EXPECT_NEAR(fastest_fringe_of(folder / "a.h5"), 1240.10, 0.01);
   Finished const slow = straytrace({"project", folder / "a.h5", "--duration", "2s", "--rate", "256"});
@@ -126,7 +126,7 @@ TEST(TwoToneWall, FringesE2c) {
   }
   EXPECT_NEAR(both, largest, 0.05);
   EXPECT_LE(both, 150.80);
-  EXPECT_GT(std::fabs(both - 2 * largest), 100) << "twin: met twice";
+  EXPECT_GT(std::fabs(both - 2 * largest), 100) << "control: met twice";
   EXPECT_THAT(straytrace({"project", folder / "a.h5", "--duration", "8s", "--rate", "256"}).err,
               HasSubstr("write a rate of 1024 Hz"));
 }
@@ -143,7 +143,7 @@ TEST(OutputIsolator, ActsOnTheField) {
     double const ratio = behind.asd[i] / open.asd[i];
     EXPECT_NEAR(ratio / std::pow(10, -37.0 / 20), 1,
                 5 * (open.sigma[i] / open.asd[i] + behind.sigma[i] / behind.asd[i]));
-    EXPECT_GT(ratio, 10 * std::pow(10, -37.0 / 10)) << "twin: decibels of the field";
+    EXPECT_GT(ratio, 10 * std::pow(10, -37.0 / 10)) << "control: decibels of the field";
   }
 }
 
@@ -181,7 +181,7 @@ TEST(PickOff, GhostAndItsDump) {
     EXPECT_NEAR(row["incidence_rad"].get<double>(), leaves, 2e-4);
     EXPECT_NEAR(bare[2], expected, 5 * bare[3]);
     EXPECT_LT(5 * bare[3], 0.03 * expected);
-    EXPECT_GT(std::fabs(bare[2] - expected / q), 100 * bare[3]) << "twin: the ghost's share counted once";
+    EXPECT_GT(std::fabs(bare[2] - expected / q), 100 * bare[3]) << "control: the ghost's share counted once";
   }
 }
 

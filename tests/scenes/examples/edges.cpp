@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rims of baffles and apertures as a user meets them (docs/theory/diffraction.md, R2.27).
+// Inner edges of baffles and apertures as a user meets them (docs/theory/diffraction.md, R2.27).
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {
@@ -35,10 +35,10 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
   EXPECT_THAT(text_of(folder / "out/h_asd.txt"), HasSubstr("# AT MOST: in "));
   EXPECT_THAT(csv, HasSubstr(",upper\n"));
   EXPECT_THAT(straytrace({"noise", folder / "out/run.h5", "--format", "json"}).out, HasSubstr("\"at_most\": true"));
-  Finished const twin = straytrace({"run", source_folder + "/examples/et_hf_arm.yaml", "-o", folder / "arm.h5", "-p",
-                                    "first_baffle=4000m", "--histories", "2e5", "--quiet"});
-  EXPECT_THAT(twin.out, HasSubstr("±"));
-  EXPECT_THAT(twin.out, Not(HasSubstr("h = at most")));
+  Finished const control = straytrace({"run", source_folder + "/examples/et_hf_arm.yaml", "-o", folder / "arm.h5", "-p",
+                                       "first_baffle=4000m", "--histories", "2e5", "--quiet"});
+  EXPECT_THAT(control.out, HasSubstr("±"));
+  EXPECT_THAT(control.out, Not(HasSubstr("h = at most")));
   // A run file projects them without tracing or building anything again.
   EXPECT_THAT(straytrace({"noise", folder / "out/run.h5"}).out, HasSubstr("baffles_end·E"));
   std::string const reader = "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='" + source_folder +
@@ -86,7 +86,7 @@ TEST(AperturesCommand, WholeWayAndRefusals) {
           "no round rim about the chief ray, across a round beam");
 }
 
-// A lens that is too small for the main beam, by name and share, for every command; twin: one that is large enough.
+// A lens that is too small for the main beam, by name and share, for every command; control: one that is large enough.
 TEST(AperturesCommand, LossesOfTheMainBeamAreWarnedOf) {
   Folder const folder;
   std::string const text = text_of(source_folder + "/examples/bench.yaml");

@@ -53,7 +53,7 @@ TEST(Entrances, EndMirrorsAreFound) {
   EXPECT_THAT(found, HasSubstr("; disk: through-end, 2 copies"));
   EXPECT_EQ(found, described(folder, "  ports: {ETM: {at: end-mirror}, disk: {at: through-end}}\n"));
   EXPECT_THAT(described(folder, "  ports: {ETM: {at: arm}, disk: {at: arm}}\n"), HasSubstr("; ITM, ETM, disk: arm"))
-      << "twin: the table overrides";
+      << "control: the table overrides";
 }
 
 // Light that was followed through the mirror counts its transmission once: with the scene and with a later

@@ -34,7 +34,7 @@ TEST(EinsteinTelescopeScene, BackScatterB5) {
   for (int i = 0; i < 3; ++i) {
     SampleMean const h = strain_per_motion(off, frequency[i]);
     expect_mean("B5", h, published[i], 1e-2 * published[i]);
-    // Broken twins: pairs of reverse routes counted (h grows by sqrt 2, eq. 1.5), and 1 % of strain.
+    // Negative controls: pairs of reverse routes counted (h grows by sqrt 2, eq. 1.5), and 1 % of strain.
     SampleMean const doubled = strain_per_motion(on, frequency[i]);
     expect_rejected("C_rev applied", doubled, published[i]);
     expect_mean("C_rev = 2", doubled, std::sqrt(2) * published[i], 2e-2 * published[i]);

@@ -58,8 +58,8 @@ TEST(MichelsonRings, ContrastRadiiAndPowersE2a) {
   std::vector<double> const seen = m.irradiance(0);
   ASSERT_EQ(seen.size(), side * side);
   EXPECT_NEAR(rings_of(seen, 1.4e-3, 0.5e-6, 0.48799).contrast, 0.9757, 0.01);
-  EXPECT_LT(rings_of(seen, 1.4e-3, 0.5e-6, 0.48799 / 2).contrast, 0.5) << "twin: one pass of the mirrors";
-  std::vector<double> counted;  // twin: the power of a pixel taken as its amplitude
+  EXPECT_LT(rings_of(seen, 1.4e-3, 0.5e-6, 0.48799 / 2).contrast, 0.5) << "control: one pass of the mirrors";
+  std::vector<double> counted;  // control: the power of a pixel taken as its amplitude
   for (std::size_t i = 0; i < seen.size(); ++i) {
     std::complex<double> sum;
     for (auto const& [route, f] : m.sums(0).fields)
@@ -78,7 +78,7 @@ TEST(MichelsonRings, ContrastRadiiAndPowersE2a) {
   auto const radius = [&](double order) { return 1e3 * std::sqrt((order * wavelength - offset) / curvature); };
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(radius(1.0 + double(i)), bright[i], 0.01) << i;
   for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(radius(1.5 + double(i)), dark[i], 0.01) << i;
-  EXPECT_GT(std::fabs(radius(1.5) - bright[0]), 0.1) << "twin: the other port";
+  EXPECT_GT(std::fabs(radius(1.5) - bright[0]), 0.1) << "control: the other port";
 
   // Spots: a disc of even light has the mean square radius R^2/2.
   std::vector<double> spots;

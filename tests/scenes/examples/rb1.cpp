@@ -46,7 +46,7 @@ std::vector<Recoupled> lit_sensors() {
 // beam included, so nothing beats there.
 void expect_rigid(CouplingTable const& table) {
   double const k = 2 * M_PI / wavelength;
-  std::size_t several = 0, twins = 0;
+  std::size_t several = 0, controls = 0;
   auto const check = [&](CouplingClass const& c, std::string const& name, double along) {
     if (c.steps.empty() || name.find("ETM") != name.npos) return;  // that one does not move with the bench
     for (PathRecord const& record : c.records) {
@@ -55,13 +55,13 @@ void expect_rigid(CouplingTable const& table) {
       EXPECT_NEAR(d[0], along, 0.01 * k) << name;  // rays within a spot differ by its divergence, squared
       EXPECT_NEAR(std::hypot(d[1], d[2]), 0, 1e-3 * k) << name;
       several += c.steps.size() > 2;
-      twins += std::fabs(d[0] - (3 * k - along)) < 0.01 * k;  // the sensor left out at ports, put in at receivers
+      controls += std::fabs(d[0] - (3 * k - along)) < 0.01 * k;  // the sensor left out at ports, put in at receivers
     }
   };
   for (CouplingClass const& c : table.classes) check(c, route_name(table, c), 2 * k);
   for (CouplingClass const& c : table.received) check(c, received_name(table, c), k);
   EXPECT_GT(several, 100u);
-  EXPECT_EQ(twins, 0u);
+  EXPECT_EQ(controls, 0u);
 }
 
 TEST(EndBenchRb1, ClosedFormsE3) {
@@ -92,14 +92,14 @@ TEST(EndBenchRb1, ClosedFormsE3) {
   EXPECT_NEAR(h / 5.480e-24, 1, tolerance);
   EXPECT_NEAR(std::sqrt(2.0) * h / 7.7498e-24, 1, tolerance);
   EXPECT_NEAR(std::sqrt(2.0) * linear / (transmission / length_of_arm * fields * 1e-9), 1, tolerance);
-  EXPECT_GT(std::fabs(h / 7.7498e-24 - 1), 10 * tolerance) << "twin: no mean over the static phase";
+  EXPECT_GT(std::fabs(h / 7.7498e-24 - 1), 10 * tolerance) << "control: no mean over the static phase";
   // eq. 9.4 over 9.3: equal at 52.0 Hz without the pole. One bin at 10 Hz is enough: the ratio falls as 1/f^2.
   auto const crossing = [&](NoiseBudget const& b) {
     NoiseTrace const& t = noise_of(b, "PD2·S");
     return b.grid.centre(at) * std::sqrt(t.amplitude_asd[at] / t.phase_asd[at]);
   };
   EXPECT_NEAR(crossing(noise) * std::pow(1 + std::pow(10 / 55.0, 2), 0.25) / 52.0, 1, 0.01);
-  EXPECT_GT(std::fabs(crossing(noise) / 45.6 - 1), 0.05) << "twin: the crossing with the pole is elsewhere";
+  EXPECT_GT(std::fabs(crossing(noise) / 45.6 - 1), 0.05) << "control: the crossing with the pole is elsewhere";
   expect_rigid(run.trace.coupling);
 }
 
@@ -130,7 +130,7 @@ TEST(EndBenchRb1, SplitterToCamera) {
   double const share = splitter_tis * a * a * cosine / (d * d + a * a);
   expect_coupling(run, "BS1/plate·S > CAM1·D", share, 1e-3);
   Estimate const& e = route_of(run, "BS1/plate·S > CAM1·D").coupling;
-  EXPECT_GT(std::fabs(e.mean - splitter_tis * a * a / (2 * d * d)), 20 * e.std_error) << "twin: uniform law";
+  EXPECT_GT(std::fabs(e.mean - splitter_tis * a * a / (2 * d * d)), 20 * e.std_error) << "control: uniform law";
 }
 
 // Children 1, 10, 100 of what PD2 scatters: the same f. Histories 2^17, 2^19, 2^20: the error falls as N^(-1/2).
@@ -161,7 +161,7 @@ TEST(EndBenchRb1, ChildrenAndHistories) {
     // 32 blocks or more: the error is known to 13 %.
     EXPECT_NEAR(series[i].std_error / series[0].std_error * std::sqrt(more[i]), 1, 0.5) << i;
   }
-  EXPECT_LT(series[2].std_error, 0.5 * series[0].std_error) << "twin: an error that does not fall";
+  EXPECT_LT(series[2].std_error, 0.5 * series[0].std_error) << "control: an error that does not fall";
 }
 
 // R3.30, R5.11: the main beam on 4Q1, 0.1, 0.2 and 0.3 mm beside the middle of its quadrants: the halves differ by
@@ -182,7 +182,7 @@ TEST(EndBenchRb1, DecentredQuadrant) {
                  error = std::hypot(std::hypot(q.error[0], q.error[1]), std::hypot(q.error[2], q.error[3])) / all;
     EXPECT_NEAR(halves, std::erf(std::sqrt(2) * millimetres / 2), 5 * error) << millimetres;
     EXPECT_LT(5 * error, 0.03);
-    EXPECT_GT(std::fabs(halves - std::erf(std::sqrt(2) * millimetres)), 5 * error) << "twin: w taken as a diameter";
+    EXPECT_GT(std::fabs(halves - std::erf(std::sqrt(2) * millimetres)), 5 * error) << "control: w taken as a diameter";
     EXPECT_NEAR(all, half * half, 0.01) << "power of 4Q1, share of P_t";
   }
 }

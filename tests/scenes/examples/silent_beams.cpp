@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Beams that light nothing are told, and so is a trace without light: a zero is never the silent answer.
+// Beams that illuminate no surface are reported, and so is a trace without light: a zero is never silent.
 #include <cstdio>
 
 #include "scenes/program.hpp"
@@ -43,7 +43,7 @@ TEST(SilentBeams, ASideThatOnlyAbsorbsIsRefused) {
   EXPECT_THAT(black.check.err, HasSubstr("give the material of 'lamp' a 'scatter'"));
 }
 
-TEST(SilentBeams, TheRemediesAreAccepted) {  // the broken twins of the refusal
+TEST(SilentBeams, TheRemediesAreAccepted) {  // the negative controls of the refusal
   for (std::string const& scene :
        {lamp(dark, "on: lamp, travel: [0, 0, 1]"), lamp("facing: [0, 0, -1], side: back", "on: lamp"),
         lamp("facing: [0, 0, 1], side: front", "on: lamp"), lamp("facing: [0, 0, -1]", "on: lamp")}) {

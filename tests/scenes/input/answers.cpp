@@ -37,7 +37,7 @@ TEST(Answers, AListOfMaterialsBecomesAFileToInclude) {
     return straytrace({"check", folder / "a.yaml", "--strict"});
   };
   EXPECT_EQ(scene("glass_a").code, 0) << scene("glass_a").err;
-  EXPECT_EQ(scene("glass_c").code, 2);  // twin
+  EXPECT_EQ(scene("glass_c").code, 2);  // negative control
   auto const list = nlohmann::json::parse(straytrace({"inspect", folder / "iris.mtl", "--format", "json"}).out);
   ASSERT_EQ(list.size(), 4u);
   EXPECT_EQ(list[1]["index"], 1.5);
@@ -80,7 +80,7 @@ TEST(Answers, HIsShortForTheTotal) {
   Finished const short_form = run("a", "h < 20 %"), long_form = run("b", "h_total < 20 %");
   EXPECT_EQ(short_form.code, 0) << short_form.err;
   EXPECT_EQ(short_form.out, long_form.out);
-  EXPECT_EQ(run("c", "hh < 20 %").code, 2);  // twin
+  EXPECT_EQ(run("c", "hh < 20 %").code, 2);  // negative control
 }
 
 // emitted = sum of the terms, one line each.
@@ -114,7 +114,8 @@ TEST(Answers, PicturesArePng) {
   EXPECT_EQ(r.code, 2);
   EXPECT_THAT(r.err, HasSubstr("write -o " + folder.path() + "/x.png"));
   EXPECT_FALSE(fs::exists(folder / "x.jpg"));
-  EXPECT_EQ(straytrace({"render", two_mirrors, "-o", folder / "x.PNG", "--pixels", "32x32"}).code, 0);  // twin
+  EXPECT_EQ(straytrace({"render", two_mirrors, "-o", folder / "x.PNG", "--pixels", "32x32"}).code,
+            0);  // negative control
 }
 
 TEST(Answers, ReceiversAreAmongTheNamesToStandOn) {

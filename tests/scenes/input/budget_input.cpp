@@ -57,7 +57,7 @@ TEST_F(Runs, GivenTwiceAreRefused) {
   refused({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
   refused({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
   refused({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // nothing is resolved: the content says it
-  // Twin: baffles of another width scatter other light.
+  // Control: baffles of another width scatter other light.
   EXPECT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
 

@@ -174,7 +174,7 @@ TEST(Diff, CausesStandFirstAndAreReadable) {
   write_text(folder / "c.yaml", edited(many, "pitch: 1 m", "pitch: 1.1 m"));
   std::string const moved = straytrace({"diff", folder / "a.yaml", folder / "c.yaml"}).out;
   EXPECT_THAT(moved, HasSubstr("19 instances, by 0.1 m to 1.9 m; the first: "));
-  EXPECT_LT(std::count(moved.begin(), moved.end(), '\n'), 5) << moved;  // twin: JSON has them one by one
+  EXPECT_LT(std::count(moved.begin(), moved.end(), '\n'), 5) << moved;  // control: JSON has them one by one
   EXPECT_GE(answer({"diff", folder / "a.yaml", folder / "c.yaml"})["models"].size(), 19u);
 }
 
@@ -209,7 +209,7 @@ TEST(Diff, RunsDifferBySigmas) {
 }
 
 // Twice the motion of the same light is twice h (docs/theory/path_integral.md, eq. 1.3): the change is h, and so is its
-// relative error. Twin: errors taken as independent, sqrt(5) times too large.
+// relative error. Control: errors taken as independent, sqrt(5) times too large.
 TEST(Diff, SameHistoriesErrAlike) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
@@ -229,7 +229,7 @@ TEST(Diff, SameHistoriesErrAlike) {
 }
 
 // Spectra that paths share hold h to 5e-4 of itself: motion larger by 2e-5 is no change, by 2 % it is one, although
-// both are of the same light. Twin: what the errors of the light alone leave, 2e-5 h over 2e-5 sigma, some hundred
+// both are of the same light. Control: what the errors of the light alone leave, 2e-5 h over 2e-5 sigma, some hundred
 // sigmas.
 TEST(Diff, WhatSpectraDoNotHoldIsNoChange) {
   Folder const folder;
@@ -251,7 +251,7 @@ TEST(Diff, WhatSpectraDoNotHoldIsNoChange) {
   EXPECT_GT(sigmas("1.02e-12 m"), 10);
 }
 
-// A line below the band moves the baffle, and makes nothing in the band. Twins: the baffle still, and so much motion
+// A line below the band moves the baffle, and makes nothing in the band. Controls: the baffle still, and so much motion
 // that it wraps into the band (phase 2k x 20 um).
 TEST(Messages, NoNoiseSaysWhetherAnythingMoves) {
   Folder const folder;
@@ -271,7 +271,7 @@ TEST(Messages, NoNoiseSaysWhetherAnythingMoves) {
   EXPECT_THAT(headline("{sine: {frequency: 1 Hz, amplitude: 2e-5 m peak}}"), HasSubstr("stray light h = "));
 }
 
-// 0.9 s of preparation, then a quarter in a second: three seconds are left. Twin: preparation counted, half an hour.
+// 0.9 s of preparation, then a quarter in a second: three seconds are left. Control: preparation counted, half an hour.
 TEST(Messages, TimeLeftIsThatOfTheWorkItself) {
   TimeLeft left;
   EXPECT_TRUE(std::isnan(left.at(0.9, 0.0005)));

@@ -46,7 +46,7 @@ TEST(UncountedGhosts, AreAWarningWithTheirStrain) {
   EXPECT_GT(number_behind(said, "h(10 Hz) = "), 1e-25);
 }
 
-// Twins: a scene that says what it does about ghosts, in each way, and one where nothing passes the end mirror.
+// Controls: a scene that says what it does about ghosts, in each way, and one where nothing passes the end mirror.
 TEST(UncountedGhosts, ArePassedOverOnlyKnowingly) {
   for (char const* line : {"ghosts: {order: 2}\n", "ghosts: {order: 0}\n", "ghosts: on\n", "ghosts: off\n"})
     EXPECT_THAT(said_of(with_ghosts(line)), Not(HasSubstr(uncounted))) << line;
@@ -68,7 +68,7 @@ TEST(UncountedGhosts, AreTheNoiseThatIsMissing) {
   double const with = strain("ghosts: on\n"), without = strain("ghosts: off\n");
   double const missing = std::sqrt(with * with - without * without);
   EXPECT_NEAR(number_behind(said_of(with_ghosts("")), "h(10 Hz) = ") / missing, 1, 0.05);
-  EXPECT_GT(with / without, 1.5) << "twin: nothing is missing";
+  EXPECT_GT(with / without, 1.5) << "control: nothing is missing";
 }
 
 // Each number that stray light depends on, changed by itself, is named; as the library has it nothing is.
@@ -93,12 +93,12 @@ TEST(OtherDetector, IsNamedByWhatDiffers) {
   arms: 2
 )";
   std::string const another = "'adv-lal' is a curve of Advanced Virgo, and the interferometer is another one";
-  EXPECT_THAT(said_of(end_bench + own), Not(HasSubstr("another one"))) << "twin: the same detector";
+  EXPECT_THAT(said_of(end_bench + own), Not(HasSubstr("another one"))) << "control: the same detector";
   for (Change const& c : changes) {
     std::string const scene = end_bench + edited(own, c.from, c.to);
     EXPECT_THAT(said_of(scene), AllOf(HasSubstr(another), HasSubstr(c.said), HasSubstr("library/detectors/adv.yaml")));
     EXPECT_THAT(said_of(scene + "noise: {override: true, band: [5 Hz, 1 kHz]}\n"), Not(HasSubstr("another one")))
-        << "twin: compared with nothing";
+        << "control: compared with nothing";
   }
 }
 
@@ -116,7 +116,7 @@ TEST(OtherDetector, IsSeenWhereverACurveIsNamed) {
   }
 }
 
-// In a budget the run stands beside the noises of a detector, with or without a design curve.
+// In a budget the run is listed with the noises of a detector, with or without a design curve.
 TEST(OtherDetector, IsSeenInABudget) {
   Folder const folder;
   std::string const bench = source_folder + "/examples/end_bench.yaml";
@@ -124,8 +124,8 @@ TEST(OtherDetector, IsSeenInABudget) {
   auto const said = [&](char const* detector) { return straytrace({"budget", detector, folder / "a/run.h5"}).err; };
   EXPECT_THAT(said("aligo"), AllOf(HasSubstr("'aligo' is a budget of "), HasSubstr("arm length 3000 m, not 3995 m"),
                                    HasSubstr("give the detector of 'a/run.h5'")));
-  EXPECT_THAT(said("adv"), Not(HasSubstr("is a budget of"))) << "twin: the same detector";
-  EXPECT_THAT(straytrace({"budget", folder / "a/run.h5"}).err, Not(HasSubstr("is a budget of"))) << "twin: none";
+  EXPECT_THAT(said("adv"), Not(HasSubstr("is a budget of"))) << "control: the same detector";
+  EXPECT_THAT(straytrace({"budget", folder / "a/run.h5"}).err, Not(HasSubstr("is a budget of"))) << "control: none";
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ std::string hash_of(Words words) {
 // The example on the library and the arm written out are one model, and its run file needs no library.
 TEST(LibraryExamples, VirgoArmIsTheArmWrittenOut) {
   EXPECT_EQ(hash_of({virgo_arm}), hash_of({written_arm}));
-  EXPECT_NE(hash_of({virgo_arm, "-p", "rim=49.4cm"}), hash_of({written_arm})) << "twin";
+  EXPECT_NE(hash_of({virgo_arm, "-p", "rim=49.4cm"}), hash_of({written_arm})) << "negative control";
   Folder const folder;
   std::string const first = folder / "first", again = folder / "again";
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", first, "--histories", "4096", "--quiet"}).code, 0);
@@ -78,7 +78,7 @@ TEST(LibraryExamples, AssumedNumbersAreSaidWhereTheyAct) {
 }
 
 // E.1 as a user meets it: the line at 10 Hz of an empty tube, on average over static phases. One and
-// three wall hits count, even orders cancel (eq. 8.10). Twins: a wall that reflects 90 %, and static phases of 0.
+// three wall hits count, even orders cancel (eq. 8.10). Controls: a wall that reflects 90 %, and static phases of 0.
 double line_at_10_hz(std::string const& scene, Words const& options, double& error) {
   Folder const folder;
   Words words{"run", scene, "-o", folder / "out", "--quiet"};

@@ -43,7 +43,7 @@ TEST(PartErrors, SizesThatDoNotFitAreToldInWords) {
     EXPECT_THAT(said, HasSubstr("1 error.")) << c.entry;
     EXPECT_THAT(said, Not(HasSubstr("built-in parts:"))) << c.entry;
   }
-  EXPECT_EQ(check("use: lens, radius_1: 0.1 m, diameter: 9 cm, thickness: 11 mm"), "");  // twins: just inside
+  EXPECT_EQ(check("use: lens, radius_1: 0.1 m, diameter: 9 cm, thickness: 11 mm"), "");  // controls: just inside
   EXPECT_EQ(check("use: lens, radius_1: 1 cm, diameter: 2 cm, thickness: 11 mm"), "");
   EXPECT_EQ(check("use: plate, wedge: -21.47 deg"), "");
 }
@@ -77,7 +77,7 @@ TEST(PartErrors, AnUnknownKeyIsToldOnce) {
   std::string const said = check("use: lens, thicknes: 3 mm");
   EXPECT_THAT(said, HasSubstr("unknown key 'thicknes' in scene entry 'x'"));
   EXPECT_THAT(said, HasSubstr("1 error."));
-  EXPECT_THAT(check("use: lens, thicknes: 3 mm, diametre: 1 cm"), HasSubstr("2 errors."));  // twin
+  EXPECT_THAT(check("use: lens, thicknes: 3 mm, diametre: 1 cm"), HasSubstr("2 errors."));  // negative control
 }
 
 // What else an entry names is told at once with the reason why its part is refused.
@@ -88,7 +88,7 @@ TEST(PartErrors, ARefusedPartDoesNotHideWhatItNames) {
     for (char const* words : {"material 'nix' is not defined", "material 'nono' is not defined", "'glas'", "4 errors."})
       EXPECT_THAT(said, HasSubstr(words)) << use;
   }
-  EXPECT_THAT(check("use: lenss"), HasSubstr("1 error."));  // twin
+  EXPECT_THAT(check("use: lenss"), HasSubstr("1 error."));  // negative control
   std::string const inner =
       "parts: {p: {params: {r: 1 m}, limits: {r: {at_most: 1 m, because: it must fit}}, "
       "faces: {a: {shape: {disk: {outer_radius: r}}, material: nix}}}}\n";
@@ -118,7 +118,8 @@ TEST(PartErrors, ABeamTellsAllItsFaults) {
   for (std::string const params :
        {"params: {L: 3 mmm, R: 10 m}\n", "params: {L: 3 kg, R: 10 m}\n", "params: {L: 3, R: 10 m}\n"})
     EXPECT_THAT(beam(params, "{s: {cavity: [A, B]}}"), HasSubstr("1 error.")) << params;
-  EXPECT_THAT(beam("params: {L: -3 m, R: 10 m}\n", "{s: {cavity: [A, B]}}"), HasSubstr("do not face"));  // twin
+  EXPECT_THAT(beam("params: {L: -3 m, R: 10 m}\n", "{s: {cavity: [A, B]}}"),
+              HasSubstr("do not face"));  // negative control
 }
 
 TEST(PartErrors, TooManySidesAreTold) {

@@ -23,7 +23,7 @@ class Page(unittest.TestCase):
         self.assertEqual(list(page.problems(page.PAGE, record.KEPT)), [])
 
     def test_another_number_is_seen(self):
-        """The broken twins: a number changed in the page, and one changed in the lines."""
+        """The negative controls: a number changed in the page, and one changed in the lines."""
         with tempfile.TemporaryDirectory() as place:
             pages, kept = pathlib.Path(place) / "pages", pathlib.Path(place) / "results"
             pages.mkdir()

@@ -34,7 +34,7 @@ class Agreement(unittest.TestCase):
         self.assertAlmostEqual(line["ratio"], (0.02 / 1.02) ** 2 / 0.01 ** 2)
 
     def test_a_value_five_errors_off_makes_it_void(self):
-        """The broken twin: the same line with a value off by five standard errors of the difference."""
+        """The negative control: the same line with a value off by five standard errors of the difference."""
         ours, error = turns(1.0, 0.01), 0.02
         off = 5 * math.hypot(0.01, error) / math.sqrt(2)
         line = peers.line_of(ours, turns(1 + off, error))

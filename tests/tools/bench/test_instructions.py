@@ -20,7 +20,7 @@ class Instructions(unittest.TestCase):
         self.assertEqual(found, [])
 
     def test_the_same_work_done_twice_is_refused(self):
-        """The broken twin: also by the looser limit for other compilers, and of this kernel alone."""
+        """The negative control: also by the looser limit for other compilers, and of this kernel alone."""
         before, made_before = instructions.stored()
         doubled = instructions.counts(PROGRAM, twice="tube_walk")
         for made in (made_before, dict(made_before, compiler="another")):

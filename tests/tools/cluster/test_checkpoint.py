@@ -73,7 +73,7 @@ class Checkpoints(unittest.TestCase):
         for left in self.out.parent.glob("*.part-*"):            # of a file that was being written
             left.unlink()
 
-    def test_without_checkpoints_a_kill_leaves_nothing(self):    # twin
+    def test_without_checkpoints_a_kill_leaves_nothing(self):    # negative control
         child = self.begin("--checkpoint", "off")
         time.sleep(2)
         self.assertIsNone(child.poll())

@@ -69,8 +69,8 @@ class Mpi(unittest.TestCase):
             self.assertEqual(child.returncode, 0, complained)
             self.assertEqual(bits(out), bits(one), ranks)
             self.assertEqual(said.count("Where the light went"), 1)                     # rank 0 speaks
-        trace(self.folder / "twin.h5", "--histories", MANY, "--seed", 2)
-        self.assertNotEqual(bits(self.folder / "twin.h5"), bits(one))
+        trace(self.folder / "control.h5", "--histories", MANY, "--seed", 2)
+        self.assertNotEqual(bits(self.folder / "control.h5"), bits(one))
 
     def test_a_killed_rank(self):
         out, whole = self.folder / "killed.h5", self.folder / "whole.h5"

@@ -40,7 +40,7 @@ class Slices(unittest.TestCase):
         self.merge(reversed(self.parts), name="all.h5")
         self.assertEqual(bits(self.folder / "all.h5"), bits(self.one))
         self.assertIn("the same to the last bit", ask("diff", self.one, self.folder / "all.h5"))
-        trace(self.folder / "seed2.h5", "--histories", MANY, "--seed", 2)                # twin
+        trace(self.folder / "seed2.h5", "--histories", MANY, "--seed", 2)                # negative control
         self.assertNotEqual(bits(self.folder / "seed2.h5"), bits(self.one))
         noise = [ask("noise", run, "-o", self.folder / "noise.h5", "--quiet", "--force") for run in (self.one, self.folder / "all.h5")]
         self.assertEqual(*noise)

@@ -80,7 +80,7 @@ class Condor(unittest.TestCase):
             self.assertEqual(bits(folder / "run.h5"), bits(folder / "one.h5"))
             self.assertIn(b"</html>", (folder / "report.html").read_bytes())
 
-    def test_broken_text_is_seen(self):                                 # twin: the parser that is trusted above
+    def test_broken_text_is_seen(self):                                 # control: the parser that is trusted above
         with self.assertRaises(Exception):
             htcondor2.Submit("executable = /bin/true\nthis is no line of a submit file\nqueue\n")
 

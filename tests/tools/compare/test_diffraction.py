@@ -62,12 +62,12 @@ assert abs(hard["w_m"] / W - 1) < 1e-9 and abs(hard["clipped"] / np.exp(-2 * (RA
 assert abs(hard["axis_factor_far"] / (1 - np.exp(-(RADIUS / W) ** 2)) ** 2 - 1) < 1e-9      # eq. 5.7
 exact = [hankel(abs(x), 60, lambda r: 1.0, RADIUS) for x in hard["x_m"]]
 assert check(exact, hard["intensity"], 1e-6, "round hole")
-assert not check(exact, hard["intensity_without_rim"], 1e-2)                                  # twin: no aperture
+assert not check(exact, hard["intensity_without_rim"], 1e-2)                                  # control: no aperture
 
 serrated = profile(TEETH, 60, 11)
 mean = [hankel(abs(x), 60, lambda r: np.clip((14e-3 - r) / 4e-3, 0, 1), 14e-3) for x in serrated["x_m"]]
 assert check(mean, serrated["intensity"], 1e-6, "teeth")
-assert not check(mean, hard["intensity"], 1e-3)                                               # twin: a smooth rim
+assert not check(mean, hard["intensity"], 1e-3)                                               # control: a smooth rim
 
 # Off centre, by the angular spectrum on a grid.
 cells, width = 3072, 0.24
@@ -80,6 +80,6 @@ behind = np.abs(ifft2(fft2(field, workers=2) * phase, workers=2)) ** 2
 off = profile(HARD, 60, 9, shift=5)
 grid = [behind[np.argmin(np.abs(x - p)), cells // 2] for p in off["x_m"]]
 assert check(grid, off["intensity"], 1e-2, "off centre")
-assert not check(grid, profile(HARD, 60, 9)["intensity"], 5e-2)                               # twin: the offset forgotten
+assert not check(grid, profile(HARD, 60, 9)["intensity"], 5e-2)                               # control: the offset forgotten
 RECORDS.write()
 print("diffraction: as expected")

@@ -42,7 +42,7 @@ def check_vtk(folder):
     mass.SetInputData(baffles)
     area = 35 * np.pi * (0.6**2 - 0.495**2) / np.sin(np.radians(35))     # of 35 cones, as the example has them
     check(abs(mass.GetSurfaceArea() / area - 1) < 5e-3, f"35 baffles have {mass.GetSurfaceArea()} m^2, not {area}")
-    check(abs(2 * mass.GetSurfaceArea() / area - 1) > 5e-3, "any area would do")                    # broken twin
+    check(abs(2 * mass.GetSurfaceArea() / area - 1) > 5e-3, "any area would do")                    # negative control
     paths = polydata(folder / "vtk/paths.vtp")
     points, cells = to_numpy(paths.GetPoints().GetData()), paths.GetCellData()
     check(points.dtype == np.float64, f"points are {points.dtype}")

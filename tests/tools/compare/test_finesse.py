@@ -109,13 +109,13 @@ def main():
             good = records.below(f"{name}: {what}: relative difference", worst, TOLERANCES[what])
             failures += not good
             print(f"{'ok  ' if good else 'FAIL'} {name}: {what}: differs by {worst:.1e}, allowed {TOLERANCES[what]:.0e}")
-    # Twins: the offset and the tuning with the other sign, and 1e-5 more transmission, must not pass.
+    # Controls: the offset and the tuning with the other sign, and 1e-5 more transmission, must not pass.
     case = cases["detuned, arms not equal"]
     changed = dict(case["parameters"], input_transmission=case["parameters"]["input_transmission"] * (1 + 1e-5))
     for what, model in (("signs", model_of(case["parameters"], +1)), ("transmissions", model_of(changed))):
         seen = worst_of(both_responses(case, model))["DARM"] > TOLERANCES["DARM"]
         failures += not seen
-        print(f"{'ok  ' if seen else 'FAIL'} twin: wrong {what} are noticed")
+        print(f"{'ok  ' if seen else 'FAIL'} control: wrong {what} are noticed")
     if not failures:
         records.write()
     sys.exit(failures > 0)

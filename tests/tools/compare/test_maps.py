@@ -82,7 +82,7 @@ def check_formats(folder):
         got = read_map(folder / "a.dat")
         np.testing.assert_allclose(got.height, expected, rtol=1e-6)     # float32 in the header
         assert abs(got.pixel - 4e-4) < 1e-9 and got.kind == "MetroPro"
-    for wrong in (dict(scale=1.0), dict(resolution=0)):                 # twins: a factor 2, and 8
+    for wrong in (dict(scale=1.0), dict(resolution=0)):                 # controls: a factor 2, and 8
         (folder / "a.dat").write_bytes(metropro(counts, **wrong))
         assert abs(read_map(folder / "a.dat").height[0, 1] / expected[0, 1] - 1) > 0.5
     for text in (zygo(counts), zygo(counts, blocks=1), zygo(counts, end="\r\n")):
@@ -110,7 +110,7 @@ def check_refusals(folder):
 
 def check_spectrum():
     """The spectrum is that of the surface within 5 standard errors, ring by ring, and its integral (eq. 3.6) the
-    variance. Twin: a window whose power is not normalised. Tilt and curvature go, and the curvature is said."""
+    variance. Control: a window whose power is not normalised. Tilt and curvature go, and the curvature is said."""
     n, pixel = 512, 5e-4
     height = made(n, pixel)
     x, y = maps.grid(height.shape, pixel, (0, 0))
@@ -122,10 +122,10 @@ def check_spectrum():
     assert RECORDS.below("largest deviation of the PSD in standard errors", np.max(np.abs(pull[high])), 5), pull
     assert RECORDS.below("spread of these", np.std(pull[high]), 2), pull
     assert np.all((spectrum.error < 0.2 * spectrum.s2)[spectrum.f > 150])
-    wrong = spectrum.s2 * np.sum(np.hypot(x, y) < 0.125) / n**2 * 3 / 8    # twin
+    wrong = spectrum.s2 * np.sum(np.hypot(x, y) < 0.125) / n**2 * 3 / 8    # negative control
     assert np.any(np.abs((wrong - knee(spectrum.f)) / spectrum.error)[high] > 5)
     left = maps.analyse(MirrorMap(bent, pixel, "", 0, ""), pixel, 0.25, "tilt")[0]
-    assert left.s2[0] > 100 * spectrum.s2[0]                # twin: curvature that stays is no roughness
+    assert left.s2[0] > 100 * spectrum.s2[0]                # control: curvature that stays is no roughness
     return height, pixel
 
 
@@ -148,7 +148,7 @@ def check_tis(folder, program):
     tis = json.loads(run.stdout)["tis"][0]["scattered"]
     expected = (4 * np.pi * sigma / LAMBDA)**2
     assert RECORDS.near("TIS", tis, expected, 0.01 * expected), (tis, expected)
-    assert abs(tis / (4 * expected) - 1) > 0.5              # twin: heights of a wavefront, twice those of the surface
+    assert abs(tis / (4 * expected) - 1) > 0.5              # control: heights of a wavefront, twice those of the surface
 
 
 def check_join(folder, program, height, pixel):

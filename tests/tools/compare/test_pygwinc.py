@@ -107,7 +107,7 @@ def test_file_is_read(folder):
     assert trace.ifo.Infrastructure.Length == 3995 and len(trace.ifo.Suspension.Stage) == 4
     save_hdf5(trace, folder / "again.hdf5", plot_style=trace.plot_style)
     assert close(load_hdf5(folder / "again.hdf5").psd, trace.psd)
-    assert not close(np.sqrt(trace.psd * 1.001), printed["total"], 1e-5)  # twin: the check sees half a thousandth
+    assert not close(np.sqrt(trace.psd * 1.001), printed["total"], 1e-5)  # control: the check sees half a thousandth
 
 
 def test_their_file(folder):
@@ -146,7 +146,7 @@ def test_each_noise(folder, table=False):
             known = RECORDS.below(f"{preset} {name}: relative difference", worst, tolerance)
             assert table or known, f"{preset} {name}: {worst:.2e} above {tolerance:g}"
     quantum = find(ours, "Quantum").psd
-    assert np.abs(quantum / find(theirs, "CoatingBrownian").psd - 1).max() > 0.5  # twin: another noise
+    assert np.abs(quantum / find(theirs, "CoatingBrownian").psd - 1).max() > 0.5  # control: another noise
     if table:
         print("| noise | aLIGO | A+ | CE1 |\n| --- | --- | --- | --- |")
         for name, worst in rows.items():
@@ -179,7 +179,7 @@ def test_drop_in(folder):
         assert close(trace["StrayLight"].asd, wanted, 1e-9)
         assert close(trace.psd, sum(part.psd for part in trace.budget), 1e-12)
     noise = StrayLight.of(run.path)
-    nearest = noise(freq=middle).interpolate(f, h)  # twin: pygwinc's own interpolation
+    nearest = noise(freq=middle).interpolate(f, h)  # control: pygwinc's own interpolation
     assert not close(nearest, np.sqrt(h[:-1] * h[1:]), 1e-3)
     length = gwinc.load_budget("aLIGO").ifo.Infrastructure.Length
     low = noise(freq=f[f < 30], ifo=gwinc.load_budget("aLIGO").ifo)
@@ -211,7 +211,7 @@ def power(hz, psd):
 
 def test_lines_stay_in_their_bins(folder):
     """The example tube moves with lines: from run file, exported budget and h_asd.txt the PSD of the bin with the line at 10 Hz
-    has the power of the run, and bins beside it have theirs. Twin: straight lines between the centres."""
+    has the power of the run, and bins beside it have theirs. Control: straight lines between the centres."""
     tube = folder / "tube"
     subprocess.run([PROGRAM, "run", SOURCE / "examples/arm_tube.yaml", "-o", tube, "--histories", "50000", "--quiet"], check=True,
                    timeout=120, capture_output=True, env=os.environ | {"STRAYTRACE_PYTHON": "/bin/false"})
@@ -227,7 +227,7 @@ def test_lines_stay_in_their_bins(folder):
         asd = StrayLight.of(name, quantity="strain")(freq=hz).run().asd
         assert abs(power(hz, asd**2) / wanted - 1) < 1e-3, name
     smeared = log_log(hz, noise.frequency, noise.total.mean)
-    assert abs(power(hz, smeared**2) / wanted - 1) > 0.1  # twin
+    assert abs(power(hz, smeared**2) / wanted - 1) > 0.1  # negative control
     trace = load_hdf5(folder / "lines/budget.hdf5")
     near = (trace.freq > low * 0.9999) & (trace.freq < high * 1.0001)
     psd = find(trace, "StrayLight").psd
@@ -262,7 +262,7 @@ def refused(error, call, *words, **values):
 
 
 def test_what_is_no_curve_is_refused(folder):
-    """Unknown quantities and keywords, negative densities; a computed 0 is known. Twins: the words that there are."""
+    """Unknown quantities and keywords, negative densities; a computed 0 is known. Controls: the words that there are."""
     (folder / "curve.txt").write_text("10 0\n100 0\n10000 2e-22\n")
     (folder / "negative.txt").write_text("10 1e-22\n100 -1e-22\n")
     curve = folder / "curve.txt"

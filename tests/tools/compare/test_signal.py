@@ -102,8 +102,8 @@ class AgainstScipy(unittest.TestCase):
         for name, wanted in {"h1": pxy / pxx, "h2": pyy / np.conj(pxy)}.items():
             got = columns("transfer", self.drive, self.answer, "--segment", "2 s", "--estimator", name)
             close(self, got["modulus"] * np.exp(1j * np.radians(got["phase"])), wanted)
-            twin = got["modulus"] * np.exp(-1j * np.radians(got["phase"]))
-            self.assertGreater(np.max(np.abs(twin - wanted)), 0.1 * np.max(np.abs(wanted)))
+            control = got["modulus"] * np.exp(-1j * np.radians(got["phase"]))
+            self.assertGreater(np.max(np.abs(control - wanted)), 0.1 * np.max(np.abs(wanted)))
 
     def test_spectrogram(self):
         out = self.path("map.json")
@@ -139,9 +139,9 @@ class AgainstScipy(unittest.TestCase):
             write_gwpy(f, "x", slow + fast, "um")
         words = ("displacement", self.path("slow.hdf5"))
         *_, kept = columns(*words).values()
-        *_, twin = columns(*words, "--corner", "1 Hz").values()
+        *_, control = columns(*words, "--corner", "1 Hz").values()
         close(self, kept, 1e-6 * (slow + fast))
-        self.assertLess(np.std(twin[COUNT // 4:3 * COUNT // 4]), 0.5e-6)      # the high pass that was the default
+        self.assertLess(np.std(control[COUNT // 4:3 * COUNT // 4]), 0.5e-6)      # the high pass that was the default
         self.assertIn("not integrated, so without a high pass", ask(*words))
         self.assertIn("high pass at 1 Hz (default)", ask("displacement", self.drive))
 
@@ -159,7 +159,7 @@ class AgainstScipy(unittest.TestCase):
     def test_rms_from_each_frequency_up(self):
         got = columns("rms", self.drive, "--band", "5 Hz..40 Hz", "--segment", "2 s")
         low, rms = got["low"], got["rms"]
-        self.assertGreater(low.size, 20)                     # twin: a single row is no curve
+        self.assertGreater(low.size, 20)                     # control: a single row is no curve
         self.assertTrue(low[0] == 5 and np.all(np.diff(low) > 0) and np.all(np.diff(rms) <= 0) and np.all(got["high"] == 40))
         f, p = signal.welch(DRIVE, RATE, "hann", 512)
         for at in (0, low.size // 2):

@@ -76,7 +76,7 @@ def check_theia(folder, program):
     q = 1 / (1 / q - 1 / 0.5) + 0.6
     width = math.sqrt(-1.064e-6 / math.pi / (1 / q).imag) * 1e3
     assert abs(float(rows["END/front"]["radius"].split()[0]) / width - 1) < 0.02, (rows["END/front"], width)
-    text = converted(folder, "b.tia", TIA.format(wedge=0, r=0.98).replace("50*cm", "-50*cm"))      # twin: diverging
+    text = converted(folder, "b.tia", TIA.format(wedge=0, r=0.98).replace("50*cm", "-50*cm"))      # control: diverging
     other = lit(program, folder / "out.yaml")["END/front"]["radius"]
     assert abs(float(other.split()[0]) / width - 1) > 0.2 and "radius_1: -0.45" in text
 
@@ -93,7 +93,7 @@ def check_wedge(folder, program):
     normal = np.array([-math.sqrt(0.5), math.sqrt(0.5), 0])
     second = np.cross(normal, [0, 0, 1])
     np.testing.assert_allclose(back, -math.cos(wedge) * normal + math.sin(wedge) * second, atol=1e-9)
-    assert np.abs(back - (-math.cos(wedge) * normal - math.sin(wedge) * second)).max() > 1e-3      # twin
+    assert np.abs(back - (-math.cos(wedge) * normal - math.sin(wedge) * second)).max() > 1e-3      # negative control
     assert abs(float(re.search(r"thickness: (\S+) m, wedge", text)[1]) - (0.02 + math.tan(wedge) * 0.05)) < 1e-9
     lit(program, folder / "out.yaml")
     for across in ([1, 0, 0], [0, 1, 0], [0, 0, 1]):     # quarter and half turns too
@@ -115,7 +115,7 @@ def check_gtrace(folder, program):
     width = math.sqrt(2 * 1.064e-6 / math.pi * (1 + (2.5 / 2)**2)) * 1e3
     assert abs(float(rows["M2/front"]["radius"].split()[0]) / width - 1) < 0.01
     thickness = float(re.search(r"name: M2.*thickness: (\S+) m", text)[1])
-    assert abs(thickness - (0.02 - 0.1 * 0.05**2 / 2)) < 1e-6     # concave: thinner in the middle. Twin: thicker
+    assert abs(thickness - (0.02 - 0.1 * 0.05**2 / 2)) < 1e-6     # concave: thinner in the middle. Control: thicker
     assert thickness < 0.02
 
 

@@ -39,10 +39,10 @@ def main():
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
     paths = sorted((SOURCE / "examples" / "notebooks").glob("*.ipynb"))
     assert len(paths) >= 3, paths
-    twin = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("import straytrace\nstraytrace.nothing")])
+    control = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("import straytrace\nstraytrace.nothing")])
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
-        bad = pathlib.Path(folder, "twin.ipynb")
-        nbformat.write(twin, bad)
+        bad = pathlib.Path(folder, "control.ipynb")
+        nbformat.write(control, bad)
         answers = list(pool.map(executed, [*paths, bad]))
     assert "nothing" in answers.pop()[0]
     problems = [problem for problem, _ in answers if problem]

@@ -130,7 +130,7 @@ def check_far_bench():
     assert "stretched" not in axes.get_title(loc="left") and "far away: ITM" in axes.get_title(loc="left")
     dot, plot_ghosts.DOT = plot_ghosts.DOT, 0
     low, high = plot_ghosts.draw(far_bench()).axes[0].get_xlim()
-    assert high - low > 3000, "twin: one view of all, where the bench is a dot"
+    assert high - low > 3000, "control: one view of all, where the bench is a dot"
     plot_ghosts.DOT = dot
     plt.close("all")
 
@@ -148,7 +148,7 @@ def check_errors(sheet, points):
     assert axes.get_xlim()[0] < 10 and axes.get_xlim()[1] > 30
     assert [t.get_text() for t in axes.get_legend().get_texts()] == ["h_driven [1/sqrt(Hz)]"]
     bare = plot_curves.picture(sheet | {"y": [points, error | {"name": "count_sigma"}]}).axes[0]
-    assert not bare.collections, "twin: the error of another column"
+    assert not bare.collections, "control: the error of another column"
     narrow = points | {"values": [4e-23, 5e-23, 6e-23]}
     assert plot_curves.picture(sheet | {"y": [narrow]}).axes[0].get_yscale() == "linear"
     assert axes.get_yscale() == "log"
@@ -191,7 +191,7 @@ def check_documents(folder):
 
     whole = Image.open(folder / "whole.png")
     assert seen(whole) == seen(Image.open(folder / "small.png")) == set(routes)
-    assert len(seen(whole.convert("RGB").quantize(48))) < len(routes), "twin: few colours, shared by curves"
+    assert len(seen(whole.convert("RGB").quantize(48))) < len(routes), "control: few colours, shared by curves"
 
 
 def bare_sheet(columns, log_y=False):
@@ -217,7 +217,7 @@ def check_significance():
     assert np.allclose(sorted(line[:, 1].tolist() for line in bars), [[0.9, 1.1], [1.8, 2.2]])
     assert phase.get_yscale() == "linear" and phase.get_ylim() == (-190, 190)
     bare = plot_curves.picture(bare_sheet(known[:1], True)).axes[0]
-    assert len(bare.lines) == 1, "twin: without a band nothing is faint"
+    assert len(bare.lines) == 1, "control: without a band nothing is faint"
     plt.close("all")
 
 

@@ -73,8 +73,8 @@ def check_run(path):
     np.testing.assert_allclose(total, run.noise.total.mean, rtol=1e-9)   # powers of routes add (eq. 10.1)
     share, error = run.noise.shares()
     assert abs(np.nansum(share) - 1) < 1e-9 and np.all(error[np.isfinite(error)] >= 0)
-    twin = [straytrace.Curve(r.name, 2 * r.mean, r.sigma, r.phase, r.amplitude) for r in routes[:1]] + routes[1:]
-    assert not np.allclose(np.sqrt(sum(r.mean**2 for r in twin)), run.noise.total.mean, rtol=1e-3, atol=0)
+    control = [straytrace.Curve(r.name, 2 * r.mean, r.sigma, r.phase, r.amplitude) for r in routes[:1]] + routes[1:]
+    assert not np.allclose(np.sqrt(sum(r.mean**2 for r in control)), run.noise.total.mean, rtol=1e-3, atol=0)
     return run
 
 
@@ -136,8 +136,8 @@ def check_refusals(folder):
 def check_numbers():
     assert words.power_of_ten(1.2345e-24, 0.04e-24) == r"(1.23 ± 0.04)$\times 10^{-24}$"
     assert words.plain(61.0001, 0.3, " %") == "61.0 ± 0.3 %"
-    assert words.plain(100, 3e-13, " %") == "100 ± 3e-13 %"              # twin: 100.000000 ± 0.000000 %
-    assert words.plain(2.344e-11, 4e-14, " %") == "2.34e-11 ± 4e-14 %"   # twin: 0.000000 ± 0.000000 %
+    assert words.plain(100, 3e-13, " %") == "100 ± 3e-13 %"              # control: 100.000000 ± 0.000000 %
+    assert words.plain(2.344e-11, 4e-14, " %") == "2.34e-11 ± 4e-14 %"   # control: 0.000000 ± 0.000000 %
     assert words.power_of_ten(4.99e-6, 0) == r"4.99$\times 10^{-6}$ (computed)"
     assert words.hertz(999.9) == "1000" and words.hertz(5.0) == "5"
     assert words.power_of_ten(6.1234, 0.012) == "6.123 ± 0.012"
@@ -182,7 +182,7 @@ def add_receivers(path, trusted):
 
 
 def check_receivers(folder):
-    """The picture says of receivers and books what report.txt says."""
+    """The picture states of receivers and energy balance what report.txt says."""
     for trusted in (True, False):
         path = folder / f"receivers{trusted}.h5"
         made_run(path, noise=False)

@@ -192,7 +192,7 @@ class Runs(unittest.TestCase):
         ours, theirs = content(self.run_.path), content(self.place / "cli.h5")
         self.assertGreater(len(ours), 150)
         self.assertEqual({k for k in ours.keys() | theirs.keys() if ours.get(k) != theirs.get(k)}, set())
-        other = content(self.model.run(histories=BLOCK, progress=False).path)      # twin: less light is seen
+        other = content(self.model.run(histories=BLOCK, progress=False).path)      # control: less light is seen
         self.assertIn("classes/mean", {k for k in ours if ours[k] != other.get(k)})
 
     def test_new_motion_is_that_of_the_command_line(self):

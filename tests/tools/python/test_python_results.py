@@ -111,7 +111,7 @@ class Reading(unittest.TestCase):
             self.assertEqual(between_bins(10, edges, mean), 1.7e-24)
             self.assertEqual(between_bins(0.999 * edges[own], edges, mean), background)
             centre = np.sqrt(edges[:-1] * edges[1:])
-            self.assertGreater(abs(log_log(10.0, centre, mean) / 1.7e-24 - 1), 0.1)    # twin: between the centres
+            self.assertGreater(abs(log_log(10.0, centre, mean) / 1.7e-24 - 1), 0.1)    # control: between the centres
         np.testing.assert_allclose(between_bins([7.0, 10.0], edges, np.sqrt(edges[:-1] * edges[1:]) ** -9.0), [7.0**-9, 1e-9])
         self.assertTrue(np.all(np.isnan(between_bins([5.9, 15.0], edges, np.ones(24)))))
 
@@ -180,8 +180,8 @@ class FromFinesse(unittest.TestCase):
         DARM of one metre is half a metre on either end mirror."""
         found = straytrace.finesse.response(self.kat, inject="ETMx.p2.i", relative_to="ETMx.p2.o", frequencies=self.F)
         np.testing.assert_allclose(abs(found.phase / found.darm), 4.4e-6 * 1064e-9 / (4 * np.pi), rtol=2e-3)
-        twin = straytrace.finesse.response(self.kat, inject="ETMx.p2.i", relative_to="ETMx.p1.i", frequencies=self.F)
-        self.assertFalse(np.allclose(abs(twin.phase / found.phase), 1, rtol=0.5))    # relative to other light
+        control = straytrace.finesse.response(self.kat, inject="ETMx.p2.i", relative_to="ETMx.p1.i", frequencies=self.F)
+        self.assertFalse(np.allclose(abs(control.phase / found.phase), 1, rtol=0.5))    # relative to other light
 
     def test_the_files_are_read_by_the_program(self):
         f = np.geomspace(4, 300, 60)

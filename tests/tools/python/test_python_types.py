@@ -33,12 +33,12 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         use = pathlib.Path(folder, "use.py")
         use.write_text(USE)
-        twin = pathlib.Path(folder, "twin.py")
-        twin.write_text("import straytrace\nstraytrace.Model.load(3)\nstraytrace.open('run.h5').histories = 'x'\n")
+        control = pathlib.Path(folder, "control.py")
+        control.write_text("import straytrace\nstraytrace.Model.load(3)\nstraytrace.open('run.h5').histories = 'x'\n")
         said = mypy(*public, use)
         assert said.returncode == 0, said.stdout + said.stderr
         assert "float64" in said.stdout, said.stdout           # the types reach users
-        wrong = mypy(twin)
+        wrong = mypy(control)
         assert wrong.stdout.count("error:") == 3, wrong.stdout
     print(f"{len(public)} modules: no problem")
 

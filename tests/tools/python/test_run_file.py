@@ -19,7 +19,7 @@ assert len(run.routes.name) > 0 and len(run.routes.name) == len(run.noise.routes
 frequency, h = np.loadtxt(sys.argv[2], usecols=(0, 1), unpack=True)
 np.testing.assert_allclose(frequency, run.noise.frequency, rtol=1e-9)
 np.testing.assert_allclose(h, run.noise.total.mean, rtol=1e-9)
-assert not np.allclose(h, run.noise.total.phase, rtol=1e-3, atol=0)  # twin: another column
+assert not np.allclose(h, run.noise.total.phase, rtol=1e-3, atol=0)  # control: another column
 
 # Powers of routes add, and the two quadratures of each do (docs/reference/run_file.md).
 square = sum(r.mean**2 for r in run.noise.routes if r.resolved)

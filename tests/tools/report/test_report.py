@@ -66,7 +66,7 @@ def check_text(page):
     check("default-src 'none'" in text, "the page does not forbid itself to load anything")
     seen = Addresses(text)
     check(not seen.found, f"the page names files or addresses to load: {seen.found[:3]}")
-    check(Addresses('<img src="https://example.org/x.png">').found, "the check would not see an address")  # broken twin
+    check(Addresses('<img src="https://example.org/x.png">').found, "the check would not see an address")  # negative control
     check(HOSTILE not in text and seen.elements.count("img") == 1, "a title became markup")
     for script in (SOURCE / "data/page").glob("*.js"):
         check(not re.search(r"fetch\(|XMLHttpRequest|WebSocket|import\(|innerHTML", script.read_text()), f"{script.name} may load")
@@ -83,8 +83,8 @@ def quiet(browser, page):
 def closes(events):
     """Emitted power is what the terms get, for every single history (the energy balance of trace/result.hpp)."""
     emitted = sum(e["power"] for e in events if e["what"] == "emit")
-    fates = sum(e["power"] for e in events if e["event"] is None)
-    return emitted > 0 and abs(fates / emitted - 1) < 1e-12
+    ended = sum(e["power"] for e in events if e["event"] is None)
+    return emitted > 0 and abs(ended / emitted - 1) < 1e-12
 
 
 def check_history(folder):
@@ -92,7 +92,7 @@ def check_history(folder):
     for number in (0, 5, 77):
         events = json.loads(straytrace("trace", run, "--history", number, "--format", "json", folder=folder))
         check(closes(events), f"history {number} loses light")
-        check(not closes(events[:-1]), "losing a fate would not be noticed")                          # broken twin
+        check(not closes(events[:-1]), "losing a term would not be noticed")                          # negative control
         again = straytrace("trace", "bench.yaml", "--history", number, "--format", "json", folder=folder)
         check(json.loads(again) == events, "a run and its scene tell different histories")
     for words, said in ((("report", "bench.yaml"), "straytrace run bench.yaml"), (("trace", "bench.yaml"), "--out")):
@@ -101,7 +101,7 @@ def check_history(folder):
 
 
 def check_network(browser, folder):
-    """Broken twin: a page that asks for something must be seen to do so."""
+    """Negative control: a page that asks for something must be seen to do so."""
     (folder / "asking.html").write_text('<body data-ready="yes"><img src="http://127.0.0.1:9/x.png">')
     browser.open(folder / "asking.html")
     check(any("127.0.0.1" in url for url in browser.asked_for()) and browser.said(), "a page that asks would not be noticed")
@@ -179,7 +179,7 @@ def check_weights(data):
     check(len(rows) > 5, f"{len(rows)} routes with paths prove nothing")
     for coupling, w in rows:
         check(abs(sum(w) / coupling - 1) < 1e-4, f"paths stand for {sum(w)} of {coupling}")
-        check(abs(sum(w[1:]) / coupling - 1) > 1e-4, "a path that is missing would not be noticed")           # broken twin
+        check(abs(sum(w[1:]) / coupling - 1) > 1e-4, "a path that is missing would not be noticed")           # negative control
 
 
 def check_scene(browser):

@@ -89,7 +89,7 @@ def check_spot(page):
     check(sensor["chart"] == "polar", "a disk has no polar map")
     check(abs(1e4 * total_of(sensor["noise"], "polar")[0] / sensor["noise_sum"] - 1) < 1e-4, "cells do not sum to the noise made here")
     check(spot_agrees(sensor, main["spot_major_m"]), "the map of the sensor is not the spot of the beam")
-    check(not spot_agrees(sensor, 1.5 * main["spot_major_m"]), "a spot of another width would not be noticed")    # broken twin
+    check(not spot_agrees(sensor, 1.5 * main["spot_major_m"]), "a spot of another width would not be noticed")    # negative control
 
 
 def check_instances(browser, page, folder):
@@ -108,11 +108,11 @@ def check_instances(browser, page, folder):
     bare = folder / "bare.html"
     bare.write_text(DATA.sub(lambda m: m.group(1) + json.dumps(data).replace("<", "\\u003c") + m.group(3), page.read_text()))
     browser.open(bare, ready=False)
-    check(len(browser.run(bars)) == 0, "missing error bars would not be noticed")                                    # broken twin
+    check(len(browser.run(bars)) == 0, "missing error bars would not be noticed")                                    # negative control
 
 
 def check_ring(folder):
-    """A short ring is unrolled: seen along its axis it has no area. Its light sums to what arrives there in the books; the
+    """A short ring is unrolled: seen along its axis it has no area. Its light sums to what arrives there in the energy balance; the
     scene chooses the pictures of its page."""
     (folder / "ring.yaml").write_text(RING)
     straytrace("run", "ring.yaml", "-o", "ring", "--histories", 2**17, "--quiet", folder=folder)

@@ -71,7 +71,7 @@ def check_widths(browser, page, what, widths=(*WIDTHS, *WIDTHS[-2::-1])):
 
 
 def check_harm(browser, harm):
-    """Broken twins: every fault that a style makes in the open page is told."""
+    """Negative controls: every fault that a style makes in the open page is told."""
     for style, width, wanted in harm:
         browser.run("document.head.append(Object.assign(document.createElement('style'),"
                     "{id: 'harm', textContent: arguments[0]}))", style)

@@ -41,7 +41,7 @@ def check_jumps(browser):
         check(not hidden, f"at {width} px headings hide under the bar: {hidden}")
         lines.add(browser.run("return Math.round(document.querySelector('nav').offsetHeight / 30)"))
         browser.run(HARM, "html { scroll-padding-top: 0 !important }")
-        check(hidden_headings(browser), f"at {width} px a heading under the bar would not be noticed")  # broken twin
+        check(hidden_headings(browser), f"at {width} px a heading under the bar would not be noticed")  # negative control
         browser.run(HEAL)
     check(len(lines) > 1, f"the bar has {lines} lines in all windows: this proves little")
     browser.resize(1300)
@@ -85,7 +85,7 @@ def check_zoom(browser):
         said = browser.run(ZOOMS, None)
         check(not said, f"at {width} px zoomed axes: {said[:3]}")
         said = browser.run(ZOOMS, OLD_TICKS)
-        check(len(said) > 5, f"axes with one label would not be noticed: {said}")  # broken twin
+        check(len(said) > 5, f"axes with one label would not be noticed: {said}")  # negative control
 
 
 def curve_at(browser, hertz):
@@ -131,7 +131,7 @@ def check_switch(browser, page, data):
     browser.run(type_in, "rank == 1")
     browser.run("window.usualBring = Plot.prototype.bring; Plot.prototype.bring = () => {}")
     browser.run(press, "Switch these off")
-    check(agrees(browser, frequency, left, bins), "a curve that stays as it is would not be noticed")  # broken twin
+    check(agrees(browser, frequency, left, bins), "a curve that stays as it is would not be noticed")  # negative control
     browser.run("Plot.prototype.bring = window.usualBring")
     browser.run(press, "All on")
     browser.run(press, "Switch these off")
@@ -176,7 +176,7 @@ def check_cells(browser):
     drawn, white = browser.driver.execute_async_script(ANNULUS, "polar", 0.4)
     check(white > 0.05, f"an error of 40 % is shown by {white} of the picture")
     drawn, _ = browser.driver.execute_async_script(ANNULUS, "plane", 0.2)
-    check(abs(drawn / (math.pi * (1 - 0.25) / 4) - 1) > 0.1, "a square for an annulus would not be noticed")         # broken twin
+    check(abs(drawn / (math.pi * (1 - 0.25) / 4) - 1) > 0.1, "a square for an annulus would not be noticed")         # negative control
 
 
 def check_paper(browser, page):
@@ -195,7 +195,7 @@ def check_paper(browser, page):
                           ("body.paper .stage .view { width: 1200px }", "wider than")):
         browser.run(HARM, style)
         said = paper_faults(browser)
-        check(any(wanted in s for s in said), f"on paper '{style}' would not be noticed: {said[:3]}")  # broken twins
+        check(any(wanted in s for s in said), f"on paper '{style}' would not be noticed: {said[:3]}")  # negative controls
         browser.run(HEAL)
     check(browser.run("return !document.body.classList.contains('paper') && !document.querySelector('table').style.fontSize"),
           "the page stays as it was on paper")

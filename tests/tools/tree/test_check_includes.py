@@ -15,7 +15,7 @@ def verdict(src):
 
 
 def with_file(name, text, **more):
-    """The verdict on a tree of one good file, this one and more."""
+    """Exit code and output for a tree of one good file, this one and more."""
     with tempfile.TemporaryDirectory() as folder:
         for where, content in {"world/a.hpp": '#include "base/math/vec3.hpp"\n', name: text, **more}.items():
             path = pathlib.Path(folder, where)

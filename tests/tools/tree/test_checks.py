@@ -61,6 +61,32 @@ class CheckFiles(unittest.TestCase):
         self.expect(full | {"bench/a/29.txt": ""}, 1, "bench/a: has 31 entries")
 
 
+class CheckWords(unittest.TestCase):
+    def expect(self, files, status, part):
+        found, output = verdict("lint/check_words.py", files)
+        self.assertEqual(found, status, output)
+        self.assertIn(part, output)
+
+    def test_words_of_the_field_pass(self):
+        self.expect({"README.md": "Light is emended and ammended; the twinkle of a handover, acknowledged.\n"}, 0, "1 texts use")
+        self.expect({"docs/a.md": "`the verdict` and `twin`\n", "tests/fuzz/corpus/a": "twin"}, 0, "1 texts use")
+        self.expect({"docs/a.md": "a theory\n", "src/a.cpp": "int between, bookshelf;  // or come by way of a mirror\n"}, 0, "2 texts use")
+
+    def test_private_words_fail(self):
+        for words in ("broken twin", "Twins:", "in the books", "no fate", "the verdict", "knocks", "stands beside", "rim of a baffle",
+                      "goes on with", "hand-over angle", "dump me first", "lights nothing", "comes by", "to mend", "mesh doctor"):
+            for name, text in (("src/a/b.hpp", "// A {} here\n"), ("docs/a.md", "A {} here.\n"), ("schema/words.yaml", "a: '{}'\n"),
+                               ("scripts/a", "# {}\n"), ("python/a.py", '"""A {}."""\n')):
+                with self.subTest(words, name=name):
+                    self.expect({name: text.format(words)}, 1, f"{name}:1: says '")
+
+    def test_phrase_on_two_lines_fails(self):
+        self.expect({"src/a.cpp": "int a;\n// What stands\n// beside the ray.\n"}, 1, "src/a.cpp:2: says 'stands // beside'")
+
+    def test_nothing_found_fails(self):
+        self.expect({"other/a.md": "a"}, 1, "no texts found")
+
+
 class CheckImports(unittest.TestCase):
     ONE_WAY = {"python/p/__init__.py": "from .a import f\n", "python/p/a.py": "from .sub import b\n", "python/p/sub/__init__.py": "",
                "python/p/sub/b.py": "import json\n", "tools/t.py": "import p\nfrom p.sub import b\n"}
@@ -334,12 +360,12 @@ class CheckValidation(unittest.TestCase):
             row = self.compared("", "", (1, "near", said, 1, 0.3, [1.5, 1.5, 1e-3]), write=True)[1]
             self.assertEqual(row, f"| A1 | {label}: 1.5000 | 30 % | `A.b` |")
 
-    def test_twins_and_failures_are_no_results(self):
-        twin = (2, "below", "t", 1, 0.5, [0.5, 1, 0])
-        self.assertEqual(self.compared("", "", twin, write=True, source="a();\nEXPECT(t);  // twin: a diameter\n")[1],
+    def test_controls_and_failures_are_no_results(self):
+        control = (2, "below", "t", 1, 0.5, [0.5, 1, 0])
+        self.assertEqual(self.compared("", "", control, write=True, source="a();\nEXPECT(t);  // control: a diameter\n")[1],
                          "| A1 | as stated | – | `A.b` |")
-        self.assertEqual(self.compared("", "", twin, write=True)[1], "| A1 | t: 0.50 < 1.0 | 50 % | `A.b` |")
-        self.assertIn("no numbers of A.c: run", self.compared("", "", twin, tests="`A.c`")[0][0])
+        self.assertEqual(self.compared("", "", control, write=True)[1], "| A1 | t: 0.50 < 1.0 | 50 % | `A.b` |")
+        self.assertIn("no numbers of A.c: run", self.compared("", "", control, tests="`A.c`")[0][0])
 
     def test_bounds_and_series(self):
         share = [(1, "above", "share", 1, 0.9, [0.66, 0.6, 0]), (2, "below", "share", 1, 0.9, [0.66, 0.75, 0])]

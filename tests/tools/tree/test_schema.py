@@ -192,9 +192,9 @@ def of_required_keys(program):
         yield f"'{key}' of '{context}' is called required, and {sample} passes without it"
     if len(required) < 50:
         yield f"only {len(required)} required keys were tried"
-    twins = list(scenes_without(first, lambda about: about.get("default", "required") != "required"))[::10]
-    if len(that_pass(program, twins)) < len(twins) / 2 or len(twins) < 10:
-        yield "twin: keys with a default pass for required ones"
+    controls = list(scenes_without(first, lambda about: about.get("default", "required") != "required"))[::10]
+    if len(that_pass(program, controls)) < len(controls) / 2 or len(controls) < 10:
+        yield "control: keys with a default pass for required ones"
 
 
 def main(program):

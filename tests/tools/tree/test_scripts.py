@@ -108,7 +108,7 @@ def check_interrupt():
 
 
 def check_pictures():
-    """Pictures say what drew them, so a tree with uncommitted changes draws none; twin: a clean one begins to build."""
+    """Pictures say what drew them, so a tree with uncommitted changes draws none; control: a clean one begins to build."""
     with tempfile.TemporaryDirectory() as place:
         tree = pathlib.Path(place)
         (tree / "scripts").mkdir()

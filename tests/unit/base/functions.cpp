@@ -126,7 +126,7 @@ double worst_angle(Angle angle) {
 
 TEST(functions, angle_between_is_exact_for_small_angles) {
   EXPECT_LT(worst_angle(angle_between), 1e-13);  // 1e-9 rad apart, unequal lengths (1e-16) count in quadrature
-  EXPECT_GT(worst_angle([](Vec3 a, Vec3 b) { return std::acos(std::fmin(1, dot(a, b))); }), 0.9);  // broken twin
+  EXPECT_GT(worst_angle([](Vec3 a, Vec3 b) { return std::acos(std::fmin(1, dot(a, b))); }), 0.9);  // negative control
 }
 
 TEST(functions, angle_between_equal_and_opposite_vectors) {
@@ -135,7 +135,7 @@ TEST(functions, angle_between_equal_and_opposite_vectors) {
   EXPECT_EQ(angle_between(a, -a), pi);
 }
 
-// Requirements R3.21: a proper rotation for every axis, -z included. The twin mirrors the frame.
+// Requirements R3.21: a proper rotation for every axis, -z included. The control mirrors the frame.
 double handedness_error(Frame const& f) {
   double most = std::fabs(dot(cross(f.e1, f.e2), f.e3) - 1);
   for (double d : {dot(f.e1, f.e2), dot(f.e2, f.e3), dot(f.e3, f.e1), length(f.e1) - 1, length(f.e2) - 1})
@@ -153,32 +153,32 @@ TEST(vectors, frames_are_right_handed) {
   }
 }
 
-// Requirements R3.22: angle in = angle out to 1e-15. The twin forgets the factor 2.
+// Requirements R3.22: angle in = angle out to 1e-15. The control forgets the factor 2.
 TEST(vectors, reflection_keeps_the_angle) {
   Rng rng(4, 0, 0, Stream::source);
   auto const random_unit = [&] { return unit({rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5}); };
-  double most = 0, twin = 0;
+  double most = 0, control = 0;
   for (int i = 0; i < 1000; ++i) {
     Vec3 const d = random_unit(), n = random_unit();
     most = std::fmax(most, std::fabs(dot(reflected(d, n), n) + dot(d, n)));
-    twin = std::fmax(twin, std::fabs(dot(d - dot(d, n) * n, n) + dot(d, n)));
+    control = std::fmax(control, std::fabs(dot(d - dot(d, n) * n, n) + dot(d, n)));
   }
   EXPECT_LT(most, 1e-15);
-  EXPECT_GT(twin, 1e-3);
+  EXPECT_GT(control, 1e-3);
 }
 
-// Azimuth against atan2; tolerance 4 units in the last place of a turn. The twin takes the wrong half of the plane.
+// Azimuth against atan2; tolerance 4 units in the last place of a turn. The control takes the wrong half of the plane.
 TEST(functions, turn_of_is_the_azimuth) {
   Rng rng(8, 0, 0, Stream::source);
-  double most = 0, twin = 0;
+  double most = 0, control = 0;
   for (int i = 0; i < 20000; ++i) {
     double const x = rng.uniform() - 0.5, y = (rng.uniform() - 0.5) * std::pow(10, -6 * rng.uniform());
     double const exact = std::atan2(y, x) / (2 * pi);
     most = std::fmax(most, std::fabs(turn_of(x, y) - (exact < 0 ? exact + 1 : exact)));
-    twin = std::fmax(twin, std::fabs(turn_of(-x, y) - (exact < 0 ? exact + 1 : exact)));
+    control = std::fmax(control, std::fabs(turn_of(-x, y) - (exact < 0 ? exact + 1 : exact)));
   }
   EXPECT_LT(most, 4 * 0x1p-53);
-  EXPECT_GT(twin, 0.4);
+  EXPECT_GT(control, 0.4);
   EXPECT_EQ(turn_of(1, 0), 0);
   EXPECT_EQ(turn_of(0, 1), 0.25);
   EXPECT_EQ(turn_of(-1, 0), 0.5);

@@ -62,7 +62,7 @@ TEST(Quantity, EveryUnitOfTheLanguage) {
                                 {"\xce\xbcrad", 1e-6, dim::angle}};
   for (Case const& c : cases) {
     EXPECT_LT(deviation(c.text, c.factor, c.dimension), 1e-15) << c.text;
-    EXPECT_GT(deviation(c.text, c.factor * 1.001, c.dimension), 1e-15) << c.text << ": broken twin";
+    EXPECT_GT(deviation(c.text, c.factor * 1.001, c.dimension), 1e-15) << c.text << ": negative control";
   }
 }
 
@@ -78,7 +78,7 @@ TEST(Quantity, JoinedUnits) {
   EXPECT_LT(deviation("um/s^2/count", 1e-6, {2, 0, -4, 0, 0, -2, 0}), 1e-15);
   EXPECT_LT(deviation("um/(s^2*count)", 1e-6, {2, 0, -4, 0, 0, -2, 0}), 1e-15);
   EXPECT_LT(deviation("m*s^-1", 1, {2, 0, -2}), 1e-15);
-  // Twins: the power density is not the amplitude density, and a division is not a product.
+  // Controls: the power density is not the amplitude density, and a division is not a product.
   EXPECT_EQ(deviation("m/Hz", 1, dim::displacement_asd), infinity);
   EXPECT_EQ(deviation("um*s^2/count", 1e-6, {2, 0, -4, 0, 0, -2, 0}), infinity);
 }

@@ -16,7 +16,7 @@ TEST(Strain, LengthAndSignPerArmR2_01) {  // h = 1e-21 over 3000 m: DARM 3.0e-18
   EXPECT_DOUBLE_EQ(darm_of_changes(x, y), 3.0e-18);
   EXPECT_DOUBLE_EQ(darm_of_strain(h, length), 3.0e-18);
   EXPECT_DOUBLE_EQ(strain_of_darm(darm_of_changes(x, y), length), h);
-  EXPECT_EQ(darm_of_changes(x, x), 0);                                          // twin: both arms with one sign
+  EXPECT_EQ(darm_of_changes(x, x), 0);                                          // control: both arms with one sign
   EXPECT_DOUBLE_EQ(strain_of_darm(darm_of_changes(0, 3e-18), length), -1e-21);  // one arm alone counts fully
 }
 

@@ -50,7 +50,7 @@ double integral(Footprint const& f, std::function<double(Vec3)> const& density, 
   return sum * step * step;
 }
 
-// eq. 0.6: 1 to 1e-9; the twin is normalised as a circular spot of the larger radius.
+// eq. 0.6: 1 to 1e-9; the control is normalised as a circular spot of the larger radius.
 TEST(AstigmaticFootprint, IntensityIsNormalised) {
   for (Vec3 const travel : headings()) {
     Footprint const f = spot_of(travel);
@@ -90,11 +90,11 @@ TEST(AstigmaticFootprint, MomentsOfLinesAreTheMatrix) {
   for (double const turn : {0.0, 0.1, 0.37}) {
     for (Vec3 const travel : headings())
       EXPECT_LT(apart(drawn(spot_of(travel, turn)), expected(turn)), 4e-4) << "turn " << turn;
-    EXPECT_GT(apart(drawn(spot_of({0, 0, 1}, turn)), expected(-turn - 0.05)), 1e-2);  // twin: turned the other way
+    EXPECT_GT(apart(drawn(spot_of({0, 0, 1}, turn)), expected(-turn - 0.05)), 1e-2);  // control: turned the other way
   }
 }
 
-// 12 x 12 cells against the intensity; twins 2 % too wide and with the axes swapped.
+// 12 x 12 cells against the intensity; controls 2 % too wide and with the axes swapped.
 TEST(AstigmaticFootprint, LinesFollowTheIntensity) {
   constexpr int side = 12, sub = 40, n = 100000;
   Footprint const f = spot_of(unit({0.2, -0.6, 0.7}));
@@ -129,7 +129,7 @@ TEST(AstigmaticFootprint, LinesFollowTheIntensity) {
   EXPECT_FALSE(testing::passes(against(swapped), 6));
 }
 
-// The direction of travel is the gradient of the phase k (z + r.C r/2): transverse over axial part, 1e-9. Twins:
+// The direction of travel is the gradient of the phase k (z + r.C r/2): transverse over axial part, 1e-9. Controls:
 // without the mixed curvature, and converging for diverging.
 TEST(AstigmaticFootprint, DirectionIsTheGradientOfThePhase) {
   for (Vec3 const travel : headings()) {
@@ -165,19 +165,20 @@ TEST(AstigmaticFootprint, EqualAxesAreTheCircularMode) {
   equal.astigmatism.w1 = equal.astigmatism.w2 = 0.03;
   equal.astigmatism.c11 = equal.astigmatism.c22 = 1 / 7.0;
   equal.astigmatism.c12 = 0;
-  Footprint twin = equal;
-  twin.astigmatism.c12 = 1e-3;
+  Footprint control = equal;
+  control.astigmatism.c12 = 1e-3;
   Vec3 const p = round.centre + 0.02 * round.astigmatism.e1 - 0.015 * round.astigmatism.e2 + 2.0 * round.travel;
   EXPECT_NEAR(equal.intensity(p) / round.intensity(p), 1, 1e-13);
   EXPECT_LT(length(equal.direction(p) - round.direction(p)), 1e-14);
   EXPECT_NEAR(equal.lag(p) / round.lag(p), 1, 1e-13);
   EXPECT_NEAR(equal.passing(p).irradiance / round.passing(p).irradiance, 1, 1e-13);
   EXPECT_LT(length(equal.passing(p).start - round.passing(p).start), 1e-13);
-  EXPECT_GT(length(twin.direction(p) - round.direction(p)), 1e-6);
+  EXPECT_GT(length(control.direction(p) - round.direction(p)), 1e-6);
 }
 
 // Behind the plane every point travels along its own direction: lines from `start` reach p, and the power across the
-// beam stays 1, 3e-3 (cosines of 2 mrad and less are second order; beyond the grid lie 1e-3). Twin: circular spreading.
+// beam stays 1, 3e-3 (cosines of 2 mrad and less are second order; beyond the grid lie 1e-3). Control: circular
+// spreading.
 TEST(AstigmaticFootprint, PassingLightKeepsItsPower) {
   Footprint const f = spot_of({0, 0, 1});
   double const along = 6;
@@ -197,7 +198,7 @@ TEST(AstigmaticFootprint, PassingLightKeepsItsPower) {
 }
 
 // On a surface at 45 degrees the spot is longer by 1/cos in the plane of incidence (eq. 1.1: the area of the SURFACE
-// with |cos|): second moments of the points where lines meet it. Twin: the spot across the beam.
+// with |cos|): second moments of the points where lines meet it. Control: the spot across the beam.
 TEST(AstigmaticFootprint, ObliqueSpotIsStretched) {
   Footprint f = spot_of({0, 0, -1}, 0);
   f.centre = {};

@@ -44,11 +44,11 @@ TEST(footprint, intensity_is_normalised) {
     Footprint const gaussian = footprint(Profile::gaussian, travel), even = footprint(Profile::even, travel);
     EXPECT_NEAR(integral(gaussian, [&](Vec3 p) { return gaussian.intensity(p); }), 1, 1e-9);
     EXPECT_NEAR(integral(even, [&](Vec3 p) { return even.intensity(p); }), 1, 2e-3);  // sharp edge on the grid
-    // twin: the amplitude radius of exp(-r^2/w^2) taken for the intensity
-    auto const twin = [&](Vec3 p) {
+    // control: the amplitude radius of exp(-r^2/w^2) taken for the intensity
+    auto const control = [&](Vec3 p) {
       return 2 / (pi * 0.058 * 0.058) * std::exp(-length2(gaussian.offset(p)) / 0.058 / 0.058);
     };
-    EXPECT_GT(std::fabs(integral(gaussian, twin) - 1), 0.5);
+    EXPECT_GT(std::fabs(integral(gaussian, control) - 1), 0.5);
   }
 }
 
@@ -109,7 +109,7 @@ TEST(footprint, lines_are_parallel_and_start_before_the_surface) {
 }
 
 // At a cavity mirror the wavefront of the mode is the mirror: the incoming direction is minus the mirror's normal, 1e-9
-// rad. The twin has the wavefront of a beam with the waist on the mirror.
+// rad. The control has the wavefront of a beam with the waist on the mirror.
 double worst_misfit(double curvature, double roc) {
   Cap mirror;
   mirror.curvature = 1 / roc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The eight-wide tree loses no hit: points 1 to 100 nm inside the edges of their own box, points on its faces, rays
-// that run in a face (docs/develop/performance.md). Twins without the growth of boxes lose hits.
+// that run in a face (docs/develop/performance.md). Controls without the growth of boxes lose hits.
 #include "geometry/mesh/bvh8.hpp"
 
 #include <gtest/gtest.h>
@@ -99,8 +99,8 @@ TEST(bvh8, loses_no_hit_near_the_edge_of_its_box) {
     for (Scene const& s : {hall(), tube()}) EXPECT_EQ(lost_hits(s, aim, 200000, full_growth).any, 0);
 }
 
-// Broken twin: boxes rounded outward alone.
-TEST(bvh8, twin_without_growth_is_rejected) {
+// Negative control: boxes rounded outward alone.
+TEST(bvh8, control_without_growth_is_rejected) {
   EXPECT_GT(lost_hits(hall(), Aim::inside_edge, 40000, 0, 1).any, 20);
   EXPECT_GT(lost_hits(hall(), Aim::on_face, 40000, 0, 1).any, 20);
   EXPECT_GT(lost_hits(tube(), Aim::inside_edge, 40000, 0, 1).any, 5);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/chi_square.hpp"
-#include "support/mesh_twin.hpp"
+#include "support/mesh_control.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -76,7 +76,7 @@ TEST(triangle_mesh, tree_finds_what_testing_every_triangle_finds) {
   }
 }
 
-// R3.07 for 1e6 random rays and 1e5 triangles: the same triangles, shuffled and dealt to two other trees. The twin
+// R3.07 for 1e6 random rays and 1e5 triangles: the same triangles, shuffled and dealt to two other trees. The control
 // lacks one triangle in a thousand.
 TEST(triangle_mesh, a_million_rays_find_the_same_in_other_trees) {
   Soup const ball = bumpy(224, 0.1);

@@ -2,7 +2,7 @@
 // Paths in closed meshes are neither lost nor hit their own start (docs/develop/performance.md; LeavingRule).
 #include <gtest/gtest.h>
 
-#include "support/mesh_twin.hpp"
+#include "support/mesh_control.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -58,7 +58,7 @@ TEST(triangle_mesh, closed_meshes_keep_their_paths) {
   }
 }
 
-TEST(triangle_mesh, twins_lose_paths_or_hit_their_start) {
+TEST(triangle_mesh, controls_lose_paths_or_hit_their_start) {
   TriangleMesh const near = mesh_of(cross_shaped(), poses()[0]), away = mesh_of(cross_shaped(), poses()[2]);
   auto const naive = [](TriangleMesh const& m, Ray const& r, std::uint32_t) { return strict_crossing(m, r, 0); };
   EXPECT_GT(diffuse(away, 20000, naive).self, 100) << "a tracer that forgets where it starts";

@@ -92,7 +92,7 @@ TEST(geometry_numbers, cone_normals_at_other_half_angles) {
 }
 
 // R3.20: 1e7 hits inside a sphere of radius 1683 m whose centre lies at 3 km, no self-hit. After every bounce the chord
-// is 2 R cos(angle of reflection). The twin forgets the start surface.
+// is 2 R cos(angle of reflection). The control forgets the start surface.
 int self_hits(int bounces, bool know_start) {
   Sphere const s = sphere(1683, {{0, 0, 3000}});
   Rng rng(1, 0, 0, Stream::direction);

@@ -34,7 +34,7 @@ TEST(mesh_strips, draw_triangles_by_area_and_know_their_coordinate) {
   }
   EXPECT_TRUE(passes(chi_square(counts, expected, 100), 1));
   std::vector<double> const even(triangles, double(samples) / double(triangles));
-  EXPECT_FALSE(passes(chi_square(counts, even, 100), 1)) << "twin: every triangle alike";
+  EXPECT_FALSE(passes(chi_square(counts, even, 100), 1)) << "control: every triangle alike";
 }
 
 // A point of the middle of each triangle: its mean place is its centroid.
@@ -75,7 +75,7 @@ TEST(mesh_strips, neighbours_on_the_list_are_neighbours_in_space) {
   };
   EXPECT_LT(diagonal([&](std::size_t i) { return mesh.content.in_order[i]; }), 1.2);  // of a ball of 3.5
   EXPECT_GT(diagonal([&](std::size_t i) { return std::uint32_t(i * 2654435761u % mesh.content.triangles.size); }), 2)
-      << "twin: any order";
+      << "control: any order";
 }
 
 }  // namespace

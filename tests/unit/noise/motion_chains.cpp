@@ -122,17 +122,17 @@ TEST(MotionChains, FollowsThroughAChain) {
       read(ground +
                "  tower: {motion: {follows: ground, through: {resonance: {frequency: 12 Hz, quality: 20}}}}\n"
                "  bench: {motion: {follows: tower, through: {pendulum: {frequency: 0.5 Hz, quality: 5}}}}\n"
-               "  twin: {motion: {follows: tower, through: {pendulum: {frequency: 0.5 Hz, quality: 5}}}}\n",
-           {"ground", "tower", "bench", "twin"});
+               "  control: {motion: {follows: tower, through: {pendulum: {frequency: 0.5 Hz, quality: 5}}}}\n",
+           {"ground", "tower", "bench", "control"});
   ASSERT_EQ(r.problems, "");
   EXPECT_EQ(psd(r.motion, {phase_sensitivity(2, 0, 1), phase_sensitivity(3, 0, -1)}, 3), 0);
   double const x = 12 / 0.5, drop = std::pow(1 - x * x, 2) + std::pow(x / 5, 2);
   EXPECT_NEAR(psd(r.motion, {phase_sensitivity(2, 1, 1)}, 12) / psd(r.motion, {phase_sensitivity(1, 1, 1)}, 12) * drop,
               1, 1e-9);
   // Equal chains are one object: one class of motion, not two.
-  Gain const *bench = nullptr, *twin = nullptr;
-  for (Gain const& g : r.motion.inputs.at(0).gains) (g.body.value == 2 ? bench : twin) = &g;
-  EXPECT_EQ(bench->transfer, twin->transfer);
+  Gain const *bench = nullptr, *control = nullptr;
+  for (Gain const& g : r.motion.inputs.at(0).gains) (g.body.value == 2 ? bench : control) = &g;
+  EXPECT_EQ(bench->transfer, control->transfer);
   EXPECT_THAT(
       read(ground + "  a: {motion: {through: {pendulum: {frequency: 1 Hz, quality: 5}}, others: still}}\n", {"a"})
           .problems,
@@ -151,7 +151,7 @@ TEST(MotionChains, TonesAndDriftsPassToo) {
   // For exp(+2 pi i f t) the pendulum is 1/(1 - x^2 + i x/Q): behind its resonance the mass moves against the support.
   std::complex<double> const expected = 1e-6 / std::complex<double>(1 - 4, 2.0 / 10);
   EXPECT_LT(std::abs(tone.gains.at(1).value - expected), 1e-18);
-  EXPECT_GT(std::abs(tone.gains.at(1).value - std::conj(expected)), 1e-9);  // twin: the other sign of time
+  EXPECT_GT(std::abs(tone.gains.at(1).value - std::conj(expected)), 1e-9);  // control: the other sign of time
   MotionInput const& drift = r.motion.inputs[1];
   EXPECT_TRUE(drift.drift);
   double const v = 1e-6 / 3600;
@@ -163,7 +163,7 @@ TEST(MotionChains, TonesAndDriftsPassToo) {
             0);  // a pendulum follows slowly
   EXPECT_THAT(read("  a: {motion: {z: {drift: 2 um}, others: still}}\n", {"a"}).problems, HasSubstr("is a speed"));
   EXPECT_THAT(read("  a: {motion: {z: {drift: 2 um/h}, x: {like: z}, y: still}}\n", {"a"}).problems,
-              HasSubstr("no independent twin"));
+              HasSubstr("no independent copy"));
 }
 
 TEST(MotionChains, WhatCannotBe) {
@@ -226,7 +226,7 @@ TEST(CrossSpectra, RelativeMotion) {
                 1e-9)
         << form;
     EXPECT_GT(std::fabs(psd(r.motion, {phase_sensitivity(0, 2, 1), phase_sensitivity(1, 0, -0.5)}, 5) / (s1 + s2) - 1),
-              0.1);  // twin
+              0.1);  // negative control
   }
 }
 

@@ -91,7 +91,7 @@ TEST(ReadMotionFiles, AccelerometerRecord) {  // 11.3; mean over a band of 2000 
   for (double f = 5; f < 50; f *= 1.0005, ++n)
     ratio += input.spectrum.at(f) / std::pow(1e-4 / std::pow(2 * pi * f, 2), 2);
   EXPECT_NEAR(ratio / n, 1, 5 / std::sqrt(45.0 * 600));  // bandwidth times duration
-  EXPECT_GT(std::fabs(ratio / n * 2 - 1), 0.5);          // twin: two-sided
+  EXPECT_GT(std::fabs(ratio / n * 2 - 1), 0.5);          // control: two-sided
   ASSERT_TRUE(input.recorded);
   EXPECT_EQ(input.recorded->unit, "m");
   EXPECT_EQ(input.recorded->start, 1e9);
@@ -140,15 +140,16 @@ TEST(ReadMotionFiles, ToneAndItsSamplesR4_04) {
   Gain const &of_series = series.motion.inputs.at(0).gains.at(0), &of_tone = tone.motion.inputs.at(0).gains.at(0);
   TimeSeries const& recorded = *series.motion.inputs[0].recorded;
   EXPECT_EQ(recorded.start, start);
-  double worst = 0, twin = 0;
+  double worst = 0, control = 0;
   for (std::size_t i = 0; i < recorded.samples.size(); ++i) {
     double const turn = 2 * pi * std::fmod(f * double(i) / rate, 1),
                  phase = phase_sensitivity * of_series.value.real() * recorded.samples[i];
     worst = std::max(worst, std::fabs(phase - phase_sensitivity * std::imag(of_tone.value * std::polar(1.0, turn))));
-    twin = std::max(twin, std::fabs(phase - phase_sensitivity * std::real(of_tone.value * std::polar(1.0, turn))));
+    control =
+        std::max(control, std::fabs(phase - phase_sensitivity * std::real(of_tone.value * std::polar(1.0, turn))));
   }
   EXPECT_LT(worst, 1e-12 * phase_sensitivity * 10e-6);
-  EXPECT_GT(twin, 1);  // cosine for sine
+  EXPECT_GT(control, 1);  // cosine for sine
 }
 
 TEST(ReadMotionFiles, OneRecordIsOneMotion) {

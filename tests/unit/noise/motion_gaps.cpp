@@ -64,7 +64,7 @@ TEST(MotionGaps, WhatElseMovesTheCoordinateGoesOn) {
                     model = "{power-law: {asd: 1e-12 m/sqrt(Hz), at: 1 Hz, exponent: 0, from: ";
   EXPECT_THAT(along_z("[" + low + ", " + model + "100 Hz, to: 2 kHz}}]", texts), IsEmpty());
   EXPECT_THAT(along_z("[" + low + ", {asd: high.txt" + columns + "}]", texts), IsEmpty());
-  EXPECT_EQ(along_z("[" + low + ", " + model + "300 Hz, to: 2 kHz}}]", texts).size(), 1u);  // twin: a hole between
+  EXPECT_EQ(along_z("[" + low + ", " + model + "300 Hz, to: 2 kHz}}]", texts).size(), 1u);  // control: a hole between
   EXPECT_THAT(along_z("{asd: low.txt" + columns + ", beyond: zero}", texts), IsEmpty());
   EXPECT_THAT(warnings("  g: {motion: {z: {peterson: low}, others: still}}\n  a: {motion: {z: " + low +
                            ", others: still, relative_to: g}}\n",

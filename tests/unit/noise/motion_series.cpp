@@ -38,7 +38,7 @@ TEST(MotionSeries, MeanPowerOfEveryBinIsTheIntegralOfTheSpectrum) {
   }
   expect_mean("power of a bin", in_bin.mean(), 1, 0.2);
   expect_mean("variance", all.mean(), 1, 0.1);
-  expect_rejected("twin: two-sided", in_bin.mean(), 0.5);
+  expect_rejected("control: two-sided", in_bin.mean(), 0.5);
   double const spread = in_bin.mean().std_error * std::sqrt(4000);  // exponential distribution: Gaussian motion
   EXPECT_NEAR(spread, 1, 0.1);
 }
@@ -49,7 +49,7 @@ TEST(MotionSeries, TwiceTheRateIsTheSameMotion) {
                             fast = only(draw_motion(motion, {0, 128, 1280}, 5, 3)),
                             other = only(draw_motion(motion, {0, 64, 640}, 6, 3));
   for (std::size_t i = 0; i < slow.size(); ++i) EXPECT_NEAR(slow[i], fast[2 * i], 1e-15);
-  EXPECT_GT(std::fabs(slow[100] - other[100]), 1e-9);  // twin: another seed
+  EXPECT_GT(std::fabs(slow[100] - other[100]), 1e-9);  // control: another seed
 }
 
 TEST(MotionSeries, VelocityIsTheSlope) {
@@ -90,7 +90,7 @@ TEST(MotionSeries, ATransferFunctionDelays) {  // convention exp(-2 pi i f t)
   motion.inputs = {
       {"step", {}, 0, {{BodyId{0}, 2, 1, low_pass}}, false, std::make_shared<TimeSeries>(std::move(step))}};
   std::vector<double> const x = only(draw_motion(motion, {0, 256, 2560}, 1));
-  EXPECT_NEAR(x[1000], 0, 0.01);  // a twin with the conjugate answers before the step
+  EXPECT_NEAR(x[1000], 0, 0.01);  // a control with the conjugate answers before the step
   for (std::size_t i : {1300u, 1320u, 1400u})
     EXPECT_NEAR(x[i], 1 - std::exp(-2 * pi * 2 * (double(i) - 1279.5) / 256), 0.02) << i;
 }

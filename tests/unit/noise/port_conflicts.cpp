@@ -43,7 +43,7 @@ TEST(PortConflicts, PowersOfTwoBeams) {
       Detector const stated = said(keys);
       EXPECT_THAT(stated.problems, IsEmpty()) << keys;
       EXPECT_THAT(stated.scene.warnings(), HasSubstr("the beam of port 'ITM' has 3 W")) << keys;
-      EXPECT_THAT(stated.scene.warnings(), Not(HasSubstr("'bench'"))) << "twin: within 10 %";
+      EXPECT_THAT(stated.scene.warnings(), Not(HasSubstr("'bench'"))) << "control: within 10 %";
     }
   }
   std::vector<TracedPort> const near = {strong, {.name = "ETM", .power = 660e3}};
@@ -67,7 +67,7 @@ TEST(PortConflicts, LengthsOfCavities) {
     EXPECT_THAT(warnings(longer), HasSubstr("the cavity of port 'ITM' is 3000 m long, and the arms of the "
                                             "interferometer 40000 m"));
   for (std::string const& same : {std::string("preset: adv"), closed + "3.02 km"})
-    EXPECT_THAT(warnings(same), IsEmpty()) << "twin: within 1 %, and a cavity outside the arms";
+    EXPECT_THAT(warnings(same), IsEmpty()) << "control: within 1 %, and a cavity outside the arms";
 }
 
 // What is read and does nothing, or cannot be built, is told.

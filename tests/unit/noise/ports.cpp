@@ -113,7 +113,7 @@ TEST(ReadPorts, EndMirrorsOfTheScene) {
   double const found = pressure(""), inside = pressure(", ports: {ETM: {at: arm}}");
   EXPECT_EQ(found, pressure(", ports: {ETM: {at: end-mirror}}"));
   EXPECT_EQ(found, pressure(", ports: {ETM: {copies: 1}}"));
-  EXPECT_NEAR(inside / found, 1.68, 0.01) << "twin: as at the input mirror";
+  EXPECT_NEAR(inside / found, 1.68, 0.01) << "control: as at the input mirror";
 }
 
 // Light that was followed through the end mirror has T_E in its coupling: what a bench does, over T_E (eq. 9.3, 9.4).
@@ -131,7 +131,7 @@ TEST(ReadPorts, LightFollowedThroughTheEndMirror) {
   EXPECT_NEAR(bench.first / found.first / 5e-6, 1, 1e-9);
   EXPECT_NEAR(bench.second / found.second / 5e-6, 1, 1e-9);
   EXPECT_NEAR(found.first / end.first, 1, 0.01);  // eq. 9.1
-  EXPECT_NEAR(end.second / found.second, 0.75, 0.02) << "twin: as at the end mirror, Gamma - 1/2 for Gamma - 1/4";
+  EXPECT_NEAR(end.second / found.second, 0.75, 0.02) << "control: as at the end mirror, Gamma - 1/2 for Gamma - 1/4";
 }
 
 // Without light at its place a stray field is relative to rounding.

@@ -51,7 +51,7 @@ TEST(Project, UnresolvedRoutesAreNamedAndEnterAsHints) {
 }
 
 // A deterministic class enters the total as it is: the error of the total is that of the sampled class alone, whose
-// replicas scatter. Twin: the same class as a sampled one cannot enter from a single replica.
+// replicas scatter. Control: the same class as a sampled one cannot enter from a single replica.
 TEST(Project, DeterministicClassesHaveNoMonteCarloError) {
   CouplingClass sampled = route(1, 1);
   for (std::size_t r = 0; r < replica_count; ++r) sampled.replica_sum[r] *= 1 + 0.1 * (double(r % 2) - 0.5);
@@ -77,7 +77,8 @@ TEST(Project, DeterministicClassesHaveNoMonteCarloError) {
   EXPECT_FALSE(projected().total.resolved);
 }
 
-// A route that is resolved with one seed and not with another moves the total by less than its errors. Twin: left out.
+// A route that is resolved with one seed and not with another moves the total by less than its errors. Control: left
+// out.
 TEST(Project, TheTotalDoesNotJumpWithAVerdict) {
   CouplingClass sure = route(2, 8e-3), doubtful = sure;
   doubtful.coupling.trusted = false;
@@ -92,10 +93,10 @@ TEST(Project, TheTotalDoesNotJumpWithAVerdict) {
 TEST(Project, UpperBoundsAreAShareOfTheTotal) {
   CouplingClass const edge = deterministic_class(ClassKind::edge, {{GroupId{0}, Event::diffract}}, PortId{0}, 1,
                                                  route(2, 3).records, "upper bound");
-  NoiseBudget const b = budget({route(1, 1), edge}), twin = budget({route(1, 1), route(2, 3)});
+  NoiseBudget const b = budget({route(1, 1), edge}), control = budget({route(1, 1), route(2, 3)});
   EXPECT_TRUE(b.routes[1].upper_bound);
   EXPECT_NEAR(b.total.bound_share[0], 0.75, 1e-12);
-  EXPECT_EQ(twin.total.bound_share[0], 0);
+  EXPECT_EQ(control.total.bound_share[0], 0);
 }
 
 // What was seen of an unresolved route decides whether it could matter: 1e-4 of the total cannot, 1e-2 can.
@@ -105,15 +106,15 @@ TEST(Project, FaintUnresolvedRoutesDoNotMakeALowerBound) {
     c->coupling.trusted = false;
     c->coupling.why_not = "3 effective paths";
   }
-  NoiseBudget const b = budget({route(1, 1), faint}), twin = budget({route(1, 1), strong});
+  NoiseBudget const b = budget({route(1, 1), faint}), control = budget({route(1, 1), strong});
   EXPECT_TRUE(b.total.resolved);
   EXPECT_TRUE(b.unresolved.empty());
   ASSERT_EQ(b.faint.size(), 1u);
   EXPECT_TRUE(b.routes[1].faint);
   EXPECT_NEAR(b.faint_share, 1e-4, 1e-8);
-  EXPECT_FALSE(twin.total.resolved);
-  EXPECT_EQ(twin.unresolved.size(), 1u);
-  EXPECT_TRUE(twin.faint.empty());
+  EXPECT_FALSE(control.total.resolved);
+  EXPECT_EQ(control.unresolved.size(), 1u);
+  EXPECT_TRUE(control.faint.empty());
 }
 
 // Bright still light with three moving paths in it: its power is known, its noise is not. All moving: it is.

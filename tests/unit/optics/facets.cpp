@@ -57,7 +57,7 @@ Grooves grooves(double across, double along, double reflectance) {
 }
 
 TEST(Facets, GroovesTableIsTheIntegral) {
-  double twin = 0;
+  double control = 0;
   for (auto const& [across, along] : {std::pair{0.5, 0.01}, {1.0, 1e-4}, {0.1, 0.03}}) {
     Grooves const law = grooves(across, along, 0.04);
     Facets const f{across, along, 0.04, 1};
@@ -66,14 +66,14 @@ TEST(Facets, GroovesTableIsTheIntegral) {
         Vec3 const wi = incoming(degrees, turn);
         double const exact = facets_total(f, wi, 0.09);
         EXPECT_NEAR(law.albedo(wi) / exact, 1, 1e-6) << across << ' ' << along << ' ' << degrees << ' ' << turn;
-        if (along == 0.01) twin = std::max(twin, std::fabs(linear(f, wi.z, turn) / exact - 1));
+        if (along == 0.01) control = std::max(control, std::fabs(linear(f, wi.z, turn) / exact - 1));
       }
   }
-  EXPECT_GT(twin, 2e-5);
+  EXPECT_GT(control, 2e-5);
 }
 
 TEST(Facets, MicrofacetTableIsTheIntegral) {
-  double twin = 0;
+  double control = 0;
   for (double const alpha : {1e-3, 0.03, 1.0})
     for (double const reflectance : {1.0, 0.04}) {
       Microfacet law;
@@ -86,10 +86,10 @@ TEST(Facets, MicrofacetTableIsTheIntegral) {
         double const exact = facets_total({alpha, alpha, reflectance, 1}, wi, 0.09);
         EXPECT_NEAR(law.albedo(wi.z) / exact, 1, 1e-6) << alpha << ' ' << degrees;
         if (alpha == 0.03)
-          twin = std::max(twin, std::fabs(linear({alpha, alpha, reflectance, 1}, wi.z, 0) / exact - 1));
+          control = std::max(control, std::fabs(linear({alpha, alpha, reflectance, 1}, wi.z, 0) / exact - 1));
       }
     }
-  EXPECT_GT(twin, 2e-6);
+  EXPECT_GT(control, 2e-6);
 }
 
 // The integral over slopes against the law itself.

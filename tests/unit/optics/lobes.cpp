@@ -50,7 +50,7 @@ TEST(lobe_table, rings_and_rows) {
   expect_sound(instances<Dust>().front().lobe);
 }
 
-// A point of a ring has the ring's radius, and half_arc is where it meets the horizon. Twin: an arc 1 % wider dips
+// A point of a ring has the ring's radius, and half_arc is where it meets the horizon. Control: an arc 1 % wider dips
 // below.
 template <class Rings>
 void expect_arcs() {

@@ -80,7 +80,7 @@ TEST(OpticsMedia, CementedTouchingAndOverlapping) {
   expect_both_ways({{1, 0, 1}, {2, 1, 2}, {3, 2, 3}}, {outside, 1, 2, 3, outside});
 }
 
-// Twin of the above: without joining what touches, a gap of vacuum appears in the cement.
+// Control of the above: without joining what touches, a gap of vacuum appears in the cement.
 TEST(OpticsMedia, WithoutContactAGapAppears) {
   EXPECT_EQ(sequence({{1, 0, 1}, {2, 1 + 5e-10, 2}}, -10, true, {}, -1), (Volumes{outside, 1, outside, 2, outside}));
 }
@@ -92,7 +92,7 @@ TEST(OpticsMedia, Nested) {
 }
 
 // A lens that reaches out of a tank fills its own space when it has the higher priority, from both sides; with equal
-// ones the last volume entered wins (twin).
+// ones the last volume entered wins (control).
 TEST(OpticsMedia, Priority) {
   expect_both_ways({{1, 0, 2}, {2, 1, 3, 1}}, {outside, 1, 2, outside});
   expect_both_ways({{1, 0, 2, 1}, {2, 1, 3}}, {outside, 1, 2, outside});
@@ -141,7 +141,7 @@ TEST(OpticsMedia, EqualIndicesDoNotReflect) {
   EXPECT_GT(Fresnel{}.amplitudes(0.3, 1.45, 1.46, true).reflectance(), 1e-4);
 }
 
-// exp(-alpha d): 20 ppm/cm over 5 cm keep 1 - 100 ppm, to 1e-15 of the exact exponential. Twin: decay of the field.
+// exp(-alpha d): 20 ppm/cm over 5 cm keep 1 - 100 ppm, to 1e-15 of the exact exponential. Control: decay of the field.
 TEST(OpticsMedia, Absorption) {
   EXPECT_NEAR(kept_on_the_way(2e-3, 0.05), std::exp(-1e-4), 1e-15);
   EXPECT_GT(std::fabs(kept_on_the_way(1e-3, 0.05) - std::exp(-1e-4)), 1e-5);

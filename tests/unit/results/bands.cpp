@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands beside the Monte-Carlo error, in words.
+// Uncertainties besides the Monte-Carlo error, in words.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Of inputs nothing is known where no noise is: they are not said to be exact. Twin: a resolved curve.
+// Of inputs nothing is known where no noise is: they are not said to be exact. Control: a resolved curve.
 TEST(ReportBands, NothingIsSaidOfInputsWhereNoNoiseIsResolved) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};

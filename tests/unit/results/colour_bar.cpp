@@ -44,11 +44,11 @@ TEST(ColourBar, RunsFromLowToHighWithItsDecades) {
     if (at(image, 35, y)[2] > 200 && at(image, 365, y)[0] > 200 && at(image, 35, y)[0] < 60) row = y;
   ASSERT_GT(row, 0);
   EXPECT_EQ(at(image, 5, row), (Colour{246, 246, 246}));
-  // Bar from 30 to 369: decades 1e-4 to 1 at quarters of it; twin: nothing between.
+  // Bar from 30 to 369: decades 1e-4 to 1 at quarters of it; control: nothing between.
   EXPECT_EQ(ticks(image, row), (std::vector<int>{30, 115, 200, 284, 369}));
   Image other = grey(400, 300);
   ASSERT_TRUE(add_colour_bar(other, bar(1e-8)));
-  EXPECT_NE(ticks(other, row), ticks(image, row)) << "twin: another scale has other ticks";
+  EXPECT_NE(ticks(other, row), ticks(image, row)) << "control: another scale has other ticks";
 }
 
 TEST(ColourBar, ANarrowPictureIsLeftAlone) {

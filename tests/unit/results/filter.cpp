@@ -64,7 +64,8 @@ TEST_F(ReportFilter, picks_what_it_says) {
   EXPECT_EQ(rows("share >= 10 % and rank < 3 or rank == 5"),
             those([](PathRow const& r) { return (r.share.value >= 0.1 && r.rank < 3) || r.rank == 5; }));
   EXPECT_EQ(rows("rank == 5 or rank < 3 and share >= 10 %"), rows("(share >= 10 % and rank < 3) or rank == 5"));
-  EXPECT_NE(rows("rank == 5 or rank == 1 and rank == 9"), rows("(rank == 5 or rank == 1) and rank == 9"));  // twin
+  EXPECT_NE(rows("rank == 5 or rank == 1 and rank == 9"),
+            rows("(rank == 5 or rank == 1) and rank == 9"));  // negative control
 }
 
 // A number means the same in every unit; without a unit nothing is guessed.
@@ -75,7 +76,7 @@ TEST_F(ReportFilter, units) {
   EXPECT_EQ(rows(fmt::format("opl > {} m", half * 1.001)), longer);
   EXPECT_EQ(rows(fmt::format("opl>{}km", half * 1.001e-3)), longer);
   EXPECT_EQ(rows(fmt::format("delay > {} us", half * 1.001e6 / speed_of_light)), longer);
-  EXPECT_NE(rows(fmt::format("opl > {} km", half * 1.001)), longer);  // twin: a unit that is not read
+  EXPECT_NE(rows(fmt::format("opl > {} km", half * 1.001)), longer);  // control: a unit that is not read
   EXPECT_EQ(rows("share > 10 %"), rows("share > 100000 ppm"));
   EXPECT_EQ(rows("coupling > 1e-20"), rows("coupling > 1e-18 %"));
 }
@@ -178,7 +179,7 @@ TEST_F(ReportFilter, sums_without_some_routes) {
       linear -= h;
     }
     EXPECT_NEAR(less.strain[k].after.value / std::sqrt(square), 1, 2e-3);  // curves are read between bins
-    EXPECT_GT(std::fabs(less.strain[k].after.value / linear - 1), 0.02);   // twin: amplitudes that add up
+    EXPECT_GT(std::fabs(less.strain[k].after.value / linear - 1), 0.02);   // control: amplitudes that add up
     EXPECT_GT(less.strain[k].after.sigma, 0);
   }
   double shares = 0;

@@ -22,7 +22,7 @@ TEST(ReportImportance, ComesBackBitByBit) {
   EXPECT_TRUE(same(back, was));
   ImportanceMap other = was;
   other.strips[2].patch = 0;
-  EXPECT_FALSE(same(back, other)) << "twin";
+  EXPECT_FALSE(same(back, other)) << "negative control";
   RunContent wrong = content(trace, nullptr);
   wrong.importance.strips[0].patch = 2;
   write_run(folder / "wrong.h5", wrong);

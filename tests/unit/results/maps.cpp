@@ -28,7 +28,7 @@ TEST(CellEstimates, FaintLightHasNoError) {
     EXPECT_NEAR(cell.mean[0] * largest_block / block, 1, 1e-12);
     EXPECT_TRUE(std::isnan(cell.error[0])) << block;
   }
-  CellEstimates const bright = one_cell(1e-140, 0.1);  // twin
+  CellEstimates const bright = one_cell(1e-140, 0.1);  // negative control
   EXPECT_NEAR(bright.error[0] / bright.mean[0], 0.1 / std::sqrt(31), 1e-9);
 }
 

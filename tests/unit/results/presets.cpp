@@ -78,10 +78,10 @@ TEST(Presets, SayWhatBudgetsSay) {
     if (std::isfinite(budget.input_power) && preset.parameters.input_power > 0) {
       EXPECT_EQ(budget.input_power, preset.parameters.input_power) << preset.name;
     }
-    DualRecycledParameters twin = preset.parameters;
-    twin.mirror_mass *= 1.001;
-    EXPECT_EQ(unlike(preset.parameters, twin), std::vector<std::string_view>{"mirror_mass"})
-        << "twin: a heavier mirror";
+    DualRecycledParameters control = preset.parameters;
+    control.mirror_mass *= 1.001;
+    EXPECT_EQ(unlike(preset.parameters, control), std::vector<std::string_view>{"mirror_mass"})
+        << "control: a heavier mirror";
   }
 }
 
@@ -96,7 +96,7 @@ TEST(Presets, EachDesignCurveHasItsDetectors) {
     std::vector<std::string> const of_curve = detectors_of_design(curve);
     EXPECT_NE(std::find(of_curve.begin(), of_curve.end(), name), of_curve.end()) << name << ": compare " << curve;
   }
-  EXPECT_TRUE(detectors_of_design("my-own").empty()) << "twin: a curve that nobody knows";
+  EXPECT_TRUE(detectors_of_design("my-own").empty()) << "control: a curve that nobody knows";
 }
 
 }  // namespace

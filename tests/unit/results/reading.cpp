@@ -49,11 +49,11 @@ TEST_F(ReportReading, StrainIsReadAtTheFrequencyItself) {
     EXPECT_NEAR(strain_at(steep, grid, f).value * f * f * f, 1, 1e-12);
     EXPECT_NEAR(strain_at(steep, grid, f).sigma * f * f * f, 0.01, 1e-12);
   }
-  EXPECT_GT(std::fabs(nearest * 27000 - 1), 0.01);  // the twin: the value of the bin
+  EXPECT_GT(std::fabs(nearest * 27000 - 1), 0.01);  // the control: the value of the bin
 }
 
 // A line fills one bin: at its frequency it is the mean over that bin, with its rms beside it, and nothing of it is
-// seen in the next bin. Twins: the lower neighbour (0), and straight lines in log-log between the centres.
+// seen in the next bin. Controls: the lower neighbour (0), and straight lines in log-log between the centres.
 TEST_F(ReportReading, LinesAreReadFromTheirBin) {
   FrequencyGrid const grid = logarithmic_grid(6, 15, 60);
   auto const own = std::size_t(std::upper_bound(grid.edges.begin(), grid.edges.end(), 10.0) - grid.edges.begin()) - 1;
@@ -87,11 +87,11 @@ TEST_F(ReportReading, LinesAreReadFromTheirBin) {
 // Edges are upper bounds: without an error, with two digits, wherever they make a part of the number that shows.
 TEST_F(ReportReading, UpperBoundsSayAtMost) {
   EXPECT_EQ(with_error({2.617193e-26, 4e-32, true}), "at most 2.7e-26");
-  EXPECT_EQ(with_error({2.617193e-26, 4e-32}), "2.617193e-26 ± 0.000004e-26");  // twin
+  EXPECT_EQ(with_error({2.617193e-26, 4e-32}), "2.617193e-26 ± 0.000004e-26");  // negative control
   EXPECT_EQ(with_brackets({9.95, 0.1, true}) + ", " + with_brackets({2.6e-26, 0, true}), "at most 10, at most 2.6e-26");
   EXPECT_EQ(two_digits(198.7, false) + ", " + two_digits(198.7, true), "190, 200");
   std::string const all[] = {path_text(table(), 12), text_report(content(trace, &noise), table(), 12)};
-  for (std::string const& text : all) EXPECT_THAT(text, Not(HasSubstr("at most")));  // twin: none is
+  for (std::string const& text : all) EXPECT_THAT(text, Not(HasSubstr("at most")));  // control: none is
   trace.coupling.classes[0].kind = ClassKind::edge;
   find_bounds(noise, trace.coupling);
   EXPECT_GT(noise.total.bound_share[0], 0.1);

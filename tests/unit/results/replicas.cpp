@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // A route with the numbers of its reverse goes up and down with it: the error of their sum is 2 e, for the printed sum
-// and for the figure of merit alike. Twin: two routes that share nothing, sqrt(2) e.
+// and for the figure of merit alike. Control: two routes that share nothing, sqrt(2) e.
 TEST(ReplicaSum, SumsKnowWhatRoutesHaveInCommon) {
   TraceResult trace = trace_result();
   auto& classes = trace.coupling.classes;
@@ -41,7 +41,7 @@ TEST(ReplicaSum, SumsKnowWhatRoutesHaveInCommon) {
   }
 }
 
-// d(a/(a + b)) = ((1 - s) da - s db)/(a + b): routes that go up and down together keep their shares. Twin: two that
+// d(a/(a + b)) = ((1 - s) da - s db)/(a + b): routes that go up and down together keep their shares. Control: two that
 // share nothing.
 TEST(ReplicaSum, SharesKnowWhatTheirTotalHasInCommonWithThem) {
   ReplicaPattern up, pairs;
@@ -73,7 +73,7 @@ TEST(ReplicaSum, OneRowKeepsItsError) {
   EXPECT_NEAR(square, 1, 1e-12);
   WithError const sum = ReplicaSum({c.coupling.mean, c.coupling.std_error}, pattern).result();
   EXPECT_NEAR(sum.sigma / c.coupling.std_error, 1, 1e-12);
-  trace.coupling.replica_histories[3] = 0;  // twin: without a replica nothing is known of what routes share
+  trace.coupling.replica_histories[3] = 0;  // control: without a replica nothing is known of what routes share
   EXPECT_EQ(pattern_of(trace.coupling, c), ReplicaPattern{});
 }
 
@@ -98,7 +98,7 @@ TEST(Folded, RowsNameTheirLargestRoutesWithTheReason) {
     EXPECT_DOUBLE_EQ(double(row["folded"][0]["coupling"]["value"]), 1e-23);
   }
   EXPECT_EQ(rows, 1u);
-  other.folded.clear();  // twin: nothing was folded
+  other.folded.clear();  // control: nothing was folded
   table = path_table(trace.coupling, nullptr, nullptr, {});
   EXPECT_THAT(path_text(table, 12), Not(HasSubstr("without a row")));
 }

@@ -39,7 +39,7 @@ TEST(ReportValues, WhatIsNotANumberIsUnresolved) {
   EXPECT_EQ(with_brackets(infinity, 1), "unresolved");
 }
 
-// Rounding costs at most half of the last digit, that is 26 % of the error; a twin with one digit less costs more.
+// Rounding costs at most half of the last digit, that is 26 % of the error; a control with one digit less costs more.
 TEST(ReportValues, PrintedValuesStayWithinTheError) {
   auto worst = [](double coarser) {
     double largest = 0;
@@ -103,7 +103,7 @@ TEST_F(ReportTables, RanksByCouplingWithoutNoise) {
   EXPECT_THAT(path_text(t, 12), Not(HasSubstr("share")));
 }
 
-// The tube shakes a thousand times more than the mirror; the twin swaps them.
+// The tube shakes a thousand times more than the mirror; the control swaps them.
 TEST_F(ReportTables, NamesTheBodyThatShakesThePhase) {
   EXPECT_EQ(table().rows[0].body, "tube");
   EXPECT_NEAR(table().rows[0].phase_sensitivity, 1.18e7, 0.01e7);
@@ -275,7 +275,7 @@ TEST_F(ReportTables, NoAnswerIsNotOutsideTheGrid) {
   EXPECT_EQ(count("outside the grid"), 1);
   EXPECT_EQ(count("no answer"), 0);
   noise.total.asd.assign(noise.total.asd.size(), not_a_number);
-  EXPECT_EQ(count("outside the grid"), 1) << "twin: the frequencies of the band";
+  EXPECT_EQ(count("outside the grid"), 1) << "control: the frequencies of the band";
   EXPECT_EQ(count("no answer"), 1 + 3);  // the sentence at the top says it too
 }
 

@@ -34,7 +34,7 @@ TEST(Expression, QuantitiesAsWritten) {
   EXPECT_LT(deviation("37 dB", dim::plain, std::pow(10, 3.7)), close);
   EXPECT_LT(deviation("-37 dB", dim::plain, std::pow(10, -3.7)), close);
   EXPECT_LT(deviation("'12 deg'", dim::angle, 12 * pi / 180), close);
-  // Twins: the sign of the decibel and the size of the prefix matter.
+  // Controls: the sign of the decibel and the size of the prefix matter.
   EXPECT_GT(deviation("37 dB", dim::plain, std::pow(10, -3.7)), close);
   EXPECT_GT(deviation("3 um", dim::length, 3e-3), close);
 }
@@ -77,7 +77,7 @@ TEST(Expression, Arithmetic) {
   EXPECT_LT(deviation("curvature(L)", dim::per_metre, 1 / 3000.0, params), close);
   EXPECT_EQ(value_of("curvature(0)", dim::per_metre), 0);
   EXPECT_LT(deviation("'3 m*min(n, 2)'", dim::length, 6, params), close) << "min is a function here, not a minute";
-  // Twins: precedence and association.
+  // Controls: precedence and association.
   EXPECT_GT(deviation("2 + 3*4", dim::plain, 20, params), close);
   EXPECT_GT(deviation("8/2/2", dim::plain, 8, params), close);
 }

@@ -167,7 +167,7 @@ TEST_F(OnDisk, TextsGiveTheSameTreeWithoutTheDisk) {
   Scene const again = read_scene(first.main_file(), first.overrides(), &texts);
   EXPECT_EQ(signature(again), expected);
   EXPECT_EQ(again.files(), texts);
-  // Broken twin: one changed digit in one stored text shows.
+  // Negative control: one changed digit in one stored text shows.
   FileTexts changed = texts;
   changed["data/z.csv"] = "z [m], aperture [cm]\n1, 50\n2.5, 61\n";
   EXPECT_NE(signature(read_scene("arm.yaml", {}, &changed)), expected);

@@ -59,7 +59,7 @@ TEST(Library, ComesWithTheProgramAndLeavesOutWhatIsNotNamed) {
   EXPECT_THAT(errors_of(texts), HasSubstr("cannot read file"));
 }
 
-// A scene that takes only mirrors and interferometer of a detector has no tube, and is not told so. Twins: a body of
+// A scene that takes only mirrors and interferometer of a detector has no tube, and is not told so. Controls: a body of
 // its own stays, and so do those of a file of motion, which has no scene to name them.
 TEST(Library, BodiesThatNothingNamesAreLeftOut) {
   std::string const detector = "include: [library/detectors/adv.yaml]\n", bench = "bodies: {bench: {motion: still}}\n",
@@ -126,7 +126,7 @@ TEST(Parameters, SayWhereTheyAreFrom) {
   EXPECT_THAT(errors_of("params: {a: {value: 1 m, sorce: x}}\n"), HasSubstr("did you mean 'source'?"));
 }
 
-// eq. 8.16: as many as it takes. Twin: one less does not reach.
+// eq. 8.16: as many as it takes. Control: one less does not reach.
 TEST(Repeat, RatioUpToAPlace) {
   auto const places = [](std::string const& keys) {
     Scene const scene =

@@ -209,7 +209,8 @@ TEST(Messages, RemediesKeepTheirLines) {
   EXPECT_THAT(scene.warnings(), HasSubstr("^ write one: 1\n"));
 }
 
-// Of a binary file where text is wanted one sentence is printed, and none of its bytes. Twin: text with one stray byte.
+// Of a binary file where text is wanted one sentence is printed, and none of its bytes. Control: text with one stray
+// byte.
 TEST(Messages, BytesOfABinaryFileAreNotPrinted) {
   std::string const zeros(
       "\x7f"

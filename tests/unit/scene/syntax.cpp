@@ -8,12 +8,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Twin {
+struct TextPair {
   char const *accepted, *refused, *place, *what;
 };
 
-TEST(Syntax, RefusedTwins) {
-  std::vector<Twin> const twins{
+TEST(Syntax, RefusesTextsNextToAcceptedOnes) {
+  std::vector<TextPair> const pairs{
       {"trace: {a: 1, b: 2}\n", "trace: {a: 1, a: 2}\n", "2:15", "key 'a' is written twice in one table"},
       {"trace: 1\nnoise: 2\n", "trace: 1\ntrace: 2\n", "3:1", "key 'trace' is written twice"},
       {"trace: {a: x5}\n", "trace: {a: &x 5}\n", "2:12", "anchors (&name) are not part"},
@@ -51,7 +51,7 @@ TEST(Syntax, RefusedTwins) {
       {"title: a\r\n", "title: a\rb\n", "2:9", "control character 0x0d in the text"},
       {"trace: 1\n", "tarce: 1\n", "2:1", "unknown key 'tarce' at the top of a model"},
   };
-  for (Twin const& t : twins) {
+  for (TextPair const& t : pairs) {
     EXPECT_EQ(errors_of(t.accepted), "") << t.accepted;
     std::string const said = errors_of(t.refused);
     EXPECT_THAT(said, HasSubstr(std::string("arm.yaml:") + t.place + ": error: " + t.what)) << t.refused;

@@ -83,7 +83,7 @@ TEST(NumberRows, DecimalCommasAreRefusedByEveryReader) {
       EXPECT_NE(error.find("decimal commas"), std::string::npos) << line << ": " << error;
   }
   for (std::string const line : {"10,5", "10, 5,1", "10,5 ,1", "10; 5; 1e-9", "10.5;1e-9", "1,2 # 3,4", "10 1e-9"})
-    EXPECT_EQ(parse_rows(line + "\n").error, "") << "twin: " << line << " is not meant";
+    EXPECT_EQ(parse_rows(line + "\n").error, "") << "control: " << line << " is not meant";
 }
 
 TEST(SeriesFile, MessagesSayWhatToWrite) {

@@ -90,7 +90,7 @@ TEST(TextTable, ReadsColumns) {
   EXPECT_EQ(d.value, (std::vector<double>{7, 8, 9}));
 }
 
-// Of many columns the named one, not the second. Twin: without its name nothing is guessed.
+// Of many columns the named one, not the second. Control: without its name nothing is guessed.
 TEST(TextTable, TakesTheNamedColumnOfMany) {
   std::string const rows = "1 5 nan 7\n10 5 8 nan\n";
   Curve const total =

@@ -28,7 +28,7 @@ World pile() {
   return world;
 }
 
-// `up` counts only across the direction of view. Twin: taken as it is, the frame is oblique.
+// `up` counts only across the direction of view. Control: taken as it is, the frame is oblique.
 TEST(Camera, FrameIsOrthogonal) {
   Vec3 const up{0.3, 1, 0.9};
   Camera const c = looking_at({1, 2, 3}, {-4, 1, 0}, up, 30 * degree, 800, 600);
@@ -47,7 +47,7 @@ TEST(Camera, FrameIsOrthogonal) {
 }
 
 // Silhouette of a sphere R at distance D: a circle of radius f R/sqrt(D^2 - R^2) pixels, found by bisection along rows
-// and columns through the middle. Twin: f R/D.
+// and columns through the middle. Control: f R/D.
 TEST(Camera, SilhouetteOfASphere) {
   constexpr double radius = 0.7, distance = 2;
   World world;
@@ -70,7 +70,7 @@ TEST(Camera, SilhouetteOfASphere) {
   }
 }
 
-// Ids, distances and normals of every pixel equal those of a search through every surface, for all lenses. Twin: one
+// Ids, distances and normals of every pixel equal those of a search through every surface, for all lenses. Control: one
 // surface missing.
 TEST(Camera, MapsEqualBruteForce) {
   World world = pile();

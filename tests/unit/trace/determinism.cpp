@@ -18,7 +18,7 @@ TEST(Determinism, ThreadsSeedAndBruteForce) {
   BlockSums const one = total(world, 1, 1);
   EXPECT_TRUE(same(one, total(world, 1, 2)));
   EXPECT_TRUE(same(one, total(world, 1, 3)));
-  EXPECT_FALSE(same(one, total(world, 2, 2)));  // twin
+  EXPECT_FALSE(same(one, total(world, 2, 2)));  // negative control
   world.limits.brute_force = true;
   EXPECT_TRUE(same(one, total(world, 1, 2)));
   EXPECT_GT(one.classes.size(), 10u);
@@ -33,7 +33,7 @@ TEST(Determinism, AnyNumberOfThreadsR3_33) {
   BlockSums const one = run(1, 1);
   EXPECT_TRUE(same(one, run(4, 1)));
   EXPECT_TRUE(same(one, run(16, 1)));
-  BlockSums nudged = one;  // twin: one bit of one sum
+  BlockSums nudged = one;  // control: one bit of one sum
   nudged.emitted.sum = std::nextafter(nudged.emitted.sum, infinity);
   EXPECT_FALSE(same(one, nudged));
 }

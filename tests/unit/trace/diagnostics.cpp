@@ -39,7 +39,7 @@ std::vector<double> pareto(double p, std::size_t n, unsigned seed) {
   return x;
 }
 
-// Hill's estimate of the exponent: standard error (p - 1)/sqrt(200). Twin: an exponent half as large again.
+// Hill's estimate of the exponent: standard error (p - 1)/sqrt(200). Control: an exponent half as large again.
 TEST(TailSlope, OfPowerLaws) {
   for (double const p : {2.2, 3.0, 5.0}) {
     double const slope = estimate_of(summed(pareto(p, 4 * scored, 1))).tail_slope, error = (p - 1) / std::sqrt(200.0);
@@ -72,13 +72,13 @@ TEST(TailSlope, Verdict) {
 }
 
 // The slope of 200 totals is known to (p - 1)/sqrt(200): rows are refused when it is below 3 by two errors. A
-// log-normal spread of 1.5 has finite variance and good error bars, and a slope of 3 in 20 000 scores. Twin: the limit
-// at 3 itself refuses most of such rows, and keeps those that are too low.
+// log-normal spread of 1.5 has finite variance and good error bars, and a slope of 3 in 20 000 scores. Control: the
+// limit at 3 itself refuses most of such rows, and keeps those that are too low.
 TEST(TailSlope, KnowsItsOwnError) {
   std::mt19937_64 engine(11);
   std::normal_distribution<double> draw;
   int sound = 0, refused = 0, below = 0, inside = 0;
-  Sampler shift, twin;
+  Sampler shift, control;
   double const exact = std::exp(1.5 * 1.5 / 2);
   for (int run = 0; run < 200; ++run) {
     std::vector<double> x(40 * per_block);
@@ -97,14 +97,14 @@ TEST(TailSlope, KnowsItsOwnError) {
     if (e.tail_slope < 3)
       ++below;
     else
-      twin.add(z);
+      control.add(z);
   }
   EXPECT_GT(sound, 150);
   EXPECT_LT(refused, sound / 10);
   EXPECT_GT(inside, (sound - refused) * 0.88);
   EXPECT_GT(shift.mean().mean, -0.4);
   EXPECT_GT(below, sound / 2);
-  EXPECT_LT(twin.mean().mean, -0.4);
+  EXPECT_LT(control.mean().mean, -0.4);
 }
 
 TEST(TailSlope, KeptTotalsDoNotDependOnOrder) {
@@ -147,7 +147,7 @@ TEST(Halves, FirstPartOfTheBlocks) {
   }
 }
 
-// A source that grows by 10 % half-way. Twin: one that goes up and down with every block has equal halves.
+// A source that grows by 10 % half-way. Control: one that goes up and down with every block has equal halves.
 TEST(Halves, Verdict) {
   std::mt19937_64 engine(8);
   std::exponential_distribution<double> draw;

@@ -67,7 +67,7 @@ TEST(Emission, StartPhaseR3_10) {
     EXPECT_LT(found.worst, 1.01 * next + 1e-9) << roc;
     EXPECT_GT(found.largest, 0.9 * found.k * rho2 / std::fabs(2 * roc));  // what a flat start would be wrong by
     EXPECT_GT(found.largest, 10 * (1.01 * next + 1e-9));
-    EXPECT_GT(found.doubled, 10 * (1.01 * next + 1e-9));  // twin: k rho^2/RoC
+    EXPECT_GT(found.doubled, 10 * (1.01 * next + 1e-9));  // control: k rho^2/RoC
   }
 }
 

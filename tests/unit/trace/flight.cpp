@@ -57,7 +57,7 @@ TEST(Flight, SameSumsAsOneByOne) {
   for (std::size_t i = 0; i < landed.size(); ++i) EXPECT_EQ(landed[i], first + i);
   BlockSums const expected = by_one.finish();
   EXPECT_TRUE(same(expected, together.finish()));
-  EXPECT_FALSE(same(expected, reversed.finish())) << "a twin that adds the last history first";
+  EXPECT_FALSE(same(expected, reversed.finish())) << "a control that adds the last history first";
   EXPECT_GT(expected.bounces, 10000u);
   std::uint64_t longest = 0;  // far longer than the others: they wait for it
   for (HistoryTally const& t : alone) longest = std::max(longest, t.bounces());

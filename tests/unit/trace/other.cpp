@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Verdict of rows `other`: summing routes does not mend their tails.
+// Verdict of rows `other`: summing routes does not remove their tails.
 #include <gmock/gmock.h>
 
 #include "support/trace_support.hpp"
@@ -45,8 +45,8 @@ CouplingClass other_of(One&& one, Two&& two) {
   return table.classes[0];
 }
 
-// The row alone would pass: neither its replicas nor its moments see the tail. Twins: the tail carries less than half,
-// and there is none.
+// The row alone would pass: neither its replicas nor its moments see the tail. Controls: the tail carries less than
+// half, and there is none.
 TEST(Other, OfAHeavyTailIsNotResolved) {
   Estimate const row = other_of([](auto) { return 1.0; }, heavy).coupling;
   EXPECT_FALSE(row.trusted);

@@ -131,10 +131,10 @@ TEST(Ranks, AnyNumberOfThemIsOneRun) {
         EXPECT_LT(job.backends[0].done, blocks);  // the others have worked too
       }
     }
-  Job twin(2);
+  Job control(2);
   TraceSettings other = settings_for(1);
   other.seed = 2;
-  EXPECT_FALSE(same(twin.run(other).total, one.total));
+  EXPECT_FALSE(same(control.run(other).total, one.total));
 }
 
 TEST(Ranks, StopRulesLookAtTheSameMoments) {

@@ -85,7 +85,7 @@ TEST(Routes, HashesDiffer) {
     last = std::move(next);
   }
   EXPECT_EQ(seen.size(), count);
-  // twin: a name that forgets the order of the vertices
+  // control: a name that forgets the order of the vertices
   auto const sum = [](std::uint32_t a, std::uint32_t b) {
     return extended(0, GroupId{a}, Event::scatter) + extended(0, GroupId{b}, Event::scatter);
   };
@@ -137,7 +137,7 @@ TEST(Replay, MakesEveryScoreAgain) {
   walk(world, 500, scores, [] {});
   ASSERT_GT(scores.all.size(), 1000u);
   std::set<std::array<std::uint64_t, 3>> addresses;
-  int twin_found = 0;
+  int control_found = 0;
   for (Score const& s : scores.all) {
     EXPECT_TRUE(addresses.insert({s.history, s.event, s.number}).second) << "two scores with one address";
     auto const path = replay(world, 1, s.history, s.event, s.number);
@@ -152,10 +152,10 @@ TEST(Replay, MakesEveryScoreAgain) {
     }
     EXPECT_NEAR(path->path_length, length_sum, 1e-12);
     EXPECT_EQ(path->vertices.back().event, Event::couple);
-    auto const other = replay(world, 2, s.history, s.event, s.number);  // twin: another seed
-    twin_found += other && other->coupling == s.coupling;
+    auto const other = replay(world, 2, s.history, s.event, s.number);  // control: another seed
+    control_found += other && other->coupling == s.coupling;
   }
-  EXPECT_LT(twin_found, int(scores.all.size()) / 2);
+  EXPECT_LT(control_found, int(scores.all.size()) / 2);
   EXPECT_FALSE(replay(world, 1, 0, 77, 1));
   EXPECT_FALSE(replay(world, 1, 0, 0, 999));
 }

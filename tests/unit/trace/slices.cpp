@@ -27,7 +27,7 @@ TEST(Slices, CoverEachBlockOnce) {
       EXPECT_EQ(next, all);
       EXPECT_LE(most - least, 1u);
     }
-  // twin: shares rounded down leave blocks out
+  // control: shares rounded down leave blocks out
   EXPECT_NE(7 * (200 / 7), 200);
 }
 
@@ -72,9 +72,9 @@ TEST(Slices, ReplicasAreThoseOfTheBlocks) {
   BlockSums const total = tree.total();
   EXPECT_EQ(total.blocks, blocks);
   EXPECT_EQ(total.replica_blocks, counted);
-  std::array<std::uint64_t, replica_count> twin = {};
-  for (std::uint64_t block = 0; block < blocks; ++block) ++twin[block % replica_count];
-  EXPECT_NE(twin, counted);
+  std::array<std::uint64_t, replica_count> control = {};
+  for (std::uint64_t block = 0; block < blocks; ++block) ++control[block % replica_count];
+  EXPECT_NE(control, counted);
 }
 
 // A class that only later blocks have scored in: where the border of the halves lies inside them, its sum before the
@@ -128,12 +128,12 @@ TEST(Slices, AllTogetherAreOneRun) {
     EXPECT_TRUE(same(merged.total, one.total)) << of;
     EXPECT_EQ(merged.coupling.replica_histories, one.coupling.replica_histories);
   }
-  SumTree twin;  // a part of another seed
-  add(twin, traced(settings_for({1, 2})).tree);
+  SumTree control;  // a part of another seed
+  add(control, traced(settings_for({1, 2})).tree);
   TraceSettings other = settings_for({2, 2});
   other.seed = 2;
-  add(twin, traced(other).tree);
-  EXPECT_FALSE(same(twin.total(), one.total));
+  add(control, traced(other).tree);
+  EXPECT_FALSE(same(control.total(), one.total));
 }
 
 // A merged run with a gap is continued: only what is missing is traced.

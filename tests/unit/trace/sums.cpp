@@ -37,9 +37,9 @@ TEST(Moments, KnownSample) {
   EXPECT_DOUBLE_EQ(e.effective_scores, 225.0 / 85);
   EXPECT_EQ(e.scored, 4u);
   EXPECT_EQ(m.largest_history, 4u);
-  Estimate const twin = estimate(m, 4, 1);  // the zero left out: the classical bias
-  EXPECT_NE(twin.mean, 3);
-  EXPECT_NE(twin.std_error, e.std_error);
+  Estimate const control = estimate(m, 4, 1);  // the zero left out: the classical bias
+  EXPECT_NE(control.mean, 3);
+  EXPECT_NE(control.std_error, e.std_error);
 }
 
 // From 32 blocks on the blocks are the samples. Independent histories: both errors agree to the 13 % that 32 blocks
@@ -118,7 +118,7 @@ TEST(SumTree, BitsDoNotDependOnTheOrderOfBlocks) {
   for (int round = 0; round < 5; ++round) {
     std::shuffle(order.begin(), order.end(), engine);
     SumTree tree;
-    BlockSums plain;  // twin: blocks added as they come
+    BlockSums plain;  // control: blocks added as they come
     for (std::uint64_t const b : order) {
       tree.add(0, b, blocks[b]);
       plain = merged(std::move(plain), blocks[b]);

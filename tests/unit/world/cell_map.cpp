@@ -100,12 +100,12 @@ TEST(CellMap, IsBoundedWhereAllPlacesAreOne) {
 TEST(CellMap, CountsPlacesByTheirWeight) {
   Places all = even(0.4, 0.5, 1000);
   all[0].weight = 1e6;
-  CellTree tree(Chart::polar, {0.4, 0.5, -pi, pi}), twin(Chart::polar, {0.4, 0.5, -pi, pi});
+  CellTree tree(Chart::polar, {0.4, 0.5, -pi, pi}), control(Chart::polar, {0.4, 0.5, -pi, pi});
   tree.refine(all, 24, 512);
   EXPECT_EQ(tree.cells().size(), 1u);
   all[0].weight = 1;
-  twin.refine(all, 24, 512);
-  EXPECT_GT(twin.cells().size(), 40u);
+  control.refine(all, 24, 512);
+  EXPECT_GT(control.cells().size(), 40u);
 }
 
 // Even light on an annulus: density N / (pi (b^2 - a^2)) in every cell, those at the rims too. Chi-squared of n cells
@@ -129,11 +129,11 @@ TEST(CellMap, EvenLightIsEvenUpToTheRim) {
     return (sum - free) / std::sqrt(2 * free);
   };
   EXPECT_LT(std::fabs(chi_squared([](MapCell const& c) { return area_of(Chart::polar, c); })), 5);
-  EXPECT_GT(chi_squared([](MapCell const& c) { return area_of(Chart::plane, c); }), 20);  // broken twin: squares
+  EXPECT_GT(chi_squared([](MapCell const& c) { return area_of(Chart::plane, c); }), 20);  // negative control: squares
 }
 
 // A spot of 0.1 mm on a sensor of 2 cm: within r of its centre is 1 - exp(-2 r^2/w^2) of the light (eq. 0.6), and cells
-// say so to the binomial error and their own width. Broken twin: the squares of an even grid of 13 by 13.
+// say so to the binomial error and their own width. Negative control: the squares of an even grid of 13 by 13.
 TEST(CellMap, SmallSpotIsSeen) {
   double const w = 1e-4, x = 0.003, y = -0.002;
   Places const places = spot(x, y, w, 4000, false);

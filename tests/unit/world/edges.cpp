@@ -42,7 +42,7 @@ TEST(ReadEdges, TakesWhatIsGiven) {
   EXPECT_EQ(w.edges.sum, EdgeSettings::Sum::in_phase);
   EXPECT_EQ(world_of("edges: {surfaces: [ring_two, ring_two]}\n").edges.groups.size(), 1u);
   EXPECT_TRUE(world_of("").edges.groups.empty());
-  // Edges stand beside the trace: the same histories are valid with others.
+  // Edges are independent of the trace: the same histories are valid with others.
   EXPECT_EQ(w.fingerprint(), world_of("").fingerprint());
 }
 

@@ -54,7 +54,7 @@ TEST(Glass, PartsThatLetLightInAreFilled) {
   EXPECT_EQ(index_of(read(entry("use: flat_mirror, material: white")).world), 0);
 }
 
-// Light that arrives on the screen, and its optical path: 2 m and (n - 1) 6 mm. Twins: no glass; a window of steel.
+// Light that arrives on the screen, and its optical path: 2 m and (n - 1) 6 mm. Controls: no glass; a window of steel.
 TEST(Glass, ViewportLetsLightThroughAndRefracts) {
   auto const arrives = [](std::string const& words) {
     World const world = read(entry(words)).world;
@@ -71,7 +71,7 @@ TEST(Glass, ViewportLetsLightThroughAndRefracts) {
 }
 
 // A lens of fused silica, f = R/(2 (n - 1)) = 0.111 m for R = 0.1 m on both faces: 1 mm (1 m/f - 1) wide on the screen.
-// Twin: without glass.
+// Control: without glass.
 TEST(Glass, LensFocusesWithoutAMedium) {
   auto const width = [](std::string const& medium) {
     World const world = read(entry("use: lens, radius_1: 0.1 m, radius_2: 0.1 m, material: clear" + medium)).world;
@@ -144,8 +144,8 @@ TEST(Glass, LightBesideAnObjectIsToldOnce) {
   EXPECT_THAT(said, HasSubstr("spots"));
 }
 
-// A thick mirror has no one face for a cavity to choose: the message offers those it has. Twins: the face that is named
-// makes the cavity; a thin mirror is taken by its name.
+// A thick mirror has no one face for a cavity to choose: the message offers those it has. Controls: the face that is
+// named makes the cavity; a thin mirror is taken by its name.
 TEST(Glass, ACavityIsOfferedTheFacesOfAThickMirror) {
   auto const arm = [](std::string const& end, std::string const& part) {
     return std::string(head) + "scene:\n" +

@@ -107,8 +107,8 @@ TEST(WorldInterfaces, CoatingTables) {
   EXPECT_NEAR(scatter_albedo(file.world.view().laws, file.optic("m"), 1), 0.395, 1e-6);
 }
 
-// R3.24: a table in angle and wavelength. The wavelength of the beams picks, linear between two of the table; the twin
-// takes the nearest one. Other angles at each wavelength; a unit other than nm.
+// R3.24: a table in angle and wavelength. The wavelength of the beams picks, linear between two of the table; the
+// control takes the nearest one. Other angles at each wavelength; a unit other than nm.
 TEST(WorldInterfaces, CoatingTablesInWavelength) {
   std::string const table =
       "specular: {coating: {wavelength: [1000 nm, 1000 nm, 1.2 um, 1.2 um, 1.2 um], angle: [0 deg, 90 deg, 0 deg, 60 "

@@ -120,7 +120,7 @@ TEST(ReadLit, RecombiningBeamsAreAWarning) {
       "  - {name: x, shape: {disk: {outer_radius: 5 cm}}, at: [1 m, 0 m, 1 m], facing: [-1, 0, 0], body: b, "
       "material: mirror}\n";
   EXPECT_THAT(warnings(one + other), HasSubstr("'output' is lit by 'probe' on two ways that run together"));
-  EXPECT_THAT(warnings(one), ::testing::Not(HasSubstr("on two ways")));  // twin: one arm
+  EXPECT_THAT(warnings(one), ::testing::Not(HasSubstr("on two ways")));  // control: one arm
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files: what is read from each format, and the mesh doctor.
+// Mesh files: what is read from each format, and the mesh checks.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ TEST(mesh_file, obj_cube_has_12_triangles_and_area_6) {
   EXPECT_TRUE(health.parts[0].closed);
   EXPECT_DOUBLE_EQ(health.parts[2].volume, 1);
   EXPECT_TRUE(advice(file, health).empty());
-  EXPECT_EQ(mesh("cube.obj", cube_obj + "f 1 2 3\n").triangle_count(), 13u) << "a twin with one more";
+  EXPECT_EQ(mesh("cube.obj", cube_obj + "f 1 2 3\n").triangle_count(), 13u) << "a control with one more";
 }
 
 std::string binary_stl(testing::Soup const& s) {

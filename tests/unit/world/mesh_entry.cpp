@@ -119,7 +119,7 @@ TEST(mesh_entry, rules_see_colours) {
   Built const b = built(entry, obj);
   EXPECT_EQ(b.errors, "");
   EXPECT_NE(b.world.surfaces()[1].front, b.world.surfaces()[2].front);
-  EXPECT_THAT(built(entry).errors, HasSubstr("cannot read file"));  // twin: another file
+  EXPECT_THAT(built(entry).errors, HasSubstr("cannot read file"));  // control: another file
   std::string const ply =
       "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n"
@@ -159,7 +159,7 @@ TEST(mesh_entry, an_unknown_key_is_told_once) {
   EXPECT_THAT(said, HasSubstr("unknown key 'materials'"));
   EXPECT_THAT(said, HasSubstr("1 error."));
   EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {default: steel}, materials: {a: b}, colour: red").errors,
-              HasSubstr("2 errors."));  // twin
+              HasSubstr("2 errors."));  // negative control
 }
 
 TEST(mesh_entry, patterns) {

@@ -60,7 +60,7 @@ TEST(ScatterFiles, LaboratoryCsv) {
   EXPECT_EQ(f.declared.polarisation_in, "s");
   ASSERT_EQ(f.points.size(), 3u);
   double const d = pi / 180;
-  EXPECT_NEAR(f.points[0].value, 2e-3 / std::cos(12 * d), 1e-15);  // twin: as a BRDF, without the cosine
+  EXPECT_NEAR(f.points[0].value, 2e-3 / std::cos(12 * d), 1e-15);  // control: as a BRDF, without the cosine
   EXPECT_NEAR(f.points[0].offset, std::sin(12 * d) - std::sin(10 * d), 1e-12);
   EXPECT_FALSE(f.points[1].limit);
   EXPECT_TRUE(f.points[2].limit);  // 4e-8/cos 60 = 8e-8 lies below the floor
@@ -122,7 +122,7 @@ TEST(ScatterFiles, ZemaxTable) {
   EXPECT_EQ(f.format, "Zemax tabular BSDF");
   ASSERT_EQ(f.stated.size(), 2u);
   for (StatedTis const& t : f.stated) EXPECT_NEAR(t.integral, 0.2 * pi, 0.01 * 0.2 * pi) << t.theta_i;
-  // Azimuth 0 points to the normal: radial 40 deg at 40 deg of incidence is the normal itself. Twin: the other way.
+  // Azimuth 0 points to the normal: radial 40 deg at 40 deg of incidence is the normal itself. Control: the other way.
   auto const at_normal = std::count_if(f.points.begin(), f.points.end(),
                                        [](ScatterPoint const& p) { return p.theta_i > 0.1 && p.theta_s < 1e-6; });
   EXPECT_EQ(at_normal, 1);
@@ -188,7 +188,7 @@ TEST(ScatterFiles, AstmText) {
   EXPECT_NEAR(degrees.points[1].offset, std::sin(40 * pi / 180) - 0.5, 1e-9);
 }
 
-// What is written is read back: every measured value at its own direction. Twin: a file whose azimuths are swapped.
+// What is written is read back: every measured value at its own direction. Control: a file whose azimuths are swapped.
 TEST(ScatterFiles, SsddGoesRound) {
   std::string text = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
   for (int t = -80; t <= 80; t += 7) text += "8, " + std::to_string(t) + ", " + std::to_string(0.1 + 0.001 * t) + "\n";

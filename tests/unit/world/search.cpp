@@ -163,7 +163,7 @@ TEST(world_search, same_bits_as_brute_force) {
   }
 }
 
-// Broken twins: what surfaces of a tube occupy is stated a little too small, once per bound.
+// Negative controls: what surfaces of a tube occupy is stated a little too small, once per bound.
 struct Tampered {
   std::vector<TubeItem> items;
   std::vector<double> behind;
@@ -186,7 +186,7 @@ bool rejected(Change change) {
   return !compare(1, Tampered(w.view(), change).in(w.view()), brute_force(w.view()), 12000).none();
 }
 
-TEST(world_search, twins_are_rejected) {
+TEST(world_search, controls_are_rejected) {
   EXPECT_FALSE(rejected([](TubeItem&, double&) {}));
   EXPECT_TRUE(rejected([](TubeItem& e, double&) { e.clear2 *= 1.02; }));
   EXPECT_TRUE(rejected([](TubeItem& e, double&) { e.reach2 *= 0.98; }));
@@ -199,7 +199,7 @@ TEST(world_search, twins_are_rejected) {
 }
 
 // Boxes of trees stated too small lose hits too.
-TEST(world_search, twin_with_smaller_boxes_is_rejected) {
+TEST(world_search, control_with_smaller_boxes_is_rejected) {
   World const w = mixed_scene(3);
   WorldView v = w.view();
   std::vector<Bvh8::Node> nodes(v.tree.nodes.data, v.tree.nodes.data + v.tree.nodes.size);
@@ -264,10 +264,11 @@ TEST(world_search, the_end_of_the_ray_is_open) {
 
 // A search hands out kind and number of a shape in one word: more of a kind than it can name are refused, not confused.
 TEST(world_search, more_shapes_than_can_be_named_are_refused) {
-  SurfaceRef const last = SurfaceRef::of(5, {3, SurfaceRef::most_shapes - 1}), twin = SurfaceRef::of(5, {3, 1u << 24});
+  SurfaceRef const last = SurfaceRef::of(5, {3, SurfaceRef::most_shapes - 1}),
+                   control = SurfaceRef::of(5, {3, 1u << 24});
   EXPECT_EQ(last.shape().kind, 3u);
   EXPECT_EQ(last.shape().index, SurfaceRef::most_shapes - 1);
-  EXPECT_NE(twin.shape().index, SurfaceRef::most_shapes);
+  EXPECT_NE(control.shape().index, SurfaceRef::most_shapes);
   World w;
   w.most_shapes = 2;
   w.add_optic({});

@@ -82,7 +82,7 @@ TEST(search_together, same_bits_as_one_by_one) {
       }
     }
     search_kernels = chosen;
-    EXPECT_GT(compare(w.view(), rays, 16, 1).distances, 4000u) << "a twin that mixes up rays";
+    EXPECT_GT(compare(w.view(), rays, 16, 1).distances, 4000u) << "a control that mixes up rays";
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sorting out surfaces by the rings they lie in loses no hit: at rims, at grazing incidence, from afar
-// (docs/develop/performance.md). The twin without widening loses hits; and the test is worth its time: nearly all it
+// (docs/develop/performance.md). The control without widening loses hits; and the test is worth its time: nearly all it
 // lets pass is hit.
 #include "world/search/surface_pack.hpp"
 
@@ -83,7 +83,7 @@ TEST(surface_pack, loses_no_hit) {
   EXPECT_EQ(c.lost, 0);
 }
 
-TEST(surface_pack, twin_without_widening_loses_hits) { EXPECT_GT(count(0).lost, 100); }
+TEST(surface_pack, control_without_widening_loses_hits) { EXPECT_GT(count(0).lost, 100); }
 
 TEST(surface_pack, passes_little_that_is_not_hit) {
   Counts const c = count(1);

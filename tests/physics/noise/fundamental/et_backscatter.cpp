@@ -17,7 +17,7 @@ double baffle_sum(double kappa, double n, double radius, double length, double f
 TEST(EinsteinTelescope, BaffleSum) {  // A11, tolerance 1e-6
   EXPECT_LT(deviation(baffle_sum(3.2145e-9, 2.3986, 0.5, 10e3, 32.35), 3.689325e-13), 1e-6);
   EXPECT_LT(deviation(baffle_sum(1e-6, 2, 0.5, 10e3, 50), 1.729471e-11), 1e-6);
-  EXPECT_GT(deviation(baffle_sum(3.2145e-9, 2.3986, 0.5, 10e3, 0), 3.689325e-13), 1e-3);  // twin: no first baffle
+  EXPECT_GT(deviation(baffle_sum(3.2145e-9, 2.3986, 0.5, 10e3, 0), 3.689325e-13), 1e-3);  // control: no first baffle
 }
 
 FabryPerotMichelson detector() {
@@ -55,7 +55,7 @@ TEST(EinsteinTelescope, BackScatterStrain) {  // B5, tolerance 1e-4
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(deviation(once[i], published[i]), 1e-4);
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_LT(deviation(reversed[i], std::sqrt(2) * published[i]), 1e-4);  // eq. 8.5 with C_rev = 2
-  EXPECT_GT(deviation(reversed[0], published[0]), 0.4);                    // twin: pairs of reverse paths counted twice
+  EXPECT_GT(deviation(reversed[0], published[0]), 0.4);  // control: pairs of reverse paths counted twice
 }
 
 TEST(EinsteinTelescope, QuadraturesAddInPower) {

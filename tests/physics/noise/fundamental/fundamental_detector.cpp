@@ -34,7 +34,8 @@ TEST(QuantumNetwork, KimbleWithoutSignalRecycling) {  // eq. 12.6, tolerance 1e-
     double const form = closed_forms::quantum(1.064e-6, 3000, 42, 1e-4, 650e3, hz);
     EXPECT_LT(deviation(quantum_at(d, hz), form), 1e-3) << hz;
   }
-  EXPECT_GT(deviation(quantum_at(d, 3), closed_forms::quantum(1.064e-6, 3000, 21, 1e-4, 650e3, 3)), 0.1);  // twin
+  EXPECT_GT(deviation(quantum_at(d, 3), closed_forms::quantum(1.064e-6, 3000, 21, 1e-4, 650e3, 3)),
+            0.1);  // negative control
 }
 
 TEST(QuantumNetwork, ShotNoiseAlone) {  // eq. 12.2 with F = 2 pi/T, P at the splitter = P_arm T/2, to 1e-3
@@ -43,7 +44,7 @@ TEST(QuantumNetwork, ShotNoiseAlone) {  // eq. 12.2 with F = 2 pi/T, P at the sp
     double const form = closed_forms::shot(1.064e-6, 3000, 2 * pi / 1e-4, 650e3 * 1e-4 / 2, hz);
     EXPECT_LT(deviation(std::sqrt(shot_psd(d, std::vector<double>{hz})[0]), form), 1e-3) << hz;
   }
-  EXPECT_GT(quantum_at(d, 3), 2 * std::sqrt(shot_psd(d, std::vector<double>{3})[0]));  // twin: mirrors that move
+  EXPECT_GT(quantum_at(d, 3), 2 * std::sqrt(shot_psd(d, std::vector<double>{3})[0]));  // control: mirrors that move
 }
 
 TEST(QuantumNetwork, SqueezedLight) {  // 10 dB: noise down by sqrt(10) where shot noise rules, up below
@@ -53,7 +54,7 @@ TEST(QuantumNetwork, SqueezedLight) {  // 10 dB: noise down by sqrt(10) where sh
   d.squeezer->decibels = 10;
   EXPECT_NEAR(high / quantum_at(d, 1000), std::sqrt(10), 0.01);
   EXPECT_NEAR(quantum_at(d, 3) / low, std::sqrt(10), 0.01);
-  d.squeezer->angle = pi / 2;  // twin: the other quadrature
+  d.squeezer->angle = pi / 2;  // control: the other quadrature
   EXPECT_NEAR(quantum_at(d, 1000) / high, std::sqrt(10), 0.01);
   d.squeezer = Squeezer{};
   d.squeezer->decibels = 10;
@@ -122,7 +123,7 @@ TEST(Suspension, DissipationSumsToTheImaginaryCompliance) {  // one temperature:
       ChainResponse const r = chain_response(chain, d, hz);
       double const all = 4 * boltzmann * 300 * -r.compliance.imag() / (2 * pi * hz);
       EXPECT_LT(deviation(r.thermal_psd, all), 1e-9);
-      EXPECT_GT(deviation(r.thermal_psd, 2 * all), 0.4);  // twin: a two-sided density
+      EXPECT_GT(deviation(r.thermal_psd, 2 * all), 0.4);  // control: a two-sided density
     }
 }
 
@@ -139,8 +140,8 @@ TEST(Substrate, HalfSpaceLimit) {  // eq. 12.7 for w much smaller than the mirro
   double const large = std::sqrt(substrate_brownian_psd(silica(), {0.5, 0.5}, w, 100)),
                form = closed_forms::substrate_brownian(295, 7.27e10, 0.167, 1e-8, w, 100);
   EXPECT_LT(deviation(large, form), 0.03);
-  double const twin = closed_forms::substrate_brownian(295, 7.27e10, 0.167, 1e-8, w * std::sqrt(2), 100);
-  EXPECT_GT(deviation(large, twin), 0.1);  // 1/e^2 radius, not 1/e
+  double const control = closed_forms::substrate_brownian(295, 7.27e10, 0.167, 1e-8, w * std::sqrt(2), 100);
+  EXPECT_GT(deviation(large, control), 0.1);  // 1/e^2 radius, not 1/e
 }
 
 TEST(Substrate, ThermoElasticHalfSpace) {  // Braginsky, Gorodetsky and Vyatchanin 1999, to 3 %
@@ -164,7 +165,7 @@ TEST(Substrate,
   for (double const x : {1e3, 1e4}) {
     double const left = adiabatic(omega * m.density * m.heat_capacity * r0 * r0 / x) / none;
     EXPECT_NEAR(left, 1 - 2 / std::sqrt(pi * x), 1e-3) << x;
-    EXPECT_GT(std::fabs(left - 1), 5e-3);  // twin: adiabatic
+    EXPECT_GT(std::fabs(left - 1), 5e-3);  // control: adiabatic
   }
   EXPECT_LT(adiabatic(omega * m.density * m.heat_capacity * r0 * r0 / 0.1) / none, 0.05);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Textbook forms of fundamental noises: numbers of R2.16, R2.18 to R2.21, R2.23 and of case A23, to
-// 1e-3 where they are given with four digits. Twins: the formulas as the thesis of 1997 prints them.
+// 1e-3 where they are given with four digits. Controls: the formulas as the thesis of 1997 prints them.
 #include "noise/fundamental/budget.hpp"
 #include "noise/fundamental/closed_forms.hpp"
 #include "noise/fundamental/surroundings.hpp"
@@ -21,7 +21,7 @@ TEST(ShotNoise, OfTheRequirements) {  // R2.18, eq. 12.2 and 12.3
   EXPECT_LT(deviation(power_noise(wavelength, 1), 6.11e-10), 1e-3);
 }
 
-TEST(ShotNoise, TwinWithoutTheSquareUnderTheRoot) {  // thesis: sqrt(1 + f/f_p), too low above the pole
+TEST(ShotNoise, ControlWithoutTheSquareUnderTheRoot) {  // thesis: sqrt(1 + f/f_p), too low above the pole
   double const pole = 55.52, right = shot(wavelength, length, finesse, 1000, 1000);
   double const printed = right / std::hypot(1, 1000 / pole) * std::sqrt(1 + 1000 / pole);
   EXPECT_LT(printed / right, 0.25);
@@ -34,7 +34,7 @@ TEST(RadiationPressure, OfTheRequirements) {  // R2.19, eq. 12.4
   EXPECT_LT(deviation(radiation_pressure(wavelength, length, mass, 1000, 100, finesse), 7.207e-25), 1e-3);
 }
 
-TEST(RadiationPressure, TwinAsPrinted) {  // thesis: root of 2 low
+TEST(RadiationPressure, ControlAsPrinted) {  // thesis: root of 2 low
   double const printed = radiation_pressure(wavelength, length, mass, 25, 10) / std::sqrt(2);
   EXPECT_LT(deviation(printed, 2.897e-26), 1e-3);
   EXPECT_GT(deviation(printed, 4.098e-26), 0.29);
@@ -60,7 +60,7 @@ TEST(QuantumNoise, A23) {  // eq. 12.6, tolerance 1e-4; and what it is made of
   }
   double const one_end =
       std::hypot(shot(wavelength, l, 2 * pi / t, p * t / 2, 10),
-                 radiation_pressure(wavelength, l, mass, p * t / 2, 10, 2 * pi / t) / 2);  // twin: 2F/pi
+                 radiation_pressure(wavelength, l, mass, p * t / 2, 10, 2 * pi / t) / 2);  // control: 2F/pi
   EXPECT_GT(deviation(one_end, 3.1093e-22), 0.4);
 }
 
@@ -91,7 +91,7 @@ TEST(Pendulum, AreaIsThermalEnergy) {  // equipartition: integral = kT/(M w_s^2)
   }
 }
 
-TEST(Pendulum, TwinWithTheLossAtTheMass) {  // thesis: loss on w^2 instead of w_s^2, too large by f/f_s
+TEST(Pendulum, ControlWithTheLossAtTheMass) {  // thesis: loss on w^2 instead of w_s^2, too large by f/f_s
   auto const printed = [](double hz) { return pendulum(300, mass, 0.6, 1e-8, hz) * hz / 0.6; };
   EXPECT_LT(deviation(printed(10), 4.002e-18), 1e-3);
   EXPECT_LT(deviation(printed(100), 1.261e-19), 1e-3);
@@ -111,7 +111,7 @@ TEST(Budget, TenEqualEntries) {  // R2.23: ten entries at 0.1 of the reference: 
   EXPECT_NEAR(t.total()[0], 0.316, 3e-4);
   EXPECT_FALSE(NoiseTable::exceeds(0.0999, 1, 0.1));
   EXPECT_TRUE(NoiseTable::exceeds(0.1001, 1, 0.1));
-  double linear = 0;  // twin: amplitudes added
+  double linear = 0;  // control: amplitudes added
   for (BudgetEntry const& e : t.entries) linear += e.asd[0];
   EXPECT_GT(deviation(linear, 0.316), 2);
 }

@@ -116,7 +116,7 @@ TEST(KindsOfThermalNoise, SuspensionsHavePendulumViolinAndVerticalModesR2_22) {
   EXPECT_NEAR(peak(horizontal, 0.3, 5) / (std::sqrt(standard_gravity / s.length) / (2 * pi)), 1, 0.02);  // pendulum
   EXPECT_NEAR(peak(horizontal, 0.8 * violin, 1.2 * violin) / violin, 1, 0.02);
   EXPECT_NEAR(peak(vertical, 3, 30) / bounce, 1, 0.01);
-  EXPECT_LT(peak(horizontal, 3, 30), 3.1) << "twin: the bounce mode does not stand in the other part";
+  EXPECT_LT(peak(horizontal, 3, 30), 3.1) << "control: the bounce mode does not stand in the other part";
   for (std::size_t i = 0; i < hz.size(); i += 50)  // powers of the parts sum to the entry
     EXPECT_LT(deviation(std::hypot(horizontal.asd[i], vertical.asd[i]), thermal.asd[i]), 1e-9);
 }

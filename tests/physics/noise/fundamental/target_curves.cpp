@@ -24,7 +24,7 @@ TEST(TargetCurves, FitsAndTables) {  // tolerance 1e-3
   expect_curve("kagra-lal", kagra, 1e-3);
   expect_curve("et-d-points", {{1, 3.50e-17}, {10, 1.16e-24}, {1000, 5.78e-25}}, 1e-12);
   EXPECT_LT(deviation(design_asd("et-d-points", std::sqrt(200.0)), std::sqrt(1.16e-24 * 9.39e-25)), 1e-9);
-  EXPECT_GT(worst("adv-lal", kagra), 0.1);  // twin: the curve of another detector
+  EXPECT_GT(worst("adv-lal", kagra), 0.1);  // control: the curve of another detector
 }
 
 TEST(TargetCurves,
@@ -35,8 +35,8 @@ TEST(TargetCurves,
   expect_curve("et-d", {{4.9991899, 3.5631545e-24}, {5.0145667, 3.5264629e-24}}, 1.1e-3);
   expect_curve("et-d", {{420.2824, 5.888153e-24}}, 1.1e-3);
   expect_curve("et-d-points", {{5, 3.5612e-24}, {3, 2.2155e-23}}, 3e-3);
-  EXPECT_GT(worst("et-d", {{5, 3.53e-24}}), 8e-3);  // twin: the neighbour of 5 Hz, where the curve halves in each Hz
-  EXPECT_GT(worst("et-d", kagra), 0.1);             // twin
+  EXPECT_GT(worst("et-d", {{5, 3.53e-24}}), 8e-3);  // control: the neighbour of 5 Hz, where the curve halves in each Hz
+  EXPECT_GT(worst("et-d", kagra), 0.1);             // negative control
   // pygwinc 0.6.2 itself at 100 Hz
   expect_curve("aligo-gwinc", {{100, 3.700e-24}}, 1e-3);
   for (std::string const& name : built_in_designs()) EXPECT_GT(design_asd(name, 100), 1e-26) << name;

@@ -35,7 +35,7 @@ TEST(Drift, ShiftsTheFringesBothWays) {  // of slow strong motion: half of eq. 7
   auto const bell = [&](double f) { return std::exp(-f * f / (2 * sigma * sigma)) / (std::sqrt(2 * pi) * sigma); };
   for (auto [bin, f] : {std::pair{0, 4.0}, {2, 8.0}, {4, 15.0}}) {
     EXPECT_LT(deviation(psd[bin], (bell(f - f_d) + bell(f + f_d)) / 2), 2e-3) << f;
-    EXPECT_GT(deviation(psd[bin], bell(f - f_d)), 0.01);  // twin: one side alone
+    EXPECT_GT(deviation(psd[bin], bell(f - f_d)), 0.01);  // control: one side alone
   }
 }
 
@@ -63,10 +63,10 @@ TEST(Drift, MovesTheShareOfFirstOrder) {
   for (std::size_t const bin : {0u, 4u}) {
     EXPECT_NEAR(s.psd[bin] * 2 / (first / 2), 1, 2e-3);
     EXPECT_NEAR(s.linear[bin] / s.psd[bin], 1, 1e-3);
-    EXPECT_LT(still.linear[bin], 1e-3 * s.linear[bin]) << "twin: without the drift";
+    EXPECT_LT(still.linear[bin], 1e-3 * s.linear[bin]) << "control: without the drift";
   }
   EXPECT_LT(s.linear[2], 1e-6 * s.linear[0]);
-  EXPECT_GT(still.linear[2], s.linear[0]) << "twin: first order left where it was";
+  EXPECT_GT(still.linear[2], s.linear[0]) << "control: first order left where it was";
   EXPECT_GT(s.psd[6], 0);
   EXPECT_LT(s.linear[6], 1e-3 * s.psd[6]);
 }

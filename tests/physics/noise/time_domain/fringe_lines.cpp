@@ -45,7 +45,7 @@ TEST(FringeLines, SineMotionGivesBesselLines) {  // A3, tolerance 1e-6
   for (int n = 1; n <= 10; ++n)
     EXPECT_LT(deviation(s.psd[2 * n - 2] * 0.4 * hz, std::pow(bessel(n, z), 2)), 1e-6) << "line " << n;
   for (std::size_t gap = 1; gap < s.psd.size(); gap += 2) EXPECT_LT(s.psd[gap], 1e-12);
-  // Twins: rms read as peak, and one line too few in the constant part.
+  // Controls: rms read as peak, and one line too few in the constant part.
   EXPECT_GT(worst_line(fringes(sine(hz, 1e-6 * std::sqrt(2)), edges), edges, published), 1e-3);
   EXPECT_GT(std::fabs(s.constant - std::pow(bessel(0, z), 2)), 1e-9);
 }
@@ -80,7 +80,7 @@ TEST(FringeLines, TwoTonesMultiply) {
     worst_sum = std::max(worst_sum, std::fabs(power - bessel(std::abs(n), two.z1) * bessel(std::abs(k), two.z2)));
   }
   EXPECT_LT(worst, 1e-6);
-  EXPECT_GT(worst_sum, 1e-2);  // twin: products of fields instead of powers
+  EXPECT_GT(worst_sum, 1e-2);  // control: products of fields instead of powers
   PhaseSpectrum const s = fringes(m, {0.5, 20});
   EXPECT_NEAR(s.constant, two.line(0, 0) / 2, 1e-9);
   EXPECT_NEAR(s.total, 0.5, 1e-9);
@@ -101,7 +101,7 @@ TEST(FringeLines, ManyLinesMakeAShelf) {  // A4, tolerance 1 %
   double const below_half = s.constant + power(0) + power(1);
   EXPECT_LT(deviation(below_half, 0.16775), 1e-3);
   EXPECT_LT(deviation(below_half, 1.0 / 6), 0.01);
-  EXPECT_GT(deviation(mean, closed * std::sqrt(pi / 2)), 0.1);  // twin: the rms-mean level, root of pi/2 higher
+  EXPECT_GT(deviation(mean, closed * std::sqrt(pi / 2)), 0.1);  // control: the rms-mean level, root of pi/2 higher
 }
 
 // R2.41: the closed forms, and the lines of the program below a third of the edge and over the whole shelf.
@@ -113,7 +113,7 @@ TEST(FringeLines, PlateauAndRmsMeanOfMicroseism) {
   EXPECT_LT(deviation(rms_mean, 3.93e-21), 2e-3);
   double const seen = g * std::sqrt(fringes(sine(hz, 3e-6), {0.5 * hz, 12.5 * hz}).psd[0]);
   EXPECT_LT(deviation(seen, plateau), 0.1);
-  EXPECT_GT(deviation(seen, rms_mean), 0.1);  // twin: the two levels confused
+  EXPECT_GT(deviation(seen, rms_mean), 0.1);  // control: the two levels confused
   PhaseSpectrum const whole = fringes(sine(hz, 3e-6), {0.5 * hz, 3 * top});
   double const power = whole.constant + whole.psd[0] * (3 * top - 0.5 * hz);
   EXPECT_LT(deviation(g * std::sqrt(power / top), rms_mean), 1e-3);  // all of 1/2, spread evenly up to the edge

@@ -60,7 +60,7 @@ TEST(PublishedArches, CutOffAndMicroseism) {  // R2.39, R2.41
   EXPECT_LT(deviation(fringe_of(600e-6, 0.12), 850.4), 1e-4);
   EXPECT_LT(deviation(fringe_of(900e-6, 0.12), 1275.5), 1e-4);
   EXPECT_LT(deviation(fringe_of(3e-6, 0.35), 12.40), 1e-3);
-  EXPECT_GT(deviation(fringe_of(300e-6, 0.06), 425.2), 0.4);  // twin: peak to peak read as peak
+  EXPECT_GT(deviation(fringe_of(300e-6, 0.06), 425.2), 0.4);  // control: peak to peak read as peak
 }
 
 // Multiplicity from the phase sensitivities: a route that sees the body twice has arches twice as high (eq. 7.1).

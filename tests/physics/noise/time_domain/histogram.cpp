@@ -61,7 +61,7 @@ TEST(StrengthHistogram, OneClassAgreesWithTheSumOverPaths) {
   Shared const usual = compare(spectra, paths, {});
   EXPECT_LT(usual.nodes, 100u);
   EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
-  EXPECT_GT(compare(spectra, paths, {3, 400, false}).error, 3 * PhaseSpectra::weak);  // twin: twelve times as coarse
+  EXPECT_GT(compare(spectra, paths, {3, 400, false}).error, 3 * PhaseSpectra::weak);  // control: twelve times as coarse
 }
 
 // A narrow line leaves Gaussian tails, where spectra of different strength differ by decades: the step must adapt.
@@ -71,7 +71,7 @@ TEST(StrengthHistogram, StepFollowsTheSteepestBin) {
   Shared const usual = compare(spectra, paths, {}, 1e-12), coarse = compare(spectra, paths, {0.25, 400, false}, 1e-12);
   EXPECT_LT(usual.error, 1e-4);
   EXPECT_LT(usual.step, 0.25);
-  EXPECT_GT(coarse.error, 1e-4);  // twin: the first step kept
+  EXPECT_GT(coarse.error, 1e-4);  // control: the first step kept
 }
 
 TEST(StrengthHistogram, SeveralClasses) {  // two strong ones and one that is linear
@@ -103,7 +103,7 @@ TEST(StrengthHistogram, StrengthsOfTwoClassesSpreadOverDecades) {
   EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
   EXPECT_GT(usual.checked, 0);  // some paths were looked at
   EXPECT_LE(usual.checked, SpectrumInterpolator::tolerance);
-  Shared const coarse = compare(spectra, paths, {1, 400, false});  // twin: four times as coarse
+  Shared const coarse = compare(spectra, paths, {1, 400, false});  // control: four times as coarse
   EXPECT_GT(coarse.error, 1e-2);
   EXPECT_GT(coarse.checked, SpectrumInterpolator::tolerance);  // and the spot checks see it
 }
@@ -140,7 +140,7 @@ TEST(StrengthHistogram, NegativeKappa) {
     std::vector<double> const parts = spectra(std::vector{kappa, kappa, -2 * kappa}).psd,
                               one = whole(std::vector{kappa}).psd, forgot = spectra(std::vector{kappa, kappa, 0.0}).psd;
     for (std::size_t i = 0; i < grid.size(); ++i) EXPECT_LT(deviation(parts[i], one[i]), 5e-3) << k << " bin " << i;
-    EXPECT_GT(deviation(forgot[3], one[3]), 0.1);  // twin: the negative class dropped
+    EXPECT_GT(deviation(forgot[3], one[3]), 0.1);  // control: the negative class dropped
   }
   Strengths paths{3, {}, {}};
   for (int i = 0; i < 16; ++i)

@@ -118,7 +118,7 @@ TEST(CoherentFamily, LinesAddAsFields) {
     double const expected = (std::norm(plus) + std::norm(minus)) / 2;
     EXPECT_NEAR(s.psd[2 * n - 2] * 0.6, expected, 1e-10) << n;
     if (n == 1) {
-      EXPECT_GT(deviation(powers, expected), 0.1);  // twin: powers added
+      EXPECT_GT(deviation(powers, expected), 0.1);  // control: powers added
     }
   }
 }
@@ -160,7 +160,7 @@ TEST(CoherentFamily, AgreesWithTimeSeries) {
   for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_LT(deviation(seen[i], exact[i]), 0.05) << edges[i] << " Hz";
   for (CoherentPath const& p : paths)
     apart += std::norm(p.field) * spectra(kappa_of(m, spectra.classes(), p.phase_sensitivities)).psd[0];
-  EXPECT_GT(deviation(apart, exact[0]), 0.1);  // twin: powers added
+  EXPECT_GT(deviation(apart, exact[0]), 0.1);  // control: powers added
 }
 
 TEST(UpConversion, MonteCarloInTheTimeDomain) {  // A5: 5 % up to 10 Hz

@@ -60,7 +60,7 @@ TEST(Retarded, HalfOfThePathIsExactInTheMiddle) {  // to first order in the dela
 }
 
 // The reverse of a path meets each body as long before its end as the path does after its beginning. Both add as fields
-// (eq. 1.5), so that the mean delay of any body is half of the length. Twin: one of the two alone.
+// (eq. 1.5), so that the mean delay of any body is half of the length. Control: one of the two alone.
 TEST(Retarded, HalfOfThePathIsExactWithTheReverse) {
   for (double const left : {0.0, 900.0, 4500.0}) {
     Path const path{{{1, left}}}, reverse{{{1, length - left}}};

@@ -26,7 +26,7 @@ TEST(TimeDomainAgreement, LinearCoupling) {
   s.duration = 8;
   s.realisations = 200;
   expect_agreement(compared(s), 0.6);
-  EXPECT_LT(compared(s, without_static_phases).p, 1e-12);  // twin: six paths in phase
+  EXPECT_LT(compared(s, without_static_phases).p, 1e-12);  // control: six paths in phase
 }
 
 TEST(TimeDomainAgreement, WrappedFringes) {  // A5: 5 % up to 10 Hz
@@ -48,7 +48,7 @@ TEST(TimeDomainAgreement, WrappedFringes) {  // A5: 5 % up to 10 Hz
     record_mean(centre.c_str(), c.mean[b], c.error[b], c.exact[b]);
   }
   s.realisations = 100;
-  EXPECT_LT(compared(s, linear).p, 1e-12);  // twin
+  EXPECT_LT(compared(s, linear).p, 1e-12);  // negative control
 }
 
 TEST(TimeDomainAgreement, TonesOnGaussianMotion) {  // eq. 7.11
@@ -59,8 +59,8 @@ TEST(TimeDomainAgreement, TonesOnGaussianMotion) {  // eq. 7.11
   s.rate = 256;
   Comparison const c = compared(s);
   expect_agreement(c, 0.8);
-  EXPECT_LT(compared(s, linear).p, 1e-12);                // twin: no overtones
-  EXPECT_LT(compared(s, without_static_phases).p, 1e-6);  // twin: wrong odd and even lines
+  EXPECT_LT(compared(s, linear).p, 1e-12);                // control: no overtones
+  EXPECT_LT(compared(s, without_static_phases).p, 1e-6);  // control: wrong odd and even lines
 }
 
 TEST(TimeDomainAgreement, TwoBodiesOnOneGround) {  // eq. 1.10, 7.12
@@ -79,15 +79,15 @@ TEST(TimeDomainAgreement, TwoBodiesOnOneGround) {  // eq. 1.10, 7.12
   s.realisations = 200;
   Comparison const c = compared(s);
   expect_agreement(c, 0.8);
-  Simulation twin = s;  // the bodies move independently
-  twin.motion.inputs.pop_back();
-  twin.motion.inputs.push_back({"ground z 0", ground, 0, {{BodyId{0}, 2, 1}}});
-  twin.motion.inputs.push_back({"ground z 1", ground.scaled(0.36), 0, {{BodyId{1}, 2, 1}}});
+  Simulation control = s;  // the bodies move independently
+  control.motion.inputs.pop_back();
+  control.motion.inputs.push_back({"ground z 0", ground, 0, {{BodyId{0}, 2, 1}}});
+  control.motion.inputs.push_back({"ground z 1", ground.scaled(0.36), 0, {{BodyId{1}, 2, 1}}});
   double statistic = 0;
-  Comparison const wrong = compared(twin);
+  Comparison const wrong = compared(control);
   for (std::size_t b = 0; b < c.exact.size(); ++b)
     statistic += std::pow((wrong.mean[b] - c.exact[b]) / wrong.error[b], 2);
-  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);  // twin
+  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);  // negative control
 }
 
 TEST(TimeDomainAgreement, BothQuadraturesTwoCopiesAndReversePaths) {  // eq. 1.5, 1.13, R4.11
@@ -99,12 +99,12 @@ TEST(TimeDomainAgreement, BothQuadraturesTwoCopiesAndReversePaths) {  // eq. 1.5
   s.realisations = 200;
   Comparison const c = compared(s);
   expect_agreement(c, 0.8);
-  s.table.classes[0].reverse = 1;  // twin: without the factor 2 of reverse paths
+  s.table.classes[0].reverse = 1;  // control: without the factor 2 of reverse paths
   double statistic = 0;
   Comparison const wrong = compared(s);
   for (std::size_t b = 0; b < c.exact.size(); ++b)
     statistic += std::pow((wrong.mean[b] - c.exact[b]) / wrong.error[b], 2);
-  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);  // twin
+  EXPECT_LT(chi_square_tail(statistic, double(c.exact.size())), 1e-12);  // negative control
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(FringesInTime, LinesOfTheVibratingMirror) {  // E.2b, eq. 7.3
   double variance = 0;
   for (double x : y) variance += x * x / double(y.size());
   EXPECT_NEAR(variance, 0.514709, 1e-6);
-  // Twin: 256 samples per second fold 1240 Hz back; the lines are then others.
+  // Control: 256 samples per second fold 1240 Hz back; the lines are then others.
   MotionSeries const slow = draw_motion(e2b_motion(), {0, 256, 512}, 1);
   EXPECT_GT(std::fabs(line(phase_quadrature(OnePath(e2b_phase_sensitivity), slow), 256, 30) - 0.09643), 0.01);
 }
@@ -114,7 +114,7 @@ TEST(FringesInTime, SourceTonesOnAStillMirror) {  // E.2b: phases put on the lig
     for (std::size_t i = 0; i < y.size(); ++i) sum += y[i] * std::polar(1.0, -2 * pi * t.hz * double(i) / 1024);
     EXPECT_NEAR(2 * std::abs(sum) / double(y.size()) / t.amplitude, 1, 0.01) << t.hz;
     EXPECT_GT(std::fabs(2 * std::abs(sum) / double(y.size()) - t.amplitude / std::sqrt(2)), 0.2 * t.amplitude)
-        << "twin: amplitudes taken as rms";
+        << "control: amplitudes taken as rms";
   }
 }
 
@@ -175,7 +175,7 @@ TEST(FringesInTime, RmsPhaseIsThatOfTheRouteWithTheLargestMovingPower) {
   MovingRoute const found = moving_route(paths, m);
   EXPECT_EQ(found.route, 1u);
   EXPECT_NEAR(found.rms_phase, 2.5 * std::sqrt((1 + 1.44) / 2), 1e-9);
-  // Twin: the rms over all routes by power is that of light that makes no noise.
+  // Control: the rms over all routes by power is that of light that makes no noise.
   double power = 0, square = 0;
   for (StrayPath const& p : paths) {
     double const phase = std::array{1e-3, 2.5, 10.0}[p.route], p2 = p.amplitude * p.amplitude;

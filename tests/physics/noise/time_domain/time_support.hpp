@@ -33,7 +33,7 @@ using Field = std::function<std::vector<PortField>(std::vector<StrayPath>, Motio
 inline std::vector<PortField> as_it_is(std::vector<StrayPath> paths, MotionSeries const& m) {
   return stray_fields(paths, m);
 }
-// Broken twins: all static phases equal; phase modulation to first order only.
+// Negative controls: all static phases equal; phase modulation to first order only.
 inline std::vector<PortField> without_static_phases(std::vector<StrayPath> paths, MotionSeries const& m) {
   for (StrayPath& p : paths) p.turns = 0.2;
   return stray_fields(paths, m);

@@ -26,7 +26,7 @@ TEST(DiffuseTube, LongScene5) {
 }
 
 // Where light is lost nowhere every place is worth about the same: aiming must not cost what bounces add up
-// (docs/theory/sampling.md). Twin: a fixed share of the law.
+// (docs/theory/sampling.md). Control: a fixed share of the law.
 TEST(DiffuseTube, EnclosureIsNotSpoiledByAiming) {
   auto const error = [](Aim aim) {
     SampleMean const t = transmission(10, 1, 1 << 15, aim);
@@ -38,7 +38,7 @@ TEST(DiffuseTube, EnclosureIsNotSpoiledByAiming) {
 }
 
 // The numbers know each other apart, and a wall 1 % wider is seen.
-TEST(DiffuseTube, TwinsAreRejected) {
+TEST(DiffuseTube, ControlsAreRejected) {
   SampleMean const t = transmission(2, 0.5, 1 << 17, Aim::none);
   expect_rejected("direct light alone", t, 0.171573);
   expect_rejected("a perfect wall", t, 0.514231);

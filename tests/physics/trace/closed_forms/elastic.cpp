@@ -65,7 +65,7 @@ TEST(ElasticModes, RigidShapesAreTheRigidBody) {
     EXPECT_NEAR(phase_sensitivities[std::size_t(i) + 1].d[0], phase_sensitivities[0].d[i],
                 1e-12 * std::fabs(phase_sensitivities[0].d[i]))
         << i;
-  EXPECT_GT(std::fabs(phase_sensitivities[1].d[0] - phase_sensitivities[0].d[1]), 1e-3 * k);  // twin: another axis
+  EXPECT_GT(std::fabs(phase_sensitivities[1].d[0] - phase_sensitivities[0].d[1]), 1e-3 * k);  // control: another axis
 }
 
 // cos 2 phi: the wall goes out at 0 and pi, in at pi/2; light reflected along the diameter sees 2 k per metre.

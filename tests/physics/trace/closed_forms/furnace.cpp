@@ -132,7 +132,7 @@ double arriving(World const& world, bool divide) {
   }
   return sum / emitted_power;
 }
-TEST(Furnace, RouletteWithoutItsDivisionTwin) {
+TEST(Furnace, RouletteWithoutItsDivision) {
   World const world = sphere(0.9, Profile::even, 0.3);
   EXPECT_NEAR(arriving(world, true), 10, 0.1);
   EXPECT_LT(arriving(world, false), 9.5);
@@ -151,7 +151,7 @@ TEST(Furnace, LowerCutR3_27) {
     EXPECT_GT(watts.std_error, 0);
     EXPECT_LT(std::fabs(watts.mean), 5 * watts.std_error);
   }
-  EXPECT_GT(std::fabs(arriving(high, false) - arriving(low, false)), 0.1);  // twin
+  EXPECT_GT(std::fabs(arriving(high, false) - arriving(low, false)), 0.1);  // negative control
 }
 
 // A18b: rho = 1 everywhere. All light is still there after N bounces.
@@ -162,7 +162,7 @@ TEST(Furnace, NothingIsLostA18b) {
   EXPECT_NEAR(r.total.energy_balance[int(BalanceTerm::truncated)].sum, r.total.emitted.sum,
               1e-12 * r.total.emitted.sum);
   EXPECT_EQ(r.total.bounces, 4096u * 300u);
-  World leaky = sphere(1 - 1e-9, Profile::even, 0.3);  // twin: one part in 1e9 is absorbed
+  World leaky = sphere(1 - 1e-9, Profile::even, 0.3);  // control: one part in 1e9 is absorbed
   leaky.limits.max_order = 300;
   TraceResult const t = run_histories(leaky, 4096);
   EXPECT_GT(std::fabs(t.total.energy_balance[int(BalanceTerm::truncated)].sum - t.total.emitted.sum),
@@ -205,7 +205,7 @@ TEST(Furnace, UniformRadianceA18b) {
   expect_mean("lid", on_tin.share[1].mean(), 1.0 / 8, 5e-3);
   expect_mean("wall", on_tin.share[2].mean(), 6.0 / 8, 5e-3);
   expect_rejected("parts weighted by cross-section", on_ball.share[0].mean(), 0.64 / 2);
-  Shares early(tin, 1);  // twin: a can that still remembers its source
+  Shares early(tin, 1);  // control: a can that still remembers its source
   tin.limits.max_order = 3;
   walk(tin, 10000, early, [&] { early.close(); });
   expect_rejected("first orders", early.share[0].mean(), 1.0 / 8);

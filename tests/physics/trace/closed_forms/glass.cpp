@@ -65,7 +65,7 @@ TEST(Glass, AbsorptionBeerLambert) {
   for (std::size_t i = 0; i < r.coupling.groups.size(); ++i)
     EXPECT_NEAR(r.total.absorbed[i].sum / n, r.coupling.groups[i] == "photodiode" ? std::exp(-0.4) : 0, 1e-12);
   EXPECT_NEAR(r.total.absorbed.back().sum / n, 1 - std::exp(-0.4), 1e-12);
-  EXPECT_GT(std::fabs(r.total.absorbed.back().sum / n - (1 - std::exp(-0.8))), 0.1);  // twin: the way counted twice
+  EXPECT_GT(std::fabs(r.total.absorbed.back().sum / n - (1 - std::exp(-0.8))), 0.1);  // control: the way counted twice
 }
 
 // A plate with a white back face, and a measuring plane inside it that looks at one side. What arrives there on its

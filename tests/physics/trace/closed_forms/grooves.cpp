@@ -63,7 +63,7 @@ TEST(Lay, FollowsTheSurface) {
   EXPECT_EQ(make_vertex(view, matt, {0.3, 0.4, 1}, {0, 0, 1}).frame.e1.x, around.e1.x);  // others stay as they are
 }
 
-// Light at 75 deg onto a plate, along its grooves: what the energy balance expect is what the samples carry. Twin: a
+// Light at 75 deg onto a plate, along its grooves: what the energy balance expect is what the samples carry. Control: a
 // total that is the mean over the azimuth leaves a mean in `sampling`.
 TEST(Lay, BooksKnowTheAzimuth) {
   for (bool const mean_only : {false, true}) {

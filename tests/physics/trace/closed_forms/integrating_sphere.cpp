@@ -28,7 +28,7 @@ SampleMean multiplier(double rho, double f, std::uint64_t histories) {
   return scaled(received(run_histories(world, histories)), 1 / f);
 }
 
-// Twins: the multiplier of a closed sphere, and that of one with a larger port.
+// Controls: the multiplier of a closed sphere, and that of one with a larger port.
 TEST(IntegratingSphere, MultiplierScene2) {
   struct Case {
     double rho, f, expected;
@@ -43,7 +43,7 @@ TEST(IntegratingSphere, MultiplierScene2) {
   }
 }
 
-// Patches of different sizes near the lit one, beside it and opposite. Twin: a patch 5 % off the sphere.
+// Patches of different sizes near the lit one, beside it and opposite. Control: a patch 5 % off the sphere.
 TEST(IntegratingSphere, ExchangeOfPatchesScene2) {
   auto const exchange = [](Vec3 at, double rim, double off, std::uint64_t histories) {
     World world;

@@ -114,7 +114,7 @@ Comparison compare(Pose const& frame, int rays) {
   }
   return c;
 }
-// Twin: a frame turned by 1e-10 rad more.
+// Control: a frame turned by 1e-10 rad more.
 TEST(LongRays, RigidMotionOfAWholeSceneScene14) {
   Comparison const c = compare(far_away(), 40000);
   EXPECT_EQ(c.other, 0);
@@ -126,7 +126,7 @@ TEST(LongRays, RigidMotionOfAWholeSceneScene14) {
   EXPECT_GT(compare(turned, 4000).largest, 1e-9);
 }
 
-// Light goes 10 km to a corner cube and back, here and 1e5 m away. Twin: one mirror tilted by 1e-9 rad.
+// Light goes 10 km to a corner cube and back, here and 1e5 m away. Control: one mirror tilted by 1e-9 rad.
 double corner_cube(Pose const& frame, double tilt, Vec3& end) {
   Zoo zoo(frame);
   Frame const cube = Frame::around(unit({0.3, -0.5, 0.8}));

@@ -55,12 +55,12 @@ TEST(PhaseSensitivities, MovingBounceA1) {
   // R4.03: 1 um toward the source shortens the path by 2 um; at 45 deg along the normal by 1.41421 um
   EXPECT_NEAR(bounce({0, 0, 1}, {0, 0, -1}, {0, 0, -1e3 * nm}) / k, -2e-6, 1e-15);
   EXPECT_NEAR(bounce(in45, out45, {0, 0, 1e3 * nm}) / k, -1.41421e-6, 5e-12);
-  // twin: the opposite sign of the original code is off by twice the phase
+  // control: the opposite sign of the original code is off by twice the phase
   EXPECT_GT(std::fabs(bounce(out45, in45, {0, 0, nm}) + 0.00835128), tolerance);
 }
 
 // R4.01: 3 km are 2.82e9 cycles. A quarter of a wave more at their end is pi/2 to the rounding of double precision;
-// twin: single precision.
+// control: single precision.
 TEST(PhaseSensitivities, PhaseOfThreeKilometresR4_01) {
   auto const length_to = [](double z) {
     World world;
@@ -106,7 +106,7 @@ TEST(PhaseSensitivities, RigidBodyInvariantR4_06) {
     auto const hits = random.path(3);
     Vec3 const ends = k * (hits.front().in - hits.back().out);
     ASSERT_TRUE(close(along(phase_sensitivities_of(one, hits, 0, 0)[0]), ends, 1e-12 * 2 * k / length(ends)));
-    // twin: the middle hit belongs to another body
+    // control: the middle hit belongs to another body
     ASSERT_FALSE(close(along(phase_sensitivities_of(two, hits, 0, 0)[0]), ends, 1e-12 * 2 * k / length(ends)));
   }
 }
@@ -142,7 +142,7 @@ TEST(PhaseSensitivities, RotationsAndTranslationsAreDerivativesOfTheOpticalPath)
   RandomPaths random;
   std::vector<Vec3> const pivots{{0.3, -0.2, 0.5}, {-1, 0.4, 0.1}};
   World const world = bodies_world({0, 1, 0, 1}, pivots), off = bodies_world({0, 1, 0, 1}, {{}, {}});
-  int twin_caught = 0;
+  int control_caught = 0;
   for (int i = 0; i < 200; ++i) {
     auto const hits = random.path(4);
     auto const phase_sensitivities = phase_sensitivities_of(world, hits, 0, 0),
@@ -152,11 +152,11 @@ TEST(PhaseSensitivities, RotationsAndTranslationsAreDerivativesOfTheOpticalPath)
         double const turn = slope(world, hits, {b}, axis, true), shift = slope(world, hits, {b}, axis, false);
         ASSERT_NEAR(dot(turning(on_body(phase_sensitivities, {b})), axis), turn, 1e-5 * k);
         ASSERT_NEAR(dot(along(on_body(phase_sensitivities, {b})), axis), shift, 1e-5 * k);
-        // twin: turned about another pivot
-        twin_caught += std::fabs(dot(turning(on_body(elsewhere, {b})), axis) - turn) > 1e-5 * k;
+        // control: turned about another pivot
+        control_caught += std::fabs(dot(turning(on_body(elsewhere, {b})), axis) - turn) > 1e-5 * k;
       }
   }
-  EXPECT_GT(twin_caught, 1190);  // of 1200
+  EXPECT_GT(control_caught, 1190);  // of 1200
 }
 
 // Two mirrors of a cavity of 1 km and one small ring between them; everything diffuse, so every path exists.
@@ -196,7 +196,7 @@ TEST(PhaseSensitivities, CavityMirrorBaffleMirror) {
   auto const phase_sensitivities = there_and_back(c, 0.03);
   EXPECT_NEAR(on_body(phase_sensitivities, c.ring).d[2], 2 * k, 1e-8 * k);
   EXPECT_NEAR(on_body(phase_sensitivities, c.one).d[2], -2 * k, 1e-8 * k);
-  Cavity const running(false);  // twin: the main mode's own bounce is not taken off
+  Cavity const running(false);  // control: the main mode's own bounce is not taken off
   EXPECT_GT(std::fabs(on_body(there_and_back(running, 0.03), running.one).d[2] + 2 * k), k);
 }
 
@@ -209,7 +209,8 @@ TEST(PhaseSensitivities, CavityMirrorToMirrorIsTheMode) {
   straight[1].out = {0, 0, -1};
   for (PhaseSensitivity const& l : phase_sensitivities_of(c.world, straight, 0, 1))
     for (double const d : l.d) EXPECT_LT(std::fabs(d), 1e-12 * k);
-  EXPECT_GT(std::fabs(on_body(phase_sensitivities_of(running.world, straight, 0, 1), running.two).d[2]), k);  // twin
+  EXPECT_GT(std::fabs(on_body(phase_sensitivities_of(running.world, straight, 0, 1), running.two).d[2]),
+            k);  // negative control
 }
 
 // The same rules in traced paths: direct light of a cavity has no axial phase sensitivity beyond theta^2/2, and a
@@ -227,9 +228,9 @@ TEST(PhaseSensitivities, TracedCavityPathsAreRelativeToTheMode) {
     }
     EXPECT_NEAR(p.path_length, 1000, 1e-6);
   }
-  CouplingClass const* twin = find_route(s, "one·S > two·S");
-  ASSERT_NE(twin, nullptr);
-  EXPECT_GT(std::fabs(twin->records[0].phase_sensitivities[0].d[2]), k);
+  CouplingClass const* control = find_route(s, "one·S > two·S");
+  ASSERT_NE(control, nullptr);
+  EXPECT_GT(std::fabs(control->records[0].phase_sensitivities[0].d[2]), k);
   for (CouplingClass const& route : r.coupling.classes)
     for (PathRecord const& p : route.records) {
       Vec3 sum;

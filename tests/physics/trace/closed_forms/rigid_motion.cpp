@@ -161,7 +161,7 @@ TYPED_TEST(RigidMotion, LeavesCouplingsAlike) {
 }
 
 // The light that a mirror of 60 m radius of curvature sends to itself is lost in part where rounding hides points.
-TEST(RigidMotionTwin, PointsHiddenByRoundingAreMissedEq1_14) {
+TEST(RigidMotionControl, PointsHiddenByRoundingAreMissedEq1_14) {
   Bent<Cap> const mirror{cap(1 / 60.0, 0, 0.2), 1};
   Pose const home = facing_along({}, {0, 0, 1}), away = facing_along({0, 0, 40000}, {0, 0, 1});
   Sums const here = coupled(mirror, home, home, {3, true});

@@ -61,7 +61,7 @@ TEST(ViewFactors, CoaxialDiscsA18) {
   expect_mean("r 1, h 2, coupled", two.coupled, 0.1715729, 1e-3);
   expect_mean("r 1, h 1, walked", one.walked, 0.3819660, 4e-3);
   expect_mean("r 1, h 1, coupled", one.coupled, 0.3819660, 2e-3);
-  // twin: discs 1 % further apart
+  // control: discs 1 % further apart
   expect_rejected("r 1, h 1.01", one.walked, coaxial(1, 1, 1.01));
   expect_rejected("r 1, h 2.02", two.coupled, coaxial(1, 1, 2.02));
 }
@@ -79,7 +79,7 @@ TEST(ViewFactors, RareOnesByConnection) {
        {Pair{0.17, 0.17, 3994.5}, Pair{0.31, 0.31, 1e4}}) {  // every connection is worth the same to 1e-8
     double const expected = coaxial(p.near, p.far, p.distance);
     EXPECT_NEAR(view_factor(p, 1 << 17).coupled.mean, expected, 1e-7 * expected);
-    EXPECT_GT(std::fabs(coaxial(p.near, p.far, 1.000001 * p.distance) - expected), 1e-7 * expected);  // twin: 1 ppm
+    EXPECT_GT(std::fabs(coaxial(p.near, p.far, 1.000001 * p.distance) - expected), 1e-7 * expected);  // control: 1 ppm
   }
   SampleMean const ring = view_factor({0.17, 0.6, 100, 0.5}, 1 << 20).coupled;
   expect_mean("ring", ring, 1.09993e-5, 2e-7);
@@ -127,7 +127,7 @@ TEST(ViewFactors, CylinderWallToItself) {
   auto const truth = [](double) { return 1.0; };
   expect_mean("H = 0.5", wall_to_itself(1, 1 << 20, truth), 0.381966, 4e-3);
   expect_mean("H = 1", wall_to_itself(2, 1 << 20, truth), 0.585786, 4e-3);
-  // twin: directions uniform in solid angle, a density without its cosine (C2.5)
+  // control: directions uniform in solid angle, a density without its cosine (C2.5)
   expect_rejected("no cosine", wall_to_itself(1, 1 << 18, [](double cosine) { return 0.5 / cosine; }), 0.381966);
 }
 

@@ -48,7 +48,7 @@ TEST(ViewFactorsReceived, RareOnesScene4) {
     EXPECT_NEAR(closed(1), c.expected, c.digits);
     double const seen = disc_to_disc(c.near, c.hole, c.far, c.distance, 1 << 17).mean;
     EXPECT_NEAR(seen, closed(1), c.effect * closed(1));
-    EXPECT_GT(std::fabs(seen - closed(1 + c.effect)), c.effect * closed(1));  // twin: further away by that
+    EXPECT_GT(std::fabs(seen - closed(1 + c.effect)), c.effect * closed(1));  // control: further away by that
   }
 }
 
@@ -66,7 +66,7 @@ struct Arrivals : Silent {
 // Unit cube: the floor is lit by a beam wider than it is; the other five faces are receivers. Light beside the floor is
 // lost, so the means are of (arrived - F scattered), whose truth is zero.
 struct Cube {
-  Sampler opposite, adjacent, all, twin;
+  Sampler opposite, adjacent, all, control;
 };
 Cube cube(std::uint64_t histories) {
   World world;
@@ -91,7 +91,7 @@ Cube cube(std::uint64_t histories) {
     result.opposite.add(a.on[0] - 0.199825 * a.scattered);
     result.adjacent.add(0.25 * sides - 0.200044 * a.scattered);
     result.all.add(a.on[0] + sides - a.scattered);
-    result.twin.add(0.25 * sides - 0.202 * a.scattered);
+    result.control.add(0.25 * sides - 0.202 * a.scattered);
     a = Arrivals(world);
   });
   return result;
@@ -102,7 +102,7 @@ TEST(ViewFactorsReceived, UnitCubeScene3) {
   expect_mean("opposite", c.opposite.mean(), 0, 5e-3 * 0.199825 * emitted);
   expect_mean("adjacent", c.adjacent.mean(), 0, 5e-3 * 0.200044 * emitted);
   expect_mean("all five", c.all.mean(), 0, 4e-3 * emitted);
-  expect_rejected("1 % more", c.twin.mean(), 0);
+  expect_rejected("1 % more", c.control.mean(), 0);
 }
 
 // Wall of a cylinder of radius 1 to itself: 1 - (f(z) + f(h - z)) from height z, f to a disc. Eight points of the Gauss

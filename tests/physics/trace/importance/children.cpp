@@ -52,7 +52,7 @@ TEST(Children, ShareThePowerOfTheirParentR3_26) {
       if (g.first > 0) {
         EXPECT_EQ(g.children, int(n));
         EXPECT_NEAR(g.second / g.first, 1, 1e-12);
-        EXPECT_TRUE(n == 1 || std::fabs(g.second / n / g.first - 1) > 0.8);  // twin: amplitude sqrt(S)/N, C2.1
+        EXPECT_TRUE(n == 1 || std::fabs(g.second / n / g.first - 1) > 0.8);  // control: amplitude sqrt(S)/N, C2.1
       }
       EXPECT_NEAR(g.booked / g.emitted_power, 1, 1e-12);
       g = {};

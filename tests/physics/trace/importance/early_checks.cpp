@@ -36,7 +36,7 @@ TEST(EarlyChecks, FewHistoriesMeetALooseRule) {
   World world = two_plates();
   world.block_size = block_size_of(loose.total.histories);
   EXPECT_TRUE(same(run_histories(world, loose.total.histories).total, loose.total));
-  world.block_size = largest_block;  // twin: other blocks, another result
+  world.block_size = largest_block;  // control: other blocks, another result
   EXPECT_FALSE(same(run_histories(world, loose.total.histories).total, loose.total));
 }
 
@@ -69,8 +69,8 @@ double stopped_greedily(std::uint64_t route, std::uint64_t seed) {
 }
 
 // Over many seeds, the mean of what is found where the rule of 20 % stops, of the least known route, in the error of
-// that mean; a long run says what is true. Broken twin: a rule that looks after every few histories, trusts two scores
-// and stops at the first good-looking moment; of k scores it finds 1/k too much.
+// that mean; a long run says what is true. Negative control: a rule that looks after every few histories, trusts two
+// scores and stops at the first good-looking moment; of k scores it finds 1/k too much.
 TEST(EarlyChecks, StoppingLeavesNoBias) {
   BlockSums const truth = run_histories(two_plates(), 1u << 21).total;
   std::uint64_t route = 0;

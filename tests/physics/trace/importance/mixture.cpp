@@ -117,7 +117,7 @@ TEST(Mixture, ArrivingPowerWithPatchesScene16) {
   }
 }
 
-// Twins: the strips of a patch drawn evenly instead of by area, and a patch with a strip that is never drawn.
+// Controls: the strips of a patch drawn evenly instead of by area, and a patch with a strip that is never drawn.
 TEST(Mixture, WrongPatchesAreRefused) {
   for (bool const even : {true, false}) {
     World world = two_caps();
@@ -178,7 +178,7 @@ SampleMean arriving_with(Fault fault, std::uint64_t histories) {
   return found.mean();
 }
 
-// Twins of the mixture's density (docs/theory/sampling.md): none gives 1 + rho + rho^2 + rho^3.
+// Controls of the mixture's density (docs/theory/sampling.md): none gives 1 + rho + rho^2 + rho^3.
 TEST(Mixture, WrongDensitiesAreRejected) {
   double const expected = 3.439;
   expect_mean("as it is", arriving_with(Fault::none, 1 << 20), expected, 0.02);
@@ -188,7 +188,7 @@ TEST(Mixture, WrongDensitiesAreRejected) {
   expect_rejected("patch area wrong by 1 %", arriving_with(Fault::area, 1 << 20), expected);
 }
 
-// Twin: patch areas wrong by a few per cent leave a mean in `sampling`, which the energy balance refuse.
+// Control: patch areas wrong by a few per cent leave a mean in `sampling`, which the energy balance refuse.
 TEST(Mixture, WrongAreasAreRefused) {
   World world = two_caps();
   SteeringTables tables = uneven(0.1);
@@ -197,7 +197,7 @@ TEST(Mixture, WrongAreasAreRefused) {
   EXPECT_THROW(run_histories(world, 1 << 17), NumericalError);
 }
 
-// Twin: nothing is ever drawn by the law, and one strip is on no list (alpha = 0 with a hole).
+// Control: nothing is ever drawn by the law, and one strip is on no list (alpha = 0 with a hole).
 TEST(Mixture, ExclusiveListsAreRefused) {
   World world = two_caps();
   world.steer(uneven(0, true));

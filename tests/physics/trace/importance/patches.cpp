@@ -85,7 +85,7 @@ TEST(Patches, SceneOfManyStripsIsAimedAt) {
   EXPECT_LT(aimed.std_error / aimed.mean, relative / 10) << relative;
 }
 
-// Twin: a density that is not the one drawn with.
+// Control: a density that is not the one drawn with.
 TEST(Patches, WrongPatchAreaIsRefused) {
   World world = cloud();
   SteeringTables tables = make_importance(world, few_rows());

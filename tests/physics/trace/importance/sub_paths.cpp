@@ -107,10 +107,10 @@ TEST(SubPaths, PolarisedScenesAreLeftToTheWalk) {
     expect_rejected("unpolarised", through, 0.5 * (plate(norm(a.rs)) + plate(norm(a.rp))));
   }
 }
-TEST(SubPaths, PolarisedTwin) {
+TEST(SubPaths, PolarisedControl) {
   SampleMean const walk = watts(polarised(1.5, false, SubPath::looked_for, 0.04), 1 << 19),
-                   twin = watts(polarised(1.5, false, SubPath::forced, 0.04), 1 << 18, 2);
-  expect_rejected("sub-paths without polarisation", difference(twin, walk), 0);
+                   control = watts(polarised(1.5, false, SubPath::forced, 0.04), 1 << 18, 2);
+  expect_rejected("sub-paths without polarisation", difference(control, walk), 0);
 }
 
 // A measuring plane that is said to lie behind glass, too.

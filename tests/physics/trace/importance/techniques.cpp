@@ -127,8 +127,8 @@ TEST(Techniques, InCompanyScene12) {
   compare("walk and sub-path", with({}, false, false, true), 1 << 18, 4e-2);
 }
 
-// Source and receiver moved along their axes; the receiver keeps its solid angle. Twins: one that does not, and plates
-// of index 1.5.
+// Source and receiver moved along their axes; the receiver keeps its solid angle. Controls: one that does not, and
+// plates of index 1.5.
 TEST(Techniques, DistancesScene12) {
   Layout far;
   far.laser = 20;

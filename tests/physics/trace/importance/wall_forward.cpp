@@ -92,7 +92,7 @@ TEST(WallForward, TracedA12) {
 // Squared radial phase sensitivity of every path over the near wall, and how far any phase sensitivity is from eq. 8.8.
 struct Listener : Silent {
   World const& world;
-  double now = 0, worst = 0, twin = 0;
+  double now = 0, worst = 0, control = 0;
   Sampler f_lever2;
   explicit Listener(World const& w) : world(w) {}
   void score(PathState const& path, Vertex const& v, std::uint32_t, std::uint32_t number, Vertex const&, double f) {
@@ -104,7 +104,7 @@ struct Listener : Silent {
         double const radial = std::hypot(l.d[0], l.d[1]);
         worst = std::fmax(worst, std::fabs(radial - k * (radius / l1 + radius / l2)) / radial);
         worst = std::fmax(worst, std::fabs(l.d[2] - k * (z / l1 - (arm - z) / l2)) / radial);
-        twin = std::fmax(twin, std::fabs(radial - k * (radius / l1 - radius / l2)) / radial);
+        control = std::fmax(control, std::fabs(radial - k * (radius / l1 - radius / l2)) / radial);
         if (z < arm / 2) now += f * radial * radial;
       }
   }
@@ -119,7 +119,7 @@ TEST(WallForward, PhaseSensitivityEq8_8) {
   Listener phase_sensitivities(world);
   walk(world, 1 << 18, phase_sensitivities, [&] { phase_sensitivities.close(); });
   EXPECT_LT(phase_sensitivities.worst, 1e-9);
-  EXPECT_GT(phase_sensitivities.twin, 1e-9);  // the difference of the sines
+  EXPECT_GT(phase_sensitivities.control, 1e-9);  // the difference of the sines
   double const expected = near_half(true);
   expect_mean("f times squared phase sensitivity", phase_sensitivities.f_lever2.mean(), expected, 0.1 * expected);
   double const middle = k * radius * 4 / arm;  // phase sensitivity of the middle of the arm

@@ -25,8 +25,8 @@ TEST(ArmTube, OrdersByQuadratureE1) {
   EXPECT_NEAR(std::sqrt(o.line2[3]), order_line(3), 1e-3 * order_line(3));
   EXPECT_LT(std::sqrt(o.line2[2]), 1e-9 * 1.3025e-24);  // opposite walls of a rigid tube cancel
   EXPECT_EQ(o.line2[0], 0);
-  Orders const twin = quadrature(make({.weight = Profile::gaussian}));  // trap 14.2: the mirror weight
-  EXPECT_GT(std::fabs(std::sqrt(twin.line2[1]) - 1.3025e-24), 1e-3 * 1.3025e-24);
+  Orders const control = quadrature(make({.weight = Profile::gaussian}));  // trap 14.2: the mirror weight
+  EXPECT_GT(std::fabs(std::sqrt(control.line2[1]) - 1.3025e-24), 1e-3 * 1.3025e-24);
 }
 
 // Light of a Gaussian spot that reaches mirror 2 straight: the share of azimuths with |rho + L theta| < R_m.
@@ -45,7 +45,7 @@ double straight_share(double sigma) {
 }
 
 // Light from a Gaussian spot of sigma 28 mm instead of the axis: the offsets of its start take 1.3 % of the first
-// order, and those of m = 2 no longer cancel. To 1e-3; the twins are the axis and a spot with sigma read as w. (What
+// order, and those of m = 2 no longer cancel. To 1e-3; the controls are the axis and a spot with sigma read as w. (What
 // comes straight, given as 8.44e-3, is 8.42e-3.)
 TEST(ArmTube, SpotOfMirrorOneE1) {
   double const sigma = 0.028;
@@ -56,10 +56,10 @@ TEST(ArmTube, SpotOfMirrorOneE1) {
   EXPECT_NEAR(std::sqrt(o.line2[1]), 1.293e-24, 1e-3 * 1.293e-24);
   EXPECT_GT(std::sqrt(o.line2[2]), 1e-3 * 1.293e-24);
   EXPECT_LT(std::sqrt(o.line2[2]), 0.2 * 1.293e-24);
-  for (double twin : {0.0, sigma / 2}) {
-    Orders const wrong = quadrature(make(), twin);
-    EXPECT_GT(std::fabs(wrong.share[1] / loss - 0.02881), 1e-3 * 0.02881) << twin;
-    EXPECT_GT(std::fabs(std::sqrt(wrong.line2[1]) - 1.293e-24), 1e-3 * 1.293e-24) << twin;
+  for (double control : {0.0, sigma / 2}) {
+    Orders const wrong = quadrature(make(), control);
+    EXPECT_GT(std::fabs(wrong.share[1] / loss - 0.02881), 1e-3 * 0.02881) << control;
+    EXPECT_GT(std::fabs(std::sqrt(wrong.line2[1]) - 1.293e-24), 1e-3 * 1.293e-24) << control;
   }
 }
 
@@ -75,7 +75,7 @@ TEST(ArmTube, LargeMotionIsStillLinearE1) {
   double const linear = wall_motion / 10e-6 * std::sqrt(o.line2[1]);
   EXPECT_NEAR(linear, 1.3025e-24, 1e-3 * 1.3025e-24);
   double const more = std::sqrt(quadrature(make(), 0, 10.1e-6).line2[1]);
-  EXPECT_GT(std::fabs(more - 1.737e-22), 1e-3 * 1.737e-22) << "twin: 1 % more motion";
+  EXPECT_GT(std::fabs(more - 1.737e-22), 1e-3 * 1.737e-22) << "control: 1 % more motion";
 }
 
 // Paths drawn by the program, aimed at the part of the wall that counts: power and line of one wall hit to 1 %.
@@ -141,7 +141,7 @@ TEST(ArmTube, PrefactorOf1997A13) {
   EXPECT_NEAR(1 / (std::sqrt(32.0) * pi * pi), 0.0179112240, 5e-11);
   for (double const theta : {1e-4, 4e-4, 1e-2}) {
     EXPECT_NEAR(path_constant(Profile::even, theta), 0.0179112240, 1e-10) << theta;
-    EXPECT_GT(std::fabs(path_constant(Profile::gaussian, theta) - 0.0179112240), 1e-10);  // twin
+    EXPECT_GT(std::fabs(path_constant(Profile::gaussian, theta) - 0.0179112240), 1e-10);  // negative control
   }
 }
 

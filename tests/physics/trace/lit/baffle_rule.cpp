@@ -97,7 +97,7 @@ TEST(BaffleRule, NoPointOfTheMirrorsSeesTheWallScene15) {
   EXPECT_GT(arrived(traced, r, "baffles").mean, 0);
 }
 
-// Twins: any one baffle missing, and all of them 1 % further apart than the rule says.
+// Controls: any one baffle missing, and all of them 1 % further apart than the rule says.
 void expect_all_needed(Layout const& l, std::vector<double> const& z) {
   for (std::size_t i = 0; i + 1 < z.size(); ++i) {
     std::size_t const next = i < z.size() / 2 ? i + 1 : i - 1;  // the gap lies behind it, as seen from its own mirror
@@ -119,8 +119,8 @@ TEST(BaffleRule, EveryBaffleIsNeededScene15) {
 // the same 128 hide all of the wall.
 TEST(BaffleRule, GeoHas128BafflesB11) {
   EXPECT_NEAR(2 * geo.per_half(), 128, 0.5);
-  EXPECT_NE(2 * (Layout{0.28, 1.8}.per_half()), 128) << "twin: 2 cm high";
-  EXPECT_NE(2 * (Layout{0.27, 2.0}.per_half()), 128) << "twin: the first at 2 m";
+  EXPECT_NE(2 * (Layout{0.28, 1.8}.per_half()), 128) << "control: 2 cm high";
+  EXPECT_NE(2 * (Layout{0.27, 2.0}.per_half()), 128) << "control: the first at 2 m";
   std::vector<double> const z = places(geo, geo.ratio() * closer, false);
   ASSERT_EQ(z.size(), 128u);
   Tube const open = make_tube(geo, z);
@@ -132,7 +132,7 @@ TEST(BaffleRule, GeoHas128BafflesB11) {
   std::vector<double> const all = places(shut, shut.ratio() * closer, false);
   EXPECT_EQ(all.size(), 128u);
   EXPECT_EQ(seen_anywhere(make_tube(shut, all), 1 << 19), 0u);
-  expect_all_needed(shut, all);  // twins
+  expect_all_needed(shut, all);  // negative controls
 }
 
 }  // namespace

@@ -56,9 +56,9 @@ TEST(BeamTree, chief_rays_are_those_of_the_sequential_trace) {
     }
     ++compared;
     if (r.way.size() < 2) continue;
-    for (SequenceStep& s : steps) s.index = 1;  // twin: no refraction
-    Sequence const twin = trace_sequence(view, {launch.mode.origin, launch.mode.travel}, steps);
-    EXPECT_GT(length(twin.points.back().dir - r.way.back().out), 1e-3);
+    for (SequenceStep& s : steps) s.index = 1;  // control: no refraction
+    Sequence const control = trace_sequence(view, {launch.mode.origin, launch.mode.travel}, steps);
+    EXPECT_GT(length(control.points.back().dir - r.way.back().out), 1e-3);
   }
   EXPECT_GE(compared, 7);  // the main beam and the ghosts that stay within the apertures
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Diffraction at baffle rims (docs/theory/diffraction.md, eq. 8.11 to 8.14, case A19), against closed forms and against
-// integrals that know nothing of them: over the rim, and over the blocked area.
+// Diffraction at the inner edges of baffles (docs/theory/diffraction.md, eq. 8.11 to 8.14, case A19), against closed
+// forms and against integrals that know nothing of them: over the rim, and over the blocked area.
 #include "trace/deterministic/edges.hpp"
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST(Edges, MidArmA19) {
   EXPECT_NEAR(std::abs(wave_of(made).amplitude) / centred, 1, 1e-6);
   EXPECT_NEAR(std::abs(wave_of(made, 1e-3).amplitude) / centred, 0.76867, 1e-4);
   EXPECT_NEAR(std::abs(wave_of(made, 2.4e-3).amplitude) / centred, 0, 0.02);                   // near its first zero
-  EXPECT_GT(std::fabs(std::abs(wave_of(made, 1e-3, 1).amplitude) / centred - 0.76867), 1e-3);  // twin: elsewhere
+  EXPECT_GT(std::fabs(std::abs(wave_of(made, 1e-3, 1).amplitude) / centred - 0.76867), 1e-3);  // control: elsewhere
 }
 
 // Eq. 8.11 for any place and offset; the sign of J0 is the phase.
@@ -92,7 +92,7 @@ TEST(Edges, FollowsJ0) {
         EXPECT_NEAR(back.real(), expected, tolerance) << z << ' ' << d;
       }
       if (z == 5e3 && d == 2e-3) {
-        EXPECT_GT(std::fabs(back.real() - j0(k * aperture * d / z)), 0.1);  // twin: one distance for the reduced one
+        EXPECT_GT(std::fabs(back.real() - j0(k * aperture * d / z)), 0.1);  // control: one distance for the reduced one
       }
     }
 }
@@ -109,7 +109,7 @@ TEST(Edges, PhaseSensitivitiesAreDerivatives) {
   EXPECT_NEAR(std::abs(gradient(wave, pipe, 1)) / (kr * size), 0, 1e-9);
   double const along = k * aperture * aperture / 2 * (1 / (L - z) / (L - z) - 1 / z / z);  // eq. 8.13
   EXPECT_NEAR((gradient(wave, pipe, 2) / wave.amplitude).imag() / along, 1, 1e-3);
-  EXPECT_GT(std::fabs((gradient(wave, pipe, 2) / wave.amplitude).imag() / -along - 1), 1);  // twin: the other sign
+  EXPECT_GT(std::fabs((gradient(wave, pipe, 2) / wave.amplitude).imag() / -along - 1), 1);  // control: the other sign
   for (int axis = 0; axis < 3; ++axis) {
     Field const all = gradient(wave, mirror_a, axis) + gradient(wave, pipe, axis) + gradient(wave, mirror_b, axis);
     EXPECT_NEAR(std::abs(all) / (kr * size), 0, 1e-6) << axis;
@@ -146,7 +146,7 @@ TEST(Edges, IsTheOverlapOverTheBlockedArea) {
   for (double d : {0.0, 1e-3}) {
     double const rim = std::abs(wave_of(made, d).amplitude);
     EXPECT_NEAR(rim / std::abs(blocked_area(5e3, d, aperture)), 1, 2e-3) << d;
-    EXPECT_GT(std::fabs(rim / std::abs(blocked_area(5e3, d + 0.5e-3, aperture)) - 1), 5e-3) << d;  // twin: elsewhere
+    EXPECT_GT(std::fabs(rim / std::abs(blocked_area(5e3, d + 0.5e-3, aperture)) - 1), 5e-3) << d;  // control: elsewhere
   }
 }
 
@@ -163,7 +163,7 @@ TEST(Edges, IsTheSumOverTheRim) {
   }
   Arm made = arm({z});
   EXPECT_NEAR(std::abs(wave_of(made, d).amplitude - sum) / std::abs(sum), 0, 1e-3);
-  EXPECT_GT(std::abs(wave_of(made, 2 * d).amplitude - sum) / std::abs(sum), 0.1);  // twin: twice as far off
+  EXPECT_GT(std::abs(wave_of(made, 2 * d).amplitude - sum) / std::abs(sum), 0.1);  // control: twice as far off
 }
 
 // Eq. 8.14: random teeth, first zero at 6.333 mm (A19).
@@ -177,7 +177,7 @@ TEST(Edges, RandomTeeth) {
     EXPECT_NEAR(std::abs(wave_of(made).amplitude) / smooth, std::fabs(std::sin(x) / x), 1e-4) << height;
     if (height == 3e-3) {
       EXPECT_GT(std::fabs(std::abs(wave_of(made).amplitude) / smooth - std::fabs(std::sin(2 * x) / (2 * x))),
-                0.1);  // twin: the height from the middle
+                0.1);  // control: the height from the middle
     }
   }
   made.world.edges.tooth_height = 6.333e-3;
@@ -206,7 +206,8 @@ TEST(Edges, TeethOfTheShape) {
     EdgeWave const wave = edge_wave(w, 0, 1, *rim_of(w, id));
     EXPECT_NEAR(std::abs(wave.amplitude) / smooth, std::fabs(std::sin(x) / x), 2e-3) << depth;
     if (depth == 2e-3) {
-      EXPECT_GT(std::fabs(std::abs(wave.amplitude) / smooth - std::fabs(std::sin(2 * x) / (2 * x))), 0.1);  // twin
+      EXPECT_GT(std::fabs(std::abs(wave.amplitude) / smooth - std::fabs(std::sin(2 * x) / (2 * x))),
+                0.1);  // negative control
     }
   }
 }
@@ -221,7 +222,7 @@ TEST(Edges, OnlyWhatBothMirrorsSee) {
   EXPECT_EQ(wave_of(hidden).seen, 0);
   EXPECT_EQ(edge_classes(w).classes.size(), 0u);
   EXPECT_EQ(edge_classes(w).warnings.size(), 1u);
-  EXPECT_EQ(edge_classes(arm({5e3, 4e3}).world).classes.size(), 2u);  // twin: without the stop
+  EXPECT_EQ(edge_classes(arm({5e3, 4e3}).world).classes.size(), 2u);  // control: without the stop
 }
 
 // Classes of the table: both directions, C_rev, and the three ways to add rims.
@@ -247,7 +248,7 @@ TEST(Edges, ClassesAddRims) {
   double const one = std::pow(lambda * beta(aperture / 5e3) / L, 2);
   EXPECT_NEAR(mean(EdgeSettings::Sum::independent) / one, 3, 1e-4);
   EXPECT_NEAR(mean(EdgeSettings::Sum::in_phase) / one, 9, 1e-3);
-  EXPECT_GT(std::fabs(mean(EdgeSettings::Sum::geometric) / one - 3), 5);  // twin: their powers
+  EXPECT_GT(std::fabs(mean(EdgeSettings::Sum::geometric) / one - 3), 5);  // control: their powers
   EXPECT_NEAR(mean(EdgeSettings::Sum::geometric) / one, 9, 0.02);  // 10 m change the phase of mid-arm rims by 1e-3
 }
 

@@ -62,7 +62,7 @@ SeenWall seen_wall(World& world, std::uint64_t walks) {
 }
 
 // Etendue pi A F of sensor and hole, two coaxial discs at the unfolded distance; the wall is seen within the shadow of
-// the hole's rim, and nowhere else. Twins: without the screen, and another radius of the hole.
+// the hole's rim, and nowhere else. Controls: without the screen, and another radius of the hole.
 TEST(FirstOrder, PeriscopeShowsExactlyThePartOfTheWall) {
   auto const etendue = [](double radius) {
     double const d = plate + shift, r1 = sensor / d, r2 = radius / d, x = 1 + (1 + r2 * r2) / (r1 * r1);
@@ -80,7 +80,7 @@ TEST(FirstOrder, PeriscopeShowsExactlyThePartOfTheWall) {
   EXPECT_GT(seen_wall(open, 1 << 18).furthest, 2 * rim);
 }
 
-// Two mirrors of reflectance 0.8 keep 0.64 of it: the same walks, fainter. Twin: one mirror.
+// Two mirrors of reflectance 0.8 keep 0.64 of it: the same walks, fainter. Control: one mirror.
 TEST(FirstOrder, MirrorsTakeTheirShare) {
   World clear = periscope(true), dim = periscope(true, 0.8);
   double const ratio = seen_wall(dim, 1 << 16).throughput.mean / seen_wall(clear, 1 << 16).throughput.mean;
@@ -89,7 +89,7 @@ TEST(FirstOrder, MirrorsTakeTheirShare) {
 }
 
 // Baffles by the shadow rule hide the whole wall of a tube from every point of the mirror (docs/theory/sampling.md).
-// Twin: one baffle missing.
+// Control: one baffle missing.
 TEST(FirstOrder, BafflesHideTheWholeWall) {
   auto const wall_seen = [](int missing) {
     constexpr double tube = 0.6, rim = 0.5, mirror = 0.17, first = 10, end = 600;
@@ -122,8 +122,8 @@ TEST(FirstOrder, BafflesHideTheWholeWall) {
 }
 
 // Integrating sphere: light scattered at a point lights the sphere evenly, and a part of it of share s is seen evenly,
-// so that single scatter off the rest is rho^2 (1 - s) s; power on the rest rho (1 - s), etendue pi A s. Twin: rho 3 %
-// off.
+// so that single scatter off the rest is rho^2 (1 - s) s; power on the rest rho (1 - s), etendue pi A s. Control: rho 3
+// % off.
 TEST(FirstOrder, SingleScatterInASphere) {
   constexpr double rho = 0.6, rim = 0.5;
   World world;

@@ -45,7 +45,7 @@ TEST(Flash, LambertianDiscAtAnAngle) {
     EXPECT_NEAR(seen.scattered / expected, 1, 1e-12);
     EXPECT_EQ(seen.glint, 0);
     if (tilt > 0) {
-      EXPECT_GT(std::fabs(seen.scattered * std::cos(tilt) / expected - 1), 0.1) << "twin: the cosine twice";
+      EXPECT_GT(std::fabs(seen.scattered * std::cos(tilt) / expected - 1), 0.1) << "control: the cosine twice";
     }
   }
 }
@@ -62,7 +62,7 @@ TEST(Flash, GlintOfAFlatMirror) {
   };
   EXPECT_NEAR(glint(straight, 0.99 * half_angle) / radiance, 1, 1e-12);
   EXPECT_EQ(glint(straight, 1.01 * half_angle), 0);
-  EXPECT_GT(glint(straight, 0.6 * half_angle), 0) << "twin: the flash seen at d, not at 2d, would be r/d wide";
+  EXPECT_GT(glint(straight, 0.6 * half_angle), 0) << "control: the flash seen at d, not at 2d, would be r/d wide";
   // 1/(2d)^2 of the intensity: the image of the flash stands 2d away.
   EXPECT_NEAR(back_at_the_eye(straight, flash, camera) / (0.9 / (4 * d * d)), 1, 0.03);
   World const leaning = disc_of(0.9, 0, 1.05 * half_angle);
@@ -82,7 +82,7 @@ TEST(Flash, GlintOfASphere) {
   double const seen =
       back_at_the_eye(world, {.radius = r}, looking_at({}, {0, 0, 1}, {0, 1, 0}, 0.6 * degree, 101, 101));
   EXPECT_NEAR(seen / expected, 1, 0.03);
-  EXPECT_GT(std::fabs(seen / (0.8 / (4 * d * d)) - 1), 0.5) << "twin: as if it were flat";
+  EXPECT_GT(std::fabs(seen / (0.8 / (4 * d * d)) - 1), 0.5) << "control: as if it were flat";
 }
 
 // Two mirrors at right angles send everything back, wherever they look: near their edge by 0.9 squared.
@@ -99,7 +99,7 @@ TEST(Flash, CornerOfTwoMirrors) {
     return flash_along(world.view(), {{}, unit({x, 0, 3})}, {}, {}, flash, {}).glint * pi * flash.radius * flash.radius;
   };
   EXPECT_NEAR(at(5e-3), 0.81, 1e-12);
-  EXPECT_EQ(at(0.2), 0) << "twin: sent back beside the eye";
+  EXPECT_EQ(at(0.2), 0) << "control: sent back beside the eye";
 }
 
 // A wall behind a mirror at 45 degrees is as bright as at the whole distance, less the mirror twice.
@@ -112,7 +112,7 @@ TEST(Flash, ScatterByWayOfAMirror) {
   world.finish();
   FlashLight const seen = flash_along(world.view(), {{}, {0, 0, 1}}, {}, {}, {}, {});
   EXPECT_NEAR(seen.scattered / (0.81 * 0.5 / pi / 9), 1, 1e-12);
-  EXPECT_GT(std::fabs(seen.scattered / (0.9 * 0.5 / pi / 9) - 1), 0.05) << "twin: the mirror once";
+  EXPECT_GT(std::fabs(seen.scattered / (0.9 * 0.5 / pi / 9) - 1), 0.05) << "control: the mirror once";
 }
 
 }  // namespace

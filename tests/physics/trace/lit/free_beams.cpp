@@ -107,8 +107,8 @@ Parts parts(Layout const& s, bool covered, std::uint64_t histories, std::uint64_
   return found;
 }
 
-// A wide receiver is met by the walk about as often as by sub-paths: their weights sum to one. Twins: either counted in
-// full beside the other.
+// A wide receiver is met by the walk about as often as by sub-paths: their weights sum to one. Controls: either counted
+// in full beside the other.
 TEST(FreeBeams, WeightsOfWalkAndSubPathSumToOne) {
   Layout even, gaussian, focus, clear, aims, two;
   gaussian.profile = Profile::gaussian;
@@ -237,7 +237,8 @@ TEST(FreeBeams, FirstVertexSetsTheLevelOfTheWindow) {
   EXPECT_NEAR(a.mean, b.mean, 5 * std::hypot(a.std_error, b.std_error));
 }
 
-// A beam that only passes: it lights nothing that scatters, so no light is stray, and every history ends at its start.
+// A beam that only passes: it illuminates no surface that scatters, so no light is stray, and every history ends at its
+// start.
 TEST(FreeBeams, NothingThatScattersEmitsNothing) {
   for (bool const emits : {false, true}) {
     World world;

@@ -87,7 +87,7 @@ TEST(GhostCount, TwentySurfacesScene9) {
   EXPECT_EQ(found.count[1] + found.count[3], 0);
   EXPECT_NEAR(found.power[0], std::pow(1 - reflect, 20), 1e-12);
   EXPECT_NEAR(found.power[2], two_reflections(20), 1e-12);
-  EXPECT_NE(ghosts(world, 20, false).count[2], 190);  // twin: a reflected ray that is never transmitted again
+  EXPECT_NE(ghosts(world, 20, false).count[2], 190);  // control: a reflected ray that is never transmitted again
 }
 
 // The walk on six surfaces: each of the 15 ways with two reflections turns up, and their power is the sum of theirs.

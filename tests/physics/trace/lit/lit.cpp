@@ -41,7 +41,7 @@ TEST(Lit, EllipticSpotRejoins) {
 
 // A mode that arrives at a face from inside glass, through which the face scatters; a plate outside. Both ways couple
 // by lambda^2 (0.3/pi) (0.5/pi)/d^2 with lambda of vacuum: the mode in the glass takes (lambda/n)^2, and of laws
-// through a face f12/n2^2 = f21/n1^2 (eq. 1.2, 3.2). Spots of 5 mm at 1 m: the geometry is 1 to 1e-4. Twins: n
+// through a face f12/n2^2 = f21/n1^2 (eq. 1.2, 3.2). Spots of 5 mm at 1 m: the geometry is 1 to 1e-4. Controls: n
 // forgotten in one.
 TEST(Lit, GlassTakesItsOwnEtendue) {
   World world;
@@ -141,7 +141,7 @@ double there_and_back(std::vector<Vec3> const& points, Vec3 start, std::vector<d
 }
 
 // eq. 2.2, 2.3: phase sensitivities of light that is fed by a chain, scattered back at its end and returned by the
-// chain are the derivatives of the optical path there and back, 1e-5 k; twin: the way of the beam is forgotten.
+// chain are the derivatives of the optical path there and back, 1e-5 k; control: the way of the beam is forgotten.
 TEST(Lit, PhaseSensitivitiesOfTheChainAreDerivativesOfTheWayThereAndBack) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> normal;
@@ -188,7 +188,7 @@ TEST(Lit, BenchMovesAsAWhole) {
   EXPECT_NEAR(bench.d[2], 2 * k, 1e-9 * k);
   EXPECT_NEAR(std::hypot(bench.d[0], bench.d[1]), 0, 1e-9 * k);
   for (double const d : lens.d) EXPECT_NEAR(d, 0, 1e-9 * k);                         // passed straight on
-  World const apart = lit_world({0, 0, 0, 1}, {{}, {}}, chain(points, {}, vacuum));  // twin: only the dump moves
+  World const apart = lit_world({0, 0, 0, 1}, {{}, {}}, chain(points, {}, vacuum));  // control: only the dump moves
   EXPECT_NEAR(on_body(back_scatter(apart, 3), 1).d[1], 2 * k, 1e-9 * k);
   EXPECT_NEAR(on_body(back_scatter(apart, 3), 1).d[2], 0, 1e-9 * k);
 }
@@ -201,7 +201,7 @@ TEST(Lit, MirrorOfTheChainCountsTwice) {
   Vec3 const normal = unit({1, 0, -1});
   double const along = dot({mirror.d[0], mirror.d[1], mirror.d[2]}, normal);
   EXPECT_NEAR(along, -4 * k * std::cos(pi / 4), 1e-9 * k);
-  EXPECT_GT(std::fabs(along + 2 * k * std::cos(pi / 4)), k);  // twin: there, but not back
+  EXPECT_GT(std::fabs(along + 2 * k * std::cos(pi / 4)), k);  // control: there, but not back
 }
 
 // Optical length of such a path: the way there and back (delay of eq. 2.6).

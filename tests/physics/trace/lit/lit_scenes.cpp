@@ -56,7 +56,8 @@ double radius_on_the_plate() {
   return std::sqrt(-lambda / (pi * std::imag(1.0 / q)));
 }
 
-// eq. 9.3: f_r = T_E^2 f_sc, f_sc = beta lambda^2/(pi w^2). Twins: the mirror passed once only, the spot of the mirror.
+// eq. 9.3: f_r = T_E^2 f_sc, f_sc = beta lambda^2/(pi w^2). Controls: the mirror passed once only, the spot of the
+// mirror.
 TEST(LitScenes, BenchBehindTheEndMirrorEq9_3) {
   World const world = world_of(arm());
   double const w = radius_on_the_plate(), transmission = 4.4e-6, f_sc = 1e-5 * lambda * lambda / (pi * w * w);
@@ -73,7 +74,7 @@ TEST(LitScenes, BenchBehindTheEndMirrorEq9_3) {
 }
 
 // Relative to the mode of the arm, which bounces on the end mirror: +2k on the bench and -2k on that mirror, whose
-// glass is passed straight (eq. 2.5); nothing on the input mirror. Twin: the bounce is not taken off.
+// glass is passed straight (eq. 2.5); nothing on the input mirror. Control: the bounce is not taken off.
 TEST(LitScenes, BenchAndEndMirrorMoveAgainstEachOther) {
   double const k = 2 * pi / lambda;
   World const world = world_of(arm());
@@ -138,7 +139,7 @@ double fraction(double beta, double w = 1e-3) {
 TEST(LitScenes, ScatterFractionR2_33) {
   double const f = fraction(1e-5);
   EXPECT_NEAR(f / 3.604e-12, 1, 5e-3);
-  EXPECT_GT(std::fabs(4 * f / 3.604e-12 - 1), 0.5);  // twin: w read as a diameter
+  EXPECT_GT(std::fabs(4 * f / 3.604e-12 - 1), 0.5);  // control: w read as a diameter
   EXPECT_NEAR(fraction(1e-5, 58e-3) / 1.071e-15, 1, 5e-3);
   EXPECT_NEAR(std::sqrt(fraction(6e-5) / f), std::sqrt(6.0), 1e-2);
 }
@@ -226,7 +227,8 @@ TEST(LitScenes, GhostsReceiveByReciprocity) {
   ASSERT_GT(there.mean, 0);
   EXPECT_NEAR(back.mean / there.mean, 1,
               5 * std::hypot(there.std_error / there.mean, back.std_error / back.mean) + 2e-3);
-  EXPECT_GT(std::fabs(coupling(ghost, main, 0.5).mean / there.mean - 1), 0.3);  // twin: another share to receive with
+  EXPECT_GT(std::fabs(coupling(ghost, main, 0.5).mean / there.mean - 1),
+            0.3);  // control: another share to receive with
 }
 
 }  // namespace

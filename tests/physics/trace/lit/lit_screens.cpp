@@ -27,8 +27,8 @@ World world_of(std::string const& hole, std::string const& at = "0 m") {
   return world;
 }
 
-// f_r = beta lambda^2 times the integral of |u|^4 outside of the hole, e^(-4 a^2/w^2)/(pi w^2). Twins: the power that
-// the screen takes in place of it, and the whole spot.
+// f_r = beta lambda^2 times the integral of |u|^4 outside of the hole, e^(-4 a^2/w^2)/(pi w^2). Controls: the power
+// that the screen takes in place of it, and the whole spot.
 TEST(LitScreens, scatter_back_into_the_beam) {
   double const there = w * std::sqrt(1 + std::pow(lambda / (pi * w * w), 2)), a = 6e-3;
   double const whole = brdf * lambda * lambda / (pi * there * there), edge = std::exp(-2 * a * a / (there * there));

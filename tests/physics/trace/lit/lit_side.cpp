@@ -10,7 +10,7 @@ namespace {
 
 constexpr double lambda = 1.064e-6;
 
-// What rejoins the footprint `lit`, and what would if a beam lit all of a surface that it passes through: the twin.
+// What rejoins the footprint `lit`, and what would if a beam lit all of a surface that it passes through: the control.
 struct Rejoined : Silent {
   WorldView const& view;
   std::uint32_t lit;
@@ -94,7 +94,7 @@ TEST(LitSide, LightInsideAClosedTubeRejoinsNoBeamOutsideEq1_7) {
 }
 
 // A sphere lights its own wall evenly, with rho/(4 pi R^2) of the light scattered by any point of it. Of that, the lit
-// area of a translucent wall sends lambda^2 tau/pi into the beam outside, whatever the shape of the spot. Twin: with
+// area of a translucent wall sends lambda^2 tau/pi into the beam outside, whatever the shape of the spot. Control: with
 // the wall across, which the beam would light if it came through, and which reflects.
 TEST(LitSide, LightComesThroughATranslucentSphereEq1_7) {
   constexpr double rho = 0.5, tau = 0.3, radius = 0.4;
@@ -121,7 +121,7 @@ TEST(LitSide, LightComesThroughATranslucentSphereEq1_7) {
   double const unit = lambda * lambda * rho / (4 * pi * pi * radius * radius);
   expect_mean("through the wall", got, unit * tau, 0.03 * unit * tau);
   expect_rejected("and from the wall across", got, unit * (tau + rho));
-  EXPECT_NEAR(r.everywhere / count, unit * (tau + rho), 0.1 * unit * (tau + rho)) << "the twin";
+  EXPECT_NEAR(r.everywhere / count, unit * (tau + rho), 0.1 * unit * (tau + rho)) << "the control";
 }
 
 // Small spots of a screen and of a sphere that face each other couple by lambda^2 (rho/pi)^2/d^2 (eq. 1.2 with both

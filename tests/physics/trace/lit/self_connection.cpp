@@ -35,8 +35,8 @@ TEST(SelfConnection, ConcaveMirrorSeesItselfFarFromTheOriginEq1_2) {
 }
 
 TEST(SelfConnection, HalfOfItWouldBeSeen) {
-  double const twin = 0.5 * lambda * lambda * beta * beta / (4 * roc * roc);
-  EXPECT_GT(std::abs(self_exchange(2999.8).mean - twin), 0.4 * twin);
+  double const control = 0.5 * lambda * lambda * beta * beta / (4 * roc * roc);
+  EXPECT_GT(std::abs(self_exchange(2999.8).mean - control), 0.4 * control);
 }
 
 }  // namespace

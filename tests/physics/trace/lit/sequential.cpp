@@ -46,7 +46,7 @@ struct Doublet {
   }
 };
 
-// R3.02, and the focus in the limit of small heights. Twin: another index behind the cement.
+// R3.02, and the focus in the limit of small heights. Control: another index behind the cement.
 TEST(Sequential, FocusOfACementedDoublet) {
   for (double const height : {1e-4, 3e-3, 0.01}) {
     Doublet d(height);
@@ -66,7 +66,7 @@ TEST(Sequential, FocusOfACementedDoublet) {
   }
 }
 
-// R3.01: the same way back; points and lengths. Twin: back through the lens turned round.
+// R3.01: the same way back; points and lengths. Control: back through the lens turned round.
 TEST(Sequential, ForwardAndBackward) {
   Doublet d(0.01);
   WorldView const view = d.bench.world.view();
@@ -91,8 +91,8 @@ TEST(Sequential, ForwardAndBackward) {
   EXPECT_GT(difference(wrong), metre);
 }
 
-// A ball of glass in glass, and two plates that touch: one boundary each, whatever the order of the faces. Twin: media
-// guessed from the index of the ray (C8.4).
+// A ball of glass in glass, and two plates that touch: one boundary each, whatever the order of the faces. Control:
+// media guessed from the index of the ray (C8.4).
 TEST(Sequential, NestedAndTouchingGlass) {
   Bench nested;
   std::uint32_t const block = nested.glass(1.5), ball = nested.glass(1.7);
@@ -130,7 +130,7 @@ TEST(Sequential, NestedAndTouchingGlass) {
             1e-4);
 }
 
-// Three mirrors at right angles, turned somehow: antiparallel to 1e-12. Twin: one mirror tilted by 1e-9 rad.
+// Three mirrors at right angles, turned somehow: antiparallel to 1e-12. Control: one mirror tilted by 1e-9 rad.
 TEST(Sequential, CornerCube) {
   auto const error = [](double tilt) {
     Bench bench;

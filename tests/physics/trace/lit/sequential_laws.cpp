@@ -5,7 +5,7 @@
 namespace straytrace::testing {
 namespace {
 
-// R3.23: 43.602 deg for n = 1.45003, everything reflected beyond. Twin: index 1.4496.
+// R3.23: 43.602 deg for n = 1.45003, everything reflected beyond. Control: index 1.4496.
 TEST(SequentialLaws, CriticalAngle) {
   auto const critical = [](double index) {
     Bench bench;
@@ -37,7 +37,7 @@ TEST(SequentialLaws, CriticalAngle) {
 }
 
 // R3.04: a hollow pipe of a million reflections, no recursion; bounces of a ray in a plane through the axis at 45 deg
-// are 2 R apart. Twin: a radius that is 1e-9 larger. At the limit of orders all power is booked.
+// are 2 R apart. Control: a radius that is 1e-9 larger. At the limit of orders all power is booked.
 TEST(SequentialLaws, PipeOfAMillionBounces) {
   constexpr std::uint32_t bounces = 1000000;
   constexpr double radius = 1e-3;
@@ -72,7 +72,7 @@ TEST(SequentialLaws, PipeOfAMillionBounces) {
   EXPECT_NEAR(s.points.back().path_length / last.length, 1, 1e-12);
 }
 
-// R3.22: angle in = angle out to 1e-15, in the plane of incidence. Twin: a normal 1e-14 rad off.
+// R3.22: angle in = angle out to 1e-15, in the plane of incidence. Control: a normal 1e-14 rad off.
 TEST(SequentialLaws, ReflectionKeepsTheAngle) {
   auto const most = [](double off) {
     double worst = 0;
@@ -93,7 +93,7 @@ TEST(SequentialLaws, ReflectionKeepsTheAngle) {
   EXPECT_GT(most(1e-14), 1e-15);
 }
 
-// Plane-parallel plate: shift t sin a (1 - cos a/(n cos b)), direction kept. Twin: index 0.1 % off.
+// Plane-parallel plate: shift t sin a (1 - cos a/(n cos b)), direction kept. Control: index 0.1 % off.
 TEST(SequentialLaws, ShiftOfAPlate) {
   constexpr double thickness = 0.01, n = 1.5, angle = 0.6;
   Bench bench;

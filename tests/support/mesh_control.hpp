@@ -17,7 +17,7 @@ struct Random {
   }
 };
 
-// Moeller and Trumbore 1997 with strict u, v > 0 and a smallest distance: the twin.
+// Moeller and Trumbore 1997 with strict u, v > 0 and a smallest distance: the control.
 inline double strict_distance(Vec3 o, Vec3 d, Vec3 a, Vec3 b, Vec3 c, double t_min) {
   Vec3 const e1 = b - a, e2 = c - a, p = cross(d, e2), s = o - a, q = cross(s, e1);
   double const det = dot(e1, p), u = dot(s, p) / det, v = dot(d, q) / det, t = dot(e2, q) / det;

@@ -21,9 +21,9 @@ inline unsigned atomicAdd(unsigned* counter, unsigned count) {
 namespace straytrace::device {
 namespace {
 
-class Twin {
+class HostEmulation {
  public:
-  DeviceFacts facts() const { return {"twin on the host", std::size_t{1} << 30, 4, workers(), 1, 0, 0}; }
+  DeviceFacts facts() const { return {"emulation on the host", std::size_t{1} << 30, 4, workers(), 1, 0, 0}; }
   std::uint32_t workers() const { return 3; }
   std::uint32_t stride() const { return 1000003; }  // a prime: every history once, in a mixed order
   void launch(std::uint32_t workers, DeviceWalk const& walk) const {
@@ -36,5 +36,5 @@ class Twin {
 }  // namespace straytrace::device
 
 extern "C" __attribute__((visibility("default"))) straytrace::DeviceEngine* straytrace_device_engine(std::uint32_t) {
-  return new straytrace::device::EngineBody<straytrace::device::Twin>();
+  return new straytrace::device::EngineBody<straytrace::device::HostEmulation>();
 }

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Fail for a private word where the field has a standard one, in pages, comments, messages and descriptions of keys.
+Usage: check_words.py [--exempt] [ROOT]; --exempt: the hits on pages that are exempt"""
+import pathlib
+import re
+import sys
+
+# Words with no other use in this repository, and what to write instead.
+WORDS = {
+    r"twins?": "negative control",
+    r"(?:in the|the) books|books (?:of|close)": "energy balance",
+    r"fates?": "term of the energy balance",
+    r"equal scores": "effective sample size",
+    r"the verdicts?": "convergence status, outcome",
+    r"knock(?:s|ed|ing)?": "impulse",
+    r"stands? beside": "is listed with, is off the axis",
+    r"rims? of (?:a |the )?baffles?|baffle(?:'s)? rims?": "inner edge, clear aperture",
+    r"(?:go|goes|going|gone|went) on with": "resume, continue",
+    r"hand-over": "minimum scatter angle",
+    r"dump me first": "mitigation ranking",
+    r"lights? nothing": "illuminates no surface",
+    r"comes? by(?! way)": "arrives",
+    r"mend(?:s|ed|ing)?": "fix",
+    r"traced by (?:itself|themselves)": "traced separately",
+    r"mesh doctor": "mesh checks",
+    r"wager(?:s|ed)?": "roulette",
+    r"phase levers?|levers? of (?:a|the) (?:route|path|body)": "phase sensitivity",
+}
+# Pages that still wait for their revision. The list gets shorter, never longer.
+EXEMPT = (
+    "docs/develop/how_to_add.md", "docs/guide/clusters.md", "docs/reference/budget.md", "docs/reference/commands.md",
+    "docs/reference/couple.md", "docs/reference/fit.md", "docs/reference/ghosts.md", "docs/reference/layouts.md",
+    "docs/reference/report.md", "docs/reference/run_file.md", "docs/reference/scatter/grooves.md",
+    "docs/reference/scene.md", "docs/reference/shapes/mesh.md", "docs/theory/commissioning.md",
+    "docs/theory/diffraction.md", "docs/theory/errors.md", "docs/theory/fit.md", "docs/theory/index.md",
+    "docs/theory/validation.md",
+)
+SELF = ("tools/lint/check_words.py", "tests/tools/tree/test_checks.py")      # they name the words
+PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")
+CODE = ("src", "step", "mpi", "fuzz", "tests", "python", "tools", "bench", "scripts", "schema", "data/page", "examples", "library")
+TEXTS = {".md", ".cpp", ".hpp", ".h", ".cu", ".py", ".sh", ".js", ".txt", ".yaml", ".json", ""}
+GAP = r"(?:\s+(?:(?://|#|\*)\s*)?)"                      # words of one phrase may stand on two lines of a comment
+FINDERS = [(re.compile(r"(?<![\w-])(?:" + words.replace(" ", GAP) + r")(?![\w-])", re.IGNORECASE), say)
+           for words, say in WORDS.items()]
+IN_CODE_FONT = re.compile(r"`[^`\n]*`")                  # names that the program prints
+
+
+def texts(root):
+    for name in PAGES + CODE:
+        place = root / name
+        for file in sorted(place.rglob("*")) if place.is_dir() else [place]:
+            relative = str(file.relative_to(root))
+            skipped = {"corpus", "__pycache__"} & set(file.parts) or relative in SELF
+            if file.is_file() and file.suffix in TEXTS and not skipped:
+                yield relative, file.read_text(encoding="utf-8")
+
+
+def problems_of(name, text):
+    if name.endswith(".md"):
+        text = IN_CODE_FONT.sub(lambda found: "`" + "_" * (len(found[0]) - 2) + "`", text)
+    for finder, say in FINDERS:
+        for found in finder.finditer(text):
+            yield f"{name}:{text.count(chr(10), 0, found.start()) + 1}: says '{' '.join(found[0].split())}'; write: {say}"
+
+
+def main(root, shown):
+    count, found, exempt = 0, [], []
+    for name, text in texts(root):
+        count += 1
+        (exempt if name in EXEMPT else found).extend(problems_of(name, text))
+    if not count:
+        print(f"{root}: no texts found; is the path right?")
+        return 1
+    print("\n".join(found + (exempt if shown else [])) or f"{count} texts use the words of the field; exempt: {len(exempt)} words on {len(EXEMPT)} pages")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    words = [word for word in sys.argv[1:] if word != "--exempt"]
+    sys.exit(main(pathlib.Path(words[0] if words else pathlib.Path(__file__).parents[2]).resolve(), "--exempt" in sys.argv))
