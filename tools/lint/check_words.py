@@ -27,14 +27,8 @@ WORDS = {
     r"phase levers?|levers? of (?:a|the) (?:route|path|body)": "phase sensitivity",
 }
 # Pages that still wait for their revision. The list gets shorter, never longer.
-EXEMPT = (
-    "docs/develop/how_to_add.md", "docs/guide/clusters.md", "docs/reference/budget.md", "docs/reference/commands.md",
-    "docs/reference/couple.md", "docs/reference/fit.md", "docs/reference/ghosts.md", "docs/reference/layouts.md",
-    "docs/reference/report.md", "docs/reference/run_file.md", "docs/reference/scatter/grooves.md",
-    "docs/reference/scene.md", "docs/reference/shapes/mesh.md", "docs/theory/commissioning.md",
-    "docs/theory/diffraction.md", "docs/theory/errors.md", "docs/theory/fit.md", "docs/theory/index.md",
-    "docs/theory/validation.md",
-)
+EXEMPT = ("docs/theory/commissioning.md", "docs/theory/diffraction.md", "docs/theory/errors.md", "docs/theory/fit.md",
+          "docs/theory/index.md")
 SELF = ("tools/lint/check_words.py", "tests/tools/tree/test_checks.py")      # they name the words
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")
 CODE = ("src", "step", "mpi", "fuzz", "tests", "python", "tools", "bench", "scripts", "schema", "data/page", "examples", "library")
