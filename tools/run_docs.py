@@ -121,7 +121,7 @@ def problems_of_commands(page, folder):
     """Commands of the table of the README against those of --help."""
     table = page.read_text(encoding="utf-8").split("\n## Commands\n")[-1].split("\n## ")[0]
     named = set(re.findall(r"^\| `straytrace ([a-z]+)", table, re.M))
-    printed = set(re.findall(r"^  ([a-z]+) ", run("build/straytrace --help", folder)[1].split("\nSubcommands:\n")[-1], re.M))
+    printed = set(re.findall(r"^  (?!straytrace )([a-z]+) ", run("build/straytrace --help", folder)[1], re.M))
     if wrong := sorted(named ^ printed):
         yield f"commands in the table and in --help differ: {', '.join(wrong)}"
 

@@ -199,7 +199,7 @@ int apertures(Options const& options, AperturesRequest const& wanted) {
 
 void add_apertures(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
-      app.add_subcommand("apertures", "what the rims that beams pass cut off, and the light behind them");
+      app.add_subcommand("apertures", "Show what the clear apertures along the beams clip, and the light behind them.");
   static AperturesRequest wanted;
   add_scene_options(*command, options);
   command->add_option("--show", wanted.show, "rows")->check(whole_between(1, 1e6, "20"));

@@ -75,7 +75,7 @@ int check(Options const& options) {
 }  // namespace
 
 void add_check(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("check", "find every error that can be found without tracing");
+  auto* const command = app.add_subcommand("check", "Find every error in a scene that can be found without tracing.");
   add_scene_options(*command, options);
   command->add_flag("--resolved", options.resolved,
                     "print the model with every default, in SI: the same as straytrace print");

@@ -75,7 +75,7 @@ int diff(std::vector<std::string> const& files, Options const& options) {
 
 void add_diff(CLI::App& app, Options& options, int& exit_code) {
   static std::vector<std::string> files;
-  auto* const command = app.add_subcommand("diff", "what differs between two models, or two runs, as physics");
+  auto* const command = app.add_subcommand("diff", "Show the physical differences between two models or two runs.");
   command->add_option("files", files, "two scenes, or two run files (HDF5); or one of each")->required()->expected(2);
   command->add_option("-p,--param", options.overrides, "set a parameter of both scenes, for example -p rim=48cm")
       ->allow_extra_args(false);

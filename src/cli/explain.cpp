@@ -69,8 +69,8 @@ Explanation answer_to(ExplainOptions const& asked) {
 
 void add_explain(CLI::App& app, Options& options, int& exit_code) {
   static ExplainOptions asked;
-  auto* const command =
-      app.add_subcommand("explain", "a key of the language, a part, a column, a unit, a message, or a path's factors");
+  auto* const command = app.add_subcommand(
+      "explain", "Explain a key of the language, a part, a column, a unit, a message, or the factors of a path.");
   command
       ->add_option("what", asked.words,
                    "TABLE.KEY, TABLE, KEY, a thing of the library, a column of the path table, 'unit U', the text of a "
@@ -96,7 +96,7 @@ void add_explain(CLI::App& app, Options& options, int& exit_code) {
 }
 
 void add_schema(CLI::App& app, Options&, int& exit_code) {
-  auto* const command = app.add_subcommand("schema", "the JSON Schema of scenes and files of motion, for editors");
+  auto* const command = app.add_subcommand("schema", "Print the JSON Schema of scenes and motion files, for editors.");
   command->footer(
       "Examples:\n"
       "  straytrace schema > straytrace-1.schema.json\n"

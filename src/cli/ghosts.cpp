@@ -199,8 +199,8 @@ CLI::Validator number_above_zero() {
 }  // namespace
 
 void add_ghosts(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("ghosts", "every ghost beam: order, power, where it ends, how much of it comes back");
+  auto* const command = app.add_subcommand(
+      "ghosts", "List every ghost beam: its order, its power, where it ends and how much of it comes back.");
   static GhostsRequest wanted;
   add_scene_options(*command, options);
   command

@@ -110,7 +110,7 @@ int importance(Options const& options) {
 
 void add_importance(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
-      app.add_subcommand("importance", "where light must not go: adjoint of each part of each surface");
+      app.add_subcommand("importance", "Show where light must not go: the adjoint of each part of each surface.");
   add_scene_options(*command, options, "scene (YAML), or run file (HDF5) whose own map is shown");
   command->add_option("--show", options.show, "rows; 20 unless given")->check(whole_between(1, 1e6, "50"));
   command->add_flag("--csv", options.csv, "all rows, all digits, in the order of the scene");

@@ -125,7 +125,8 @@ int library(Options const& options, LibraryRequest const& wanted) {
 }  // namespace
 
 void add_library(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("library", "materials, parts and detectors that come with the program");
+  auto* const command =
+      app.add_subcommand("library", "List or print the materials, parts and detectors that come with the program.");
   static LibraryRequest wanted;
   command->add_option("NAME", wanted.name, "print this one as it is written");
   command->add_option("--kind", wanted.kind, "list these alone: detector, arm, material, medium, part")

@@ -10,6 +10,7 @@
 
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
+#include "cli/help.hpp"
 #include "results/results.hpp"
 #include "scene/scene_document.hpp"
 #include "session/backend/device.hpp"
@@ -84,19 +85,23 @@ void add_program_options(CLI::App& app) {
 }
 
 int answer(int argc, char** argv) {
-  CLI::App app{"straytrace: stray-light noise of interferometric gravitational-wave detectors", "straytrace"};
+  CLI::App app{"Simulate the stray-light noise of interferometric gravitational-wave detectors.", "straytrace"};
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text);
-  app.footer("Every command explains itself: straytrace run --help");
+  app.footer(
+      "Examples:\n"
+      "  straytrace check examples/virgo_arm.yaml\n"
+      "  straytrace run examples/virgo_arm.yaml -o out/\n"
+      "Every command explains itself: straytrace run --help\n"
+      "Exit codes: 0 done; 2 input error, nothing was run or written; 3 numerical failure; 85 stopped on request, "
+      "with\n"
+      "a valid file that can be continued.");
   add_program_options(app);
   Options options;
   bool const json = asks_for_json(argc, argv);
   int exit_code = done;
-  for (auto* add : {add_run,  add_check,   add_trace,   add_merge,      add_submit,    add_noise,  add_paths,
-                    add_maps, add_inspect, add_render,  add_importance, add_apertures, add_ghosts, add_budget,
-                    add_scan, add_signal,  add_project, add_fringes,    add_couple,    add_fit,    add_report,
-                    add_view, add_library, add_print,   add_explain,    add_schema,    add_diff})
-    add(app, options, exit_code);
+  add_commands(app, options, exit_code);
+  lay_out_help(app);
   try {
     app.parse(argc, argv);
   } catch (CLI::ParseError const& e) {

@@ -46,11 +46,12 @@ int maps(Options const& options) {
 
 void add_maps(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
-      app.add_subcommand("maps", "irradiance, angles, fields and quadrants of receivers: CSV, NPY, PNG");
+      app.add_subcommand("maps", "Write irradiance, angles, fields and quadrants of receivers as CSV, NPY and PNG.");
   command->add_option("run", options.input, "run file (HDF5)")->required();
   command->add_option("-o,--out", options.out, "folder for the maps")->required();
   command->footer(
-      "Example:\n"
+      "Examples:\n"
+      "  straytrace maps out/run.h5 -o out/maps\n"
       "  straytrace maps bench.h5 -o maps/\n"
       "Row 0 is the lowest, column 0 the leftmost, seen from the front of the receiver.");
   command->callback([&] {

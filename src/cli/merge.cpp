@@ -78,7 +78,8 @@ int merge(std::vector<std::string> const& files, bool partial, Options const& op
 void add_merge(CLI::App& app, Options& options, int& exit_code) {
   static std::vector<std::string> files;
   static bool partial = false;
-  auto* const command = app.add_subcommand("merge", "one run of the slices of a run, the same to the last bit");
+  auto* const command = app.add_subcommand(
+      "merge", "Merge the slices of a run into one run with the same bits as if it had never been cut.");
   command->add_option("parts", files, "run files of trace --slice")->required();
   command->add_option("-o,--out", options.out, "run file to write (HDF5)")->required();
   command->add_flag("--partial", partial, "when parts are missing: a smaller run of what is there");

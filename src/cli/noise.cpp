@@ -79,7 +79,7 @@ int noise(Options const& options) {
 }  // namespace
 
 void add_noise(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("noise", "project motion through a traced run: h(f) in about a second");
+  auto* const command = app.add_subcommand("noise", "Project motion through a traced run: h(f) in about a second.");
   command->add_option("run", options.input, "run file (HDF5)")->required();
   command->add_option("--motion", options.motion,
                       "YAML file with 'straytrace: 1' and 'bodies' (also 'noise', 'interferometer') to use instead");

@@ -96,7 +96,7 @@ int paths(Options const& options, PathsChoice const& choice) {
 
 void add_paths(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
-      app.add_subcommand("paths", "ranked table of the routes by which light rejoins the mode or reaches receivers");
+      app.add_subcommand("paths", "Rank the routes by which light rejoins the mode or reaches receivers.");
   command->add_option("run", options.input, "run file (HDF5); with --first-order also a scene")->required();
   command->add_option("--by", options.by, "port or receiver; source: what lights which receiver")
       ->check(CLI::IsMember({"port", "receiver", "source"}));

@@ -21,7 +21,7 @@ int print_resolved(Scene const& scene, Options const& options) {
 }
 
 void add_print(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("print", "the model as it was understood, every value in SI");
+  auto* const command = app.add_subcommand("print", "Print the model as it was understood, every value in SI.");
   add_scene_options(*command, options, "scene, or file of motion");
   command->add_flag("--resolved", options.resolved,
                     "with every default and with the line that each value comes from; so it is without the flag too");

@@ -129,7 +129,7 @@ int view(Options const& options, ViewWanted const& wanted, Exports const& export
 
 void add_report(CLI::App& app, Options& options, int& exit_code) {
   auto* const command =
-      app.add_subcommand("report", "one HTML file about a run, for a logbook: opens anywhere, offline");
+      app.add_subcommand("report", "Write one HTML file about a run, for a logbook, that opens anywhere offline.");
   static ReportWanted wanted;
   command->add_option("run", options.input, "run file (HDF5)")->required();
   command->add_option("-o,--out", options.out,
@@ -157,8 +157,8 @@ void add_report(CLI::App& app, Options& options, int& exit_code) {
 }
 
 void add_view(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("view", "a scene in three dimensions with beams, ghosts and sample rays; of a run also paths");
+  auto* const command = app.add_subcommand(
+      "view", "Show a scene in three dimensions with beams, ghosts and sample rays, and the paths of a run.");
   static ViewWanted wanted;
   command->add_option("scene", options.input, "scene file (YAML), or run file (HDF5)")->required();
   command->add_option("-p,--param", options.overrides, "set a parameter, for example -p rim=48cm")

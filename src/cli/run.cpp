@@ -84,7 +84,7 @@ int run(Options const& options) {
 }  // namespace
 
 void add_run(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("run", "check, trace, noise and report in one go");
+  auto* const command = app.add_subcommand("run", "Check, trace, project the noise and write the report in one go.");
   add_scene_options(*command, options, "scene file (YAML), or run file (HDF5) to make again");
   add_trace_options(*command, options);
   command->add_option("-o,--out", options.out, "folder for the results; a name that ends with .h5: the run file alone")

@@ -115,7 +115,8 @@ void add_invert_options(CLI::App& command, ScanOrder& order) {
 }  // namespace
 
 void add_scan(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("scan", "a model over parameters, or the requirement that a line sets");
+  auto* const command =
+      app.add_subcommand("scan", "Run a model over its parameters, or find the requirement that a design curve sets.");
   static ScanOrder order;
   add_scene_options(*command, options, "scene file (YAML); with --invert also a run file (HDF5)");
   command->add_option("axes", order.axes, "NAME=lo..hi:n, NAME=lo..hi:n:log or NAME=a,b,c; all combinations");
@@ -124,8 +125,10 @@ void add_scan(CLI::App& app, Options& options, int& exit_code) {
                       "folder for scan.csv, scan.json, scan.txt, scan.png and the runs; finished points are not traced "
                       "again");
   command->add_option("--csv", order.csv, "file for the table, all digits");
-  command->add_option("--points", order.points,
-                      "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point");
+  command
+      ->add_option("--points", order.points,
+                   "CSV of points instead of values: a header such as 'rim [cm], baffles', a row for each point")
+      ->group("Model");
   command->add_option("--jobs", order.jobs, "points traced at the same time, with -o; the results are the same bits")
       ->check(whole_between(1, 1024, "4"));
   add_invert_options(*command, order);

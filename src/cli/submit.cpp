@@ -132,7 +132,8 @@ int submit(Options const& options, SubmitOptions const& wanted) {
 
 void add_submit(CLI::App& app, Options& options, int& exit_code) {
   static SubmitOptions wanted;
-  auto* const command = app.add_subcommand("submit", "files for Slurm or HTCondor that trace a scene in slices");
+  auto* const command =
+      app.add_subcommand("submit", "Write the files with which Slurm or HTCondor traces a scene in slices.");
   add_scene_options(*command, options, "scene file (YAML), or run file (HDF5)");
   command->add_option("--backend", options.backend, "slurm or condor")
       ->required()

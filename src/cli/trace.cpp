@@ -121,7 +121,7 @@ void read_slice(std::string const& text, Options& options) {
 }  // namespace
 
 void add_trace(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command = app.add_subcommand("trace", "trace light into a coupling table; no motion, no noise yet");
+  auto* const command = app.add_subcommand("trace", "Trace light into a coupling table, without motion or noise.");
   add_scene_options(*command, options);
   add_trace_options(*command, options);
   auto* const out =

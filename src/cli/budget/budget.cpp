@@ -66,8 +66,8 @@ int budget(BudgetOptions const& asked, Options const& options) {
 }  // namespace
 
 void add_budget(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("budget", "noise budget of a detector: fundamental noises, stray light, curves");
+  auto* const command = app.add_subcommand(
+      "budget", "Print the noise budget of a detector: fundamental noises, stray light and design curves.");
   static BudgetOptions asked;
   BudgetRequest& r = asked.request;
   command

@@ -8,8 +8,8 @@
 namespace straytrace {
 
 void add_couple(CLI::App& app, Options&, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("couple", "coupling functions: from injections, taps, shakers; and predicted by a run");
+  auto* const command = app.add_subcommand(
+      "couple", "Measure coupling functions from injections, taps and shakers, or predict them from a run.");
   command->require_subcommand(1);
   for (auto* add : {add_couple_noise, add_couple_taps, add_couple_lines, add_couple_ramp, add_couple_sweep,
                     add_couple_impulse, add_couple_events, add_couple_predict})

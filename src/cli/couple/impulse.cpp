@@ -178,11 +178,11 @@ void add_couple_impulse(CLI::App& couple, int& exit_code) {
 }
 
 void add_couple_events(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("events", "when a record rises above a quiet stretch of it");
+  auto* const command = couple.add_subcommand("events", "Find when a record rises above a quiet stretch of it.");
   auto const options = std::make_shared<EventOptions>();
   EventOptions& o = *options;
   command->add_option("record", o.record, "FILE::CHANNEL")->required();
-  command->add_option("--quiet", o.quiet, "stretch A..B without injection")->required();
+  command->add_option("--quiet", o.quiet, "stretch A..B without injection")->required()->group("Data");
   add_span_options(*command, o.data);
   add_band_option(*command, o.data, "LOW..HIGH that is looked at");
   add_welch_options(*command, o.data);

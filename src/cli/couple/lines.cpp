@@ -126,7 +126,8 @@ int run_lines(LineOptions const& o) {
 }  // namespace
 
 void add_couple_lines(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("lines", "a driven line: coupling, harmonics against Bessel ratios");
+  auto* const command = couple.add_subcommand(
+      "lines", "Measure the coupling of a driven line, and compare its harmonics with Bessel ratios.");
   auto const options = std::make_shared<LineOptions>();
   LineOptions& o = *options;
   add_line_options(*command, o);
@@ -261,7 +262,7 @@ int run_ramp(LineOptions const& o) {
 
 void add_couple_ramp(CLI::App& couple, int& exit_code) {
   auto* const command =
-      couple.add_subcommand("ramp", "a drive that grows: linear or fringe coupling, with significance");
+      couple.add_subcommand("ramp", "Tell linear from fringe coupling with a drive that grows, with significance.");
   auto const options = std::make_shared<LineOptions>();
   LineOptions& o = *options;
   add_line_options(*command, o);

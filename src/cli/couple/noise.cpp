@@ -258,7 +258,8 @@ int run_noise(NoiseCoupling o) {
 }  // namespace
 
 void add_couple_noise(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("noise", "injection against quiet stretch: coupling function");
+  auto* const command =
+      couple.add_subcommand("noise", "Measure a coupling function from an injection and a quiet stretch.");
   auto const options = std::make_shared<NoiseCoupling>();
   NoiseCoupling& o = *options;
   command->add_option("--witness", o.witness, "FILE::CHANNEL, or CHANNEL of the file of the stretch; may be repeated")
@@ -267,7 +268,7 @@ void add_couple_noise(CLI::App& couple, int& exit_code) {
   command->add_option("--injection", o.injection, "A..B in GPS or UTC, FILE or FILE@A..B; may be repeated")
       ->required()
       ->allow_extra_args(false);
-  command->add_option("--quiet", o.quiet, "the same, without injection")->required();
+  command->add_option("--quiet", o.quiet, "the same, without injection")->required()->group("Data");
   command->add_option("--witness-unit", o.witness_unit,
                       "where the file does not say it: m/s^2; of counts with what one is: \"2e-6 m/s^2\"");
   command->add_option("--target-unit", o.target_unit, "where the file does not say it: 1 for strain");

@@ -217,7 +217,7 @@ int run_predict(PredictOptions const& o) {
 }  // namespace
 
 void add_couple_predict(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("predict", "coupling of a body to h from a traced run");
+  auto* const command = couple.add_subcommand("predict", "Predict the coupling of a body to h from a traced run.");
   auto const options = std::make_shared<PredictOptions>();
   PredictOptions& o = *options;
   command->add_option("run", o.run, "run file (HDF5)")->required();

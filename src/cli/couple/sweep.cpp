@@ -93,7 +93,7 @@ int run_sweep(SweepOptions o) {
 }  // namespace
 
 void add_couple_sweep(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("sweep", "a swept drive: coupling along its ridge");
+  auto* const command = couple.add_subcommand("sweep", "Measure the coupling along the ridge of a swept drive.");
   auto const options = std::make_shared<SweepOptions>();
   SweepOptions& o = *options;
   add_pair_options(*command, o.pair, "FILE::CHANNEL of the drive: motion, force or sound");

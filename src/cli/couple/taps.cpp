@@ -157,7 +157,7 @@ int run_taps(TapOptions const& o) {
 }  // namespace
 
 void add_couple_taps(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("taps", "hammer at many places: which of them the target hears");
+  auto* const command = couple.add_subcommand("taps", "Find which of many places under a hammer couple to the target.");
   auto const options = std::make_shared<TapOptions>();
   TapOptions& o = *options;
   command->add_option("--force", o.force, "FILE::CHANNEL of the hammer")->required();
@@ -165,7 +165,7 @@ void add_couple_taps(CLI::App& couple, int& exit_code) {
   command->add_option("--list", o.list, "CSV: place, start (GPS s), duration (s), and if wanted strength")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--quiet", o.quiet, "stretch A..B without taps")->required();
+  command->add_option("--quiet", o.quiet, "stretch A..B without taps")->required()->group("Data");
   command->add_option("--local", o.local, "FILE::CHANNEL of an accelerometer beside; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--force-unit", o.force_unit, "where the file does not say it: N");

@@ -77,7 +77,7 @@ int fit(FitOptions const& o) {
 
 void add_fit(CLI::App& app, Options&, int& exit_code) {
   auto* const command = app.add_subcommand(
-      "fit", "fringe noise in a measured h(t): recoupled fraction, phase, effective motion, and what is left");
+      "fit", "Fit fringe noise in a measured h(t): recoupled fraction, phase, effective motion and residual.");
   static FitOptions o;
   command->add_option("run", o.run, "run file whose routes are fitted and compared; none: the data alone");
   add_record_options(*command, o);

@@ -111,7 +111,8 @@ int edge(FitOptions const& o) {
 }  // namespace
 
 void add_fit_edge(CLI::App& fit, FitOptions&, int& exit_code) {
-  auto* const command = fit.add_subcommand("edge", "effective motion from where the shelf ends, stride by stride");
+  auto* const command =
+      fit.add_subcommand("edge", "Find the effective motion from where the shelf ends, stride by stride.");
   static FitOptions own;
   add_record_options(*command, own);
   command->add_option("--stride", own.stride, "length of each stretch that gives one edge")->default_str(own.stride);

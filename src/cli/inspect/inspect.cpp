@@ -227,8 +227,7 @@ int inspect(Inspected const& i, Options const& options) {
 
 void add_inspect(CLI::App& app, Options& options, int& exit_code) {
   auto* const command = app.add_subcommand(
-      "inspect",
-      "what a material, a preset, or a file of CAD, meshes, measured scatter or motion contains as understood");
+      "inspect", "Show what a material, a preset, or a file of CAD, meshes, measured scatter or motion contains.");
   static Inspected what;
   command
       ->add_option(

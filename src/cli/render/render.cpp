@@ -262,8 +262,7 @@ int render(Options const& options, RenderRequest const& w) {
 }  // namespace
 
 void add_render(CLI::App& app, Options& options, int& exit_code) {
-  auto* const command =
-      app.add_subcommand("render", "picture of a scene by rays from a camera, to see whether it is right");
+  auto* const command = app.add_subcommand("render", "Draw a scene by rays from a camera, to see whether it is right.");
   static RenderRequest wanted;
   add_scene_options(*command, options, "scene (YAML), or run file (HDF5)");
   command->add_option("-o,--out", options.out, "picture to write (PNG)")->required();
@@ -277,7 +276,7 @@ void add_render(CLI::App& app, Options& options, int& exit_code) {
   command->add_option("--pixels", wanted.pixels, "width x height; default: 800x600");
   command->add_option("--from", wanted.from,
                       "stand on this port, beam, receiver or surface, looking against its light");
-  command->add_option("--at", wanted.at, "frame this object instead of the whole scene");
+  command->add_option("--at", wanted.at, "frame this object instead of the whole scene")->group("Camera");
   command->add_option("--cut", wanted.cuts, "leave out one side of a plane: x=0 (the side of the eye), \"y>5cm\"")
       ->allow_extra_args(false);
   command->add_flag("--flash", wanted.flash,

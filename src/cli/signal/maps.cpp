@@ -99,7 +99,7 @@ CLI::App& map_of_record(CLI::App& signal, char const* name, char const* what, st
 
 void add_signal_maps(CLI::App& signal, int& exit_code) {
   auto const o = std::make_shared<MapOptions>();
-  CLI::App& s = map_of_record(signal, "spectrogram", "amplitude spectral density against time", o);
+  CLI::App& s = map_of_record(signal, "spectrogram", "Compute the amplitude spectral density against time.", o);
   add_band_option(s, *o, "frequencies to show and write; default: all");
   s.add_option("--stride", o->stride, "time of each spectrum; default: two segments");
   s.add_option("--normalise", o->normalise, "median: each frequency over its median in time")
@@ -113,7 +113,7 @@ void add_signal_maps(CLI::App& signal, int& exit_code) {
 
   auto const t = std::make_shared<MapOptions>();
   t->average = "median";
-  CLI::App& q = map_of_record(signal, "q", "short bursts: energy in tiles of constant Q", t);
+  CLI::App& q = map_of_record(signal, "q", "Find short bursts by their energy in tiles of constant Q.", t);
   add_band_option(q, *t, "of the tiles");
   q.add_option("--q", t->q, "centre frequency of a tile over its bandwidth")
       ->check(CLI::Range(3.4, 1000.0))

@@ -181,8 +181,8 @@ CLI::App& one_record(CLI::App& signal, char const* name, char const* what, std::
 
 void add_displacement(CLI::App& signal, int& exit_code) {
   auto const o = std::make_shared<RecordOptions>();
-  CLI::App& c =
-      one_record(signal, "displacement", "accelerometer or velocity meter to displacement: x = a/(2 pi f)^2", o);
+  CLI::App& c = one_record(signal, "displacement",
+                           "Integrate an accelerometer or velocity meter to displacement: x = a/(2 pi f)^2.", o);
   c.add_option("--to", o->to, "displacement or velocity")
       ->check(CLI::IsMember({"displacement", "velocity"}))
       ->default_str(o->to);
@@ -207,7 +207,7 @@ void add_displacement(CLI::App& signal, int& exit_code) {
 void add_signal_records(CLI::App& signal, int& exit_code) {
   add_displacement(signal, exit_code);
   auto const w = std::make_shared<RecordOptions>();
-  CLI::App& white = one_record(signal, "whiten", "a record with the same power at all frequencies", w);
+  CLI::App& white = one_record(signal, "whiten", "Give a record the same power at all frequencies.", w);
   add_welch_options(white, *w);
   add_output_options(white, *w);
   white.footer(
@@ -218,7 +218,8 @@ void add_signal_records(CLI::App& signal, int& exit_code) {
   add_signal_rms(signal, exit_code);
 
   auto const o = std::make_shared<RecordOptions>();
-  CLI::App& c = *signal.add_subcommand("convert", "from one format to another, with filters, on a common clock");
+  CLI::App& c =
+      *signal.add_subcommand("convert", "Convert records from one format to another, with filters, on a common clock.");
   c.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
   add_span_options(c, *o);
   add_band_option(c, *o, "band pass without phase (Butterworth of order 4, both ways)");

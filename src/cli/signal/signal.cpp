@@ -65,16 +65,17 @@ std::string some_rows(CurveSheet const& sheet, std::size_t count) {
 }
 
 void add_signal(CLI::App& app, Options&, int& exit_code) {
-  auto* const signal = app.add_subcommand("signal", "recorded data: spectra, transfer functions, displacement, maps");
+  auto* const signal =
+      app.add_subcommand("signal", "Analyse recorded data: spectra, transfer functions, displacement, maps.");
   signal->require_subcommand(1);
   add_signal_spectra(*signal, exit_code);
   add_signal_records(*signal, exit_code);
   add_signal_maps(*signal, exit_code);
   signal->footer(
-      "Data are FILE or FILE::CHANNEL: columns of text, CSV, HDF5 of gwpy or GWOSC.\n"
       "Examples:\n"
       "  straytrace signal psd examples/data/bench.csv::acc --segment \"4 s\"\n"
-      "  straytrace signal transfer --help");
+      "  straytrace signal transfer examples/data/bench.csv::acc examples/data/bench.csv::bench --segment \"4 s\"\n"
+      "Data are FILE or FILE::CHANNEL: columns of text, CSV, HDF5 of gwpy or GWOSC.");
 }
 
 // straytrace signal rms.
@@ -153,7 +154,8 @@ int show_rms(RmsOptions const& o) {
 
 void add_signal_rms(CLI::App& signal, int& exit_code) {
   auto const o = std::make_shared<RmsOptions>();
-  CLI::App& c = *signal.add_subcommand("rms", "rms within a band, of the whole record or stride by stride");
+  CLI::App& c =
+      *signal.add_subcommand("rms", "Compute the rms within a band, of the whole record or stride by stride.");
   c.add_option("data", o->file, "record: FILE or FILE::CHANNEL")->required();
   add_span_options(c, *o);
   add_band_option(c, *o, "default: 0 to half the sample rate");

@@ -176,7 +176,7 @@ CLI::App& with_pair(CLI::App& signal, char const* name, char const* what, std::s
 
 void add_signal_spectra(CLI::App& signal, int& exit_code) {
   auto const o = std::make_shared<SpectrumOptions>();
-  CLI::App& density = common(signal, "psd", "one-sided amplitude or power spectral density", o);
+  CLI::App& density = common(signal, "psd", "Estimate the one-sided amplitude or power spectral density.", o);
   density.add_option("data", o->files, "records: FILE or FILE::CHANNEL")->required();
   density.add_flag("--power", o->power, "power densities; otherwise amplitude densities, their roots");
   density.footer(
@@ -187,7 +187,7 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
 
   auto const c = std::make_shared<SpectrumOptions>();
   CLI::App& coherent =
-      with_pair(signal, "coherence", "coherence of two records, with the level that chance reaches", c);
+      with_pair(signal, "coherence", "Estimate the coherence of two records, with the level that chance reaches.", c);
   coherent.footer(
       "Examples:\n"
       "  straytrace signal coherence examples/data/bench.csv::acc examples/data/bench.csv::bench --segment \"4 s\"\n"
@@ -195,7 +195,8 @@ void add_signal_spectra(CLI::App& signal, int& exit_code) {
   coherent.callback([c, &exit_code] { exit_code = show_coherence(*c); });
 
   auto const t = std::make_shared<SpectrumOptions>();
-  CLI::App& ratio = with_pair(signal, "transfer", "transfer function from one record to another, with errors", t);
+  CLI::App& ratio =
+      with_pair(signal, "transfer", "Estimate the transfer function from one record to another, with errors.", t);
   ratio.add_option("--estimator", t->estimator, "h1: noise in the output; h2: noise in the input")
       ->check(CLI::IsMember({"h1", "h2"}))
       ->default_str(t->estimator);

@@ -191,7 +191,7 @@ void add_fringes(CLI::App& app, Options&, int& exit_code) {
   auto const options = std::make_shared<FringesOptions>();
   FringesOptions& o = *options;
   auto* const command =
-      app.add_subcommand("fringes", "predicted fringe frequency over time, of a run or of one moving surface");
+      app.add_subcommand("fringes", "Predict the fringe frequency over time, of a run or of one moving surface.");
   command->add_option("run", o.time.run, "run file (HDF5); without it --wavelength and --channel are needed");
   command->add_option("--wavelength", o.wavelength, "of the light, without a run: 1064nm");
   command->add_option("--bounces", o.bounces, "on the surface at normal incidence, without a run")

@@ -130,7 +130,7 @@ void add_project(CLI::App& app, Options&, int& exit_code) {
   auto const options = std::make_shared<ProjectOptions>();
   ProjectOptions& o = *options;
   auto* const command = app.add_subcommand(
-      "project", "measured or drawn motion through a run in the time domain: h(t), spectrum, spectrogram");
+      "project", "Project measured or drawn motion through a run in the time domain: h(t), spectrum, spectrogram.");
   command->add_option("run", o.time.run, "run file (HDF5), or coupling function (CSV) with --witness")->required();
   command->add_option("--witness", o.coupling.witness, "FILE::CHANNEL, quiet, that a measured coupling is taken times");
   command->add_option("--target", o.coupling.target, "FILE::CHANNEL to compare that projection with");

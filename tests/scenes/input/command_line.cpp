@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "scenes/program.hpp"
+#include "support/help_examples.hpp"
 
 namespace straytrace::testing {
 namespace {
@@ -10,32 +11,6 @@ namespace {
 using ::testing::HasSubstr;
 
 char const* const commands[] = {"check", "trace", "run", "noise", "paths", "inspect"};
-
-// Words of a line as a shell would split them, without wildcards; a redirection ends it.
-Words split(std::string const& line) {
-  Words words;
-  std::istringstream in(line);
-  for (std::string word; in >> word && word != ">";) {
-    if (char const quote = word.front(); quote == '"' || quote == '\'') {
-      std::string rest;
-      if (!word.ends_with(quote) || word.size() == 1) std::getline(in, rest, quote);
-      word = word.substr(1) + rest;
-      if (word.ends_with(quote)) word.pop_back();
-    }
-    words.push_back(word);
-  }
-  return words;
-}
-
-// The commands under 'Examples:' of a help text.
-std::vector<Words> examples_in(std::string const& help) {
-  std::vector<Words> found;
-  std::istringstream in(help.substr(std::min(help.find("Examples:"), help.size())));
-  for (std::string line; std::getline(in, line);)
-    if (Words words = split(line); words.size() > 2 && words[0] == "straytrace" && words[1] != "--help")
-      found.emplace_back(words.begin() + 1, words.end());
-  return found;
-}
 
 TEST(CommandLine, SplitsLikeAShell) {
   EXPECT_EQ(split(R"(a -u "h < 1 %" -p b=1 > c)"), (Words{"a", "-u", "h < 1 %", "-p", "b=1"}));

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The layout of --help: purpose, examples, usage, options in groups, notes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+#include "session/options.hpp"
+
+namespace straytrace {
+
+// Adds every command, under the task it serves.
+void add_commands(CLI::App&, Options&, int& exit_code);
+
+// Gives the program and each of its commands the layout, and each option its group: the one named where the option is
+// declared, otherwise that of its name. Call it when all commands have been added.
+void lay_out_help(CLI::App&);
+
+// The tasks and the groups of options, in the order in which help prints them.
+std::vector<std::string> const& command_groups();
+std::vector<std::string> const& option_groups();
+
+}  // namespace straytrace
