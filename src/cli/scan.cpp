@@ -136,6 +136,7 @@ void add_scan(CLI::App& app, Options& options, int& exit_code) {
       "Examples:\n"
       "  straytrace scan examples/et_hf_arm.yaml rim=40cm,42cm --histories 200000\n"
       "  straytrace scan examples/et_hf_arm.yaml --invert \"brdf(baffle)\" --margin 1/10 --histories 200000\n"
+      "Where --invert brdf(MATERIAL) answers with an upper bound, its quoted error may be up to twice too large.\n"
       "Interrupted with Ctrl-C it leaves the finished points and exits with 85; with -o the same command goes on.");
   command->callback([&] {
     while (options.out.size() > 1 && options.out.ends_with('/')) options.out.pop_back();

@@ -64,8 +64,9 @@ std::vector<std::string> numbers(std::vector<double> const& all, char const* for
 std::vector<std::string> ranges(std::vector<double> const& low, std::vector<double> const& high) {
   std::vector<std::string> cells;
   for (std::size_t i = 0; i < low.size(); ++i)
-    cells.push_back(std::isfinite(low[i]) && std::isfinite(high[i]) ? fmt::format("{:.1e}..{:.1e}", low[i], high[i])
-                                                                    : "-");
+    cells.push_back(!std::isfinite(low[i]) || !std::isfinite(high[i]) ? "-"
+                    : low[i] == 0 && high[i] == 0                     ? "none"
+                                                                      : fmt::format("{:.1e}..{:.1e}", low[i], high[i]));
   return cells;
 }
 

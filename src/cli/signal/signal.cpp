@@ -106,7 +106,7 @@ CurveSheet rms_sheet(RmsOptions const& o, TimeSeries const& s, WelchSpectrum con
   CurveSheet sheet{fmt::format("rms of {} from a frequency to {:g} Hz", o.file, band.high),
                    {source_note(s), welch_note(settings, s.rate, spectrum.segments, spectrum.effective_averages,
                                                spectrum.noise_bandwidth)},
-                   {"low", "Hz", {}},
+                   {"frequency", "Hz", {}},
                    true,
                    true,
                    {{"high", "Hz", {}, "hidden"},

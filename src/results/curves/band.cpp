@@ -119,9 +119,14 @@ std::string sources(NoiseBands const& bands) {
 std::string ranges(NoiseBudget const& b, std::vector<double> const& frequencies, std::vector<double> const& low,
                    std::vector<double> const& high) {
   std::string text;
-  for (double const hz : frequencies)
-    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", strain_number(band_at(low, b.grid, hz)),
-                        strain_number(band_at(high, b.grid, hz)));
+  for (double const hz : frequencies) {
+    double const from = band_at(low, b.grid, hz), to = band_at(high, b.grid, hz);
+    bool const nothing = from == 0 && to == 0;
+    text += text.empty() ? "" : ", ";
+    text += !nothing               ? fmt::format("{} to {}", strain_number(from), strain_number(to))
+            : b.unresolved.empty() ? "none"
+                                   : "not resolved";
+  }
   return text;
 }
 

@@ -65,7 +65,7 @@ std::string with_error(double value, double sigma) {
 std::string with_brackets(double value, double sigma) {
   if (!std::isfinite(value) || !std::isfinite(sigma) || sigma < 0) return "unresolved";
   if (sigma == 0) return fmt::format("{:.3g} computed", value);
-  if (tiny(value, sigma)) return fmt::format("{:.4g}(0)", value);
+  if (tiny(value, sigma)) return fmt::format("{:.4g}(<1)", value);
   Rounded const r = rounded(value, sigma);
   bool const below_one = r.decimals > 0 && r.sigma.starts_with("0.");
   std::string error = below_one ? r.sigma.substr(2) : r.sigma;

@@ -199,13 +199,15 @@ Change band_change(NoiseBudget const& b, NoiseBudget const& a, double low, doubl
 
 std::string line(Change const& c, std::size_t width) {
   double const s = c.sigmas();
-  std::string const verdict = !c.within.empty()                 ? fmt::format("compared within '{}'", c.within)
-                              : c.before.value == c.after.value ? "the same"
-                              : c.too_small()                   ? "the same within the error of the spectra"
-                              : std::isfinite(s)
-                                  ? fmt::format("{:+.1f} sigma{}", s, std::fabs(s) < significant ? "" : ", significant")
-                              : c.before.at_most || c.after.at_most ? "an upper bound: speckle may hide the change"
-                                                                    : "changed, without an error";
+  std::string const verdict =
+      !c.within.empty()                 ? fmt::format("compared within '{}'", c.within)
+      : c.before.value == c.after.value ? "the same"
+      : c.too_small()                   ? fmt::format("a change of {:.1e}, less than the error of the spectra, {:.1e}",
+                                                      c.after.value - c.before.value, c.held)
+      : std::isfinite(s) ? fmt::format("{} sigma{}", std::fabs(s) < 0.05 ? "0.0" : fmt::format("{:+.1f}", s),
+                                       std::fabs(s) < significant ? "" : ", significant")
+      : c.before.at_most || c.after.at_most ? "an upper bound: speckle may hide the change"
+                                            : "changed, without an error";
   auto const value = [&](WithError const& w) {
     return w.value > 0 ? with_error(w) : c.within.empty() ? std::string("none") : "in '" + c.within + "'";
   };
@@ -236,6 +238,7 @@ nlohmann::ordered_json as_json(std::vector<Change> const& all) {
     one["after"] = value(c.after);
     if (!c.within.empty()) one["within"] = c.within;
     one["sigmas"] = std::isfinite(c.sigmas()) ? nlohmann::ordered_json(c.sigmas()) : nlohmann::ordered_json();
+    if (c.held > 0) one["spectra_error"] = c.held;
     one["unresolved"] = c.bound;
     out.push_back(std::move(one));
   }

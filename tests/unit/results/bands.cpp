@@ -28,5 +28,18 @@ TEST(ReportBands, NothingIsSaidOfInputsWhereNoNoiseIsResolved) {
   }
 }
 
+// A band of zero strain is no range of numbers: routes that are not resolved could be there, or there is no noise.
+// Control: a band that is not zero stays.
+TEST(ReportBands, ABandOfZeroIsNotANumber) {
+  NoiseBudget b;
+  b.grid.edges = {10, 20, 40};
+  b.total.asd = {0, 2e-24};
+  b.total.sigma = {0, 2e-26};
+  b.bands.input_low = b.bands.input_high = b.bands.speckle_05 = b.bands.speckle_50 = b.bands.speckle_95 = b.total.asd;
+  EXPECT_THAT(band_summary(b, {10, 30}), AllOf(HasSubstr(": none, 2.00e-24 to 2.00e-24"), Not(HasSubstr("0.00e+00"))));
+  b.unresolved = {"A > B: only 3 histories have scored"};
+  EXPECT_THAT(band_summary(b, {10, 30}), HasSubstr(": not resolved, 2.00e-24 to 2.00e-24"));
+}
+
 }  // namespace
 }  // namespace straytrace::test

@@ -26,7 +26,8 @@ TEST(ReportValues, DigitsFollowTheError) {
   EXPECT_EQ(with_error(0, 0.002), "0.000 ± 0.002");
   EXPECT_EQ(with_error(20146.9, 0), "2.01e+04 (computed)");
   EXPECT_EQ(with_error(0.61, 3e-17) + ", " + with_error(2.1216e-18, 7e-35), "0.61 ± 3e-17, 2.122e-18 ± 7e-35");
-  EXPECT_EQ(with_brackets(1.23456e-24, 0) + ", " + with_brackets(4.990008e-6, 4e-22), "1.23e-24 computed, 4.99e-06(0)");
+  EXPECT_EQ(with_brackets(1.23456e-24, 0) + ", " + with_brackets(4.990008e-6, 4e-22),
+            "1.23e-24 computed, 4.99e-06(<1)");
   EXPECT_EQ(with_brackets(1.2345e-24, 0.04e-24), "1.23(4)e-24");
   EXPECT_EQ(with_brackets(6.1234, 0.012), "6.123(12)");
   EXPECT_EQ(with_brackets(0.4e-24, 1.24e-24), "0.4(1.2)e-24");
