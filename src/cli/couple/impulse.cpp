@@ -149,7 +149,8 @@ int run_events(EventOptions o) {
 }  // namespace
 
 void add_couple_impulse(CLI::App& couple, int& exit_code) {
-  auto* const command = couple.add_subcommand("impulse", "response to impulses in time, frequency and Q of what rings");
+  auto* const command = couple.add_subcommand(
+      "impulse", "Measure the response to impulse excitation in time, and frequency and Q of the modes.");
   auto const options = std::make_shared<ImpulseOptions>();
   ImpulseOptions& o = *options;
   command->add_option("--force", o.force, "FILE::CHANNEL of the hammer or drive")->required();

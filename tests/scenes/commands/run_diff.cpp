@@ -58,6 +58,24 @@ Change const& row(RunDifference const& d, std::string const& begin) {
 std::vector<std::string> const groups = {"ITM", "wall", "tube"};
 RunFile const before = run_of(1, groups, {{{0, 1, 0}, 1e-22}, {{}, 5e-23}});
 
+// A change far below its error has no sign; control: one of more than half a digit keeps it.
+TEST(RunDiff, NoMinusZero) {
+  auto const text = [](double h) {
+    return run_difference_text(run_differences(before, run_of(2, groups, {{{0, 1, 0}, h}, {{}, 5e-23}})));
+  };
+  EXPECT_THAT(text(0.9999e-22), ::testing::AllOf(HasSubstr("  0.0 sigma"), ::testing::Not(HasSubstr("-0.0 sigma"))));
+  EXPECT_THAT(text(0.98e-22), HasSubstr("-0.7 sigma"));
+}
+
+// Spectra that paths share do not hold a change of 1e-4: the line says both. Control: a change of 1 %.
+TEST(RunDiff, ADeadBandIsStated) {
+  auto const text = [](double h) {
+    return run_difference_text(run_differences(before, run_of(1, groups, {{{0, 1, 0}, h}, {{}, 5e-23}})));
+  };
+  EXPECT_THAT(text(1.0001e-22), HasSubstr("less than the error of the spectra"));
+  EXPECT_THAT(text(1.01e-22), ::testing::Not(HasSubstr("error of the spectra")));
+}
+
 // 5^2 = 3^2 + 4^2: nothing has changed. Control: `other` against `other` alone, 8 standard errors.
 TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   RunFile const after = run_of(2, groups, {{{0, 1, 0}, 1e-22}, {{0, 2, 0}, 3e-23}, {{}, 4e-23}});

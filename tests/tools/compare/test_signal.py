@@ -158,7 +158,7 @@ class AgainstScipy(unittest.TestCase):
 
     def test_rms_from_each_frequency_up(self):
         got = columns("rms", self.drive, "--band", "5 Hz..40 Hz", "--segment", "2 s")
-        low, rms = got["low"], got["rms"]
+        low, rms = got["frequency"], got["rms"]
         self.assertGreater(low.size, 20)                     # control: a single row is no curve
         self.assertTrue(low[0] == 5 and np.all(np.diff(low) > 0) and np.all(np.diff(rms) <= 0) and np.all(got["high"] == 40))
         f, p = signal.welch(DRIVE, RATE, "hann", 512)
