@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace paths: the ranked table of routes of a run, by port or by receiver.
-#include "cli/paths.hpp"
+#include "cli/results/paths.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace explain: a key, a table, a unit, a message, or the chain of factors of one path. straytrace schema.
-#include "cli/explain.hpp"
+#include "cli/results/explain.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
