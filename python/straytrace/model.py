@@ -33,7 +33,7 @@ class Check:
     bodies: int
     ports: int
     receivers: int
-    lit: list[dict[str, Any]]         # surfaces lit by followed beams: commands.md, check
+    lit: list[dict[str, Any]]         # surfaces lit by followed beams: docs/reference/commands.md
     model_hash: str                   # of everything that can change the trace
     warnings: tuple[Problem, ...]
 
