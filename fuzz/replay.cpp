@@ -12,7 +12,7 @@
 #include <iterator>
 #include <vector>
 
-#include "base/process/sanitized.hpp"
+#include "base/process/child_process.hpp"
 #include "fuzz.hpp"
 
 namespace {

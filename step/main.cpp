@@ -11,7 +11,7 @@
 #include <iostream>
 
 #include "base/errors.hpp"
-#include "base/files/growing_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/units/quantity.hpp"
 #include "session/build_info.hpp"
 #include "step/read_step.hpp"
@@ -43,7 +43,7 @@ int convert(std::string const& input, std::string output, std::string const& tol
     settings.chord = length_in("chord", chord);
     step::Model const model = step::read_step(input, settings);
     if (output.empty()) output = fs::path(input).replace_extension(".cad.json").string();
-    GrowingFile file(output);
+    AtomicFile file(output);
     file.write(step::as_json(
         model, settings, fmt::format("straytrace-step {}, OpenCASCADE {}", build_info::version, OCC_VERSION_COMPLETE)));
     file.publish();

@@ -20,7 +20,7 @@
 #include <algorithm>
 #include <map>
 
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "step/assembly.hpp"
 #include "step/chart.hpp"
 #include "step/convert_face.hpp"

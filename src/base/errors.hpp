@@ -17,7 +17,7 @@ struct Place {
 
 enum class Severity : std::uint8_t { error, warning };
 
-// One sentence that says what is wrong and why, and one that says what to write instead.
+// One sentence with the error and its reason, and one with the remedy.
 struct Problem {
   Place place;
   std::string what, suggestion;
@@ -30,7 +30,7 @@ class InputError : public std::exception {
  public:
   InputError(std::vector<Problem> found, std::string text, std::vector<std::string> names = {})
       : problems(std::move(found)), files(std::move(names)), text_(std::move(text)) {}
-  // For errors that have no place in a file (command line, unreadable run file).
+  // For errors without a place in a file (command line, unreadable run file).
   explicit InputError(std::string text) : text_(std::move(text)) {}
   char const* what() const noexcept override { return text_.c_str(); }
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 
-#include "base/input/event.hpp"
 #include "base/memory/ids.hpp"
 #include "beams/mode.hpp"
 #include "optics/polarisation.hpp"

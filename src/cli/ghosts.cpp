@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
-#include "base/files/growing_file.hpp"
+#include "base/files/read_write.hpp"
 #include "results/text/picture.hpp"
 #include "session/common_options.hpp"
 #include "session/diagnostics.hpp"
@@ -106,7 +106,7 @@ class Answers {
     if (options.csv) std::cout << ghost_csv_header(watts);
     if (options.out.empty()) return;
     folder_.emplace(options.out);
-    csv_ = std::make_unique<GrowingFile>(in_folder("ghosts.csv"));
+    csv_ = std::make_unique<AtomicFile>(in_folder("ghosts.csv"));
     csv_->write(ghost_csv_header(watts));
   }
   // Takes every row of a beam; empty: nobody wants them.
@@ -151,7 +151,7 @@ class Answers {
   Options const& options_;
   World const& world_;
   std::optional<OutputFolder> folder_;
-  std::unique_ptr<GrowingFile> csv_;
+  std::unique_ptr<AtomicFile> csv_;
   std::string text_;
   nlohmann::json all_ = nlohmann::json::array();
 };

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/input/uncertainty.hpp"
+#include "base/input/table.hpp"
 #include "motion/motion_files.hpp"
 #include "motion/series_motion.hpp"
 #include "spectra/shapes.hpp"

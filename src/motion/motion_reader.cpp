@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "base/input/document.hpp"
-#include "base/input/uncertainty.hpp"
+#include "base/input/table.hpp"
 #include "motion/axis_motion.hpp"
 #include "spectra/shapes.hpp"
 

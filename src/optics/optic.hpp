@@ -3,7 +3,7 @@
 // transmitted nor scattered is absorbed.
 #pragma once
 
-#include "base/memory/pool.hpp"
+#include "base/memory/storage.hpp"
 #include "optics/angle_weight.hpp"
 
 namespace straytrace {

@@ -7,20 +7,19 @@
 #include <memory>
 
 #include "base/errors.hpp"
-#include "base/files/file_bytes.hpp"
-#include "base/files/growing_file.hpp"
+#include "base/files/read_write.hpp"
 
 namespace straytrace {
 
 void write_file(std::string const& file, std::string_view bytes) {
-  GrowingFile temporary(file);
+  AtomicFile temporary(file);
   temporary.write(bytes);
   temporary.publish();
 }
 
 void write_files(std::vector<std::pair<std::string, std::string>> const& files) {
-  std::vector<std::unique_ptr<GrowingFile>> all;
-  for (auto const& [file, bytes] : files) all.emplace_back(std::make_unique<GrowingFile>(file))->write(bytes);
+  std::vector<std::unique_ptr<AtomicFile>> all;
+  for (auto const& [file, bytes] : files) all.emplace_back(std::make_unique<AtomicFile>(file))->write(bytes);
   for (auto const& temporary : all) temporary->publish();
 }
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "base/files/embedded.hpp"
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "scene/library.hpp"
 #include "scene/scope.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "base/input/uncertainty.hpp"
+#include "base/input/table.hpp"
 #include "scene/scene_document.hpp"
 
 namespace straytrace {

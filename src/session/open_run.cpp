@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "session/model.hpp"
 
 namespace straytrace {

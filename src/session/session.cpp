@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "base/errors.hpp"
-#include "base/files/growing_file.hpp"
+#include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
 #include "results/receivers/receivers.hpp"
 #include "results/route_table/merit.hpp"
@@ -171,7 +171,7 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
   if (std::filesystem::is_directory(run_file))
     throw InputError(fmt::format("error: '{}' is a folder\n  name a file with -o, for example -o {}", run_file,
                                  (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
-  GrowingFile const can_be_written(run_file);  // or hours of tracing would be lost
+  AtomicFile const can_be_written(run_file);  // or hours of tracing would be lost
   if (force || !std::filesystem::exists(run_file)) return {};
   RunFile earlier;
   try {

@@ -9,9 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/input/event.hpp"
 #include "base/math/constants.hpp"
-#include "base/memory/blocks.hpp"
 #include "base/memory/ids.hpp"
 
 namespace straytrace {

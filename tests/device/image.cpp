@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "base/process/sanitized.hpp"
+#include "base/process/child_process.hpp"
 #include "device/blocks.hpp"
 #include "trace/backend/device/world_image.hpp"
 

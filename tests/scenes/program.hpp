@@ -16,7 +16,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "base/process/sanitized.hpp"
+#include "base/process/child_process.hpp"
 
 namespace straytrace::testing {
 

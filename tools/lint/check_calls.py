@@ -10,14 +10,14 @@ CPP = (
     (r"::system\s*\(|\bpopen\s*\(", "starts a shell; use run_child of base/process/child_process.hpp", ()),
     (r"\bexec[lv][pe]{0,2}\s*\(|\bposix_spawnp?\s*\(|\bvfork\s*\(",
      "starts a program; use run_child of base/process/child_process.hpp", ("src/base/process/child_process.cpp",)),
-    (r"\bfork\s*\(", "makes a process", ("src/session/scan/scan_points.cpp", "src/base/process/sandbox.cpp")),
+    (r"\bfork\s*\(", "makes a process", ("src/session/scan/scan_points.cpp", "src/base/process/child_process.cpp")),
     (r"\b(?:socket|getaddrinfo|gethostbyname)\s*\(|\bcurl_", "reaches the network", ()),
     (r"\bH5::H5File\b|\bH5Fopen", "opens HDF5, whose library breaks at some files; use hdf5::Reader",
      ("src/io/hdf5/load_contents.cpp", "src/io/hdf5/writer.cpp", "src/io/hdf5/writer.hpp")),
     (r"\bdlopen\s*\(", "loads code", ("src/session/backend/mpi.cpp", "src/trace/backend/device/engine.cpp")),
-    (r"\bregex_match\s*\(", "ends the program at a long text; use has_form of base/text/bounded_regex.hpp", ("src/base/text/bounded_regex.hpp",)),
+    (r"\bregex_match\s*\(", "ends the program at a long text; use bounded_regex_match of base/text/bounded_regex.hpp", ("src/base/text/bounded_regex.hpp",)),
     (r"\bifstream\b|\bfopen\s*\(|\bfreopen\s*\(", "reads what may be a pipe or a device; use bytes_of_file",
-     ("src/base/process/sandbox.cpp",)),
+     ("src/base/process/child_process.cpp",)),
 )
 PYTHON = (
     (r"\bos\.(?:system|popen)\b|\bshell\s*=\s*True", "starts a shell; give a list of words to subprocess", ()),

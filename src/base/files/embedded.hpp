@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of the folders data/ and library/, compiled in, so that they are found wherever the program stands.
+// The files of the folders data/ and library/, compiled in, so that the program does not depend on where it is
+// installed.
 #pragma once
 
 #include <span>
@@ -11,6 +12,6 @@ struct EmbeddedFile {
   std::string_view name, text;  // "curves/et-d.txt", "library/arm.yaml"
 };
 std::span<EmbeddedFile const> embedded_files();         // by name
-std::string_view embedded_file(std::string_view name);  // its text; empty: no such file
+std::string_view embedded_file(std::string_view name);  // text of a file; empty: no such file
 
 }  // namespace straytrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hashes by which contents are known again.
+// SHA-256 of contents, to recognise them.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ class Sha256 {
  public:
   Sha256();
   void add(std::string_view bytes);
-  // With the length in front, so that no two lists of texts look the same.
+  // With the length in front, so that two different lists of texts never give the same bytes.
   void add_counted(std::string_view bytes);
   std::string hex();  // 64 hexadecimal digits; call once, last
 

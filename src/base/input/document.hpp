@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a Node is made of and what it needs from the document it stands in. The scene room implements Document; rooms
-// that only read tables need base/input/table.hpp alone.
+// The data of a Node and the interface of its document, which the module `scene` implements. Modules that only read
+// tables need base/input/table.hpp alone.
 #pragma once
 
 #include <functional>
@@ -14,8 +14,8 @@
 
 namespace straytrace {
 
-// How a reader asked for a value. From these the schema, the reference of keys, `print` and `diff` are made, so none of
-// them can know another language than the readers.
+// How a reader requested a value. The schema, the reference of keys, `print` and `diff` are made from these requests,
+// so they always agree with the readers.
 struct KeyRequest {
   enum class Form : std::uint8_t {
     named,
@@ -30,7 +30,7 @@ struct KeyRequest {
     list,
     numbers
   };
-  Form form = Form::named;  // named: only that it was looked for, or that the value was handed on
+  Form form = Form::named;  // named: only looked up, or passed to another reader
   Dimension dimension{};
   double fallback = required, low = -infinity, high = infinity;  // SI; fallback `required`: none
   std::size_t count = 0;                                         // of numbers
@@ -46,7 +46,7 @@ struct NodeData {
     std::shared_ptr<NodeData> value;
   };
 
-  // `none` marks a value whose problem is recorded already: reading it stays silent.
+  // `none` marks a value whose problem is recorded already: reading it reports nothing more.
   Node::Kind kind = Node::Kind::none;
   Place place;
   std::uint32_t width = 1;     // code points to underline
@@ -56,12 +56,12 @@ struct NodeData {
   std::vector<Entry> entries;  // table, in file order
   std::map<std::string, std::size_t, std::less<>> index;         // key -> entry
   std::vector<std::shared_ptr<NodeData>> elements;               // list
-  mutable bool known = false;                                    // some reader asked for it
-  mutable std::map<std::string, KeyRequest, std::less<>> asked;  // keys some reader asked for, present or not
+  mutable bool known = false;                                    // requested by a reader
+  mutable std::map<std::string, KeyRequest, std::less<>> asked;  // requested keys, present or not
   mutable KeyRequest read;                                       // how the value itself was read
   mutable bool listed = false;                                   // its keys were read as a list of names
-  mutable bool misspelt = false;  // a key of it is unknown, so what is missing may only be misspelt
-  mutable std::string role;       // what refuse_unknown() called it
+  mutable bool misspelt = false;  // has an unknown key, so a missing key may only be misspelt
+  mutable std::string role;       // its name in refuse_unknown()
 
   Entry const* find(std::string_view key) const {
     auto const hit = index.find(key);
@@ -89,13 +89,13 @@ class Document {
   virtual ~Document() = default;
   virtual void add(Problem) = 0;
   virtual bool healthy() const = 0;
-  // Value of a scalar with the parameters of a scope; when there is none the problem is recorded.
+  // Value of a scalar with the parameters of a scope; records a problem when it has none.
   virtual std::optional<Value> evaluate(NodeData const&, Scope const*) = 0;
   virtual std::string data_file(Node const& from, std::string const& name) = 0;
-  // The same for a file that may be missing: nothing then, and no problem.
+  // The same for an optional file: empty and no problem when it is missing.
   virtual std::optional<std::string> optional_file(Node const& from, std::string const& name) = 0;
-  // Text that `make` makes of data files, kept under `name` with the other texts; of a model that comes from a run file
-  // the kept text, and nothing is made.
+  // Text that `make` derives from data files, kept under `name` with the other texts. A model from a run file returns
+  // the kept text without calling `make`.
   virtual std::optional<std::string> derived_file(Node const& from, std::string const& name,
                                                   std::function<std::optional<std::string>()> const& make) = 0;
   virtual Place place_in_file(Node const& from, std::string const& name, std::uint32_t line, std::uint32_t column) = 0;

@@ -14,7 +14,7 @@
 namespace straytrace {
 namespace {
 
-// Stands for a value whose problem is recorded already.
+// Replaces a value whose problem is recorded already.
 Node silent(Node const& like) {
   auto data = std::make_shared<NodeData>();
   data->place = like.place();
@@ -177,7 +177,7 @@ void Node::refuse_unknown(std::string_view what) const {
   for (auto const& [key, how] : data_->asked) known.push_back(key);
   int reported = 0;
   for (NodeData::Entry const& e : data_->entries) {
-    if (e.value->known || ++reported > 100) continue;  // hostile input: enough is said
+    if (e.value->known || ++reported > 100) continue;  // limits the messages of hostile input
     std::string const near = nearest_word(e.key, known);
     std::string const suggestion = !near.empty()   ? fmt::format("did you mean '{}'?", near)
                                    : known.empty() ? "remove it"
@@ -253,10 +253,27 @@ std::string example(Dimension d, double low, double high) {
   return fmt::format("{:g}", 1 < low ? low : 1 > high ? high : 1);
 }
 
-// A bound in the unit that the suggestion uses.
+// A bound in the unit of the suggestion.
 std::string bound(double si, Dimension d) {
   auto const unit = parse_unit(example_unit(d));
   return si == 0 ? "0" : with_unit(fmt::format("{:g}", unit ? si / unit->si : si), d);
+}
+
+constexpr double largest_factor = 1e6;
+constexpr char const* factor_example = "write 'factor 1.5': from 1/1.5 to 1.5 times";
+
+double read_factor(Node const& value, std::string_view text, double fallback) {
+  text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  if (!is_number(text)) {
+    value.problem(fmt::format("'factor' needs a plain number, got \"{}\"", shortened(text)), factor_example);
+    return fallback;
+  }
+  double const factor = std::stod(std::string(text));
+  if (factor >= 1 && factor <= largest_factor) return factor;
+  value.problem(factor < 1 ? "a factor of uncertainty is at least 1"
+                           : fmt::format("a factor of uncertainty is at most {:g}", largest_factor),
+                factor_example);
+  return fallback;
 }
 
 }  // namespace
@@ -397,6 +414,26 @@ std::vector<double> Node::as_numbers(Dimension d, std::size_t expected) const {
   if (elements.size() == expected)
     for (std::size_t i = 0; i < expected; ++i) out[i] = elements[i].as_number(d);
   return out;
+}
+
+double read_uncertainty(Node const& value, double fallback) {
+  if (!value) return fallback;
+  constexpr std::string_view word = "factor";
+  std::string_view const text = value.text();
+  if (text.starts_with(word) && (text.size() == word.size() || text[word.size()] == ' '))
+    return read_factor(value, text.substr(word.size()), fallback);
+  double const share = value.as_number(dim::plain, 0);
+  if (share <= 1) return 1 + share;
+  if (share > 1)
+    value.problem(fmt::format("an uncertainty is at most 100 %, or a factor; got \"{}\"", shortened(text)),
+                  is_number(text) ? fmt::format("did you mean '{0} %' or 'factor {0}'?", text)
+                                  : fmt::format("write 'factor {:g}'", 1 + share));
+  return fallback;
+}
+
+std::string read_status(Node const& table) {
+  static constexpr std::string_view all[] = {"measured", "published", "required", "derived", "estimate", "assumed"};
+  return table.has("status") ? table.choice("status", all) : std::string();
 }
 
 }  // namespace straytrace

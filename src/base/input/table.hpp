@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checked input tree that every room reads its own structs from. A Node knows its place in the file, the parameters
-// in force there, and the document it belongs to. Readers never throw at the first problem: they record it in the
-// document, return NaN or an empty value and continue; the document throws once, at the end
-// (docs/reference/scene.md).
+// The checked input tree from which every module reads its structs. A Node knows its place in the file, the parameters
+// in scope and its document. Readers never throw at the first problem: they record it in the document, return NaN or an
+// empty value and continue; the document throws once, at the end (docs/reference/scene.md).
 #pragma once
 
 #include <cstdint>
@@ -72,8 +71,8 @@ class Node {
   Node table(std::string_view key) const;                // problem when present and not a table; none when absent
   std::vector<Node> list(std::string_view key) const;    // a scalar or table counts as a list of one
 
-  // Every key never asked for is a problem with the nearest known key as suggestion; `what` names the table
-  // ("shape 'cone'").
+  // Records a problem for every key that no reader requested, with the nearest known key as suggestion; `what` names
+  // the table ("shape 'cone'").
   void refuse_unknown(std::string_view what) const;
 
   // --- scalars and lists -----------------------------------------------------------------------------------------
@@ -86,11 +85,11 @@ class Node {
   // --- messages, files -------------------------------------------------------------------------------------------
   void problem(std::string what, std::string suggestion) const;  // at this node
   void warning(std::string what, std::string suggestion) const;
-  bool healthy() const;  // no error recorded in the document so far
-  // Text of a data file named relative to the file this node stands in; empty and a problem when unreadable.
-  // The document remembers name and text, so that the run file can hold them.
+  bool healthy() const;  // the document has no error so far
+  // Text of a data file, named relative to the file of this node; empty and a problem when unreadable. The document
+  // keeps name and text for the run file.
   std::string data_file(std::string const& name) const;
-  // A problem inside a data file read before by data_file(name): "steel.csv:214:3: error: ..."; line 0: the whole file.
+  // A problem inside a data file that data_file(name) has read: "steel.csv:214:3: error: ..."; line 0: the whole file.
   void file_problem(std::string const& name, std::uint32_t line, std::uint32_t column, std::string what,
                     std::string suggestion) const;
 
@@ -113,6 +112,15 @@ template <class T>
 void read_keys(Node const& table, std::span<Key<T> const> keys, T& into) {
   for (Key<T> const& k : keys) into.*(k.member) = table.number(k.name, k.dimension, k.fallback, k.low, k.high);
 }
+
+// How well an input is known, `uncertainty: 30 %` or `uncertainty: factor 1.5`: one standard deviation of the logarithm
+// as a factor of at least 1. 1.3 for 30 % means a value between 1/1.3 and 1.3 times the stated one. Returns `fallback`
+// for a missing or wrong value. A share is at most 100 %, so that 30 without the sign is not read as a factor of 31.
+double read_uncertainty(Node const& value, double fallback = 1);
+
+// How far a number can be trusted: the key `status` of a table, empty without it. One of measured, published (a paper
+// or public code), required (a specification), derived (computed from others), estimate, assumed (no public number).
+std::string read_status(Node const& table);
 
 // The nearest of `words` by edit distance, empty when nothing is close: "did you mean ...?".
 std::string nearest_word(std::string_view word, std::span<std::string const> words);

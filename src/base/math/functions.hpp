@@ -28,8 +28,8 @@ STRAY_HD double number_of(std::uint64_t bits) {
   return x;
 }
 
-// sin and cos of 2 pi turns, |turns| < 2^60. Without branches: the quadrant of a random angle cannot be guessed. What
-// is not a number stays so, whatever integer becomes of it.
+// sin and cos of 2 pi turns, |turns| < 2^60. Without branches, because the quadrant of a random angle is unpredictable.
+// NaN gives NaN.
 STRAY_NO_CHECK("float-cast-overflow") STRAY_HD SinCos sincos_turn(double turns) {
   double const shifted = 4 * turns + 0.5;
   auto quarter = static_cast<std::int64_t>(shifted);

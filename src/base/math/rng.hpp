@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random numbers as a pure function of an address: (seed, history, event, purpose). Nothing is consumed, so neither
-// thread count nor block order can change a result. The counter layout is part of the run-file format.
+// Random numbers as a pure function of an address: (seed, history, event, purpose). There is no shared state, so
+// neither thread count nor block order can change a result. The counter layout is part of the run-file format.
 #pragma once
 
 #include <Random123/philox.h>
@@ -11,7 +11,7 @@
 
 namespace straytrace {
 
-// What a random number is FOR. A new purpose gets a new number; old ones never change meaning.
+// Purpose of a random number. A new purpose gets a new value; old values never change their meaning.
 enum class Stream : std::uint32_t {
   source = 0,
   lobe = 1,

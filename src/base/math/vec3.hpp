@@ -33,7 +33,7 @@ struct Ray {
   double t_max = infinity;  // m; hits beyond it do not count
 };
 
-// Right-handed orthonormal frame whose third axis is given (proper rotation also for -z: R3.21).
+// Right-handed orthonormal frame with a given third axis (a proper rotation for -z too).
 struct Frame {
   Vec3 e1, e2, e3;
   STRAY_HD static Frame around(Vec3 e3) {
@@ -44,7 +44,7 @@ struct Frame {
   STRAY_HD Vec3 to_world(Vec3 v) const { return v.x * e1 + v.y * e2 + v.z * e3; }
 };
 
-// Where a part stands in the frame around it: origin, and its axes as unit vectors of that frame (a proper rotation).
+// Position and orientation of a part in its parent frame: origin and axes in that frame (a proper rotation).
 struct Pose {
   Vec3 origin, e1{1, 0, 0}, e2{0, 1, 0}, e3{0, 0, 1};
   STRAY_HD Vec3 direction(Vec3 v) const { return v.x * e1 + v.y * e2 + v.z * e3; }
@@ -56,13 +56,13 @@ struct Pose {
 STRAY_HD Pose nested(Pose const& outer, Pose const& inner) {
   return {outer.point(inner.origin), outer.direction(inner.e1), outer.direction(inner.e2), outer.direction(inner.e3)};
 }
-// Third axis given, the others somehow.
+// Third axis given, the others arbitrary.
 STRAY_HD Pose facing_along(Vec3 origin, Vec3 e3) {
   Frame const f = Frame::around(e3);
   return {origin, f.e1, f.e2, f.e3};
 }
 
-// Axis-parallel box, closed. Empty until something is put in.
+// Axis-parallel box, closed; initially empty.
 struct Box {
   Vec3 lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
   STRAY_HD void add(Vec3 p) {

@@ -16,7 +16,7 @@ std::shared_ptr<void> large_block(std::size_t bytes) {
   void* const block = std::aligned_alloc(page, whole > 0 ? whole : page);
   if (!block) throw std::bad_alloc();
 #if defined(__linux__)
-  madvise(block, whole, MADV_HUGEPAGE);  // a wish: without it everything works, slower
+  madvise(block, whole, MADV_HUGEPAGE);  // optional: without it everything works, but slower
 #endif
   return {block, std::free};
 }

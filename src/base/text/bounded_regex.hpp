@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Forms of short texts. std::regex takes stack for every letter that it matches, and a text of some tens of thousands
-// ends the program: nothing that long has a form.
+// Regular expressions for short texts. std::regex recurses for every character and overflows the stack at some tens of
+// thousands of them: longer texts never match.
 #pragma once
 
 #include <regex>
@@ -8,10 +8,10 @@
 
 namespace straytrace {
 
-inline constexpr std::size_t longest_form = 2000;  // bytes
+inline constexpr std::size_t longest_match = 2000;  // bytes
 
 inline bool bounded_regex_match(std::string const& text, std::smatch& parts, std::regex const& form) {
-  return text.size() <= longest_form && std::regex_match(text, parts, form);
+  return text.size() <= longest_match && std::regex_match(text, parts, form);
 }
 
 }  // namespace straytrace

@@ -6,7 +6,7 @@
 namespace straytrace {
 namespace {
 
-constexpr std::size_t longest_line = 8000;  // bytes: two names of files as long as they may be fit in
+constexpr std::size_t longest_line = 8000;  // bytes: two file names of maximum length fit in
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 

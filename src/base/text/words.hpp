@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Counts with their noun: "1 route", "2 routes".
+// Words in messages: counts with their noun ("1 route", "2 routes"), lower case, printable text.
 #pragma once
 
 #include <concepts>
@@ -18,8 +18,7 @@ std::string counted(Count n, std::string const& noun, std::string const& verb_of
   return counted(n, noun) + " " + (n == 1 ? verb_of_one : verb_of_many);
 }
 
-// The letters A to Z of a text as a to z, everything else unchanged, whatever the locale.
-
+// Converts A to Z, independent of the locale.
 inline std::string lower_case(std::string_view text) {
   std::string out(text);
   for (char& c : out)
@@ -27,10 +26,8 @@ inline std::string lower_case(std::string_view text) {
   return out;
 }
 
-// Escapes untrusted text for terminal output.
-
-// Control characters but line ends and tabs become '?', so that no text steers a terminal; of lines beyond 8000 bytes
-// the rest is left out.
+// Escapes untrusted text for terminal output: control characters except line ends and tabs become '?', and lines are
+// cut after 8000 bytes.
 std::string printable(std::string_view text);
 
 }  // namespace straytrace

@@ -62,7 +62,7 @@ constexpr std::array units{
     Unit{"ppb", 1e-9, dim::plain},
 };
 
-// Of sensors, for data: not part of the language of scenes, where N, T and A are names of parameters.
+// Units of sensors, for data files only: in scenes N, T and A are names of parameters.
 constexpr std::array sensor_units{Unit{"N", 1, {2, 2, -4}},
                                   Unit{"kN", 1e3, {2, 2, -4}},
                                   Unit{"Pa", 1, {-2, 2, -4}},
@@ -98,7 +98,7 @@ Unit const* find_unit(std::string_view name) { return find_in(units, name); }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Reads a unit expression; every function leaves `at_` behind what it understood.
+// Reads a unit expression; every function moves `at_` past the part that it understood.
 class UnitReader {
  public:
   explicit UnitReader(std::string_view text, bool sensors = false) : text_(text), sensors_(sensors) {}
@@ -223,7 +223,7 @@ constexpr std::array<std::int8_t Dimension::*, 7> bases{&Dimension::metre,  &Dim
                                                         &Dimension::radian, &Dimension::steradian, &Dimension::count,
                                                         &Dimension::volt};
 
-// Halves of powers are kept below this, far from the range of the counter.
+// Limit of half powers, far below the range of the counter.
 constexpr double largest_power = 100;
 
 }  // namespace
@@ -298,7 +298,7 @@ std::optional<Dimension> power_of(Dimension d, double exponent) {
   return result;
 }
 
-// How dimensions are called in messages.
+// Names of dimensions in messages.
 
 namespace {
 

@@ -9,8 +9,8 @@
 
 namespace straytrace {
 
-// Powers are counted in halves, so that m/sqrt(Hz) = m s^(1/2) is {2, 0, 1}. Angle, solid angle and counts are kept
-// apart from 1 on purpose: "1/sr" must be written by the user.
+// Powers are counted in halves, so that m/sqrt(Hz) = m s^(1/2) is {2, 0, 1}. Angle, solid angle and counts differ
+// from 1 on purpose: the user must write "1/sr".
 struct Dimension {
   std::int8_t metre = 0, kilogram = 0, second = 0, radian = 0, steradian = 0, count = 0, volt = 0;
   bool operator==(Dimension const&) const = default;
@@ -33,8 +33,8 @@ struct Quantity {
 std::string name_of(Dimension);         // "length", "angle", "BRDF (1/sr)", or the unit in SI symbols
 std::string example_unit(Dimension);    // what a user may write: "m", "deg", "1/sr", "m/sqrt(Hz)"
 std::string accepted_units(Dimension);  // "rad, mrad, urad, deg, arcmin, arcsec"
-// Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood. Besides
-// the units of the language it knows those of sensors: N, Pa, T, A, mV.
+// Factor to SI and dimension of a unit expression such as "um/s^2" or "m/sqrt(Hz)"; empty when not understood. Knows
+// the units of the language and those of sensors: N, Pa, T, A, mV.
 std::optional<Quantity> parse_unit(std::string_view);
 
 struct LeadingUnit {
@@ -44,11 +44,11 @@ struct LeadingUnit {
 // The longest unit a text begins with, as it may follow a number: "m/sqrt(Hz) + a" -> "m/sqrt(Hz)", "/sr" -> "/sr".
 std::optional<LeadingUnit> leading_unit(std::string_view);
 bool is_unit_name(std::string_view);        // a single unit without prefix arithmetic: "um", "%", "h"
-std::string likely_unit(std::string_view);  // what the writer of "metre" or "hz" meant; empty when nothing is close
+std::string likely_unit(std::string_view);  // "m" for "metre", "Hz" for "hz"; empty when nothing is close
 std::string all_unit_names();               // for messages
 // value * factor; a unit that is 1/n of SI divides by n, so that 1064 nm is the same double as 1064e-9.
 double to_si(double value, Quantity const& unit);
-// Product, quotient and power of dimensions; empty when the result cannot be held (powers beyond halves, too large).
+// Product, quotient and power of dimensions; empty when it is not representable (powers beyond halves, too large).
 std::optional<Dimension> times(Dimension, Dimension, int sign = 1);
 std::optional<Dimension> power_of(Dimension, double exponent);
 std::string described(Dimension);                             // "a length", "an angle", "a plain number"

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "cli/inspect/inspect_geometry.hpp"
 #include "cli/inspect/inspect_motion.hpp"
 #include "cli/inspect/inspect_scatter.hpp"

@@ -13,7 +13,7 @@
 #include <variant>
 
 #include "base/errors.hpp"
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"
 #include "cli/render/render_paint.hpp"

@@ -10,7 +10,7 @@
 #include <iostream>
 
 #include "base/errors.hpp"
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
 #include "io/csv_cells.hpp"

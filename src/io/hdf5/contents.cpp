@@ -4,8 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
-#include "base/memory/pack.hpp"
-#include "base/process/sandbox.hpp"
+#include "base/process/child_process.hpp"
 #include "io/hdf5/load_contents.hpp"
 
 namespace straytrace::hdf5 {

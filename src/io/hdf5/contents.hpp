@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What an HDF5 file holds, as plain values. The HDF5 library crashes on some damaged files and takes all memory on
-// others: it reads them in a copy of the process (base/process/sandbox.hpp), and this program sees only what it says.
+// others: it reads them in a copy of the process (base/process/child_process.hpp), and this program sees only what it
+// says.
 #pragma once
 
 #include <cstdint>

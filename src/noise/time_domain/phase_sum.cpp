@@ -9,7 +9,7 @@
 #include <string_view>
 #include <thread>
 
-#include "base/math/simd_phasor.hpp"
+#include "base/math/simd.hpp"
 #include "base/process/threads.hpp"
 
 namespace straytrace {

@@ -11,7 +11,7 @@
 
 #include <tuple>
 
-#include "base/memory/pool.hpp"
+#include "base/memory/storage.hpp"
 #include "optics/coating/coating.hpp"
 #include "optics/coating/film.hpp"
 #include "optics/coating/fresnel.hpp"

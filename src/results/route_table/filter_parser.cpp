@@ -361,7 +361,7 @@ void FilterWords::read() {
     std::size_t const close = rest.find(c, 1);
     kind = close == std::string_view::npos ? Kind::stray : Kind::quoted;
     width = kind == Kind::quoted ? close + 1 : 1;
-  } else if (std::regex_search(rest.begin(), rest.begin() + std::ptrdiff_t(std::min(rest.size(), longest_form)), hit,
+  } else if (std::regex_search(rest.begin(), rest.begin() + std::ptrdiff_t(std::min(rest.size(), longest_match)), hit,
                                number, std::regex_constants::match_continuous)) {
     kind = Kind::number;
     width = std::size_t(hit.length());

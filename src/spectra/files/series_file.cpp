@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "base/errors.hpp"
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
 #include "spectra/files/gps.hpp"

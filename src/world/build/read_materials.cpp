@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/files/embedded.hpp"
-#include "base/input/uncertainty.hpp"
+#include "base/input/table.hpp"
 #include "optics/angle_weight.hpp"
 #include "optics/coating/coating_table.hpp"
 #include "optics/coating/specular.hpp"

@@ -15,7 +15,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "base/files/file_bytes.hpp"
+#include "base/files/read_write.hpp"
 #include "base/files/sha256.hpp"
 #include "base/process/child_process.hpp"
 #include "base/text/words.hpp"

@@ -20,8 +20,7 @@
 #include <sstream>
 #include <unordered_map>
 
-#include "base/memory/pack.hpp"
-#include "base/process/sandbox.hpp"
+#include "base/process/child_process.hpp"
 #include "base/text/words.hpp"
 
 namespace straytrace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/input/uncertainty.hpp"
+#include "base/input/table.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace {

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "base/math/vec3.hpp"
-#include "base/memory/blocks.hpp"
-#include "base/memory/pool.hpp"
+#include "base/memory/ids.hpp"
 #include "base/memory/storage.hpp"
 #include "beams/footprint.hpp"
 #include "geometry/common/slack.hpp"

@@ -11,7 +11,7 @@
 #include "base/math/simd.hpp"
 #include "base/math/vec3.hpp"
 #include "base/memory/ids.hpp"
-#include "base/memory/pool.hpp"
+#include "base/memory/storage.hpp"
 
 namespace straytrace {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work in a copy of the process: what it returns comes back, what it breaks stays there.
-#include "base/process/sandbox.hpp"
-
 #include <gtest/gtest.h>
 
 #include <csignal>
 #include <ctime>
 #include <stdexcept>
 #include <vector>
+
+#include "base/process/child_process.hpp"
 
 namespace straytrace {
 namespace {

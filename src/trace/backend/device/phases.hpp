@@ -5,7 +5,7 @@
 
 #include <complex>
 
-#include "base/math/simd_phasor.hpp"
+#include "base/math/simd.hpp"
 #include "trace/backend/device/engine.hpp"
 #include "trace/backend/device/ordered.hpp"
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The only functions that read files of the user, and a file that appears complete or not at all.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace straytrace {
+
+struct FileBytes {
+  std::string bytes;
+  std::string why;  // reason for a failure: "there is no such file", "it is not a regular file"; empty: success
+};
+
+// Reads regular files only, opened for reading alone: pipes and devices may block for ever or never end.
+constexpr std::size_t any_size = std::size_t(-1);
+FileBytes bytes_of_file(std::filesystem::path const&, std::size_t limit = any_size);
+
+// The first `count` bytes or fewer; empty when the file cannot be read.
+std::string head_of_file(std::filesystem::path const&, std::size_t count);
+
+// Writes a temporary file next to the destination, removed again unless published. Throws InputError when it cannot
+// write.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::string const& destination);
+  ~AtomicFile();
+  AtomicFile(AtomicFile const&) = delete;
+  AtomicFile& operator=(AtomicFile const&) = delete;
+
+  void write(std::string_view bytes);
+  void publish();
+
+ private:
+  static constexpr std::size_t buffered = 1 << 20;  // bytes
+  void flush();
+  void give_name();
+  std::string destination_, buffer_;
+  std::string name_;  // of the temporary file; empty while it has none (O_TMPFILE)
+  int descriptor_ = -1;
+};
+
+}  // namespace straytrace
