@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Fail for a private word where the field has a standard one, in pages, comments, messages and descriptions of keys.
-Usage: check_words.py [--exempt] [ROOT]; --exempt: the hits on pages that are exempt"""
+Usage: check_words.py [ROOT]"""
 import pathlib
 import re
 import sys
@@ -26,8 +26,6 @@ WORDS = {
     r"wager(?:s|ed)?": "roulette",
     r"phase levers?|levers? of (?:a|the) (?:route|path|body)": "phase sensitivity",
 }
-# Pages that still wait for their revision. The list gets shorter, never longer.
-EXEMPT = ("docs/theory/errors.md", "docs/theory/index.md")
 SELF = ("tools/lint/check_words.py", "tests/tools/tree/test_checks.py")      # they name the words
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")
 CODE = ("src", "step", "mpi", "fuzz", "tests", "python", "tools", "bench", "scripts", "schema", "data/page", "examples", "library")
@@ -56,18 +54,17 @@ def problems_of(name, text):
             yield f"{name}:{text.count(chr(10), 0, found.start()) + 1}: says '{' '.join(found[0].split())}'; write: {say}"
 
 
-def main(root, shown):
-    count, found, exempt = 0, [], []
+def main(root):
+    count, found = 0, []
     for name, text in texts(root):
         count += 1
-        (exempt if name in EXEMPT else found).extend(problems_of(name, text))
+        found.extend(problems_of(name, text))
     if not count:
         print(f"{root}: no texts found; is the path right?")
         return 1
-    print("\n".join(found + (exempt if shown else [])) or f"{count} texts use the words of the field; exempt: {len(exempt)} words on {len(EXEMPT)} pages")
+    print("\n".join(found) or f"{count} texts use the words of the field")
     return 1 if found else 0
 
 
 if __name__ == "__main__":
-    words = [word for word in sys.argv[1:] if word != "--exempt"]
-    sys.exit(main(pathlib.Path(words[0] if words else pathlib.Path(__file__).parents[2]).resolve(), "--exempt" in sys.argv))
+    sys.exit(main(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()))
