@@ -128,7 +128,7 @@ TEST(Device, EveryShapeAndLaw) {
 }
 
 // Little room: what does not fit is run on the host, and nothing else changes.
-TEST(Device, WhatDoesNotFitIsRunOnTheHost) {
+TEST(Device, OverflowIsRunOnTheHost) {
   Room const room;
   BatchCounts none, some, many;
   auto const host = on_host(room.world, {4});

@@ -104,7 +104,7 @@ std::string fault(std::string const& step) {
   return made.fault.what;
 }
 
-TEST(step_files, bad_files_are_refused_with_the_reason) {
+TEST(step_files, bad_files_are_errors_with_a_reason) {
   std::string const good = sample(step::add_solids);
   EXPECT_THAT(fault("solid cube\nendsolid\n"), HasSubstr("not a STEP file"));
   EXPECT_THAT(fault(good.substr(0, good.size() / 2)), HasSubstr("cut off"));

@@ -68,7 +68,7 @@ TEST(step_glass, a_lens_in_its_holder_focuses_like_the_closed_form) {
     EXPECT_EQ(s.volume != Surface::none, b.world.groups()[s.group.value] == "bench/L1");
 }
 
-TEST(step_glass, a_bare_boundary_without_glass_is_told) {
+TEST(step_glass, a_bare_boundary_without_glass_is_reported) {
   Built const b = lens("");
   ASSERT_EQ(b.errors, "");
   EXPECT_THAT(b.warnings, HasSubstr("'bench/L1' is a bare boundary (specular: fresnel), but nothing is filled"));
@@ -86,7 +86,7 @@ TEST(step_glass, rows_of_medium_are_rules) {
 }
 
 // A thread is joined by nothing: OpenCASCADE would look for joints in it without an end.
-TEST(step_glass, threads_come_to_an_end) {
+TEST(step_glass, threads_end_in_the_holder) {
   ::alarm(120);  // s: of a second or two
   CadFile const f = converted(sample(step::add_thread));
   ::alarm(0);

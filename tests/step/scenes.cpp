@@ -48,7 +48,7 @@ TEST(step_scenes, units_are_those_of_the_file_or_of_the_scene) {
   EXPECT_THAT(none.errors, HasSubstr("this file states no unit"));
 }
 
-TEST(step_scenes, run_again_from_what_is_kept_without_the_converter) {
+TEST(step_scenes, kept_conversions_run_without_the_converter) {
   std::string const entry = "file: s.step, units: from_file, material: grey";
   Built const first = built({{"s.step", sample(step::add_solids)}}, entry);
   ASSERT_TRUE(first.files.contains("s.step"));
@@ -64,7 +64,7 @@ TEST(step_scenes, run_again_from_what_is_kept_without_the_converter) {
 }
 
 // A machine that lost its power may leave a part of what was kept: it is converted again.
-TEST(step_scenes, what_is_kept_and_damaged_is_made_again) {
+TEST(step_scenes, damaged_conversions_are_repeated) {
   std::string const step = sample(step::add_solids), text = convert_step("s.step", step).text;
   for (auto const& entry : fs::recursive_directory_iterator(folder() / "cache"))
     if (entry.is_regular_file()) fs::resize_file(entry.path(), 100);

@@ -58,7 +58,7 @@ TYPED_TEST(ShapeCurvature, is_the_slope_of_the_normal) {
 template <class Shape>
 constexpr bool curved =
     !std::is_base_of_v<PlaneFrame, Shape> && !std::is_same_v<Shape, Disk> && !std::is_same_v<Shape, Cuboid>;
-TYPED_TEST(ShapeCurvature, controls_are_caught) {
+TYPED_TEST(ShapeCurvature, controls_are_rejected) {
   if constexpr (curved<TypeParam>) {
     EXPECT_GT(worst_of_all<TypeParam>(
                   [](auto const& s, Vec3 p, std::uint32_t i) { return curvature_of(s, p, i).from_behind(); }),

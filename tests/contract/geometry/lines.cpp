@@ -123,7 +123,7 @@ TYPED_TEST(ShapeLines, lie_as_evenly_as_samples) {
 }
 
 // Controls: a shape that has lost its far roots, and one that hits itself where it starts.
-TEST(shape_lines, lost_and_invented_roots_are_seen) {
+TEST(shape_lines, lost_and_invented_roots_are_found) {
   Torus const ring = tilted_instances<Torus>()[0];
   EXPECT_GT(std::fabs(deviation(cross(ring, 1), ring.area())), 5);
   EXPECT_GT(std::fabs(deviation(cross(ring, 2), ring.area())), 5);

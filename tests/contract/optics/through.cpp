@@ -75,7 +75,7 @@ TEST(through, albedo_is_the_integral_over_the_far_side) {
     }
 }
 
-TEST(through, the_lobe_stands_on_the_refracted_direction) {
+TEST(through, the_lobe_is_centred_on_the_refracted_direction) {
   Gaussian const law = gaussian(1, 0.01);
   Vec3 const wi = incoming(50);
   double const s = std::sin(50 * pi / 180) / 1.45;

@@ -66,13 +66,13 @@ TEST(BandCoupling, SlowMotionSpreadsPowerAndKeepsIt) {
   EXPECT_LT(coherent, 0.5 * gain / std::sqrt(2)) << "negative control";
 }
 
-TEST(BandCoupling, BandThatCutsThePowerSaysSo) {
+TEST(BandCoupling, BandThatCutsThePowerIsAWarning) {
   BandCoupling const b = band_coupling(stretch(0.2, 1), stretch(0.02, 2), 68, 72, settings);
   EXPECT_TRUE(b.rises_at_low && b.rises_at_high);
   EXPECT_LT(b.factor, 0.9 * gain / std::sqrt(2)) << "what lies beside is missing";
 }
 
-TEST(BandCoupling, NothingRoseIsNoCoupling) {
+TEST(BandCoupling, WithoutARiseThereIsNoCoupling) {
   EXPECT_TRUE(std::isnan(band_coupling(stretch(0.02, 1), stretch(0.02, 2), 90, 110, settings).factor));
   EXPECT_TRUE(std::isnan(band_coupling(stretch(0.2, 1), stretch(0.02, 2), 500, 600, settings).factor)) << "no line";
 }

@@ -80,7 +80,7 @@ TEST(Coupling, LinearTruthIsFoundWithItsErrorR6_01) {
       << "control: witness and target taken as independent, though they rise together";
 }
 
-TEST(Coupling, WhatTheQuietWitnessMakesIsTakenOffR6_08) {
+TEST(Coupling, ContributionOfTheQuietWitnessIsSubtractedR6_08) {
   // The quiet target is made by the witness altogether: H = 1 at any level, and 2.5 x is a weak injection.
   Truth const loud{2.5, 1, 0.1}, still{1, 1, 0.1};
   Outcome const o = repeat(loud, still, 40 * segment, 60, {.significance = 0});
@@ -112,7 +112,7 @@ TEST(Coupling, ErrorsWithoutCoherenceAreThoseOfIndependentSpectra) {  // sensor 
   EXPECT_LT(o.coverage.share(), 0.75);
 }
 
-TEST(Coupling, OnlyTheWitnessRoseIsALimitR6_08) {
+TEST(Coupling, RiseOfTheWitnessAloneGivesALimitR6_08) {
   Outcome const none = repeat({1000, 0}, {1, 0}, twenty, 200);
   EXPECT_EQ(none.flags[int(CouplingFlag::measured)], 0) << "false alarms at 3 sigma and twice the amplitude";
   EXPECT_GT(none.flags[int(CouplingFlag::upper_limit)], 0.99 * none.points);

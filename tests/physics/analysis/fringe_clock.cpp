@@ -27,7 +27,7 @@ FringeFit fitted(std::uint64_t seed, double late, double clock) {
   return fit_fringes({h, {motion(sway, 64, seconds)}}, s);
 }
 
-TEST(FringeClock, OneClockIsFoundAndNotDoubtedR6_07) {
+TEST(FringeClock, ACommonClockIsFoundAndNotQuestionedR6_07) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     FringeFit const fit = fitted(seed, 0, 0.25);
     EXPECT_EQ(fit.verdict, FitOutcome::found);
@@ -38,7 +38,7 @@ TEST(FringeClock, OneClockIsFoundAndNotDoubtedR6_07) {
 
 // A wrong clock is told with its delay and the amplitude there; control: the fit that trusts it finds another
 // amplitude.
-TEST(FringeClock, AnotherClockIsToldR6_07) {
+TEST(FringeClock, AWrongClockIsReportedR6_07) {
   for (double const late : {0.031, -0.031, 0.2}) {
     FringeFit const fit = fitted(7, late, 0.25);
     EXPECT_EQ(fit.verdict, FitOutcome::clock) << late;

@@ -57,7 +57,7 @@ TEST(FringeFit, SwingingBaffleR6_07) {
 }
 
 // The maximum of the likelihood lies beyond the range: 1.2 takes much of the power of 1.3, but is no fit.
-TEST(FringeFit, AnEndOfTheRangeIsNotFound) {
+TEST(FringeFit, AMaximumAtTheEndOfTheRangeIsNotFound) {
   TimeSeries h = quiet(1);
   add_fringes(h, baffle, 2e-21, 1.1, 1);
   FringeRecords const records{h, {motion({{4e-6, 1.14, 0.3}}, 128, seconds)}};
@@ -97,8 +97,8 @@ void expect_coverage(FitMethod method, int trials) {
   }
 }
 
-TEST(FringeFit, ErrorsCoverTheTruthR6_07) { expect_coverage(FitMethod::frequency, 100); }
-TEST(FringeFit, ErrorsCoverTheTruthInTheTimeDomainR6_07) { expect_coverage(FitMethod::time, 100); }
+TEST(FringeFit, ErrorsCoverTheTrueValueR6_07) { expect_coverage(FitMethod::frequency, 100); }
+TEST(FringeFit, ErrorsCoverTheTrueValueInTheTimeDomainR6_07) { expect_coverage(FitMethod::time, 100); }
 
 // Two ways to weigh the same data.
 TEST(FringeFit, TimeDomainAgreesWithFrequencyDomainR6_07) {
@@ -123,7 +123,7 @@ TEST(FringeFit, TimeDomainAgreesWithFrequencyDomainR6_07) {
 
 // A witness that has nothing to do with it: false alarms as often as stated, 1e-3 here 0.05 so that they can be
 // counted.
-TEST(FringeFit, WrongWitnessIsNoFringe) {
+TEST(FringeFit, WrongWitnessGivesNoFringe) {
   int alarms = 0, found = 0, odds = 0, halves = 0;
   int const trials = 200;
   for (int i = 0; i < trials; ++i) {
@@ -155,7 +155,7 @@ TEST(FringeFit, WrongModelsAreRejected) {
 }
 
 // The static phase drifts in the second part only: what was fitted no longer holds.
-TEST(FringeFit, WhatDoesNotPredictTheRestIsNotGeneral) {
+TEST(FringeFit, AFitThatFailsOnTheRestDoesNotGeneralise) {
   TimeSeries h = quiet(5);
   TimeSeries late = h;
   add_fringes(h, baffle, 2e-21, 0.4, 1);

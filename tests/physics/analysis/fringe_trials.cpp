@@ -40,7 +40,7 @@ struct Share {
 double pull(Fitted const& f, double truth) { return (f.value - truth) / f.sigma; }
 
 // All parameters free at once, two bodies: the errors are those of the whole covariance.
-TEST(FringeTrials, ErrorsOfDelayRatioAndScaleCoverTheTruthR6_07) {
+TEST(FringeTrials, ErrorsOfDelayRatioAndScaleCoverTheTrueValueR6_07) {
   std::vector<Sine> const one{{5e-6, 1.14, 0.3}}, two{{2e-6, 0.83, 1}};
   double const delay = 0.004, ratio = 0.6;
   int const trials = 200;
@@ -71,7 +71,7 @@ TEST(FringeTrials, ErrorsOfDelayRatioAndScaleCoverTheTruthR6_07) {
 }
 
 // Strong enough, a fringe is found; too weak for the rest to tell, it is untested and not refuted.
-TEST(FringeTrials, VerdictFollowsTheStrengthR6_07) {
+TEST(FringeTrials, OutcomeFollowsTheStrengthR6_07) {
   std::vector<Sine> const baffle{{5.2e-6, 1.14, 0.3}};
   int const trials = 60;
   auto const verdicts = [&](double gain) {

@@ -87,7 +87,7 @@ TEST(Impulse, ResponseAndModesOfAnImpulseR6_02) {
   EXPECT_GT(off(pi / 2), 0.5) << "negative control";
 }
 
-TEST(Impulse, RingingThatIsCutStillHasItsQ) {  // 2 s of a ring of 1.5 s
+TEST(Impulse, TruncatedRingingGivesTheQ) {  // 2 s of a ring of 1.5 s
   Ringing const k = ringing(2, 0.02, 1.5, 9.5);
   std::vector<double> const taps = find_taps(k.force, 8, 2);
   ImpulseSettings s{.length = 2, .low = 20, .high = 300};
@@ -139,7 +139,7 @@ Rung rung(std::uint64_t seed, double tau, double noise, Distance const& distance
 }
 
 // The impulse before still rings: 10 % of it is there when the next falls, at any phase.
-TEST(Impulse, WhatStillRingsIsTakenOffTheAmplitude) {
+TEST(Impulse, RemainingRingingIsSubtractedFromTheAmplitude) {
   Coverage amplitude, hz, q, alone;
   for (std::uint64_t seed = 1; seed <= 120; ++seed) {
     Rung const r = rung(seed, 0.9, 1, [](Rng& rng) { return 2.1 + 0.1 * rng.uniform(); });
@@ -153,7 +153,7 @@ TEST(Impulse, WhatStillRingsIsTakenOffTheAmplitude) {
 }
 
 // Impulses at equal distances, of 183 periods here: what is left adds up.
-TEST(Impulse, LeftOverOfRegularImpulsesIsTakenOff) {
+TEST(Impulse, RingingOfRegularImpulsesIsSubtracted) {
   Rung const r = rung(5, 0.9, 0.1, [](Rng&) { return 183 / 91.3; });
   EXPECT_NEAR(r.mode.amplitude / rate, 1, 0.01);
   EXPECT_GT(r.alone.amplitude / rate, 1.08) << "negative control";
@@ -174,7 +174,7 @@ TEST(Impulse, LowQIsNotBiased) {
 }
 
 // One mode is fitted where two ring: errors are those of what the fit leaves.
-TEST(Impulse, ErrorsGrowWhereAnotherModeIsBeside) {
+TEST(Impulse, ErrorsGrowNearAnotherMode) {
   auto const n = std::size_t(30 * rate);
   std::vector<double> f(n), starts;
   for (double t = 0.5; t < 27.5; t += 2.5) {
@@ -220,7 +220,7 @@ TEST(Impulse, ImpulsesThatDifferAreInTheErrorOfTheAmplitude) {
   EXPECT_LT(alone.share(), 0.3);
 }
 
-TEST(Impulse, RefusesOneImpulse) {
+TEST(Impulse, ASingleImpulseIsAnError) {
   Ringing const k = ringing(1, 0.1);
   std::vector<double> const one{1e9 + 3};
   EXPECT_THROW(impulse_response(k.force, k.target, one, {}), InputError);

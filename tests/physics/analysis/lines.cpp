@@ -137,7 +137,7 @@ RampFit ramp(double z, std::uint64_t seed, double noise = 0.2, double drift = 0)
   return fit_ramp(track, follow_line(target, track, 4));
 }
 
-TEST(Ramp, TellsFringeFromLineR6_03) {
+TEST(Ramp, DistinguishesFringeFromLineR6_03) {
   Coverage z, slope;
   int linear = 0, fringe = 0, trials = 25;
   for (int i = 0; i < trials; ++i) {
@@ -159,7 +159,7 @@ TEST(Ramp, TellsFringeFromLineR6_03) {
 
 // Windows of eight periods see their noise in six frequencies. Slopes weighted by what each window saw alone scatter by
 // 1.39 of their error.
-TEST(Ramp, ErrorHoldsWhereWindowsSeeLittleNoise) {
+TEST(Ramp, ErrorIsRightForWindowsWithLittleNoise) {
   auto const n = std::size_t(12 * rate);
   auto const motion = sampled(n, [](double t) { return (0.2 + t / 15) * std::sin(2 * pi * 20.3 * t); });
   TimeSeries const drive = channel("DRIVE", "m", rate, motion);
@@ -174,7 +174,7 @@ TEST(Ramp, ErrorHoldsWhereWindowsSeeLittleNoise) {
   EXPECT_NEAR(std::sqrt(square), 1, 0.12);  // three standard deviations of 300 trials
 }
 
-TEST(Ramp, NoiseIsNoCoupling) {  // moduli of noise, added up, would be a slope of 5 sigma
+TEST(Ramp, NoiseGivesNoCoupling) {  // moduli of noise, added up, would be a slope of 5 sigma
   int unseen = 0, below = 0, trials = 40;
   for (int i = 0; i < trials; ++i) {
     auto const motion = sampled(std::size_t(60 * rate), [](double t) { return t / 60 * std::sin(2 * pi * 20.3 * t); });

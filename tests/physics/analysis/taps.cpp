@@ -117,7 +117,7 @@ TEST(Taps, RatioIsOfRatiosR6_02) {
   EXPECT_TRUE(std::isnan(p->lead));
 }
 
-TEST(Taps, SlopeOfRepeatsTellsLinearFromFoldedR6_02) {
+TEST(Taps, SlopeOfRepeatsDistinguishesLinearFromWrappedR6_02) {
   int linear = 0, folded = 0;
   constexpr int trials = 20;
   for (int i = 0; i < trials; ++i) {
@@ -138,7 +138,7 @@ TEST(Taps, SlopeOfRepeatsTellsLinearFromFoldedR6_02) {
   EXPECT_EQ(folded, trials);
 }
 
-TEST(Taps, NothingIsKeptOfQuietPlaces) {
+TEST(Taps, QuietPlacesAreNotKept) {
   int kept = 0;
   for (int i = 0; i < 10; ++i) {
     Taps const t = tapping({{"far", 0, 8}, {"link", 2, 0.01}}, 900 + std::uint64_t(i));
@@ -170,7 +170,7 @@ TEST(Taps, SilentPlacesHaveLimitsR6_02) {
   EXPECT_LT(tenth, 0.5 * silent) << "control: a limit ten times too low";
 }
 
-TEST(Taps, ListsAreReadAndRefused) {
+TEST(Taps, ValidListsAreReadOthersAreErrors) {
   auto const places = parse_tap_list(
       "# of May\nplace,start,duration,strength\n\"tower\", 1000000000 ,20,soft\nlink,1e9,20\n", "taps.csv");
   ASSERT_EQ(places.size(), 2u);

@@ -57,7 +57,7 @@ TEST(cavity, forty_metre_prototype_b8) {
   EXPECT_LT(deviation(m.waist, m.w1), 1e-12);
 }
 
-TEST(cavity, unstable_ones_are_refused) {
+TEST(cavity, unstable_ones_are_errors) {
   EXPECT_THROW(cavity_mode(3000, 1400, 1400, nd_yag), NumericalError);          // g1 g2 > 1
   EXPECT_THROW(cavity_mode(3000, 2000, 4000, nd_yag), NumericalError);          // g1 g2 < 0
   EXPECT_THROW(cavity_mode(3000, infinity, infinity, nd_yag), NumericalError);  // g1 g2 = 1
@@ -98,7 +98,7 @@ TEST(cavity, general_solver_agrees_with_two_mirrors) {
   }
 }
 
-TEST(cavity, unstable_round_trips_say_why) {
+TEST(cavity, unstable_round_trips_are_explained) {
   AxisMatrix const trip = axis_mirror(1400) * axis_flight(3000) * axis_mirror(1400) * axis_flight(3000);
   EXPECT_NE(instability(trip).find("half the trace of the round-trip matrix is 1.61"), std::string::npos)
       << instability(trip);

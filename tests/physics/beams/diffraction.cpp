@@ -251,7 +251,7 @@ TEST(Diffraction, OffCentreNearbyAgainstRings) {
   EXPECT_GT(std::abs(centred - exact) / std::abs(exact), 0.01);  // control: the offset forgotten
 }
 
-TEST(Diffraction, RefusesWhatItCannotIntegrate) {
+TEST(Diffraction, UnconvergedIntegralsAreErrors) {
   EXPECT_THROW(field_behind(flat, opening(w), 1e-9, w, 0), NumericalError);
 }
 

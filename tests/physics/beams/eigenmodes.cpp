@@ -137,7 +137,7 @@ TEST(eigenmode, ring_out_of_plane_is_twisted) {
   EXPECT_GT(m.q11.imag(), 0);
 }
 
-TEST(eigenmode, unstable_rings_say_why) {
+TEST(eigenmode, unstable_rings_are_explained) {
   try {
     square(0.5, 0.5, {0, 1, 0}).mode();
     FAIL() << "no error";

@@ -93,7 +93,7 @@ TEST(overlap, does_not_depend_on_the_plane) {
 }
 
 // A ghost of 2 mrad in a mode of 5 cm: eq. 5.1 is exp(-87000), no number, but its logarithm is one.
-TEST(overlap, has_a_logarithm_where_it_is_no_number) {
+TEST(overlap, has_a_logarithm_where_it_underflows) {
   Mode const mode = beam({}, along_z, 0.05), ghost = beam({}, tilted(2e-3), 0.05);
   double const exact = -std::pow(pi * 0.05 * 2e-3 / nd_yag, 2);
   EXPECT_EQ(power_overlap(mode, ghost), 0);
@@ -103,7 +103,7 @@ TEST(overlap, has_a_logarithm_where_it_is_no_number) {
   EXPECT_EQ(log_power_overlap(mode, beam({}, {0, 0, -1}, 0.05)), -infinity);
 }
 
-TEST(overlap, refuses_beams_in_two_media) {
+TEST(overlap, beams_in_two_media_are_errors) {
   Mode const u = beam({}, along_z, 1e-3);
   Mode glass = u;
   glass.wavelength /= 1.45;

@@ -70,7 +70,7 @@ double slope_error(Mode const& start, Bench const& exact, Mode const& out, doubl
   return worst / largest;
 }
 
-TEST(beam_path, exact_rays_leave_as_the_curvature_says) {
+TEST(beam_path, exact_rays_agree_with_the_curvature) {
   Bench const b = bench();
   Mode start = circular_mode({}, along_z, 1, 0, 1e-15);  // no diffraction: Im Q is 1e-16 of Re Q
   start.q11 += 0.4, start.q22 -= 0.7, start.q12 += 0.3;
@@ -150,7 +150,7 @@ TEST(ray_matrix, columns_are_rays_traced_exactly) {
   }
 }
 
-TEST(beam_path, says_where_the_chief_ray_misses) {
+TEST(beam_path, errors_name_where_the_chief_ray_misses) {
   Mode const start = circular_mode({}, along_z, 1e-3, 0, 1e-6);
   auto const at = [](Vec3 p) { return std::array{spherical_mirror(p, {0, 0, -1}, 1)}; };
   EXPECT_NO_THROW(follow(start, 1, at({0, 0, 2})));

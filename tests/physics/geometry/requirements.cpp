@@ -189,7 +189,7 @@ TEST(GeometryRequirements, BoxIsWatertightAtItsEdges) {
   EXPECT_GT(control, 0);
 }
 
-TEST(GeometryRequirements, ImpossibleShapesAreRefused) {
+TEST(GeometryRequirements, ImpossibleShapesAreErrors) {
   auto const refused = [](auto const& s) { return !impossible(s).what.empty() && !impossible(s).suggestion.empty(); };
   EXPECT_TRUE(refused(torus(1, 1)) && refused(torus(1, 1e-5)) && !refused(torus(1, 0.9)));
   EXPECT_TRUE(refused(zone(1, 0.5, 0.4)) && refused(zone(1, 0, 1.1)) && !refused(zone(1, -1, 1)));

@@ -147,7 +147,7 @@ TEST(Family, OneRealisationInTimeKeepsRelativePhases) {
 }
 
 // Without fields the paths of a computed route have phases of their own in every realisation.
-TEST(Family, PhasesThatAreNotKnownAreDrawnOneByOne) {
+TEST(Family, UnknownPhasesAreDrawnSeparately) {
   CouplingTable const table =
       known_table({family({{1.0, {phase_sensitivity(0, 2, two_k)}}, {1.0, {phase_sensitivity(0, 2, two_k)}}}, false)});
   std::complex<double> mean = 0;

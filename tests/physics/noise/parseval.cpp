@@ -45,7 +45,7 @@ TEST(Parseval,
 }
 
 // Strong slow motion under a quiet body: bins of the slow body's fringes are wrapped, those of the quiet one linear.
-TEST(LinearShare, TellsWrappingFromLinearCoupling) {
+TEST(LinearShare, DistinguishesWrappingFromLinearCoupling) {
   Spectrum const slow = gaussian_line(0.2, 0.05, 2e-6), quiet = power_law_asd(1e-16, 100, -1, 20, 1000);
   auto const share = [](MotionSet const& m) {
     CouplingTable const t = known_table({known_class(1, 1, {record(0, 1, {phase_sensitivity(0, 2, two_k)})})});

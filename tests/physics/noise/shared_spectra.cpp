@@ -146,7 +146,7 @@ TEST(SharedSpectra, DrawnPathsStateTheirError) {
 
 // Few nodes for strengths that differ by decades lie far apart, some beyond reach of any transform, though no path is:
 // what paths need is computed, and only without that they are refused.
-TEST(SharedSpectra, NodesBeyondReachRefuseNoPath) {
+TEST(SharedSpectra, PathsBeyondTheNodesAreNotLost) {
   Hard const hard = hard_cases()[1];
   PhaseSpectra const spectra(hard.classes, grid);
   constexpr SpectrumInterpolator::Options few{0.25, 20, true, 24, 0}, some{0.25, 20, true, 24, 150};

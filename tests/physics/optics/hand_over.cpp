@@ -93,7 +93,7 @@ double rays_beyond(Roughness const& law, double border) {
 
 // 1 % of the total, which is that of eq. 3.10. The controls hand over with a gap of a fifth of the border, or from a
 // law of half the spectrum (a profile taken as one-sided).
-TEST(hand_over, total_does_not_depend_on_the_border_r2_31) {
+TEST(diffraction_border, total_does_not_depend_on_the_border_r2_31) {
   Roughness const law = k_correlation(Theory::rayleigh_rice, rms, knee, tail);
   ScatteredField const field(heights(law, 31));
   double const total = field.below(0.05) + rays_beyond(law, 0.05);

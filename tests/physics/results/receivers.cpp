@@ -51,7 +51,7 @@ TEST(Receivers, AFullEnclosureCountsAllLight) {
 }
 
 // R2.24: the terms of the energy balance of all light sum to what was emitted, to 1e-12.
-TEST(Receivers, BooksClose) {
+TEST(Receivers, EnergyBalanceCloses) {
   Traced const t = traced(can(), 32);
   double balance_terms = 0;
   for (Moments const& m : t.result.total.energy_balance) balance_terms += m.sum;
@@ -105,7 +105,7 @@ TEST(Receivers, CensusOfATwoMirrorPath) {
 
 // R3.32 and docs/develop/architecture.md: bits do not depend on threads, nor on stopping, writing, reading and going
 // on.
-TEST(Receivers, TheSameBitsHoweverTheyCame) {
+TEST(Receivers, TheSameBitsInAnyOrder) {
   test::Folder const folder;
   auto const hash_of = [&](Traced const& t) {
     write_run(folder / "run.h5", t.content());

@@ -26,7 +26,7 @@ double covered(WelchSettings const& settings, std::size_t trials, bool as_if_ind
   return inside / lines;
 }
 
-TEST(Confidence, HoldsTheTruthIn95PerCent) {  // 60 trials of 62 lines: one standard error 0.36 %
+TEST(Confidence, CoversTheTrueValueIn95PerCent) {  // 60 trials of 62 lines: one standard error 0.36 %
   EXPECT_NEAR(covered({.segment = 512, .overlap = 0}, 60, false), 0.95, 0.015);
   EXPECT_NEAR(covered({.segment = 512, .overlap = 0.5}, 60, false), 0.95, 0.015);
   EXPECT_NEAR(covered({.segment = 512, .overlap = 0.75}, 60, false), 0.95, 0.015);

@@ -45,7 +45,7 @@ TEST(CrossSpectra, CoherenceOfIndependentNoise) {
 }
 
 // y = x + noise of equal power: coherence 1/2; the interval holds it in 95 % of the lines.
-TEST(CrossSpectra, CoherenceIntervalHoldsTheTruth) {
+TEST(CrossSpectra, CoherenceIntervalCoversTheTrueValue) {
   double inside = 0, lines = 0;
   for (std::uint64_t i = 0; i < 40; ++i) {
     std::vector<double> const x = white_noise(512 * 16, 3 * i + 1000), y = sum(x, white_noise(512 * 16, 3 * i + 1001));
@@ -59,7 +59,7 @@ TEST(CrossSpectra, CoherenceIntervalHoldsTheTruth) {
 
 // y = x + noise of equal power, H = 1: the circle around the estimate holds it in 95 % of the lines; control: half of
 // it. It leaves zero out just where the coherence is above the level of chance.
-TEST(CrossSpectra, ConfidenceCircleHoldsTheTruth) {
+TEST(CrossSpectra, ConfidenceCircleCoversTheTrueValue) {
   double inside = 0, half = 0, lines = 0;
   for (std::uint64_t i = 0; i < 40; ++i) {
     std::vector<double> const x = white_noise(512 * 6, 3 * i + 3000), y = sum(x, white_noise(512 * 6, 3 * i + 3001));
@@ -121,7 +121,7 @@ TEST(CrossSpectra, ADelayTurnsThePhaseDown) {  // 3 samples: -360 deg f tau; the
   }
 }
 
-TEST(CrossSpectra, RefusesAMedianAndUnequalLengths) {
+TEST(CrossSpectra, MedianAndUnequalLengthsAreErrors) {
   std::vector<double> const x(100, 1.0), y(99, 1.0);
   EXPECT_THROW(cross_spectra(x, y, rate, {.segment = 10}), InputError);
   EXPECT_THROW(cross_spectra(x, x, rate, {.segment = 10, .average = Average::median}), InputError);

@@ -54,7 +54,7 @@ TEST(Integration, InTheFrequencyDomainHasNoPhase) {  // -w^2 x = a: amplitude an
 }
 
 // A tone between half the corner and the corner: A/sqrt(2) times the difference of the two high passes (eq. 11.3).
-TEST(Integration, WhatLiesBelowTheCornerIsKnown) {
+TEST(Integration, MotionBelowTheCornerIsReported) {
   double const f = 0.9, w = 2 * pi * f, corner = 1.0;
   auto const kept = [&](double c) { return std::pow(f / c, 4) / (1 + std::pow(f / c, 4)); };
   TimeSeries const a = testing::series_with(tone(f, 1e-6 * w * w, 0.4), rate, "m/s^2");
@@ -74,7 +74,7 @@ std::complex<double> high_pass(int order, double ratio) {
 }
 
 // The trapezoidal rule, (x cot x)^times, and modulus and phase of the causal high pass.
-TEST(Integration, CausalOneIsWhatItSays) {
+TEST(Integration, CausalIntegrationHasTheStatedResponse) {
   double const f = 20, w = 2 * pi * f, x = pi * f / rate, rule = x / std::tan(x);
   TimeSeries const a = testing::series_with(tone(f, 1), rate, "m/s^2");
   std::complex<double> const twice = high_pass(6, f), once = high_pass(4, f);

@@ -119,7 +119,7 @@ double amplitude(std::vector<double> const& x) {
   return std::sqrt(2.0) * rms(std::span(x).subspan(x.size() / 4, x.size() / 2));
 }
 
-TEST(Filters, PassWhatTheySayWithoutPhase) {
+TEST(Filters, PassTheirBandWithoutPhase) {
   auto const tone = [](double hz) {
     std::vector<double> x(256 * 40);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::sin(2 * pi * hz * double(i) / rate);
@@ -134,7 +134,7 @@ TEST(Filters, PassWhatTheySayWithoutPhase) {
   EXPECT_NEAR(amplitude(notched(tone(40), 50).samples), 1, 0.01);
 }
 
-TEST(Filters, DecimationDoesNotFold) {  // to 64 Hz: 10 Hz stays, 54 Hz would fold onto 10 Hz
+TEST(Filters, DecimationDoesNotAlias) {  // to 64 Hz: 10 Hz stays, 54 Hz would fold onto 10 Hz
   auto const tone = [](double hz) {
     std::vector<double> x(256 * 40);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::sin(2 * pi * hz * double(i) / rate);
@@ -146,7 +146,7 @@ TEST(Filters, DecimationDoesNotFold) {  // to 64 Hz: 10 Hz stays, 54 Hz would fo
   EXPECT_LT(amplitude(decimated(tone(54), 4).samples), 2e-4);
 }
 
-TEST(Series, AlignedStandsOnTheSlowClock) {
+TEST(Series, AlignedSeriesHaveTheSlowerRate) {
   std::vector<double> fast(2560), slow(320);
   for (std::size_t i = 0; i < fast.size(); ++i) fast[i] = std::sin(2 * pi * 3 * double(i) / 256);
   for (std::size_t i = 0; i < slow.size(); ++i) slow[i] = double(i);

@@ -117,7 +117,7 @@ TEST(Welch, ErrorsAreThoseOfRepeatedSeries) {  // spread over 400 series against
   }
 }
 
-TEST(Welch, RefusesWhatDoesNotFit) {
+TEST(Welch, ImpossibleSegmentsAreErrors) {
   std::vector<double> const x(100, 1.0);
   EXPECT_THROW(welch(x, rate, {.segment = 101}), InputError);
   EXPECT_THROW(welch(x, rate, {.segment = 1}), InputError);

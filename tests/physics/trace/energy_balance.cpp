@@ -172,7 +172,7 @@ World spot_and_disk(bool sound) {
   steer(world);
   return world;
 }
-TEST(EnergyBalance, DirectionsTooRareToBeDrawnAreNoImbalance) {
+TEST(EnergyBalance, DirectionsTooRareToBeDrawnCauseNoImbalance) {
   World const sound = spot_and_disk(true), wrong = spot_and_disk(false);
   double farthest = 0;  // in standard errors of what was drawn
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {

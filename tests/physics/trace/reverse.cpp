@@ -226,7 +226,7 @@ TEST(ReversePaths, PoorlySampledRoutesTakeTheNumbersOfTheirReverse) {
 }
 
 // Counting histories: a route without a score is added, a poorer one replaced, two trusted ones are left alone.
-TEST(ReversePaths, WhoSpeaksForWhom) {
+TEST(ReversePaths, ChoiceOfTheSampledDirection) {
   auto const made = [](std::vector<PathStep> const& steps, std::uint64_t scored, bool trusted, double mean) {
     MadeClass m;
     m.row.steps = steps;

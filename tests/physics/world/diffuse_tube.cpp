@@ -29,7 +29,7 @@ TEST(diffuse_tube, ten_million_bounces_over_3_km) { expect_exact(tube3, 10'000'0
 TEST(diffuse_tube, ten_million_bounces_over_40_km) { expect_exact(tube40, 10'000'000, 2); }
 
 // Negative control: a tracer that does not know which surface it starts on hits it again at zero distance.
-TEST(diffuse_tube, control_that_forgets_the_start_surface_is_rejected) {
+TEST(diffuse_tube, control_without_the_start_surface_is_rejected) {
   for (Tube const& tube : {tube3, tube40}) {
     TubeScene const scene(tube);
     WorldView const view = scene.world.view();

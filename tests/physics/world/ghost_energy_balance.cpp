@@ -30,7 +30,7 @@ Ellipse round_by_scan(double a) {
 }
 
 // Case A8, eq. 5.5: w = 58 mm in a = 170 mm; eq. 5.6 with an offset; in closed form and by lines that miss.
-TEST(GhostRims, share_beside_a_round_mirror) {
+TEST(GhostRims, share_outside_a_round_mirror) {
   double const w = 0.058, a = 0.17;
   EXPECT_NEAR(beside(disk(0, a), w) / 3.4513e-8, 1, 1e-4);
   EXPECT_NEAR(beside(cap(1 / 1683.0, 0, a), w) / 3.4513e-8, 1, 1e-3);  // w where the beam crosses the plane of the rim
@@ -44,7 +44,7 @@ TEST(GhostRims, share_beside_a_round_mirror) {
   EXPECT_EQ(beside(disk(0, 1), w), 0);
 }
 
-TEST(GhostRims, share_beside_other_rims) {
+TEST(GhostRims, share_outside_other_edges) {
   double const w = 0.03;
   double const inside = std::erf(std::sqrt(2) * 0.04 / w) * std::erf(std::sqrt(2) * 0.03 / w);
   EXPECT_NEAR(beside(rectangle(0.08, 0.06), w) / (1 - inside), 1, 2e-3);
@@ -58,7 +58,7 @@ TEST(GhostRims, share_beside_other_rims) {
 }
 
 // R2.24: each watt is on an object, in a medium, beside a rim, out of the scene or cut, with names.
-TEST(GhostEnergyBalance, every_watt_has_a_place) {
+TEST(GhostEnergyBalance, every_watt_is_counted_once) {
   World world = plate(0.04, 1.45, 0.01, 1e-3, 0.006);
   world.add_surface(disk(0, 0.5, {{0, 0, 1}, {0, 0, -1}}), lambertian_optic(world, 0.3), 0, world.add_body("dump", {}),
                     world.add_group("dump"));

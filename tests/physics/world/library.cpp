@@ -130,7 +130,7 @@ int lines_to_the_wall(Arm const& arm, int lines) {
   return open;
 }
 
-TEST(LibraryWorld, NoMirrorSeesTheWallOfItsTubeE1) {
+TEST(LibraryWorld, BafflesHideTheWallFromBothMirrorsE1) {
   EXPECT_EQ(detectors().size(), 6u);
   for (std::string const& name : detectors()) EXPECT_EQ(lines_to_the_wall(arm_of(name), 40000), 0) << name;
 }

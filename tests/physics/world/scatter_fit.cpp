@@ -93,7 +93,7 @@ TEST(ScatterFit, GivesBackTheLaw) {
 }
 
 // The errors are those of the parameters: pulls of order one, and a wrong truth is refused.
-TEST(ScatterFit, ErrorsHold) {
+TEST(ScatterFit, ErrorsCoverTheTrueValue) {
   ScatterFit const fit = fit_named(fit_scatter(scans(harvey, 0.1), "made up"), "harvey");
   double const truth[] = {0.4, 0.004, -1.6};
   for (std::size_t i = 0; i < 3; ++i) {

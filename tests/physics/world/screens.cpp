@@ -45,7 +45,7 @@ double taken(BeamEnergyBalance const& energy_balance, std::size_t object) {
 // The waist is 1 m before the hole; z_R = 73.8 m, so w is 1.00009 times as large there.
 double const there = w * std::sqrt(1 + std::pow(lambda / (pi * w * w), 2));
 
-TEST(Screens, holes_pass_what_eq_5_5_says) {
+TEST(Screens, holes_transmit_the_share_of_eq_5_5) {
   for (auto [radius, passed] : {std::pair{there, 0.86466}, {pi * there / 2, 0.99281}}) {
     BeamEnergyBalance const energy_balance = energy_balance_of({{radius}});
     EXPECT_NEAR(1 - taken(energy_balance, 0), passed, 5e-6);
@@ -96,7 +96,7 @@ TEST(Screens, holes_in_a_row_take_each_line_once) {
 
 // What the rim of the surface left has cut off is dark on the flight from there: a second lens of one size, and the
 // mount behind it, take nothing more. Control: each of them sees a whole Gaussian.
-TEST(Screens, stand_in_the_shadow_of_the_surface_left) {
+TEST(Screens, are_shadowed_by_the_surface_left) {
   World world;
   world.wavelength = lambda;
   std::uint32_t const glass = coated(world, 0), black = black_optic(world);

@@ -58,7 +58,7 @@ TEST(Budget, AdvancedVirgoMeetsItsCurve) {  // docs/theory/sensitivity.md: 6 % a
   EXPECT_GT(worst({"Materials.Coating.Phihighn=3.89e-4"}), 0.08);
 }
 
-TEST(Budget, RunBesideADetector) {
+TEST(Budget, RunWithADetector) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "131072", "--quiet"}).code, 0);
   std::string const run = folder / "run/run.h5";
@@ -150,7 +150,7 @@ TEST(Budget, TechnicalCurves) {
   EXPECT_NEAR(noise(at, "Newtonian")["strain"][0].get<double>(), 1e-21, 1e-30);
 }
 
-TEST(Budget, CurvesTakeThePlaceOfNoisesR2_17R2_22) {  // Newtonian, and every other one by its name
+TEST(Budget, CurvesReplaceNoisesR2_17R2_22) {  // Newtonian, and every other one by its name
   Folder const folder;
   Json const known = Json::parse(straytrace({"budget", "aligo", "--at", "20 Hz", "--format", "json"}).out)["at"];
   write_text(folder / "curve.txt", "1 3e-21\n10000 3e-21\n");
@@ -265,7 +265,7 @@ TEST(Budget, ExportedBudgetsBringTheirFundamentalNoises) {  // control: RunAlone
   EXPECT_THAT(done.out, Not(HasSubstr("LIGO requirement")));  // its line needs a detector
 }
 
-TEST(Budget, ShotNoiseAloneIsNotShownBesideFilterCavities) {  // their angle is made for mirrors that move
+TEST(Budget, ShotNoiseAloneIsNotShownWithFilterCavities) {  // their angle is made for mirrors that move
   for (char const* name : {"aplus", "et-hf"})
     EXPECT_THAT(straytrace({"budget", name}).out, Not(HasSubstr("shot noise alone"))) << name;
   // Without frequency dependence it is back, and below the total.
@@ -278,7 +278,7 @@ TEST(Budget, ShotNoiseAloneIsNotShownBesideFilterCavities) {  // their angle is 
     EXPECT_LT(at["lines"][0]["strain"][i].get<double>(), at["total"][i].get<double>());
 }
 
-TEST(Budget, WhatIsOutsideARunIsNotZero) {
+TEST(Budget, NoiseOutsideTheBandOfARunIsNotZero) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "run", "--histories", "4096", "--quiet"}).code, 0);
   Finished const done =

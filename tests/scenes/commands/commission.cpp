@@ -243,7 +243,7 @@ TEST(Fringes, IntegratedMotionHasNoFringesOfItsEnds) {
               HasSubstr("fewer than six periods"));
 }
 
-TEST(Fit, RecordsThatStandStillAreRefusedR6_06) {
+TEST(Fit, ConstantRecordsAreErrorsR6_06) {
   Folder const folder;
   std::string const file = folder / "still.csv";
   write_record(file, "time [s],h [strain],x [m]", 1000, 256, 20,

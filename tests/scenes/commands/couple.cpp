@@ -30,7 +30,7 @@ double mode(double hz) {
   return 4e-22 / 1e-6 / std::abs(1.0 - 2 * r * std::cos(turn) * z + r * r * z * z);
 }
 
-TEST(Couple, NoiseFindsTheTruthAndIsReadBackR6_01) {
+TEST(Couple, NoiseFindsTheTrueCouplingAndIsReadBackR6_01) {
   Folder const folder;
   std::string const csv = folder / "acc.csv";
   Words words = noise_words();
@@ -91,7 +91,7 @@ TEST(Couple, LinesAndRampFindThePhaseR6_03) {
   EXPECT_THAT(text_of(folder / "line.csv"), HasSubstr("Fringe wrapped"));
 }
 
-TEST(Couple, FactorsWithoutUnitsAreProjectedInTheUnitThatIsSaidR6_08) {
+TEST(Couple, FactorsWithoutUnitsAreProjectedInTheGivenUnitR6_08) {
   Folder const folder;
   std::string const csv = folder / "c.csv", out = folder / "p.csv", bench = data("bench.csv") + "::bench";
   write_text(csv, "frequency,factor,factor_counts,flag\n5,2,7,Real\n40,2,7,Real\n");
@@ -139,7 +139,7 @@ TEST(Couple, SweepImpulseAndEvents) {
   EXPECT_GE(events[0]["to"], 30.0);
 }
 
-TEST(Couple, RefusalsNameTheRemedy) {
+TEST(Couple, ErrorsNameTheRemedy) {
   auto const said = [](Words const& words) {
     Finished const f = straytrace(words);
     EXPECT_EQ(f.code, 2);

@@ -25,7 +25,7 @@ Words noise_words(std::string const& injection, std::string const& quiet, Words 
 
 Words const acc{"--witness", data("shaken.csv") + "::ACC"};
 
-TEST(CoupleRecords, StretchesThatShareTimeAreRefused) {
+TEST(CoupleRecords, OverlappingStretchesAreErrors) {
   EXPECT_THAT(refusal(noise_words("20..48", "0..24", acc)),
               HasSubstr("--quiet 0..24 and --injection 20..48 share the time from 20 to 24"));
   EXPECT_THAT(
@@ -43,7 +43,7 @@ TEST(CoupleRecords, StretchesThatShareTimeAreRefused) {
               HasSubstr("'tower'"));
 }
 
-TEST(CoupleRecords, UnitsThatContradictTheFileAreRefused) {
+TEST(CoupleRecords, UnitsThatContradictTheFileAreErrors) {
   Words words = noise_words("24..48", "0..24", acc);
   words.insert(words.end(), {"--witness-unit", "m/s^2"});
   EXPECT_THAT(refusal(words), HasSubstr("is in um/s^2, not in m/s^2"));
@@ -111,7 +111,7 @@ TEST(CoupleRecords, LimitsOfASweepFollowTheDisplacementR6_04) {
 }
 
 // exp(-t/0.3 s) cos(2 pi 31 t), driven by sweeps of 1 s that are followed by 3 s of silence.
-TEST(CoupleRecords, SweepsThatAreOverGiveTheModeR6_03) {
+TEST(CoupleRecords, FinishedSweepsGiveTheModeR6_03) {
   Folder const folder;
   double const rate = 200, decay = std::exp(-1 / (0.3 * rate)), turn = 2 * M_PI * 31 / rate;
   std::string text = "time [s],F [N],H [strain]\n", list = "place,start,duration\n";
@@ -143,7 +143,7 @@ TEST(CoupleRecords, SweepsThatAreOverGiveTheModeR6_03) {
 }
 
 // Measured twice what is predicted, with 10 % of error each, and one limit far below the prediction.
-TEST(CoupleRecords, MeasuredBesidePredictedR6_08) {
+TEST(CoupleRecords, MeasuredAgainstPredictedR6_08) {
   Folder const folder;
   std::string const run = folder / "run.h5", csv = folder / "measured.csv";
   ASSERT_EQ(straytrace({"trace", virgo_arm, "--histories", "131072", "--seed", "3", "-o", run}).code, 0);

@@ -32,7 +32,7 @@ bool has(std::vector<std::string> const& warnings) {
   return std::any_of(warnings.begin(), warnings.end(), [](std::string const& w) { return w.find(said) != w.npos; });
 }
 
-TEST(DrawnPaths, AreSaidWhereverTheirNoiseIsShown) {
+TEST(DrawnPaths, AreNamedWhereverTheirNoiseIsShown) {
   Folder const folder;
   std::string const scene = folder / "arm.yaml", run = folder / "out/run.h5";
   write_text(scene, swaying_arm());

@@ -76,7 +76,7 @@ TEST(Fit, FreeAddsToWhatIsSearched) {
   EXPECT_NEAR(path["multiplicity"]["value"].get<double>(), 1.3, 0.03);
 }
 
-TEST(Fit, RefusesWhatCannotBeFitted) {
+TEST(Fit, ImpossibleFitsAreErrors) {
   auto const refused = [](Words const& more, char const* what, char const* band = "20 Hz..85 Hz") {
     Finished const done = straytrace(words(more, band));
     EXPECT_EQ(done.code, 2) << done.out;

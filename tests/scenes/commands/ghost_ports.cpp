@@ -119,7 +119,7 @@ TEST(GhostPorts, unequal_phase_sensitivities_add_as_fields_in_a_run) {
 }
 
 // More phase sensitivities than can be added as fields: the strongest are, and a warning says what is left.
-TEST(GhostPorts, a_family_that_is_too_large_says_so) {
+TEST(GhostPorts, a_family_that_is_too_large_is_a_warning) {
   Folder const folder;
   std::string text =
                   "straytrace: 1\nmaterials: {face: {specular: {reflect: 1 ppm, transmit: 99.9 %}, scatter: {model: "
@@ -144,7 +144,7 @@ TEST(GhostPorts, a_family_that_is_too_large_says_so) {
 }
 
 // A way and its reverse are two ghosts of one phase: 4 f, whatever the phases of others (eq. 1.5).
-TEST(GhostPorts, a_way_and_its_reverse_add_as_fields) {
+TEST(GhostPorts, a_path_and_its_reverse_add_as_fields) {
   double const r = 1e-2;  // three equal faces: z1 z2 z3 and back; the pair entry-sensor in both orders
   json const all =
       ghosts_of(line("entry", r, r, "reflect: 1 %, transmit: 99 %"), {"--show", "500", "--floor", "1e-12"});
@@ -171,7 +171,7 @@ TEST(GhostPorts, a_way_and_its_reverse_add_as_fields) {
 
 // An attenuator is part of the main beam, and what stands behind it is lit by its share; the reflection of a coated
 // mirror that passes as little is what goes on there.
-TEST(GhostPorts, light_goes_on_behind_an_attenuator) {
+TEST(GhostPorts, light_continues_behind_an_attenuator) {
   Folder const folder;
   auto const lit = [&](std::string const& filter) {
     write_text(folder / "a.yaml", "straytrace: 1\n" + line("sensor", 0, 0, filter) + detector);
@@ -211,7 +211,7 @@ std::string arm(std::string const& lit, std::string const& more = "") {
 
 // What an input mirror passes interferes with the light of the splitter: refused, with what to write instead; what an
 // end mirror passes is all there is.
-TEST(GhostPorts, lit_behind_an_input_mirror_is_refused) {
+TEST(GhostPorts, lit_behind_an_input_mirror_is_an_error) {
   Folder const folder;
   auto const check = [&](std::string const& lit) {
     write_text(folder / "a.yaml", "straytrace: 1\n" + arm(lit));
@@ -249,7 +249,7 @@ TEST(GhostPorts, defaults_find_ghosts_behind_an_end_mirror) {
 // The alternative: a beam of its own, as it leaves the input mirror, with a port in the short arm. h = (lambda/4 pi L)
 // (pi/2F) |1 + i f/f_cav| sqrt(f_sc) 2 k x for two arms and the mean over phases (eq. 9.5), f_sc = beta lambda^2/(pi
 // w^2). Control: what the mirror passes, in the arm (eq. 9.3 with the transmission of the input mirror).
-TEST(GhostPorts, a_beam_of_its_own_in_the_short_arm_eq_9_5) {
+TEST(GhostPorts, a_separate_beam_in_the_short_arm_eq_9_5) {
   Folder const folder;
   write_text(
       folder / "a.yaml",

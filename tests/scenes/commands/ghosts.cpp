@@ -152,7 +152,7 @@ TEST(GhostCommand, rows_are_for_people) {
   EXPECT_THAT(straytrace({"ghosts", bench, "--floor", "1e-13", "--csv", "--quiet"}).out, Not(HasSubstr(" more) > ")));
 }
 
-TEST(GhostCommand, refuses_with_a_remedy) {
+TEST(GhostCommand, errors_state_a_remedy) {
   auto const says = [](Words const& words, std::string const& what, std::string const& remedy) {
     Finished const done = straytrace(words);
     EXPECT_EQ(done.code, 2);

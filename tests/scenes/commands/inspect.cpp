@@ -129,7 +129,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
 }
 
 // Clear grains on a perfect mirror scatter all light at grazing: what their quadrature adds to it is no light made.
-TEST(Inspect, DustOnAPerfectMirrorMakesNoLight) {
+TEST(Inspect, DustOnAPerfectMirrorCreatesNoLight) {
   Folder const folder;
   for (std::string const size : {"level: 500", "diameter: 2 um, coverage: 1 %", "diameter: 20 um, coverage: 10 ppm"}) {
     write_text(folder / "a.yaml", scene_with("  m: {scatter: {model: dust, reflectance: 1, " + size + "}}\n"));

@@ -257,7 +257,7 @@ TEST(NoiseAndPaths, ALineIsReadFromItsBin) {
   EXPECT_EQ(curve[i - 1][1], 0);  // negative control
 }
 
-TEST(NoiseAndPaths, OfASceneTellTheWayToARun) {
+TEST(NoiseAndPaths, OfASceneNameTheCommandForARun) {
   for (Words const& words :
        {Words{"paths", virgo_arm}, Words{"noise", virgo_arm}, Words{"explain", "h", virgo_arm},
         Words{"couple", "predict", virgo_arm, "--body", "tube"}, Words{"maps", virgo_arm, "-o", "m"}}) {

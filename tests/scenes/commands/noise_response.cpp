@@ -66,7 +66,7 @@ struct NoiseResponse : ::testing::Test {
   }
 };
 
-TEST_F(NoiseResponse, TakesThePlaceOfThatOfTheScene) {
+TEST_F(NoiseResponse, ReplacesThatOfTheScene) {
   Columns const own = columns_of(folder / "run/h_asd.txt"),
                 one = projected({"noise", run, "--response", both("one.yaml", "one.txt")}, "one"),
                 two = projected({"noise", run, "--response", both("two.yaml", "two.txt")}, "two");
@@ -117,7 +117,7 @@ TEST_F(NoiseResponse, StaysWithAnotherMotion) {
   EXPECT_NEAR(two.mean.front() / one.mean.front(), 2, 1e-6);
 }
 
-TEST_F(NoiseResponse, RefusesWhatIsNoResponse) {
+TEST_F(NoiseResponse, WrongFilesAreErrors) {
   auto const refused = [&](std::string const& text, std::vector<std::string> const& says) {
     write_text(folder / "bad.yaml", text);
     Finished const done = straytrace({"noise", run, "--response", folder / "bad.yaml", "-o", folder / "no"});

@@ -52,7 +52,7 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
 }
 
 // Every command that reads motion says where its files end; check and noise find the same mistakes.
-TEST_F(Projected, MotionFilesAreJudgedAlikeByAllCommands) {
+TEST_F(Projected, MotionFilesGiveTheSameErrorsInAllCommands) {
   auto const with = [](std::string const& z) {
     return "straytrace: 1\nbodies:\n  ITM: {motion: still}\n  ETM: {motion: still}\n  bench: {motion: {z: {" + z +
            "}, others: still}}\n";
@@ -113,7 +113,7 @@ TEST_F(Projected, MeanBySpectraRunsThroughTheBins) {
   EXPECT_LT(level, hz.size() / 50);
 }
 
-TEST_F(Projected, RefusesARateThatAliases) {  // R4.10
+TEST_F(Projected, ARateThatAliasesIsAnError) {  // R4.10
   Finished const got = straytrace(project({"--rate", "128", "-o", at("none.csv")}));
   EXPECT_EQ(got.code, 2);
   EXPECT_NE(got.err.find("eq. 7.13"), got.err.npos) << got.err;
@@ -121,7 +121,7 @@ TEST_F(Projected, RefusesARateThatAliases) {  // R4.10
   EXPECT_FALSE(fs::exists(at("none.csv")));
 }
 
-TEST_F(Projected, SaysWhatIsWrongWithTheCommandLine) {
+TEST_F(Projected, ErrorsOfTheCommandLineAreExplained) {
   auto const error = [](Words const& words) {
     Finished const got = straytrace(words);
     EXPECT_EQ(got.code, 2) << got.out;
@@ -154,7 +154,7 @@ TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
 
 // A projection of hours says how far it is; Ctrl-C ends it at once and leaves no file, not even part of one. Control: a
 // short one says nothing of progress and writes both files.
-TEST_F(Projected, ShowsProgressAndLeavesNothingWhenInterrupted) {
+TEST_F(Projected, ShowsProgressAndLeavesNoFileWhenInterrupted) {
   Folder const results;
   auto const words = [&](Words more) {
     Words all = project({"--asd", results / "asd.txt", "-o", results / "h.txt"});

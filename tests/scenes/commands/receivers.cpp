@@ -46,7 +46,7 @@ TEST(ReceiversCommand, TraceNeedsNoInterferometer) {
   EXPECT_THAT(noise.err, HasSubstr("without an interferometer"));
 }
 
-TEST(ReceiversCommand, RunReportsTheBooks) {
+TEST(ReceiversCommand, RunReportsTheEnergyBalance) {
   Folder const folder;
   Finished const run = straytrace({"run", two_mirrors, "-o", folder / "out", "--histories", "2e5"});
   ASSERT_EQ(run.code, 0) << run.err;
@@ -142,7 +142,7 @@ TEST(ReceiversCommand, StopRules) {
   EXPECT_THAT(located.err, HasSubstr("did you mean 'PD'?"));
 }
 
-TEST(ReceiversCommand, InterruptedRunsGoOnWithTheSameBits) {
+TEST(ReceiversCommand, InterruptedRunsResumeWithTheSameBits) {
   Folder const folder;
   auto const trace = [&](std::string const& file, Words const& more) {
     Words words{"trace", two_mirrors, "-o", folder / file, "--quiet"};

@@ -111,7 +111,7 @@ TEST(Render, OtherModesDraw) {
   rendered({bench, "-o", file, "--cut", "x=0", "--cut", "y>10cm", "--whole", "--section"});
 }
 
-TEST(Render, BadOptionsSayWhatToWrite) {
+TEST(Render, ErrorsOfOptionsStateARemedy) {
   Folder const folder;
   std::string const file = folder / "a.png";
   struct Case {

@@ -34,7 +34,7 @@ TEST(RenderFlash, GlintOfTheEndMirror) {
   EXPECT_EQ(text_of(folder / "a.png"), first);
 }
 
-TEST(RenderFlash, RefusesWithARemedy) {
+TEST(RenderFlash, ErrorsStateARemedy) {
   Folder const folder;
   std::string const file = folder / "a.png";
   EXPECT_THAT(refusal({"render", virgo_arm, "-o", file, "--flash"}), HasSubstr("write --from NAME or --eye X,Y,Z"));

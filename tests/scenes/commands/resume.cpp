@@ -61,7 +61,7 @@ TEST(Resume, MaxTime) {
   EXPECT_EQ(data_hash(folder / "a/run.h5"), data_hash(folder / "b/run.h5"));
 }
 
-TEST(Resume, AReachedGoalIsNotTracedAgain) {
+TEST(Resume, AReachedErrorIsNotTracedAgain) {
   Folder const folder;
   auto const run = [&](std::string const& scene, std::string const& until) {
     Finished const r = straytrace({"run", scene, "-p", "rings=40", "-o", folder / "a", "--until", until});

@@ -68,7 +68,7 @@ TEST(RunDiff, NoMinusZero) {
 }
 
 // Spectra that paths share do not hold a change of 1e-4: the line says both. Control: a change of 1 %.
-TEST(RunDiff, ADeadBandIsStated) {
+TEST(RunDiff, TheLimitOfChangesIsStated) {
   auto const text = [](double h) {
     return run_difference_text(run_differences(before, run_of(1, groups, {{{0, 1, 0}, h}, {{}, 5e-23}})));
   };
@@ -94,7 +94,7 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
 
 // What is in `other` rises, with and without a route that got a row of its own. Control: it rises by less than its
 // error.
-TEST(RunDiff, AChangeInsideOtherIsOne) {
+TEST(RunDiff, AChangeInsideOtherIsAChange) {
   auto const sigmas = [](std::vector<Row> rows) {
     rows.push_back({{0, 1, 0}, 1e-22});
     return row(run_differences(before, run_of(2, groups, rows)), "other > ITM").sigmas();

@@ -147,7 +147,7 @@ TEST_F(Scan, RequirementClosesInOnTheDoubtFromBothSides) {
 // Most of the time of these points passes between the traces, where Ctrl-C must not lose the table
 // (docs/reference/commands.md). A parameter of this length fills the page by which the program may be ahead of its
 // reader with six points: it cannot end before it is interrupted, however late that is.
-TEST_F(Scan, InterruptedBetweenTracesItGoesOnFromThere) {
+TEST_F(Scan, InterruptedBetweenTracesItResumesThere) {
   std::string const name = "black" + std::string(600, 'k');
   std::string const text = edited(text_of(scene), "  black: 1e-4 /sr", "  " + name + ": 1e-4 /sr");
   write_text(scene, edited(text, "brdf: black}", "brdf: " + name + "}"));
@@ -171,7 +171,7 @@ TEST_F(Scan, InterruptedBetweenTracesItGoesOnFromThere) {
   EXPECT_EQ(table["points"][0]["strain"], part["points"][0]["strain"]);
 }
 
-TEST_F(Scan, AnInterruptedSearchSaysWhatItKnows) {
+TEST_F(Scan, AnInterruptedSearchPrintsItsInterval) {
   double const worst = json({"moves=1e-15 m/sqrt(Hz)"})["points"][0]["worst_ratio"]["value"].get<double>();
   Program running({"scan", scene, "--invert", "param(moves)", "moves=0.1e-15 m/sqrt(Hz)..1e-11 m/sqrt(Hz)", "--margin",
                    digits(worst), "--tolerance", "1e-5", "--histories", "140000", "-o", folder / "search"});

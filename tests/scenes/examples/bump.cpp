@@ -83,7 +83,7 @@ TEST(Bump, AccelerometerIsProjectedByACouplingPerMetre) {
   EXPECT_NEAR(at_70_hz("4e-6 m/s^2") / h, 2, 1e-6);
 }
 
-TEST(Bump, RecordsAreNoRunFile) {
+TEST(Bump, ARecordIsNotARunFile) {
   Finished const f = straytrace({"inspect", quiet});
   EXPECT_THAT(f.err, HasSubstr("no run file"));
   EXPECT_THAT(f.err, HasSubstr("signal psd"));

@@ -67,7 +67,7 @@ TEST(AperturesCommand, TableAndProfile) {
 }
 
 // Mounts, tilted mirrors and all behind them are listed; what cannot be meant is refused with a reason.
-TEST(AperturesCommand, WholeWayAndRefusals) {
+TEST(AperturesCommand, WholePathAndErrors) {
   std::string const bench = source_folder + "/examples/bench.yaml";
   Finished const table = straytrace({"apertures", bench, "--show", "40"});
   ASSERT_EQ(table.code, 0) << table.err;

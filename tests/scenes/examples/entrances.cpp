@@ -82,7 +82,7 @@ TEST(Entrances, TransmissionIsNotCountedTwice) {
 }
 
 // A wider band asks the files of the run for more than they hold: said before anything is computed.
-TEST(Entrances, FilesCoverTheBandThatIsAskedFor) {
+TEST(Entrances, FilesCoverTheRequestedBand) {
   Folder const folder;
   write_text(folder / "phase.txt", "10 1e-12 0\n100 1e-12 0\n");
   std::string const responses =

@@ -33,7 +33,7 @@ Said said_of(std::string const& scene) {
 
 constexpr char dark[] = "facing: [0, 0, -1], side: front";
 
-TEST(SilentBeams, ASideThatOnlyAbsorbsIsRefused) {
+TEST(SilentBeams, ASideThatOnlyAbsorbsIsAnError) {
   Said const s = said_of(lamp(dark, "on: lamp"));
   EXPECT_EQ(s.check.code, 2);
   EXPECT_EQ(s.trace.code, 2);
@@ -92,7 +92,7 @@ SampleMean on_chip(std::string const& scene) {
 }
 
 // albedo a^2/(a^2 + d^2), with d/a = 10 in all of them; a spot on the wall across lights the back of the chip.
-TEST(SilentBeams, InnerWallsAreLitWhereTheCentreLies) {
+TEST(SilentBeams, InnerWallsAreLitFromTheirCentre) {
   double const expected = 0.5 / 101;
   for (Walled const& w : walled) expect_mean(w.shape.c_str(), on_chip(scene_of(w)), expected, 0.01 * expected);
   std::string turned = scene_of(walled[0]);
@@ -101,7 +101,7 @@ TEST(SilentBeams, InnerWallsAreLitWhereTheCentreLies) {
 }
 
 // The remedy of the refusal is the scene that is accepted above.
-TEST(SilentBeams, AnInnerWallLitFromBehindIsToldTheWayThatWorks) {
+TEST(SilentBeams, AnInnerWallLitFromBehindNamesARemedy) {
   for (Walled const& w : walled) {
     if (w.beam.find("centre") == std::string::npos) continue;
     std::string wrong = scene_of(w);
@@ -114,7 +114,7 @@ TEST(SilentBeams, AnInnerWallLitFromBehindIsToldTheWayThatWorks) {
 }
 
 // A parameter that is not defined is the only complaint, wherever in a list it stands (and a zero vector is another).
-TEST(SilentBeams, AVectorThatNamesNoParameterIsNotOfLengthZero) {
+TEST(SilentBeams, AVectorWithAnUnknownParameterIsNotOfLengthZero) {
   std::string const on = "on: lamp", free = "from: [0 m, 0 m, -10 cm]";
   auto const complaint = [&](std::string const& y) {
     std::string all;
@@ -145,7 +145,7 @@ TEST(SilentBeams, NothingEmittedIsAWarning) {
   EXPECT_THAT(s.trace.err, HasSubstr("warning: no light was emitted"));
 }
 
-TEST(SilentBeams, AFreeBeamThatMeetsNothingIsAWarning) {
+TEST(SilentBeams, AFreeBeamThatMeetsNoSurfaceIsAWarning) {
   std::string const missed = "beam 'light' meets no surface";
   auto const free = [](std::string const& direction) {
     return said_of(lamp("facing: [0, 0, 1]", "from: [0 m, 0 m, -10 cm], facing: " + direction)).check;

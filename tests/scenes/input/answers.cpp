@@ -45,7 +45,7 @@ TEST(Answers, AListOfMaterialsBecomesAFileToInclude) {
   EXPECT_NEAR(list[0]["scatter_reflect"], 1e-6, 1e-18);
 }
 
-TEST(Answers, AListThatMakesLightIsRefusedWithItsPlace) {
+TEST(Answers, AListThatCreatesLightIsAnErrorWithItsPlace) {
   Folder const folder;
   write_text(folder / "a.mtl", "newmtl a\nTR 0.5 0.3\nnewmtl b\nTR 0.5 0.5\nPPM 100 1\n");
   Finished const r = straytrace({"inspect", folder / "a.mtl"});
@@ -84,7 +84,7 @@ TEST(Answers, HIsShortForTheTotal) {
 }
 
 // emitted = sum of the terms, one line each.
-TEST(Answers, TraceSaysWhereTheLightWent) {
+TEST(Answers, TracePrintsTheEnergyBalance) {
   Folder const folder;
   Finished const r = straytrace({"trace", two_mirrors, "-o", folder / "a.h5", "--histories", "40960"});
   EXPECT_EQ(r.code, 0) << r.err;
@@ -118,7 +118,7 @@ TEST(Answers, PicturesArePng) {
             0);  // negative control
 }
 
-TEST(Answers, ReceiversAreAmongTheNamesToStandOn) {
+TEST(Answers, ReceiversMayBeCameraPositions) {
   Folder const folder;
   auto const from = [&](std::string const& name) {
     return straytrace({"render", two_mirrors, "-o", folder / "x.png", "--pixels", "32x32", "--from", name});
@@ -128,7 +128,7 @@ TEST(Answers, ReceiversAreAmongTheNamesToStandOn) {
   EXPECT_THAT(from("nothing_like_it").err, HasSubstr("PD,"));
 }
 
-TEST(Answers, FirstOrderKeepsToTheEndsAskedFor) {
+TEST(Answers, FirstOrderKeepsToTheRequestedEnds) {
   auto const first = [](Words more) {
     Words words{"paths", two_mirrors, "--first-order", "--histories", "4096"};
     words.insert(words.end(), more.begin(), more.end());

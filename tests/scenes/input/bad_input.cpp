@@ -142,7 +142,7 @@ Finished refused_run(Folder const& folder, std::string const& text) {
   return straytrace({"run", folder / "arm.yaml", "-o", folder / "out", "--histories", "4096"});
 }
 
-TEST(BadInput, EveryEditIsRefused) {
+TEST(BadInput, EveryEditIsAnError) {
   Folder const folder;
   std::string const good = text_of(written_arm);
   for (Case const& c : cases) {

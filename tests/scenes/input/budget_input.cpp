@@ -52,7 +52,7 @@ struct Runs : ::testing::Test {
 };
 Folder* Runs::folder = nullptr;
 
-TEST_F(Runs, GivenTwiceAreRefused) {
+TEST_F(Runs, GivenTwiceAreErrors) {
   refused({"adv", at("seed1/run.h5"), at("seed1/run.h5")}, {"given twice", "name each input once"});
   refused({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
   refused({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
@@ -74,7 +74,7 @@ TEST_F(Runs,
   EXPECT_NEAR(other["strain"][0].get<double>() / one, 1, 0.3);  // the same light, within the errors of both
 }
 
-TEST_F(Runs, BudgetsThatHoldARunOrADetectorAreRefusedBesideIt) {
+TEST_F(Runs, BudgetsThatContainAGivenRunOrDetectorAreErrors) {
   ASSERT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), "--export", "pygwinc", "-o", at("out"), "--quiet"}).code,
             0);
   refused({at("seed1/run.h5"), at("out/budget.hdf5")}, {"hold the same noise, 'StrayLight'"});
@@ -83,7 +83,7 @@ TEST_F(Runs, BudgetsThatHoldARunOrADetectorAreRefusedBesideIt) {
   EXPECT_EQ(straytrace({"budget", at("out/budget.hdf5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
 
-TEST_F(Runs, EqualTitlesAreToldApartByFolderOrFile) {
+TEST_F(Runs, EqualTitlesAreDistinguishedByFolderOrFile) {
   Finished const done = straytrace({"budget", at("seed1/run.h5"), at("narrow/run.h5"), "--format", "json", "--quiet"});
   ASSERT_EQ(done.code, 0) << done.err;
   Json const all = Json::parse(done.out), noises = all["at"]["noises"];
@@ -110,7 +110,7 @@ TEST_F(Runs, DamagedFilesAreCalledDamaged) {
   refused({"adv", at("short.h5"), at("garbled.hdf5"), "aligo"}, {"short.h5", "garbled.hdf5", "second detector"}, 3);
 }
 
-TEST(BudgetInput, FaultsOfDetectorsAreSaidOnce) {
+TEST(BudgetInput, ErrorsOfDetectorsAreReportedOnce) {
   Folder const folder;
   auto const file = [&](std::string const& text) {
     write_text(folder / "mine.yaml", "extends: aligo\n" + text);
@@ -137,7 +137,7 @@ TEST(BudgetInput, FaultsOfDetectorsAreSaidOnce) {
   refused({"aligo", "--band", "1e-9 Hz, 1 kHz"}, {"not between"});
 }
 
-TEST(BudgetInput, PowerSaidLaterTakesThePlaceOfThePreset) {  // the example of the help, on a preset with ArmPower
+TEST(BudgetInput, PowerStatedLaterReplacesThePreset) {  // the example of the help, on a preset with ArmPower
   auto const arm = [](Words const& words) {
     Words all{"budget", "adv", "--at", "1 kHz", "--format", "json"};
     all.insert(all.end(), words.begin(), words.end());
@@ -160,7 +160,7 @@ TEST(BudgetInput, TitleOfTheFileIsShown) {
   EXPECT_THAT(straytrace({"budget", folder / "mine.yaml"}).out, HasSubstr("noise budget of mine.yaml\n"));
 }
 
-TEST(BudgetInput, NothingIsLeftWhereNothingCanBeWritten) {
+TEST(BudgetInput, UnwritableOutputLeavesNoFiles) {
   Folder const folder;
   write_text(folder / "file", "");
   refused({"aligo", "-o", folder / "file/out"}, {"cannot make the folder", "-o"});

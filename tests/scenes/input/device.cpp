@@ -7,7 +7,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(BackendOption, UnknownNamesAreRefused) {
+TEST(BackendOption, UnknownNamesAreErrors) {
   Folder const folder;
   for (Words const& words : {Words{"trace", virgo_arm, "-o", folder / "a.h5", "--backend", "gpu"},
                              Words{"run", virgo_arm, "-o", folder / "a", "--backend", "CUDA"}}) {
@@ -22,7 +22,7 @@ TEST(BackendOption, UnknownNamesAreRefused) {
   EXPECT_FALSE(fs::exists(folder / "a/run.h5"));
 }
 
-TEST(BackendOption, CudaLeavesTheSameNumbersOrSaysWhyNot) {
+TEST(BackendOption, CudaGivesTheSameNumbersOrAReason) {
   Folder const folder;
   auto const asd = [&](std::string const& name, std::string const& backend) {
     return straytrace({"run", virgo_arm, "-o", folder / name, "--histories", "8192", "--backend", backend});

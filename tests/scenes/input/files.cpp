@@ -64,7 +64,7 @@ TEST(Files, OfARun) {
 
 // Every group the light can reach is listed with what arrives there; terms of the energy balance add up to what was
 // emitted, per history.
-TEST(Files, BooksOfTheVirgoArm) {
+TEST(Files, EnergyBalanceOfTheVirgoArm) {
   Folder const folder;
   ASSERT_EQ(straytrace({"run", virgo_arm, "-o", folder / "out", "--histories", "60000", "--quiet"}).code, 0);
   std::string const report = text_of(folder / "out/report.txt");

@@ -135,7 +135,7 @@ TEST(Hostile, TextsForTheTerminal) {
 }
 
 // A run cut short or changed in one bit: whoever reads it says so, and writes nothing.
-TEST(Hostile, DamagedRunsAreReadByNobody) {
+TEST(Hostile, NoCommandReadsADamagedRun) {
   Folder const folder;
   ASSERT_EQ(straytrace({"trace", et_hf, "-p", "rings=40", "-o", folder / "good.h5", "--histories", "4096"}).code, 0);
   std::string const good = text_of(folder / "good.h5");

@@ -50,7 +50,7 @@ TEST(Print, ReadsBackAsTheSameModel) {
   EXPECT_NE(hash_of(folder / "b.yaml"), hash_of(folder / "a.yaml"));
 }
 
-TEST(Print, SaysWhereEachValueComesFrom) {
+TEST(Print, StatesTheOriginOfEachValue) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
   std::string const text = straytrace({"print", "--resolved", folder / "a.yaml", "-p", "opening=21cm"}).out;
@@ -115,7 +115,7 @@ TEST(Explain, TheChainOfAPathIsItsStrain) {
   EXPECT_THAT(refusal({"explain", "h", folder / "a/run.h5", "--at", "1e5"}), HasSubstr("outside the band"));
 }
 
-TEST(Diff, SpellingIsNoDifference) {
+TEST(Diff, SpellingMakesNoDifference) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
   std::string other = edited(baffle, "{opening: 20 cm}", "{hole: 0.2 m}");
@@ -133,7 +133,7 @@ TEST(Diff, SpellingIsNoDifference) {
 }
 
 // Each edit is seen, alone, in its section; none of them would leave the list empty.
-TEST(Diff, EachPhysicalDifferenceIsSeen) {
+TEST(Diff, EachPhysicalDifferenceIsFound) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
   struct Edit {
@@ -156,7 +156,7 @@ TEST(Diff, EachPhysicalDifferenceIsSeen) {
 }
 
 // A parameter that moves many instances is told once, by its name and in units that people use, before what follows.
-TEST(Diff, CausesStandFirstAndAreReadable) {
+TEST(Diff, CausesComeFirstAndAreReadable) {
   Folder const folder;
   std::string const rings =
       edited(baffle, "0 m, 100 m]", "0 m, first], repeat: {count: 20, along: z, from: 0 m, pitch: 1 m}");
@@ -178,7 +178,7 @@ TEST(Diff, CausesStandFirstAndAreReadable) {
   EXPECT_GE(answer({"diff", folder / "a.yaml", folder / "c.yaml"})["models"].size(), 19u);
 }
 
-TEST(Messages, WhatIsAlmostRightIsShownRight) {
+TEST(Messages, NearMissesAreShownCorrected) {
   Folder const folder;
   write_text(folder / "m.yaml", "straytrace: 1\nbodies: {b: {motion: {asd: 1e-12 m/sqrt(Hz)}}}\n");
   std::string const told = refusal({"check", folder / "m.yaml"});
@@ -231,7 +231,7 @@ TEST(Diff, SameHistoriesErrAlike) {
 // Spectra that paths share hold h to 5e-4 of itself: motion larger by 2e-5 is no change, by 2 % it is one, although
 // both are of the same light. Control: what the errors of the light alone leave, 2e-5 h over 2e-5 sigma, some hundred
 // sigmas.
-TEST(Diff, WhatSpectraDoNotHoldIsNoChange) {
+TEST(Diff, ChangesBelowTheSpectraErrorAreNotReported) {
   Folder const folder;
   write_text(folder / "a.yaml", baffle);
   ASSERT_EQ(straytrace({"run", folder / "a.yaml", "-o", folder / "a", "--quiet"}).code, 0);
@@ -253,7 +253,7 @@ TEST(Diff, WhatSpectraDoNotHoldIsNoChange) {
 
 // A line below the band moves the baffle, and makes nothing in the band. Controls: the baffle still, and so much motion
 // that it wraps into the band (phase 2k x 20 um).
-TEST(Messages, NoNoiseSaysWhetherAnythingMoves) {
+TEST(Messages, ZeroNoiseStatesWhetherAnythingMoves) {
   Folder const folder;
   std::size_t const from = baffle.find("{power-law"), to = baffle.find("}}, others") + 2;
   auto const headline = [&](std::string const& motion) {
@@ -293,7 +293,7 @@ TEST(Messages, WarningsComeAsJsonWithTheirPlaces) {
   for (char const* key : {"file", "what", "suggestion"}) EXPECT_FALSE(told[0][key].empty()) << key;
 }
 
-TEST(Messages, MisuseIsToldInOneGrammar) {
+TEST(Messages, MisuseHasOneFormOfMessage) {
   EXPECT_THAT(refusal({"run", virgo_arm, "--seed", "1", "--seed", "2", "-o", "x"}),
               HasSubstr("--seed is given 2 times\n  give it once"));
   EXPECT_THAT(refusal({"check", virgo_arm, "--format", "jsn"}), HasSubstr("did you mean 'json'?"));

@@ -47,7 +47,7 @@ TEST(UncountedGhosts, AreAWarningWithTheirStrain) {
 }
 
 // Controls: a scene that says what it does about ghosts, in each way, and one where nothing passes the end mirror.
-TEST(UncountedGhosts, ArePassedOverOnlyKnowingly) {
+TEST(UncountedGhosts, AreIgnoredOnlyOnRequest) {
   for (char const* line : {"ghosts: {order: 2}\n", "ghosts: {order: 0}\n", "ghosts: on\n", "ghosts: off\n"})
     EXPECT_THAT(said_of(with_ghosts(line)), Not(HasSubstr(uncounted))) << line;
   EXPECT_EQ(straytrace({"check", virgo_arm}).err, "");
@@ -103,7 +103,7 @@ TEST(OtherDetector, IsNamedByWhatDiffers) {
 }
 
 // A curve that comes in later is compared as well, in the list of a motion file and by `scan --against`.
-TEST(OtherDetector, IsSeenWhereverACurveIsNamed) {
+TEST(OtherDetector, IsReportedWhereverACurveIsNamed) {
   Folder const folder;
   std::string const bench = source_folder + "/examples/end_bench.yaml";
   ASSERT_EQ(straytrace({"trace", bench, "-o", folder / "a.h5", "--histories", "4096", "--quiet"}).code, 0);
@@ -117,7 +117,7 @@ TEST(OtherDetector, IsSeenWhereverACurveIsNamed) {
 }
 
 // In a budget the run is listed with the noises of a detector, with or without a design curve.
-TEST(OtherDetector, IsSeenInABudget) {
+TEST(OtherDetector, IsReportedInABudget) {
   Folder const folder;
   std::string const bench = source_folder + "/examples/end_bench.yaml";
   ASSERT_EQ(straytrace({"run", bench, "-o", folder / "a", "--histories", "4096", "--quiet"}).code, 0);

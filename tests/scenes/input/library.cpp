@@ -68,7 +68,7 @@ TEST(LibraryExamples, VirgoArmIsTheArmWrittenOut) {
   EXPECT_EQ(routes, straytrace({"paths", again + "/run.h5"}).out);
 }
 
-TEST(LibraryExamples, AssumedNumbersAreSaidWhereTheyAct) {
+TEST(LibraryExamples, AssumedNumbersAreListedWhereTheyAct) {
   Finished const check = straytrace({"check", virgo_arm});
   EXPECT_THAT(check.out, HasSubstr("parameter first_baffle = 10 m: assumed"));
   EXPECT_THAT(check.out, HasSubstr("material test_mass: assumed"));
@@ -116,7 +116,7 @@ TEST(LibraryExamples, LineOfTheEmptyTubeE1) {
 
 // E.1: the bare tube leads light from mirror to mirror; baffles by the shadow rule take all of it away,
 // and a ring that faces the mirror gives it back.
-TEST(LibraryExamples, BafflesTakeTheWallAway) {
+TEST(LibraryExamples, BafflesHideTheWall) {
   Folder const folder;
   auto const routes = [&](std::string const& name) {
     Finished const run = straytrace({"trace", source_folder + "/examples/" + name + ".yaml", "-o",

@@ -106,7 +106,7 @@ TEST(Losses, MissingRights) {
   EXPECT_TRUE(fs::is_empty(folder / "closed"));
 }
 
-TEST(Losses, ARefusalLeavesNoFolder) {
+TEST(Losses, AFailedCommandLeavesNoFolder) {
   Folder const folder;
   for (Words const& words :
        {Words{"scan", et_hf, "nothing=1,2", "-o", folder / "new/scan"},

@@ -20,7 +20,7 @@ std::string check(std::string const& entry, std::string const& parts = "") {
 }
 
 // R3.06: two faces of RoC 0.1 m and 90 mm across have sags of 10.697 mm each.
-TEST(PartErrors, SizesThatDoNotFitAreToldInWords) {
+TEST(PartErrors, SizesThatDoNotFitAreExplained) {
   struct Case {
     char const *entry, *what, *reason;
   };
@@ -48,7 +48,7 @@ TEST(PartErrors, SizesThatDoNotFitAreToldInWords) {
   EXPECT_EQ(check("use: plate, wedge: -21.47 deg"), "");
 }
 
-TEST(PartErrors, WhatNoLimitForeseesNamesTheEntryAndTheFace) {
+TEST(PartErrors, UnforeseenErrorsNameTheEntryAndTheFace) {
   std::string const said = check("use: serrated_baffle, inner_radius: 60 cm");
   EXPECT_THAT(said, HasSubstr("a.yaml:5:5: error: 'x'"));
   EXPECT_THAT(said, HasSubstr("change what the part is given (built-in parts:"));
@@ -56,13 +56,13 @@ TEST(PartErrors, WhatNoLimitForeseesNamesTheEntryAndTheFace) {
 }
 
 // A part of one's own keeps the place where it is written.
-TEST(PartErrors, OwnPartsAreToldWhereTheyStand) {
+TEST(PartErrors, ErrorsOfOwnPartsStateTheirPlace) {
   std::string const said =
       check("use: p", "parts: {p: {faces: {a: {shape: {cylinder: {radius: 1 m, from: 1 m, to: 0 m}}}}}}\n");
   EXPECT_THAT(said, HasSubstr("a.yaml:4:43: error: the cylinder ends"));
 }
 
-TEST(PartErrors, OwnLimitsAndWords) {
+TEST(PartErrors, LimitsAndMessagesOfParts) {
   std::string const part =
       "parts: {p: {params: {r: 1 m, way: 1}, limits: {r: {at_most: 2 m, because: it must go through the door}}, "
       "words: {way: {up: 1, down: -1}}, faces: {a: {shape: {disk: {outer_radius: r}}, at: [0 m, way*1 m, 0 m]}}}}\n";
@@ -73,7 +73,7 @@ TEST(PartErrors, OwnLimitsAndWords) {
   EXPECT_THAT(check("use: p", edited(part, "at_most", "at_moat")), HasSubstr("did you mean 'at_most'?"));
 }
 
-TEST(PartErrors, AnUnknownKeyIsToldOnce) {
+TEST(PartErrors, AnUnknownKeyIsReportedOnce) {
   std::string const said = check("use: lens, thicknes: 3 mm");
   EXPECT_THAT(said, HasSubstr("unknown key 'thicknes' in scene entry 'x'"));
   EXPECT_THAT(said, HasSubstr("1 error."));
@@ -81,7 +81,7 @@ TEST(PartErrors, AnUnknownKeyIsToldOnce) {
 }
 
 // What else an entry names is told at once with the reason why its part is refused.
-TEST(PartErrors, ARefusedPartDoesNotHideWhatItNames) {
+TEST(PartErrors, AnInvalidPartDoesNotHideTheNamesItUses) {
   std::string const rest = ", surfaces: {barrel: nono, back: nix}, medium: glas";
   for (std::string const use : {"use: lens, radius_1: 1 cm", "use: lenss"}) {
     std::string const said = check(use + rest);
@@ -97,7 +97,7 @@ TEST(PartErrors, ARefusedPartDoesNotHideWhatItNames) {
 }
 
 // A beam on nothing is read to its end, and numbers that are missing do not misplace its mirrors.
-TEST(PartErrors, ABeamTellsAllItsFaults) {
+TEST(PartErrors, AllErrorsOfABeamAreReported) {
   Folder const folder;
   auto const beam = [&](std::string const& params, std::string const& beams) {
     write_text(folder / "b.yaml",
@@ -122,7 +122,7 @@ TEST(PartErrors, ABeamTellsAllItsFaults) {
               HasSubstr("do not face"));  // negative control
 }
 
-TEST(PartErrors, TooManySidesAreTold) {
+TEST(PartErrors, TooManySidesAreReported) {
   std::string const said = check("shape: {polygon: {sides: 1e9, radius: 1 cm}}");
   EXPECT_THAT(said, HasSubstr("'sides' must be between 0 and 1000"));
   EXPECT_THAT(said, Not(HasSubstr("nan")));

@@ -51,7 +51,7 @@ TEST(CouplingFile, ReadsPemcouplingTolerantlyR6_08) {
   EXPECT_EQ(c.points[4].flag, measured);
 }
 
-TEST(CouplingFile, ReadsWhatSpreadsheetsAndPandasMakeOfIt) {
+TEST(CouplingFile, ReadsFilesSavedBySpreadsheetsAndPandas) {
   for (std::string const text : {"\xef\xbb\xbf"
                                  "frequency,factor,factor_counts,flag\r\n10,2e-9,4e-15,Real\r\n",
                                  ",frequency,factor,factor_counts,flag\n0,10,2e-9,4e-15,Real\n",
@@ -64,7 +64,7 @@ TEST(CouplingFile, ReadsWhatSpreadsheetsAndPandasMakeOfIt) {
   }
 }
 
-TEST(CouplingFile, WhatIsWrittenIsReadBack) {
+TEST(CouplingFile, RoundTrip) {
   CouplingFunction c = read(theirs);
   c.witness = "X1:ACC";
   c.target = "X1:H";
@@ -95,7 +95,7 @@ constexpr char composite[] =
     "11.00,0.00e+00,0.00e+00,Thresholds not met,0.00e+00,5.11e-18\n"
     "11.50,0.00e+00,0.00e+00,No data,0.00e+00,0.00e+00\n";
 
-TEST(CouplingFile, LayoutsOfPemcouplingGoRoundR6_08) {
+TEST(CouplingFile, LayoutsOfPemcouplingRoundTripR6_08) {
   for (std::string const text : {injection, composite}) {
     CouplingFunction const c = parse_coupling(text, "EY_ACC_coupling_data.txt", "m/(m/s^2)", "m/s^2");
     ASSERT_EQ(c.points.size(), 4u);
@@ -125,7 +125,7 @@ TEST(CouplingFile, LayoutsOfPemcouplingGoRoundR6_08) {
   }
 }
 
-TEST(CouplingFile, RefusesWithPlaceAndRemedy) {
+TEST(CouplingFile, ErrorsStatePlaceAndRemedy) {
   EXPECT_THAT(refused("frequency,factor\n1,2\n"), HasSubstr("c.csv:1: error: no column 'flag'"));
   EXPECT_THAT(refused("frequency,factor,flag\n1,2,Perhaps\n"), HasSubstr("c.csv:2: error: 'perhaps' is not a flag"));
   EXPECT_THAT(refused("frequency,factor,flag\n2,2,Real\n1,2,Real\n"),
@@ -158,7 +158,7 @@ TEST(CouplingProjection, ErrorsAreCarriedAndLimitsStayLimitsR6_08) {
   EXPECT_EQ(p[7].flag, no_data);
 }
 
-TEST(CouplingProjection, RefusesFringeWrappingAndOtherUnits) {
+TEST(CouplingProjection, FringeWrappingAndOtherUnitsAreErrors) {
   CouplingFunction c = read(theirs);
   QuietWitness w{"m", {10, 20}, {1, 1}, {0, 0}};
   c.points[1].flag = not_linear;

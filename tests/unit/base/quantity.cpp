@@ -83,7 +83,7 @@ TEST(Quantity, JoinedUnits) {
   EXPECT_EQ(deviation("um*s^2/count", 1e-6, {2, 0, -4, 0, 0, -2, 0}), infinity);
 }
 
-TEST(Quantity, RefusesWhatIsNoUnit) {
+TEST(Quantity, UnknownUnitsAreErrors) {
   for (char const* text : {"",  "metre", "M",   "hz", "m/", "m//s",   "sqrt(m", "sqrt(m))", "m^",  "m^0.3",
                            "1", "2 m",   "m m", "/",  "*m", "min(m)", "m^99",   "()",       "kkm", "m s"})
     EXPECT_EQ(parse_unit(text).has_value(), std::string_view(text) == "1") << text;
@@ -102,7 +102,7 @@ TEST(Quantity, LeadingUnitStopsWhereTheUnitEnds) {
   EXPECT_EQ(length_of(" m*min(a, b)"), 2u);
 }
 
-TEST(Quantity, DecimalUnitsGiveTheDoubleThatIsWritten) {
+TEST(Quantity, DecimalUnitsGiveTheNearestDouble) {
   EXPECT_EQ(to_si(1064, *parse_unit("nm")), 1064e-9);
   EXPECT_EQ(to_si(5, *parse_unit("ppm")), 5e-6);
   EXPECT_EQ(to_si(0.2, *parse_unit("mm")), 0.2e-3);

@@ -67,7 +67,7 @@ TEST(rng, same_address_same_numbers) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(a.uniform(), b.uniform());
 }
 
-TEST(rng, every_part_of_the_address_counts) {
+TEST(rng, every_part_of_the_address_matters) {
   std::set<double> seen;
   std::size_t drawn = 0;
   for (std::uint64_t seed : {0ull, 1ull, 1ull << 32})

@@ -100,7 +100,7 @@ TEST(Help, ExamplesParse) {
 }
 
 // Each check must reject the fault it is there for.
-TEST(Help, FaultsAreSeen) {
+TEST(Help, FaultsAreFound) {
   CLI::App app;
   std::string const purpose = "Show the differences.",
                     footer = "Examples:\n  straytrace diff a b\n  straytrace diff c d";

@@ -51,7 +51,7 @@ TEST(triangle_mesh, has_no_leak_between_parts_of_one_file) {
 bool equal(Crossing a, Crossing b) { return a.distance == b.distance && a.piece == b.piece; }
 
 // R3.07. Brute force costs triangles times rays: 1e5 triangles with 100 rays of each kind, 4000 triangles with 6000.
-TEST(triangle_mesh, tree_finds_what_testing_every_triangle_finds) {
+TEST(triangle_mesh, tree_agrees_with_testing_every_triangle) {
   for (auto const& [rings, rays] : {std::pair{224, 100}, std::pair{32, 6000}}) {
     TriangleMesh const mesh = mesh_of(bumpy(rings, 0.1), poses()[2], 1e-3);
     Random random(5);
@@ -78,7 +78,7 @@ TEST(triangle_mesh, tree_finds_what_testing_every_triangle_finds) {
 
 // R3.07 for 1e6 random rays and 1e5 triangles: the same triangles, shuffled and dealt to two other trees. The control
 // lacks one triangle in a thousand.
-TEST(triangle_mesh, a_million_rays_find_the_same_in_other_trees) {
+TEST(triangle_mesh, a_million_rays_agree_between_trees) {
   Soup const ball = bumpy(224, 0.1);
   ASSERT_GT(ball.triangles.size(), 99000u);
   std::vector<Soup> parts(3, {ball.vertices, {}});  // the third: the first with gaps
@@ -119,7 +119,7 @@ TEST(triangle_mesh, a_million_rays_find_the_same_in_other_trees) {
 }
 
 // A nearest hit that forgets the tie rule or the start does not pass the comparison.
-TEST(triangle_mesh, comparison_sees_a_forgotten_start) {
+TEST(triangle_mesh, comparison_finds_a_missing_start) {
   TriangleMesh const mesh = mesh_of(bumpy(32, 0.1), poses()[0]);
   Random random(6);
   int wrong = 0;

@@ -114,7 +114,7 @@ TEST(geometry_numbers, ten_million_hits_without_a_self_hit_r3_20) {
   EXPECT_GT(self_hits(100'000, false), 1000);
 }
 
-TEST(geometry_numbers, impossible_shapes_are_refused) {
+TEST(geometry_numbers, impossible_shapes_are_errors) {
   EXPECT_FALSE(impossible(disk(0.4, 0.3)).what.empty());
   EXPECT_FALSE(impossible(disk(0.4, 0.4)).suggestion.empty());
   EXPECT_FALSE(impossible(cylinder(1, 2, 1)).what.empty());

@@ -72,7 +72,7 @@ TEST(Hdf5Contents, TextsOfOneAndOfAnyLength) {
   EXPECT_THAT(message_of([&] { (void)in.array<double>("/one"); }), HasSubstr("'/one' is missing or cannot be read"));
 }
 
-TEST(Hdf5Contents, WhatHasTwoNamesStandsUnderBoth) {
+TEST(Hdf5Contents, AnObjectWithTwoNamesAppearsUnderBoth) {
   Reader const in(image([](H5::H5File& file) {
     file.createGroup("/a");
     write<double>(file, "/a/x", H5::PredType::NATIVE_DOUBLE, {1, 2});
@@ -124,7 +124,7 @@ TEST(Hdf5Contents, LinksToOtherPlacesAndCirclesAreNotFollowed) {
   EXPECT_EQ(all.at("/a/b/again").values.state, State::unreadable);
 }
 
-TEST(Hdf5Contents, SizesThatTheFileCannotHoldAreSaidAndNotRead) {
+TEST(Hdf5Contents, ImpossibleSizesAreReportedAndNotRead) {
   std::string const claims = image([](H5::H5File& file) {
     H5::DSetCreatPropList chunks;
     hsize_t const chunk = 1024, count = 1000000000000;
@@ -137,7 +137,7 @@ TEST(Hdf5Contents, SizesThatTheFileCannotHoldAreSaidAndNotRead) {
   EXPECT_THAT(message_of([&] { (void)in.array<double>("/claim"); }), HasSubstr("'/claim' has an impossible size"));
 }
 
-TEST(Hdf5Contents, OnlyWhatIsWantedIsRead) {
+TEST(Hdf5Contents, OnlyRequestedObjectsAreRead) {
   std::string const both = image([](H5::H5File& file) {
     write<double>(file, "few", H5::PredType::NATIVE_DOUBLE, {1, 2});
     write<double>(file, "many", H5::PredType::NATIVE_DOUBLE, std::vector<double>(100, 3));
@@ -152,7 +152,7 @@ TEST(Hdf5Contents, OnlyWhatIsWantedIsRead) {
 
 // The library frees what it never had, or sees the damage, as its memory happens to be: an input on which a fuzzer
 // ended.
-TEST(Hdf5Contents, AFileThatBreaksTheLibraryIsRefused) {
+TEST(Hdf5Contents, AFileThatBreaksTheLibraryIsAnError) {
   std::ifstream file(STRAY_SOURCE_DIR "/fuzz/corpus/motion/bad_free.hdf5", std::ios::binary);
   std::string const bytes(std::istreambuf_iterator<char>(file), {});
   ASSERT_EQ(bytes.size(), 6888u);
@@ -172,7 +172,7 @@ TEST(Hdf5Contents, AsBytesAndBack) {
 }
 
 // Nothing, said to be as many texts as nobody can hold.
-TEST(Hdf5Contents, TextsOfNoLengthAreRefused) {
+TEST(Hdf5Contents, TextsOfNoLengthAreErrors) {
   Contents contents;
   Values& names = contents["/names"].values;
   names.kind = Kind::text, names.state = State::whole, names.shape = {std::uint64_t{1} << 60};

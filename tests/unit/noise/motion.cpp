@@ -108,7 +108,7 @@ TEST(ReadMotion, FormulasAddUp) {
   EXPECT_EQ(variance(r.motion, 0, 4), 0);
 }
 
-TEST(ReadMotion, AmplitudesMustSayWhichTheyAre) {
+TEST(ReadMotion, AmplitudesMustStateTheirKind) {
   EXPECT_THAT(read("  a: {motion: {z: {sine: {amplitude: 10 um, frequency: 1 Hz}}, others: still}}\n", {"a"}).problems,
               HasSubstr("10 um peak"));
   EXPECT_THAT(

@@ -166,7 +166,7 @@ TEST(MotionChains, TonesAndDriftsPassToo) {
               HasSubstr("no independent copy"));
 }
 
-TEST(MotionChains, WhatCannotBe) {
+TEST(MotionChains, Impossible) {
   auto const problem = [](std::string const& a, FileTexts files = {}) {
     return read(ground + "  a: {motion: {z: " + a + ", others: still}}\n", {"a"}, std::move(files)).problems;
   };
@@ -248,7 +248,7 @@ TEST(CrossSpectra, UnitsOfTheMembers) {
   }
 }
 
-TEST(CrossSpectra, WhatIsRefused) {
+TEST(CrossSpectra, InvalidMatricesAreErrors) {
   auto const problem = [](std::string const& rows, std::string const& rest) {
     return read("  a: {motion: {z: {csd: x.txt, " + rest + "}, others: still}}\n", {"a"}, {{"x.txt", rows}}).problems;
   };
@@ -266,7 +266,7 @@ TEST(CrossSpectra, WhatIsRefused) {
 
 // --- elastic modes -------------------------------------------------------------------------------------------------
 
-TEST(ModeMotion, AModeIsACoordinateOfItsOwn) {
+TEST(ModeMotion, AModeIsASeparateCoordinate) {
   std::string const bench =
       "  bench:\n    motion: {follows: ground}\n    modes:\n      bend: {motion: {from: ground, axis: y, through: "
       "{mode: "

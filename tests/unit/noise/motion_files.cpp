@@ -167,7 +167,7 @@ TEST(ReadMotionFiles, OneRecordIsOneMotion) {
   EXPECT_EQ(m.sensitivity(0, phase_sensitivities, 1), 0);
 }
 
-TEST(ReadMotionFiles, WhatARecordNeeds) {
+TEST(ReadMotionFiles, RequiredKeysOfARecord) {
   TimeSeries const record = noise_of(16, 2000, 1e-6, "m/s^2");
   FileTexts const files = {{"x.hdf5", series_hdf5({&record, 1})}, {"x.txt", "0 1\n1 2\n2 4\n"}};
   EXPECT_THAT(read("series: x.hdf5", files).problems, HasSubstr("add 'highpass: 0.05 Hz'"));

@@ -41,7 +41,7 @@ FileTexts const texts = {{"whole.txt", "0.1 1e-12\n1000 1e-12\n"},
                          {"low.txt", "0.1 1e-9\n100 1e-12\n"},
                          {"middle.txt", "5 1e-12\n100 1e-12\n"}};
 
-TEST(MotionGaps, EachFileOnceWithWhatItHolds) {
+TEST(MotionGaps, EachFileOnceWithItsBand) {
   EXPECT_THAT(along_z("{asd: whole.txt" + columns + "}", texts), IsEmpty());
   auto const low = along_z("{asd: low.txt" + columns + "}", texts);
   ASSERT_EQ(low.size(), 1u);
@@ -59,7 +59,7 @@ TEST(MotionGaps, EachFileOnceWithWhatItHolds) {
             2u);  // files
 }
 
-TEST(MotionGaps, WhatElseMovesTheCoordinateGoesOn) {
+TEST(MotionGaps, OtherInputsOfTheCoordinateContinue) {
   std::string const low = "{asd: low.txt" + columns + "}",
                     model = "{power-law: {asd: 1e-12 m/sqrt(Hz), at: 1 Hz, exponent: 0, from: ";
   EXPECT_THAT(along_z("[" + low + ", " + model + "100 Hz, to: 2 kHz}}]", texts), IsEmpty());
@@ -105,7 +105,7 @@ TEST(MotionGaps, RecordsAndMatrices) {
   EXPECT_THAT(of_matrix[0], HasSubstr("above 50 Hz"));
 }
 
-TEST(MotionOfARun, NeedNotSayWhatNoLightMeets) {
+TEST(MotionOfARun, MayOmitBodiesThatNoLightMeets) {
   auto const told = [](std::string const& bodies, bool traced, std::vector<bool> const& placed) {
     Scene const scene = scene_of("bodies:\n" + bodies, {});
     read_motion(scene.root()["bodies"], {"ground", "tower"}, traced, placed);

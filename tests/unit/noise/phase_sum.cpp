@@ -139,7 +139,7 @@ TEST(StrayFields, PowerOfBothQuadraturesIsConstant) {  // R4.11
   for (std::complex<double> const s : field_of(one, m)) EXPECT_NEAR(std::norm(s), 4e-20, 1e-30);
 }
 
-TEST(Strain, ResponsesDelayAndStandInTheirQuadratures) {  // eq. 1.13, convention exp(-2 pi i f t)
+TEST(Strain, ResponsesDelayAndKeepTheirQuadratures) {  // eq. 1.13, convention exp(-2 pi i f t)
   TwoQuadratures const ifo;
   double const rate = 1024, hz = 30;
   PortField f{PortId{0}, std::vector<std::complex<double>>(4096)};

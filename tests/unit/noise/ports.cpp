@@ -15,7 +15,7 @@ double phase(Detector const& d, std::uint32_t port, double hz = 100) {
   return std::abs(d.ifo->strain_per_phase(PortId{port}, hz));
 }
 
-TEST(ReadPorts, PresetsStandAlone) {
+TEST(ReadPorts, PresetsExcludeOtherKeys) {
   for (DualRecycledPreset const& p : dual_recycled_presets()) {
     Detector const d = detector("preset: " + std::string(p.name), {}, p.parameters.wavelength);
     ASSERT_THAT(d.problems, IsEmpty()) << p.name;
@@ -38,7 +38,7 @@ TEST(ReadPorts, EntrancesSharesAndCopies) {
   EXPECT_THAT(d.ifo->description(), HasSubstr("bench: end-bench (field x 0.1), 1 copy"));
 }
 
-TEST(ReadPorts, ClosedFormsKnowThemToo) {
+TEST(ReadPorts, ClosedFormsHaveThemToo) {
   std::string const keys =
       "preset: fabry-perot-michelson, arm_length: 3 km, mirror_mass: 42 kg, input_transmission: 1.4 %, arm_power: 100 "
       "kW, ";
@@ -170,7 +170,7 @@ TEST(ReadPorts, ReadoutsThatAreBlind) {
   EXPECT_THAT(detector("preset: et-lf, homodyne_angle: 0 rad", {}, 1550e-9).problems, IsEmpty());  // detuned
 }
 
-TEST(ReadPorts, FilesThatDoNotHold) {
+TEST(ReadPorts, InvalidFiles) {
   FileTexts const files = {{"short.txt", "20 1 0\n50 1 0\n"}, {"one.txt", "20 1 0\n"}};
   std::string const columns = ", columns: [Hz, re, im], unit: strain}}";
   EXPECT_THAT(detector("preset: adv, responses: {bench: {phase: short.txt" + columns, files).problems,

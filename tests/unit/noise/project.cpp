@@ -79,7 +79,7 @@ TEST(Project, DeterministicClassesHaveNoMonteCarloError) {
 
 // A route that is resolved with one seed and not with another moves the total by less than its errors. Control: left
 // out.
-TEST(Project, TheTotalDoesNotJumpWithAVerdict) {
+TEST(Project, TheTotalDoesNotJumpWithTheStatus) {
   CouplingClass sure = route(2, 8e-3), doubtful = sure;
   doubtful.coupling.trusted = false;
   doubtful.coupling.why_not = "3 effective paths";
@@ -168,7 +168,7 @@ TEST(Project, StillBodiesAreQuiet) {
   EXPECT_TRUE(b.total.resolved);
 }
 
-TEST(Project, WithoutRoutesThereIsNothing) {
+TEST(Project, WithoutRoutesThereIsNoNoise) {
   NoiseBudget const b = budget({});
   EXPECT_TRUE(b.routes.empty());
   EXPECT_EQ(b.total.asd.size(), band.size() - 1);
@@ -182,14 +182,14 @@ class BrokenDetector final : public Interferometer {
   std::string description() const override { return {}; }
 };
 
-TEST(Project, RefusesWhatIsNotFinite) {
+TEST(Project, NonFiniteValuesAreErrors) {
   CouplingTable table = known_table({route(1, 1)});
   table.groups = {"baffle"};
   table.classes[0].steps = {{GroupId{0}, Event::scatter}};
   EXPECT_THROW(project_noise(table, moving({weak}), BrokenDetector(), on(band)), NumericalError);
 }
 
-TEST(Project, MotionBeyondReachIsRefused) {  // 1 m rms at 100 Hz: fringes at GHz
+TEST(Project, MotionBeyondTheRangeIsAnError) {  // 1 m rms at 100 Hz: fringes at GHz
   CouplingTable table = known_table({route(1, 1)});
   table.groups = {"baffle"};
   table.classes[0].steps = {{GroupId{0}, Event::scatter}};
@@ -200,7 +200,7 @@ TEST(Project, MotionBeyondReachIsRefused) {  // 1 m rms at 100 Hz: fringes at GH
 // within a bin: where each path has a strong tone of its own strength too, nodes cannot follow. 600 paths are then
 // computed each, without a word; of 2500, some are drawn: said, and in the error, which has nothing else here (all
 // replicas are equal).
-TEST(Project, PathsThatAreDrawnAreSaidAndInTheError) {
+TEST(Project, DrawnPathsAreReportedAndInTheError) {
   MotionSet motion = moving({gaussian_line(0.5, 0.1, 3e-7)});
   auto const projected = [&](std::size_t count) {
     std::vector<PathRecord> records;

@@ -73,7 +73,7 @@ TEST(lobe_table, arcs_end_at_the_horizon) {
   expect_arcs<ChordRings>();
 }
 
-TEST(power_law, nothing_below_the_hand_over_angle) {
+TEST(power_law, zero_below_the_minimum_scatter_angle) {
   PowerLaw const law = power_law(1e-6, 2, 1e-2);
   auto const at = [](double theta) { return Vec3{std::sin(theta), 0, std::cos(theta)}; };
   EXPECT_EQ(law.eval({0, 0, 1}, at(0.00999)), 0);
@@ -111,7 +111,7 @@ std::vector<MeasuredPoint> line(double sine, double value, double slope) {
   return points;
 }
 
-TEST(measured, goes_beyond_as_it_is_told) {
+TEST(measured, extrapolates_as_requested) {
   for (auto [rule, expected] :
        {std::pair{Beyond::constant, std::pow(0.2, -1.5)}, {Beyond::power, std::pow(0.8, -1.5)}, {Beyond::zero, 0.0}}) {
     Measured law;
@@ -122,7 +122,7 @@ TEST(measured, goes_beyond_as_it_is_told) {
   }
 }
 
-TEST(measured, says_what_it_joins_and_mends) {
+TEST(measured, reports_joined_and_corrected_points) {
   auto points = line(0, 1e-3, -1.5), other = line(0.1, 2e-3, -1.5);
   points.insert(points.end(), other.begin(), other.end());
   points.push_back({0, 0.05, 4e-3 * std::pow(0.05, -1.5)});

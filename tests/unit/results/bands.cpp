@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // Of inputs nothing is known where no noise is: they are not said to be exact. Control: a resolved curve.
-TEST(ReportBands, NothingIsSaidOfInputsWhereNoNoiseIsResolved) {
+TEST(ReportBands, NoInputBandWithoutResolvedNoise) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};
   b.total.asd = {1e-23, 2e-24};

@@ -31,7 +31,7 @@ TEST(CurveFile, TextIsReadBack) {
   EXPECT_EQ(parse_named_columns(curve_format::csv(sheet())).name[1], "h mean");
 }
 
-TEST(CurveFile, JsonKeepsStylesAndSaysNull) {
+TEST(CurveFile, JsonKeepsStylesAndWritesNull) {
   std::string const json = curve_format::json(sheet());
   EXPECT_NE(json.find("\"upper-limit\""), std::string::npos);
   EXPECT_NE(json.find("null"), std::string::npos);

@@ -50,7 +50,7 @@ bool meets(PathRow const& row, std::string const& name) {
   return std::find(objects.begin(), objects.end(), name) != objects.end();
 }
 
-TEST_F(ReportFilter, picks_what_it_says) {
+TEST_F(ReportFilter, selects_the_matching_rows) {
   Rows const via = those([](PathRow const& r) { return meets(r, "baffles"); });
   ASSERT_FALSE(via.empty());
   ASSERT_LT(via.size(), table.rows.size());
@@ -98,7 +98,7 @@ TEST_F(ReportFilter, strain_at_any_frequency) {
   EXPECT_THAT(rows("not resolved and (coupling > 0 or coupling <= 0 or coupling != 0)"), IsEmpty());
 }
 
-TEST_F(ReportFilter, mistakes_are_told_with_their_place) {
+TEST_F(ReportFilter, mistakes_are_reported_with_their_place) {
   struct {
     char const *text, *what, *suggestion;
     std::size_t begin;
@@ -132,7 +132,7 @@ TEST_F(ReportFilter, mistakes_are_told_with_their_place) {
   }
 }
 
-TEST_F(ReportFilter, several_mistakes_are_told_at_once_with_carets) {
+TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
   std::string const text = "kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s";
   EXPECT_EQ(rendered("--where", text, ask(text).problems),
             "error: --where, column 15: 'scaters' is not known\n"

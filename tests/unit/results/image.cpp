@@ -28,7 +28,7 @@ TEST(ImageFile, PixelsComeBack) {
   EXPECT_NE(png_bytes(image), bytes);
 }
 
-TEST(ImageFile, RefusesWhatCannotBe) {
+TEST(ImageFile, ImpossibleSizesAreErrors) {
   EXPECT_THROW(png_bytes({7, 5, std::vector<std::uint8_t>(3)}), NumericalError);
   EXPECT_THROW(write_png("no/such/folder/a.png", {1, 1, {1, 2, 3}}), InputError);
 }

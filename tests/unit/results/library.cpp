@@ -49,7 +49,7 @@ Scene scene_of(std::string const& name, std::vector<Value> const& keys) {
   return read_scene("a.yaml", {}, &texts);
 }
 
-TEST(LibraryDetectors, SayWhatPresetsSay) {
+TEST(LibraryDetectors, AgreeWithPresets) {
   for (DualRecycledPreset const& preset : dual_recycled_presets()) {
     std::vector<Value> const wanted = of_preset(preset.parameters, read_ifo(std::string(preset.name)).detector);
     Scene const scene = scene_of(std::string(preset.name), wanted);

@@ -47,14 +47,14 @@ TEST_F(ReportPicture, IsDrawn) {
   EXPECT_GT(png.size(), 50000u);
 }
 
-TEST_F(ReportPicture, SaysWhatToInstall) {
+TEST_F(ReportPicture, NamesThePackagesToInstall) {
   Variable const python("STRAYTRACE_PYTHON", "/no/such/python");
   EXPECT_FALSE(draw_picture(folder / "run.h5", folder / "report.png", message));
   EXPECT_THAT(message, HasSubstr("apt install python3-matplotlib python3-h5py"));
   EXPECT_FALSE(std::filesystem::exists(folder / "report.png"));
 }
 
-TEST_F(ReportPicture, PassesOnWhatPythonSays) {
+TEST_F(ReportPicture, PassesOnTheMessagesOfPython) {
   EXPECT_FALSE(draw_picture(folder / "missing.h5", folder / "report.png", message));
   EXPECT_THAT(message, HasSubstr("cannot read"));
 }

@@ -67,7 +67,7 @@ std::vector<std::string_view> explained(std::string_view preset) {
   return keys;
 }
 
-TEST(Presets, SayWhatBudgetsSay) {
+TEST(Presets, AgreeWithBudgets) {
   for (DualRecycledPreset const& preset : dual_recycled_presets()) {
     Detector const budget = read_ifo(std::string(preset.name)).detector;
     std::vector<std::string_view> found = unlike(preset.parameters, dual_recycled(budget)),

@@ -68,7 +68,7 @@ TEST(Ifo, NumbersOfTheTable) {  // docs/theory/sensitivity.md: w from eq. 6.3, a
   EXPECT_EQ(read_ifo("ce").detector.mirror_mass, 320);
 }
 
-TEST(Ifo, WhatIsMissingIsListedAtOnce) {
+TEST(Ifo, MissingDataAreListedAtOnce) {
   std::string const said = complaint("Infrastructure: {Length: 3000}\nOptics: {Loss: 1e-5}\n");
   for (char const* key :
        {"Laser.Wavelength", "the power of the light", "Optics.ITM.Transmittance", "Optics.ETM.Transmittance",
@@ -93,7 +93,7 @@ TEST(Ifo, PlacesAndSuggestions) {
 }
 
 // The quadrature in which the arms do not appear would make noise of rounding; a wrong length alone is one problem.
-TEST(Ifo, WhatTheReadoutDoesNotSee) {
+TEST(Ifo, BlindReadouts) {
   for (char const* angle : {"0", "3.141592653589793"})
     EXPECT_THAT(complaint(std::string("extends: aligo\nOptics: {Quadrature: {dc: ") + angle + "}}\n"),
                 HasSubstr("ifo.yaml:2:27: error: at 'Optics.Quadrature.dc'"));
@@ -103,7 +103,7 @@ TEST(Ifo, WhatTheReadoutDoesNotSee) {
   EXPECT_THAT(complaint("extends: aligo\n", {"Optics.Curvature.ITM=0"}), HasSubstr("not stable"));
 }
 
-TEST(Ifo, UnknownKeysOfWholeFilesAreFine) {
+TEST(Ifo, UnknownKeysOfCompleteFilesAreAccepted) {
   TemporaryFile const file("whole.yaml", read_ifo("aligo").yaml + "\nInfrastructureOfTheFuture: {PipR: 0.5, l0: 1}\n");
   EXPECT_EQ(read_ifo(file.name()).detector.arm_length, 3995);
 }

@@ -85,7 +85,7 @@ TEST_F(ReportReading, LinesAreReadFromTheirBin) {
 }
 
 // Edges are upper bounds: without an error, with two digits, wherever they make a part of the number that shows.
-TEST_F(ReportReading, UpperBoundsSayAtMost) {
+TEST_F(ReportReading, UpperBoundsPrintAtMost) {
   EXPECT_EQ(with_error({2.617193e-26, 4e-32, true}), "at most 2.7e-26");
   EXPECT_EQ(with_error({2.617193e-26, 4e-32}), "2.617193e-26 ± 0.000004e-26");  // negative control
   EXPECT_EQ(with_brackets({9.95, 0.1, true}) + ", " + with_brackets({2.6e-26, 0, true}), "at most 10, at most 2.6e-26");

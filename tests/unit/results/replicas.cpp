@@ -18,7 +18,7 @@ using ::testing::Not;
 
 // A route with the numbers of its reverse goes up and down with it: the error of their sum is 2 e, for the printed sum
 // and for the figure of merit alike. Control: two routes that share nothing, sqrt(2) e.
-TEST(ReplicaSum, SumsKnowWhatRoutesHaveInCommon) {
+TEST(ReplicaSum, SumsIncludeTheCorrelationOfRoutes) {
   TraceResult trace = trace_result();
   auto& classes = trace.coupling.classes;
   classes.resize(2);
@@ -43,7 +43,7 @@ TEST(ReplicaSum, SumsKnowWhatRoutesHaveInCommon) {
 
 // d(a/(a + b)) = ((1 - s) da - s db)/(a + b): routes that go up and down together keep their shares. Control: two that
 // share nothing.
-TEST(ReplicaSum, SharesKnowWhatTheirTotalHasInCommonWithThem) {
+TEST(ReplicaSum, SharesIncludeTheCorrelationWithTheirTotal) {
   ReplicaPattern up, pairs;
   for (std::size_t r = 0; r < replica_count; ++r) {
     up[r] = (r % 2 ? 1 : -1) / std::sqrt(double(replica_count));

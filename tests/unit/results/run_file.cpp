@@ -225,7 +225,7 @@ TEST_F(ReportRunFile, NoObjectHasATimeStamp) {
   }
 }
 
-TEST_F(ReportRunFile, RefusesWhatIsNotARun) {
+TEST_F(ReportRunFile, OtherFilesAreErrors) {
   write_file(folder / "text.h5", "hello");
   write_file(folder / "none.h5", "");
   { H5::H5File const other(folder / "other.h5", H5F_ACC_TRUNC); }
@@ -245,7 +245,7 @@ std::string made(std::string const& kind, std::uint64_t major) {
   return with_checksum_header(out.bytes());
 }
 
-TEST_F(ReportRunFile, RefusesOtherKindsAndNewerSchemas) {
+TEST_F(ReportRunFile, OtherKindsAndNewerSchemasAreErrors) {
   write_file(folder / "kind.h5", made("straytrace-scan", 1));
   write_file(folder / "new.h5", made("straytrace-run", 3));
   write_file(folder / "bare.h5", made("straytrace-run", 1));
@@ -255,7 +255,7 @@ TEST_F(ReportRunFile, RefusesOtherKindsAndNewerSchemas) {
   EXPECT_THAT(message_of([&] { read_run(folder / "bare.h5"); }), HasSubstr("is damaged"));
 }
 
-TEST_F(ReportRunFile, RefusesTruncatedAndChangedFiles) {
+TEST_F(ReportRunFile, TruncatedAndChangedFilesAreErrors) {
   std::string const good = read_file(written());
   for (std::size_t const length :
        {std::size_t{10}, std::size_t{100}, std::size_t{512}, good.size() / 2, good.size() - 1}) {
@@ -274,7 +274,7 @@ TEST_F(ReportRunFile, RefusesTruncatedAndChangedFiles) {
   }
 }
 
-TEST_F(ReportRunFile, LeavesNothingBehindWhenItCannotWrite) {
+TEST_F(ReportRunFile, LeavesNoFileWhenItCannotWrite) {
   EXPECT_THAT(message_of([&] { write_run(folder / "missing/run.h5", content(trace, &noise)); }),
               HasSubstr("cannot write"));
   std::filesystem::create_directory(folder / "taken");

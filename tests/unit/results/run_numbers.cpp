@@ -22,7 +22,7 @@ void set_last(std::string const& file, char const* path, double value) {
   set.write(values.data(), H5::PredType::NATIVE_DOUBLE);
 }
 
-TEST(ReportRunNumbers, SumsThatAreNoneAreDamage) {
+TEST(ReportRunNumbers, ImpossibleSumsAreDamage) {
   Folder const folder;
   TraceResult const trace = trace_result();
   write_run(folder / "run.h5", content(trace, nullptr));

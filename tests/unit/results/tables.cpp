@@ -112,7 +112,7 @@ TEST_F(ReportTables, NamesTheBodyThatShakesThePhase) {
   EXPECT_EQ(table().rows[0].body, "ITM");
 }
 
-TEST_F(ReportTables, TextSaysUnresolvedAndSums) {
+TEST_F(ReportTables, TextStatesUnresolvedAndSums) {
   std::string const text = path_text(table(), 3);
   EXPECT_THAT(text, HasSubstr("3 further routes"));
   EXPECT_THAT(text, HasSubstr("total (lower bound)"));
@@ -178,7 +178,7 @@ TEST_F(ReportTables, AsdTextHasSeventeenColumnsPerFrequency) {
   EXPECT_THAT(asd_text(content(trace, &noise)), HasSubstr("e+00 nan nan nan "));  // low end too: unresolved, not 0
 }
 
-TEST_F(ReportTables, BandsStandInReportAndSummary) {
+TEST_F(ReportTables, BandsAreInReportAndSummary) {
   std::string const text = text_report(content(trace, &noise), table(), 3);
   EXPECT_THAT(text, HasSubstr("speckle 5 %"));
   EXPECT_THAT(text, HasSubstr("material steel  bracket: x 0.25 to 4 (assumed)"));
@@ -188,7 +188,7 @@ TEST_F(ReportTables, BandsStandInReportAndSummary) {
   EXPECT_THAT(text_report(content(trace, &noise), table(), 3), Not(HasSubstr("speckle 5 %")));
 }
 
-TEST(ReportRegime, TellsWhereItChanges) {
+TEST(ReportRegime, NamesTheFrequencyOfTheChange) {
   FrequencyGrid const grid{{10, 20, 40, 80, 160}};
   NoiseTrace t;
   EXPECT_EQ(regime(t, grid, 10, 160), "-");
@@ -229,7 +229,7 @@ NoiseBudget simple(double first) {
   return b;
 }
 
-TEST(ReportVerdict, StaysBelowOrExceeds) {
+TEST(ReportOutcome, StaysBelowOrExceeds) {
   EXPECT_EQ(verdict_sentence(simple(0.5), 0, 0),
             "Stray light stays a factor 2.0 ± 0.2 below the margin line 0.1 x adv-lal between 10 and 40 Hz; closest at "
             "14.1 Hz. Unresolved: none.");
@@ -239,14 +239,14 @@ TEST(ReportVerdict, StaysBelowOrExceeds) {
   EXPECT_THAT(verdict_sentence(simple(4), 25, 40), HasSubstr("stays a factor 5.0"));
 }
 
-TEST(ReportVerdict, UnresolvedRoutesMakeItALowerBound) {
+TEST(ReportOutcome, UnresolvedRoutesMakeItALowerBound) {
   NoiseBudget b = simple(0.5);
   b.unresolved = {"ITM·S: too few scores"};
   EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("Stray light as far as seen stays"));
   EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("lower bound; unresolved (1): ITM·S: too few scores"));
 }
 
-TEST(ReportVerdict, SaysWhenThereIsNothingToCompare) {
+TEST(ReportOutcome, StatesWhenNoCurveIsGiven) {
   NoiseBudget b = simple(0.5);
   b.design[0].asd = {not_a_number, not_a_number};
   EXPECT_THAT(verdict_sentence(b, 0, 0), HasSubstr("has no values between 10 and 40 Hz"));
@@ -266,7 +266,7 @@ TEST_F(ReportTables, ReportHasItsSections) {
 }
 
 // Without a resolved route there is no answer at a frequency of the band; beyond it nothing was asked.
-TEST_F(ReportTables, NoAnswerIsNotOutsideTheGrid) {
+TEST_F(ReportTables, UnresolvedIsNotOutsideTheGrid) {
   auto const count = [&](std::string const& words) {
     std::string const text = text_report(content(trace, &noise), table(), 12);
     int n = 0;

@@ -110,7 +110,7 @@ TEST(Expression, DimensionsAreChecked) {
   EXPECT_THAT(refusal_of("5 m", dim::plain), HasSubstr("'x' is a plain number, got \"5 m\" (a length)"));
 }
 
-TEST(Expression, RefusesWithARemedy) {
+TEST(Expression, ErrorsStateARemedy) {
   struct Case {
     char const *text, *what, *remedy;
   };

@@ -25,7 +25,7 @@ TEST(Overrides, ReplaceParametersOfTheModel) {
   EXPECT_EQ(aperture_of({"aperture=0"}), 0);
 }
 
-TEST(Overrides, RefusedWithPlace) {
+TEST(Overrides, ErrorsStateThePlace) {
   std::string const model = "params: {aperture: 84 cm}\n";
   EXPECT_EQ(errors_of(model, {"aperure=60cm"}),
             R"(command line:1:4: error: parameter 'aperure' is not defined in the model

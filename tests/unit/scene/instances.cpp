@@ -164,7 +164,7 @@ TEST(Instances, RepeatFromATable) {
   for (Case const& c : cases) EXPECT_THAT(errors_of(read(c.csv)), HasSubstr(c.what)) << c.csv;
 }
 
-TEST(Instances, Refusals) {
+TEST(Instances, Errors) {
   struct Case {
     char const *entry, *what;
   };
@@ -229,7 +229,7 @@ TEST(Instances, NumbersOfInstancesAreBounded) {
   EXPECT_THAT(errors_of(circle + "scene: [{name: x, use: p0}, {name: y, use: p1}]\n"), HasSubstr("contains itself"));
 }
 
-TEST(Instances, ResolvedTextIsTrueAndReadable) {
+TEST(Instances, ResolvedTextIsEquivalentAndReadable) {
   Scene const s = scene_of(
       baffle +
           "  - {name: b, use: baffle, aperture: aperture, repeat: {count: 2, along: z, from: 50 m, to: L - 10 m}}\n",

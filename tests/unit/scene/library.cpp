@@ -112,7 +112,7 @@ TEST(Like, TakesOverWhatIsNotStated) {
   EXPECT_THAT(errors_of(base + "  b: {like: b}\n"), HasSubstr("'b' is no material that can be taken over"));
 }
 
-TEST(Parameters, SayWhereTheyAreFrom) {
+TEST(Parameters, StateTheirOrigin) {
   std::string const model =
       "params:\n  a: {value: 2*b, status: assumed, source: no number}\n  b: {value: 3 m, status: published}\n"
       "  c: {value: 1 m, status: assumed}\ntrace: {x: a}\n";

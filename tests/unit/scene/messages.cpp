@@ -136,7 +136,7 @@ TEST(Messages, RangesChoicesAndKinds) {
   }
 }
 
-TEST(Messages, WhatIsReportedOnceStaysQuiet) {
+TEST(Messages, RepeatedWarningsStayQuiet) {
   Scene const scene = scene_of("trace: {a: , b: 5}\n");
   scene.table("trace").number("a", dim::length);
   scene.table("trace").table("b").number("c", dim::length);

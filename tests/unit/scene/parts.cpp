@@ -8,7 +8,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(Parts, Refusals) {
+TEST(Parts, Errors) {
   struct Case {
     char const *part, *what;
   };

@@ -12,7 +12,7 @@ struct TextPair {
   char const *accepted, *refused, *place, *what;
 };
 
-TEST(Syntax, RefusesTextsNextToAcceptedOnes) {
+TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
   std::vector<TextPair> const pairs{
       {"trace: {a: 1, b: 2}\n", "trace: {a: 1, a: 2}\n", "2:15", "key 'a' is written twice in one table"},
       {"trace: 1\nnoise: 2\n", "trace: 1\ntrace: 2\n", "3:1", "key 'trace' is written twice"},

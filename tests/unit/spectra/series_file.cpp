@@ -74,7 +74,7 @@ TEST(SeriesFile, DecimalCommasAreNamed) {
 }
 
 // A comma between digits beside another separator is no separator: "10,5;1e-9" is not a row of three.
-TEST(NumberRows, DecimalCommasAreRefusedByEveryReader) {
+TEST(NumberRows, DecimalCommasAreErrorsForEveryReader) {
   std::string_view const names[] = {"h_mean"};
   for (std::string const line : {"10,5;1e-9", "10,5;1,2e-9", "10;1,5", "10,5\t1e-9", "10,5 1e-9 # 10,5", "-1,5 2"}) {
     std::string const text = line + "\n" + line + "\n";
@@ -86,7 +86,7 @@ TEST(NumberRows, DecimalCommasAreRefusedByEveryReader) {
     EXPECT_EQ(parse_rows(line + "\n").error, "") << "control: " << line << " is not meant";
 }
 
-TEST(SeriesFile, MessagesSayWhatToWrite) {
+TEST(SeriesFile, ErrorsStateARemedy) {
   auto const refusal = [](std::string const& text, SeriesRequest const& wanted) {
     return message([&] { parse_series(text, "a.txt", wanted); });
   };

@@ -106,7 +106,7 @@ TEST(TextTable, TakesTheNamedColumnOfMany) {
   EXPECT_NE(parse_named_curve(rows, strain_columns).error.find("4 columns without names"), std::string::npos);
 }
 
-TEST(TextTable, SaysWhatIsWrong) {
+TEST(TextTable, ErrorsAreExplained) {
   EXPECT_EQ(parse_curve("1 2\nf x").error, "line 2: 'f' is not a number (comments start with #)");
   EXPECT_NE(parse_curve("1 2\n1 3").error.find("does not increase"), std::string::npos);
   EXPECT_NE(parse_curve("1 2\n2 -3").error.find("negative"), std::string::npos);

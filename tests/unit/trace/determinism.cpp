@@ -76,7 +76,7 @@ TEST(Determinism, InterruptedAndResumed) {
   EXPECT_EQ(whole.coupling.histories, blocks * largest_block);
 }
 
-TEST(Determinism, OutOfTimeKeepsWhatThereIs) {
+TEST(Determinism, OutOfTimeKeepsTheHistoriesSoFar) {
   TraceSettings settings;
   settings.histories = blocks * largest_block;
   settings.threads = 1;
@@ -101,7 +101,7 @@ std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why
   return seen;
 }
 
-TEST(StopRule, LooksAtFixedBlockCounts) {
+TEST(StopRule, IsEvaluatedAtFixedBlockCounts) {
   std::vector<std::uint64_t> counts;
   for (std::uint64_t b = 0; counts.size() < 8; counts.push_back(b)) b = next_look(b);
   EXPECT_EQ(counts, (std::vector<std::uint64_t>{32, 45, 64, 91, 128, 181, 256, 362}));
@@ -109,7 +109,7 @@ TEST(StopRule, LooksAtFixedBlockCounts) {
   EXPECT_EQ(next_look(64), 91u);
 }
 
-TEST(StopRule, NeedsTwoGoodLooksInARow) {
+TEST(StopRule, MustHoldTwiceInARow) {
   Stopped why;
   EXPECT_EQ(looks({0.5, 0.5}, why), (std::vector<std::uint64_t>{32, 45}));
   EXPECT_EQ(why, Stopped::by_error);

@@ -55,7 +55,7 @@ TEST(TailSlope, OfPowerLaws) {
 }
 
 // A tail of infinite variance whose largest totals happen to be missing: nothing else objects.
-TEST(TailSlope, Verdict) {
+TEST(TailSlope, Status) {
   std::vector<double> open = pareto(2.4, 2 * scored, 3);
   std::erase_if(open, [](double value) { return value > 600; });
   open.resize(39 * per_block);
@@ -74,7 +74,7 @@ TEST(TailSlope, Verdict) {
 // The slope of 200 totals is known to (p - 1)/sqrt(200): rows are refused when it is below 3 by two errors. A
 // log-normal spread of 1.5 has finite variance and good error bars, and a slope of 3 in 20 000 scores. Control: the
 // limit at 3 itself refuses most of such rows, and keeps those that are too low.
-TEST(TailSlope, KnowsItsOwnError) {
+TEST(TailSlope, LimitIncludesItsError) {
   std::mt19937_64 engine(11);
   std::normal_distribution<double> draw;
   int sound = 0, refused = 0, below = 0, inside = 0;
@@ -148,7 +148,7 @@ TEST(Halves, FirstPartOfTheBlocks) {
 }
 
 // A source that grows by 10 % half-way. Control: one that goes up and down with every block has equal halves.
-TEST(Halves, Verdict) {
+TEST(Halves, Status) {
   std::mt19937_64 engine(8);
   std::exponential_distribution<double> draw;
   std::vector<double> grows(64 * per_block), alternates(64 * per_block);

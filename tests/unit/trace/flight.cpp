@@ -64,7 +64,7 @@ TEST(Flight, SameSumsAsOneByOne) {
   EXPECT_GT(longest, 3 * expected.bounces / (last - first));
 }
 
-TEST(Flight, NothingToDo) {
+TEST(Flight, WithoutHistories) {
   World const world = bright_room();
   WorldView const view = world.view();
   Flight<HistoryTally> flight(view, 1);

@@ -137,7 +137,7 @@ TEST(Ranks, AnyNumberOfThemIsOneRun) {
   EXPECT_FALSE(same(control.run(other).total, one.total));
 }
 
-TEST(Ranks, StopRulesLookAtTheSameMoments) {
+TEST(Ranks, StopRulesAreEvaluatedAtTheSameBlockCounts) {
   auto const looks = [](int ranks) {
     std::vector<std::uint64_t> seen;
     TraceSettings settings = settings_for(2);

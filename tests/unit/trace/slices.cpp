@@ -31,7 +31,7 @@ TEST(Slices, CoverEachBlockOnce) {
   EXPECT_NE(7 * (200 / 7), 200);
 }
 
-TEST(Slices, TreesSayWhatTheyHold) {
+TEST(Slices, TreesListTheirBlocks) {
   SumTree tree;
   for (std::uint64_t const block : {0, 1, 2, 5, 6, 7, 12}) tree.add(0, block, {});
   EXPECT_EQ(tree.done(), (std::vector<BlockRange>{{0, 3}, {5, 8}, {12, 13}}));
@@ -42,7 +42,7 @@ TEST(Slices, TreesSayWhatTheyHold) {
   EXPECT_EQ(tree.missing({3, 3}), std::vector<BlockRange>{});
 }
 
-TEST(Slices, HandoutGivesEachBlockOnce) {
+TEST(Slices, QueueGivesEachBlockOnce) {
   BlockQueue block_queue({{3, 5}, {8, 12}});
   EXPECT_EQ(block_queue.take(1), (BlockRange{3, 4}));
   EXPECT_EQ(block_queue.take(9), (BlockRange{4, 5}));
@@ -167,7 +167,7 @@ class Waiting final : public Backend {
   std::unique_ptr<Backend> cpu_ = make_backend("cpu");
 };
 
-TEST(Slices, CheckpointsGoOnToTheSameBits) {
+TEST(Slices, CheckpointsResumeToTheSameBits) {
   Waiting const backend;
   std::vector<TraceResult> kept;
   TraceSettings settings = settings_for();

@@ -63,7 +63,7 @@ TEST(Moments, BlockErrorAndHistoryError) {
 std::string verdict(std::vector<double> const& x, std::size_t blocks = 32) {
   return estimate(moments_of(x, x.size() / blocks), x.size(), blocks).why_not;
 }
-TEST(Moments, VerdictsInWords) {
+TEST(Moments, ReasonsInWords) {
   std::vector<double> x(32 * 100, 1.0);
   for (std::size_t i = 0; i < x.size(); i += 2) x[i] = 2;
   EXPECT_EQ(verdict(x), "");
@@ -129,7 +129,7 @@ TEST(SumTree, BitsDoNotDependOnTheOrderOfBlocks) {
   EXPECT_TRUE(plain_sum_differs);
 }
 
-TEST(SumTree, RefusesBlocksThatAreThereAlready) {
+TEST(SumTree, DuplicateBlocksAreErrors) {
   SumTree tree;
   tree.add(0, 4, {});
   EXPECT_THROW(tree.add(0, 4, {}), std::logic_error);

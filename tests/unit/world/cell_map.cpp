@@ -110,7 +110,7 @@ TEST(CellMap, CountsPlacesByTheirWeight) {
 
 // Even light on an annulus: density N / (pi (b^2 - a^2)) in every cell, those at the rims too. Chi-squared of n cells
 // has mean n - 1 and variance 2 (n - 1); the cells are made by other places than those that fill them.
-TEST(CellMap, EvenLightIsEvenUpToTheRim) {
+TEST(CellMap, UniformLightIsUniformUpToTheEdge) {
   double const inner = 0.2, outer = 0.5;
   Places all = even(inner, outer, 60000), pilot(all.begin(), all.begin() + 12000);
   all.erase(all.begin(), all.begin() + 12000);

@@ -31,7 +31,7 @@ std::string complaint(std::string const& more, std::string const& before = arm) 
   return test::message_of([&] { world_of(more, before); });
 }
 
-TEST(ReadEdges, TakesWhatIsGiven) {
+TEST(ReadEdges, ReadsTheKeys) {
   World const w = world_of(
       "edges: {surfaces: \"ring*\", offset: [1 mm, 0 mm, 0 mm], tooth_height: 6 mm, tooth_width: 1 cm, sum: "
       "in-phase}\n");
@@ -46,7 +46,7 @@ TEST(ReadEdges, TakesWhatIsGiven) {
   EXPECT_EQ(w.fingerprint(), world_of("").fingerprint());
 }
 
-TEST(ReadEdges, SaysWhatIsWrong) {
+TEST(ReadEdges, ErrorsAreExplained) {
   EXPECT_THAT(complaint("edges: {surfaces: wall}\n"), HasSubstr("'wall' has no inner rim"));
   EXPECT_THAT(complaint("edges: {surfaces: wall}\n"), HasSubstr("ring_one, ring_two"));
   EXPECT_THAT(complaint("edges: {surfaces: ring_ome}\n"), HasSubstr("did you mean 'ring_one'?"));

@@ -45,7 +45,7 @@ auto const cross_each_other = HasSubstr("pass through each other");
 auto const nothing_shared = AllOf(Not(coincide), Not(cross_each_other), Not(HasSubstr("error")));
 
 // Of two equal cones the one that was listed first was seen, and h(f) changed 180-fold with their order.
-TEST(Faces, OneOfTwoEqualConesIsRefusedInEitherOrder) {
+TEST(Faces, OneOfTwoEqualConesIsAnErrorInEitherOrder) {
   for (auto const& [first, second] : {std::pair{"steel", "dark"}, std::pair{"dark", "steel"}})
     EXPECT_THAT(said(cone("one", first, "1 km") + cone("two", second, "1 km")),
                 AllOf(coincide, HasSubstr("'one'"), HasSubstr("'two'"), HasSubstr("error")));
@@ -75,7 +75,7 @@ TEST(Faces, ABaffleMayEndOnItsTubeButNotPassIt) {
   EXPECT_THAT(many, AllOf(HasSubstr("and in 19 more places"), HasSubstr("2 mm deep")));
 }
 
-TEST(Faces, BackToBackDisksAreRefusedWhereLightComes) {
+TEST(Faces, BackToBackDisksAreErrorsWhereLightArrives) {
   std::string const one = disk("one", "facing: [0, 0, 1], side: front, material: steel");
   EXPECT_THAT(said(one + disk("two", "facing: [0, 0, -1], side: front, material: steel")), coincide);
   EXPECT_THAT(said(disk("one", "material: black") + disk("two", "material: black")), nothing_shared);

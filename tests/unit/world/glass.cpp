@@ -131,7 +131,7 @@ TEST(Glass, GlassThatNoLightEntersIsAWarning) {
 }
 
 // Light beside one object, met many times, is told once, with the worst.
-TEST(Glass, LightBesideAnObjectIsToldOnce) {
+TEST(Glass, LightThatMissesAnObjectIsReportedOnce) {
   std::string const cavity =
       "  - {name: near, shape: {disk: {outer_radius: 1.5 mm}}, facing: [0, 0, 1], side: front, at: [0 m, 0 m, -1.1 m], "
       "body: b, material: hr}\n"

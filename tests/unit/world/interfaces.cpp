@@ -224,7 +224,7 @@ TEST(WorldInterfaces, Media) {
   EXPECT_EQ(b.names.media.at("b").absorption, 1e-3);
 }
 
-TEST(WorldInterfaces, Refusals) {
+TEST(WorldInterfaces, Errors) {
   EXPECT_TRUE(refused(material("specular: fresnell"), "no interface is called 'fresnell'"));
   EXPECT_TRUE(refused(material("specular: {reflect: 1 %, index: 1.5}"), "two descriptions"));
   EXPECT_TRUE(refused(material("specular: {reflekt: 1 %}"), "reflekt"));

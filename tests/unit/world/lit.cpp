@@ -43,7 +43,7 @@ std::string open_at(World const& world, std::string const& port) {
   return names;
 }
 
-TEST(ReadLit, PortsWithoutAPlaceTakeWhatIsLeft) {
+TEST(ReadLit, PortsWithoutAPlaceTakeTheRemainingSurfaces) {
   std::string const beam = "radius: 1 mm, lit: yes";
   testing::BuiltScene const r = read(beam, "ports: {rest: {beam: probe}, one: {beam: probe, at: dump}}\n");
   EXPECT_EQ(open_at(r.world, "one"), "dump ");

@@ -94,7 +94,7 @@ TEST(mesh_file, gltf_is_in_metres_and_places_its_nodes) {
   EXPECT_EQ(file.parts[1].vertices[0].z, 2);
 }
 
-TEST(mesh_file, other_files_are_sought_beside_it_only) {
+TEST(mesh_file, other_files_are_searched_in_its_folder_only) {
   for (char const* name : {"../plate.bin", "/etc/plate.bin", "file:///etc/plate.bin", "a/../../plate.bin"}) {
     std::string said;
     bool asked = false;
@@ -107,7 +107,7 @@ TEST(mesh_file, other_files_are_sought_beside_it_only) {
   }
 }
 
-TEST(mesh_file, says_what_is_wrong) {
+TEST(mesh_file, errors_are_explained) {
   std::string said;
   for (auto const& [name, bytes] : {std::pair{"a.stl", std::string("hello")},
                                     {"a.obj", "f 1 2 3\n"},
@@ -123,7 +123,7 @@ TEST(mesh_file, says_what_is_wrong) {
 }
 
 // Files that would make the library crash or take all memory; more of them in fuzz/corpus/mesh.
-TEST(mesh_file, hostile_files_are_told) {
+TEST(mesh_file, hostile_files_are_errors) {
   std::string const head =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   std::string const corners = "end_header\n0 0 0\n1 0 0\n0 1 0\n", list = "\nproperty list uchar int vertex_indices\n";
@@ -172,7 +172,7 @@ std::string said_of(MeshFile const& file) {
   return all;
 }
 
-TEST(mesh_doctor, finds_what_is_odd) {
+TEST(mesh_checks, finds_what_is_odd) {
   testing::Soup const good = testing::cross_shaped();
   EXPECT_EQ(said_of(one_part(good)), "");
   testing::Soup holed = good, flipped = good, doubled = good, flat = good, inverted = good;
@@ -189,7 +189,7 @@ TEST(mesh_doctor, finds_what_is_odd) {
   EXPECT_THAT(said_of(one_part(inverted)), HasSubstr("normals of closed parts look inwards: 'part'"));
 }
 
-TEST(mesh_doctor, turns_inverted_bodies_and_leaves_hollow_ones) {
+TEST(mesh_checks, turns_inverted_bodies_and_leaves_hollow_ones) {
   testing::Soup s = testing::cube();
   for (MeshTriangle& t : s.triangles) std::swap(t.corner[0], t.corner[1]);
   MeshFile file = one_part(s);

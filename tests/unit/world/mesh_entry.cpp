@@ -81,7 +81,7 @@ TEST(mesh_entry, instances_share_their_arrays_and_differ_in_the_fingerprint) {
   EXPECT_NE(built(two, {{"cad/cube.obj", other}}).world.fingerprint(), b.world.fingerprint());
 }
 
-TEST(mesh_entry, demands_a_unit_and_says_what_it_would_mean) {
+TEST(mesh_entry, a_missing_unit_is_an_error_that_shows_the_size) {
   EXPECT_THAT(built("file: cad/cube.obj, material: steel").errors,
               HasSubstr("'bench' has no 'units': its bounding box would be 1 mm x 1 mm x 1 mm as mm and "
                         "1 m x 1 m x 1 m as m"));
@@ -97,7 +97,7 @@ TEST(mesh_entry, demands_a_unit_and_says_what_it_would_mean) {
       HasSubstr("cad/cube.obj: warning: bounding box 1 km x 1 km x 1 km; was it exported in mm and read as m?"));
 }
 
-TEST(mesh_entry, complains_about_choices_that_do_not_fit) {
+TEST(mesh_entry, rules_that_do_not_fit_are_errors) {
   EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {\"dump*\": black_glass}").errors,
               HasSubstr("parts of 'cad/cube.obj' have no material: 'wall'"));
   EXPECT_THAT(built("file: cad/cube.obj, units: mm, surfaces: {dumb_1: steel, default: steel}").errors,
@@ -141,7 +141,7 @@ TEST(mesh_entry, rules_see_colours) {
 }
 
 // Of a material library only colours are read, but a file that names one in vain may not be whole.
-TEST(mesh_entry, material_libraries_that_are_not_there_are_told) {
+TEST(mesh_entry, missing_material_libraries_are_reported) {
   std::string const cube = cube_obj.substr(cube_obj.find('\n') + 1);
   auto const warnings = [&](std::string const& line, FileTexts files = {}) {
     files["cad/named.obj"] = "# made by hand\n" + line + cube;
@@ -154,7 +154,7 @@ TEST(mesh_entry, material_libraries_that_are_not_there_are_told) {
   EXPECT_THAT(warnings("mtllib bench.mtl\n", {{"bench.mtl", "newmtl steel\n"}}), HasSubstr("'bench.mtl'"));
 }
 
-TEST(mesh_entry, an_unknown_key_is_told_once) {
+TEST(mesh_entry, an_unknown_key_is_reported_once) {
   std::string const said = built("file: cad/cube.obj, units: mm, surfaces: {default: steel}, materials: {a: b}").errors;
   EXPECT_THAT(said, HasSubstr("unknown key 'materials'"));
   EXPECT_THAT(said, HasSubstr("1 error."));
@@ -207,7 +207,7 @@ TEST(newmtl, iris_file_has_four_materials) {
   EXPECT_EQ(m.size(), 2u);
 }
 
-TEST(newmtl, sums_above_one_are_refused_and_tables_can_be_read) {
+TEST(newmtl, sums_above_one_are_errors_and_tables_are_read) {
   std::vector<Problem> problems;
   read_newmtl("newmtl glass\nTR 0.5 0.5\nPPM 100 1\n", problems);
   ASSERT_EQ(problems.size(), 1u);

@@ -67,7 +67,7 @@ TEST(ReadReceivers, SeveralOnOneSurfaceAndPlanes) {
   EXPECT_NE(w.fingerprint(), world_of(std::string(beam) + "receivers: {A: {on: det}}\n").fingerprint());
 }
 
-TEST(ReadReceivers, EveryMistakeHasAPlaceAndAnAnswer) {
+TEST(ReadReceivers, EveryMistakeHasAPlaceAndARemedy) {
   auto const receiver = [](std::string const& keys) { return complaint(beam + ("receivers: {PD: {" + keys + "}}\n")); };
   EXPECT_THAT(receiver("on: dett"), HasSubstr("did you mean 'det'?"));
   EXPECT_THAT(receiver("on: dett"), HasSubstr("a.yaml:7"));

@@ -44,7 +44,7 @@ std::string const lab =
     "# noise_floor: 1e-7 /sr\ntheta_i [deg], theta_s [deg], brdf_cos [1/sr]\n"
     "10, 12, 2e-3\r\n10, 20, 1e-4\n10, 60, 4e-8\r\n";
 
-TEST(ScatterFiles, WrongColumnsAreToldByWhatTheyLookLike) {
+TEST(ScatterFiles, WrongColumnsAreNamedByTheirContent) {
   std::string const rows = "10, 12, 2e-3\r\n";
   EXPECT_THAT(refusal(edited(lab, rows, "10;12,5;2,0e-3\n")), HasSubstr("not semicolons"));
   EXPECT_THAT(refusal(edited(lab, rows, "10, 12,5, 2e-3\n")), HasSubstr("not decimal commas"));
@@ -87,7 +87,7 @@ TEST(ScatterFiles, LaboratoryCsvMistakes) {
   EXPECT_THAT(refusal(edited(no_floor, "4e-8", "0")), HasSubstr("no noise floor"));
 }
 
-TEST(ScatterFiles, MoreIncidencesThanTheLawHolds) {
+TEST(ScatterFiles, MoreIncidencesThanTheModelHolds) {
   std::string text = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
   for (int i = 0; i < 40; ++i)
     for (int const away : {1, 5, 20}) text += std::to_string(2 * i) + ", " + std::to_string(2 * i - away) + ", 1e-3\n";
@@ -189,7 +189,7 @@ TEST(ScatterFiles, AstmText) {
 }
 
 // What is written is read back: every measured value at its own direction. Control: a file whose azimuths are swapped.
-TEST(ScatterFiles, SsddGoesRound) {
+TEST(ScatterFiles, SsddRoundTrip) {
   std::string text = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
   for (int t = -80; t <= 80; t += 7) text += "8, " + std::to_string(t) + ", " + std::to_string(0.1 + 0.001 * t) + "\n";
   for (int t = -75; t <= 75; t += 10)
@@ -225,7 +225,7 @@ TEST(ScatterFiles, SsddGoesRound) {
   EXPECT_DOUBLE_EQ(sound(one, green).points.at(0).value, 0.3183);
 }
 
-TEST(ScatterFiles, OthersAreRefusedByName) {
+TEST(ScatterFiles, OtherFormatsAreErrorsThatNameThem) {
   EXPECT_THAT(refusal(std::string("tensor_file\0\1\0", 14)), HasSubstr("RGL binary BSDF"));
   EXPECT_THAT(refusal(std::string("tensor_file\0\1\0", 14)), HasSubstr("write those as laboratory CSV"));
   EXPECT_THAT(refusal("Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nAOI 10\n"), HasSubstr("LightTools"));

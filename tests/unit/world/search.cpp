@@ -263,7 +263,7 @@ TEST(world_search, the_end_of_the_ray_is_open) {
 }
 
 // A search hands out kind and number of a shape in one word: more of a kind than it can name are refused, not confused.
-TEST(world_search, more_shapes_than_can_be_named_are_refused) {
+TEST(world_search, more_shapes_than_can_be_named_are_errors) {
   SurfaceRef const last = SurfaceRef::of(5, {3, SurfaceRef::most_shapes - 1}),
                    control = SurfaceRef::of(5, {3, 1u << 24});
   EXPECT_EQ(last.shape().kind, 3u);

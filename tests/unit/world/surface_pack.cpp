@@ -85,7 +85,7 @@ TEST(surface_pack, loses_no_hit) {
 
 TEST(surface_pack, control_without_widening_loses_hits) { EXPECT_GT(count(0).lost, 100); }
 
-TEST(surface_pack, passes_little_that_is_not_hit) {
+TEST(surface_pack, rejects_most_misses) {
   Counts const c = count(1);
   EXPECT_LT(c.passed, 1.5 * c.hits);
 }

@@ -233,7 +233,7 @@ TEST(ResidualGas, UniformTubeAtLowFrequency) {  // flat below v/w: 4 (2 pi alpha
   EXPECT_GT(slow, largest / 6);
 }
 
-TEST(Fundamental, LeavesOutWhatIsNotStated) {
+TEST(Fundamental, OmitsNoisesWithoutData) {
   FundamentalEntries const all = fundamental_entries(lossless(), std::vector<double>{10, 100});
   ASSERT_EQ(all.entries.size(), 1u);
   EXPECT_EQ(all.entries[0].name, "Quantum");

@@ -116,7 +116,7 @@ TEST(Budget, TenEqualEntries) {  // R2.23: ten entries at 0.1 of the reference: 
   EXPECT_GT(deviation(linear, 0.316), 2);
 }
 
-TEST(Budget, WhatIsNotKnownIsNotZero) {
+TEST(Budget, UnknownNoiseIsNotZero) {
   NoiseTable t{{10, 100}, {{"a", "", BudgetEntry::Kind::technical, {not_a_number, 3}, {}, "", {}}}};
   EXPECT_TRUE(std::isnan(t.total()[0]));
   EXPECT_DOUBLE_EQ(t.total()[1], 3);

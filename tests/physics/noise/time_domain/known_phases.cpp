@@ -69,7 +69,7 @@ PairSpectrum quadrature(double rms, double phi_0, std::vector<double> edges) {
   return pair_spectrum(spectra, with_static_phase(two_k * two_k, phi_0));
 }
 
-TEST(StaticPhase, WeakMotionSeenThroughTheSlope) {  // Im s = phi cos(phi_0): twice eq. 7.9 at most, tolerance 1e-4
+TEST(StaticPhase, WeakMotionOnTheSlope) {  // Im s = phi cos(phi_0): twice eq. 7.9 at most, tolerance 1e-4
   std::vector<double> const edges = {1.8, 2.2};
   double const linear = two_k * two_k * gaussian_line(2, 0.4, 1e-11).power(1.8, 2.2) / 0.4;
   for (double phi_0 : {0.0, 0.7, 1.2})

@@ -28,7 +28,7 @@ MotionSet e2b_motion() {
   return m;
 }
 
-TEST(SamplingRule, RefusesTheAliasedScriptAndNamesPathAndRate) {  // E.2b, R4.10, eq. 7.13
+TEST(SamplingRule, AnAliasingRateIsAnErrorThatNamesPathAndRate) {  // E.2b, R4.10, eq. 7.13
   TimeDomainSettings s;
   s.paths.routes = {0};
   s.duration = 2;
@@ -52,7 +52,7 @@ TEST(SamplingRule, RefusesTheAliasedScriptAndNamesPathAndRate) {  // E.2b, R4.10
   EXPECT_THROW(stray_light(e2b(), e2b_motion(), UnitDetector(), s), InputError);
 }
 
-TEST(SamplingRule, MotionAboveHalfTheRateIsRefused) {
+TEST(SamplingRule, MotionAboveHalfTheRateIsAnError) {
   MotionSet const motion = moving({power_law_asd(1e-12, 10, -2, 1, 1000)});
   EXPECT_THROW(draw_motion(motion, {0, 1024, 1024}, 1), InputError);
   EXPECT_NO_THROW(draw_motion(motion, {0, 4096, 4096}, 1));

@@ -133,7 +133,7 @@ TEST(ElasticModes, TableOfPoints) {
   }
 }
 
-TEST(ElasticModes, WhatIsRefused) {
+TEST(ElasticModes, InvalidShapesAreErrors) {
   auto const problem = [](std::string const& shape, FileTexts files = {}) -> std::string {
     try {
       world_with({shape}, std::move(files));

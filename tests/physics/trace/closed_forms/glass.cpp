@@ -177,7 +177,7 @@ World lit_behind_a_window(double scatter, bool mirror, bool covered, double radi
   return world;
 }
 
-TEST(Glass, LightSeenThroughAWindow) {
+TEST(Glass, LightThroughAWindow) {
   double const sine2 = 0.01 / (0.01 + 0.04), expected = 0.5 * (1e-6 / 0.01) * sine2;  // rho A_pd / A_lamp sin^2
   SampleMean const seen = received(run_histories(lit_behind_a_window(0.5, false, true), 1 << 18));
   expect_mean("white plate", seen, expected, 0.04 * expected);
@@ -190,7 +190,7 @@ TEST(Glass, LightSeenThroughAWindow) {
 }
 
 // A wide photodiode is met by the walk as often as by sub-paths: weighed, they make one mean.
-TEST(Glass, LightSeenThroughAWindowIsNotCountedTwice) {
+TEST(Glass, LightThroughAWindowIsNotCountedTwice) {
   double const radius = 0.09, gap = 0.2, big = 0.1, s = 1 + (gap * gap + radius * radius) / (big * big);
   double const factor =
       0.5 * (s - std::sqrt(s * s - 4 * radius * radius / (big * big)));  // coaxial discs, lamp to chip

@@ -65,7 +65,7 @@ TEST(Lay, FollowsTheSurface) {
 
 // Light at 75 deg onto a plate, along its grooves: what the energy balance expect is what the samples carry. Control: a
 // total that is the mean over the azimuth leaves a mean in `sampling`.
-TEST(Lay, BooksKnowTheAzimuth) {
+TEST(Lay, EnergyBalanceIncludesTheAzimuth) {
   for (bool const mean_only : {false, true}) {
     World world;
     BodyId const body = world.add_body("all", {});

@@ -94,13 +94,13 @@ World rarely_lucky() {
   return world;
 }
 
-TEST(Window, RareWinsAreNotAnErrorOfTheBooks) {
+TEST(Window, RareSurvivalsAreNotAnError) {
   World const world = rarely_lucky();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_NO_THROW(run_histories(world, 48 * largest_block, seed));
 }
 
 // The spread of what was drawn alone would refuse some of them: that is the effect the odds are there for.
-TEST(Window, WithoutTheOddsSomeAreRefused) {
+TEST(Window, WithoutTheProbabilitiesSomeAreRejected) {
   World const world = rarely_lucky();
   int refused = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -118,7 +118,7 @@ TEST(Mixture, ArrivingPowerWithPatchesScene16) {
 }
 
 // Controls: the strips of a patch drawn evenly instead of by area, and a patch with a strip that is never drawn.
-TEST(Mixture, WrongPatchesAreRefused) {
+TEST(Mixture, WrongPatchesAreRejected) {
   for (bool const even : {true, false}) {
     World world = two_caps();
     SteeringTables tables = patched(0.1);
@@ -189,7 +189,7 @@ TEST(Mixture, WrongDensitiesAreRejected) {
 }
 
 // Control: patch areas wrong by a few per cent leave a mean in `sampling`, which the energy balance refuse.
-TEST(Mixture, WrongAreasAreRefused) {
+TEST(Mixture, WrongAreasAreRejected) {
   World world = two_caps();
   SteeringTables tables = uneven(0.1);
   for (Patch& p : tables.patches) p.area *= 1.03;
@@ -198,7 +198,7 @@ TEST(Mixture, WrongAreasAreRefused) {
 }
 
 // Control: nothing is ever drawn by the law, and one strip is on no list (alpha = 0 with a hole).
-TEST(Mixture, ExclusiveListsAreRefused) {
+TEST(Mixture, ExclusiveListsAreRejected) {
   World world = two_caps();
   world.steer(uneven(0, true));
   EXPECT_THROW(run_histories(world, 1 << 17), NumericalError);

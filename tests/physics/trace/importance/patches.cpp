@@ -70,7 +70,7 @@ ImportanceSettings few_rows() {
   return settings;
 }
 
-TEST(Patches, SceneOfManyStripsIsAimedAt) {
+TEST(Patches, AimingWorksWithManyStrips) {
   World world = cloud();
   SampleMean const law = received_share(run_histories(world, 1 << 19));
   SteeringTables const tables = make_importance(world, few_rows());
@@ -86,7 +86,7 @@ TEST(Patches, SceneOfManyStripsIsAimedAt) {
 }
 
 // Control: a density that is not the one drawn with.
-TEST(Patches, WrongPatchAreaIsRefused) {
+TEST(Patches, WrongPatchAreaIsRejected) {
   World world = cloud();
   SteeringTables tables = make_importance(world, few_rows());
   world.steer(tables);
@@ -140,7 +140,7 @@ TEST(Patches, NeighboursAreJoined) {
 }
 
 // One mesh of many triangles is aimed at by its parts.
-TEST(Patches, MeshIsAimedAtByItsParts) {
+TEST(Patches, AimingUsesThePartsOfAMesh) {
   World world = cloud(true, 0.5);
   SampleMean const law = received_share(run_histories(world, 1 << 19));
   SteeringTables const tables = make_importance(world);

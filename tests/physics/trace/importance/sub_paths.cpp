@@ -95,7 +95,7 @@ SampleMean watts(World const& world, std::uint64_t histories, std::uint64_t seed
 }
 
 // Plate at 60 degrees: (1 - R)/(1 + R) of the s wave, not the mean of both.
-TEST(SubPaths, PolarisedScenesAreLeftToTheWalk) {
+TEST(SubPaths, PolarisedScenesUseTheWalkOnly) {
   for (SubPath const how : {SubPath::looked_for, SubPath::asked_for}) {
     SampleMean const glass = watts(polarised(1.5, true, how), 1 << 16),
                      air = watts(polarised(1, true, how), 1 << 16, 2);

@@ -121,7 +121,7 @@ TEST(Techniques, SubPathAloneScene12) {
   s.radius = tiny;
   compare("glass before the receiver", with(s, true, false, true), 1 << 18, 4e-2);
 }
-TEST(Techniques, InCompanyScene12) {
+TEST(Techniques, TogetherScene12) {
   compare("walk and connection", {}, 1 << 17, 2.5e-2);
   compare("walk and connection, glass between", with({}, false, true, false), 1 << 17, 7e-2);
   compare("walk and sub-path", with({}, false, false, true), 1 << 18, 4e-2);

@@ -87,7 +87,7 @@ TEST(BaffleRule, NumberOfBafflesScene15) {
 
 constexpr double closer = 1 - 1e-6;  // baffles stand this much closer than where light would just touch two rims
 
-TEST(BaffleRule, NoPointOfTheMirrorsSeesTheWallScene15) {
+TEST(BaffleRule, NoLineOfSightFromMirrorsToTheWallScene15) {
   std::vector<double> const z = places(scene_15, scene_15.ratio() * closer);
   Tube const whole = make_tube(scene_15, z);
   EXPECT_EQ(seen_anywhere(whole, 1 << 19), 0u);

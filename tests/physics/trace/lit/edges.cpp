@@ -213,7 +213,7 @@ TEST(Edges, TeethOfTheShape) {
 }
 
 // A baffle that only one mirror sees diffracts nothing into the other.
-TEST(Edges, OnlyWhatBothMirrorsSee) {
+TEST(Edges, OnlyPartsVisibleFromBothMirrors) {
   Arm hidden = arm({5e3, 4e3});
   EXPECT_NEAR(wave_of(hidden).seen, 1, 1e-12);
   World& w = hidden.world;

@@ -55,7 +55,7 @@ SampleMean watts(Layout const& s, bool covered, std::uint64_t histories) {
 double seen(double a, double receiver) { return rho * receiver * receiver / (a * a + height * height); }
 
 // Radius on the card: a (1 + L C), also behind a focus.
-TEST(FreeBeams, SeenThroughAWindow) {
+TEST(FreeBeams, ThroughAWindow) {
   for (double const grown : {1.0, 1.8, 0.5, -1.3}) {
     Layout s;
     s.curvature = (grown - 1) / s.start;
@@ -69,7 +69,7 @@ TEST(FreeBeams, SeenThroughAWindow) {
 }
 
 // One beam of two, a card with gaps, aimed directions: the light is the same.
-TEST(FreeBeams, SeenThroughAWindowInOtherCompany) {
+TEST(FreeBeams, ThroughAWindowWithOtherReceivers) {
   Layout two, clear, aims;
   two.second_beam = aims.aims = true;
   clear.clear = 0.45;
@@ -141,7 +141,7 @@ TEST(FreeBeams, WideReceiverViewFactor) {
 }
 
 // No straight way from the beam to the card: the walk alone counts, with its whole weight.
-TEST(FreeBeams, GlassBeforeTheCardLeavesItToTheWalk) {
+TEST(FreeBeams, GlassBeforeTheCardUsesTheWalkOnly) {
   Layout s;
   s.glass_first = true;
   s.receiver = 0.09;
@@ -186,7 +186,7 @@ SampleMean by_the_mirror(Folded const& s, std::uint64_t histories, std::uint64_t
 }
 
 // rho R cos A/(pi d^2), d = 0.4 m by way of the mirror, cos = 1/sqrt(2) at the card.
-TEST(FreeBeams, SeenInASmallMirror) {
+TEST(FreeBeams, InASmallMirror) {
   for (bool const both : {false, true}) {
     double const expected = rho * 0.9 * std::sqrt(0.5) * 4e-6 / 0.16;
     SampleMean const w = by_the_mirror({.both_sides = both}, 1 << 18);

@@ -142,7 +142,7 @@ double there_and_back(std::vector<Vec3> const& points, Vec3 start, std::vector<d
 
 // eq. 2.2, 2.3: phase sensitivities of light that is fed by a chain, scattered back at its end and returned by the
 // chain are the derivatives of the optical path there and back, 1e-5 k; control: the way of the beam is forgotten.
-TEST(Lit, PhaseSensitivitiesOfTheChainAreDerivativesOfTheWayThereAndBack) {
+TEST(Lit, PhaseSensitivitiesOfTheChainAreDerivativesOfThePathThereAndBack) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> normal;
   auto const random = [&] { return Vec3{normal(engine), normal(engine), normal(engine)}; };
@@ -205,7 +205,7 @@ TEST(Lit, MirrorOfTheChainCountsTwice) {
 }
 
 // Optical length of such a path: the way there and back (delay of eq. 2.6).
-TEST(Lit, TracedPathsKnowTheWayOfTheBeam) {
+TEST(Lit, TracedPathsIncludeThePathOfTheBeam) {
   std::vector<Vec3> const points{{0, 0, 10}, {3, 0, 10}};
   World world;
   std::uint32_t const white = lambertian_optic(world, 0.5);

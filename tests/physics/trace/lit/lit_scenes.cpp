@@ -166,7 +166,7 @@ std::string laser(std::string const& lit, std::string const& end = "ports: {all:
 }
 
 // A beam that is followed: every surface it meets knows its mode, in glass too; it is not walked as rays beside.
-TEST(LitScenes, FollowedBeamLightsWhatItMeets) {
+TEST(LitScenes, FollowedBeamLightsTheSurfacesItMeets) {
   World const world = world_of(bench + laser("yes"));
   std::vector<LitRow> const rows = lit_rows(world);
   ASSERT_EQ(rows.size(), 4u);  // fold, two faces of the plate, dump

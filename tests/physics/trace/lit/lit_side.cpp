@@ -96,7 +96,7 @@ TEST(LitSide, LightInsideAClosedTubeRejoinsNoBeamOutsideEq1_7) {
 // A sphere lights its own wall evenly, with rho/(4 pi R^2) of the light scattered by any point of it. Of that, the lit
 // area of a translucent wall sends lambda^2 tau/pi into the beam outside, whatever the shape of the spot. Control: with
 // the wall across, which the beam would light if it came through, and which reflects.
-TEST(LitSide, LightComesThroughATranslucentSphereEq1_7) {
+TEST(LitSide, LightPassesATranslucentSphereEq1_7) {
   constexpr double rho = 0.5, tau = 0.3, radius = 0.4;
   World world;
   Optic wall;

@@ -26,7 +26,7 @@ SampleMean self_exchange(double z) {
   return total_coupling(run_histories(world, 1 << 18));
 }
 
-TEST(SelfConnection, ConcaveMirrorSeesItselfFarFromTheOriginEq1_2) {
+TEST(SelfConnection, ConcaveMirrorCouplesToItselfFarFromTheOriginEq1_2) {
   double const expected = lambda * lambda * beta * beta / (4 * roc * roc);
   for (double const z : {0.0, 2999.8, 4e4}) {
     SampleMean const f = self_exchange(z);
@@ -34,7 +34,7 @@ TEST(SelfConnection, ConcaveMirrorSeesItselfFarFromTheOriginEq1_2) {
   }
 }
 
-TEST(SelfConnection, HalfOfItWouldBeSeen) {
+TEST(SelfConnection, AFactorOfTwoWouldBeFound) {
   double const control = 0.5 * lambda * lambda * beta * beta / (4 * roc * roc);
   EXPECT_GT(std::abs(self_exchange(2999.8).mean - control), 0.4 * control);
 }
