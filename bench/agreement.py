@@ -5,12 +5,12 @@ import math
 import statistics
 
 MOST_APART = 4                                           # standard errors of the difference
-WORST = 0.5                                              # relative error from which on a value says nothing
+WORST = 0.5                                              # relative error above which a value is useless
 
 
 @dataclasses.dataclass(frozen=True)
 class Turn:
-    """One run: mean and standard error of what was asked for, processor seconds of sampling and before it, paths and rays per run."""
+    """One run: mean and standard error of the requested quantity, processor seconds of sampling and before it, paths and rays per run."""
     value: float
     error: float
     seconds: float

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A part from CAD by its exact faces, and the same part as triangles, as fine as the chord says: set-up, rays, figure of merit, value.
+"""A part from CAD by its exact faces, and the same part as triangles, with the given chord: set-up, rays, figure of merit, value.
 
 The part is examples/data/cad_bench.step, all of it diffuse. A lamp lights it from above; what of its light the part sends to a square
 beside the lamp is the value. Triangles of a coarse chord are another part: their value may differ, and says so.

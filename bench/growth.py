@@ -87,7 +87,7 @@ class Routes(Group):
 
 
 class Bodies(Group):
-    """The same, every name with a motion of its own: trace and noise."""
+    """The same, every name with its own motion: trace and noise."""
     sizes, quick = (1, 10, 100, 400), (1, 10)
     limits = {"per_history": LOGARITHM, "noise": 1.1}
 

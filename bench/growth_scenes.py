@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes of any size for the bench of growth. Each says what grows and keeps the rest."""
+"""Scenes of any size for the bench of growth. Each function lets one thing grow and keeps the rest."""
 import numpy
 
 TUBE = """straytrace: 1

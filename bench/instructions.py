@@ -53,7 +53,7 @@ def stored(file=STORED):
 
 
 def grown(now, made, before, made_before):
-    """(what grew too much or is not stored, what else there is to say)."""
+    """(kernels that grew too much or are not stored, notes)."""
     same = made == made_before
     limit = GROWTH if same else GROWTH_ELSEWHERE
     notes = [] if same else [f"stored counts are of {made_before}, these of {made}: {100 * limit:.0f} % may be lost"]

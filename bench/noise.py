@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The noise stage: seconds and memory for a million paths, its error, beside time series; a stored run that is
+"""The noise stage: seconds and memory for a million paths, its error, compared with time series; a stored run that is
 projected anew with other motion.
 
 Examples:

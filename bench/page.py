@@ -41,7 +41,7 @@ def digits(value, count=3):
 
 
 def with_unit(value, unit):
-    """51.2 M/s of 51.2e6 and "1/s"; what is no rate, time or memory keeps its number."""
+    """51.2 M/s of 51.2e6 and "1/s"; values other than rates, times and memory keep their number."""
     if unit not in ("1/s", "s", "B"):
         return f"{digits(value)} {unit}".strip()
     factor, prefix = next(((f, p) for f, p in PREFIXES if abs(value) >= f), PREFIXES[-1])
@@ -52,7 +52,7 @@ def with_unit(value, unit):
 
 def cell(line, field):
     value = line.get(field)
-    if field == "theirs" and value == 0 and "skipped" in line:  # nothing was found, which is no merit of zero
+    if field == "theirs" and value == 0 and "skipped" in line:  # no light was found, which does not mean a merit of zero
         return ""
     if value is None:
         return line["skipped"] if field == "ours" and "skipped" in line else ""
@@ -116,7 +116,7 @@ def results_of(folder):
 
 
 def written(text, results):
-    """The page with what the lines say."""
+    """The page with the values of the lines."""
     def fill(place):
         kind, words = place.groups()
         body = goals(results) if kind == "goals" else table(words, results)
@@ -125,7 +125,7 @@ def written(text, results):
 
 
 def problems(page, folder):
-    """What of the page and its pictures is not as the lines say."""
+    """Differences between the page with its pictures and the lines."""
     text = page.read_text(encoding="utf-8")
     wanted = written(text, results_of(folder))
     yield from (line for line in difflib.unified_diff(text.split("\n"), wanted.split("\n"), page.name, "the lines", "", n=0))

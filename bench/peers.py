@@ -29,7 +29,7 @@ import straytrace_scene  # noqa: E402
 
 HOME = SOURCE / "build/peers"
 LLVM = sorted(pathlib.Path("/usr/lib").glob("*/libLLVM.so.19*"))
-ASKED = {"tube": {}, "long_tube": {}, "bench": {}, "mesh": {}, "two_bounces": {"POV-Ray"}}   # and who alone is asked
+ASKED = {"tube": {}, "long_tube": {}, "bench": {}, "mesh": {}, "two_bounces": {"POV-Ray"}}   # and the only programs that solve it
 # name: (file that runs it, its --way, what must be there)
 PROGRAMS = {
     "Mitsuba path, LLVM": ("run_mitsuba.py", "llvm_ad_mono:path", "mitsuba"),

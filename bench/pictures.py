@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of the page of benchmarks. Each knows the lines that it was drawn from: their sha256 is in its text chunk."""
+"""Pictures of the page of benchmarks. The sha256 of the lines of each picture is in its text chunk."""
 import hashlib
 import json
 import struct

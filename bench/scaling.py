@@ -58,7 +58,7 @@ def counts():
 
 
 def scaled(results, kind, way, repeats, histories):
-    """A line for each number of threads or ranks, with its efficiency beside one."""
+    """A line for each number of threads or ranks, with its efficiency relative to one."""
     taken = in_turns({n: (lambda n=n: way(n)) for n in counts()}, repeats)
     one = [seconds for seconds, _ in taken[1]]
     for n, turns in taken.items():
@@ -80,7 +80,7 @@ def one_rank(results, traces, repeats):
 
 
 def checkpoints(results, traces, repeats):
-    """Processor time with many checkpoints beside that without any; and what one is of the 20 minutes between two."""
+    """Processor time with many checkpoints compared with none; and one as a share of the 20 minutes between two."""
     interval = 0.05 if traces.words.quick else 0.25         # s
     def way(rule):
         return lambda: traces.trace(traces.long, "--threads", 1, "--checkpoint", rule, cores=first_cores(1))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files, told apart by how they begin, up to their search tree; and faces converted from STEP.
+// Mesh files, distinguished by their first bytes, up to their search tree; and faces converted from STEP.
 #include "base/memory/storage.hpp"
 #include "fuzz.hpp"
 #include "geometry/mesh/triangle_mesh.hpp"

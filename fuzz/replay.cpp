@@ -28,7 +28,7 @@ bool replay(std::filesystem::path const& file) {
   std::ifstream in(file, std::ios::binary);
   std::string const bytes(std::istreambuf_iterator<char>(in), {});
   std::printf("%s\n", file.filename().c_str());
-  std::fflush(stdout);  // a crash is told by the last line
+  std::fflush(stdout);  // the last line identifies a crash
   double const before = processor_seconds();
   LLVMFuzzerTestOneInput(reinterpret_cast<std::uint8_t const*>(bytes.data()), bytes.size());
   double const taken = processor_seconds() - before;

@@ -98,7 +98,7 @@ TopoDS_Compound compound(std::vector<TopoDS_Shape> const& shapes) {
   return out;
 }
 
-// Joins faces that lie on one surface and show one colour: a cylinder in two halves becomes one. Faces beside free
+// Joins faces that lie on one surface and have one colour: a cylinder in two halves becomes one. Faces next to free
 // surfaces stay as they are, because OpenCASCADE does not come to an end with those of a thread.
 void join_faces(Product& p, FaceColours& own) {
   FacesAtEdge faces_at;

@@ -25,7 +25,7 @@ constexpr std::array<char const*, 5> kind_names = {"plane", "cylinder", "cone", 
 
 struct Face {
   Kind kind = Kind::plane;
-  Triple origin{}, x{1, 0, 0}, z{0, 0, 1};  // frame; a cone stands on its apex and opens along z
+  Triple origin{}, x{1, 0, 0}, z{0, 0, 1};  // frame; a cone has its apex at the origin and opens along z
   double radius = 0, second = 0;            // m: cylinder, sphere, ring and tube of a torus; half angle of a cone, rad
   bool flipped = false;                     // the side outside the solid is not that of the carrier's normal
   // Natural bounds: radii of a plane or cone, heights of a cylinder or sphere; none of a whole torus.
@@ -37,7 +37,7 @@ struct Face {
 struct Triangles {
   std::vector<Triple> vertices;
   std::vector<std::array<std::uint32_t, 3>> corners;  // counter-clockwise seen from outside the solid
-  std::size_t faces = 0;                              // of the file that they stand for
+  std::size_t faces = 0;                              // number of faces of the file that they represent
 };
 
 struct Part {
@@ -58,7 +58,7 @@ struct Settings {
 struct Model {
   std::string schema;        // as in the file
   double unit = 0;           // m per unit of the file; 0: it has several, or one that is not known
-  bool unit_stated = false;  // false: the file says nothing, millimetres were taken
+  bool unit_stated = false;  // false: the file states none, millimetres are assumed
   Triple lower{}, upper{};   // m, bounding box
   std::vector<Part> parts;
   std::vector<Note> notes;

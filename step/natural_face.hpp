@@ -8,7 +8,7 @@
 
 namespace straytrace::step {
 
-// Fills the frame and `within` of a face with natural bounds and says whether it is one.
+// Fills the frame and `within` of a face with natural bounds; returns whether it is one.
 bool set_natural(TopoDS_Face const&, Chart const&, Face&);
 
 }  // namespace straytrace::step

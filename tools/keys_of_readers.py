@@ -1,11 +1,11 @@
-"""What the readers ask for, as `straytrace print --format json` tells it of scenes: tables by what messages call them
+"""Keys that the readers request, as `straytrace print --format json` reports them: tables by their name in messages
 ("contexts"), their keys, and for each key every way in which it was asked for and written."""
 import json
 import pathlib
 import re
 import subprocess
 
-# A role in which the user's own name stands, as "beam 'arm'".
+# A role that contains a name of the user, as "beam 'arm'".
 NAMED = re.compile(r"^(beam|port|receiver|material|medium|body|mode|part|scene entry|the limits of|the motion of body|"
                    r"the responses of port|a face that uses part|parameter) '.*'$", re.S)
 CLOSED_FORMS = "fabry-perot-michelson"
@@ -110,7 +110,7 @@ class Facts:
             slot.scalars.append(node["asked"])
 
     def tidy(self):
-        """Without keys that are looked for only to be refused, and without 'override', which every definition may have."""
+        """Without keys that are read only to report an error, and without 'override', which every definition may have."""
         for keys in self.contexts.values():
             keys.pop("override", None)
         del self.contexts["a model"]["scan"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the tables of docs/reference/library.md from what `straytrace library` says.
+"""Write the tables of docs/reference/library.md from the output of `straytrace library`.
 
 Usage: make_library_page.py [--check] PROGRAM
 

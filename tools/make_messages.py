@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Collect what every message says from the source; the build hands it to `straytrace explain`.
+"""Collect the texts of all messages from the source; the build passes them to `straytrace explain`.
 
 Usage: make_messages.py [--output FILE] [ROOT]
 
@@ -23,7 +23,7 @@ ABOUT = {"scene": "the scene file: docs/reference/scene.md", "world": "what stan
 
 
 def closing(text, at):
-    """The end of the bracket that opens at `at`, and the commas of its own level."""
+    """The end of the bracket that opens at `at`, and the commas of the same level."""
     depth, commas, i, pairs = 0, [], at, {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
     while i < len(text):
         if hit := (LITERAL.match(text, i) if text[i] == '"' else None):
@@ -39,8 +39,8 @@ def closing(text, at):
 
 
 def said(argument):
-    """The text of an argument; what is put in stands as `...`, other wordings behind ` | `."""
-    argument = re.sub(r'"\s*\n?\s*"', "", argument)          # literals that stand together are one
+    """The text of an argument; inserted values become `...`, alternative texts follow ` | `."""
+    argument = re.sub(r'"\s*\n?\s*"', "", argument)          # adjacent literals are one
     parts = [t for t in LITERAL.findall(argument) if len(t) > 2 and not re.fullmatch(r"[a-z_]+", t)]
     texts = [re.sub(r"\{[^{}]*\}", "...", t.replace("{{", "(").replace("}}", ")")) for t in parts]
     return " | ".join(t.replace('\\"', '"').replace("\\n", "\n") for t in texts)

@@ -176,7 +176,7 @@ class Maker:
                 **model, "title": "straytrace scene", "$defs": defs}
 
     def families(self, defs):
-        """Tables that one key tells apart."""
+        """Tables distinguished by one key."""
         laws = {c[len(LAWS) + 2:-1]: c for c in defs if c.startswith(LAWS + " '")}
         defs[LAWS] = self.by_value("model", laws, "the law of scatter")
         kinds = {k: f"motion '{k}'" for k in KINDS}

@@ -34,7 +34,7 @@ PARTS = (
     ("FINESSE", "straytrace.finesse", ("response", "Response")),
     ("pygwinc", "straytrace.pygwinc", ("StrayLight", "read_strain")),
 )
-INTRODUCED = {"Paths": "straytrace.paths", "FINESSE": "straytrace.finesse"}    # the docstring of the module stands first
+INTRODUCED = {"Paths": "straytrace.paths", "FINESSE": "straytrace.finesse"}    # the docstring of the module comes first
 FIELD = re.compile(r"^    (\w+): (.*?)(?:  +# (.*))?$")
 ARGUMENT = re.compile(r"^([a-z]\w*(?:, [a-z]\w*)*): (.*)")
 
@@ -71,7 +71,7 @@ def signature(name, thing):
 
 
 def fields(kind):
-    """A row per field: type and what the source says behind it."""
+    """A row per field: type and the comment in the source."""
     rows = []
     for line in inspect.getsource(kind).split("\n"):
         found = FIELD.match(line)

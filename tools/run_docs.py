@@ -34,7 +34,7 @@ RUN_DEPENDENT = (                                        # all that may differ b
 )
 README, COMMANDS_PAGE = PAGES[0], PAGES[2]
 OPTION = re.compile(r"--[a-z-]+")
-PROGRESS = re.compile(r"^(trace|ghosts|figure of merit)  ")     # comes with the clock
+PROGRESS = re.compile(r"^(trace|ghosts|project|figure of merit)  ")     # comes with the clock
 
 
 def normal(line):
@@ -56,7 +56,7 @@ def commands(block):
 
 
 def differences(wanted, printed):
-    """(wanted line, what stands there instead or None); an empty line wanted: something more was printed."""
+    """(expected line, printed line or None); an empty line wanted: something more was printed."""
     lines = [line for line in map(normal, printed) if line and not PROGRESS.match(line)]
     at, gap = 0, False
     for line in wanted:

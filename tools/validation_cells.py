@@ -10,7 +10,7 @@ import pathlib
 import re
 
 PIECES = 10                                             # numbers of a row that are shown
-LISTED = 10                                             # longer series are told by their worst number
+LISTED = 10                                             # longer series are represented by their worst number
 LABEL = 36                                              # letters of a label
 STANDARD_ERRORS = 5                                     # what a Monte-Carlo mean may be off (tests/support/statistics.hpp)
 NUMBER = r"(<1|−?\d+(?:\.\d+)?(?:e[-−]?\d+)?)"

@@ -68,7 +68,7 @@ def meter(problem):
 
 
 def camera(mi, problem, albedo):
-    """A camera that sees the receiver alone, which is then diffuse: the particle tracer knows no sensor of irradiance."""
+    """A camera that views only the receiver, which is then diffuse: the particle tracer has no irradiance sensor."""
     half, (centre, normal) = problem.receiver.side / 2, (problem.receiver.centre, problem.receiver.normal)
     away = 2 * half                                      # nearer, the wide angle costs the particle tracer 3 %
     return ({"bsdf": bsdf(problems.Finish(albedo))},

@@ -82,7 +82,7 @@ def scene(problem):
 
 
 def pixels(file):
-    """Red of every pixel of a flat Radiance picture; a byte stands for the middle of its step."""
+    """Red of every pixel of a flat Radiance picture; a byte represents the middle of its step."""
     data = file.read_bytes()
     head = re.search(rb"\n\n-Y (\d+) \+X (\d+)\n", data)
     body = data[head.end():]

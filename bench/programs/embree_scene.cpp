@@ -15,7 +15,7 @@ bool count(void*, ssize_t bytes, bool) {
 
 constexpr float near_distance = 1e-4f;  // m: floats hit the surface they start on without it
 
-// Double hit of a user primitive, beside Embree's float ray.
+// Double hit of a user primitive, in addition to Embree's float ray.
 struct DoubleContext {
   RTCIntersectContext base;
   WorldView const* world;

@@ -155,7 +155,7 @@ struct Yardsticks {
   }
 };
 
-// The instruction set of most processors beside that of some.
+// AVX2, the instruction set of most processors, compared with AVX-512.
 void avx2_over_avx512(Held const& held, std::vector<BenchRay> const& rays, Turns const& turns) {
   SearchKernels const *const avx2 = find_search_kernels("avx2"), *const avx512 = find_search_kernels("avx512");
   if (avx2 && avx512)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fixed kernels for callgrind, which counts their instructions (bench/instructions.py): each is a function of its own,
+// Fixed kernels for callgrind, which counts their instructions (bench/instructions.py): each is a separate function,
 // `counted_NAME`, that does `rounds` times the same work. bench_instructions [TWICE]: the kernel of this name does it
 // twice, which the count must show. Prints how many items each round of a kernel has.
 #include <cstdio>

@@ -55,7 +55,7 @@ std::size_t status(std::string const& key) {
     if (word == key + ":") file >> kib;
   return 1024 * kib;
 }
-// Bytes that f needs at most beside what is there before it.
+// Peak memory of f in bytes, beyond the memory before it.
 std::size_t memory_of(std::function<void()> const& f) {
   std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
   std::size_t const before = status("VmRSS");
@@ -167,7 +167,7 @@ Strengths strengths_of(CouplingTable const& t, MotionSet const& m, PhaseSpectra 
   return out;
 }
 
-// Largest relative error over the bins, against the spectrum of each record by itself.
+// Largest relative error over the bins, against the separate spectrum of each record.
 double error_of(int classes, std::size_t count) {
   CouplingTable const t = table(count);
   MotionSet const m = motion(classes);

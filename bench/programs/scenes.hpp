@@ -19,7 +19,7 @@ struct BenchScene {
   World world;
   std::uint32_t first_start = 0;    // walks start on surfaces from this number on, all inside the scene
   bool inward = false;              // and leave them to the side of the origin, otherwise to the front
-  std::vector<Triangle> triangles;  // the same scene for a triangle tracer; empty: none was asked for
+  std::vector<Triangle> triangles;  // the same scene for a triangle tracer; empty: not requested
 };
 
 // A closed tube along z: wall, end discs, flat baffles, a mirror of radius 0.17 m at each end.
@@ -46,7 +46,7 @@ std::vector<BenchRay> walk_rays(BenchScene const&, std::size_t count, std::uint6
 std::size_t bounce(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
 // Such walks eight at a time, one stage of all of them after the other: what hiding the latency of one path gains.
 std::size_t bounce_together(BenchScene const&, std::size_t count, std::uint64_t seed = 5);
-// Sixteen such walks together with all that a bounce of a trace does: beside the above half of the light by ABg, its
+// Sixteen such walks together with all the work of a bounce of a trace: in addition to the above, half of the light by ABg, its
 // weight, and the weight added to the sums of one of 256 classes that is found by hash. Returns the sum of all weights.
 double full_bounces(BenchScene const& scene, std::size_t count, std::uint64_t seed = 5);
 // From a mirror of radius 0.17 m near z = 0, polar angle log-uniform from 1e-6 to 0.3 rad: the small-angle scatter of

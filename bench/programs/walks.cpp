@@ -11,7 +11,7 @@
 namespace straytrace::bench {
 namespace {
 
-// Where a diffuse walk stands.
+// State of a diffuse walk.
 struct Place {
   Departure from;
   Vec3 point, normal;

@@ -40,7 +40,7 @@ TopoDS_Shape moved(TopoDS_Shape const& shape, gp_Trsf const& where) {
 TopoDS_Shape rod(gp_Pnt from, gp_Dir along, double radius, double length) {
   return BRepPrimAPI_MakeCylinder(gp_Ax2(from, along), radius, length).Shape();
 }
-TopoDS_Shape block(double x, double y, double z) {  // about the origin, standing on z = 0
+TopoDS_Shape block(double x, double y, double z) {  // about the origin, on z = 0
   return BRepPrimAPI_MakeBox(gp_Pnt(-x / 2, -y / 2, 0), x, y, z).Shape();
 }
 TopoDS_Shape cut(TopoDS_Shape const& from, TopoDS_Shape const& what) { return BRepAlgoAPI_Cut(from, what).Shape(); }

@@ -17,7 +17,7 @@
 namespace straytrace::testing {
 namespace {
 
-// The blocks of a world on a device, asked for by as many threads at once.
+// The blocks of a world on a device, requested by as many threads at once.
 std::vector<std::string> on_device(World const& world, std::vector<std::uint64_t> const& blocks, BatchCounts& counts,
                                    std::uint32_t room = 0) {
   auto const backend = device_backend("emulation", load_engine(engine_tested()),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The engine of a device on the host: the same kernels, sorts and sums, by the compiler of the host, which is told that
-// it is that of a device. Its threads are threads of the host and finish their histories in a mixed order.
+// The engine of a device on the host: the same kernels, sorts and sums, by the compiler of the host, with macros that
+// tell it that it is that of a device. Its threads are threads of the host and finish their histories in a mixed order.
 // clang-format off
 #include <bits/stdc++.h>
 #include <Random123/philox.h>

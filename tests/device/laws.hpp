@@ -5,7 +5,7 @@
 
 namespace straytrace::testing {
 
-// One optic for every scatter law, which reflects a little besides.
+// One optic for every BSDF model, with a small additional reflectance.
 std::vector<std::uint32_t> optics_of_all_laws(World&);
 
 }  // namespace straytrace::testing

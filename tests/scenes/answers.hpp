@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a command answers in JSON, and how it refuses.
+// JSON output and errors of a command.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ inline nlohmann::json answer(Words words) {
   return f.code == 0 ? nlohmann::json::parse(f.out) : nlohmann::json();
 }
 
-// Its message; on stdout nothing is said.
+// Its message; stdout stays empty.
 inline std::string refusal(Words const& words) {
   Finished const f = straytrace(words);
   EXPECT_EQ(f.code, 2) << f.out;

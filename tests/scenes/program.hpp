@@ -36,7 +36,7 @@ inline std::string text_of(fs::path const& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 inline void write_text(fs::path const& file, std::string const& text) { std::ofstream(file, std::ios::binary) << text; }
-// `from` stands in the text exactly once; anything else would make the test check something else.
+// `from` occurs in the text exactly once; otherwise the test would check something else.
 inline std::string edited(std::string text, std::string const& from, std::string const& to) {
   std::size_t const at = text.find(from);
   EXPECT_NE(at, text.npos) << "not there: " << from;
@@ -98,7 +98,7 @@ class Program {
     std::ifstream in(folder_ / "err");
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  // Waits for these words on stderr; false: it has ended without them, by itself or as its time was up.
+  // Waits for these words on stderr; false: it has ended without them or exceeded its time.
   bool says(std::string const& words) {
     for (bool running = true; running; ::usleep(20000)) {
       running = runs();

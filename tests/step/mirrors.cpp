@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Curved faces of STEP files are exact: a spherical mirror focuses as the closed form says, and its triangles do not.
+// Curved faces of STEP files are exact: a spherical mirror focuses like the closed form, and its triangles do not.
 #include "base/math/rng.hpp"
 #include "step/support.hpp"
 #include "world/build/read_cad.hpp"

@@ -62,7 +62,7 @@ struct Built {
   std::string errors, warnings;
   FileTexts files;
 };
-// `entry`: keys of the scene entry 'bench' beside its name and body.
+// `entry`: keys of the scene entry 'bench' except its name and body.
 inline Built built(FileTexts files, std::string const& entry) {
   folder();
   files["arm.yaml"] =

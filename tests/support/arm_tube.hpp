@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // E.1: an empty tube between two 1/theta^2 mirrors, and its closed forms (docs/theory/arm.md eq. 8.10,
-// 8.15). One direction, one arm, static phase 0 unless said.
+// 8.15). One direction, one arm, static phase 0 unless stated.
 #pragma once
 
 #include "optics/scatter/shift_invariant.hpp"

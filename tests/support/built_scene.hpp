@@ -24,7 +24,7 @@ inline BuiltScene built(FileTexts const& texts) {
 }
 inline BuiltScene built(std::string text) { return built(FileTexts{{"a.yaml", std::move(text)}}); }
 
-// What is said about a scene: all its errors, or else its warnings.
+// Messages about a scene: all its errors, or else its warnings.
 inline std::string said_of(std::string const& text) {
   try {
     return built(text).warnings;

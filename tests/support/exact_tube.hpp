@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Diffuse walks in a closed baffled tube, every hit checked against 80-bit arithmetic that knows between which baffles
-// the ray starts (docs/develop/performance.md). Everything is a Lambertian wall, so every direction occurs at every
-// place.
+// Diffuse walks in a closed baffled tube, every hit checked against 80-bit arithmetic that is given between which
+// baffles the ray starts (docs/develop/performance.md). Everything is a Lambertian wall, so every direction occurs at
+// every place.
 #pragma once
 
 #include <algorithm>

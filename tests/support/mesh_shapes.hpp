@@ -51,7 +51,7 @@ inline Soup bumpy(int rings, double bump) {
   return s;
 }
 
-// The surface of a set of unit cells about the origin; holds(i, j, k) says which cells are inside.
+// The surface of a set of unit cells about the origin; holds(i, j, k) is true for cells inside.
 template <class Inside>
 Soup cells(int from, int to, Inside holds) {
   Soup s;

@@ -8,7 +8,7 @@
 
 namespace straytrace::test {
 
-// What an action refuses its input with; "no error" where it does not.
+// Message of the InputError that an action throws; "no error" without one.
 inline std::string message_of(std::function<void()> const& action) {
   try {
     action();

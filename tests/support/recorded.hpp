@@ -27,12 +27,12 @@ struct Comparison {
   Kind kind;
   char const* file;
   unsigned line;
-  char const *what, *against;  // as the source says it
+  char const *what, *against;  // text of the source
   double obtained, expected;   // expected: the limit of below and above
   double allowed = 0;          // near: the tolerance; mean: one standard error; otherwise not used
 };
 
-// Keeps a comparison that holds; one that fails is no result.
+// Records a comparison that holds; a failed one gives no result.
 void record(Comparison const& c);
 
 struct Site {

@@ -24,7 +24,7 @@ inline SampleMean difference(SampleMean a, SampleMean b) {  // of independent sa
 
 // A comparison that can neither flake nor sleep.
 //   z_false = 5: correct code misses by chance once in 1.7 million (the seed is fixed anyway);
-//   z_power = 3: code that is wrong by `smallest_effect` is caught 99.87 % of the time, or the test refuses to run.
+//   z_power = 3: code that is wrong by `smallest_effect` is found 99.87 % of the time, or the test fails as blind.
 inline void expect_mean(char const* what, SampleMean s, double expected, double smallest_effect, double z_false = 5,
                         double z_power = 3) {
   ASSERT_TRUE(std::isfinite(s.mean) && std::isfinite(s.std_error)) << what << ": not finite";

@@ -11,7 +11,7 @@
 
 namespace straytrace::testing {
 
-inline constexpr double metre = 1e-12;  // m, agreement asked of two tracings of one ray
+inline constexpr double metre = 1e-12;  // m, required agreement of two tracings of one ray
 
 // Glass and mirrors about the z axis, a free beam from z = -50 mm and a black screen at z = 1 m.
 class Bench {
@@ -61,7 +61,7 @@ struct Visits : Silent {
   }
 };
 
-// The first history of the walk that passes through everything; reflections where `steps` says so.
+// The first history of the walk that passes through everything; reflections as listed in `steps`.
 inline std::vector<Visited> walked(World const& world, std::span<SequenceStep const> steps) {
   WorldView const view = world.view();
   for (std::uint64_t h = 0; h < 2000; ++h) {

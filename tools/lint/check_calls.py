@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 
-# What is looked for, why it is refused, and where it may stand all the same.
+# Pattern, reason, and the places where it is allowed.
 CPP = (
     (r"::system\s*\(|\bpopen\s*\(", "starts a shell; use run_child of base/process/child_process.hpp", ()),
     (r"\bexec[lv][pe]{0,2}\s*\(|\bposix_spawnp?\s*\(|\bvfork\s*\(",

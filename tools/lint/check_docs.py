@@ -150,7 +150,7 @@ def silent_skips(root):
 
 
 def words_in_png(file):
-    """All that the text chunks of a PNG file say."""
+    """All text chunks of a PNG file."""
     data, at, words = file.read_bytes(), 8, b""
     while at + 8 <= len(data):
         size, kind = struct.unpack(">I4s", data[at:at + 8])

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails when a C++ file of src/, step/, tests/ or fuzz/ is not formatted as .clang-format says. Version 14, because other versions of
+# Fails when a C++ file of src/, step/, tests/ or fuzz/ is not formatted by .clang-format. Version 14, because other versions of
 # clang-format disagree with it. With --fix: rewrites the files.
 set -euo pipefail
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fail when a module of src/ includes a module it may not know, when headers of the folders of one module include each other in
+"""Fail when a module of src/ includes a module that the table does not allow, when headers of the folders of one module include each other in
 a circle, or when two headers define a type of one name, which the linker would take for one.
 Usage: check_includes.py SRC_DIR"""
 import collections
@@ -7,7 +7,7 @@ import pathlib
 import re
 import sys
 
-MAY_INCLUDE = {                        # module: modules it may include besides itself
+MAY_INCLUDE = {                        # module: other modules that it may include
     "base": "",
     "io": "base",
     "geometry": "base",

@@ -75,7 +75,7 @@ class Packages:
         return have
 
     def owners_of(self, path):
-        """Packages that hold the file or, where none does, what it links to; none for what is no file of a package."""
+        """Packages that hold the file or, where none does, what it links to; none for files without a package."""
         if path in self.owners:
             return self.owners[path]
         return self.owners.get(str(pathlib.Path(path).resolve()), set())
@@ -153,7 +153,7 @@ def used_by_program():
 
 
 def used_by_sources(build):
-    """{path: file that uses it} of what tests, tools and scripts name, start and import beside what build/compare holds."""
+    """{path: file that uses it} of files that tests, tools and scripts name, start and import outside build/compare."""
     named = {}
     programs = {p.name: str(p) for folder in ("/usr/sbin", "/usr/bin") for p in pathlib.Path(folder).iterdir()}
     shipped = {p.stem for p in (build / "compare/lib").glob("python*/site-packages/*")}

@@ -30,7 +30,7 @@ SELF = ("tools/lint/check_words.py", "tests/tools/tree/test_checks.py")      # t
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")
 CODE = ("src", "step", "mpi", "fuzz", "tests", "python", "tools", "bench", "scripts", "schema", "data/page", "examples", "library")
 TEXTS = {".md", ".cpp", ".hpp", ".h", ".cu", ".py", ".sh", ".js", ".txt", ".yaml", ".json", ""}
-GAP = r"(?:\s+(?:(?://|#|\*)\s*)?)"                      # words of one phrase may stand on two lines of a comment
+GAP = r"(?:\s+(?:(?://|#|\*)\s*)?)"                      # a phrase may continue on the next line of a comment
 FINDERS = [(re.compile(r"(?<![\w-])(?:" + words.replace(" ", GAP) + r")(?![\w-])", re.IGNORECASE), say)
            for words, say in WORDS.items()]
 IN_CODE_FONT = re.compile(r"`[^`\n]*`")                  # names that the program prints

@@ -16,7 +16,7 @@ import matplotlib.pyplot as plot
 
 PICTURE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "theory" / "stray_gain.png"
 PUBLIC = 15.7  # of the public ET model
-# Okabe and Ito, told apart by every common kind of colour vision; a dash for what is detuned.
+# Okabe and Ito, distinguishable with every common kind of colour vision; dashed for detuned.
 STYLES = {"et-hf 0": ("#0072B2", "-"), "et-hf -0.3": ("#0072B2", "--"), "et-lf 0": ("#D55E00", "-"),
           "et-lf -0.3": ("#D55E00", "--"), "aligo 0": ("#009E73", "-"), "adv 0": ("#CC79A7", "-"),
           "kagra 0": ("#E69F00", "-"), "ce 0": ("#56B4E9", "-")}

@@ -18,7 +18,7 @@ import sys
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PAGES = SOURCE / "docs" / "theory"
 KEY = b"Drawn"
-# Okabe and Ito, told apart by every common kind of colour vision.
+# Okabe and Ito, distinguishable with every common kind of colour vision.
 BLUE, RED, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#555555"
 
 VIEW_FACTORS = ("ViewFactors.CoaxialDiscsA18", "ViewFactors.SmallToLargeDiscA18", "ViewFactors.RareOnesByConnection",
@@ -165,7 +165,7 @@ def picture(name):
 
 
 def drawn(png):
-    """The numbers that a picture was drawn from, None if it does not say."""
+    """The numbers that a picture was drawn from, None if it has none."""
     data, at = png.read_bytes() if png.exists() else b"", 8
     while at < len(data):
         size, kind = struct.unpack(">I4s", data[at:at + 8])

@@ -9,7 +9,7 @@ sys.path.insert(0, str(ROOT / "python"))
 
 from straytrace.plots.style import TERM_COLOURS, ROUTE_COLOURS  # noqa: E402
 
-CURVES = (*ROUTE_COLOURS, *TERM_COLOURS.values(), "#000000", "#6b6b6b", "#ffffff")   # told apart whatever else is in a picture
+CURVES = (*ROUTE_COLOURS, *TERM_COLOURS.values(), "#000000", "#6b6b6b", "#ffffff")   # distinguishable in any picture
 
 
 def with_palette(image, colours):
@@ -22,7 +22,7 @@ def with_palette(image, colours):
 
 
 def small(picture, to, width=None, colours=256):
-    """Writes a PNG file anew, smaller, with what its text chunks say."""
+    """Rewrites a PNG file, smaller, with its text chunks."""
     image = Image.open(picture)
     words = PngImagePlugin.PngInfo()
     for key, text in image.text.items():

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The curvature of every shape is the slope of its normal: n(p + r) - n(p) = -K r along the surface. A shape without a
-// closed form of its own counts as flat and is caught here.
+// own closed form counts as flat and is found here.
 #include "geometry/curvature.hpp"
 
 #include <gtest/gtest-spi.h>
@@ -82,7 +82,7 @@ TYPED_TEST(ShapeCurvature, controls_are_rejected) {
   }
 }
 
-// Signs as users know them: concave towards the normal is positive (docs/develop/conventions.md).
+// Signs as in the documentation: concave towards the normal is positive (docs/develop/conventions.md).
 TEST(Curvature, has_the_sign_of_mirrors) {
   EXPECT_DOUBLE_EQ(curvature_of(cap(1 / 1420.0, 0, 0.175), {0, 0, 0}, 0).aa, 1 / 1420.0);
   EXPECT_DOUBLE_EQ(curvature_of(sphere(2), {0, 0, 2}, 0).bb, -0.5);

@@ -15,7 +15,7 @@ template <class T>
 class ShapeHits : public ::testing::Test {};
 TYPED_TEST_SUITE(ShapeHits, AllShapes);
 
-// Whether check holds for all instances of Shape, seen through Variant (Seen itself or a negative control of it).
+// Whether check holds for all instances of Shape, called through Variant (Seen itself or a negative control of it).
 template <class Variant, class Shape, class Check>
 bool holds(Check check) {
   for (Shape const& s : instances<Shape>()) {

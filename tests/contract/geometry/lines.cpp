@@ -15,7 +15,7 @@ namespace {
 constexpr int lines = 60000;
 
 template <class Shape>
-std::vector<Shape> tilted_instances() {  // the third placement only: the others are seen by the other contracts
+std::vector<Shape> tilted_instances() {  // the third placement only: other contracts test the rest
   std::vector<Shape> all = instances<Shape>();
   std::size_t const n = all.size() / placements().size();
   return {all.begin() + std::ptrdiff_t(2 * n), all.begin() + std::ptrdiff_t(3 * n)};
@@ -55,7 +55,7 @@ Crossings cross(Shape const& s, int broken = 0) {
   return all;
 }
 
-// Deviation of the area that the crossings say, in standard errors.
+// Deviation of the area computed from the crossings, in standard errors.
 double deviation(Crossings const& c, double area) {
   double const mean = double(c.points.size()) / lines, spread = std::sqrt((c.squares / lines - mean * mean) / lines);
   return (mean - area / (2 * pi * c.radius * c.radius)) / spread;

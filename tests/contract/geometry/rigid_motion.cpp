@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A point drawn on a shape is seen or hidden alike wherever the shape stands, from another point of the shape and from
-// beside it: rounding moves where a line meets a shape by no more than eq. 1.14 (docs/theory/sampling.md) says.
+// A point drawn on a shape is equally visible or hidden at any position of the shape, from another point of it and from
+// outside: rounding moves the point where a line meets a shape by at most eq. 1.14 (docs/theory/sampling.md).
 #include "contract/geometry/instances.hpp"
 #include "geometry/common/slack.hpp"
 #include "support/mesh_shapes.hpp"
@@ -47,12 +47,12 @@ Sight sight(Shape const& s, Vec3 from, std::uint32_t piece, bool leaving, Surfac
   return {way, met.distance, scale_of(s), std::fabs(dot(out, normal))};
 }
 
-// Rules that say whether the drawn point is the one that was met. The second holds at the origin only.
+// Rules that decide whether a hit is the drawn point. The second holds at the origin only.
 bool by_rounding(Sight const& s) { return s.met >= s.way - hit_slack(s.scale, s.way, s.cosine); }
 bool by_a_share_of_the_way(Sight const& s) { return s.met >= s.way * (1 - 1e-9); }
 
-// One line of a shape at home, and carried along when the shape is moved. `far`: from beside the drawn point, m; 0:
-// from another point of the shape.
+// One line of a shape at home, and carried along when the shape is moved. `far`: from outside, distance to the drawn
+// point, m; 0: from another point of the shape.
 template <class Shape>
 struct Line {
   SurfacePoint from, to;
@@ -76,8 +76,8 @@ struct Line {
   }
 };
 
-// Share of lines whose end is seen at home and not at a place, or the other way round: the largest over shapes, places
-// and lengths.
+// Share of lines whose end is visible at home and hidden at another place, or vice versa: the largest over shapes,
+// places and lengths.
 template <class Shape, class Rule>
 double changed(Rule const& same) {
   constexpr int lines = 2000;

@@ -91,7 +91,7 @@ TYPED_TEST(ScatterLaw, samples_follow_the_pdf) {
   EXPECT_FALSE((samples_follow_pdf<LosesDirections<TypeParam>, TypeParam>()));
 }
 
-// At normal incidence, rings only and ten times the draws: enough to tell a lobe that is 1 % too narrow.
+// At normal incidence, rings only and ten times the draws: enough to detect a lobe that is 1 % too narrow.
 TYPED_TEST(ScatterLaw, a_lobe_one_percent_too_narrow_is_rejected) {
   SamplesTooNarrow<TypeParam> narrow;
   static_cast<TypeParam&>(narrow) = instances<TypeParam>().back();

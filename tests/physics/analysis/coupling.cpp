@@ -87,7 +87,7 @@ TEST(Coupling, ContributionOfTheQuietWitnessIsSubtractedR6_08) {
   EXPECT_NEAR(o.mean, 1, 0.02);
   EXPECT_GT(o.coverage.share(), 0.60);
   EXPECT_LT(o.coverage.share(), 0.75);
-  // Control: with noise of its own in the target the plain ratio of injected spectra is too large.
+  // Control: with independent noise in the target the plain ratio of injected spectra is too large.
   Outcome const weak = repeat({1000, truth, 1.5}, {1, truth, 1.5}, 80 * segment, 20);
   EXPECT_NEAR(weak.mean / truth, 1, 0.01);
   EXPECT_GT(weak.plain / truth, 1.08);
@@ -116,7 +116,7 @@ TEST(Coupling, RiseOfTheWitnessAloneGivesALimitR6_08) {
   Outcome const none = repeat({1000, 0}, {1, 0}, twenty, 200);
   EXPECT_EQ(none.flags[int(CouplingFlag::measured)], 0) << "false alarms at 3 sigma and twice the amplitude";
   EXPECT_GT(none.flags[int(CouplingFlag::upper_limit)], 0.99 * none.points);
-  // The largest coupling that can hide below twice the quiet amplitude: power of 2.2 beside 1.
+  // The largest coupling that can hide below twice the quiet amplitude: power of 2.2 on top of 1.
   Outcome const hidden = repeat({1000, 1.48e-3}, {1, 1.48e-3}, twenty, 200);
   EXPECT_GT(hidden.flags[int(CouplingFlag::upper_limit)], 0.5 * hidden.points);
   EXPECT_GE(hidden.below_limit, 0.95 * hidden.flags[int(CouplingFlag::upper_limit)]);

@@ -32,7 +32,7 @@ TEST(Excess, ClosedFormsOfFAndChiSquareR6_01) {
   EXPECT_NEAR(upper_factor(1, 0.95), 1 / -std::log(0.95), 1e-9);  // 2 / quantile of exp(-x/2) at 5 %
 }
 
-// Probability that a line beside noise, `line` times its PSD, is found at 5 sigma: the ratio of PSDs follows a
+// Probability that a line in noise, `line` times its PSD, is found at 5 sigma: the ratio of PSDs follows a
 // non-central F distribution.
 double chance_of_line(double line, double loud, double quiet) {
   double const limit = quantile(complement(boost::math::fisher_f(2 * loud, 2 * quiet), probability_of_sigmas(5)));

@@ -36,7 +36,7 @@ TEST(FringeClock, ACommonClockIsFoundAndNotQuestionedR6_07) {
   }
 }
 
-// A wrong clock is told with its delay and the amplitude there; control: the fit that trusts it finds another
+// A wrong clock is reported with its delay and the amplitude there; control: the fit that trusts it finds another
 // amplitude.
 TEST(FringeClock, AWrongClockIsReportedR6_07) {
   for (double const late : {0.031, -0.031, 0.2}) {
@@ -54,7 +54,7 @@ TEST(FringeClock, AWrongClockIsReportedR6_07) {
   }
 }
 
-// The search looks no further than it is told.
+// The search stays within the given range.
 TEST(FringeClock, ADelayBeyondTheRangeIsNotFound) {
   FringeFit const fit = fitted(7, 0.2, 0.05);
   EXPECT_TRUE(fit.verdict != FitOutcome::clock || fit.clock.delay.at_end);

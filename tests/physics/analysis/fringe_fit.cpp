@@ -56,7 +56,7 @@ TEST(FringeFit, SwingingBaffleR6_07) {
   EXPECT_NEAR(fit.with / fit.degrees, 1, 0.1);
 }
 
-// The maximum of the likelihood lies beyond the range: 1.2 takes much of the power of 1.3, but is no fit.
+// The maximum of the likelihood lies beyond the range: 1.2 removes much of the power of 1.3, but does not fit.
 TEST(FringeFit, AMaximumAtTheEndOfTheRangeIsNotFound) {
   TimeSeries h = quiet(1);
   add_fringes(h, baffle, 2e-21, 1.1, 1);
@@ -229,7 +229,8 @@ TEST(FringeFit, BothQuadraturesR6_06) {
   EXPECT_LT(control.paths[0].gain, 0.7 * fit.paths[0].gain);
 }
 
-// What is subtracted is what was put in: Welch spectra of the rest stand at the noise again, clear of the band's edges.
+// The subtracted series is the injected one: Welch spectra of the rest are at the noise level again, clear of the
+// band's edges.
 TEST(FringeFit, SubtractionLeavesTheNoise) {
   TimeSeries h = quiet(14);
   std::vector<double> const noise = h.samples;

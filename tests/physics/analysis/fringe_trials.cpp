@@ -70,7 +70,7 @@ TEST(FringeTrials, ErrorsOfDelayRatioAndScaleCoverTheTrueValueR6_07) {
   EXPECT_LT(alone, 0.6 * trials) << "control: the factor's error without those of the fit";
 }
 
-// Strong enough, a fringe is found; too weak for the rest to tell, it is untested and not refuted.
+// Strong enough, a fringe is found; too weak for the rest to decide, it is untested and not refuted.
 TEST(FringeTrials, OutcomeFollowsTheStrengthR6_07) {
   std::vector<Sine> const baffle{{5.2e-6, 1.14, 0.3}};
   int const trials = 60;

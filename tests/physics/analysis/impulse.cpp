@@ -116,7 +116,7 @@ TEST(Impulse, ErrorsOfFrequencyAndQAreThoseOfRepeatedImpulses) {
   }
 }
 
-// Impulses on a mode of 91.3 Hz at these distances, and its fit without what is said of earlier impulses.
+// Impulses on a mode of 91.3 Hz at these distances, and its fit without the list of earlier impulses.
 struct Rung {
   RingDown mode, alone;
 };

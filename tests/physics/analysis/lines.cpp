@@ -102,7 +102,7 @@ TEST(Harmonics, PhaseIsRecoveredWithItsErrorR6_03) {
   for (int i = 0; i < 60; ++i) {
     double const z = 0.8 + 0.05 * i;
     HarmonicFit const f = Fringe(z, 0.1 + 0.02 * i, std::uint64_t(i) + 100, 0.3).fit();
-    if (!f.others.empty() && std::fabs(f.z - z) > 1) continue;  // it says that there are several answers
+    if (!f.others.empty() && std::fabs(f.z - z) > 1) continue;  // it lists several solutions
     c.add(f.z, (f.z_high - f.z_low) / 2, z);
   }
   EXPECT_GT(c.all, 50);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The edge of a shelf tells the effective motion (requirements R2.40, R2.41).
+// The edge of a shelf gives the effective motion (requirements R2.40, R2.41).
 #include "analysis/fringes/shelf_edge.hpp"
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ TEST(ShelfEdge, DifferentialMotionR2_40) {
 }
 
 // A free ratio comes out with the factor; one that is held at a wrong value gives a wrong factor. Bodies that move at
-// one frequency are one motion to a shelf, and tell no ratio.
+// one frequency are one motion for a shelf, and give no ratio.
 TEST(ShelfEdge, FreeRatioOfTwoBodiesR2_40) {
   ShelfEdgeSettings s = band();
   s.factor = {0.6, 1.6};

@@ -61,7 +61,7 @@ TEST(mode, gouy_phase_is_continuous_and_additive) {
   }
 }
 
-// Behind a cylindrical lens the two axes focus at different places, each with a phase of its own.
+// Behind a cylindrical lens the two axes focus at different places, each with its own phase.
 TEST(mode, gouy_phases_of_the_axes_are_independent) {
   Mode const m = elliptic_mode({}, {1, 0, 0}, along_z, {1e-3, 2e-3}, {-1, 0.1}, nd_yag);
   for (double z : {0.5, 1.0, 3.0}) {

@@ -21,7 +21,7 @@ Mode beam(Vec3 origin, Vec3 travel, double w, double curvature = 0) {
 }
 Vec3 tilted(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
 
-// A7, absolute 1e-7 as printed (asked: 1e-6).
+// A7, absolute 1e-7 as printed (required: 1e-6).
 TEST(overlap, tilt_shift_and_mismatch_a7) {
   Mode const mode = beam({}, along_z, 10e-3);
   for (auto [angle, expected] : {std::pair{1e-6, 0.9991286}, {10e-6, 0.9165122}, {30e-6, 0.4562934}}) {
@@ -186,7 +186,7 @@ TEST(overlap, is_kept_for_shifted_and_tilted_beams) {
     System beside = system;
     beside.spheres.back().vertex = beside.spheres.back().vertex + Vec3{1e-4, 1e-4, 0};
     auto const moved = overlap(through(system, u).mode, through(beside, v).mode);
-    EXPECT_GT(std::fabs(std::abs(moved) - std::abs(before)), 10 * error);  // the mirror stands elsewhere for one beam
+    EXPECT_GT(std::fabs(std::abs(moved) - std::abs(before)), 10 * error);  // the mirror is displaced for one beam
   }
 }
 

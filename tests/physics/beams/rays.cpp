@@ -15,7 +15,7 @@ using testing::ExactRay, testing::through_sphere;
 constexpr Vec3 along_z{0, 0, 1};
 
 // Exact rays. The rays of a wavefront with Q real start normal to it and meet a lens of two spheres, tilted and
-// decentred, as a wedge with curved faces. Each leaves where and in the direction that the propagated Q says: the
+// decentred, as a wedge with curved faces. Each leaves at the point and in the direction given by the propagated Q: the
 // slope against the offset, by differences of opposite rays (the error falls with the square of their distance).
 struct Bench {
   Vec3 lens1, normal1, lens2, normal2, mirror, normal3;
@@ -124,7 +124,7 @@ TEST(ray_matrix, is_symplectic_and_carries_the_curvature) {
   }
 }
 
-// Columns of the matrix are exact rays beside the chief ray.
+// Columns of the matrix are exact rays near the chief ray.
 TEST(ray_matrix, columns_are_rays_traced_exactly) {
   Bench const b = bench();
   Mode const start = circular_mode({}, along_z, 1, 0, 1e-6);

@@ -92,7 +92,7 @@ TEST(GeometryRoots, TorusRootsAgainstIsolation) {
   }
 }
 
-// Lines that touch the tube from within a hair: the pair of roots is there or not, as the height says.
+// Lines that touch the tube from within a hair: the pair of roots exists or not, depending on the height.
 TEST(GeometryRoots, TorusGrazing) {
   Torus const ring = torus(1, 0.3);
   for (double gap : {1e-3, 1e-6, 1e-9, 1e-12}) {

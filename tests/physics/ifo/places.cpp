@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Places where stray light joins, beside those of docs/theory/interferometer.md: what the network answers there against
-// closed forms for carriers and sidebands in two equal arms (docs/theory/interferometer.md,
+// Places where stray light joins, other than those of docs/theory/interferometer.md: what the network answers there
+// against closed forms for carriers and sidebands in two equal arms (docs/theory/interferometer.md,
 // eq. 6.4, 6.8, 6.11, 8.6, 9.5, 9.6).
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double wavelength = 1064e-9, k = 2 * pi / wavelength;
 
-// What an arm whose end mirror stands `x` off resonance sends back (eq. 6.4), relative to what arrives.
+// Reflectivity of an arm whose end mirror is `x` off resonance (eq. 6.4).
 Phasor returned(ArmCavity const& arm, double x = 0) {
   Phasor const turn = std::polar(arm.r2(), 2 * k * x);
   return -arm.r1() + arm.input_transmission * turn / (1.0 - arm.r1() * turn);
@@ -45,7 +45,7 @@ TEST(Places, RadiationPressureInTheShortArm) {
 }
 
 // Eq. 9.5 in a whole detector: without an offset of the dark fringe, or with heavy mirrors, it holds to 1 %, with both
-// recycling mirrors. With an offset x the two arms stand at +-x/2 off resonance, and the signal-recycling mirror turns
+// recycling mirrors. With an offset x the two arms are +-x/2 off resonance, and the signal-recycling mirror turns
 // some of Im s into power of the arms, which pushes: below 30 Hz of Advanced Virgo that is the larger part.
 TEST(Places, PhaseInTheShortArmOfAdvancedVirgo) {
   DualRecycledParameters const adv = dual_recycled_presets()[0].parameters;

@@ -112,7 +112,7 @@ TEST(Ports, RadiationPressureOfPresetsWithLoopsHeld) {
     // Loss at the splitter is not in eq. 6.8; kagra has 10 pm of offset at 1 Hz.
     bool const tuned = p.signal_recycling_tuning == 0;
     for (double const hz : {tuned ? 3 : 0.3, 1.0}) EXPECT_NEAR(ratio(hz), 1, 0.03) << each.name << " " << hz;
-    // Detuned, the read-out sees the amplitude itself, which grows with f^2 beside radiation pressure.
+    // Detuned, the read-out senses the amplitude itself, which grows with f^2 relative to radiation pressure.
     if (!tuned) {
       EXPECT_GT(ratio(5), 1.1) << "control: where eq. 9.2 does not hold";
     }

@@ -73,7 +73,7 @@ TEST(InputBand, OnlyRoutesThatPassAreScaled) {
   NoiseBudget const b = banded(table_of({by_steel(1, 1, 1e-20), by_steel(2, 0, 3e-20)}), moving({linear_motion()}),
                                {bracket("steel", steel, 0.25, 4)});
   EXPECT_NEAR(high(b), std::sqrt((4 + 3) / 4.0), 1e-9);
-  EXPECT_NEAR(b.routes[0].input_high[0] / b.routes[0].asd[0], 2, 1e-9);  // each route by itself
+  EXPECT_NEAR(b.routes[0].input_high[0] / b.routes[0].asd[0], 2, 1e-9);  // each route separately
   EXPECT_NEAR(b.routes[0].input_low[0] / b.routes[0].asd[0], 0.5, 1e-9);
   EXPECT_EQ(b.routes[1].input_high[0], b.routes[1].asd[0]);
   ASSERT_EQ(b.bands.sources.size(), 1u);

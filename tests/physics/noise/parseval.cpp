@@ -5,7 +5,7 @@
 namespace straytrace::testing {
 namespace {
 
-// All bins plus the constant part; the first bin begins at `low`, below which the PSD goes on as it is.
+// All bins plus the constant part; the first bin begins at `low`, below which the PSD continues.
 double power_of(PhaseSpectra const& spectra, PhaseSpectrum const& s) {
   FrequencyGrid const& grid = spectra.grid();
   double sum = s.constant + s.psd[0] * grid.edges[0];

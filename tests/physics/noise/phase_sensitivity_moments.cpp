@@ -82,8 +82,8 @@ Seen seen(std::uint64_t histories, MotionSet const& motion, Change const& change
 CouplingTable as_it_is(CouplingTable table) { return table; }
 
 // Each stated error is known to 13 % (32 replicas), their mean over seeds to 5 %; the spread of 6 seeds to 32 %. Fewer
-// histories than these are no start: all their paths are kept, and the phase sensitivities have no error beside that of
-// the power.
+// histories than these are no start: all their paths are kept, and the phase sensitivities have no error other than
+// that of the power.
 TEST(PhaseSensitivityMoments, ErrorFallsAsTheRootOfHistories) {
   MotionSet const weak = shaking(1e-14);
   Seen const one = seen(few, weak, as_it_is), four = seen(4 * few, weak, as_it_is);
@@ -110,7 +110,7 @@ double mean_square_pull(std::vector<NoiseTrace> const& runs, double factor = 1) 
 
 // Coverage: the spread over 240 seeds is that of the stated errors, of one route and of the total. The ratio of the
 // squares is known to sqrt(2/239) = 9 %; limits at 3 of that. Negative controls: errors 1.3 and 1.5 times too small,
-// and as much too large, are refused.
+// and as much too large, are rejected.
 TEST(PhaseSensitivityMoments, SpreadOverManySeedsIsTheStatedError) {
   constexpr std::uint64_t runs = 240, histories = 2048;
   World const world = chamber();

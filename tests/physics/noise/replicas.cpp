@@ -53,7 +53,7 @@ TEST(Replicas, StatedErrorIsTheScatter) {
   Spread const both = repeat(0.5, 0.3, weak), phase_sensitivities = repeat(0, 0.3, weak),
                coupling = repeat(0.5, 0, weak);
   for (Spread const& s : {both, phase_sensitivities, coupling}) EXPECT_LT(deviation(s.stated, s.seen), 0.3);
-  // Control: the error of the mean coupling alone says nothing about the phase sensitivities.
+  // Control: the error of the mean coupling alone excludes the phase sensitivities.
   EXPECT_GT(deviation(coupling.stated, both.seen), 0.3);
   // Closed form for fixed phase sensitivities: half the relative error of the mean of 960 log-normal scores.
   EXPECT_LT(deviation(coupling.stated, std::sqrt(std::expm1(0.25) / 960) / 2), 0.1);

@@ -145,7 +145,7 @@ TEST(SharedSpectra, DrawnPathsStateTheirError) {
 }
 
 // Few nodes for strengths that differ by decades lie far apart, some beyond reach of any transform, though no path is:
-// what paths need is computed, and only without that they are refused.
+// the required spectra are computed; only without them the paths are rejected.
 TEST(SharedSpectra, PathsBeyondTheNodesAreNotLost) {
   Hard const hard = hard_cases()[1];
   PhaseSpectra const spectra(hard.classes, grid);

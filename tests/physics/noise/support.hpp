@@ -31,7 +31,7 @@ inline PhaseSensitivity phase_sensitivity(std::uint32_t body, int axis, double v
   return l;
 }
 
-// Bodies that move along z, each by an input of its own.
+// Bodies that move along z, each by its own input.
 inline MotionSet moving(std::vector<Spectrum> const& spectra) {
   MotionSet set;
   for (std::uint32_t b = 0; b < spectra.size(); ++b) {

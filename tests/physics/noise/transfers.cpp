@@ -77,9 +77,9 @@ TEST(MotionThroughTransfers, SuspendedBenchAgainstTheGround) {
     double const x = f / f0, above = x * x * x * x + x * x / (q * q), below = std::pow(1 - x * x, 2) + x * x / (q * q);
     EXPECT_LT(deviation(psd_at(set, between, f), two_k * two_k * above / below * ground.at(f)), 1e-4) << f;
   }
-  // At 50 Hz the bench stands and the ground moves alone.
+  // At 50 Hz the bench is at rest and only the ground moves.
   EXPECT_LT(deviation(psd_at(set, between, 50), two_k * two_k * ground.at(50)), 1e-3);
-  // Control: two bodies that do not know of each other.
+  // Control: two independent bodies.
   double const apart = psd_at(set, along_z({-two_k, 0}), 0.01) + psd_at(set, along_z({0, two_k}), 0.01);
   EXPECT_GT(apart, 100 * psd_at(set, between, 0.01));
 }

@@ -43,7 +43,7 @@ TEST(optics_interface, plates_and_first_ghost) {
   EXPECT_GT(std::fabs((1 - r) * (1 - r) - 0.923077), 1e-3);  // control: no inner reflections
 }
 
-// R2.25: a wedge of 1 mrad, n = 1.45, sends its first ghost 2 n times the wedge, 2.90 mrad, beside the main beam (5
+// R2.25: a wedge of 1 mrad, n = 1.45, sends its first ghost 2 n times the wedge, 2.90 mrad, off the main beam (5
 // urad: sines and tangents); R_AR = 1e-4 on both faces: power 1e-8 of it. Control: 2 times the wedge.
 TEST(optics_interface, ghost_of_a_wedge) {
   double const n = 1.45, wedge = 1e-3;
@@ -183,7 +183,7 @@ TEST(optics_interface, directions) {
     ASSERT_NEAR(length(out), 1, 1e-15);
     ASSERT_LT(dot(out, normal), 0);
     swapped = std::fmax(swapped, length(silica * cross(dir, normal) - cross(out, normal)));
-    Vec3 back;  // the way back is the same; near grazing the angle in glass says less: 1e-15/cos
+    Vec3 back;  // the way back is the same; near grazing the angle in glass is less precise: 1e-15/cos
     ASSERT_TRUE(refracted(-out, -normal, silica, 1, back));
     ASSERT_LT(length(back + dir) * std::fabs(dot(dir, normal)), 1e-14);
   }

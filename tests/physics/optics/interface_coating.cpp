@@ -103,8 +103,8 @@ TEST(optics_interface_coating, relations_between_columns) {
   EXPECT_EQ(c.amplitudes(0.5, 1.45, 1, true).transmittance(), 0);
 }
 
-// A law under the weight of the table scatters what the table says, and stays reciprocal: total by quadrature, 2e-3 of
-// the largest share, for a Lambertian and for a lobe. Control: without the weight.
+// A BSDF model weighted by the table scatters the share of the table, and stays reciprocal: total by quadrature, 2e-3
+// of the largest share, for a Lambertian and for a lobe. Control: without the weight.
 TEST(optics_interface_coating, laws_follow_the_table) {
   Storage storage;
   Coating const c = steel(storage);

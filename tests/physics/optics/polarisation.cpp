@@ -121,7 +121,7 @@ TEST(optics_polarisation, corner_cube) {
 }
 
 // Unpolarised light reflected at Brewster's angle is fully s-polarised, 1e-12; the transmitted light is partly p. At
-// 1 deg beside it is not. Light polarised in the plane of incidence is not reflected at all.
+// 1 deg away it is not. Light polarised in the plane of incidence is not reflected at all.
 TEST(optics_polarisation, brewster) {
   double const n = 1.45003, angle = std::atan(n);
   auto const state_at = [&](double a, Polarisation const& in) {

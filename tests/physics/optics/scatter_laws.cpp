@@ -55,7 +55,7 @@ TEST(total_scatter, of_a_smooth_surface_row_6) {
   EXPECT_LT(deviation(tis_moderate(80e-9, 1, 1e-6), 1 - std::exp(-std::pow(4 * pi * 0.08, 2))), 1e-12);
 }
 
-// The law scatters what its roughness says, when the lobe is narrow: knee 1/b = 1e-3, slope 4.5, so that all of it
+// The total scatter follows from the roughness when the lobe is narrow: knee 1/b = 1e-3, slope 4.5, so that all of it
 // stays within the hemisphere. Rayleigh-Rice: (4 pi sigma cos/lambda)^2 within 1 % (the lobe is not infinitely narrow);
 // Harvey-Shack of a moderately rough surface: the exponential form. Each theory is the other's control at this
 // roughness.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of ghosts keeps as many rows as it is asked for, the strongest, and counts all of them.
+// The table of ghosts keeps the requested number of rows, the strongest, and counts all of them.
 #include "results/ghosts/ghost_table.hpp"
 
 #include <gmock/gmock.h>

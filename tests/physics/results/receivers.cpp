@@ -27,7 +27,7 @@ std::string can(bool wall = true) {
          (wall ? ", wall: {on: wall}}\n" : "}\n");
 }
 
-// R3.28: the count on a full enclosure is the light launched; by itself to rounding, with connections within errors.
+// R3.28: the count on a full enclosure is the light launched; analog to rounding, with connections within errors.
 TEST(Receivers, AFullEnclosureCountsAllLight) {
   std::string const ball =
       "scene:\n  - {name: ball, shape: {sphere: {radius: 1 m}}, body: b, material: black}\n"
@@ -127,7 +127,7 @@ TEST(Receivers, TheSameBitsInAnyOrder) {
   EXPECT_NE(hash_of(traced(scene, 14)), one);  // negative control
 }
 
-// What an export says is what the sums say: rows from the lower left, watts per area, the error beside it.
+// Exports agree with the sums: rows from the lower left, watts per area, followed by the error.
 TEST(Receivers, ExportedMaps) {
   test::Folder const folder;
   Traced const t = traced(two_mirrors("rough"), 32);

@@ -86,7 +86,7 @@ TEST(ReceiverMaps, ASpotOfATenthOfAMillimetreIsResolved) {
     return inside / double(t.result.total.histories) / sum;
   };
   EXPECT_NEAR(within(0.5 * w), 0.25, 0.03);
-  Traced const squares = traced(scene("{pixels: [9, 9], width: 10 mm}"), 1);  // control: one of them has it all
+  Traced const squares = traced(scene("{pixels: [9, 9], width: 10 mm}"), 1);  // control: one of them has all light
   auto const& nine = squares.result.total.receivers[0].image.sum;
   EXPECT_EQ(std::count_if(nine.begin(), nine.end(), [](double p) { return p > 0; }), 1);
 }

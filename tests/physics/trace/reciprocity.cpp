@@ -16,7 +16,7 @@ std::uint32_t optic_of(World& world, Law law) {
   return world.add_optic(optic);
 }
 
-// A Gaussian spot at 20 degrees on a mirror, an even spot on a plate beside it, and a tilted disc above both.
+// A Gaussian spot at 20 degrees on a mirror, a uniform spot on a plate next to it, and a tilted disc above both.
 SampleMean coupling(Law mirror, Law baffle, bool from_mirror, Vec3 mirror_spot = {0, 0.05, 0}) {
   World world;
   BodyId const body = world.add_body("all", {});
@@ -53,7 +53,7 @@ TEST(Reciprocity, SwapOfEmitterAndReceiverA25) {
   }
   SampleMean const there = coupling(Law::abg, Law::abg, true), back = coupling(Law::abg, Law::abg, false);
   expect_mean("A25", difference(there, back), 0, 3e-2 * there.mean);
-  // control: the emitting spot is 10 cm beside the receiving one
+  // control: the emitting spot is 10 cm off the receiving one
   expect_rejected("moved spot", difference(coupling(Law::abg, Law::abg, true, {-0.1, 0.05, 0}), back), 0);
 }
 

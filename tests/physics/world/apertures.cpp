@@ -57,7 +57,7 @@ TEST(Apertures, rim_of_a_tilted_mirror) {
   EXPECT_NEAR(a.clipped, beside_rim(world.view(), {0}, mode), 1e-6 * exact);
 }
 
-// Behind it the beam is elliptic; the hole that the chief ray passes is listed, with what eq. 5.5 says of each axis.
+// Behind it the beam is elliptic; the hole that the chief ray passes is listed, with eq. 5.5 for each axis.
 TEST(Apertures, holes_behind_an_elliptic_beam) {
   World const world = bench({});
   auto const all = apertures_of(world);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Zero lost rays and zero wrong hits in 1e7 diffuse bounces of the closed baffled tube at 3 km and at 40 km
-// (docs/develop/performance.md): every hit of the search structure is checked against 80-bit arithmetic that knows
+// (docs/develop/performance.md): every hit of the search structure is checked against 80-bit arithmetic that is given
 // between which baffles the ray starts. Everything is a Lambertian wall, so every direction occurs at every place.
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ void expect_exact(Tube const& tube, long long bounces, std::uint64_t seed) {
 TEST(diffuse_tube, ten_million_bounces_over_3_km) { expect_exact(tube3, 10'000'000, 1); }
 TEST(diffuse_tube, ten_million_bounces_over_40_km) { expect_exact(tube40, 10'000'000, 2); }
 
-// Negative control: a tracer that does not know which surface it starts on hits it again at zero distance.
+// Negative control: a tracer without the number of its start surface hits it again at zero distance.
 TEST(diffuse_tube, control_without_the_start_surface_is_rejected) {
   for (Tube const& tube : {tube3, tube40}) {
     TubeScene const scene(tube);

@@ -57,7 +57,7 @@ TEST(GhostRims, share_outside_other_edges) {
   EXPECT_NEAR(turned, clipped_share(0.05, std::array{2 * w, w}, {0, 0}), 1e-9);
 }
 
-// R2.24: each watt is on an object, in a medium, beside a rim, out of the scene or cut, with names.
+// R2.24: each watt is on an object, in a medium, outside an edge, out of the scene or cut, with names.
 TEST(GhostEnergyBalance, every_watt_is_counted_once) {
   World world = plate(0.04, 1.45, 0.01, 1e-3, 0.006);
   world.add_surface(disk(0, 0.5, {{0, 0, 1}, {0, 0, -1}}), lambertian_optic(world, 0.3), 0, world.add_body("dump", {}),
@@ -185,7 +185,7 @@ double resident_megabytes() {
   return double(resident) * double(sysconf(_SC_PAGESIZE)) / 1048576;
 }
 
-// The tree holds one way and what waits beside it: more ghosts need no more memory.
+// The tree holds one branch and the pending ones on its way: more ghosts need no more memory.
 TEST(GhostMemory, does_not_grow_with_their_number) {
   World world;
   world.wavelength = lambda;

@@ -37,7 +37,7 @@ TEST(Ghosts, wedge_turns_a_ghost_by_2_n_psi) {
   EXPECT_GT(std::fabs(angle - 2 * psi), 1e-4);  // control: the mirror's angle without refraction
 }
 
-// Two-bounce ghosts of N surfaces: N (N - 1)/2 that go on forwards (docs/theory/beams.md).
+// Two-bounce ghosts of N surfaces: N (N - 1)/2 in forward direction (docs/theory/beams.md).
 TEST(Ghosts, number_of_two_bounce_ghosts) {
   for (int plates : {1, 2, 3, 4}) {
     World world;

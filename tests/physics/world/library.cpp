@@ -45,7 +45,7 @@ std::vector<std::string> names_of(char const* section, std::string const& includ
   return names;
 }
 
-// Entries of all files that stand as numbers, by their text.
+// Entries of all files that are numbers, by their text.
 std::size_t presets_written() {
   constexpr std::string_view key = "\n    preset:";
   std::size_t count = 0;

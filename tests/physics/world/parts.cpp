@@ -180,7 +180,7 @@ TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
                                      "35 deg}}}\n",
                                      down)),
               HasSubstr(open));
-  auto const plugged = [&](std::string const& radius) {  // a gap of 1 % of the area is told, one of 0.1 % is not
+  auto const plugged = [&](std::string const& radius) {  // a gap of 1 % of the area is reported, one of 0.1 % is not
     std::string const place = "}}, at: [0 m, 0 m, -2 mm], facing: [0, 0, -1]}\n";
     return "parts:\n  slab:\n    faces:\n      front: {shape: {disk: {outer_radius: 1 cm}}}\n" + barrel +
            "      ring: {shape: {disk: {inner_radius: 9 mm, outer_radius: 1 cm" + place +

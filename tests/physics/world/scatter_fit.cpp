@@ -92,7 +92,7 @@ TEST(ScatterFit, GivesBackTheLaw) {
   }
 }
 
-// The errors are those of the parameters: pulls of order one, and a wrong truth is refused.
+// The errors are those of the parameters: pulls of order one, and a wrong true value is rejected.
 TEST(ScatterFit, ErrorsCoverTheTrueValue) {
   ScatterFit const fit = fit_named(fit_scatter(scans(harvey, 0.1), "made up"), "harvey");
   double const truth[] = {0.4, 0.004, -1.6};

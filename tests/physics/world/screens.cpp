@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Screens beside the chief ray of a followed beam: what they take (docs/theory/beams.md, eq. 5.5, 5.6; R2.26).
+// Screens next to the chief ray of a followed beam: the light that they take (docs/theory/beams.md, eq. 5.5, 5.6;
+// R2.26).
 #include <gtest/gtest.h>
 
 #include "beams/clipping.hpp"
@@ -87,7 +88,7 @@ TEST(Screens, holes_in_a_row_take_each_line_once) {
   EXPECT_NEAR(taken(smaller, 0), two - one, 1e-5);
   EXPECT_NEAR(taken(smaller, 0) + taken(smaller, 1) + taken(smaller, 2), 1, 1e-12);
   EXPECT_GT(std::fabs((1 - one) * two - (two - one)), 0.04);  // control: the second sees a whole Gaussian
-  // ...and what passes beside the plate is what no screen took.
+  // ...and the light that misses the plate is the light that no screen took.
   BeamEnergyBalance const plate = energy_balance_of({{1.2 * there}}, there);
   EXPECT_NEAR(taken(plate, 0), one, 1e-5);
   EXPECT_NEAR(plate.objects[1].beside, two - one, 2e-4);  // w grows by 2e-4 to there
@@ -112,7 +113,7 @@ TEST(Screens, are_shadowed_by_the_surface_left) {
   EXPECT_GT(std::fabs(energy_balance.escaped - std::pow(1 - std::exp(-2.0), 3)), 0.1);
 }
 
-// Anything anywhere beside the chief ray: against lines drawn from the beam, each to the first thing that it meets.
+// Any object at any place off the chief ray: against lines drawn from the beam, each to the first thing that it meets.
 struct Clutter {
   World world;
   std::uint32_t black = 0;
@@ -178,7 +179,7 @@ TEST(Screens, any_shapes_against_drawn_lines) {
   }
 }
 
-// What is narrower than the beam and stands far from its axis is found: a ring of wire, a ball.
+// Objects narrower than the beam and far from its axis are found: a ring of wire, a ball.
 TEST(Screens, small_things_are_found) {
   Clutter c;
   c.add(torus(3e-3, 0.35e-3), {0, 0, 0}, {0, 0, 1});
@@ -210,7 +211,7 @@ TEST(Screens, tubes_around_a_beam_that_spreads) {
   EXPECT_LT(std::exp(-2 * 1e-4 / (waist * waist)), 1e-80);
 }
 
-// A ball that stands with its front before a ring is lit, whichever of them is listed first. Control: the first of the
+// A ball whose front lies before a ring is lit, whichever of them is listed first. Control: the first of the
 // list takes what both cover.
 TEST(Screens, each_line_ends_where_it_meets_first) {
   double share[2];
@@ -228,7 +229,7 @@ TEST(Screens, each_line_ends_where_it_meets_first) {
   EXPECT_GT(exact, 0.1);
 }
 
-// The light on a lit screen: drawn lines bring what the energy balance says, and none of them falls into the hole.
+// The light on a lit screen: drawn lines carry the power of the energy balance, and none of them falls into the hole.
 class Touched final : public BeamSink {
  public:
   void screened(ScreenSpot const& spot, std::span<BeamStep const> way) override {

@@ -83,7 +83,7 @@ TEST(Budget, RunWithADetector) {
   EXPECT_EQ(back["parts"].size(), stray["parts"].size());
 }
 
-// The bands of a run beside its Monte-Carlo error (docs/theory/errors.md), in JSON, text and columns: at its
+// The bands of a run in addition to its Monte-Carlo error (docs/theory/errors.md), in JSON, text and columns: at its
 // frequencies the numbers that `noise` gives.
 TEST(Budget, BandsOfStrayLight) {
   Folder const folder;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Commissioning commands on records made here, whose truth is known: kinds of witnesses, several of them, measured
-// beside predicted (R6.01 to R6.08).
+// against predicted (R6.01 to R6.08).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -126,7 +126,7 @@ TEST(FitWitness, AngleGivesALeverArmR6_07) {
               HasSubstr("no motion"));
 }
 
-// Two routes of a run together, each beside its prediction, and an axis that the witness does not measure.
+// Two routes of a run together, each compared with its prediction, and an axis that the witness does not measure.
 TEST(FitWitness, SeveralPathsOfARunAreFittedTogetherR6_07) {
   Folder const folder;
   std::string const run = folder / "run.h5";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // straytrace couple: several witnesses, stretches that share time, units that contradict, sweeps, and a measured
-// coupling beside a predicted one (R6.01 to R6.08).
+// coupling against a predicted one (R6.01 to R6.08).
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drawn paths that stand for all: said in every place where their noise is shown.
+// Drawn paths that represent all paths: named wherever their noise is shown.
 #include <nlohmann/json.hpp>
 
 #include "results/results.hpp"

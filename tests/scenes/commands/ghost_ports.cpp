@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ghosts at ports: relative to what, how equal phase sensitivities add, behind which mirrors, and what is said of what
-// is left out.
+// Ghosts at ports: relative to what, how equal phase sensitivities add, behind which mirrors, and the messages about
+// what is left out.
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -30,7 +30,7 @@ json ghosts_of(std::string const& text, Words words = {}) {
   return json::parse(done.out, nullptr, false).at(0);
 }
 
-// A wide beam along z: faces at the metres of their numbers. `entry` and `sensor` reflect what is asked.
+// A wide beam along z: faces at the metres of their numbers. `entry` and `sensor` have the given reflectance.
 std::string line(std::string const& port, double entry, double sensor, std::string const& filter = "transmit: 50 %",
                  std::string const& lit = "yes") {
   auto const face = [](char const* name, int z) {
@@ -47,7 +47,7 @@ std::string line(std::string const& port, double entry, double sensor, std::stri
 }
 double at_port(std::string const& text) { return ghosts_of(text)["port"]["recoupled"]; }
 
-// f_r = T^2 R of eq. 5.4, of the launched mode, wherever the port stands: before the filter, behind it. Controls: over
+// f_r = T^2 R of eq. 5.4, of the launched mode, for a port before the filter and behind it. Controls: over
 // the light at the sensor, over its square.
 TEST(GhostPorts, a_filter_is_passed_twice) {
   for (char const* port : {"entry", "filter", "sensor"}) {
@@ -118,7 +118,7 @@ TEST(GhostPorts, unequal_phase_sensitivities_add_as_fields_in_a_run) {
   EXPECT_EQ(json::parse(in_time.out)["fields"], 4);  // two ghosts, two arms; both polarisations are one field
 }
 
-// More phase sensitivities than can be added as fields: the strongest are, and a warning says what is left.
+// More phase sensitivities than can be added as fields: the strongest are, and a warning names the rest.
 TEST(GhostPorts, a_family_that_is_too_large_is_a_warning) {
   Folder const folder;
   std::string text =
@@ -169,8 +169,8 @@ TEST(GhostPorts, a_path_and_its_reverse_add_as_fields) {
   EXPECT_GT(std::fabs((expected + 2 * twice) / once - 1), 1e-6) << "control: powers alone";
 }
 
-// An attenuator is part of the main beam, and what stands behind it is lit by its share; the reflection of a coated
-// mirror that passes as little is what goes on there.
+// An attenuator is part of the main beam, and objects behind it are lit by its share; the reflection of a coated
+// mirror that transmits as little continues there.
 TEST(GhostPorts, light_continues_behind_an_attenuator) {
   Folder const folder;
   auto const lit = [&](std::string const& filter) {
@@ -209,7 +209,7 @@ std::string arm(std::string const& lit, std::string const& more = "") {
          more;
 }
 
-// What an input mirror passes interferes with the light of the splitter: refused, with what to write instead; what an
+// Light through an input mirror interferes with the light of the splitter: an error with a remedy; light through an
 // end mirror passes is all there is.
 TEST(GhostPorts, lit_behind_an_input_mirror_is_an_error) {
   Folder const folder;
@@ -227,7 +227,7 @@ TEST(GhostPorts, lit_behind_an_input_mirror_is_an_error) {
 }
 
 // Ghosts behind it have no h, and those behind the end mirror do: with the floor and the order that a beam in free
-// space takes. Return through the mirror is no departure.
+// space takes. Return through the mirror does not count as a departure.
 TEST(GhostPorts, defaults_find_ghosts_behind_an_end_mirror) {
   for (Words const& words : {Words{}, Words{"--order", "1"}}) {
     Words all{"--beam", "ETM"};
@@ -246,7 +246,7 @@ TEST(GhostPorts, defaults_find_ghosts_behind_an_end_mirror) {
               HasSubstr("ghosts behind 'ITM' are not counted: light from the splitter interferes there"));
 }
 
-// The alternative: a beam of its own, as it leaves the input mirror, with a port in the short arm. h = (lambda/4 pi L)
+// The alternative: a separate beam, as it leaves the input mirror, with a port in the short arm. h = (lambda/4 pi L)
 // (pi/2F) |1 + i f/f_cav| sqrt(f_sc) 2 k x for two arms and the mean over phases (eq. 9.5), f_sc = beta lambda^2/(pi
 // w^2). Control: what the mirror passes, in the arm (eq. 9.3 with the transmission of the input mirror).
 TEST(GhostPorts, a_separate_beam_in_the_short_arm_eq_9_5) {
@@ -279,7 +279,7 @@ TEST(GhostPorts, a_separate_beam_in_the_short_arm_eq_9_5) {
   EXPECT_NEAR(arm * 0.014 * std::sqrt(f_sc) / slow, 4, 0.1);  // far below the pole: 4, T_1 against T_1/4
 }
 
-// What could hide below the floor, and rims that cut the main beam, are told on stderr and in the text.
+// What could hide below the floor, and edges that cut the main beam, are reported on stderr and in the text.
 TEST(GhostPorts, warnings_of_the_floor_and_of_rims) {
   Folder const folder;
   auto const told = [&](std::string const& text, Words words) {

@@ -76,7 +76,7 @@ TEST(GhostCommand, strain_of_a_face_behind_an_end_mirror) {
   EXPECT_GT(std::fabs(h / (std::sqrt(2) * phase) - 1), 0.2);      // control: amplitudes of the two arms added
 }
 
-// The table `ghosts` puts them into a run, beside the scattered light and through the same noise stage.
+// The table `ghosts` includes them in a run, together with the scattered light and through the same noise stage.
 TEST(GhostCommand, ghosts_are_routes_of_a_run) {
   Folder const folder;
   write_text(folder / "end.yaml", end_bench + "ghosts: {floor: 1e-22}\n");

@@ -128,7 +128,7 @@ TEST(Inspect, MistakesHaveAPlaceAndARemedy) {
               HasSubstr("neither a file nor in the library"));
 }
 
-// Clear grains on a perfect mirror scatter all light at grazing: what their quadrature adds to it is no light made.
+// Clear grains on a perfect mirror scatter all light at grazing: the error of their quadrature must not create light.
 TEST(Inspect, DustOnAPerfectMirrorCreatesNoLight) {
   Folder const folder;
   for (std::string const size : {"level: 500", "diameter: 2 um, coverage: 1 %", "diameter: 20 um, coverage: 10 ppm"}) {

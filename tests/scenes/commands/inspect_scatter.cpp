@@ -90,7 +90,7 @@ TEST(InspectScatter, AnyFormatInAScene) {
   EXPECT_THAT(scene_with(folder, "file: rgl.bsdf").err, HasSubstr("rgl.bsdf: error: this is an RGL binary BSDF"));
 }
 
-// At 532 nm in a scene of 1064 nm: a warning with the factor, (532/1064)^4 = 1/16; scaled only when asked.
+// At 532 nm in a scene of 1064 nm: a warning with the factor, (532/1064)^4 = 1/16; scaled only on request.
 TEST(InspectScatter, OtherWavelength) {
   Folder const folder;
   std::string rows =
@@ -109,7 +109,7 @@ TEST(InspectScatter, OtherWavelength) {
               HasSubstr("declares wavelength 532 nm, but 633 nm"));
 }
 
-// A BSDF of 0.1 /sr has a total of 0.1 pi. A file that says 0.5 is warned of; one that says 0.314 is not.
+// A BSDF of 0.1 /sr has a total of 0.1 pi. A file that states 0.5 gives a warning; one that states 0.314 does not.
 TEST(InspectScatter, StatedTotals) {
   Folder const folder;
   for (std::string const stated : {"0.314", "0.5"}) {

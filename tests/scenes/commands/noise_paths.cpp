@@ -226,7 +226,7 @@ TEST(NoiseAndPaths, NameTheBodyOfTheMotionThatWasProjected) {
   };
   EXPECT_TRUE(names_mirror(projected));
   EXPECT_THAT(straytrace({"explain", "h", other, "--path", "1"}).out, HasSubstr("moved by ITM"));
-  // Control: with the motion of the scene it is the tube, with phase sensitivities that are no mirror's.
+  // Control: with the motion of the scene it is the tube, with phase sensitivities unlike those of a mirror.
   EXPECT_FALSE(names_mirror(moved_by({"paths", run, "--format", "json"})));
   EXPECT_NE(moved_by({"paths", run, "--format", "json"}), projected);
 }

@@ -101,7 +101,7 @@ TEST_F(NoiseResponse, LeavesOtherPortsAndIsRemembered) {
 }
 
 // Another motion does not change what the interferometer makes of the light: the response stays, unless the motion file
-// says what the interferometer is. Controls: as it was, with the response of the scene; the response of another file.
+// describes the interferometer. Controls: unchanged, with the response of the scene; the response of another file.
 TEST_F(NoiseResponse, StaysWithAnotherMotion) {
   std::string const quiet = projected_run({"--response", both("one.yaml", "one.txt")}, "quiet");
   Columns const kept = projected({"noise", quiet, "--motion", storm}, "kept"),
@@ -136,7 +136,8 @@ TEST_F(NoiseResponse, WrongFilesAreErrors) {
           {"bad.yaml:2:", "unit"});
 }
 
-// Another motion into the folder of the run replaces what the run wrote there: told; elsewhere nothing is lost.
+// Another motion into the folder of the run replaces the files of the run, with a message; in another folder nothing is
+// replaced.
 TEST_F(NoiseResponse, IntoTheFolderOfTheRunItself) {
   auto const said = [&](Words const& words) {
     Finished const done = straytrace(words);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace project and fringes on a small run: files, choices, refusals.
+// straytrace project and fringes on a small run: files, choices, errors.
 #include <nlohmann/json.hpp>
 
 #include <sstream>
@@ -51,7 +51,7 @@ TEST_F(Projected, SwingingBenchMakesItsFringes) {  // case B3: 67.3 Hz from 10 u
   EXPECT_NE(straytrace(project({"--format", "json", "--seed", "4"})).out, got.out);
 }
 
-// Every command that reads motion says where its files end; check and noise find the same mistakes.
+// Every command that reads motion states where its files end; check and noise find the same mistakes.
 TEST_F(Projected, MotionFilesGiveTheSameErrorsInAllCommands) {
   auto const with = [](std::string const& z) {
     return "straytrace: 1\nbodies:\n  ITM: {motion: still}\n  ETM: {motion: still}\n  bench: {motion: {z: {" + z +
@@ -92,7 +92,7 @@ TEST_F(Projected, SavedMotionGivesTheSameStrain) {
   EXPECT_EQ(numbers(first).substr(0, 3000), numbers(second).substr(0, 3000));
 }
 
-// Lines that are narrower than the bins of the noise stand on a curve through them, not on stairs.
+// Lines that are narrower than the bins of the noise are compared with a smooth curve through the bins, not with steps.
 TEST_F(Projected, MeanBySpectraRunsThroughTheBins) {
   ASSERT_EQ(straytrace({"project", at("run/run.h5"), "--duration", "16s", "--segment", "8 s", "--route", "1", "--seed",
                         "5", "--asd", at("asd.txt"), "--quiet"})
@@ -152,8 +152,8 @@ TEST_F(Projected, FringesOfARunAndOfAChannelAgree) {
   EXPECT_NE(of_channel.out.find("134.6"), of_channel.out.npos) << of_channel.out;  // two bounces
 }
 
-// A projection of hours says how far it is; Ctrl-C ends it at once and leaves no file, not even part of one. Control: a
-// short one says nothing of progress and writes both files.
+// A long projection shows its progress; Ctrl-C ends it at once and leaves no file, not even part of one. Control: a
+// short one shows no progress and writes both files.
 TEST_F(Projected, ShowsProgressAndLeavesNoFileWhenInterrupted) {
   Folder const results;
   auto const words = [&](Words more) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// straytrace render --flash: what shines back from an arm and a bench, and refusals. paths --by source.
+// straytrace render --flash: light returned from an arm and a bench, and errors. paths --by source.
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // From the input mirror: the end mirror sends a glint, baffles scatter. R/(2 d (1 - d/RoC))^2 of the intensity comes
-// back from a concave mirror at d: the rays through a point at the height h of it return beside the eye by
+// back from a concave mirror at d: the rays through a point at the height h of it return at a distance from the eye of
 // 2 h (1 - d/RoC).
 TEST(RenderFlash, GlintOfTheEndMirror) {
   Folder const folder;

@@ -137,7 +137,7 @@ TEST(Resume, AFolderBelongsToOneRunAtATime) {
   EXPECT_NO_THROW(read_run(folder / "a/run.h5"));
 }
 
-// Where nothing moves there is no error to lower: the run says so and ends.
+// Where nothing moves there is no error to reduce: the run reports this and ends.
 TEST(Resume, AStillSceneEnds) {
   Folder const folder;
   write_text(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of two runs are compared where they hold the same light: a route with a row of its own in one run only is part
+// Rows of two runs are compared where they hold the same light: a route with its own row in one run only is part
 // of the row `other` of the other run.
 #include "session/compare/run_diff.hpp"
 
@@ -67,7 +67,7 @@ TEST(RunDiff, NoMinusZero) {
   EXPECT_THAT(text(0.98e-22), HasSubstr("-0.7 sigma"));
 }
 
-// Spectra that paths share do not hold a change of 1e-4: the line says both. Control: a change of 1 %.
+// Shared spectra do not resolve a change of 1e-4: the line states both. Control: a change of 1 %.
 TEST(RunDiff, TheLimitOfChangesIsStated) {
   auto const text = [](double h) {
     return run_difference_text(run_differences(before, run_of(1, groups, {{{0, 1, 0}, h}, {{}, 5e-23}})));
@@ -92,7 +92,7 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "negative control";
 }
 
-// What is in `other` rises, with and without a route that got a row of its own. Control: it rises by less than its
+// What is in `other` rises, with and without a route that got its own row. Control: it rises by less than its
 // error.
 TEST(RunDiff, AChangeInsideOtherIsAChange) {
   auto const sigmas = [](std::vector<Row> rows) {
@@ -105,7 +105,7 @@ TEST(RunDiff, AChangeInsideOtherIsAChange) {
   EXPECT_LT(std::fabs(sigmas({{{}, 5.1e-23}})), 1) << "negative control";
 }
 
-// A route by a surface that the other run has not is a change of its own, and `other` stays what it was.
+// A route by a surface that the other run has not is a separate change, and `other` is unchanged.
 TEST(RunDiff, ANewSurfaceIsNotWithinOther) {
   RunFile const after =
       run_of(2, {"ITM", "wall", "tube", "baffle"}, {{{0, 1, 0}, 1e-22}, {{0, 3, 0}, 3e-23}, {{}, 5e-23}});

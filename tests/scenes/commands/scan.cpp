@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-// The scene with few rings, motion as a parameter, and a line of its own: 10 / f^2 in units of 1e-30.
+// The scene with few rings, motion as a parameter, and its own line: 10 / f^2 in units of 1e-30.
 class Scan : public ::testing::Test {
  protected:
   Scan() {

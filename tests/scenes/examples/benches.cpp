@@ -46,7 +46,7 @@ TEST(EndBenches2019, ShelvesOfNorthAndWest) {
       (grid.edges[i] < 1.05 * edge ? all : beyond) += power;
     }
     // S(f) = 1/(pi sqrt(f_max^2 - f^2)), so from `low` to f lies the power (asin(f/f_max) - asin(low/f_max))/pi of 1/2.
-    // Lines stand 0.2 Hz apart: one more or less in the range.
+    // Lines are 0.2 Hz apart: one more or less in the range.
     double const missing = std::asin(low / edge) / M_PI, share = std::asin(until / edge) / M_PI - missing;
     EXPECT_NEAR(std::sqrt(slow / share / (M_PI * edge)) / b.plateau, 1, 0.05) << b.route;
     EXPECT_NEAR(std::sqrt(all / (0.5 - missing) * 0.5 / edge) / b.rms_mean, 1, 0.02) << b.route;
@@ -56,7 +56,7 @@ TEST(EndBenches2019, ShelvesOfNorthAndWest) {
   }
 }
 
-// E.2b: EFL and BFL of the lens by rays, the phase of the chief ray, its fringes, the refusal at 256 Hz.
+// E.2b: EFL and BFL of the lens by rays, the phase of the chief ray, its fringes, the error at 256 Hz.
 TEST(VibratingMirror, LensByRays) {
   struct Glass {
     char const* n;
@@ -161,7 +161,7 @@ TEST(PickOff, GhostAndItsDump) {
     EXPECT_NEAR(ghost["power"].get<double>() / (0.99 * 0.99 * 1e-4), 1, 1e-9);
   }
   EXPECT_EQ(seen, 1u);
-  EXPECT_NEAR(leaves, 36.2e-3, 5e-4);  // it ends 2.1 degrees beside the monitor
+  EXPECT_NEAR(leaves, 36.2e-3, 5e-4);  // it ends 2.1 degrees off the monitor
   auto const h = [&](std::string const& dump) {
     expect_done({"run", benches + "pick_off.yaml", "-o", folder / "out", "--quiet", "--force", "-p", "dump=" + dump});
     RunFile const run = read_run(folder / "out/run.h5");

@@ -25,7 +25,7 @@ TEST(EdgesCommand, RowsOfTheirOwnKind) {
   EXPECT_THAT(csv, HasSubstr(",itself,scattered,,"));
   EXPECT_THAT(csv, HasSubstr(",itself,edge,"));
   EXPECT_THAT(straytrace({"paths", folder / "out/run.h5", "--format", "json"}).out, HasSubstr("\"kind\": \"edge\""));
-  // An upper bound says so, and claims no digits, wherever the number is read.
+  // An upper bound is marked as such, without further digits, wherever the number is printed.
   std::string const last = run.out.substr(run.out.rfind('\n', run.out.size() - 2) + 1);
   EXPECT_THAT(last, HasSubstr("stray light h = at most "));
   EXPECT_THAT(last, Not(HasSubstr("±")));
@@ -66,7 +66,7 @@ TEST(AperturesCommand, TableAndProfile) {
   EXPECT_EQ(straytrace({"apertures", virgo_arm, "--profile", "ETM"}).code, 2);
 }
 
-// Mounts, tilted mirrors and all behind them are listed; what cannot be meant is refused with a reason.
+// Mounts, tilted mirrors and all behind them are listed; impossible input is an error with a reason.
 TEST(AperturesCommand, WholePathAndErrors) {
   std::string const bench = source_folder + "/examples/bench.yaml";
   Finished const table = straytrace({"apertures", bench, "--show", "40"});

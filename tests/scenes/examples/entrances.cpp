@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the ports of a scene join the interferometer (docs/theory/interferometer.md), told by the scene and by its
+// Where the ports of a scene join the interferometer (docs/theory/interferometer.md), given by the scene and by its
 // table.
 #include "scenes/program.hpp"
 
@@ -34,7 +34,7 @@ trace: {histories: 4096, seed: 1}
 noise: {band: [10 Hz, 100 Hz]}
 )";
 
-// What `check` says of the interferometer.
+// Description of the interferometer by `check`.
 std::string described(Folder const& folder, std::string const& keys) {
   write_text(folder / "arm.yaml", edited(arm, "preset: ce\n", "preset: ce\n" + keys));
   Finished const r = straytrace({"check", folder / "arm.yaml"});
@@ -44,7 +44,7 @@ std::string described(Folder const& folder, std::string const& keys) {
   return r.out.substr(at, end - at);
 }
 
-// The second mirror of a cavity is its end mirror, and what stands behind it joins there too.
+// The second mirror of a cavity is its end mirror, and light from behind it joins there too.
 TEST(Entrances, EndMirrorsAreFound) {
   Folder const folder;
   std::string const found = described(folder, "");
@@ -81,7 +81,7 @@ TEST(Entrances, TransmissionIsNotCountedTwice) {
   }
 }
 
-// A wider band asks the files of the run for more than they hold: said before anything is computed.
+// A wider band exceeds the files of the run: an error before anything is computed.
 TEST(Entrances, FilesCoverTheRequestedBand) {
   Folder const folder;
   write_text(folder / "phase.txt", "10 1e-12 0\n100 1e-12 0\n");

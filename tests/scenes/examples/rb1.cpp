@@ -103,7 +103,7 @@ TEST(EndBenchRb1, ClosedFormsE3) {
   expect_rigid(run.trace.coupling);
 }
 
-// What the table of lit surfaces says: E.3's power and capture of each sensor.
+// The table of lit surfaces: E.3's power and capture of each sensor.
 TEST(EndBenchRb1, PowerOnTheSensors) {
   Finished const f = expect_done({"check", benches + "rb1.yaml", "--format", "json"});
   std::map<std::string, nlohmann::json> lit;
@@ -164,7 +164,7 @@ TEST(EndBenchRb1, ChildrenAndHistories) {
   EXPECT_LT(series[2].std_error, 0.5 * series[0].std_error) << "control: an error that does not fall";
 }
 
-// R3.30, R5.11: the main beam on 4Q1, 0.1, 0.2 and 0.3 mm beside the middle of its quadrants: the halves differ by
+// R3.30, R5.11: the main beam on 4Q1, 0.1, 0.2 and 0.3 mm off the middle of its quadrants: the halves differ by
 // erf(sqrt(2) d/w). Here the beam is traced as rays, not followed as a mode.
 TEST(EndBenchRb1, DecentredQuadrant) {
   Folder const folder;

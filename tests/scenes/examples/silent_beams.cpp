@@ -43,7 +43,7 @@ TEST(SilentBeams, ASideThatOnlyAbsorbsIsAnError) {
   EXPECT_THAT(black.check.err, HasSubstr("give the material of 'lamp' a 'scatter'"));
 }
 
-TEST(SilentBeams, TheRemediesAreAccepted) {  // the negative controls of the refusal
+TEST(SilentBeams, TheRemediesAreAccepted) {  // the negative controls of the error
   for (std::string const& scene :
        {lamp(dark, "on: lamp, travel: [0, 0, 1]"), lamp("facing: [0, 0, -1], side: back", "on: lamp"),
         lamp("facing: [0, 0, 1], side: front", "on: lamp"), lamp("facing: [0, 0, -1]", "on: lamp")}) {
@@ -100,7 +100,7 @@ TEST(SilentBeams, InnerWallsAreLitFromTheirCentre) {
   expect_rejected("chip turned by 45 deg", on_chip(turned), expected);
 }
 
-// The remedy of the refusal is the scene that is accepted above.
+// The remedy of the error is the scene that is accepted above.
 TEST(SilentBeams, AnInnerWallLitFromBehindNamesARemedy) {
   for (Walled const& w : walled) {
     if (w.beam.find("centre") == std::string::npos) continue;
@@ -113,7 +113,7 @@ TEST(SilentBeams, AnInnerWallLitFromBehindNamesARemedy) {
   }
 }
 
-// A parameter that is not defined is the only complaint, wherever in a list it stands (and a zero vector is another).
+// A parameter that is not defined is the only error, at any position in a list (a zero vector is another error).
 TEST(SilentBeams, AVectorWithAnUnknownParameterIsNotOfLengthZero) {
   std::string const on = "on: lamp", free = "from: [0 m, 0 m, -10 cm]";
   auto const complaint = [&](std::string const& y) {
@@ -137,7 +137,8 @@ TEST(SilentBeams, AVectorWithAnUnknownParameterIsNotOfLengthZero) {
   EXPECT_EQ(count(zero, "error: a direction of length zero"), 4) << zero;  // [0, 0, 1] is none
 }
 
-// A mirror keeps the light of a mode in the mode: allowed, but a trace of nothing else says that it was of nothing.
+// A mirror keeps the light of a mode in the mode: allowed, but a trace of nothing else reports that nothing was
+// emitted.
 TEST(SilentBeams, NothingEmittedIsAWarning) {
   Said const s = said_of(lamp("facing: [0, 0, 1]", "on: lamp", "shiny"));
   EXPECT_EQ(s.check.code, 0) << s.check.err;
@@ -164,7 +165,7 @@ TEST(SilentBeams, AGrazedSurfaceIsMet) {
   EXPECT_THAT(r.err, Not(HasSubstr("meets no surface")));
 }
 
-// The lamp shines straight on the chip: nothing can be aimed at, and that is what is said.
+// The lamp shines straight on the chip: no target can be aimed at, and the message states this.
 TEST(SilentBeams, NothingToAimAt) {
   Folder const folder;
   write_text(folder / "a.yaml", lamp(dark, "on: lamp, travel: [0, 0, 1]"));

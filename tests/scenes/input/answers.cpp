@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What commands answer: lists of materials, where the light went, figures of merit, and small refusals.
+// Outputs of commands: lists of materials, the energy balance, figures of merit, and small errors.
 #include <nlohmann/json.hpp>
 
 #include <regex>
@@ -97,7 +97,7 @@ TEST(Answers, TracePrintsTheEnergyBalance) {
   EXPECT_THAT(json.out, Not(HasSubstr("Closure")));
 }
 
-// The figure comes from the clock: on stderr, with a unit, and not when asked to be quiet.
+// The figure depends on time: on stderr, with a unit, and not with --quiet.
 TEST(Answers, FiguresOfMeritArePrinted) {
   Folder const folder;
   Words words{"trace", two_mirrors, "-o", folder / "a.h5", "--histories", "409600"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Wrong input is refused with place, reason and remedy, and leaves nothing behind (docs/reference/commands.md).
+// Wrong input is an error with place, reason and remedy, and leaves no files (docs/reference/commands.md).
 #include <nlohmann/json.hpp>
 
 #include <regex>
@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 struct Case {
   std::string name, from, to;      // of examples/virgo_arm.yaml
-  std::string at;                  // what stands at the place named; empty: the file as a whole
+  std::string at;                  // the text at the place named; empty: the file as a whole
   std::string reason, suggestion;  // parts of the message
   int errors = 1;                  // in all: no message may repeat itself or drag others along
 };
@@ -119,7 +119,7 @@ bool sorted_by_place(std::vector<Message> const& all) {
   });
 }
 
-// Why the refusal is not as it must be; empty: it is.
+// The fault of the error message; empty: none.
 std::string fault(Case const& c, std::string const& text, Finished const& r) {
   if (r.code != 2) return "exit code " + std::to_string(r.code);
   if (!r.out.empty()) return "something on stdout";
@@ -236,7 +236,7 @@ TEST(BadInput, FilesThatAreNotScenes) {
   }
 }
 
-// Results that stand there already stay as they are.
+// Existing results stay unchanged.
 TEST(BadInput, EarlierResultsAreUntouched) {
   Folder const folder;
   fs::create_directory(folder / "out");

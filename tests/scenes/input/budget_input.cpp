@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What straytrace budget refuses and how it names what it takes: inputs given twice, bad detector files, folders.
+// Errors of straytrace budget and names of its inputs: inputs given twice, bad detector files, folders.
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
@@ -20,7 +20,7 @@ std::size_t count_of(std::string const& text, std::string const& word) {
   return n;
 }
 
-// Exit code 2, nothing on stdout, as many messages as asked for, each of the texts in them.
+// Exit code 2, an empty stdout, the given number of messages, each of the texts in them.
 void refused(Words words, std::vector<std::string> const& texts, std::size_t messages = 1) {
   words.insert(words.begin(), "budget");
   Finished const done = straytrace(words);
@@ -56,7 +56,7 @@ TEST_F(Runs, GivenTwiceAreErrors) {
   refused({"adv", at("seed1/run.h5"), at("seed1/run.h5")}, {"given twice", "name each input once"});
   refused({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
   refused({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
-  refused({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // nothing is resolved: the content says it
+  refused({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // no row is resolved: the content decides
   // Control: baffles of another width scatter other light.
   EXPECT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
@@ -165,7 +165,7 @@ TEST(BudgetInput, UnwritableOutputLeavesNoFiles) {
   write_text(folder / "file", "");
   refused({"aligo", "-o", folder / "file/out"}, {"cannot make the folder", "-o"});
   refused({"alogo", "-o", folder / "deep/deeper"}, {"did you mean"});
-  EXPECT_FALSE(fs::exists(folder / "deep"));  // made before reading, gone after the refusal
+  EXPECT_FALSE(fs::exists(folder / "deep"));  // made before reading, removed after the error
   fs::create_directories(folder / "taken/budget.json");
   refused({"aligo", "-o", folder / "taken"}, {"'budget.json' is a folder"});
   EXPECT_FALSE(fs::exists(folder / "taken/budget.txt"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// --backend on the command line: with a GPU the same bits, without one a sentence that says what to do.
+// --backend on the command line: with a GPU the same bits, without one a message with a remedy.
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {
@@ -34,7 +34,7 @@ TEST(BackendOption, CudaGivesTheSameNumbersOrAReason) {
       std::ifstream in(folder / name + "/h_asd.txt");
       std::string all;
       for (std::string line; std::getline(in, line);)
-        if (!line.starts_with('#')) all += line + '\n';  // the head says when
+        if (!line.starts_with('#')) all += line + '\n';  // the header contains the time
       return all;
     };
     EXPECT_GT(numbers("cpu").size(), 1000u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files that are made to hurt: each is refused in a sentence, in bounded time and memory, and nothing is lost.
+// Hostile files: each gives an error message, in bounded time and memory, and no result is lost.
 #include <sys/stat.h>
 
 #include "results/results.hpp"
@@ -18,7 +18,7 @@ std::string many(std::string const& piece, std::size_t count) {
   return all;
 }
 
-// Every command that takes a file, each with a name of what is no file.
+// Every command that takes a file, each with the name of something that is not a file.
 TEST(Hostile, DevicesAndPipesAreNotRead) {
   Folder const folder;
   ASSERT_EQ(::mkfifo((folder / "pipe.yaml").c_str(), 0600), 0);
@@ -50,7 +50,7 @@ TEST(Hostile, DevicesAndPipesAreNotRead) {
     }
 }
 
-// Texts that would take all memory or time: told at their place.
+// Texts that would use all memory or time: errors with their place.
 TEST(Hostile, ScenesThatExplode) {
   Folder const folder;
   Limit const memory(RLIMIT_AS, 2 * gigabyte);
@@ -118,7 +118,8 @@ TEST(Hostile, EndlessWords) {
   }
 }
 
-// What a file says reaches the terminal as letters, not as orders to it; and a header of a million names is read once.
+// Text of a file reaches the terminal as letters, not as control sequences; and a header of a million names is read
+// once.
 TEST(Hostile, TextsForTheTerminal) {
   Folder const folder;
   write_text(folder / "points.csv",
@@ -134,7 +135,7 @@ TEST(Hostile, TextsForTheTerminal) {
   EXPECT_LT(straytrace(scan).err.size(), 20000u);
 }
 
-// A run cut short or changed in one bit: whoever reads it says so, and writes nothing.
+// A run cut short or changed in one bit: every command reports it and writes no files.
 TEST(Hostile, NoCommandReadsADamagedRun) {
   Folder const folder;
   ASSERT_EQ(straytrace({"trace", et_hf, "-p", "rings=40", "-o", folder / "good.h5", "--histories", "4096"}).code, 0);

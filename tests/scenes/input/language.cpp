@@ -155,7 +155,7 @@ TEST(Diff, EachPhysicalDifferenceIsFound) {
   }
 }
 
-// A parameter that moves many instances is told once, by its name and in units that people use, before what follows.
+// A parameter that moves many instances is reported once, by its name and in common units, before its consequences.
 TEST(Diff, CausesComeFirstAndAreReadable) {
   Folder const folder;
   std::string const rings =
@@ -228,7 +228,7 @@ TEST(Diff, SameHistoriesErrAlike) {
   }
 }
 
-// Spectra that paths share hold h to 5e-4 of itself: motion larger by 2e-5 is no change, by 2 % it is one, although
+// Shared spectra have h to a relative error of 5e-4: motion larger by 2e-5 is not a change, by 2 % it is, although
 // both are of the same light. Control: what the errors of the light alone leave, 2e-5 h over 2e-5 sigma, some hundred
 // sigmas.
 TEST(Diff, ChangesBelowTheSpectraErrorAreNotReported) {

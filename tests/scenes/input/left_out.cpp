@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene leaves out, and what it is compared with wrongly, is said: ghosts that come back, a design curve of
+// Warnings about omissions and wrong comparisons of a scene: ghosts that return, a design curve of
 // another detector.
 #include <cmath>
 
@@ -33,7 +33,7 @@ double number_behind(std::string const& text, std::string const& mark) {
   return at == text.npos ? 0 : std::stod(text.substr(at + mark.size()));
 }
 
-// The warning names what `straytrace ghosts` finds: power beside the main beam, share at the port, strain.
+// The warning names what `straytrace ghosts` finds: power outside the main beam, share at the port, strain.
 TEST(UncountedGhosts, AreAWarningWithTheirStrain) {
   std::string const said = said_of(with_ghosts(""));
   EXPECT_THAT(said, AllOf(HasSubstr(uncounted), HasSubstr("back to port 'ETM'"), HasSubstr("'ghosts: off'")));
@@ -46,7 +46,7 @@ TEST(UncountedGhosts, AreAWarningWithTheirStrain) {
   EXPECT_GT(number_behind(said, "h(10 Hz) = "), 1e-25);
 }
 
-// Controls: a scene that says what it does about ghosts, in each way, and one where nothing passes the end mirror.
+// Controls: a scene that states how it treats ghosts, in each form, and one where nothing passes the end mirror.
 TEST(UncountedGhosts, AreIgnoredOnlyOnRequest) {
   for (char const* line : {"ghosts: {order: 2}\n", "ghosts: {order: 0}\n", "ghosts: on\n", "ghosts: off\n"})
     EXPECT_THAT(said_of(with_ghosts(line)), Not(HasSubstr(uncounted))) << line;
@@ -71,7 +71,7 @@ TEST(UncountedGhosts, AreTheNoiseThatIsMissing) {
   EXPECT_GT(with / without, 1.5) << "control: nothing is missing";
 }
 
-// Each number that stray light depends on, changed by itself, is named; as the library has it nothing is.
+// Each number that stray light depends on, changed alone, is named; without changes none is.
 TEST(OtherDetector, IsNamedByWhatDiffers) {
   std::string const begin = "interferometer:\n  override: true\n  preset: fabry-perot-michelson\n";
   struct Change {

@@ -45,7 +45,7 @@ void run_and_kill(Words words, std::chrono::milliseconds after) {
   ::waitpid(child, nullptr, 0);
 }
 
-// A limit on the size of files stands for a full disk.
+// A limit on the size of files emulates a full disk.
 TEST(Losses, AFullDiskLosesNothing) {
   Folder const folder;
   ASSERT_EQ(straytrace(run_into(folder / "a", 4096)).code, 0);
@@ -71,7 +71,7 @@ TEST(Losses, StandardOutputThatIsFull) {
               2);
 }
 
-// Devices are no results: root could replace them by a file.
+// Results never replace devices, which root could do.
 TEST(Losses, DevicesAreNotReplaced) {
   Folder const folder;
   ASSERT_EQ(straytrace(traced_into(folder / "a.h5", 4096)).code, 0);
@@ -84,7 +84,7 @@ TEST(Losses, DevicesAreNotReplaced) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-// Said before anything is traced, and without a trace of the attempt.
+// Reported before anything is traced, and without leftovers of the attempt.
 TEST(Losses, MissingRights) {
   Folder const folder;
   fs::copy_file(et_hf, folder / "secret.yaml");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What does not fit inside a built-in part is told at the entry that uses it.
+// Errors inside a built-in part are reported at the entry that uses it.
 #include "scenes/program.hpp"
 
 namespace straytrace::testing {
@@ -80,7 +80,7 @@ TEST(PartErrors, AnUnknownKeyIsReportedOnce) {
   EXPECT_THAT(check("use: lens, thicknes: 3 mm, diametre: 1 cm"), HasSubstr("2 errors."));  // negative control
 }
 
-// What else an entry names is told at once with the reason why its part is refused.
+// Other wrong names of an entry are reported together with the error of its part.
 TEST(PartErrors, AnInvalidPartDoesNotHideTheNamesItUses) {
   std::string const rest = ", surfaces: {barrel: nono, back: nix}, medium: glas";
   for (std::string const use : {"use: lens, radius_1: 1 cm", "use: lenss"}) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of benchmarks holds what the lines in bench/results say; how records are made. Usage: test_bench_page.py"""
+"""The page of benchmarks agrees with the lines in bench/results; how records are made. Usage: test_bench_page.py"""
 import argparse
 import json
 import pathlib

@@ -33,7 +33,7 @@ class Instructions(unittest.TestCase):
             for used, wanted in ((made, same), (other, elsewhere)):
                 found, notes = instructions.grown({"k": 1 + growth}, used, {"k": 1}, made)
                 self.assertEqual(len(found), wanted)
-                self.assertEqual(any("15 %" in note for note in notes), used is other)     # it says so
+                self.assertEqual(any("15 %" in note for note in notes), used is other)     # a note states this
         self.assertEqual(len(instructions.grown({"new": 1}, made, {"old": 1}, made)[0]), 2)
 
 

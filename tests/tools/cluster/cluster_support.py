@@ -32,7 +32,7 @@ def trace(out, *words, code=0, **more):
 
 
 def bits(file):
-    """sha256 of all data and attributes but those that say when and how fast."""
+    """sha256 of all data and attributes except dates and times."""
     total = hashlib.sha256()
 
     def add(name, thing):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs that are killed, warned or find the disk full: what is on the disk is a run that goes on to the same bits.
+"""Runs that are killed, receive a signal or fill the disk: the file on the disk is a run that resumes to the same bits.
 Usage: test_checkpoint.py PROGRAM"""
 import os
 import pathlib

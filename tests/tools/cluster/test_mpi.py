@@ -78,7 +78,7 @@ class Mpi(unittest.TestCase):
         os.kill(ranks[-1], signal.SIGKILL)
         _, said = child.communicate(timeout=60)
         self.assertNotEqual(child.returncode, 0)
-        self.assertIn("signal 9", said)                                                 # mpirun says which rank it was
+        self.assertIn("signal 9", said)                                                 # mpirun names the rank
         self.assertEqual(int(attributes(out)["complete"]), 0)
         count = (max(blocks(out), 100) + 50) * BLOCK
         trace(out, "--histories", count)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Slices of a run, merged: the same bits as one run; what does not fit is refused by name; gaps are listed, taken and
+"""Slices of a run, merged: the same bits as one run; parts that do not fit are errors that name them; gaps are listed, accepted and
 filled; numbers of histories beyond 2^32; memory that does not grow. Usage: test_slices.py PROGRAM"""
 import json
 import os
@@ -64,9 +64,9 @@ class Slices(unittest.TestCase):
         self.assertEqual(blocks(self.folder / "gaps.h5"), 60)
         self.assertEqual(int(attributes(self.folder / "gaps.h5")["complete"]), 0)
         ask("noise", self.folder / "gaps.h5", "-o", self.folder / "noise2.h5")           # a valid, smaller run
-        ask("trace", self.folder / "gaps.h5", "--quiet")                                # goes on where it is
+        ask("trace", self.folder / "gaps.h5", "--quiet")                                # resumes in place
         self.assertEqual(bits(self.folder / "gaps.h5"), bits(self.one))
-        away = self.folder / "away"                                                     # the commands do what they say
+        away = self.folder / "away"                                                     # the printed commands work
         away.mkdir()
         for command in commands:
             words = shlex.split(command.replace(str(self.folder) + "/part04", str(away) + "/part04")

@@ -25,7 +25,7 @@ def described(file, process=0):
 
 
 class Pool:
-    """Runs jobs as HTCondor would: each in a folder of its own that holds what is transferred, again after a checkpoint."""
+    """Runs jobs like HTCondor: each in a separate folder with the transferred files, again after a checkpoint."""
 
     def __init__(self, home):
         self.home, self.restarts = home, 0
@@ -112,7 +112,7 @@ class Words(unittest.TestCase):
                         subprocess.run(["bash", "-n", str(file)], check=True)
                         orders = file.read_text().split("\nprogram=")[0]     # Slurm reads none below the first command
                         self.assertNotRegex(orders, r"(?m)^#SBATCH --wrap")
-                # The commands are replaced by one that says where it is and what it is given.
+                # The commands are replaced by one that prints its folder and arguments.
                 tools = pathlib.Path(place) / "tools"
                 tools.mkdir(exist_ok=True)
                 for tool in ("sbatch", "condor_submit_dag", "scontrol"):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints, as JSON, dual-recycled interferometers and what the network solver says about them, for test_finesse.py:
+// Prints, as JSON, dual-recycled interferometers and the results of the network solver, for test_finesse.py:
 // powers at every port of every component, in W, and how the power at the dark port answers. With the argument `gain`,
-// for tools/pictures/draw_gain.py: what stands for Gamma in eq. 9.2 at each frequency.
+// for tools/pictures/draw_gain.py: the value that replaces Gamma in eq. 9.2 at each frequency.
 #include <fmt/core.h>
 
 #include <cmath>

@@ -125,7 +125,7 @@ def check_spectrum():
     wrong = spectrum.s2 * np.sum(np.hypot(x, y) < 0.125) / n**2 * 3 / 8    # negative control
     assert np.any(np.abs((wrong - knee(spectrum.f)) / spectrum.error)[high] > 5)
     left = maps.analyse(MirrorMap(bent, pixel, "", 0, ""), pixel, 0.25, "tilt")[0]
-    assert left.s2[0] > 100 * spectrum.s2[0]                # control: curvature that stays is no roughness
+    assert left.s2[0] > 100 * spectrum.s2[0]                # control: remaining curvature is not roughness
     return height, pixel
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Budgets beside those of pygwinc. Usage: test_pygwinc.py STRAYTRACE [--table]
+"""Budgets compared with those of pygwinc. Usage: test_pygwinc.py STRAYTRACE [--table]
 
 What straytrace exports is read by pygwinc itself, with the same numbers; each noise of our presets agrees with that of
 the budgets they are taken from, within the tolerances below; pygwinc's own files are read; StrayLight is a noise there. --table prints the
@@ -277,7 +277,7 @@ def test_what_is_no_curve_is_refused(folder):
 
 
 def test_without_pygwinc(folder):
-    """The module imports where there is no pygwinc, and says what is missing when it is used."""
+    """The module can be imported without pygwinc, and its functions name the missing package."""
     code = ("import sys; sys.modules['gwinc'] = None; sys.path.insert(0, sys.argv[1]); import straytrace.pygwinc as s\n"
             "try: s.StrayLight()\nexcept ImportError as e: print(e)")
     done = subprocess.run([sys.executable, "-c", code, SOURCE / "python"], capture_output=True, text=True, check=True)

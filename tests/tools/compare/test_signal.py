@@ -159,7 +159,7 @@ class AgainstScipy(unittest.TestCase):
     def test_rms_from_each_frequency_up(self):
         got = columns("rms", self.drive, "--band", "5 Hz..40 Hz", "--segment", "2 s")
         low, rms = got["frequency"], got["rms"]
-        self.assertGreater(low.size, 20)                     # control: a single row is no curve
+        self.assertGreater(low.size, 20)                     # control: a single row does not make a curve
         self.assertTrue(low[0] == 5 and np.all(np.diff(low) > 0) and np.all(np.diff(rms) <= 0) and np.all(got["high"] == 40))
         f, p = signal.welch(DRIVE, RATE, "hann", 512)
         for at in (0, low.size // 2):
@@ -215,7 +215,7 @@ class Files(unittest.TestCase):
             f["quality/simple/DQmask"].attrs.update(Xstart=1126259447, Xspacing=1.0, Xunits="second")
         values, about = self.record(f"{file}::H1:strain", "--gps", "1126259450..1126259460")
         np.testing.assert_array_equal(values, 1e-21 * DRIVE[3 * RATE:13 * RATE])
-        np.testing.assert_array_equal(self.record(file)[0], 1e-21 * DRIVE)     # masks are no channels
+        np.testing.assert_array_equal(self.record(file)[0], 1e-21 * DRIVE)     # masks are not channels
         self.assertEqual(about["x0"], 1126259450)
         self.assertEqual(about["unit"], b"")
 

@@ -14,7 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "python"))
 from straytrace import layouts  # noqa: E402
 from straytrace.layouts.scene import LayoutError, rotation, scene_text  # noqa: E402
 
-# A waist at the launch; a mirror at 45 deg sends the beam along +y to a dump; a lens of 0.5 m stands before it.
+# A waist at the launch; a mirror at 45 deg sends the beam along +y to a dump; a lens of 0.5 m is in front of it.
 TIA = """# a bench
 Fold
 order = 1

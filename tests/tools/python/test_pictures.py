@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of budgets, ghosts and curves from made-up numbers: what they show and say, and that no name hides another."""
+"""Pictures of budgets, ghosts and curves from made-up numbers: their curves and texts, and that no name hides another."""
 import itertools
 import pathlib
 import sys
@@ -57,7 +57,7 @@ def check_budget(folder):
     for words in ("straytrace 0.1.0 (abc)", "2024-05-01", "a/run.h5", "model 0123456789ab", "seed 7", "4 096 histories"):
         assert words in said, said
     figure.canvas.draw()
-    assert figure.texts[0].get_window_extent().y1 < axes.get_tightbbox().y0     # the footer stands below
+    assert figure.texts[0].get_window_extent().y1 < axes.get_tightbbox().y0     # the footer is below
     assert "and 2 more runs" in plot_budget.footer(budget(runs=5))
     colours = {line.get_color() for line in plot_budget.picture(budget(runs=3)).axes[0].lines if "Stray" in line.get_label()}
     assert len(colours) == 3
@@ -140,7 +140,7 @@ def column(name, unit, level, style="line"):
 
 
 def check_errors(sheet, points):
-    """Errors of the hidden column are drawn, points at the ends are whole, nothing is said of what is not there."""
+    """Errors of the hidden column are drawn, points at the ends are complete, absent parts have no legend."""
     nothing = column("upper_limit", points["unit"], 1, "upper-limit") | {"values": [None] * 3}
     error = column("h_driven_sigma", points["unit"], 1e-24, "hidden")
     axes = plot_curves.picture(sheet | {"y": [points, error, nothing]}).axes[0]
@@ -171,7 +171,7 @@ def check_curves():
 
 
 def check_documents(folder):
-    """A picture made smaller for the documents keeps the colours of its curves apart, and says what drew it."""
+    """A picture made smaller for the documents keeps its curves distinguishable, and states its origin."""
     figure = plt.figure(figsize=(6, 4), dpi=100)
     axes = figure.add_axes((0.1, 0.15, 0.85, 0.8))
     axes.imshow(np.random.default_rng(1).random((40, 60, 3)), aspect="auto", extent=(0, 6, 0, 3))     # takes all of a palette
@@ -204,7 +204,7 @@ def four(name, unit, values, style="line"):
 
 
 def check_significance():
-    """A transfer function: bars where the coherence tells, faint points elsewhere, a panel of the phase."""
+    """A transfer function: bars where the coherence is significant, faint points elsewhere, a panel of the phase."""
     known = [four("modulus", "m", [1, 2, 3, 4], "points"), four("modulus_low", "m", [0.9, 1.8, None, None], "band-low"),
              four("modulus_high", "m", [1.1, 2.2, None, None], "band-high"),
              four("phase", "deg", [10, 20, 170, -170], "points"), four("phase_low", "deg", [5, 15, None, None], "band-low"),

@@ -182,7 +182,7 @@ def add_receivers(path, trusted):
 
 
 def check_receivers(folder):
-    """The picture states of receivers and energy balance what report.txt says."""
+    """The picture agrees with report.txt about receivers and energy balance."""
     for trusted in (True, False):
         path = folder / f"receivers{trusted}.h5"
         made_run(path, noise=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pages about Python: the reference says what the docstrings say, and every block of the guide and of the first pages
+"""The pages about Python: the reference agrees with the docstrings, and every block of the guide and of the first pages
 runs."""
 import os
 import pathlib

@@ -21,7 +21,7 @@ assert run.histories == 4096 and run.attributes["version"] == straytrace.__versi
 
 
 def sources(folder):
-    """What the wheel is made from, as a clean checkout has it."""
+    """The sources of the wheel, as in a clean checkout."""
     for name in ("CMakeLists.txt", "pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(SOURCE / name, folder)
     shutil.copytree(SOURCE / "python", folder / "python", ignore=shutil.ignore_patterns("__pycache__"))
@@ -32,7 +32,7 @@ def pip(*words, **more):
 
 
 def environment(place, wheel):
-    """A new one with the wheel and, beside it, the libraries of this one."""
+    """A new environment with the wheel and with the libraries of this one."""
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", place], check=True)
     pip("--python", place / "bin" / "python", "install", "--no-deps", "--no-index", wheel)
     packages = next(place.glob("lib/python*/site-packages"))
@@ -60,7 +60,7 @@ def main():
         arm().save(place / "away" / "model.yaml")
         away = {"cwd": place / "away", "env": clean, "check": True}
         subprocess.run([place / "env/bin/python", "-c", USE], **away)
-        # The converter of STEP files in the wheel is found; without it the same scene is refused.
+        # The converter of STEP files in the wheel is found; without it the same scene is an error.
         shutil.copytree(SOURCE / "examples", place / "away" / "examples")
         check = [place / "env/bin/straytrace", "check", "examples/cad_bench.yaml"]
         fresh = {**away, "env": {**clean, "XDG_CACHE_HOME": str(place / "cache"), "PATH": "/usr/bin:/bin"}}

@@ -29,7 +29,7 @@ FONTS_CONF = """<?xml version="1.0"?>
 
 
 def font_settings(family, folder):
-    """A fontconfig file that knows one family, and answers with it to every name."""
+    """A fontconfig file with one family, which it returns for every name."""
     (folder / "fonts").mkdir()
     for file in map(pathlib.Path, FONTS[family]):
         if not file.exists():
@@ -96,6 +96,6 @@ class Browser:
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
     def asked_for(self):
-        """All addresses that were asked for since the last call."""
+        """All addresses requested since the last call."""
         events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
         return [e["params"]["request"]["url"] for e in events if e["method"] == "Network.requestWillBeSent"]

@@ -19,7 +19,7 @@ for (const cell of document.querySelectorAll(".routes .head span, .routes .row s
     said.push(`cut: ${words(cell)} needs ${cell.scrollWidth} px and has ${cell.clientWidth}`);
 }
 
-// Lines on which a range of text stands.
+// Lines that a range of text occupies.
 const lines = range => new Set([...range.getClientRects()].map(r => Math.round(r.top))).size;
 const range = document.createRange();
 for (const node of document.querySelectorAll("p, li, h3, figcaption, td, th, summary, label, .note, .legend span")) {

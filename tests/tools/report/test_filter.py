@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""`straytrace paths --where` and the filter of a report choose the same rows and say the same of mistakes.
+"""`straytrace paths --where` and the filter of a report choose the same rows and give the same messages.
 
 Usage: test_filter.py PROGRAM. The script of the page runs in node on the table of the page."""
 import json
@@ -62,7 +62,7 @@ def program_answer(folder, text):
 
 
 def first_problem(folder, text):
-    """As the page says it: place, what is wrong, what to write."""
+    """The message of the page: place, error, remedy."""
     said = straytrace("paths", "out/run.h5", "--where", text, folder=folder, code=2).splitlines()
     place = re.match(r"error: --where, (column \d+: .*)", said[0])
     check(place is not None, f"{text}: {said}")
@@ -71,7 +71,7 @@ def first_problem(folder, text):
 
 
 def check_without(folder):
-    """Routes that pass no sensor are what is left; the page's rule of sums, root of the sum of squares, says as much."""
+    """The rest are routes that pass no sensor; the page's rule of sums, root of the sum of squares, agrees."""
     answer = json.loads(straytrace("paths", "out/run.h5", "--without", "sensor", "--format", "json", folder=folder))
     left = set(r["id"] for r in answer["routes"])
     check(left == set(program_answer(folder, 'not via("sensor")')), "--without leaves out other routes than via() has")

@@ -169,7 +169,7 @@ def check_paths(browser, data):
 
 
 def check_weights(data):
-    """Drawn paths stand for all of their route: their weights sum to its coupling, however few they are."""
+    """Drawn paths represent all paths of their route: their weights sum to its coupling, however few they are."""
     columns, weights = {c["key"]: c["values"] for c in data["table"]["columns"]}, {}
     for path in data["scene"]["paths"]:
         if path["address"] != "computed":

@@ -15,7 +15,7 @@ from test_report import DATA, PROGRAM, check, make_run, straytrace  # noqa: E402
 
 
 def check_faint(browser, page, folder):
-    """A total 1e-12 of the design stays in sight, a receiver says why it has no number, and long names do not make the page
+    """A total 1e-12 of the design stays visible, a receiver states why it has no number, and long names do not make the page
     wide: the window is narrow."""
     data = json.loads(DATA.search(page.read_text()).group(2))
     total = data["budget"]["total"]
@@ -54,7 +54,7 @@ report: {pictures: [maps]}
 
 
 def total_of(part, chart):
-    """Sum over the cells of a map with its error; u, v as src/world/model/cell_map.hpp says."""
+    """Sum over the cells of a map with its error; u, v as in src/world/model/cell_map.hpp."""
     total = error2 = 0
     for i, (value, error) in enumerate(zip(part["values"], part["errors"])):
         u0, u1, v0, v1 = part["cells"][4 * i:4 * i + 4]
@@ -82,7 +82,7 @@ def spot_agrees(sensor, w):
 
 
 def check_spot(page):
-    """A spot of 2 mm on a sensor of 10 cm. The main ghost beam lands there, and its row says how wide it is."""
+    """A spot of 2 mm on a sensor of 10 cm. The main ghost beam lands there, and its row states its width."""
     data = json.loads(DATA.search(page.read_text()).group(2))
     sensor = next(m for m in data["maps"] if m["name"] == "sensor")
     main = next(g for r in data["ghosts"] for g in r["ghosts"] if g["order"] == 0 and g["where"] == "sensor")

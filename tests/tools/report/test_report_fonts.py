@@ -13,7 +13,7 @@ from test_report import DATA, SOURCE, check, make_run, straytrace  # noqa: E402
 
 WORD = "a-word_without/end" * 20
 LONGEST = 4321  # the row with the longest number
-# Each style must be seen to do harm: (style, width of the window, what is said of it).
+# The test must report the harm of each style: (style, width of the window, its message).
 HARM = (("body::after { content: ''; display: block; width: 2000px; height: 1px }", 1300, "wider than its window"),
         (".routes .grid span { max-width: 60px; overflow: hidden }", 1300, ")e-"),
         (".routes .grid span { max-width: 20px; overflow: hidden }", 1300, "cut: 'rank"),
@@ -71,7 +71,7 @@ def check_widths(browser, page, what, widths=(*WIDTHS, *WIDTHS[-2::-1])):
 
 
 def check_harm(browser, harm):
-    """Negative controls: every fault that a style makes in the open page is told."""
+    """Negative controls: every fault that a style causes in the open page is reported."""
     for style, width, wanted in harm:
         browser.run("document.head.append(Object.assign(document.createElement('style'),"
                     "{id: 'harm', textContent: arguments[0]}))", style)
@@ -89,7 +89,7 @@ def scroll(browser, row):
 
 
 def check_rows(browser, font):
-    """Columns stay where they are, a row that said nothing of their widths is whole, rows are as high as the script
+    """Columns stay where they are, a row without given widths is complete, rows are as high as the script
     counts."""
     def places():
         return browser.run("return [...document.querySelectorAll('.routes .head span')]"

@@ -21,7 +21,7 @@ HEAL = "document.getElementById('harm').remove()"
 
 
 def hidden_headings(browser):
-    """Headings that stand under the bar after a click on their name in it."""
+    """Headings hidden under the bar after a click on their name in it."""
     return browser.run("""
         const hidden = [];
         for (const link of document.querySelectorAll("nav a")) {
@@ -47,7 +47,7 @@ def check_jumps(browser):
     browser.resize(1300)
 
 
-# A plot of its own, zoomed to windows of many sizes; `ticks`: others than those of the page.
+# A separate plot, zoomed to windows of many sizes; `ticks`: others than those of the page.
 ZOOMS = """
     const [ticks] = arguments, said = [], place = document.createElement("div");
     document.querySelector("#budget").append(place);
@@ -79,7 +79,7 @@ OLD_TICKS = """
 
 
 def check_zoom(browser):
-    """An axis says where one is: at least two labels that differ, however far it is zoomed."""
+    """An axis shows the position: at least two labels that differ, however far it is zoomed."""
     for width in (390, 1300):
         browser.resize(width)
         said = browser.run(ZOOMS, None)
@@ -89,7 +89,7 @@ def check_zoom(browser):
 
 
 def curve_at(browser, hertz):
-    """What the curve without the rows that are off says below the pointer, and its name."""
+    """Value below the pointer of the curve without the rows that are off, and its name."""
     return browser.run("""
         const plot = document.querySelector("#budget svg.plot"), overlay = plot.querySelector(".overlay");
         const axis = plot.querySelector(".axis > g"), ticks = [...axis.querySelectorAll(".tick")].filter(t => t.textContent);
@@ -180,7 +180,7 @@ def check_cells(browser):
 
 
 def check_paper(browser, page):
-    """Nothing is cut on a sheet, with all columns of the table, and a printer is told so."""
+    """A printed sheet shows all columns of the table without cuts."""
     browser.resize(1300)
     browser.open(page)
     browser.run("document.querySelectorAll('.choices input:not(:checked)').forEach(box => box.click())")

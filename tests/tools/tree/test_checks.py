@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Each check of tools/lint must pass a good tree and refuse a bad one. Usage: test_checks.py"""
+"""Each check of tools/lint must accept a good tree and reject a bad one. Usage: test_checks.py"""
 import json
 import pathlib
 import struct

@@ -24,7 +24,7 @@ ROW = re.compile(r'^\s*\{"([a-z]\w*)", &\w+(?:<\w+>)?::\w+, (?:dim::|Dimension)'
 READERS = ("src/world/build/*.cpp", "src/motion/*.cpp", "src/ifo/*.cpp", "src/scene/instances.cpp", "src/noise/project/project.cpp",
            "src/noise/fundamental/design.cpp", "src/spectra/transfer_function.cpp", "src/trace/**/*.cpp", "src/session/model.cpp",
            "src/session/light/ghost_noise.cpp", "src/geometry/**/*.cpp")
-NOT_KEYS = {"scan"}          # refused with a hint, src/session/model.cpp
+NOT_KEYS = {"scan"}          # an error with a hint, src/session/model.cpp
 
 
 class Loader(yaml.SafeLoader):
@@ -104,7 +104,7 @@ def keys_of(schema):
 
 
 def of_source():
-    """No key stands in the source of the readers that the schema does not know, whether a sample reads it or not."""
+    """The schema contains every key in the source of the readers, whether a sample reads it or not."""
     known, seen = keys_of(SCHEMA) | NOT_KEYS, 0
     for pattern in READERS:
         for file in sorted(ROOT.glob(pattern)):
@@ -135,7 +135,7 @@ def of_other_scenes(program):
 
 
 def without(model, path):
-    """The model less what stands at the path; None where it is not written there."""
+    """The model without the entry at the path; None where it has none."""
     copy = json.loads(json.dumps(model))
     node = copy
     for step in path[:-1]:
@@ -185,7 +185,7 @@ def that_pass(program, cases):
 
 
 def of_required_keys(program):
-    """Without a key that the schema calls required the program refuses the sample; without one that has a default not."""
+    """A sample without a required key is an error; without a key that has a default it is not."""
     first = facts_of(program, samples(ROOT)).first
     required = list(scenes_without(first, lambda about: about.get("default") == "required"))
     for key, context, sample, _ in that_pass(program, required):

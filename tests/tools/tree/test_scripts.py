@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The scripts of the project say what they do, refuse wrong words, and show progress as one line, not as hundreds."""
+"""The scripts of the project have help, reject wrong arguments, and show progress as one line, not as hundreds."""
 import os
 import pathlib
 import pty
@@ -108,7 +108,7 @@ def check_interrupt():
 
 
 def check_pictures():
-    """Pictures say what drew them, so a tree with uncommitted changes draws none; control: a clean one begins to build."""
+    """Pictures are stamped with a commit, so a tree with uncommitted changes draws none; control: a clean one begins to build."""
     with tempfile.TemporaryDirectory() as place:
         tree = pathlib.Path(place)
         (tree / "scripts").mkdir()

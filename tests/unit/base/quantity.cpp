@@ -11,7 +11,7 @@
 namespace straytrace {
 namespace {
 
-// Relative deviation of a unit's factor; infinite when the text or its dimension is refused.
+// Relative deviation of a unit's factor; infinite when the text or its dimension is an error.
 double deviation(std::string const& text, double factor, Dimension d) {
   auto const unit = parse_unit(text);
   if (!unit || !(unit->dimension == d)) return infinity;

@@ -9,7 +9,7 @@
 namespace straytrace::testing {
 namespace {
 
-// Rays from inside a closed mesh to points of its edges and to its corners, as far as doubles can say it.
+// Rays from inside a closed mesh to points of its edges and to its corners, to the precision of doubles.
 template <class Test>
 int leaks(TriangleMesh const& mesh, int rays, Test crossing) {
   Random random(3);
@@ -76,7 +76,7 @@ TEST(triangle_mesh, tree_agrees_with_testing_every_triangle) {
   }
 }
 
-// R3.07 for 1e6 random rays and 1e5 triangles: the same triangles, shuffled and dealt to two other trees. The control
+// R3.07 for 1e6 random rays and 1e5 triangles: the same triangles, shuffled and put into two other trees. The control
 // lacks one triangle in a thousand.
 TEST(triangle_mesh, a_million_rays_agree_between_trees) {
   Soup const ball = bumpy(224, 0.1);
@@ -171,7 +171,7 @@ TEST(triangle_mesh, bounds_and_extent_contain_it) {
       EXPECT_TRUE(p.x <= box.upper.x && p.y <= box.upper.y && p.z <= box.upper.z);
     }
   }
-  Soup ring;  // a triangle beside the axis: nearest at the middle of an edge
+  Soup ring;  // a triangle off the axis: nearest at the middle of an edge
   ring.vertices = {{1, -1, 0}, {1, 1, 0}, {2, 0, 5}};
   ring.triangles = {{{0, 1, 2}}};
   double low, high, r_min, r_max;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Strips of meshes: drawn in the order of the tree, triangles come up by their area, points know their strip, and
-// neighbours on the list are neighbours in space.
+// Strips of meshes: drawn in the order of the tree, triangles occur in proportion to their area, points have their
+// strip, and neighbours on the list are neighbours in space.
 #include "geometry/strips.hpp"
 
 #include <gtest/gtest.h>

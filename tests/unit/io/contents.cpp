@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// HDF5 files as plain values: whatever a file holds, this process goes on.
+// HDF5 files as plain values: this process survives any content of a file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -100,7 +100,7 @@ TEST(Hdf5Contents, OtherFilesAreNotRead) {
   }
 }
 
-// Asked for one by one, they took the square of their number.
+// Requested one by one, they would take a time that grows with the square of their number.
 TEST(Hdf5Contents, ManyGroupsAndAttributesAreListedOnce) {
   Contents const all = contents_of(image([](H5::H5File& file) {
     H5::Group const many = file.createGroup("many");
@@ -171,7 +171,7 @@ TEST(Hdf5Contents, AsBytesAndBack) {
     EXPECT_THROW((void)unpacked(std::string_view(bytes).substr(0, length)), InputError) << length;
 }
 
-// Nothing, said to be as many texts as nobody can hold.
+// An empty data set that claims to hold more texts than any memory.
 TEST(Hdf5Contents, TextsOfNoLengthAreErrors) {
   Contents contents;
   Values& names = contents["/names"].values;

@@ -104,7 +104,7 @@ TEST(MotionChains, NormalModesOfPendulums) {
                "0.8 m], quality: 1e6}}}, others: still}}\n",
            {"ground", "m"});
   ASSERT_EQ(r.problems, "");
-  // The chain solved as it stands: k_2 (x_1 - x_2) = -w^2 m x_2, ..., at 2 Hz.
+  // The chain solved directly: k_2 (x_1 - x_2) = -w^2 m x_2, ..., at 2 Hz.
   double const m = 3, k1 = 2 * m * w2, k2 = m * w2, w = std::pow(4 * pi, 2),
                direct = k1 * k2 / ((k1 + k2 - w * m) * (k2 - w * m) - k2 * k2);
   EXPECT_NEAR(psd(r.motion, {phase_sensitivity(1, 0, 1)}, 2) /
@@ -230,7 +230,7 @@ TEST(CrossSpectra, RelativeMotion) {
   }
 }
 
-// A velocity beside a displacement: S_12 of x and v = dx/dt of the same motion is i w S_x (scipy.signal.csd(x, v)).
+// A velocity and a displacement: S_12 of x and v = dx/dt of the same motion is i w S_x (scipy.signal.csd(x, v)).
 TEST(CrossSpectra, UnitsOfTheMembers) {
   std::string rows;
   for (double f : {0.5, 1.0, 2.0, 4.0}) {

@@ -164,7 +164,7 @@ TEST(MotionMessages, OfBodies) {
     expect_one(m);
 }
 
-// All mistakes at once, also of what stands behind one that cannot be read.
+// All mistakes at once, also those after an entry that cannot be read.
 TEST(MotionMessages, AllAtOnce) {
   std::string const got = problems(along_z(
       "asd: none.txt, columns: [Hz, m/sqrt(Hz)], uncertainty: 30, resonance: {frequency: 3}, through: {pendulum: "

@@ -49,7 +49,7 @@ TEST(PhaseSum, IsExact) {
   }
 }
 
-// The lowest sample stands on a node of the table, in rounding above or below it. A place below reads what lies in
+// The lowest sample lies on a node of the table, above or below it by rounding. A place below reads what lies in
 // front of the table: the previous block of the heap, here full of huge numbers.
 TEST(PhaseSum, TheLowestSampleIsAsGoodAsTheOthers) {
   for (int k = 0; k < 200; ++k) {
@@ -90,7 +90,7 @@ TEST(StrayPaths, RepresentativesKeepTheMeanPower) {
     EXPECT_LT(deviation(total_power(paths), 1e-20), 1e-12) << n;
     EXPECT_EQ(paths.size(), n > 0 && n < 300 ? n : 300 - 18);  // 18 have no weight
   }
-  // Each record comes as often as its weight says.
+  // Each record occurs in proportion to its weight.
   std::vector<double> seen(300);
   for (std::uint32_t r = 0; r < 2000; ++r)
     for (StrayPath const& p : stray_paths(uneven(), ifo, {{0}, 16, 4, r})) seen[p.record] += 1.0 / 16 / 2000;

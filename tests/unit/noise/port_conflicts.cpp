@@ -70,7 +70,7 @@ TEST(PortConflicts, LengthsOfCavities) {
     EXPECT_THAT(warnings(same), IsEmpty()) << "control: within 1 %, and a cavity outside the arms";
 }
 
-// What is read and does nothing, or cannot be built, is told.
+// Keys without effect, or with values that cannot be built, are reported.
 TEST(PortConflicts, KeysThatDoNothing) {
   FileTexts const files = {{"phase.txt", "10 3e-12 0\n1000 0 -3e-12\n"}};
   EXPECT_THAT(detector("preset: adv, homodyne_angle: 80 deg").problems, HasSubstr("power at the dark port"));
@@ -87,7 +87,7 @@ TEST(PortConflicts, KeysThatDoNothing) {
   EXPECT_THAT(detector(servo + ", ports: {bench: {at: input-bench}}").scene.warnings(), IsEmpty());
 }
 
-// Faults inside an entry of an unknown port are told with its name.
+// Errors inside an entry of an unknown port are reported with its name.
 TEST(PortConflicts, FaultsOfUnknownPorts) {
   std::string const problems =
       detector(

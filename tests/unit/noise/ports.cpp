@@ -100,8 +100,8 @@ TEST(ReadPorts, ResponsesFromFiles) {
   EXPECT_NEAR(phase(watts, 1) / (3e-21 / 2999.8), 1, 1e-9);
 }
 
-// Light that comes back at an end mirror joins there unless the table says otherwise: Gamma - 1/2 instead of Gamma, 0.6
-// of the radiation pressure for Cosmic Explorer 1.
+// Light that returns at an end mirror joins there unless the table states another place: Gamma - 1/2 instead of Gamma,
+// 0.6 of the radiation pressure for Cosmic Explorer 1.
 TEST(ReadPorts, EndMirrorsOfTheScene) {
   std::vector<TracedPort> const ports = {{.name = "ITM"},
                                          {.name = "ETM", .injection_point = InjectionPoint::end_mirror}};

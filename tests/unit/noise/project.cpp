@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What enters the total, and what is said about the rest.
+// What enters the total, and how the rest is reported.
 #include "base/errors.hpp"
 #include "physics/noise/support.hpp"
 #include "trace/deterministic/deterministic_classes.hpp"
@@ -21,7 +21,7 @@ NoiseBudget budget(std::vector<CouplingClass> classes) {
   return project_noise(table, moving({weak}), UnitDetector(), on(band));
 }
 
-// An unresolved route enters with what was seen of it, and an error as large: variance of the PSD (2 h sigma)^2.
+// An unresolved route enters with the PSD observed and an equal error: variance of the PSD (2 h sigma)^2.
 TEST(Project, UnresolvedRoutesAreNamedAndEnterAsHints) {
   CouplingClass rare = route(2, 5);
   rare.coupling.trusted = false;
@@ -99,7 +99,7 @@ TEST(Project, UpperBoundsAreAShareOfTheTotal) {
   EXPECT_EQ(control.total.bound_share[0], 0);
 }
 
-// What was seen of an unresolved route decides whether it could matter: 1e-4 of the total cannot, 1e-2 can.
+// The PSD observed for an unresolved route decides whether it could matter: 1e-4 of the total cannot, 1e-2 can.
 TEST(Project, FaintUnresolvedRoutesDoNotMakeALowerBound) {
   CouplingClass faint = route(2, 1e-4), strong = route(2, 1e-2);
   for (CouplingClass* c : {&faint, &strong}) {
@@ -197,7 +197,7 @@ TEST(Project, MotionBeyondTheRangeIsAnError) {  // 1 m rms at 100 Hz: fringes at
 }
 
 // Paths share spectra; a few are computed by themselves (requirement R4.08). Fringes of a slow line fall by decades
-// within a bin: where each path has a strong tone of its own strength too, nodes cannot follow. 600 paths are then
+// within a bin: where each path also has a strong tone of different strength, nodes cannot follow. 600 paths are then
 // computed each, without a word; of 2500, some are drawn: said, and in the error, which has nothing else here (all
 // replicas are equal).
 TEST(Project, DrawnPathsAreReportedAndInTheError) {

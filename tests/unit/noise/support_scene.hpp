@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tables of a scene from text, with data files beside them.
+// Tables of a scene from text, with data files in the same folder.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 namespace straytrace::testing {
 
 inline Scene scene_of(std::string const& text, FileTexts files = {}) {
-  static std::deque<FileTexts> kept;  // a scene reads data files from its texts when they are asked for
+  static std::deque<FileTexts> kept;  // a scene reads data files from its texts on demand
   files["scene.yaml"] = "straytrace: 1\n" + text;
   return read_scene("scene.yaml", {}, &kept.emplace_back(std::move(files)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Totals of microfacet and grooves: what the table says is what samples average to, up to grazing.
+// Totals of microfacet and grooves: the table agrees with the average of samples, up to grazing.
 #include <gtest/gtest.h>
 
 #include <algorithm>

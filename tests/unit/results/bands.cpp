@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Uncertainties besides the Monte-Carlo error, in words.
+// Uncertainties other than the Monte-Carlo error, in words.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Of inputs nothing is known where no noise is: they are not said to be exact. Control: a resolved curve.
+// Without noise the report makes no statement about inputs and does not call them exact. Control: a resolved curve.
 TEST(ReportBands, NoInputBandWithoutResolvedNoise) {
   NoiseBudget b;
   b.grid.edges = {10, 20, 40};
@@ -28,7 +28,7 @@ TEST(ReportBands, NoInputBandWithoutResolvedNoise) {
   }
 }
 
-// A band of zero strain is no range of numbers: routes that are not resolved could be there, or there is no noise.
+// A band of zero strain is not printed as a range of numbers: there may be unresolved routes, or no noise.
 // Control: a band that is not zero stays.
 TEST(ReportBands, ABandOfZeroIsNotANumber) {
   NoiseBudget b;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scale of a picture stands in it.
+// A picture contains its colour scale.
 #include "results/text/colour_bar.hpp"
 
 #include <gtest/gtest.h>

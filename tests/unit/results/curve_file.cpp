@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Curves as text, CSV, JSON; HDF5 and pictures are looked at by tests/tools/compare/test_signal.py.
+// Curves as text, CSV, JSON; tests/tools/compare/test_signal.py tests HDF5 and pictures.
 #include "results/curves/curve_file.hpp"
 
 #include <gtest/gtest.h>

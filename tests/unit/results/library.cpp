@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A detector stands in the library as a scene needs it, and in data/detectors and ifo/interferometer.cpp as budgets and
-// networks need it. What two of them say must agree, but for the differences listed here.
+// The library describes a detector for scenes, data/detectors and ifo/interferometer.cpp describe it for budgets and
+// networks. Common values must agree, except for the differences listed here.
 #include "scene/library.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cells of maps: what has no error says so.
+// Cells of maps: values without an error are marked.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ TEST(CellEstimates, FaintLightHasNoError) {
 TEST(CellEstimates, EqualBlocksHaveNoError) {
   for (double const block : {0.5, 0.1, 0.7}) EXPECT_TRUE(std::isnan(one_cell(block, 0).error[0])) << block;
   EXPECT_GT(one_cell(0.5, 1e-3).error[0], 0);
-  EXPECT_TRUE(std::isnan(one_cell(0, 0).mean[0]));  // no light seen
+  EXPECT_TRUE(std::isnan(one_cell(0, 0).mean[0]));  // no light recorded
 }
 
 }  // namespace

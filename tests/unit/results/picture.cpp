@@ -59,7 +59,7 @@ TEST_F(ReportPicture, PassesOnTheMessagesOfPython) {
   EXPECT_THAT(message, HasSubstr("cannot read"));
 }
 
-// Names with spaces and quotes reach Python as they are: there is no shell.
+// Names with spaces and quotes reach Python unchanged, without a shell.
 TEST_F(ReportPicture, TakesOddNames) {
   std::string const odd = folder / "my $(run) 'a'.h5";
   std::filesystem::rename(folder / "run.h5", odd);

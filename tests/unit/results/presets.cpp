@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detectors stand in two places: as presets of interferometers (ifo/interferometer.cpp) and as budgets
-// (data/detectors). What both say must agree, but for the differences listed here.
+// Detectors are described in two places: as presets of interferometers (ifo/interferometer.cpp) and as budgets
+// (data/detectors). Common values must agree, except for the differences listed here.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -35,7 +35,7 @@ TEST_F(ReportReading, BandPowerIntegratesThePsd) {
   EXPECT_EQ(strain_at(flat, grid, 10).value, 2);
 }
 
-// A steep h = 1/f^3 is printed at the frequency asked for, not at the centre of the bin that holds it.
+// A steep h = 1/f^3 is printed at the requested frequency, not at the centre of the bin that contains it.
 TEST_F(ReportReading, StrainIsReadAtTheFrequencyItself) {
   FrequencyGrid const grid = logarithmic_grid(5, 500, 10);
   NoiseTrace steep;

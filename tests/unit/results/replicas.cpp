@@ -77,7 +77,7 @@ TEST(ReplicaSum, OneRowKeepsItsError) {
   EXPECT_EQ(pattern_of(trace.coupling, c), ReplicaPattern{});
 }
 
-// A row `other` says what it sums and why, for people and for programs.
+// A row `other` lists its routes and the reasons, for people and for programs.
 TEST(Folded, RowsNameTheirLargestRoutesWithTheReason) {
   TraceResult trace = trace_result();
   CouplingClass& other = trace.coupling.classes[6];

@@ -21,7 +21,7 @@ std::string written(bool with_noise) {
   return read_file(folder / "run.h5");
 }
 
-// Every path of schema/run-2.txt stands in the file and the reverse; units agree.
+// Every path of schema/run-2.txt exists in the file and vice versa; units agree.
 std::set<std::string> schema_paths() {
   std::istringstream lines(read_file(std::string(STRAY_SOURCE_DIR) + "/schema/run-2.txt"));
   std::set<std::string> paths;

@@ -11,7 +11,7 @@
 
 namespace straytrace::test {
 
-// A folder of its own, removed at the end.
+// A separate folder, removed at the end.
 class Folder {
  public:
   Folder() {

@@ -265,7 +265,7 @@ TEST_F(ReportTables, ReportHasItsSections) {
   EXPECT_THAT(text_report(content(trace, nullptr), table(), 12), HasSubstr("C_rev off"));
 }
 
-// Without a resolved route there is no answer at a frequency of the band; beyond it nothing was asked.
+// Without a resolved route there is no value at a frequency of the band; outside the band no value was requested.
 TEST_F(ReportTables, UnresolvedIsNotOutsideTheGrid) {
   auto const count = [&](std::string const& words) {
     std::string const text = text_report(content(trace, &noise), table(), 12);
@@ -277,7 +277,7 @@ TEST_F(ReportTables, UnresolvedIsNotOutsideTheGrid) {
   EXPECT_EQ(count("no answer"), 0);
   noise.total.asd.assign(noise.total.asd.size(), not_a_number);
   EXPECT_EQ(count("outside the grid"), 1) << "control: the frequencies of the band";
-  EXPECT_EQ(count("no answer"), 1 + 3);  // the sentence at the top says it too
+  EXPECT_EQ(count("no answer"), 1 + 3);  // also in the sentence at the top
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Relative deviation from the expected value; infinite when refused.
+// Relative deviation from the expected value; infinite for an error.
 double deviation(std::string const& text, Dimension d, double expected, std::string const& params = "") {
   double const v = value_of(text, d, params);
   if (std::isnan(v)) return infinity;

@@ -59,8 +59,8 @@ TEST(Library, ComesWithTheProgramAndLeavesOutWhatIsNotNamed) {
   EXPECT_THAT(errors_of(texts), HasSubstr("cannot read file"));
 }
 
-// A scene that takes only mirrors and interferometer of a detector has no tube, and is not told so. Controls: a body of
-// its own stays, and so do those of a file of motion, which has no scene to name them.
+// A scene that takes only mirrors and interferometer of a detector has no tube and gives no message about it. Controls:
+// a body of its own stays, and so do those of a file of motion, which has no scene to name them.
 TEST(Library, BodiesThatNothingNamesAreLeftOut) {
   std::string const detector = "include: [library/detectors/adv.yaml]\n", bench = "bodies: {bench: {motion: still}}\n",
                     mirror = "scene:\n  - {name: ITM, shape: {disk: {}}, body: ITM, material: test_mass}\n";
@@ -78,7 +78,7 @@ TEST(Library, MessagesNameWhatIsNear) {
   EXPECT_THAT(OnDisk(one_plate + "materials: {oxidised_steel: {}}\n").said(),
               HasSubstr("material 'oxidised_steel' is defined already (line 8 of library/materials/metals.yaml)"));
   EXPECT_EQ(OnDisk(one_plate + "materials: {oxidised_steel: {override: true}}\n").said(), "");
-  // A name that is not there is said by who reads it, with all names at hand.
+  // The reader of a missing name reports it with all available names.
   Scene const misspelt =
       OnDisk("include: [library/materials.yaml]\nscene:\n  - {name: a, material: oxydised_steel}\n").read();
   EXPECT_GT(names(misspelt, "materials").size(), 20u);
@@ -90,7 +90,7 @@ TEST(Library, PartsBringTheirMaterials) {
   EXPECT_EQ(scene.instances().size(), 5u);
   EXPECT_THAT(names(scene, "parts"), ::testing::Contains("v_dump"));
   EXPECT_THAT(names(scene, "parts"), ::testing::Not(::testing::Contains("tower")));
-  // What is wrong with a part of the library is said where it is used.
+  // Errors of a part of the library are reported where it is used.
   EXPECT_THAT(OnDisk("include: [library/parts.yaml]\nscene:\n  - {name: d, use: v_dump, depth: 1 cm}\n").said(),
               HasSubstr("arm.yaml:4"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads models from texts in memory and collects what was said about them.
+// Reads models from texts in memory and collects the messages about them.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -50,7 +50,7 @@ TEST(SeriesFile, NamesInCommentsOfText) {  // the comment with units goes before
   EXPECT_EQ(blank.error, "no numbers in it");
 }
 
-TEST(SeriesFile, FewDigitsStillGiveTheRate) {  // 1/128 s printed to 0.1 ms; a gap of one sample is seen all the same
+TEST(SeriesFile, FewDigitsStillGiveTheRate) {  // 1/128 s printed to 0.1 ms; a gap of one sample is still found
   std::string text;
   for (int i = 0; i < 1000; ++i) text += std::to_string(1e6 + double(i) / 128).substr(0, 12) + " 1\n";
   TimeSeries const s = parse_series(text, "a.txt", {.channel = "", .unit = "m", .span = {}});
@@ -73,7 +73,7 @@ TEST(SeriesFile, DecimalCommasAreNamed) {
   EXPECT_EQ(parse_named_columns("0,1\n1,2\n").column.size(), 2u) << "whole numbers between commas";
 }
 
-// A comma between digits beside another separator is no separator: "10,5;1e-9" is not a row of three.
+// A comma between digits is not a separator when the file uses another one: "10,5;1e-9" is not a row of three.
 TEST(NumberRows, DecimalCommasAreErrorsForEveryReader) {
   std::string_view const names[] = {"h_mean"};
   for (std::string const line : {"10,5;1e-9", "10,5;1,2e-9", "10;1,5", "10,5\t1e-9", "10,5 1e-9 # 10,5", "-1,5 2"}) {

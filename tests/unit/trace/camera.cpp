@@ -137,7 +137,7 @@ TEST(Camera, GlassAndOpenWalls) {
   bare.has_interface = true;
   bare.interface = world.add_interface(Fresnel{});
   std::uint32_t const clear = world.add_optic(bare), glass = world.add_volume({1.5, 0});
-  world.add_surface(Cylinder{{}, {0, 0, 1}, 1, -1, 1}, black, white, body, group);  // seen from inside
+  world.add_surface(Cylinder{{}, {0, 0, 1}, 1, -1, 1}, black, white, body, group);  // viewed from inside
   SurfaceId const lens = world.add_surface(Sphere{{0, 0, 0}, {0, 0, 1}, 0.3}, clear, clear, body, group, glass);
   SurfaceId const wall = world.add_surface(Disk{{0.5, 0, 0}, {1, 0, 0}, 0, 0.4}, black, black, body, group);
   world.finish();

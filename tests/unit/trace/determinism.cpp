@@ -86,7 +86,7 @@ TEST(Determinism, OutOfTimeKeepsTheHistoriesSoFar) {
   EXPECT_TRUE(r.checkpointed());
 }
 
-// Blocks after which a rule with these errors is looked at, wanted: below 1.
+// Blocks after which a rule with these errors is evaluated; requested: below 1.
 std::vector<std::uint64_t> looks(std::vector<double> const& errors, Stopped& why) {
   std::vector<std::uint64_t> seen;
   TraceSettings settings;

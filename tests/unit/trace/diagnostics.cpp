@@ -65,15 +65,15 @@ TEST(TailSlope, Status) {
   EXPECT_FALSE(heavy.trusted);
   EXPECT_LT(heavy.tail_slope, 3);
   EXPECT_EQ(heavy.why_not.substr(0, 43), "the largest histories fall as slowly as x^-");
-  // with too few scores the largest are no tail, and are not asked
+  // with too few scores the largest are not a tail, and are not tested
   open.resize(scored - per_block);
   EXPECT_TRUE(std::isnan(estimate_of(summed(open)).tail_slope));
   EXPECT_EQ(estimate_of(summed(pareto(5, 2 * scored, 3))).why_not, "");
 }
 
-// The slope of 200 totals is known to (p - 1)/sqrt(200): rows are refused when it is below 3 by two errors. A
+// The slope of 200 totals is known to (p - 1)/sqrt(200): rows fail when it is below 3 by two errors. A
 // log-normal spread of 1.5 has finite variance and good error bars, and a slope of 3 in 20 000 scores. Control: the
-// limit at 3 itself refuses most of such rows, and keeps those that are too low.
+// limit at 3 itself rejects most of such rows, and keeps those that are too low.
 TEST(TailSlope, LimitIncludesItsError) {
   std::mt19937_64 engine(11);
   std::normal_distribution<double> draw;
@@ -86,7 +86,7 @@ TEST(TailSlope, LimitIncludesItsError) {
     for (std::size_t i = 0; i < scored; ++i) x[2 * i] = std::exp(1.5 * draw(engine));
     Estimate const e = estimate_of(summed(x));
     bool const tail = e.why_not.starts_with("the largest histories");
-    if (!e.trusted && !tail) continue;  // refused for another reason
+    if (!e.trusted && !tail) continue;  // failed for another reason
     ++sound;
     refused += tail;
     double const z = (2 * e.mean - exact) / (2 * e.std_error);
@@ -124,7 +124,7 @@ TEST(TailSlope, KeptTotalsDoNotDependOnOrder) {
   }
 }
 
-// The border lies between 1/3 and 2/3 of the blocks, in the middle at powers of two, wherever the tree stands.
+// The border lies between 1/3 and 2/3 of the blocks, in the middle at powers of two, at any position in the tree.
 TEST(Halves, FirstPartOfTheBlocks) {
   std::vector<double> x(130 * per_block);
   std::mt19937_64 engine(7);

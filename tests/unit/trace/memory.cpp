@@ -52,7 +52,7 @@ TEST(Memory, DoesNotGrowWithTheRaysR3_09) {
   EXPECT_LT(b, 2e9);
   EXPECT_LT((b - a) / rays, 1) << "bytes per ray beyond the first " << 2 * few * orders;
   EXPECT_LT(b - start, 2e8);
-  // control: a record of a few hundred bytes kept for every ray is seen by the same measurement
+  // control: a record of a few hundred bytes kept for every ray is found by the same measurement
   std::size_t const some = 400000;
   double const kept = peak_of([&] {
     std::vector<PathState> record(some);

@@ -156,7 +156,7 @@ TEST(Ranks, StopRulesAreEvaluatedAtTheSameBlockCounts) {
   EXPECT_EQ(looks(3), (std::vector<std::uint64_t>{32, 45, 64}));
 }
 
-// A rank that ends on a signal of its own gives back what it has not done.
+// A rank that ends on a signal returns its unfinished blocks.
 TEST(Ranks, OneMayLeave) {
   TraceResult const one = trace(two_plates(), settings_for(1), *make_backend("cpu"));
   Job job(3);

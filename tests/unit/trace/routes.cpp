@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which class a score falls into, what the class knows about its paths, and replay of scores from their addresses.
+// Which class a score falls into, what the class records about its paths, and replay of scores from their addresses.
 #include <array>
 #include <set>
 #include <unordered_set>
@@ -92,7 +92,7 @@ TEST(Routes, HashesDiffer) {
   EXPECT_EQ(sum(1, 2), sum(2, 1));
 }
 
-// Light that arrived by itself and light that was connected belong to one route; the limit on lengths makes `other`.
+// Analog hits and connections belong to one route; the limit on lengths makes `other`.
 TEST(Routes, NamesAndLengths) {
   World world = facing_discs({Profile::even});
   world.limits.max_order = 4;
@@ -102,7 +102,7 @@ TEST(Routes, NamesAndLengths) {
   for (CouplingClass const& c : r.coupling.classes) names.insert(route_name(r.coupling, c));
   EXPECT_EQ(names, (std::multiset<std::string>{"low·S", "low·S > high·S", "low·S > high·S > low·S", "other > high 0",
                                                "other > low"}));
-  for (CouplingClass const& c : r.coupling.classes) {  // a row `other` says what it sums
+  for (CouplingClass const& c : r.coupling.classes) {  // a row `other` lists its routes
     EXPECT_EQ(c.folded.empty(), !c.steps.empty());
     if (!c.steps.empty()) continue;
     EXPECT_EQ(c.folded_routes, 1u);

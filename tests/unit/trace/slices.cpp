@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Slices of a run and what becomes of them: they cover each block once, sums with gaps say what they hold, and all of
+// Slices of a run and their merge: they cover each block once, sums with gaps list their blocks, and all of
 // them together are the bits of one run (docs/guide/clusters.md).
 #include <atomic>
 #include <chrono>
@@ -146,13 +146,13 @@ TEST(Slices, GapsAreFilled) {
   TraceResult const filled = traced(settings_for({}, some));
   EXPECT_LT(had, blocks);
   EXPECT_TRUE(same(filled.total, one.total));
-  // With fewer histories asked for than it reaches, all gaps are filled: a run has none.
+  // When fewer histories are requested than it reaches, all gaps are filled: a run has none.
   TraceSettings fewer = settings_for({}, some);
   fewer.histories = 4 * largest_block;
   EXPECT_EQ(traced(fewer).tree.missing({0, some.done().back().end}).size(), 0u);
 }
 
-// What a checkpoint holds goes on to the same bits; and none is made once all blocks are handed out, for a stop rule
+// A checkpoint resumes to the same bits; and none is made once all blocks are assigned, for a stop rule
 // would then miss a look. The backend waits until the first checkpoint is there, so that there is one.
 class Waiting final : public Backend {
  public:

@@ -193,7 +193,7 @@ TEST(Records, KeptSetIsTheSameHoweverItIsMerged) {
   EXPECT_TRUE(same(all.classes[1], whole));
 }
 
-// Records of a traced class: weights sum to the class mean and stand for the right paths.
+// Records of a traced class: weights sum to the class mean and represent the right paths.
 TEST(Records, WeightsOfATracedClass) {
   World const world = small_world();
   Sampler share;

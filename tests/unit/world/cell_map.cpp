@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cells of surface maps: they fill the chart, are fine where the light is, and hold as many places as their area says.
+// Cells of surface maps: they fill the chart, are fine where the light is, and hold a number of places in proportion to
+// their area.
 #include "world/model/cell_map.hpp"
 
 #include <gtest/gtest.h>
@@ -96,7 +97,7 @@ TEST(CellMap, IsBoundedWhereAllPlacesAreOne) {
   EXPECT_EQ(tree.cells().size(), 25u);
 }
 
-// One strong place among many faint ones tells no more than itself: a cell that holds it is not full.
+// One strong place among many faint ones is a single event: a cell that contains it is not full.
 TEST(CellMap, CountsPlacesByTheirWeight) {
   Places all = even(0.4, 0.5, 1000);
   all[0].weight = 1e6;

@@ -100,7 +100,7 @@ TEST(InnerRim, GoesUpAndDownTheTeeth) {
   EXPECT_NEAR(rim_radius(rim, 0.3 + pi / 50), 0.42, 1e-12);
 }
 
-// The mode of the cavity where the rims stand (eq. 6.1), both mirrors included.
+// The mode of the cavity at the rims (eq. 6.1), both mirrors included.
 TEST(BeamApertures, OfACavity) {
   World const w = world_of("");
   std::vector<BeamAperture> const all = apertures_of(w);

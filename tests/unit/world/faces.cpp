@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that share space: which are refused, which are warned of, and which are left alone.
+// Surfaces that share space: which are errors, which give a warning, and which are allowed.
 #include "world/checks/faces.hpp"
 
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ auto const coincide = HasSubstr("lie on each other");
 auto const cross_each_other = HasSubstr("pass through each other");
 auto const nothing_shared = AllOf(Not(coincide), Not(cross_each_other), Not(HasSubstr("error")));
 
-// Of two equal cones the one that was listed first was seen, and h(f) changed 180-fold with their order.
+// Of two equal cones the ray would meet the first in the list, and h(f) would change 180-fold with their order.
 TEST(Faces, OneOfTwoEqualConesIsAnErrorInEitherOrder) {
   for (auto const& [first, second] : {std::pair{"steel", "dark"}, std::pair{"dark", "steel"}})
     EXPECT_THAT(said(cone("one", first, "1 km") + cone("two", second, "1 km")),
@@ -81,7 +81,7 @@ TEST(Faces, BackToBackDisksAreErrorsWhereLightArrives) {
   EXPECT_THAT(said(disk("one", "material: black") + disk("two", "material: black")), nothing_shared);
   EXPECT_THAT(said(one + disk("two", "at: [0 m, 0 m, -1 um], facing: [0, 0, -1], side: front, material: steel")),
               nothing_shared);
-  // A small disk on a large one: seen from the small one.
+  // A small disk on a large one: tested from the small one.
   EXPECT_THAT(said(disk("large", "material: steel", "outer_radius: 1 m") +
                    disk("small", "material: dark", "outer_radius: 1 mm")),
               coincide);
@@ -100,7 +100,7 @@ TEST(Faces, SolidsMayTouchAndLensesMayBeCemented) {
   auto const mount = [](std::string const& part) {
     return "  - {name: mount, use: " + part + ", at: [0 m, 0 m, 0 m], body: b, material: steel}\n";
   };
-  EXPECT_THAT(said(mount("motor_mount")), nothing_shared);  // motors stand on the back of the frame
+  EXPECT_THAT(said(mount("motor_mount")), nothing_shared);  // motors are on the back of the frame
   EXPECT_THAT(said(mount("mount") + disk("plate", "at: [0 m, 3 cm, 0 m], material: dark", "outer_radius: 2 mm")),
               coincide);
   EXPECT_THAT(said(plate("one", "0 m") + disk("screen", "material: dark")), coincide);

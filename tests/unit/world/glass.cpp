@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Glass of the parts that come with the program, and what is said where glass does nothing.
+// Glass of the parts that come with the program, and the warnings where glass has no effect.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -130,7 +130,7 @@ TEST(Glass, GlassThatNoLightEntersIsAWarning) {
   EXPECT_EQ(read(entry("use: lens, material: clear, medium: bk7")).warnings, "");
 }
 
-// Light beside one object, met many times, is told once, with the worst.
+// Light that misses one object many times is reported once, with the worst case.
 TEST(Glass, LightThatMissesAnObjectIsReportedOnce) {
   std::string const cavity =
       "  - {name: near, shape: {disk: {outer_radius: 1.5 mm}}, facing: [0, 0, 1], side: front, at: [0 m, 0 m, -1.1 m], "

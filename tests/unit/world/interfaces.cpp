@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `specular` and `media` of a scene: what is read, and what is refused and why (8.1, C2.6).
+// `specular` and `media` of a scene: what is read, and the errors with their reasons (8.1, C2.6).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -190,7 +190,7 @@ TEST(WorldInterfaces, SteelPreset) {
   EXPECT_NEAR(scatter_albedo(lobe.world.view().laws, lobe.optic("m"), 1), 0.395, 1e-6);
 }
 
-// requirements 8.1: entries of the original whose shares exceed 1 are refused, the others are read.
+// requirements 8.1: entries of the original whose shares exceed 1 are errors, the others are read.
 TEST(WorldInterfaces, MaterialsOfTheOriginal) {
   struct Entry {
     std::string reflect, transmit, scatter;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The key `lit` and ports without a place -> world, and what is said about mistakes.
+// The key `lit` and ports without a place -> world, and the messages about mistakes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -93,7 +93,7 @@ TEST(ReadLit, TheSameLightTwiceIsAWarning) {
   EXPECT_THAT(scene.warnings(), HasSubstr("'window' is lit by beam 'stated' too"));
 }
 
-// Light that a splitter parts and joins again: fields add there, which powers do not know.
+// Light that a splitter divides and recombines: fields add there, which powers ignore.
 TEST(ReadLit, RecombiningBeamsAreAWarning) {
   auto const warnings = [](std::string const& arms) {
     FileTexts const texts{

@@ -120,7 +120,7 @@ TEST(ReadFreeBeams, Keys) {
       HasSubstr("along the beam"));
 }
 
-// R3.10: <rho^2> = R^2/2 for an even disc, w^2/2 for a Gaussian spot. Effect to be seen: 2 %.
+// R3.10: <rho^2> = R^2/2 for a uniform disc, w^2/2 for a Gaussian spot. Effect to be detected: 2 %.
 TEST(ReadFreeBeams, MomentsOfTheProfile) {
   auto const moment = [](char const* profile) {
     World const w = world_of("beams: {b: {from: [1 m, 0 m, 0 m], facing: [1, 2, 3], radius: 5 mm, profile: " +

@@ -17,7 +17,7 @@ using testing::cap, testing::cone, testing::cylinder, testing::disk, testing::sp
 
 constexpr double tube_length = 3000, tube_radius = 0.5;
 
-// Where a scene stands: the tube's own axis is z of this frame.
+// Placement of a scene: the axis of the tube is z of this frame.
 Pose placed_by(int pose) {
   if (pose == 0) return {};
   if (pose == 1) return facing_along({120, -40, 7}, unit({0.6, 0.7, 0.2}));
@@ -262,7 +262,7 @@ TEST(world_search, the_end_of_the_ray_is_open) {
     }
 }
 
-// A search hands out kind and number of a shape in one word: more of a kind than it can name are refused, not confused.
+// A search returns kind and number of a shape in one word: more of a kind than it can name are an error, not confused.
 TEST(world_search, more_shapes_than_can_be_named_are_errors) {
   SurfaceRef const last = SurfaceRef::of(5, {3, SurfaceRef::most_shapes - 1}),
                    control = SurfaceRef::of(5, {3, 1u << 24});

@@ -86,7 +86,7 @@ TEST(search_together, same_bits_as_one_by_one) {
   }
 }
 
-// With many rays through many meshes the list of meshes noted runs full, and the rest are asked at once.
+// With many rays through many meshes the list of noted meshes overflows, and the rest are searched at once.
 TEST(search_together, more_meshes_than_can_be_noted) {
   World const w = bodies(150);
   std::vector<RayQuery> rays;

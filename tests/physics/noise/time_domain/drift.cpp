@@ -49,7 +49,7 @@ TEST(Drift, CarriesWeakMotionWithIt) {  // sidebands of a line at f_d: z^2/4 sha
   EXPECT_NEAR(s.psd[2] * 0.2, 0.5, 1e-6);
 }
 
-// Motion at 30 Hz, strong enough to stay in the exponent, under a drift of 10 Hz: its first order stands at 20 and 40
+// Motion at 30 Hz, strong enough to stay in the exponent, under a drift of 10 Hz: its first order is at 20 and 40
 // Hz, half each of e^-R I_1(R) (eq. 7.7 for a narrow line); at 30 Hz there is nothing of it, and at 50 and 70 Hz the
 // second.
 TEST(Drift, MovesTheShareOfFirstOrder) {

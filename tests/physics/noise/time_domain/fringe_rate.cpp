@@ -20,7 +20,7 @@ double fringe_of(double peak, double hz, double bounces = 1) {
   return largest(fringe_frequency(swinging(peak, hz).coordinates[0].velocity, wavelength, bounces));
 }
 
-// Minima of the fringe frequency stand between arches.
+// Minima of the fringe frequency lie between arches.
 double time_between_arches(std::vector<double> const& hz, double rate) {
   std::vector<std::size_t> minima;
   for (std::size_t i = 1; i + 1 < hz.size(); ++i)

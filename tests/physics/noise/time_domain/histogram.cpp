@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths that share spectra against the spectrum of each path by itself (requirement R4.08, docs/theory/spectra.md,
+// Paths that share spectra against the separate spectrum of each path (requirement R4.08, docs/theory/spectra.md,
 // eq. 1.11).
 #include "base/math/rng.hpp"
 #include "noise/interpolate/spectrum_interpolator.hpp"
@@ -53,7 +53,7 @@ FrequencyGrid const grid = logarithmic_grid(3, 100, 12);
 MotionClass const ground{power_law_asd(3e-9, 1, -2, 0.1, 300), 0, {}};
 double const unit = 3 / ground.variance();  // a phase of 1.7 rad rms
 
-// R4.08. Tolerance: three times the phase power that each path by itself takes to first order, above a split of its
+// R4.08. Tolerance: three times the phase power that each separate path treats to first order, above a split of its
 // own.
 TEST(StrengthHistogram, OneClassAgreesWithTheSumOverPaths) {
   PhaseSpectra const spectra({ground}, grid);
@@ -101,7 +101,7 @@ TEST(StrengthHistogram, StrengthsOfTwoClassesSpreadOverDecades) {
   Shared const usual = compare(spectra, paths, {});
   EXPECT_GT(usual.step, SpectrumInterpolator::same);
   EXPECT_LT(usual.error, 3 * PhaseSpectra::weak);
-  EXPECT_GT(usual.checked, 0);  // some paths were looked at
+  EXPECT_GT(usual.checked, 0);  // some paths were checked
   EXPECT_LE(usual.checked, SpectrumInterpolator::tolerance);
   Shared const coarse = compare(spectra, paths, {1, 400, false});  // control: four times as coarse
   EXPECT_GT(coarse.error, 1e-2);

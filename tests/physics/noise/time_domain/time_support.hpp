@@ -71,7 +71,7 @@ struct Comparison {
   double p = 0;                            // of chi-square over the bands
 };
 
-// Power that a line of a Hann-windowed spectrum takes from `bins` beside it; its integral is 1 (ENBW of 1.5 bins).
+// Power that a line of a Hann-windowed spectrum takes from `bins` on either side; its integral is 1 (ENBW of 1.5 bins).
 inline double hann_power(double bins) {
   double const rest = 1 - bins * bins, x = pi * bins;
   double const field = std::fabs(rest) < 1e-9 ? 0.5 : std::fabs(x) < 1e-9 ? 1 : std::sin(x) / x / rest;

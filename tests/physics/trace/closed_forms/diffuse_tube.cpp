@@ -37,7 +37,7 @@ TEST(DiffuseTube, EnclosureIsNotSpoiledByAiming) {
   EXPECT_GT(error(Aim::fixed_share), 2 * law);
 }
 
-// The numbers know each other apart, and a wall 1 % wider is seen.
+// The test distinguishes the numbers, and finds a wall 1 % wider.
 TEST(DiffuseTube, ControlsAreRejected) {
   SampleMean const t = transmission(2, 0.5, 1 << 17, Aim::none);
   expect_rejected("direct light alone", t, 0.171573);

@@ -112,7 +112,7 @@ TEST(Glass, TouchingPlatesR3_23) {
   }
 }
 
-// A lit diffuse plate, a diffuse screen above it, and a small photodiode beside the plate that looks at the screen.
+// A lit diffuse plate, a diffuse screen above it, and a small photodiode next to the plate that faces the screen.
 World seen_through(double index, double radius, bool covered) {
   World world;
   std::uint32_t const white = lambertian_optic(world, 0.5), black = black_optic(world);
@@ -184,7 +184,7 @@ TEST(Glass, LightThroughAWindow) {
   expect_rejected("half the histories", seen, 0.5 * expected);
   SampleMean const either = received(run_histories(lit_behind_a_window(0.5, false, true, 1e-3, true), 1 << 18));
   expect_mean("a photodiode that counts both sides", either, expected, 0.06 * expected);
-  // a mirror that scatters 1e-5: the sub-path goes on, and what it met still counts
+  // a mirror that scatters 1e-5: the sub-path continues, and the surfaces before still count
   SampleMean const faint = received(run_histories(lit_behind_a_window(1e-5, true, true), 1 << 18));
   expect_mean("mirror", faint, 2e-5 * expected, 2e-5 * 0.04 * expected);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Grooves on surfaces of a scene: how they lie, and that the energy balance know their total depends on the azimuth.
+// Grooves on surfaces of a scene: their direction, and an energy balance whose total depends on the azimuth.
 #include "base/errors.hpp"
 #include "support/trace_support.hpp"
 

@@ -43,7 +43,7 @@ TEST(IntegratingSphere, MultiplierScene2) {
   }
 }
 
-// Patches of different sizes near the lit one, beside it and opposite. Control: a patch 5 % off the sphere.
+// Patches of different sizes near the lit one, adjacent and opposite. Control: a patch 5 % off the sphere.
 TEST(IntegratingSphere, ExchangeOfPatchesScene2) {
   auto const exchange = [](Vec3 at, double rim, double off, std::uint64_t histories) {
     World world;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rays of 10 km and scenes far from the origin (docs/theory/sampling.md): an edge 1 um beside the ray, a corner
+// Rays of 10 km and scenes far from the origin (docs/theory/sampling.md): an edge 1 um off the ray, a corner
 // cube, and the rigid motion of a whole scene by 1e5 m with an arbitrary rotation.
 #include <random>
 

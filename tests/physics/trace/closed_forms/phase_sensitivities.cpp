@@ -28,7 +28,8 @@ World bodies_world(std::vector<std::uint32_t> const& bodies, std::vector<Vec3> c
   std::uint32_t const black = black_optic(world);
   for (Vec3 const& p : pivots) world.add_body("body", p);
   for (std::uint32_t const b : bodies) world.add_surface(Disk{}, black, black, BodyId{b}, world.add_group("any"));
-  world.add_footprint(spot({0}, {}, {0, 0, -1}, Profile::gaussian, 1e-3));  // not standing: no main mode to subtract
+  world.add_footprint(
+      spot({0}, {}, {0, 0, -1}, Profile::gaussian, 1e-3));  // not a standing wave: no main mode to subtract
   world.finish();
   return world;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scene couples alike wherever it stands and however it is turned: every shape, lit on both sides and
+// The couplings of a scene do not depend on its position and orientation: every shape, lit on both sides and
 // facing a lit screen, at the origin and up to 40 km away (docs/theory/path_integral.md, eq. 1.7 to 1.9;
 // docs/theory/sampling.md, eq. 1.14).
 #include <array>

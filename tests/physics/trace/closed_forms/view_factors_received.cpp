@@ -63,8 +63,8 @@ struct Arrivals : Silent {
   double scattered = 0, on[5] = {};
 };
 
-// Unit cube: the floor is lit by a beam wider than it is; the other five faces are receivers. Light beside the floor is
-// lost, so the means are of (arrived - F scattered), whose truth is zero.
+// Unit cube: the floor is lit by a beam wider than it is; the other five faces are receivers. Light that misses the
+// floor is lost, so the means are of (arrived - F scattered), whose truth is zero.
 struct Cube {
   Sampler opposite, adjacent, all, control;
 };

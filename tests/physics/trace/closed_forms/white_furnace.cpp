@@ -91,7 +91,7 @@ TEST(WhiteFurnace, RadianceIsOneEverywhereR3_03) {
   expect_mean("haze", seen(all, hazy, 0.04, 1 << 17), 1, 5e-3);
   expect_mean("ground", seen(all, ground, 0.04, 1 << 17), 1, 5e-3);
   expect_mean("anything", seen(all, {}, 0.8, 1 << 17), 1, 1e-3);
-  // control: a surface that absorbs what its small mirrors shadow, looked at, and somewhere in the oven
+  // control: a surface that absorbs the shadowed light of its small mirrors, viewed directly, and somewhere in the oven
   expect_rejected("a lossy surface", seen(dark, lossy, 0.04, 1 << 16), 1);
   expect_rejected("one of them is lossy", seen(dark, {}, 0.8, 1 << 17), 1);
 }

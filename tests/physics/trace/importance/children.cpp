@@ -99,7 +99,7 @@ TEST(Window, RareSurvivalsAreNotAnError) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_NO_THROW(run_histories(world, 48 * largest_block, seed));
 }
 
-// The spread of what was drawn alone would refuse some of them: that is the effect the odds are there for.
+// The spread of the drawn weights alone would reject some of them; the survival probabilities prevent this.
 TEST(Window, WithoutTheProbabilitiesSomeAreRejected) {
   World const world = rarely_lucky();
   int refused = 0;

@@ -44,7 +44,7 @@ TEST(EarlyChecks, EverySizeMakesEnoughBlocks) {
   for (std::uint64_t n = 1000; n < 300000; n += 37) {
     std::uint64_t const size = block_size_of(n), blocks = blocks_of(n, size);
     ASSERT_GE(blocks, enough_blocks) << n;
-    ASSERT_EQ(block_size_of(blocks * size), size) << n;  // a run that goes on has the same blocks
+    ASSERT_EQ(block_size_of(blocks * size), size) << n;  // a resumed run has the same blocks
   }
   EXPECT_EQ(block_size_of(std::uint64_t{1} << 36), largest_block);
 }
@@ -69,7 +69,7 @@ double stopped_greedily(std::uint64_t route, std::uint64_t seed) {
 }
 
 // Over many seeds, the mean of what is found where the rule of 20 % stops, of the least known route, in the error of
-// that mean; a long run says what is true. Negative control: a rule that looks after every few histories, trusts two
+// that mean; a long run gives the true value. Negative control: a rule evaluated after every few histories, trusts two
 // scores and stops at the first good-looking moment; of k scores it finds 1/k too much.
 TEST(EarlyChecks, StoppingLeavesNoBias) {
   BlockSums const truth = run_histories(two_plates(), 1u << 21).total;

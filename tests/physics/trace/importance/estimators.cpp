@@ -98,7 +98,7 @@ struct Scene {
   }
 };
 
-// The receiver lies beside the emitter and sees it only over a plate that reflects and scatters.
+// The receiver lies next to the emitter and receives its light only from a plate that reflects and scatters.
 Scene over_a_plate(Optic (*plate)(World&)) {
   Scene scene;
   World& world = scene.world;
@@ -182,7 +182,7 @@ TEST(Estimators, ErrorFallsAsRootN) {
   SampleMean const few = direct(1 << 17), many = direct(1 << 19);
   expect_mean("direct", many, expected, 1e-2 * expected);
   expect_rejected("without the BSDF of the receiver", many, expected * 2 * pi);
-  EXPECT_NEAR(few.std_error / many.std_error, 2, 0.5);  // 32 blocks know their spread to 13 %
+  EXPECT_NEAR(few.std_error / many.std_error, 2, 0.5);  // 32 blocks determine their spread to 13 %
 }
 
 // Light that reaches the receiver over a mirror: only the walk can find it, with weight 1.

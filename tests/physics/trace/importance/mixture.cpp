@@ -188,7 +188,8 @@ TEST(Mixture, WrongDensitiesAreRejected) {
   expect_rejected("patch area wrong by 1 %", arriving_with(Fault::area, 1 << 20), expected);
 }
 
-// Control: patch areas wrong by a few per cent leave a mean in `sampling`, which the energy balance refuse.
+// Control: patch areas wrong by a few per cent leave a mean in `sampling`, which the check of the energy balance
+// rejects.
 TEST(Mixture, WrongAreasAreRejected) {
   World world = two_caps();
   SteeringTables tables = uneven(0.1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where sub-paths from receivers behind glass (docs/theory/sampling.md) have to know more than the way: the index of
-// the medium in which they end, and that they know no polarisation.
+// Where sub-paths from receivers behind glass (docs/theory/sampling.md) need more than the path: the index of
+// the medium in which they end, and the fact that they carry no polarisation.
 #include "support/trace_received.hpp"
 
 namespace straytrace::testing::trace_sub_paths {
@@ -113,7 +113,7 @@ TEST(SubPaths, PolarisedControl) {
   expect_rejected("sub-paths without polarisation", difference(control, walk), 0);
 }
 
-// A measuring plane that is said to lie behind glass, too.
+// Also a measuring plane that is declared to be behind glass.
 TEST(SubPaths, PolarisedPlane) {
   World world = polarised(1.5, true, SubPath::looked_for);
   Receiver plane;

@@ -85,7 +85,7 @@ SampleMean arriving(World const& world, SurfaceId where, std::uint32_t order) {
   return found.mean();
 }
 
-// Rings of 0.176 to 0.4 m a centimetre before each mirror. The far one stands in the light of mirror 1 between 59 and
+// Rings of 0.176 to 0.4 m a centimetre before each mirror. The far one is lit by mirror 1 between 59 and
 // 133 urad; kappa_s ln(r_2/r_1) of the light meets it, and S/pi of that per sr goes straight back (eq. 8.1, 8.2):
 // K = pi kappa^2/l^2 (theta_1^-2 - theta_2^-2). Its phase sensitivity along the axis is 2k: 1 um at 100 Hz wraps to
 // 1181 Hz.

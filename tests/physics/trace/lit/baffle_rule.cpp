@@ -3,7 +3,7 @@
 // visibility): tube of radius R, baffles of clear radius r, mirrors of radius m at both ends. Light from the far edge
 // of a mirror that just passes the baffle at z meets the wall at q z, q = (R + m)/(r + m), where the next one has to
 // stand: from the first at z_0 to the middle of the tube ceil(ln(L/(2 z_0))/ln q) per half, and one in the middle when
-// the last two stand further apart than q.
+// the last two are further apart than q.
 #include <random>
 
 #include "support/trace_support.hpp"
@@ -85,7 +85,7 @@ TEST(BaffleRule, NumberOfBafflesScene15) {
   EXPECT_EQ(places(scene_15, scene_15.ratio()).size(), 2u * 65 + 1);
 }
 
-constexpr double closer = 1 - 1e-6;  // baffles stand this much closer than where light would just touch two rims
+constexpr double closer = 1 - 1e-6;  // baffles are this much closer than where light would just touch two rims
 
 TEST(BaffleRule, NoLineOfSightFromMirrorsToTheWallScene15) {
   std::vector<double> const z = places(scene_15, scene_15.ratio() * closer);
@@ -97,7 +97,7 @@ TEST(BaffleRule, NoLineOfSightFromMirrorsToTheWallScene15) {
   EXPECT_GT(arrived(traced, r, "baffles").mean, 0);
 }
 
-// Controls: any one baffle missing, and all of them 1 % further apart than the rule says.
+// Controls: any one baffle missing, and all of them 1 % further apart than by the rule.
 void expect_all_needed(Layout const& l, std::vector<double> const& z) {
   for (std::size_t i = 0; i + 1 < z.size(); ++i) {
     std::size_t const next = i < z.size() / 2 ? i + 1 : i - 1;  // the gap lies behind it, as seen from its own mirror

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Diffraction at the inner edges of baffles (docs/theory/diffraction.md, eq. 8.11 to 8.14, case A19), against closed
-// forms and against integrals that know nothing of them: over the rim, and over the blocked area.
+// forms and against independent integrals: over the rim, and over the blocked area.
 #include "trace/deterministic/edges.hpp"
 
 #include <gtest/gtest.h>

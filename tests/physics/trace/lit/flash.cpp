@@ -8,7 +8,7 @@ namespace {
 
 constexpr double degree = pi / 180;
 
-// A disc of 1 m at z = 2, whose normal leans by `tilt` against the view; the eye stands in the origin.
+// A disc of 1 m at z = 2, whose normal is tilted by `tilt` from the line of sight; the eye is at the origin.
 World disc_of(double reflect, double albedo, double tilt) {
   World world;
   Optic optic;
@@ -50,8 +50,8 @@ TEST(Flash, LambertianDiscAtAnAngle) {
   }
 }
 
-// A mirror at d that stands across the view shows the flash as a disc of the angle r/(2d), with the radiance of the
-// flash times R. Leaning by more than that, it shows nothing where it is looked at, and 1/2 of the way it leans
+// A mirror at d perpendicular to the line of sight shows the flash as a disc of the angle r/(2d), with the radiance of
+// the flash times R. Leaning by more than that, it shows nothing where it is looked at, and 1/2 of the way it leans
 // everything.
 TEST(Flash, GlintOfAFlatMirror) {
   Flash const flash{.radius = 20e-3};
@@ -63,7 +63,7 @@ TEST(Flash, GlintOfAFlatMirror) {
   EXPECT_NEAR(glint(straight, 0.99 * half_angle) / radiance, 1, 1e-12);
   EXPECT_EQ(glint(straight, 1.01 * half_angle), 0);
   EXPECT_GT(glint(straight, 0.6 * half_angle), 0) << "control: the flash seen at d, not at 2d, would be r/d wide";
-  // 1/(2d)^2 of the intensity: the image of the flash stands 2d away.
+  // 1/(2d)^2 of the intensity: the image of the flash is 2d away.
   EXPECT_NEAR(back_at_the_eye(straight, flash, camera) / (0.9 / (4 * d * d)), 1, 0.03);
   World const leaning = disc_of(0.9, 0, 1.05 * half_angle);
   EXPECT_EQ(glint(leaning, 0), 0);

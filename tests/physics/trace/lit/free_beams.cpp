@@ -202,7 +202,7 @@ TEST(FreeBeams, WeightsOfAimedSubPathsSumToOne) {
   expect_rejected("twice", difference(both, scaled(alone, 2)), 0);
 }
 
-// A laser on a white card in a tube, beside a mirror whose spot scatters 1e-4: what the mirror's light is worth must
+// A laser on a white card in a tube, next to a mirror whose spot scatters 1e-4: the contribution of the mirror must
 // not decide how often that of the laser is split. With one level for both there are 50 times as many events.
 World laser_beside_a_faint_spot() {
   World world;

@@ -63,7 +63,7 @@ TEST(LitScenes, BenchBehindTheEndMirrorEq9_3) {
   double const w = radius_on_the_plate(), transmission = 4.4e-6, f_sc = 1e-5 * lambda * lambda / (pi * w * w);
   Footprint const* plate = spot_on(world, "plate");
   ASSERT_NE(plate, nullptr);
-  EXPECT_NEAR(plate->share / transmission, 1, 1e-7);  // 2.5e-8 pass beside the faces of the mirror
+  EXPECT_NEAR(plate->share / transmission, 1, 1e-7);  // 2.5e-8 miss the faces of the mirror
   EXPECT_NEAR(plate->profile == Profile::gaussian ? plate->radius : 0, w, 1e-6 * w);
   SampleMean const s = total_coupling(run_histories(world, 1 << 20));
   double const expected = transmission * transmission * f_sc;
@@ -165,7 +165,7 @@ std::string laser(std::string const& lit, std::string const& end = "ports: {all:
          "}}\n" + end;
 }
 
-// A beam that is followed: every surface it meets knows its mode, in glass too; it is not walked as rays beside.
+// A beam that is followed: every surface it meets has its mode, in glass too; it is not traced as rays in addition.
 TEST(LitScenes, FollowedBeamLightsTheSurfacesItMeets) {
   World const world = world_of(bench + laser("yes"));
   std::vector<LitRow> const rows = lit_rows(world);
@@ -192,7 +192,7 @@ TEST(LitScenes, FollowedBeamLightsTheSurfacesItMeets) {
     EXPECT_EQ(route_name(r.coupling, c).find("laser"), std::string::npos);
 }
 
-// Ghosts: weaker spots of the same beam, to the order asked for; `only` and `except` choose surfaces.
+// Ghosts: weaker spots of the same beam, to the requested order; `only` and `except` choose surfaces.
 TEST(LitScenes, OrderAndNames) {
   auto const spots = [](std::string const& lit) {
     return lit_rows(world_of(bench + laser(lit, "receivers: {D: {on: dump}}\n"))).size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A concave mirror sees itself. On a sphere the exchange between any two points is cos cos/d^2 = 1/(4 R^2), so two
-// Lambertian scatters on one cap give f = lambda^2 beta^2/(4 R^2) wherever the cap stands
+// Lambertian scatters on one cap give f = lambda^2 beta^2/(4 R^2) at any position of the cap
 // (docs/theory/path_integral.md, eq. 1.2).
 #include "support/trace_support.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sequential tracing against the walk, which finds surfaces and media by itself.
+// Sequential tracing against the random walk, which searches surfaces and media.
 #include "support/trace_bench.hpp"
 
 namespace straytrace::testing {
