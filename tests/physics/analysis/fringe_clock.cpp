@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "support/fringe_support.hpp"
+#include "physics/analysis/fringe_support.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::commission_fringe_clock {

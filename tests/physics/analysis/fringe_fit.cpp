@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/analysis/fringe_support.hpp"
 #include "spectra/welch.hpp"
-#include "support/fringe_support.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::commission_fringe_fit {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "analysis/fringes/fringe_fit.hpp"
-#include "support/fringe_support.hpp"
+#include "physics/analysis/fringe_support.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::commission_fringe_trials {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <complex>
 
-#include "support/fringe_support.hpp"
+#include "physics/analysis/fringe_support.hpp"
 #include "support/recorded.hpp"
 
 namespace straytrace::commission_shelf_edge {

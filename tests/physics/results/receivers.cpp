@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "support/receiver_support.hpp"
+#include "physics/results/receiver_support.hpp"
 #include "support/statistics.hpp"
 #include "unit/results/synthetic.hpp"
 

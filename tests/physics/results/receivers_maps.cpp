@@ -7,8 +7,8 @@
 #include <cmath>
 #include <complex>
 
+#include "physics/results/receiver_support.hpp"
 #include "support/chi_square.hpp"
-#include "support/receiver_support.hpp"
 #include "support/statistics.hpp"
 
 namespace straytrace::testing {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/chi_square.hpp"
-#include "support/mesh_control.hpp"
+#include "unit/geometry/mesh_control.hpp"
 
 namespace straytrace::testing {
 namespace {

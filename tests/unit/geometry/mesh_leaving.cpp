@@ -2,7 +2,7 @@
 // Paths in closed meshes are neither lost nor hit their own start (docs/develop/performance.md; LeavingRule).
 #include <gtest/gtest.h>
 
-#include "support/mesh_control.hpp"
+#include "unit/geometry/mesh_control.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -2,7 +2,7 @@
 // The tables `interferometer` and `noise`.
 #include "ifo/fabry_perot_michelson.hpp"
 #include "noise/noise.hpp"
-#include "unit/noise/support_scene.hpp"
+#include "support/scene_tables.hpp"
 
 namespace straytrace::testing::noise_detector {
 namespace {

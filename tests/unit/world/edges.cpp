@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/built_scene.hpp"
 #include "support/message_of.hpp"
+#include "unit/world/built_scene.hpp"
 #include "world/ghosts/apertures.hpp"
 
 namespace straytrace::testing {

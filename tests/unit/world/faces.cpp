@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "contract/geometry/instances.hpp"
-#include "support/built_scene.hpp"
+#include "unit/world/built_scene.hpp"
 
 namespace straytrace::world_faces {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "base/files/embedded.hpp"
 #include "scene/library.hpp"
-#include "support/built_scene.hpp"
 #include "support/message_of.hpp"
+#include "unit/world/built_scene.hpp"
 #include "world/ghosts/beam_tree.hpp"
 
 namespace straytrace::world_glass {

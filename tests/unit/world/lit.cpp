@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "support/built_scene.hpp"
 #include "support/message_of.hpp"
+#include "unit/world/built_scene.hpp"
 #include "world/ghosts/lit_surfaces.hpp"
 
 namespace straytrace::world_lit {

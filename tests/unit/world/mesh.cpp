@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/mesh_shapes.hpp"
-#include "support/mesh_texts.hpp"
+#include "unit/world/mesh_texts.hpp"
 #include "world/import/mesh_doctor.hpp"
 
 namespace straytrace::test {

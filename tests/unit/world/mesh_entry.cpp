@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene entries with `file` (docs/reference/scene.md) and material lists.
-#include "support/mesh_texts.hpp"
 #include "unit/scene/support.hpp"
+#include "unit/world/mesh_texts.hpp"
 #include "world/build/read_mesh.hpp"
 #include "world/build/read_newmtl.hpp"
 

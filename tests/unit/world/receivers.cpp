@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "base/math/rng.hpp"
-#include "support/built_scene.hpp"
 #include "support/message_of.hpp"
 #include "support/statistics.hpp"
+#include "unit/world/built_scene.hpp"
 #include "world/model/world.hpp"
 
 namespace straytrace::testing::world_receivers {

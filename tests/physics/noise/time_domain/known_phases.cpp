@@ -3,7 +3,7 @@
 // eq. 7.3, 7.4, 10.5).
 #include "noise/wrapped/phase_pairs.hpp"
 #include "physics/noise/support.hpp"
-#include "support/time_series.hpp"
+#include "physics/noise/time_domain/time_series.hpp"
 
 namespace straytrace::testing::noise_known_phases {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sequential tracing against the random walk, which searches surfaces and media.
-#include "support/trace_bench.hpp"
+#include "physics/trace/lit/trace_bench.hpp"
 
 namespace straytrace::testing {
 namespace {

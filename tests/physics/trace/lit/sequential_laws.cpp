@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sequential tracing and the walk against closed forms.
-#include "support/trace_bench.hpp"
+#include "physics/trace/lit/trace_bench.hpp"
 
 namespace straytrace::testing {
 namespace {

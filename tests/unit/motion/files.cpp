@@ -7,7 +7,7 @@
 #include "motion/series_motion.hpp"
 #include "spectra/files/series_file.hpp"
 #include "support/recorded.hpp"
-#include "unit/noise/support_scene.hpp"
+#include "support/scene_tables.hpp"
 
 namespace straytrace::testing::noise_motion_files {
 namespace {

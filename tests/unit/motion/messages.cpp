@@ -4,7 +4,7 @@
 
 #include "motion/motion.hpp"
 #include "spectra/files/series_file.hpp"
-#include "unit/noise/support_scene.hpp"
+#include "support/scene_tables.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table `interferometer` against the beams of the scene and against itself.
-#include "unit/noise/support_ports.hpp"
+#include "unit/ifo/ports_support.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -7,7 +7,7 @@
 #include "motion/joint_motion.hpp"
 #include "motion/motion.hpp"
 #include "support/recorded.hpp"
-#include "unit/noise/support_scene.hpp"
+#include "support/scene_tables.hpp"
 
 namespace straytrace::testing::noise_motion_chains {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "ifo/dual_recycled.hpp"
-#include "unit/noise/support_ports.hpp"
+#include "unit/ifo/ports_support.hpp"
 
 namespace straytrace::testing {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "ifo/interferometer.hpp"
-#include "unit/noise/support_scene.hpp"
+#include "support/scene_tables.hpp"
 
 namespace straytrace::testing {
 

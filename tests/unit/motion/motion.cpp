@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "unit/noise/support_scene.hpp"
+#include "support/scene_tables.hpp"
 
 namespace straytrace::testing::noise_motion {
 namespace {
