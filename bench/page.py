@@ -136,7 +136,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing; say what differs and exit with 1")
     parser.add_argument("--results", type=pathlib.Path, default=KEPT, help="folder of the lines (bench/results)")
-    parser.add_argument("--page", type=pathlib.Path, default=PAGE, help="the page; its pictures lie beside it")
+    parser.add_argument("--page", type=pathlib.Path, default=PAGE, help="the page; its pictures are in the same folder")
     words = parser.parse_args()
     if not words.check:
         words.page.write_text(written(words.page.read_text(encoding="utf-8"), results_of(words.results)), encoding="utf-8")

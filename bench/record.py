@@ -103,7 +103,7 @@ class Results:
 
 @dataclasses.dataclass
 class Child:
-    """What a child took: seconds by the clock, processor seconds of it and its children, bytes of the largest of them."""
+    """Resources of a child: wall-clock seconds, processor seconds of it and its children, bytes of the largest of them."""
     seconds: float
     cpu: float
     peak_memory: int

@@ -14,7 +14,7 @@ namespace {
 
 using namespace straytrace;
 
-// What HDF5 reads from a run file, as bytes.
+// The values that HDF5 reads from a run file, as bytes.
 std::string good_run() {
   test::Folder const folder;
   TraceResult const trace = test::trace_result();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a STEP file holds, as it is handed to straytrace. Lengths in m, in the frame of the file; charts of faces are
+// Content of a STEP file as passed to straytrace. Lengths in m, in the frame of the file; charts of faces are
 // those of src/geometry/cad/cad_face.hpp.
 #pragma once
 

@@ -67,7 +67,7 @@ class Maker:
         return bool(self.slot(context, key).concrete() or self.slot(context, key).examples)
 
     def slot(self, context, key):
-        """That of a sister table (another law, another motion) where this one does not use the key."""
+        """That of a sister table (another BSDF model, another motion) where this one does not use the key."""
         slot = self.facts.contexts[context][key]
         family = next((f for f in ("BSDF model '", "motion '", "a face") if context.startswith(f)), None)
         if slot.examples or slot.concrete() or not family:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the tests recorded, as the cells "obtained" and "error" of docs/theory/validation.md; used by validation.py.
+"""Records of the tests, as the cells "obtained" and "error" of docs/theory/validation.md; used by validation.py.
 
 A record (build/validation/NAME.json, written by tests/support/recorded.cpp and tests/tools/compare/records.py) holds the comparisons of
 one test that passed: kind, text in the source, count, the first numbers and those nearest to the limit.
@@ -93,7 +93,7 @@ def first_argument(text):
 
 
 def label_of(comparison):
-    """What a number is: the words of the test or the expression that it compares, shortened, as Markdown."""
+    """Label of a number: the words of the test or the compared expression, shortened, as Markdown."""
     text = re.sub(r"\b(?:std|testing|ifo)::|\.get<[\w:]+>\(\)|\bstatic_cast<double>", "", first_argument(comparison["what"]))
     text = re.sub(r"\bfabs\b", "abs", " ".join(text.split()))
     if len(text) > LABEL:
@@ -179,7 +179,7 @@ class Records:
         return "control" in " ".join([above, *lines[at:end + 1]]).lower()
 
     def shown(self, test):
-        """What the page shows of a test: equalities; or else bounds; controls never."""
+        """Comparisons of a test that the page shows: equalities, or else bounds; controls never."""
         comparisons = self.read(test)
         if comparisons is None:
             return None

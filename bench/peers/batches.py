@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every program that runs in Python shares: independent batches until the processor time is spent, and their mean and error."""
+"""Shared by all programs that run in Python: independent batches until the processor time is spent, and their mean and error."""
 import argparse
 import json
 import math

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What takes minutes: the scenes of docs/theory/sampling.md at the accuracy that it states.
+// Tests that take minutes: the scenes of docs/theory/sampling.md at the accuracy stated there.
 #include "support/baffled_tube.hpp"
 #include "support/diffuse_tube.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is read from STEP files: faces by kind, names, colours, placements, units; and the errors for bad files.
+// Data read from STEP files: faces by kind, names, colours, placements, units; and the errors for bad files.
 #include <algorithm>
 
 #include "step/support.hpp"

@@ -32,7 +32,7 @@ IN_CPP = r"\b(?:system|popen|run_child)\(.*\"{} "
 
 
 class Packages:
-    """What is installed on this machine: which package owns a file, which packages a list brings."""
+    """Packages installed on this machine: which package owns a file, which packages a list brings."""
 
     def __init__(self):
         self.fields, self.providers, self.owners = {}, {}, {}

@@ -28,7 +28,7 @@ RECOUPLING = ("Recoupling.OneVertexIntoTem00A6", "Recoupling.OneVertexAtAnAngleA
               "Lit.GlassTakesItsOwnEtendue", "LitScenes.BenchBehindTheEndMirrorEq9_3", "WallForward.TracedA12",
               "ArmTube.FirstOrderTracedE1", "ArmTube.OneLambertScatterEq8_9", "ArmTube.FarRingOfSiliconCarbideE1")
 WRAPPED = "TimeDomainAgreement.WrappedFringes"
-# What observers wrote down (physics reference, B1 to B3), and how the comparison of the test begins.
+# Values published by observers (physics reference, B1 to B3), and the first words of the comparison in the test.
 PUBLISHED = (("KAGRA: reach of arches\n(klog 25704)", "PublishedArches.KagraSine", "fringe_of(14e-6, 0.42)"),
              ("LHO reaction mass: arches\napart (log 54298)", "PublishedArches.HanfordReactionMass", "deviation(one, 10)"),
              ("Virgo swinging baffle: bump\n(log 30059)", "PublishedArches.VirgoSwingingBaffle", "deviation(fringe_of(5e-6, 1.14), 70)"))

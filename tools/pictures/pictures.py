@@ -1,4 +1,4 @@
-"""What the tools that draw the pictures of the documents share."""
+"""Shared by the tools that draw the pictures of the documents."""
 import pathlib
 import sys
 

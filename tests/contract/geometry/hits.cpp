@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every shape must keep (docs/develop/testing.md): hits lie on the surface, normals are those of the surface, a
+// Contract of every shape (docs/develop/testing.md): hits lie on the surface, normals are those of the surface, a
 // leaving ray does not hit its own start point, bounds hold. Each predicate is also given broken variants.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every scatter law must keep (docs/develop/testing.md; docs/theory/surfaces.md): sample() follows pdf(), albedo()
+// Contract of every BSDF model (docs/develop/testing.md; docs/theory/surfaces.md): sample() follows pdf(), albedo()
 // is the integral of eval cos (eq. 3.4), reciprocity (eq. 3.2), energy (eq. 3.1). Each with broken variants.
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ template <class T>
 class ScatterLaw : public ::testing::Test {};
 TYPED_TEST_SUITE(ScatterLaw, AllLaws);
 
-// What a variant of a law samples and what it claims. The law itself is Law; controls override a member.
+// Samples and stated properties of a variant of a model. The model itself is Law; controls override a member.
 template <class Law>
 struct SamplesTooNarrow : Law {  // a lobe 1 % too narrow
   BsdfSample sample(Vec3 wi, double u, double v) const {

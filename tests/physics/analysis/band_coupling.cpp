@@ -69,7 +69,7 @@ TEST(BandCoupling, SlowMotionSpreadsPowerAndKeepsIt) {
 TEST(BandCoupling, BandThatCutsThePowerIsAWarning) {
   BandCoupling const b = band_coupling(stretch(0.2, 1), stretch(0.02, 2), 68, 72, settings);
   EXPECT_TRUE(b.rises_at_low && b.rises_at_high);
-  EXPECT_LT(b.factor, 0.9 * gain / std::sqrt(2)) << "what lies beside is missing";
+  EXPECT_LT(b.factor, 0.9 * gain / std::sqrt(2)) << "power outside the band is missing";
 }
 
 TEST(BandCoupling, WithoutARiseThereIsNoCoupling) {

@@ -132,7 +132,8 @@ TEST(Coupling, LimitsHoldIn95PercentOfTrialsR6_08) {
     EXPECT_NEAR(o.missed(), 0.045, 0.015) << seen;
     EXPECT_LT(o.whole_missed, 0.001 * o.points) << "control: the whole power of the target never misses";
   }
-  EXPECT_LT(repeat({1000, 5e-4}, {1, 5e-4}, twenty, 100).missed(), 0.005) << "a low draw of noise is no knowledge";
+  EXPECT_LT(repeat({1000, 5e-4}, {1, 5e-4}, twenty, 100).missed(), 0.005)
+      << "a low fluctuation of noise carries no information";
 }
 
 // The lowest of four limits: each needs more confidence than it would alone.

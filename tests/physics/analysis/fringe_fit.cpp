@@ -140,7 +140,7 @@ TEST(FringeFit, WrongWitnessGivesNoFringe) {
   EXPECT_GE(alarms, 1) << "so few that the look-elsewhere correction must be too large";
   EXPECT_LE(found, 3) << "0.05^2: the rest is noise of its own";
   EXPECT_LE(odds, 0.05 * trials) << "Markov: a bound, not a mean";
-  EXPECT_GT(halves, 0.05 * trials) << "control: half of the model stands in noise more often";
+  EXPECT_GT(halves, 0.05 * trials) << "control: half of the model occurs in noise more often";
 }
 
 // Negative controls: the linear model of R2.37 (multiplicity so small that fringes do not wrap) and a wrong

@@ -218,7 +218,7 @@ TEST(laguerre, coefficients_are_overlap_integrals) {
   EXPECT_THROW(laguerre_coefficients(beam, flat, 3), NumericalError);
 }
 
-// What a mismatched beam puts into LG_p0 depends on the mismatch alone, by powers of one number (R2.11).
+// The amplitude of a mismatched beam in LG_p0 depends on the mismatch alone, by powers of one number (R2.11).
 TEST(laguerre, mismatch_makes_a_geometric_series) {
   auto const c = laguerre_coefficients(circular_mode({}, along_z, 5e-3, 0, nd_yag),
                                        circular_mode({}, along_z, 10e-3, 0, nd_yag), 30);

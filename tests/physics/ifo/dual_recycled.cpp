@@ -99,7 +99,7 @@ TEST(DualRecycled, ModulatorsConservePowerR2_03) {
     SteadyField const field(n);
     double leaving = 0;
     for (ComponentId c : {left, right, dump}) leaving += field.power_in(n.number_of({c, 0}));
-    // What the input mirror sends back through the splitter to the modulator.
+    // The light that the input mirror returns through the splitter to the modulator.
     leaving += field.power_in(n.number_of({eom, 1}));
     if (order == 12)
       EXPECT_NEAR(leaving / 3, 1, 1e-12);

@@ -31,7 +31,7 @@ struct Cavity {
   double transmitted() const { return SteadyField(network).power_in(network.number_of({dump, 0})); }
 };
 
-// What a scan over the length of a cavity shows. `detuning`: m, of the end mirror.
+// Results of a scan over the length of a cavity. `detuning`: m, of the end mirror.
 struct Scan {
   double t1, t2;
   double circulating(double detuning) const { return moved(detuning).circulating(); }

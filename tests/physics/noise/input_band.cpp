@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What uncertain scatter and motion do to the total, against closed forms (docs/theory/errors.md).
+// Effect of uncertain scatter and motion on the total, against closed forms (docs/theory/errors.md).
 #include "noise/bands/input_band.hpp"
 
 #include "physics/noise/support.hpp"

@@ -219,7 +219,7 @@ TEST(optics_interface, grating_equation) {
   EXPECT_FALSE(diffracted(down, up, 1, 1, {1e6, 0, 0}, 1, 1.064e-6, false, out));
 }
 
-// What laws scatter is missing from a lossless boundary, not from stated powers.
+// The light that BSDF models scatter is subtracted from a lossless boundary, not from stated powers.
 TEST(optics_interface, scatter_is_taken_from_lossless_boundaries) {
   std::vector<Fresnel> list(1);
   SpecularPool pool;

@@ -69,7 +69,7 @@ TEST(optics_interface_coating, steel_at_grazing) {
   EXPECT_FALSE(std::fabs(scatter(c, rounded) / (0.08 * scale) - 1) < 0.05);
 }
 
-// What holds between columns at the entries holds everywhere: here R_p = 1 - T_p and R_s = 2 R_p, 1e-14; and values
+// Relations between columns at the entries hold everywhere: here R_p = 1 - T_p and R_s = 2 R_p, 1e-14; and values
 // stay between entries. Control: linear interpolation in the angle.
 TEST(optics_interface_coating, relations_between_columns) {
   std::vector<CoatingRow> rows;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the beam tree carries along: clipping at rims, the power energy balance, polarisation, phase sensitivities, and
+// Properties that the beam tree carries: clipping at edges, the energy balance, polarisation, phase sensitivities, and
 // its memory.
 #include <gtest/gtest.h>
 

@@ -132,8 +132,8 @@ TEST(Ghosts, fields_of_a_plate_sum_to_airy) {
   }
 }
 
-// What a ghost adds to the main beam behind the plate, from the overlaps where it comes into line: 1/(1 - r^2 e^{2 i
-// d}).
+// The field that a ghost adds to the main beam behind the plate, from the overlaps where it comes into line: 1/(1 - r^2
+// e^{2 i d}).
 TEST(Ghosts, recoupled_fields_of_a_plate_sum_to_airy) {
   double const n = 1.45, reflect = 0.04, thickness = 1e-3;
   World const world = plate(reflect, n, thickness, 0, 1e4);

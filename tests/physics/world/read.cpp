@@ -53,7 +53,7 @@ TEST(ReadWorld, CavityModesB7) {
   EXPECT_GT(spot_deviation(world_of(arm("10 km", 5070, 5070, 1550)), 120.5e-3, 120.5e-3), 0.1);
 }
 
-// What a material sends back at normal incidence, and its BRDF at an angle.
+// Reflectance of a material at normal incidence, and its BRDF at an angle.
 struct Sent {
   double total, brdf;
 };

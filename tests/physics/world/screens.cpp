@@ -95,7 +95,7 @@ TEST(Screens, holes_in_a_row_take_each_line_once) {
   EXPECT_NEAR(taken(plate, 1), 1 - two, 2e-4);
 }
 
-// What the rim of the surface left has cut off is dark on the flight from there: a second lens of one size, and the
+// The part cut by the edge of a surface is dark on the flight from it: a second lens of one size, and the
 // mount behind it, take nothing more. Control: each of them sees a whole Gaussian.
 TEST(Screens, are_shadowed_by_the_surface_left) {
   World world;

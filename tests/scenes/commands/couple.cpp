@@ -129,7 +129,7 @@ TEST(Couple, SweepImpulseAndEvents) {
   EXPECT_THAT(sweep.out, HasSubstr("coupling [1/Pa]"));
   json const impulse = answer({"couple", "impulse", "--force", data("taps.csv") + "::HAMMER", "--target",
                                data("taps.csv") + "::H", "--gps", "26..32", "--length", "1.5 s"})["result"];
-  ASSERT_EQ(impulse["modes"].size(), 1u) << "humps of noise are no modes";
+  ASSERT_EQ(impulse["modes"].size(), 1u) << "humps of noise are not modes";
   EXPECT_NEAR(impulse["modes"][0]["frequency"], 31, 0.05);
   EXPECT_NEAR(impulse["modes"][0]["quality"], M_PI * 31 * 0.3, 4);
   json const events = answer({"couple", "events", data("shaken.csv") + "::H", "--quiet", "0..24", "--segment", "1 s",

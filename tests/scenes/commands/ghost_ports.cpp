@@ -279,7 +279,7 @@ TEST(GhostPorts, a_separate_beam_in_the_short_arm_eq_9_5) {
   EXPECT_NEAR(arm * 0.014 * std::sqrt(f_sc) / slow, 4, 0.1);  // far below the pole: 4, T_1 against T_1/4
 }
 
-// What could hide below the floor, and edges that cut the main beam, are reported on stderr and in the text.
+// Ghosts that may be below the floor, and edges that cut the main beam, are reported on stderr and in the text.
 TEST(GhostPorts, warnings_of_the_floor_and_of_rims) {
   Folder const folder;
   auto const told = [&](std::string const& text, Words words) {

@@ -31,7 +31,7 @@ TEST(InspectScatter, AuditFitsAndJson) {
     }
 }
 
-// What is printed can be pasted: the law has the total that the fit has.
+// The printed line can be pasted: its model has the total of the fit.
 TEST(InspectScatter, FitsCanBePasted) {
   Folder const folder;
   auto const data = nlohmann::json::parse(straytrace({"inspect", dump, "--format", "json"}).out);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is made from a run without tracing again: noise with its own or other motion, and the table of routes.
+// Results computed from a run without tracing: noise with its own or other motion, and the table of routes.
 #include <nlohmann/json.hpp>
 
 #include <cmath>

@@ -92,7 +92,7 @@ TEST(RunDiff, ARouteOutOfOtherIsNoChange) {
   EXPECT_GT(std::fabs(5e-23 - 4e-23) / std::hypot(0.02 * 5e-23, 0.02 * 4e-23), 7) << "negative control";
 }
 
-// What is in `other` rises, with and without a route that got its own row. Control: it rises by less than its
+// The light in `other` rises, with and without a route that got its own row. Control: it rises by less than its
 // error.
 TEST(RunDiff, AChangeInsideOtherIsAChange) {
   auto const sigmas = [](std::vector<Row> rows) {

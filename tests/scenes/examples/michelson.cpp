@@ -97,7 +97,7 @@ TEST(MichelsonRings, ContrastRadiiAndPowersE2a) {
       (std::sin(k * (0.5e-6 + 0.48799 * rx * rx)) - std::sin(k * 0.5e-6)) / (k * 0.48799) / (2 * rx * ry);
   EXPECT_NEAR(m.power(0), 0.5 + beat, 0.01);
   EXPECT_NEAR(m.power(0) + m.power(1), 1, 0.01);
-  // What receivers count is the sum without interference; a splitter with pi on each reflection would make both ports
+  // Receivers count the sum without interference; a splitter with pi on each reflection would make both ports
   // bright in the middle (C3.1).
   std::vector<double> const back = m.irradiance(1);
   std::size_t const middle = side / 2 * side + side / 2;

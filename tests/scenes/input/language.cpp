@@ -32,7 +32,7 @@ trace: {histories: 131072}
 
 std::string hash_of(std::string const& scene) { return answer({"check", scene, "--quiet"})["model_hash"]; }
 
-// What is printed is the same model again, to the bit; with one default changed it is another one.
+// The printed text is the same model, to the bit; with one default changed it is another model.
 TEST(Print, ReadsBackAsTheSameModel) {
   Folder const folder;
   for (char const* name : {"virgo_arm", "pipe", "bench", "et_hf_edges"}) {

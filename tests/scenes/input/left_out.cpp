@@ -56,7 +56,7 @@ TEST(UncountedGhosts, AreIgnoredOnlyOnRequest) {
   EXPECT_EQ(straytrace({"check", folder / "a.yaml"}).code, 2);
 }
 
-// What the warning announces is what is missing: PSDs of independent routes add (eq. 10.1).
+// The strain in the warning equals the missing noise: PSDs of independent routes add (eq. 10.1).
 TEST(UncountedGhosts, AreTheNoiseThatIsMissing) {
   auto const strain = [](std::string const& line) {
     Folder const folder;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What may be compared, how problems are written down, and that straytrace reads them. Usage: test_bench_peers.py STRAYTRACE"""
+"""Rules of the comparison, files of the problems, and their readers. Usage: test_bench_peers.py STRAYTRACE"""
 import json
 import math
 import pathlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of distributed runs share: a scene that is traced in no time, the program, and the bits of a run."""
+"""Shared by the tests of distributed runs: a scene that is traced quickly, the program, and the bits of a run."""
 import hashlib
 import os
 import pathlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a test in Python compared, for docs/theory/validation.md; tests/support/recorded.cpp does this for the others."""
+"""Comparisons of a test in Python, for docs/theory/validation.md; tests/support/recorded.cpp does this for the others."""
 import json
 import os
 import pathlib

@@ -17,7 +17,7 @@ from records import Records
 # Light of the laser reaches the dark port by differences of arms alone: these cancel to some digits.
 TOLERANCES = {"carrier powers": 1e-6, "DARM": 1e-6, "laser amplitude": 1e-5, "laser phase": 1e-5}
 
-# What the same thing is called: mirrors front and back, splitters front in, front out of the reflection, back.
+# Names of the same ports: mirrors front and back, splitters front in, front out of the reflection, back.
 PORTS = {"PRM": ("p1", "p2"), "SRM": ("p1", "p2"), "BS": ("p1", "p2", "p3", "p4"), "ITM x": ("p1", "p2"),
          "ITM y": ("p1", "p2"), "ETM x": ("p1", "p2"), "ETM y": ("p1", "p2")}
 

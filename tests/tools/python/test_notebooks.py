@@ -18,7 +18,7 @@ def stored(notebook):
 
 
 def executed(path):
-    """What is wrong with a notebook, and its pictures."""
+    """Faults of a notebook, and its pictures."""
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     if stored(notebook):

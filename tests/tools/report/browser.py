@@ -92,7 +92,7 @@ class Browser:
         return {font["familyName"] for font in fonts}
 
     def said(self):
-        """What the console has seen since the last call."""
+        """Messages of the console since the last call."""
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
     def asked_for(self):

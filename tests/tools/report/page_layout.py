@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the layout of a page can do wrong: wider than its window, numbers cut or broken, plots that cannot be read."""
+"""Possible faults of the layout of a page: wider than its window, numbers cut or broken, plots that cannot be read."""
 WIDTHS = (390, 600, 1300)  # a phone, half a screen, a desktop
 LEAST_LETTERS, LEAST_STAGE = 9, 250  # px
 
@@ -65,7 +65,7 @@ return said;
 
 
 def faults(browser, width):
-    """What is wrong with the open page in a window of this width, as texts."""
+    """Faults of the open page in a window of this width, as texts."""
     browser.resize(width)
     return browser.run(FAULTS, LEAST_LETTERS, LEAST_STAGE)
 
@@ -95,7 +95,7 @@ SHEET = 718  # px: A4 with margins of 1 cm
 
 
 def paper_faults(browser):
-    """What is wrong with the open page on a sheet, as texts: laid out as for a printer, then as for the screen again."""
+    """Faults of the open page on a sheet, as texts: formatted for a printer, then as for the screen again."""
     width = browser.run("return innerWidth")
     browser.run("window.dispatchEvent(new Event('beforeprint'))")
     browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})

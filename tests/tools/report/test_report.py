@@ -132,7 +132,7 @@ def check_table(browser, data):
     loud = sum(h is not None and h > 1e-25 for h in columns["h30"])
     check(filtered(browser, "h(30 Hz) > 1e-25").startswith(f"{loud} of "), "h(30 Hz) > 1e-25 is not what it says")
     check_switch(browser, columns)
-    check("is not known" in filtered(browser, "colour > 3"), "an unknown name in a filter is not told")
+    check("is not known" in filtered(browser, "colour > 3"), "an unknown name in a filter is not reported")
     check(filtered(browser, "fold").split()[0] != filtered(browser, "").split()[0], "plain words filter nothing")
 
 

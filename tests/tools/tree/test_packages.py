@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What build, tests and scripts use of /usr is in packages that scripts/setup installs; each way in which the check finds
+"""All files of /usr that build, tests and scripts use are in packages that scripts/setup installs; each way in which the check finds
 a use must notice the package that is left out. Usage: test_packages.py BUILD_DIR"""
 import pathlib
 import subprocess

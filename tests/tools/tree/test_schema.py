@@ -147,7 +147,7 @@ def without(model, path):
 
 
 def part_of(model, path):
-    """What the key needs around it: of the many materials, whose tables take seconds, only its own."""
+    """The context that a key needs: of the many materials, whose tables take seconds, only its own."""
     if path[0] != "materials":
         return model
     kept = {key: model[key] for key in ("straytrace", "params", "media") if key in model}

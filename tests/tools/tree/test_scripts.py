@@ -50,7 +50,7 @@ def check_lists():
 
 
 def shown(text, how, terminal):
-    """What `how`, a function of scripts/progress.bash, shows of the text, on a terminal or in a file."""
+    """Output of `how`, a function of scripts/progress.bash, for the text, on a terminal or in a file."""
     words = ["bash", "-euo", "pipefail", "-c", f". {SCRIPTS / 'progress.bash'}; {how}"]
     if not terminal:
         return run(*words, input=text).stderr

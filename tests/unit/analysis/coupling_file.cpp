@@ -173,7 +173,7 @@ TEST(CouplingProjection, FringeWrappingAndOtherUnitsAreErrors) {
   EXPECT_THAT(said(), HasSubstr("not linear at 1 frequencies, the first of them 20 Hz"));
   EXPECT_THAT(said(), HasSubstr("project the motion in the time domain"));
   w.hz = {10, 15};
-  EXPECT_EQ(said(), "projected") << "outside the band asked for it does not matter";
+  EXPECT_EQ(said(), "projected") << "outside the requested band it does not matter";
   w.unit = "V";
   EXPECT_THAT(said(), HasSubstr("the coupling is per m, and the witness is in V"));
 }

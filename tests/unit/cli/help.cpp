@@ -25,7 +25,7 @@ bool is_sentence(std::string const& text) {
          text.find(". ") == text.npos && text.find('\n') == text.npos;
 }
 
-// What the help of this command lacks; empty: nothing.
+// Missing parts of the help of this command; empty: none.
 std::string fault_of(CLI::App const& command, std::vector<std::string> const& groups) {
   if (!is_one_of(groups, command.get_group())) return "is in no group";
   if (!is_sentence(command.get_description())) return "its purpose is no sentence";

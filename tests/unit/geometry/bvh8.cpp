@@ -106,7 +106,7 @@ TEST(bvh8, control_without_growth_is_rejected) {
   EXPECT_GT(lost_hits(tube(), Aim::inside_edge, 40000, 0, 1).any, 5);
 }
 
-// What is visited is a small part, so the growth does not buy safety with a search of everything.
+// Few nodes are visited, so the growth does not amount to a search of everything.
 TEST(bvh8, visits_few_leaves) {
   Lost const l = lost_hits(hall(), Aim::inside_edge, 10000, full_growth);
   EXPECT_LT(double(l.leaves) / 10000, 25);

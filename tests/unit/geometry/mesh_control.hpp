@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What tests of meshes share: random directions, poses, and the triangle test that leaks.
+// Shared by tests of meshes: random directions, poses, and the triangle test that leaks.
 #pragma once
 
 #include "support/mesh_shapes.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What enters the total, and how the rest is reported.
+// Contributions to the total, and the report of the others.
 #include "base/errors.hpp"
 #include "physics/noise/support.hpp"
 #include "trace/deterministic/deterministic_classes.hpp"

@@ -17,7 +17,7 @@ Vec3 incoming(double degrees, double turn) {
   return {t.sin * a.cos, t.sin * a.sin, t.cos};
 }
 
-// What was there before: linear between cosines (i/128)^4 and between azimuths.
+// Negative control: linear between cosines (i/128)^4 and between azimuths.
 double linear(Facets const& f, double cos_i, double turn) {
   double const x = 128 * std::sqrt(std::sqrt(cos_i)), i = std::min(127.0, std::floor(x));
   auto const at = [&](double node) {

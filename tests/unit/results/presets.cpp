@@ -96,7 +96,7 @@ TEST(Presets, EachDesignCurveHasItsDetectors) {
     std::vector<std::string> const of_curve = detectors_of_design(curve);
     EXPECT_NE(std::find(of_curve.begin(), of_curve.end(), name), of_curve.end()) << name << ": compare " << curve;
   }
-  EXPECT_TRUE(detectors_of_design("my-own").empty()) << "control: a curve that nobody knows";
+  EXPECT_TRUE(detectors_of_design("my-own").empty()) << "control: an unknown curve";
 }
 
 }  // namespace

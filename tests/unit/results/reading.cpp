@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is read off curves: between the centres of bins, in lines, and of upper bounds.
+// Values read off curves: between the centres of bins, in lines, and of upper bounds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

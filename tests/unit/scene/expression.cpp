@@ -201,7 +201,7 @@ TEST(Expression, DepthIsLimited) {
   EXPECT_NE(refusal_of("1 m/" + roots, dim::plain), "");
   std::string sum = "1";
   for (int i = 0; i < 20000; ++i) sum += "+1";
-  EXPECT_LT(deviation(sum, dim::plain, 20001), close) << "length alone is no depth";
+  EXPECT_LT(deviation(sum, dim::plain, 20001), close) << "length alone is not depth";
   std::string chain = "params:\n";
   for (int i = 0; i < 5000; ++i) chain += "  p" + std::to_string(i) + ": p" + std::to_string(i + 1) + "\n";
   EXPECT_THAT(errors_of(chain + "  p5000: 1 m\n"), HasSubstr("depend on each other in a row"));

@@ -105,7 +105,7 @@ TEST(Instances, BuiltInMirror) {
   EXPECT_DOUBLE_EQ(cap(2, "curvature", dim::per_metre), -1 / 2000.0);
   EXPECT_NO_THROW(s.throw_if_problems());
   EXPECT_THAT(groups(s), ElementsAre("flat", "ITM", "convex"));
-  EXPECT_EQ(s.files().size(), 1u) << "built-in parts are no file of the model";
+  EXPECT_EQ(s.files().size(), 1u) << "built-in parts are not a file of the model";
 }
 
 std::vector<double> repeated(std::string const& repeat) {

@@ -76,7 +76,7 @@ arm.yaml:16:92: error: cannot subtract a plain number from a length
   read_like_the_rooms(scene);
   try {
     scene.throw_if_problems();
-    FAIL() << "nothing was refused";
+    FAIL() << "no error was reported";
   } catch (InputError const& e) {
     EXPECT_EQ(std::string(e.what()), expected);
     ASSERT_EQ(e.problems.size(), 5u);

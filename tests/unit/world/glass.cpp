@@ -96,7 +96,7 @@ TEST(Glass, FacesThatAllReflectTrapTheLight) {
   std::string const second = read(other + both).warnings;
   EXPECT_THAT(second, HasSubstr("- {name: x, ")) << "at the entry that is meant, not at the first";
   EXPECT_THAT(second, Not(HasSubstr("- {name: other, ")));
-  EXPECT_LE(trap.world.footprints().size(), 4u) << "the light of the trap is no main beam";
+  EXPECT_LE(trap.world.footprints().size(), 4u) << "the light of the trap is not a main beam";
   EXPECT_THAT(read(sound, "", ", lit: yes").warnings, Not(HasSubstr("trapped")));
 }
 

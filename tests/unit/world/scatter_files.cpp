@@ -188,7 +188,7 @@ TEST(ScatterFiles, AstmText) {
   EXPECT_NEAR(degrees.points[1].offset, std::sin(40 * pi / 180) - 0.5, 1e-9);
 }
 
-// What is written is read back: every measured value at its own direction. Control: a file whose azimuths are swapped.
+// Round trip: every measured value at its own direction. Control: a file whose azimuths are swapped.
 TEST(ScatterFiles, SsddRoundTrip) {
   std::string text = "# wavelength: 1064 nm\n# angles: from_normal\ntheta_i [deg], theta_s [deg], brdf [1/sr]\n";
   for (int t = -80; t <= 80; t += 7) text += "8, " + std::to_string(t) + ", " + std::to_string(0.1 + 0.001 * t) + "\n";

@@ -97,7 +97,7 @@ SampleMean mean_of(Sums const& x) {
   return {mean, std::sqrt(square / (blocks * (blocks - 1))), blocks};
 }
 
-// What `there` has more than `here`, over that. `paired`: the same numbers were drawn, so that paths are alike.
+// Excess of `there` over `here`, relative to `here`. `paired`: the same numbers were drawn, so that paths are alike.
 SampleMean excess(Sums const& here, Sums const& there, bool paired) {
   Sums more;
   for (std::size_t i = 0; i < blocks; ++i) more[i] = there[i] - here[i];

@@ -52,7 +52,7 @@ TEST(ViewFactorsReceived, RareOnesScene4) {
   }
 }
 
-// What one history scattered and what of it arrived on each receiver.
+// Light scattered by one history, and its part that arrived on each receiver.
 struct Arrivals : Silent {
   explicit Arrivals(World const& world) : first(std::uint32_t(world.footprints().size())) {}
   void emitted(PathState const& path, Vertex const&) { scattered = path.emitted; }

@@ -32,7 +32,7 @@ TEST(EarlyChecks, FewHistoriesMeetALooseRule) {
   EXPECT_LT(loose.total.histories, 131072u);
   EXPECT_EQ(tight.stopped, Stopped::by_error);
   EXPECT_GT(tight.total.histories, 2 * loose.total.histories);
-  // What stops is the run of that many histories.
+  // A stopped run equals the run of that many histories.
   World world = two_plates();
   world.block_size = block_size_of(loose.total.histories);
   EXPECT_TRUE(same(run_histories(world, loose.total.histories).total, loose.total));

@@ -133,7 +133,7 @@ TEST(Mixture, WrongPatchesAreRejected) {
       expect_rejected(even ? "even over strips" : "strips left out", arriving(world, run_histories(world, 1 << 17)),
                       10);
     } catch (NumericalError const&) {
-      SUCCEED() << "the energy balance refuses it";
+      SUCCEED() << "the check of the energy balance rejects it";
     }
   }
 }

@@ -98,7 +98,7 @@ TEST(Patches, WrongPatchAreaIsRejected) {
     SampleMean const wrong = received_share(run_histories(world, 1 << 16));
     expect_rejected("patches a tenth too large", difference(wrong, right), 0);
   } catch (NumericalError const&) {
-    SUCCEED() << "the energy balance refuses it";
+    SUCCEED() << "the check of the energy balance rejects it";
   }
 }
 

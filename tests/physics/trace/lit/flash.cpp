@@ -67,7 +67,7 @@ TEST(Flash, GlintOfAFlatMirror) {
   EXPECT_NEAR(back_at_the_eye(straight, flash, camera) / (0.9 / (4 * d * d)), 1, 0.03);
   World const leaning = disc_of(0.9, 0, 1.05 * half_angle);
   EXPECT_EQ(glint(leaning, 0), 0);
-  EXPECT_GT(glint(leaning, 1.05 * half_angle) + glint(leaning, -1.05 * half_angle), 0) << "where it stands across";
+  EXPECT_GT(glint(leaning, 1.05 * half_angle) + glint(leaning, -1.05 * half_angle), 0) << "where it is perpendicular";
 }
 
 // A polished sphere of radius a at the distance d: R a^2/(4 d^2 (a + d)^2) of the intensity comes back.
@@ -99,7 +99,7 @@ TEST(Flash, CornerOfTwoMirrors) {
     return flash_along(world.view(), {{}, unit({x, 0, 3})}, {}, {}, flash, {}).glint * pi * flash.radius * flash.radius;
   };
   EXPECT_NEAR(at(5e-3), 0.81, 1e-12);
-  EXPECT_EQ(at(0.2), 0) << "control: sent back beside the eye";
+  EXPECT_EQ(at(0.2), 0) << "control: returned off the eye";
 }
 
 // A wall behind a mirror at 45 degrees is as bright as at the whole distance, less the mirror twice.

@@ -81,7 +81,7 @@ TEST(FreeBeams, ThroughAWindowWithOtherReceivers) {
   }
 }
 
-// What each technique scores, and what the walk would have scored without the other.
+// The score of each technique, and the score of the walk without the other technique.
 struct Parts : Silent {
   Sampler walk, through, both;
   double walked = 0, seen = 0;

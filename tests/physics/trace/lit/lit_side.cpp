@@ -10,7 +10,7 @@ namespace {
 
 constexpr double lambda = 1.064e-6;
 
-// What rejoins the footprint `lit`, and what would if a beam lit all of a surface that it passes through: the control.
+// Light that rejoins the footprint `lit`. Control: as if a beam lit both sides of a surface.
 struct Rejoined : Silent {
   WorldView const& view;
   std::uint32_t lit;
