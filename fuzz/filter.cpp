@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
   static RouteColumns columns{table, trace.coupling, &noise};
   std::string const text(fuzz::text_of(data, size));
   FilterAnswer const answer = filtered(text, columns);
-  (void)rendered("--where", text, answer.problems);
+  for (FilterProblem const& p : answer.problems) (void)error_in_filter("--where", text, p);
   (void)sorted_by(text, answer.rows, columns);
   try {
     (void)parse_stop_rule(text);

@@ -3,7 +3,7 @@
 
 Usage: make_messages.py [--output FILE] [ROOT]
 
-A message is a problem or warning about a place in a file (what, remedy) or an InputError (one line, remedy below it).
+A message is a problem or warning about a place in a file (what, remedy) or an InputError(what, remedy).
 Without --output it only checks, and fails for a message without a remedy.
 """
 import json
@@ -40,9 +40,14 @@ def closing(text, at):
 
 def said(argument):
     """The text of an argument; inserted values become `...`, alternative texts follow ` | `."""
-    argument = re.sub(r'"\s*\n?\s*"', "", argument)          # adjacent literals are one
+    together = re.compile(LITERAL.pattern + r'\s*(?=")')    # adjacent literals are one
+    while hit := together.search(argument):
+        argument = argument[:hit.end(1)] + argument[hit.end() + 1:]
     parts = [t for t in LITERAL.findall(argument) if len(t) > 2 and not re.fullmatch(r"[a-z_]+", t)]
-    texts = [re.sub(r"\{[^{}]*\}", "...", t.replace("{{", "(").replace("}}", ")")) for t in parts]
+    if "fmt::format(" in argument:
+        parts = [re.sub(r"\{[^{}]*\}", "...", t.replace("{{", "\0").replace("}}", "\1")) for t in parts]
+        parts = [t.replace("\0", "{").replace("\1", "}") for t in parts]
+    texts = [t for t in parts if not re.fullmatch(r"\W*", t) or t == "..."]
     return " | ".join(t.replace('\\"', '"').replace("\\n", "\n") for t in texts)
 
 
@@ -55,8 +60,8 @@ def messages_of(file, room):
         ends = [*commas, end]
         arguments = [text[a:b] for a, b in zip([open_at + 1, *(c + 1 for c in commas)], ends)]
         if call.group(2):
-            if call.group(3) == "(" and len(arguments) == 1:
-                yield from thrown(arguments[0], room)
+            if call.group(3) == "(" and len(arguments) == 2:
+                yield from thrown(*arguments, room)
             continue
         kind = call.group(1)
         if kind in ("problem", "warning") and len(arguments) == 2 or kind == "file_problem" and len(arguments) == 5:
@@ -67,12 +72,14 @@ def messages_of(file, room):
                        "remedy": "as the message says" if variable else said(remedy), "about": ABOUT[room]}
 
 
-def thrown(argument, room):
-    text = said(argument)
-    if not text.startswith("error: ") or re.fullmatch(r"((\.\.\.|--[\w-]+)(: \.\.\.)?)?", text[7:]):
-        return
-    what, _, remedy = text[7:].partition("\n")
-    yield {"severity": "error", "what": what.strip(), "remedy": remedy.strip(), "about": ABOUT[room]}
+def thrown(what, remedy, room):
+    if what.strip().startswith("fmt::format("):      # its words, not what is put in
+        what = "fmt::format(" + what[: closing(what, what.index("("))[1][0]].split("(", 1)[1]
+    what, words = said(what), said(remedy)
+    if not words and re.search(r"[a-z]", remedy):    # a variable or a function
+        words = "as the message says"
+    if what and not re.fullmatch(r"(\.\.\.|--[\w-]+)(: \.\.\.)?", what):
+        yield {"severity": "error", "what": what, "remedy": words, "about": ABOUT[room]}
 
 
 def collected(root):

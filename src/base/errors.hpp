@@ -25,21 +25,31 @@ struct Problem {
   std::uint32_t width = 1;  // characters to underline
 };
 
-// All problems of all files at once; `text` is the rendered message, ready for stderr.
+// "FILE:LINE:COLUMN: error: WHAT\n  SUGGESTION"; without the column or the line where they are 0.
+std::string placed_message(Problem const&, std::string const& file);
+
+// What is wrong with the input, and the remedy: one problem without a place (command line, unreadable run file), or all
+// problems of all files at once. what() is the text to print.
 class InputError : public std::exception {
  public:
+  // "error: REASON\n  REMEDY". Without a remedy where the function that catches it adds one.
+  explicit InputError(std::string reason, std::string remedy = "");
   InputError(std::vector<Problem> found, std::string text, std::vector<std::string> names = {})
       : problems(std::move(found)), files(std::move(names)), text_(std::move(text)) {}
-  // For errors without a place in a file (command line, unreadable run file).
-  explicit InputError(std::string text) : text_(std::move(text)) {}
   char const* what() const noexcept override { return text_.c_str(); }
+  // The first problem, to be told with other words around it.
+  std::string const& reason() const { return problems.front().what; }
+  std::string const& remedy() const { return problems.front().suggestion; }
 
   std::vector<Problem> problems;
-  std::vector<std::string> files;  // names by Place::file
+  std::vector<std::string> files;  // names by Place::file; empty when no problem has a place
 
  private:
   std::string text_;
 };
+
+// Nothing without errors, otherwise throws one InputError that holds them all.
+void throw_all(std::vector<InputError> const&);
 
 // A JSON list of objects with file, line, column, width, severity, what, suggestion, for editors and scripts.
 std::string problems_as_json(InputError const&);

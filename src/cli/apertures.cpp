@@ -99,9 +99,9 @@ Named const& chosen(std::vector<Named> const& all, std::string const& name) {
     names.push_back(n.name);
   }
   std::string const near = nearest_word(name, names);
-  throw InputError(fmt::format(
-      "error: no beam passes a rim of '{}'\n  {}", name,
-      near.empty() ? "straytrace apertures SCENE names them all" : fmt::format("did you mean '{}'?", near)));
+  throw InputError(fmt::format("no beam passes a rim of '{}'", name), near.empty()
+                                                                          ? "straytrace apertures SCENE names them all"
+                                                                          : fmt::format("did you mean '{}'?", near));
 }
 
 double distance_of(std::string const& text) {
@@ -111,8 +111,8 @@ double distance_of(std::string const& text) {
   std::size_t const begin = std::min(rest.find_first_not_of(' '), rest.size());
   auto const unit = parse_unit(rest.substr(begin));
   if (!unit || !(unit->dimension == dim::length) || !(value > 0) || !std::isfinite(value))
-    throw InputError(fmt::format(
-        "error: --distance: '{}' is no distance behind the rim\n  write for example --distance \"10 m\"", text));
+    throw InputError(fmt::format("--distance: '{}' is no distance behind the rim", text),
+                     "write for example --distance \"10 m\"");
   return to_si(value, *unit);
 }
 
@@ -121,16 +121,12 @@ double checked_distance(Named const& n, AperturesRequest const& wanted) {
   double const z = distance_of(wanted.distance);
   BeamAperture const& a = n.aperture;
   if (!a.across)
-    throw InputError(
-        fmt::format("error: --profile: '{}' has no round rim about the chief ray, across a round beam\n"
-                    "  the field behind is computed for those; the table has what the others clip",
-                    n.name));
+    throw InputError(fmt::format("--profile: '{}' has no round rim about the chief ray, across a round beam", n.name),
+                     "the field behind is computed for those; the table has what the others clip");
   double const least = 2 * a.at.w;
   if (z < least)
-    throw InputError(
-        fmt::format("error: --distance: {:g} m behind '{}' is nearer than the beam is wide\n"
-                    "  the field is paraxial: take {:.2g} m or more",
-                    z, n.name, least));
+    throw InputError(fmt::format("--distance: {:g} m behind '{}' is nearer than the beam is wide", z, n.name),
+                     fmt::format("the field is paraxial: take {:.2g} m or more", least));
   return z;
 }
 
@@ -214,7 +210,7 @@ void add_apertures(CLI::App& app, Options& options, int& exit_code) {
       "  straytrace apertures examples/virgo_arm.yaml --profile ETM --distance \"500 m\"");
   command->callback([&] {
     if (!wanted.profile.empty() && wanted.distance.empty())
-      throw InputError("error: --profile needs a distance behind the rim\n  add for example --distance \"10 m\"");
+      throw InputError("--profile needs a distance behind the rim", "add for example --distance \"10 m\"");
     exit_code = apertures(options, wanted);
   });
 }

@@ -83,19 +83,20 @@ double option_quantity(std::string const& text, Dimension dimension, std::string
   } catch (ExpressionProblem const& problem) {
     why = fmt::format("'{}': {}", text, problem.what);
   }
-  throw InputError(fmt::format("error: {}: {}\n  write {} \"{}\"", option, why, option, example));
+  throw InputError(fmt::format("{}: {}", option, why), fmt::format("write {} \"{}\"", option, example));
 }
 
 FrequencyBand option_band(std::string const& text, std::string const& option) {
   auto const mark = text.find("..");
   std::string const example = "20 Hz..80 Hz";
   if (mark == text.npos)
-    throw InputError(fmt::format("error: {}: '{}' is not a band\n  write {} \"{}\"", option, text, option, example));
+    throw InputError(fmt::format("{}: '{}' is not a band", option, text),
+                     fmt::format("write {} \"{}\"", option, example));
   FrequencyBand const band{option_quantity(text.substr(0, mark), dim::frequency, option, example),
                            option_quantity(text.substr(mark + 2), dim::frequency, option, example)};
   if (!(band.low >= 0 && band.low < band.high))
-    throw InputError(
-        fmt::format("error: {}: '{}' does not rise from 0 or more\n  write {} \"{}\"", option, text, option, example));
+    throw InputError(fmt::format("{}: '{}' does not rise from 0 or more", option, text),
+                     fmt::format("write {} \"{}\"", option, example));
   return band;
 }
 
@@ -104,8 +105,8 @@ GpsSpan span_of(DataOptions const& o) { return o.gps.empty() ? GpsSpan{} : parse
 FrequencyBand band_of(DataOptions const& o, FrequencyBand otherwise, double nyquist_hz) {
   FrequencyBand const band = o.band.empty() ? otherwise : option_band(o.band, "--band");
   if (band.high > nyquist_hz * (1 + 1e-12))
-    throw InputError(fmt::format("error: --band: {:g} Hz is above {:g} Hz, half the sample rate\n  end the band there",
-                                 band.high, nyquist_hz));
+    throw InputError(fmt::format("--band: {:g} Hz is above {:g} Hz, half the sample rate", band.high, nyquist_hz),
+                     "end the band there");
   return band;
 }
 
@@ -119,14 +120,15 @@ WelchSettings welch_of(DataOptions const& o, TimeSeries const& s) {
   double const samples = std::round(seconds * s.rate),
                overlap = option_quantity(o.overlap, dim::plain, "--overlap", "50 %");
   if (!(samples >= 2))
-    throw InputError(fmt::format("error: --segment: {:g} s hold fewer than two samples at {:g} Hz\n  choose it longer",
-                                 seconds, s.rate));
+    throw InputError(fmt::format("--segment: {:g} s hold fewer than two samples at {:g} Hz", seconds, s.rate),
+                     "choose it longer");
   if (samples > double(s.samples.size()))
-    throw InputError(fmt::format("error: --segment: {:g} s do not fit the record '{}' of {:g} s\n  choose it shorter",
-                                 seconds, s.name, s.duration()));
-  if (!(overlap >= 0 && overlap < 1))
     throw InputError(
-        fmt::format("error: --overlap: '{}' is not from 0 to below 100 %\n  write --overlap \"50 %\"", o.overlap));
+        fmt::format("--segment: {:g} s do not fit the record '{}' of {:g} s", seconds, s.name, s.duration()),
+        "choose it shorter");
+  if (!(overlap >= 0 && overlap < 1))
+    throw InputError(fmt::format("--overlap: '{}' is not from 0 to below 100 %", o.overlap),
+                     "write --overlap \"50 %\"");
   NamedWindow const window = parse_window(o.window);
   return {std::size_t(samples),
           overlap,
@@ -151,8 +153,7 @@ std::string welch_note(WelchSettings const& w, double rate, std::size_t segments
 }
 
 void check_outputs(DataOptions const& o) {
-  for (std::string const& file : o.out)
-    if (std::string const wrong = curve_ending_error(file); !wrong.empty()) throw InputError(wrong);
+  for (std::string const& file : o.out) check_curve_ending(file);
 }
 
 void write_outputs(DataOptions const& o, CurveSheet const& sheet) { write_and_print(o, sheet, ""); }

@@ -50,18 +50,17 @@ Model read_for_ghosts(Options const& options) {
 std::vector<BeamLaunch> choose_beams(Model const& model, std::string const& wanted) {
   std::vector<BeamLaunch> beams = launches(model.world);
   if (beams.empty())
-    throw InputError(
-        "error: the scene has no Gaussian beam to launch\n"
-        "  give one of 'beams' a 'from', a 'cavity' or an 'on', and leave its profile Gaussian");
+    throw InputError("the scene has no Gaussian beam to launch",
+                     "give one of 'beams' a 'from', a 'cavity' or an 'on', and leave its profile Gaussian");
   if (wanted.empty()) return beams;
   std::vector<std::string> names;
   for (BeamLaunch const& b : beams) names.push_back(b.name);
   std::erase_if(beams, [&](BeamLaunch const& b) { return b.name != wanted; });
   if (!beams.empty()) return beams;
   std::string const near = nearest_word(wanted, names);
-  throw InputError(fmt::format("error: no beam '{}' is launched\n  {}", wanted,
-                               near.empty() ? fmt::format("it is one of: {}", fmt::join(names, ", "))
-                                            : fmt::format("did you mean '{}'?", near)));
+  throw InputError(
+      fmt::format("no beam '{}' is launched", wanted),
+      near.empty() ? fmt::format("it is one of: {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
 // Surfaces that the rows shown have met, as points on them: the background of the picture.

@@ -74,9 +74,8 @@ LibraryEntry const& find(std::vector<LibraryEntry> const& all, std::string const
     names.push_back(e.name);
   }
   std::string const near = nearest_word(name, names);
-  throw InputError(
-      fmt::format("error: the library holds no '{}'\n  {}", name,
-                  near.empty() ? "straytrace library lists what is there" : fmt::format("did you mean '{}'?", near)));
+  throw InputError(fmt::format("the library holds no '{}'", name),
+                   near.empty() ? "straytrace library lists what is there" : fmt::format("did you mean '{}'?", near));
 }
 
 // All files or none: a file that is there is not touched without --force.
@@ -84,15 +83,13 @@ void copy(LibraryRequest const& wanted, std::vector<LibraryEntry> const& all, bo
   namespace fs = std::filesystem;
   std::string const only = wanted.name.empty() ? "" : find(all, wanted.name).file;
   if (!wanted.name.empty() && only.empty())
-    throw InputError(
-        fmt::format("error: '{}' needs no include, and has no file to copy\n  leave --copy out", wanted.name));
+    throw InputError(fmt::format("'{}' needs no include, and has no file to copy", wanted.name), "leave --copy out");
   std::vector<EmbeddedFile> files;
   for (EmbeddedFile const& file : embedded_files())
     if (is_library(file.name) && (only.empty() || file.name == only)) files.push_back(file);
   for (EmbeddedFile const& file : files)
     if (fs::path const path = fs::path(wanted.copy) / file.name; !force && fs::exists(path))
-      throw InputError(
-          fmt::format("error: '{}' exists\n  choose another folder, or replace it with --force", path.string()));
+      throw InputError(fmt::format("'{}' exists", path.string()), "choose another folder, or replace it with --force");
   for (EmbeddedFile const& file : files) {
     fs::path const path = fs::path(wanted.copy) / file.name;
     fs::create_directories(path.parent_path());

@@ -23,13 +23,10 @@
 namespace straytrace {
 namespace {
 
-// One problem, for people or as the list that scripts read.
-void say(std::string const& what, bool json) {
-  if (json)
-    std::cerr << problems_as_json(InputError(what)) << '\n';
-  else
-    std::cerr << "error: " << printable(what) << '\n';
-  print_problems(InputError(what));
+// For people, or as the list that scripts read.
+void print_error(InputError const& e, bool json) {
+  std::cerr << (json ? problems_as_json(e) : printable(e.what())) << '\n';
+  print_problems(e);
 }
 
 // One sentence and what to write instead; the exit code.
@@ -40,7 +37,7 @@ int refuse(CLI::App const& app, CLI::ParseError const& e, bool json) {
     deepest = below.front();
     named += deepest->get_name() + " ";
   }
-  say(in_our_words(*deepest, app, e, named), json);
+  print_error(in_our_words(*deepest, app, e, named), json);
   return input_error;
 }
 
@@ -54,17 +51,11 @@ bool asks_for_json(int argc, char** argv) {
   return false;
 }
 
-// Messages without a place in a file come as bare sentences.
-std::string sentence(InputError const& e) {
-  std::string const text = e.what();
-  return printable(text.find("error: ") == text.npos ? "error: " + text : text);
-}
-
 // "scene.yaml=/tmp/text": the text is read where the model names the scene.
 void add_unsaved(std::string const& pair) {
   std::size_t const equal = pair.rfind('=');
   if (equal == 0 || equal >= pair.size() - 1)
-    throw InputError(fmt::format("error: --unsaved '{}' names no two files\n  write --unsaved SCENE=FILE", pair));
+    throw InputError(fmt::format("--unsaved '{}' names no two files", pair), "write --unsaved SCENE=FILE");
   set_unsaved(pair.substr(0, equal), read_file(pair.substr(equal + 1)));
 }
 
@@ -107,21 +98,22 @@ int answer(int argc, char** argv) {
   } catch (CLI::ParseError const& e) {
     return e.get_exit_code() == 0 ? app.exit(e) : refuse(app, e, json);
   } catch (InputError const& e) {
-    std::cerr << (json ? problems_as_json(e) : sentence(e)) << '\n';
-    print_problems(e);
+    print_error(e, json);
     return input_error;
   } catch (std::filesystem::filesystem_error const& e) {
-    say(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message()), json);
+    print_error(InputError(fmt::format("cannot use '{}': {}", e.path1().string(), e.code().message())), json);
     return input_error;
   } catch (std::bad_alloc const&) {
-    say("the memory does not hold this model or file\n  take a smaller one, or a machine with more memory", json);
+    print_error(InputError("out of memory while reading the model or file",
+                           "take a smaller one, or a machine with more memory"),
+                json);
     return numerical_failure;
   } catch (std::exception const& e) {
-    say(e.what(), json);
+    print_error(InputError(e.what()), json);
     return numerical_failure;
   }
   if (!std::cout.flush()) {
-    std::cerr << "error: the results could not be written to the standard output\n";
+    print_error(InputError("the results could not be written to the standard output"), false);
     return input_error;
   }
   return exit_code;

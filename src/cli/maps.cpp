@@ -20,15 +20,13 @@ int maps(Options const& options) {
   RunFile const file = read_run_file(options.input);
   RunContent const content = file.content();
   if (content.receivers.empty())
-    throw InputError(
-        fmt::format("error: '{}' has no receivers\n  add 'receivers: {{PD: {{on: SURFACE, map: {{...}}}}}}' "
-                    "to the scene and trace it again",
-                    options.input));
+    throw InputError(fmt::format("'{}' has no receivers", options.input),
+                     "add 'receivers: {PD: {on: SURFACE, map: {...}}}' to the scene and trace it again");
   OutputFolder const folder(options.out);
   std::vector<std::string> files = write_maps(options.out, content);
   if (files.empty())
-    throw InputError(
-        fmt::format("error: no receiver of '{}' has a map\n  give it 'map', 'angles' or 'quadrants'", options.input));
+    throw InputError(fmt::format("no receiver of '{}' has a map", options.input),
+                     "give it 'map', 'angles' or 'quadrants'");
   std::string picture, message;
   for (std::size_t i = 0; i < content.receivers.size() && picture.empty(); ++i)
     if (content.receivers[i].map_size() > 0 || content.receivers[i].angle_bins > 0) {

@@ -34,10 +34,11 @@ int run(Options const& options) {
   InterruptGuard const guard;
   RunInput const earlier(options.input);  // a run file is made again from its own content
   if (!earlier.slice().whole())
-    throw InputError(fmt::format(
-        "error: '{0}' is slice {1}/{2} of a run\n  make one run of all slices by straytrace merge; straytrace "
-        "noise {0} and straytrace report {0} look at this one alone",
-        options.input, earlier.slice().number, earlier.slice().of));
+    throw InputError(
+        fmt::format("'{}' is slice {}/{} of a run", options.input, earlier.slice().number, earlier.slice().of),
+        fmt::format("make one run of all slices by straytrace merge; straytrace noise {0} and straytrace report {0} "
+                    "look at this one alone",
+                    options.input));
   Model model = earlier.read(options.overrides);  // input file -> world, motion, detector
   apply(options, model);
   print_warnings(model, options);

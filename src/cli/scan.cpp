@@ -34,7 +34,7 @@ double fraction(std::string const& text) {
   bool good = CLI::detail::lexical_cast(text.substr(0, slash), above);
   if (slash != text.npos) good = good && CLI::detail::lexical_cast(text.substr(slash + 1), below);
   if (good && above > 0 && below > 0) return above / below;
-  throw InputError(fmt::format("error: '{}' is not a margin\n  write for example --margin 1/10 or --margin 0.1", text));
+  throw InputError(fmt::format("'{}' is not a margin", text), "write for example --margin 1/10 or --margin 0.1");
 }
 
 void save(ScanTable const& table, Options const& options, ScanOrder const& order, bool last) {
@@ -51,14 +51,13 @@ void save(ScanTable const& table, Options const& options, ScanOrder const& order
 
 ScanList points_of(ScanOrder const& order) {
   if (!order.points.empty() && !order.axes.empty())
-    throw InputError("error: --points and values of parameters both say what to scan\n  keep one of them");
+    throw InputError("--points and values of parameters both say what to scan", "keep one of them");
   if (!order.points.empty()) return read_points(order.points);
   ScanList list{parse_axes(order.axes, false), {}};
   if (list.axes.empty())
     throw InputError(
-        "error: nothing to scan\n  name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or "
-        "ask "
-        "with --invert");
+        "nothing to scan",
+        "name a parameter and its values: aperture=50cm..80cm:7, a file with --points, or ask with --invert");
   list.points = combinations(list.axes);
   return list;
 }
@@ -68,7 +67,7 @@ int scan(Options const& options, ScanOrder const& order) {
   auto const& all = list.points;
   ScanTable table{std::filesystem::path(options.input).filename().string(), "", list.axes, {}, all.size()};
   if (order.jobs > 1 && options.out.empty())
-    throw InputError("error: --jobs hands the traces over in a folder\n  name one with -o");
+    throw InputError("--jobs hands the traces over in a folder", "name one with -o");
   std::optional<OutputFolder> folder;
   std::optional<FolderLock> lock;
   if (!options.out.empty()) {

@@ -33,31 +33,28 @@ struct SubmitOptions {
 
 void refuse_what_has_no_slices(Model const& model, std::uint64_t jobs) {
   if (model.until.by_error())
-    throw InputError(fmt::format(
-        "error: the stop rule '{}' needs the histories of all jobs together, and each sees its own\n  say how "
-        "many histories there are in all, for example --histories 1e9",
-        model.until.error_rule));
+    throw InputError(fmt::format("the stop rule '{}' needs the histories of all jobs together, and each sees its own",
+                                 model.until.error_rule),
+                     "say how many histories there are in all, for example --histories 1e9");
   std::uint64_t const blocks = blocks_of(model.histories, model.world.block_size);
   if (jobs > blocks)
-    throw InputError(
-        fmt::format("error: {} histories are {} of {}: too few for {} jobs\n  write --jobs {} or more "
-                    "--histories",
-                    model.histories, counted(blocks, "block"), model.world.block_size, jobs, blocks));
+    throw InputError(fmt::format("{} histories are {} of {}: too few for {} jobs", model.histories,
+                                 counted(blocks, "block"), model.world.block_size, jobs),
+                     fmt::format("write --jobs {} or more --histories", blocks));
 }
 
 void check_accounting(std::string const& group) {
   std::smatch m;
   if (group.empty() || bounded_regex_match(group, m, std::regex("[A-Za-z0-9_.@/+-]+"))) return;
-  throw InputError(fmt::format(
-      "error: --accounting '{}' is no name of an account\n  letters, digits and . _ - + @ / are allowed", group));
+  throw InputError(fmt::format("--accounting '{}' is no name of an account", group),
+                   "letters, digits and . _ - + @ / are allowed");
 }
 
 // A job needs time to read the scene and to write its part, and no cluster lets one run for a year.
 double job_time(std::string const& text) {
   double const seconds = parse_duration(text);
   if (seconds >= 60 && seconds <= 366 * 86400.0) return seconds;
-  throw InputError(
-      fmt::format("error: --time '{}': a job takes between 1min and 8784h\n  write for example 50min", text));
+  throw InputError(fmt::format("--time '{}': a job takes between 1min and 8784h", text), "write for example 50min");
 }
 
 // Parts in the folder must be those of the same division: their jobs resume them.
@@ -72,9 +69,8 @@ void check_parts(std::string const& folder, Model const& model, std::uint64_t jo
         head.slice.blocks(head.all_blocks) == head.slice.blocks(blocks_of(model.histories, model.world.block_size)))
       continue;
     throw InputError(
-        fmt::format("error: '{}' is of another run, or of another number of jobs or histories\n  choose another folder "
-                    "with -o, or remove the old parts",
-                    entry.path().string()));
+        fmt::format("'{}' is of another run, or of another number of jobs or histories", entry.path().string()),
+        "choose another folder with -o, or remove the old parts");
   }
 }
 

@@ -26,10 +26,9 @@ namespace {
 // Looks of a stop rule are at all histories so far, and a slice has only its own.
 void refuse_stop_rule(Options const& options, Model const& model) {
   if (options.slices == 1 || !model.until.by_error()) return;
-  throw InputError(
-      fmt::format("error: --slice {}/{}: the stop rule '{}' needs the histories of all slices together\n  say how many "
-                  "histories there are in all, for example --histories 1e8",
-                  options.slice, options.slices, model.until.error_rule));
+  throw InputError(fmt::format("--slice {}/{}: the stop rule '{}' needs the histories of all slices together",
+                               options.slice, options.slices, model.until.error_rule),
+                   "say how many histories there are in all, for example --histories 1e8");
 }
 
 // A run file is continued in place, unless another file is named. Who asks it to stop while it still reads, or
@@ -112,10 +111,8 @@ void read_slice(std::string const& text, Options& options) {
     options.slices = std::stoull(m[2]);
     if (options.slice >= 1 && options.slice <= options.slices) return;
   }
-  throw InputError(
-      fmt::format("error: --slice '{}' is no part of a run\n  write for example --slice 7/200: the seventh of 200; "
-                  "there may be 9999999",
-                  text));
+  throw InputError(fmt::format("--slice '{}' is no part of a run", text),
+                   "write for example --slice 7/200: the seventh of 200; there may be 9999999");
 }
 
 }  // namespace

@@ -103,17 +103,14 @@ std::string in_words_of_scene(std::string text, std::string const& file) {
 // What reading a record complains about, told where it stands: "line 7: ..." in the file itself.
 void pass_on(InputError const& e, Node const& file, Node const& otherwise_at) {
   std::string const& name = file.text();
-  std::string text = in_words_of_scene(e.what(), name);
-  if (auto const at = text.find("error: "); at != text.npos) text.erase(0, at + 7);
-  auto const end = text.find("\n  ");
-  std::string const what = text.substr(0, end),
-                    remedy = end == text.npos ? "give a record of samples" : text.substr(end + 3);
+  std::string const what = in_words_of_scene(e.reason(), name),
+                    remedy = e.remedy().empty() ? "give a record of samples" : in_words_of_scene(e.remedy(), name);
   constexpr std::string_view mark = "line ";
   auto const line = what.starts_with(mark) ? std::uint32_t(std::atoi(what.c_str() + mark.size())) : 0u;
   if (auto const colon = what.find(": "); line > 0 && colon != what.npos)
     file.file_problem(name, line, 1, what.substr(colon + 2), remedy);
   else
-    otherwise_at.problem(e.problems.empty() ? what : fmt::format("'{}': {}", name, what), remedy);
+    otherwise_at.problem(e.files.empty() ? what : fmt::format("'{}': {}", name, what), remedy);
 }
 
 std::optional<GpsSpan> read_span(Node const& spec) try {

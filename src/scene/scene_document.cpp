@@ -146,9 +146,12 @@ std::uint32_t SceneDocument::open_main(std::string const& name) {
   std::string why;
   auto text = read(name, model_file_limit, why);
   if (!text)
-    throw InputError(fmt::format(
-        "{}: error: cannot read this file: {}\n      | check the name and the folder\n1 error. Nothing was run.\n",
-        name, why));
+    throw InputError(
+        {{{}, "cannot read this file: " + why, "check the name and the folder"}},
+        fmt::format(
+            "{}: error: cannot read this file: {}\n      | check the name and the folder\n1 error. Nothing was run.\n",
+            name, why),
+        {name});
   return add_source(name, std::move(*text), true);
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <optional>
 #include <regex>
 
 #include "base/input/table.hpp"
@@ -44,26 +45,7 @@ void add_format_option(CLI::App& command, Options& options) {
 
 void refuse_two_formats(Options const& options) {
   if (options.csv && options.json())
-    throw InputError("error: --csv and --format json are two forms of one answer\n  choose one of them");
-}
-
-void throw_all(std::vector<InputError> const& errors) {
-  if (errors.empty()) return;
-  if (errors.size() == 1) throw errors.front();
-  std::vector<Problem> problems;
-  std::vector<std::string> files{""}, texts;
-  for (InputError const& e : errors) {
-    auto const first = std::uint32_t(files.size());
-    files.insert(files.end(), e.files.begin(), e.files.end());
-    for (Problem p : e.problems) {
-      p.place.file += first;
-      problems.push_back(p);
-    }
-    std::string const text = e.what();
-    if (e.problems.empty()) problems.push_back({{}, text.starts_with("error: ") ? text.substr(7) : text, ""});
-    texts.push_back(text.find("error: ") == text.npos ? "error: " + text : text);
-  }
-  throw InputError(problems, fmt::format("{}", fmt::join(texts, "\n")), files);
+    throw InputError("--csv and --format json are two forms of one answer", "choose one of them");
 }
 
 void add_scene_options(CLI::App& command, Options& options, char const* input) {
@@ -129,7 +111,12 @@ std::string unknown_word(CLI::App const& command, CLI::App const& app) {
   return rest.empty() ? "" : rest.front();
 }
 
-std::string choices_of(std::string const& option, std::string const& word, std::string const& list) {
+// What is wrong and what to write instead.
+struct Complaint {
+  std::string what, remedy;
+};
+
+Complaint unknown_choice(std::string const& option, std::string const& word, std::string const& list) {
   std::vector<std::string> known;
   for (std::size_t at = 0; at <= list.size();) {
     std::size_t const comma = std::min(list.find(',', at), list.size());
@@ -137,45 +124,45 @@ std::string choices_of(std::string const& option, std::string const& word, std::
     at = comma + 1;
   }
   std::string const near = nearest_word(word, known);
-  return fmt::format("{} cannot be '{}'\n  {}write one of: {}", option, word,
-                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), fmt::join(known, ", "));
+  return {fmt::format("{} cannot be '{}'", option, word),
+          fmt::format("{}write one of: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
+                      fmt::join(known, ", "))};
 }
 
-// The sentences of the library that people meet, in our grammar; empty for others.
-std::string rewritten(std::string const& text, std::string const& named) {
+// The sentences of the library that users meet, in our grammar; nothing for others.
+std::optional<Complaint> rewritten(std::string const& text, std::string const& named) {
   static std::regex const twice(R"((.+): At Most (\d+) required but received (\d+))"),
       value(R"((.+): \d+ required .*missing)"), choice(R"((.+): (.*) not in \{(.*)\})"), missing(R"((.+) is required)"),
       number(R"(Could not convert: (.+) = (.*))");
   std::smatch m;
   if (bounded_regex_match(text, m, twice))
-    return fmt::format("{} is given {} times\n  give it once", m[1].str(), m[3].str());
-  if (bounded_regex_match(text, m, value)) return fmt::format("{} needs a value\n  write it behind it", m[1].str());
-  if (bounded_regex_match(text, m, choice)) return choices_of(m[1], m[2], m[3]);
+    return Complaint{fmt::format("{} is given {} times", m[1].str(), m[3].str()), "give it once"};
+  if (bounded_regex_match(text, m, value)) return Complaint{m[1].str() + " needs a value", "write it behind it"};
+  if (bounded_regex_match(text, m, choice)) return unknown_choice(m[1], m[2], m[3]);
   if (bounded_regex_match(text, m, number))
-    return fmt::format("{} cannot be '{}'\n  write a number without a unit", m[1].str(), m[2].str());
-  if (text == "A subcommand is required") return "a command is missing\n  write one behind the name";
-  if (bounded_regex_match(text, m, missing))
-    return m[1].str().starts_with('-') ? fmt::format("{} is missing\n  add it with its value", m[1].str())
-                                       : fmt::format("'{0}' is missing\n  write straytrace {1}{0}", m[1].str(), named);
-  return "";
+    return Complaint{fmt::format("{} cannot be '{}'", m[1].str(), m[2].str()), "write a number without a unit"};
+  if (text == "A subcommand is required") return Complaint{"a command is missing", "write one behind the name"};
+  if (!bounded_regex_match(text, m, missing)) return {};
+  if (m[1].str().starts_with('-')) return Complaint{m[1].str() + " is missing", "add it with its value"};
+  return Complaint{fmt::format("'{}' is missing", m[1].str()), fmt::format("write straytrace {}{}", named, m[1].str())};
 }
 
 }  // namespace
 
-std::string in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const& e,
-                         std::string const& named) {
+InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const& e,
+                        std::string const& named) {
   std::string const help = fmt::format("see straytrace {}--help", named);
   bool const takes_commands = !command.get_subcommands(nullptr).empty();
   std::string const name =
       takes_commands || dynamic_cast<CLI::ExtrasError const*>(&e) ? unknown_word(command, app) : "";
   if (name.empty()) {
-    std::string const ours = rewritten(e.what(), named);
-    return ours.empty() ? fmt::format("{}\n  {}", e.what(), help) : fmt::format("{}; {}", ours, help);
+    auto const ours = rewritten(e.what(), named);
+    return ours ? InputError(ours->what, ours->remedy + "; " + help) : InputError(e.what(), help);
   }
   std::string const near = nearest_word(name, words_of(command));
   std::string const what = name.starts_with('-') ? "an option" : takes_commands ? "a command" : "expected";
-  return fmt::format("'{}' is not {} here\n  {}{}", name, what,
-                     near.empty() ? "" : fmt::format("did you mean '{}'? ", near), help);
+  return InputError(fmt::format("'{}' is not {} here", name, what),
+                    near.empty() ? help : fmt::format("did you mean '{}'? {}", near, help));
 }
 
 }  // namespace straytrace

@@ -18,9 +18,6 @@ void add_force_option(CLI::App&, Options&);
 void add_format_option(CLI::App&, Options&);
 void refuse_two_formats(Options const&);  // InputError for --csv with --format json
 
-// Nothing without errors, otherwise one InputError that says them all.
-void throw_all(std::vector<InputError> const&);
-
 // "'x' is not a whole number from 1 to 1e6; write for example 20"
 CLI::Validator whole_between(double low, double high, std::string const& example);
 
@@ -33,9 +30,7 @@ class ParseError;
 
 namespace straytrace {
 
-// What is wrong with a command line and what to write instead, "what\n  remedy". `named`: the commands so far, each
-// with a space behind it.
-std::string in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&,
-                         std::string const& named);
+// What is wrong with a command line and what to write instead. `named`: the commands so far, each with a space behind.
+InputError in_our_words(CLI::App const& command, CLI::App const& app, CLI::ParseError const&, std::string const& named);
 
 }  // namespace straytrace

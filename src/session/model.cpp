@@ -36,7 +36,7 @@ void read_orders(Model& model) {
         if (auto const complaint = complaint_about(model.until, model); complaint && until.healthy())
           until.problem(complaint->what, complaint->suggestion);
       } catch (InputError const& e) {
-        until.problem(e.what(), "write for example until: \"h_total < 5 %\"");
+        until.problem(e.reason(), "write for example until: \"h_total < 5 %\"");
       }
     t.refuse_unknown("'trace'");
   }
@@ -181,10 +181,8 @@ void replace_motion(Model& model, std::string const& file, FileTexts const* text
   if (!read) return;
   for (auto const& [name, text] : other.files())
     if (auto const [at, added] = read->emplace(name, text); !added && at->second != text)
-      throw InputError(
-          fmt::format("error: the run already holds a file '{}' with other content\n"
-                      "  give the new file another name",
-                      name));
+      throw InputError(fmt::format("the run already holds a file '{}' with other content", name),
+                       "give the new file another name");
 }
 
 std::string Model::hash() const {
@@ -195,8 +193,8 @@ std::string Model::hash() const {
 NoiseBudget Model::project(CouplingTable const& coupling) const {
   if (!detector)
     throw InputError(
-        "error: without an interferometer there is no noise to project\n  add 'ports' and 'interferometer' to the "
-        "scene, or look at the receivers: straytrace paths RUN --by receiver");
+        "without an interferometer there is no noise to project",
+        "add 'ports' and 'interferometer' to the scene, or look at the receivers: straytrace paths RUN --by receiver");
   NoiseBudget budget = project_noise(coupling, motion, *detector, noise);
   budget.design = design;
   budget.margin = noise.margin;

@@ -49,9 +49,8 @@ Model model_of(RunFile const& file, std::vector<std::string> const& overrides) {
 
 RunFile read_run_file(std::string const& path) {
   if ((path.ends_with(".yaml") || path.ends_with(".yml")) && !is_run_file(path))
-    throw InputError(fmt::format(
-        "error: '{0}' is a scene, not a run\n  trace it first: straytrace run {0} -o out/, which writes out/run.h5",
-        path));
+    throw InputError(fmt::format("'{}' is a scene, not a run", path),
+                     fmt::format("trace it first: straytrace run {} -o out/, which writes out/run.h5", path));
   return read_run(path);
 }
 

@@ -86,10 +86,9 @@ void resume_earlier(Model& model, Options const& options, std::string const& run
   if (before.number != settings.slice.number || before.of != settings.slice.of ||
       (!before.whole() && (size_before != size || !(before.blocks(earlier.trace.all_blocks) == now))))
     throw InputError(
-        fmt::format("error: '{}' holds {}, which is not {}\n  choose another place with -o, or overwrite "
-                    "it with --force; parts become one run by straytrace merge",
-                    run_file, name_of(before, earlier.trace.all_blocks * size_before),
-                    name_of(settings.slice, settings.histories)));
+        fmt::format("'{}' holds {}, which is not {}", run_file, name_of(before, earlier.trace.all_blocks * size_before),
+                    name_of(settings.slice, settings.histories)),
+        "choose another place with -o, or overwrite it with --force; parts become one run by straytrace merge");
   // Looks count only when they were at the same noise: a rule about h_total depends on motion and detector as well.
   if (earlier.trace.stop_rule == settings.stop_rule && earlier.about.files == model.scene.files() &&
       earlier.about.overrides == model.scene.overrides())
@@ -134,11 +133,9 @@ void save(std::string const& run_file, RunContent const& content, Options const&
   try {
     write_run(run_file, content);
   } catch (InputError const& e) {
-    std::string why = e.what();  // "error: what\n  remedy"
-    why.resize(std::min(why.find('\n'), why.size()));
-    if (why.starts_with("error: ")) why.erase(0, 7);
     print_warning(
-        fmt::format("no checkpoint was written: {}\n  the trace goes on; make room or it ends without a result", why),
+        fmt::format("no checkpoint was written: {}\n  the trace goes on; make room or it ends without a result",
+                    e.reason()),
         options);
   }
 }
@@ -153,8 +150,8 @@ std::string identity_of(Model const& model) {
 FolderLock::FolderLock(std::string const& folder) : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY)) {
   if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(descriptor_);
-    throw InputError(
-        fmt::format("error: another run is writing to '{}'\n  wait for it, or choose another one with -o", folder));
+    throw InputError(fmt::format("another run is writing to '{}'", folder),
+                     "wait for it, or choose another one with -o");
   }
 }
 
@@ -166,10 +163,11 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
                                    bool force) {
   std::filesystem::path const folder = std::filesystem::path(run_file).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw InputError(fmt::format(
-        "error: there is no folder '{}' to write to\n  make it first, or choose another one with -o", folder.string()));
+    throw InputError(fmt::format("there is no folder '{}' to write to", folder.string()),
+                     "make it first, or choose another one with -o");
   if (std::filesystem::is_directory(run_file))
-    throw InputError(fmt::format("error: '{}' is a folder\n  name a file with -o, for example -o {}", run_file,
+    throw InputError(fmt::format("'{}' is a folder", run_file),
+                     fmt::format("name a file with -o, for example -o {}",
                                  (std::filesystem::path(run_file) / "run.h5").lexically_normal().string()));
   AtomicFile const can_be_written(run_file);  // or hours of tracing would be lost
   if (force || !std::filesystem::exists(run_file)) return {};
@@ -177,13 +175,11 @@ std::optional<RunFile> earlier_run(std::string const& run_file, std::string cons
   try {
     earlier = read_run(run_file);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("error: {}\n  choose another place with -o, or overwrite it with --force", e.what()));
+    throw InputError(e.reason(), "choose another place with -o, or overwrite it with --force");
   }
   if (earlier.about.model_hash != model_hash || earlier.trace.coupling.seed != seed)
-    throw InputError(
-        fmt::format("error: '{}' holds a run of another model or seed; nothing was run\n"
-                    "  choose another place with -o, or overwrite it with --force",
-                    run_file));
+    throw InputError(fmt::format("'{}' holds a run of another model or seed; nothing was run", run_file),
+                     "choose another place with -o, or overwrite it with --force");
   return earlier;
 }
 
@@ -192,7 +188,7 @@ void apply(Options const& options, Model& model) {
   if (!options.until.empty()) {
     model.until = parse_stop_rule(options.until);
     if (auto const complaint = complaint_about(model.until, model))
-      throw InputError(fmt::format("error: --until: {}\n  {}", complaint->what, complaint->suggestion));
+      throw InputError(fmt::format("--until: {}", complaint->what), complaint->suggestion);
     if (model.until.by_error() && !model.histories_stated) model.histories = no_limit;
   }
   if (options.histories) {
@@ -205,9 +201,9 @@ void apply(Options const& options, Model& model) {
 
 void require_this_program(Provenance const& about, std::string const& file, std::string const& remedy) {
   if (about.version == build_info::version && about.commit == build_info::commit) return;
-  throw InputError(
-      fmt::format("error: '{}' was traced by straytrace {} ({}), this is {} ({}): their histories are not mixed\n  {}",
-                  file, about.version, about.commit, build_info::version, build_info::commit, remedy));
+  throw InputError(fmt::format("'{}' was traced by straytrace {} ({}), this is {} ({}): their histories are not mixed",
+                               file, about.version, about.commit, build_info::version, build_info::commit),
+                   remedy);
 }
 
 TraceResult trace_model(Model& model, Options const& options, std::string const& run_file, Transport* transport) {
@@ -405,8 +401,8 @@ std::string make(fs::path const& folder, std::vector<fs::path>& made) {
 }
 
 [[noreturn]] void refuse_folder(std::string const& verb, fs::path const& folder, std::string const& why) {
-  throw InputError(
-      fmt::format("error: cannot {} the folder '{}': {}\n  choose another one with -o", verb, folder.string(), why));
+  throw InputError(fmt::format("cannot {} the folder '{}': {}", verb, folder.string(), why),
+                   "choose another one with -o");
 }
 
 }  // namespace

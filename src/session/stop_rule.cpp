@@ -175,7 +175,7 @@ double parse_duration(std::string const& text) {
   double seconds = 0;
   if (bounded_regex_match(text, m, duration)) seconds = std::strtod(m[1].str().c_str(), nullptr) * seconds_in(m[2]);
   if (!(seconds > 0) || !std::isfinite(seconds))
-    throw InputError(fmt::format("error: '{}' is not a time\n  write for example 90s, 50min or 1h", text));
+    throw InputError(fmt::format("'{}' is not a time", text), "write for example 90s, 50min or 1h");
   return seconds;
 }
 

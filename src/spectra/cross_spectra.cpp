@@ -15,10 +15,8 @@ namespace straytrace {
 
 CrossSpectra cross_spectra(std::span<double const> x, std::span<double const> y, double rate, WelchSettings const& s) {
   if (x.size() != y.size())
-    throw InputError(
-        fmt::format("error: records of {} and {} samples\n  cut both to the same stretch", x.size(), y.size()));
-  if (s.average != Average::mean)
-    throw InputError("error: cross spectra are averaged by their mean\n  write --average mean");
+    throw InputError(fmt::format("records of {} and {} samples", x.size(), y.size()), "cut both to the same stretch");
+  if (s.average != Average::mean) throw InputError("cross spectra are averaged by their mean", "write --average mean");
   Segments of_x(x.size(), rate, s), of_y(y.size(), rate, s);
   CrossSpectra out;
   out.segments = of_x.count();
@@ -62,8 +60,8 @@ std::vector<double> coherence(CrossSpectra const& s) {
 
 double coherence_level(double n, double probability) {
   if (!(probability > 0 && probability < 1))
-    throw InputError(
-        fmt::format("error: a significance of {:g} is not between 0 and 1\n  write for example 0.05", probability));
+    throw InputError(fmt::format("a significance of {:g} is not between 0 and 1", probability),
+                     "write for example 0.05");
   return n > 1 ? 1 - std::pow(probability, 1 / (n - 1)) : 1;
 }
 

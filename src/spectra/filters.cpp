@@ -45,7 +45,7 @@ double reflected(std::vector<double> const& x, std::ptrdiff_t i) {
 
 TimeSeries decimated(TimeSeries const& s, std::size_t factor, std::size_t first) {
   if (factor == 0 || first >= s.samples.size())
-    throw InputError(fmt::format("error: '{}' cannot be decimated by {}\n  the factor is at least 1", s.name, factor));
+    throw InputError(fmt::format("'{}' cannot be decimated by {}", s.name, factor), "the factor is at least 1");
   TimeSeries out{s.name, s.unit, s.time(first), s.rate / double(factor), {}};
   std::vector<double> const taps =
       factor == 1 ? std::vector<double>{1} : low_pass((1 + passed) / 2 / double(factor), (1 - passed) / double(factor));
@@ -63,9 +63,8 @@ TimeSeries decimated(TimeSeries const& s, std::size_t factor, std::size_t first)
 TimeSeries band_passed(TimeSeries const& s, double low_hz, double high_hz, int order) {
   double const nyquist = s.rate / 2;
   if (!(low_hz >= 0 && low_hz < high_hz && high_hz <= nyquist))
-    throw InputError(fmt::format(
-        "error: a band of {:g} Hz to {:g} Hz for '{}'\n  choose it between 0 and {:g} Hz, half the sample rate", low_hz,
-        high_hz, s.name, nyquist));
+    throw InputError(fmt::format("a band of {:g} Hz to {:g} Hz for '{}'", low_hz, high_hz, s.name),
+                     fmt::format("choose it between 0 and {:g} Hz, half the sample rate", nyquist));
   if (low_hz == 0 && high_hz == nyquist) return s;
   TimeSeries out = s;
   out.samples = both_ways(butterworth(order, low_hz / nyquist, high_hz / nyquist), s.samples);
@@ -74,9 +73,8 @@ TimeSeries band_passed(TimeSeries const& s, double low_hz, double high_hz, int o
 
 TimeSeries notched(TimeSeries const& s, double hz, double quality) {
   if (!(hz > 0 && hz < s.rate / 2 && quality > 0))
-    throw InputError(fmt::format(
-        "error: a notch at {:g} Hz with Q {:g} for '{}'\n  choose it between 0 and {:g} Hz, half the sample rate", hz,
-        quality, s.name, s.rate / 2));
+    throw InputError(fmt::format("a notch at {:g} Hz with Q {:g} for '{}'", hz, quality, s.name),
+                     fmt::format("choose it between 0 and {:g} Hz, half the sample rate", s.rate / 2));
   TimeSeries out = s;
   out.samples = both_ways({notch(2 * hz / s.rate, quality)}, s.samples);
   return out;

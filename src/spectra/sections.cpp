@@ -97,8 +97,7 @@ std::size_t padding(std::vector<Section> const& sections) {
 }  // namespace
 
 std::vector<Section> butterworth(int order, double low, double high) {
-  if (order < 1 || order > 12)
-    throw InputError(fmt::format("error: a filter of order {}\n  choose from 1 to 12", order));
+  if (order < 1 || order > 12) throw InputError(fmt::format("a filter of order {}", order), "choose from 1 to 12");
   bool const low_pass = low <= 0, high_pass = high >= 1, band = !low_pass && !high_pass;
   double const w_low = low_pass ? 0 : 2 * std::tan(pi * low / 2), w_high = high_pass ? 0 : 2 * std::tan(pi * high / 2);
   std::vector<C> poles = analog_poles(order, w_low, w_high, band);
@@ -129,8 +128,8 @@ std::vector<double> once(std::vector<Section> const& sections, std::vector<doubl
 std::vector<double> both_ways(std::vector<Section> const& sections, std::vector<double> const& x) {
   std::size_t const pad = padding(sections), n = x.size();
   if (n <= pad)
-    throw InputError(
-        fmt::format("error: {} samples are too few for a filter that needs {}\n  choose a longer span", n, pad + 1));
+    throw InputError(fmt::format("{} samples are too few for a filter that needs {}", n, pad + 1),
+                     "choose a longer span");
   std::vector<double> y;
   for (std::size_t i = pad; i > 0; --i) y.push_back(2 * x.front() - x[i]);
   y.insert(y.end(), x.begin(), x.end());

@@ -14,13 +14,11 @@ namespace {
 
 void check(std::size_t samples, double rate, WelchSettings const& s) {
   if (s.segment < 2 || s.segment > samples)
-    throw InputError(
-        fmt::format("error: a segment of {} samples does not fit a series of {}\n  choose between 2 and {}", s.segment,
-                    samples, samples));
+    throw InputError(fmt::format("a segment of {} samples does not fit a series of {}", s.segment, samples),
+                     fmt::format("choose between 2 and {}", samples));
   if (!(s.overlap >= 0 && s.overlap < 1))
-    throw InputError(fmt::format("error: an overlap of {:g} is not a share\n  choose from 0 to below 1", s.overlap));
-  if (!(rate > 0 && rate < infinity))
-    throw InputError(fmt::format("error: a sample rate of {:g} Hz\n  it is positive", rate));
+    throw InputError(fmt::format("an overlap of {:g} is not a share", s.overlap), "choose from 0 to below 1");
+  if (!(rate > 0 && rate < infinity)) throw InputError(fmt::format("a sample rate of {:g} Hz", rate), "it is positive");
 }
 
 // Takes the mean, or the straight line of least squares, from the samples.

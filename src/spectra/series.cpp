@@ -34,9 +34,9 @@ TimeSeries part(TimeSeries const& s, std::size_t first, std::size_t last) {
 std::size_t factor_between(TimeSeries const& fast, TimeSeries const& slow) {
   double const ratio = fast.rate / slow.rate, factor = std::round(ratio);
   if (std::abs(ratio - factor) > 1e-9 * ratio)
-    throw InputError(fmt::format(
-        "error: '{}' has {:g} Hz and '{}' {:g} Hz, and no whole factor lies between them\n  resample one of them first",
-        fast.name, fast.rate, slow.name, slow.rate));
+    throw InputError(fmt::format("'{}' has {:g} Hz and '{}' {:g} Hz, and no whole factor lies between them", fast.name,
+                                 fast.rate, slow.name, slow.rate),
+                     "resample one of them first");
   return std::size_t(factor);
 }
 
@@ -47,19 +47,18 @@ TimeSeries cut(TimeSeries const& s, GpsSpan span) {
   bool const inside = span.from < span.to && (span.from <= -1e300 || span.from >= s.start - slack) &&
                       (span.to >= 1e300 || span.to <= s.end() + slack) && span.from < s.end() && span.to > s.start;
   if (!inside)
-    throw InputError(
-        fmt::format("error: '{}' holds GPS {}, and {}..{} is asked for\n  choose a span inside it, with --gps A..B or "
-                    "the option that names the stretch",
-                    s.name, span_text(s), span.from <= -1e300 ? "its start" : gps_text(span.from),
-                    span.to >= 1e300 ? "its end" : gps_text(span.to)));
+    throw InputError(fmt::format("'{}' holds GPS {}, and {}..{} is asked for", s.name, span_text(s),
+                                 span.from <= -1e300 ? "its start" : gps_text(span.from),
+                                 span.to >= 1e300 ? "its end" : gps_text(span.to)),
+                     "choose a span inside it, with --gps A..B or the option that names the stretch");
   double const count = double(s.samples.size());
   double const from = std::ceil((std::max(span.from, s.start) - s.start) * s.rate - s.rate * slack);
   double const to = std::ceil((std::min(span.to, s.end()) - s.start) * s.rate - s.rate * slack);
   auto const first = std::size_t(std::clamp(from, 0.0, count)), last = std::size_t(std::clamp(to, 0.0, count));
   if (last < first + 2)
-    throw InputError(
-        fmt::format("error: GPS {}..{} holds fewer than two samples of '{}', which has {:g} Hz\n  choose a longer span",
-                    gps_text(span.from), gps_text(span.to), s.name, s.rate));
+    throw InputError(fmt::format("GPS {}..{} holds fewer than two samples of '{}', which has {:g} Hz",
+                                 gps_text(span.from), gps_text(span.to), s.name, s.rate),
+                     "choose a longer span");
   return part(s, first, last);
 }
 
@@ -77,7 +76,7 @@ std::vector<TimeSeries> aligned(std::vector<TimeSeries> const& all) {
   if (to - start < 2 / slow.rate) {
     std::string spans;
     for (TimeSeries const& s : all) spans += fmt::format("\n  '{}': GPS {}", s.name, span_text(s));
-    throw InputError("error: the series have no stretch in common\n  choose records of the same time" + spans);
+    throw InputError("the series have no stretch in common", "choose records of the same time" + spans);
   }
   auto const count = std::size_t(std::floor((to - start) * slow.rate + sample_slack));
   std::vector<TimeSeries> out;
@@ -85,9 +84,8 @@ std::vector<TimeSeries> aligned(std::vector<TimeSeries> const& all) {
     std::size_t const factor = factor_between(s, slow);
     double const steps = whole_steps(s, start);
     if (std::isnan(steps))
-      throw InputError(
-          fmt::format("error: the samples of '{}' stand between those of '{}'\n  they must be taken at the same times",
-                      s.name, slow.name));
+      throw InputError(fmt::format("the samples of '{}' stand between those of '{}'", s.name, slow.name),
+                       "they must be taken at the same times");
     TimeSeries const same = factor == 1 ? s : decimated(s, factor, std::size_t(steps) % factor);
     out.push_back(part(same, std::size_t(steps) / factor, std::size_t(steps) / factor + count));
     out.back().start = start;
@@ -155,10 +153,9 @@ std::vector<double> interpolated(TimeSeries const& series, double first, double 
   double const begin = (first - series.start) * series.rate, step = series.rate / rate;
   double const end = begin + step * double(count ? count - 1 : 0);
   if (series.samples.empty() || begin < -half || end > double(series.samples.size()) - 1 + half)
-    throw InputError(
-        fmt::format("error: '{}' has samples from GPS {:.3f} to {:.3f}, not from {:.3f} to {:.3f}\n  choose a span "
-                    "that it covers",
-                    series.name, series.start, series.end(), first, first + double(count) / rate));
+    throw InputError(fmt::format("'{}' has samples from GPS {:.3f} to {:.3f}, not from {:.3f} to {:.3f}", series.name,
+                                 series.start, series.end(), first, first + double(count) / rate),
+                     "choose a span that it covers");
   std::vector<double> values(count);
   for (std::size_t i = 0; i < count; ++i) {
     double const place = begin + step * double(i), near = std::round(place);

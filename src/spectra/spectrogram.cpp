@@ -33,17 +33,15 @@ std::vector<double> rows(QSettings const& s) {
 
 void check(TimeSeries const& s, QSettings const& q) {
   if (!(q.q >= 3.4 && q.q < 1000))  // below sqrt(11) the window would reach zero frequency
-    throw InputError(fmt::format("error: a Q of {:g}\n  choose from 3.4 to 1000", q.q));
+    throw InputError(fmt::format("a Q of {:g}", q.q), "choose from 3.4 to 1000");
   double const reach = 1 + std::sqrt(11) / q.q;
   if (!(q.low_hz > 0 && q.low_hz < q.high_hz && q.high_hz * reach <= s.rate / 2))
     throw InputError(
-        fmt::format("error: a Q transform from {:g} Hz to {:g} Hz of a record with {:g} Hz\n  with Q {:g} the band "
-                    "must be between 0 and {:.4g} Hz",
-                    q.low_hz, q.high_hz, s.rate, q.q, s.rate / 2 / reach));
+        fmt::format("a Q transform from {:g} Hz to {:g} Hz of a record with {:g} Hz", q.low_hz, q.high_hz, s.rate),
+        fmt::format("with Q {:g} the band must be between 0 and {:.4g} Hz", q.q, s.rate / 2 / reach));
   if (s.duration() * q.low_hz < 2 * q.q)
-    throw InputError(fmt::format(
-        "error: {:g} s are too short for Q {:g} at {:g} Hz\n  choose a longer span, a smaller Q or a higher band",
-        s.duration(), q.q, q.low_hz));
+    throw InputError(fmt::format("{:g} s are too short for Q {:g} at {:g} Hz", s.duration(), q.q, q.low_hz),
+                     "choose a longer span, a smaller Q or a higher band");
 }
 
 // Energy of one row at `count` times over the record.
@@ -70,10 +68,9 @@ std::vector<double> energies(Complexes const& lines, double duration, double hz,
 Spectrogram spectrogram(TimeSeries const& s, double stride, WelchSettings const& settings) {
   auto const step = std::size_t(std::max(0.0, std::round(stride * s.rate)));
   if (step < settings.segment || step > s.samples.size())
-    throw InputError(
-        fmt::format("error: strides of {:g} s, segments of {:g} s and a record of {:g} s\n  a stride holds a segment "
-                    "or more, and fits the record",
-                    stride, double(settings.segment) / s.rate, s.duration()));
+    throw InputError(fmt::format("strides of {:g} s, segments of {:g} s and a record of {:g} s", stride,
+                                 double(settings.segment) / s.rate, s.duration()),
+                     "a stride holds a segment or more, and fits the record");
   Spectrogram out;
   for (std::size_t i = 0; i + step <= s.samples.size(); i += step) {
     WelchSpectrum const part = welch(std::span(s.samples).subspan(i, step), s.rate, settings);

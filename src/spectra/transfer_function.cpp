@@ -66,9 +66,8 @@ C TransferFunction::operator()(double hz) const {
 C TransferFunction::Table::operator()(double f) const {
   if (!covers(hz, f) && !holds)
     throw InputError(
-        fmt::format("error: '{}' holds {:g} Hz to {:g} Hz, and {:g} Hz is asked for\n  give a file that covers the "
-                    "band, or choose 'band' in 'noise' inside it",
-                    name, hz.front(), hz.back(), f));
+        fmt::format("'{}' holds {:g} Hz to {:g} Hz, and {:g} Hz is asked for", name, hz.front(), hz.back(), f),
+        "give a file that covers the band, or choose 'band' in 'noise' inside it");
   if (holds) f = std::clamp(f, hz.front(), hz.back());
   auto const above =
       std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, std::ssize(hz) - 1);

@@ -85,8 +85,7 @@ WelchSpectrum welch(std::span<double const> samples, double rate, WelchSettings 
 
 Interval confidence(WelchSpectrum const& s, double probability) {
   if (!(probability > 0 && probability < 1))
-    throw InputError(
-        fmt::format("error: a confidence of {:g} is not between 0 and 1\n  write for example 0.95", probability));
+    throw InputError(fmt::format("a confidence of {:g} is not between 0 and 1", probability), "write for example 0.95");
   Interval out;
   double low[2], high[2];
   for (int real = 0; real < 2; ++real) {
@@ -107,8 +106,8 @@ BandPower band_power(WelchSpectrum const& s, WelchSettings const& settings, doub
   double const step = s.hz[1] - s.hz[0];
   if (!(low < high && high > 0 && low <= s.hz.back()))
     throw InputError(
-        fmt::format("error: a band of {:g} Hz to {:g} Hz, where the spectrum has 0 to {:g} Hz\n  choose it inside", low,
-                    high, s.hz.back()));
+        fmt::format("a band of {:g} Hz to {:g} Hz, where the spectrum has 0 to {:g} Hz", low, high, s.hz.back()),
+        "choose it inside");
   BandPower out;
   double variance = 0;
   for (std::size_t k = 0; k < s.hz.size(); ++k) {
@@ -138,9 +137,9 @@ double rms(std::span<double const> samples) {
 RmsTrend rms_trend(TimeSeries const& s, double low, double high, double stride) {
   auto const step = std::size_t(std::max(0.0, std::round(stride * s.rate)));
   if (step < 2 || step > s.samples.size())
-    throw InputError(fmt::format(
-        "error: strides of {:g} s for '{}' of {:g} s at {:g} Hz\n  choose them between two samples and the record",
-        stride, s.name, s.duration(), s.rate));
+    throw InputError(
+        fmt::format("strides of {:g} s for '{}' of {:g} s at {:g} Hz", stride, s.name, s.duration(), s.rate),
+        "choose them between two samples and the record");
   TimeSeries const band = band_passed(s, low, high);
   RmsTrend out;
   for (std::size_t i = 0; i + step <= band.samples.size(); i += step) {

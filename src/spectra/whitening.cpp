@@ -32,10 +32,8 @@ TimeSeries whitened(TimeSeries const& s, WelchSettings const& settings) {
   WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
   double const step = spectrum.hz[1];
   if (std::any_of(spectrum.psd.begin() + 1, spectrum.psd.end(), [](double p) { return !(p > 0); }))
-    throw InputError(
-        fmt::format("error: '{}' has no power at some frequencies, so it cannot be whitened\n  choose a "
-                    "stretch with signal",
-                    s.name));
+    throw InputError(fmt::format("'{}' has no power at some frequencies, so it cannot be whitened", s.name),
+                     "choose a stretch with signal");
   TimeSeries out = s;
   out.unit = "1";
   out.samples = filtered(faded(s.samples, settings.segment / 2), 0, [&](double cycles) -> std::complex<double> {

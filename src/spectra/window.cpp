@@ -64,7 +64,7 @@ double weight(Window window, double parameter, double turn) {  // turn: place in
 }
 
 [[noreturn]] void refuse(std::string const& text, std::string const& suggestion) {
-  throw InputError(fmt::format("error: '{}' is not a window\n  {}", text, suggestion));
+  throw InputError(fmt::format("'{}' is not a window", text), suggestion);
 }
 
 double parameter_of(Window window, std::string const& text, std::string const& inside) {

@@ -127,8 +127,7 @@ double unbiased_coherence(double c, double averages) {
 std::vector<CouplingPoint> measure_coupling(CrossSpectra const& injection, CrossSpectra const& quiet,
                                             CouplingThresholds const& t) {
   if (injection.hz != quiet.hz)
-    throw InputError(
-        "error: injection and quiet stretch differ in their frequencies\n  use one segment length for both");
+    throw InputError("injection and quiet stretch differ in their frequencies", "use one segment length for both");
   std::vector<double> const loud = coherence(injection), still = coherence(quiet);
   auto const levels = [](CrossSpectra const& s, std::vector<double> const& c, std::size_t k) {
     return CouplingLevels{s.input[k], s.output[k], unbiased_coherence(c[k], s.effective_averages),
@@ -147,15 +146,14 @@ CouplingFunction combine(std::span<CouplingFunction const> all) {
   CouplingFunction out = all.front();
   for (CouplingFunction const& c : all)
     if (c.unit != out.unit || c.points.size() != out.points.size())
-      throw InputError(
-          fmt::format("error: couplings of '{}' and '{}' differ in unit or frequencies and cannot be "
-                      "combined\n  use one segment length and one unit",
-                      out.witness, c.witness));
+      throw InputError(fmt::format("couplings of '{}' and '{}' differ in unit or frequencies and cannot be combined",
+                                   out.witness, c.witness),
+                       "use one segment length and one unit");
   for (std::size_t k = 0; k < out.points.size(); ++k) {
     std::vector<CouplingPoint const*> at;
     for (CouplingFunction const& c : all) {
       if (c.points[k].hz != out.points[k].hz)
-        throw InputError("error: couplings on different frequencies cannot be combined\n  use one segment length");
+        throw InputError("couplings on different frequencies cannot be combined", "use one segment length");
       at.push_back(&c.points[k]);
     }
     out.points[k] = combined(at);

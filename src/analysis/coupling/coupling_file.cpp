@@ -65,8 +65,8 @@ class Reader {
   }
 
   [[noreturn]] void refuse(std::string const& what, std::string const& suggestion) const {
-    std::string const place = line_ ? fmt::format("{}:{}", file_, line_) : file_;
-    throw InputError(fmt::format("{}: error: {}\n  {}", place, what, suggestion));
+    Problem const problem{{0, line_, 0}, what, suggestion};
+    throw InputError({problem}, placed_message(problem, file_), {file_});
   }
 
  private:
@@ -153,7 +153,7 @@ class Reader {
   }
 
   std::string const& file_;
-  std::size_t line_ = 0;
+  std::uint32_t line_ = 0;
   std::map<std::string, std::size_t> columns_;
   std::size_t named_ = 0;  // columns of the header
   std::vector<std::string_view> cells_;

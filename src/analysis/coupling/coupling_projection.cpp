@@ -20,10 +20,10 @@ void refuse_wrapped(CouplingFunction const& c, double low, double high) {
     if (p.flag == CouplingFlag::not_linear && p.hz >= low && p.hz <= high && ++count == 1) first = &p;
   if (count > 0)
     throw InputError(
-        fmt::format("error: the coupling of '{}' is not linear at {} frequencies, the first of them {:g} Hz: what it "
-                    "makes does not grow with the level of the witness\n  project the motion in the time domain: "
-                    "straytrace project RUN --body BODY --channel FILE::CHANNEL",
-                    c.witness, count, first->hz));
+        fmt::format("the coupling of '{}' is not linear at {} frequencies, the first of them {:g} Hz: what it makes "
+                    "does not grow with the level of the witness",
+                    c.witness, count, first->hz),
+        "project the motion in the time domain: straytrace project RUN --body BODY --channel FILE::CHANNEL");
 }
 
 bool has_factor(CouplingPoint const& p) {
@@ -66,10 +66,9 @@ Conversion conversion(CouplingFunction const& c, QuietWitness const& w) {
   for (int n = 0; have && want && n <= 2; ++n)
     if (auto const reached = times(have->dimension, *power_of(dim::time, n)); reached && *reached == want->dimension)
       return {have->si / want->si, n};
-  throw InputError(
-      fmt::format("error: the coupling is per {}, and the witness is in {}\n  give the witness in the unit of the "
-                  "coupling, or per s or s^2 of it; of counts with what one is: --unit \"2e-6 m/s^2\"",
-                  c.witness_unit, w.unit));
+  throw InputError(fmt::format("the coupling is per {}, and the witness is in {}", c.witness_unit, w.unit),
+                   "give the witness in the unit of the coupling, or per s or s^2 of it; of counts with what one is: "
+                   "--unit \"2e-6 m/s^2\"");
 }
 
 }  // namespace

@@ -39,10 +39,9 @@ LoudStretch compared(WelchSpectrum const& loud, WelchSpectrum const& quiet, Even
 std::vector<LoudStretch> find_events(TimeSeries const& record, TimeSeries const& quiet, EventSettings const& s) {
   std::size_t const n = stretch_samples(s), stretches = record.samples.size() / n;
   if (stretches == 0)
-    throw InputError(
-        fmt::format("error: '{}' is shorter than {} averages, which take {:g} s\n  choose fewer --averages "
-                    "or a shorter --segment",
-                    record.name, s.averages, double(n) / record.rate));
+    throw InputError(fmt::format("'{}' is shorter than {} averages, which take {:g} s", record.name, s.averages,
+                                 double(n) / record.rate),
+                     "choose fewer --averages or a shorter --segment");
   WelchSpectrum const still = welch(quiet.samples, quiet.rate, s.welch);
   auto const in_band = [&](double f) { return f >= s.low && f <= s.high; };
   double const looks = double(stretches) * double(std::max<std::ptrdiff_t>(

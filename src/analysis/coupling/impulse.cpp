@@ -66,10 +66,9 @@ ImpulseSums sums_of(TimeSeries const& force, TimeSeries const& target, std::span
     ++s.count;
   }
   if (s.count < 2)
-    throw InputError(
-        fmt::format("error: {} of {} impulses lie with their whole stretch inside the data; two are needed\n  "
-                    "choose a lower --threshold or a shorter --length",
-                    s.count, starts.size()));
+    throw InputError(fmt::format("{} of {} impulses lie with their whole stretch inside the data; two are needed",
+                                 s.count, starts.size()),
+                     "choose a lower --threshold or a shorter --length");
   return s;
 }
 
@@ -165,14 +164,12 @@ std::vector<double> find_taps(TimeSeries const& force, double threshold, double 
 ImpulseResponse impulse_response(TimeSeries const& force, TimeSeries const& target, std::span<double const> starts,
                                  ImpulseSettings const& s) {
   if (force.rate != target.rate || force.samples.size() != target.samples.size())
-    throw InputError(
-        "error: force and target do not share their samples\n  give both at one rate, over the same stretch");
+    throw InputError("force and target do not share their samples", "give both at one rate, over the same stretch");
   auto const n = std::size_t(std::lround(s.length * force.rate)),
              silent = std::size_t(std::lround(s.before * force.rate));
   if (n < 32 || n > force.samples.size() || silent * 2 > n)
-    throw InputError(
-        fmt::format("error: a stretch of {:g} s does not fit the data\n  choose --length between {:g} and {:g} s",
-                    s.length, 32 / force.rate, force.duration()));
+    throw InputError(fmt::format("a stretch of {:g} s does not fit the data", s.length),
+                     fmt::format("choose --length between {:g} and {:g} s", 32 / force.rate, force.duration()));
   std::vector<double> in_order(starts.begin(), starts.end());
   std::sort(in_order.begin(), in_order.end());
   ImpulseSums const sums = sums_of(force, target, in_order, n, silent);

@@ -20,10 +20,9 @@ constexpr int nearest_noise = 3, farthest_noise = 10;  // resolutions beside a l
 std::size_t window_samples(TimeSeries const& s, double window) {
   auto const n = std::size_t(std::lround(window * s.rate));
   if (!(window > 0) || n < 16 || n > s.samples.size())
-    throw InputError(
-        fmt::format("error: a window of {:g} s does not fit '{}', which has {:g} s at {:g} Hz\n  choose "
-                    "--window between {:g} s and {:g} s",
-                    window, s.name, s.duration(), s.rate, 16 / s.rate, s.duration()));
+    throw InputError(fmt::format("a window of {:g} s does not fit '{}', which has {:g} s at {:g} Hz", window, s.name,
+                                 s.duration(), s.rate),
+                     fmt::format("choose --window between {:g} s and {:g} s", 16 / s.rate, s.duration()));
   return n;
 }
 
@@ -96,16 +95,15 @@ double LineWindow::peak_sigma(double amplitude, double sigma) const {
 
 std::vector<LinePoint> track_line(TimeSeries const& s, LineBand const& b) {
   if (!(b.low > 0 && b.low < b.high && b.high < s.rate / 2))
-    throw InputError(
-        fmt::format("error: a line between {:g} and {:g} Hz cannot be followed in '{}', which has {:g} Hz\n  "
-                    "choose a band between 0 and {:g} Hz",
-                    b.low, b.high, s.name, s.rate, s.rate / 2));
+    throw InputError(fmt::format("a line between {:g} and {:g} Hz cannot be followed in '{}', which has {:g} Hz", b.low,
+                                 b.high, s.name, s.rate),
+                     fmt::format("choose a band between 0 and {:g} Hz", s.rate / 2));
   std::size_t const n = window_samples(s, b.window);
   if (b.window * b.low < fewest_periods)
-    throw InputError(
-        fmt::format("error: a window of {:g} s holds {:.1f} periods of a line at {:g} Hz, and {:g} are needed "
-                    "to tell noise from harmonics\n  choose --window {:g} s or more",
-                    b.window, b.window * b.low, b.low, fewest_periods, std::ceil(10 * fewest_periods / b.low) / 10));
+    throw InputError(fmt::format("a window of {:g} s holds {:.1f} periods of a line at {:g} Hz, and {:g} are needed to "
+                                 "tell noise from harmonics",
+                                 b.window, b.window * b.low, b.low, fewest_periods),
+                     fmt::format("choose --window {:g} s or more", std::ceil(10 * fewest_periods / b.low) / 10));
   std::vector<LinePoint> track;
   for (std::size_t begin = 0; begin + n <= s.samples.size(); begin += n / 2) {
     LineWindow const w(std::span(s.samples).subspan(begin, n), s.rate);
@@ -126,8 +124,7 @@ std::vector<LinePoint> follow_line(TimeSeries const& s, std::span<LinePoint cons
   for (LinePoint const& t : track) {
     double const first = std::round((t.time - window / 2 - s.start) * s.rate);
     if (first < 0 || std::size_t(first) + n > s.samples.size())
-      throw InputError(
-          fmt::format("error: '{}' does not cover the stretch of the drive\n  give both the same --gps", s.name));
+      throw InputError(fmt::format("'{}' does not cover the stretch of the drive", s.name), "give both the same --gps");
     LineWindow const w(std::span(s.samples).subspan(std::size_t(first), n), s.rate);
     LinePoint p = t;
     p.hz = harmonic * t.hz;

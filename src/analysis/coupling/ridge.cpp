@@ -121,13 +121,11 @@ RidgePoint coupling_at(Complexes const& x, Complexes const& y, Ridge const& r, R
 
 std::vector<RidgePoint> ridge_coupling(TimeSeries const& witness, TimeSeries const& target, RidgeSettings const& s) {
   if (witness.rate != target.rate || witness.samples.size() != target.samples.size())
-    throw InputError(
-        "error: witness and target do not share their samples\n  give both at one rate, over the same stretch");
+    throw InputError("witness and target do not share their samples", "give both at one rate, over the same stretch");
   if (!(s.low > 0 && s.low < s.high && s.high <= witness.rate / 2))
     throw InputError(
-        fmt::format("error: no sweep between {:g} and {:g} Hz can be seen at {:g} Hz\n  choose --band "
-                    "between 0 and {:g} Hz",
-                    s.low, s.high, witness.rate, witness.rate / 2));
+        fmt::format("no sweep between {:g} and {:g} Hz can be seen at {:g} Hz", s.low, s.high, witness.rate),
+        fmt::format("choose --band between 0 and {:g} Hz", witness.rate / 2));
   WelchSettings const settings{.segment = std::size_t(std::lround(s.window * witness.rate))};
   Segments of_x(witness.samples.size(), witness.rate, settings), of_y(target.samples.size(), target.rate, settings);
   auto const low = std::size_t(std::max(1.0, std::floor(s.low * s.window)));

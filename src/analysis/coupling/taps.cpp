@@ -175,25 +175,24 @@ Quiet quiet_of(TapSeries const& s, GpsSpan span, WelchSettings const& w) {
 
 std::vector<Visit> visits_of(TapSeries const& s, std::span<TapPlace const> places, WelchSettings const& w) {
   std::vector<Visit> out;
-  std::vector<std::string> errors;
+  std::vector<InputError> errors;
   for (TapPlace const& p : places) {
     GpsSpan const span{p.start, p.start + p.duration};
     double const segments =
         (p.duration * s.target.rate - double(w.segment)) / (double(w.segment) * (1 - w.overlap)) + 1;
     if (span.from < s.target.start || span.to > s.target.end() + 1e-6)
-      errors.push_back(fmt::format("error: '{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
-                                   s.target.start, s.target.end()));
+      errors.emplace_back(fmt::format("'{}' at {} is outside the data, which run from {} to {}", p.name, p.start,
+                                      s.target.start, s.target.end()));
     else if (segments < 6)
-      errors.push_back(
-          fmt::format("error: '{}' at {} lasts {} s, which is fewer than six segments\n  choose a shorter "
-                      "--segment",
-                      p.name, p.start, p.duration));
+      errors.emplace_back(
+          fmt::format("'{}' at {} lasts {} s, which is fewer than six segments", p.name, p.start, p.duration),
+          "choose a shorter --segment");
     else {
       out.push_back({&p, stretch_of(s.force, span, w), stretch_of(s.target, span, w), {}});
       for (TimeSeries const& l : s.local) out.back().local.push_back(stretch_of(l, span, w));
     }
   }
-  if (!errors.empty()) throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
+  throw_all(errors);
   return out;
 }
 
@@ -263,13 +262,14 @@ class ListReader {
       if (end == csv.npos) break;
     }
     if (errors_.empty() && places_.empty()) add("no places in it", "the first line is 'place,start,duration'");
-    if (!errors_.empty()) throw InputError(fmt::format("{}", fmt::join(errors_, "\n")));
+    throw_all(errors_);
     return std::move(places_);
   }
 
  private:
   void add(std::string const& what, std::string const& suggestion) {
-    errors_.push_back(fmt::format("{}:{}: error: {}\n  {}", file_, line_, what, suggestion));
+    Problem const problem{{0, line_, 0}, what, suggestion};
+    errors_.push_back(InputError({problem}, placed_message(problem, file_), {file_}));
   }
 
   void take_header(std::string const& line) {
@@ -306,8 +306,9 @@ class ListReader {
   }
 
   std::string const& file_;
-  std::size_t line_ = 0;
-  std::vector<std::string> header_, errors_;
+  std::uint32_t line_ = 0;
+  std::vector<std::string> header_;
+  std::vector<InputError> errors_;
   std::vector<TapPlace> places_;
 };
 

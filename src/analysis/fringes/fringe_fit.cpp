@@ -34,29 +34,29 @@ SampleSpan overlap(FringeRecords const& r, double delay) {
   if (span.to > span.from) return span;
   std::string spans = fmt::format("'{}' GPS {:.3f} to {:.3f}", r.target.name, r.target.start, r.target.end());
   for (TimeSeries const& x : r.witnesses) spans += fmt::format(", '{}' {:.3f} to {:.3f}", x.name, x.start, x.end());
-  throw InputError(fmt::format("error: the records do not overlap: {}\n  give records of the same time", spans));
+  throw InputError(fmt::format("the records do not overlap: {}", spans), "give records of the same time");
 }
 
 void check_samples(TimeSeries const& x) {
   auto const bad = std::find_if(x.samples.begin(), x.samples.end(), [](double v) { return !std::isfinite(v); });
   if (bad != x.samples.end())
-    throw InputError(fmt::format("error: '{}' has no number at GPS {:.4f}\n  choose a span without gaps", x.name,
-                                 x.time(std::size_t(bad - x.samples.begin()))));
+    throw InputError(
+        fmt::format("'{}' has no number at GPS {:.4f}", x.name, x.time(std::size_t(bad - x.samples.begin()))),
+        "choose a span without gaps");
   auto const [low, high] = std::minmax_element(x.samples.begin(), x.samples.end());
   if (x.samples.empty() || *low == *high)
-    throw InputError(fmt::format(
-        "error: '{}' has one value all the time, so nothing can be fitted\n  give a record that is alive", x.name));
+    throw InputError(fmt::format("'{}' has one value all the time, so nothing can be fitted", x.name),
+                     "give a record that is alive");
 }
 
 void check(FringeRecords const& r, FringeFitSettings const& s) {
   if (r.witnesses.empty() || r.witnesses.size() > 2)
-    throw InputError("error: a fit needs one witness of the motion, or two\n  name them");
+    throw InputError("a fit needs one witness of the motion, or two", "name them");
   double const most = r.target.rate / 2;
   if (!(s.low > 0 && s.high > s.low && s.high < most))
-    throw InputError(
-        fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
-                    "'{}'\n  choose a band inside",
-                    s.low, s.high, most, r.target.name));
+    throw InputError(fmt::format("the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of '{}'",
+                                 s.low, s.high, most, r.target.name),
+                     "choose a band inside");
   check_samples(r.target);
   for (TimeSeries const& x : r.witnesses) check_samples(x);
 }
@@ -69,10 +69,11 @@ double highest_fringe(FringeRecords const& r, FringeFitSettings const& s) {
     double const f = 2 * furthest(p.multiplicity) * fastest / s.wavelength + furthest(p.drift) / (2 * pi);
     highest = std::max(highest, f);
     if (2 * margin * f >= r.target.rate)
-      throw InputError(fmt::format(
-          "error: '{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz ({} at multiplicity {:g}) need more than {:.0f} "
-          "Hz (eq. 7.13)\n  give a record of that rate, a witness without fast noise, or a smaller multiplicity",
-          r.target.name, r.target.rate, f, p.name, furthest(p.multiplicity), std::ceil(2 * margin * f)));
+      throw InputError(
+          fmt::format("'{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz ({} at multiplicity {:g}) need more than "
+                      "{:.0f} Hz (eq. 7.13)",
+                      r.target.name, r.target.rate, f, p.name, furthest(p.multiplicity), std::ceil(2 * margin * f)),
+          "give a record of that rate, a witness without fast noise, or a smaller multiplicity");
   }
   return highest;
 }
@@ -106,10 +107,9 @@ FringeFrame frame_of(FringeRecords const& r, FringeFitSettings const& s, double 
 void check_work(FringeStretch const& stretch, FringeFitSettings const& s, double& trials) {
   for (std::size_t p = 0; p < s.paths.size(); ++p) trials += search_grid(stretch, s, p, s.ratio.low).transforms();
   if (trials * double(stretch.model_samples()) > 1e10)  // about two minutes
-    throw InputError(fmt::format(
-        "error: the search would take {:.3g} transforms of {} samples\n  narrow the ranges of multiplicity, drift and "
-        "ratio, or give a shorter stretch",
-        trials, stretch.model_samples()));
+    throw InputError(
+        fmt::format("the search would take {:.3g} transforms of {} samples", trials, stretch.model_samples()),
+        "narrow the ranges of multiplicity, drift and ratio, or give a shorter stretch");
 }
 
 // What one path takes from chi^2, the others adjusting their amplitudes.
@@ -176,10 +176,8 @@ FringeFit fit_fringes(FringeRecords const& given, FringeFitSettings const& setti
   FringeStretch const stretch(records, span.from, split, frame);
   std::size_t const parameters = 2 * settings.paths.size() + free_parameters(settings, settings.paths.size()).size();
   if (stretch.degrees() < 4 * double(parameters))
-    throw InputError(
-        fmt::format("error: {:.0f} independent data for {} parameters\n  give a longer stretch or a wider "
-                    "band, or fix some of them",
-                    stretch.degrees(), parameters));
+    throw InputError(fmt::format("{:.0f} independent data for {} parameters", stretch.degrees(), parameters),
+                     "give a longer stretch or a wider band, or fix some of them");
   check_work(stretch, settings, out.trials);
   FringeProblem problem{stretch, settings, {}, stretch.psd(stretch.target())};
   for (FringePath const& p : settings.paths) problem.responses.push_back(stretch.response(p.phase, p.amplitude));

@@ -116,7 +116,7 @@ HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, doubl
   HarmonicFit f;
   for (std::size_t i = 0; i < windows.size(); ++i) f.harmonics.push_back(harmonic_of(windows[i], int(i) + 1));
   if (f.harmonics.size() < 3)
-    throw InputError("error: harmonics up to the third are needed to tell a fringe\n  choose --harmonics 3 or more");
+    throw InputError("harmonics up to the third are needed to tell a fringe", "choose --harmonics 3 or more");
   double const first = f.harmonics.front().power;
   for (Harmonic& h : f.harmonics)
     if (first > 0 && h.power > 0) {
@@ -146,10 +146,8 @@ double motion_of_phase(double z, double wavelength, double multiplicity) {
 
 RampFit fit_ramp(std::span<LinePoint const> drive, std::span<LinePoint const> target, double threshold, double z_max) {
   if (drive.size() != target.size() || drive.size() < 4)
-    throw InputError(
-        fmt::format("error: a ramp of {} windows tells nothing\n  at least 4 are needed: choose a shorter "
-                    "--window",
-                    drive.size()));
+    throw InputError(fmt::format("a ramp of {} windows tells nothing", drive.size()),
+                     "at least 4 are needed: choose a shorter --window");
   Steps const steps(drive, target);
   ScanResult const r =
       scan_minimum([&](double z) { return steps.fit(z).chi; }, 0, z_max, int(z_max * steps_per_radian));

@@ -89,10 +89,9 @@ FringeStretch::FringeStretch(FringeRecords const& records, std::size_t from, std
   auto const end = std::min(std::size_t(std::floor(frame.high * duration_)), samples_ / 2 - 1);
   for (std::size_t k = first_line_; k <= end; ++k) hz_.push_back(double(k) / duration_);
   if (hz_.size() < 8)
-    throw InputError(fmt::format(
-        "error: {:.3g} s hold {} lines between {:g} and {:g} Hz, too few to fit\n  give a longer stretch or "
-        "a wider band",
-        duration_, hz_.size(), frame.low, frame.high));
+    throw InputError(fmt::format("{:.3g} s hold {} lines between {:g} and {:g} Hz, too few to fit", duration_,
+                                 hz_.size(), frame.low, frame.high),
+                     "give a longer stretch or a wider band");
   double fourth = 0;
   for (std::size_t i = 0; i < samples_; ++i) {
     taper_.push_back(taper(double(i) / double(samples_)));

@@ -54,28 +54,25 @@ Layout layout_of(FringeRecords const& r, ShelfEdgeSettings const& s) {
   }
   if (!(to - from >= s.stride))
     throw InputError(
-        fmt::format("error: the records share {:.3g} s, a stride takes {:g} s\n  give records of the same "
-                    "time, or a shorter stride",
-                    std::max(0.0, to - from), s.stride));
+        fmt::format("the records share {:.3g} s, a stride takes {:g} s", std::max(0.0, to - from), s.stride),
+        "give records of the same time, or a shorter stride");
   if (!(s.low > 0 && s.high > s.low && s.high < r.target.rate / 2))
-    throw InputError(
-        fmt::format("error: the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of "
-                    "'{}'\n  choose a band inside",
-                    s.low, s.high, r.target.rate / 2, r.target.name));
+    throw InputError(fmt::format("the band {:g} to {:g} Hz is not inside 0 to {:g} Hz, half the sample rate of '{}'",
+                                 s.low, s.high, r.target.rate / 2, r.target.name),
+                     "choose a band inside");
   if (!(s.segment * 4 <= s.stride && (s.high - s.low) * s.segment > 12))
-    throw InputError(
-        fmt::format("error: segments of {:g} s do not suit strides of {:g} s and a band of {:g} Hz\n  a "
-                    "stride holds at least four, and the band a dozen lines of 1/segment",
-                    s.segment, s.stride, s.high - s.low));
+    throw InputError(fmt::format("segments of {:g} s do not suit strides of {:g} s and a band of {:g} Hz", s.segment,
+                                 s.stride, s.high - s.low),
+                     "a stride holds at least four, and the band a dozen lines of 1/segment");
   double const fringe =
       2 * s.factor.high * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
   // Shapes whose edge lies beyond the band are not asked for.
   double const highest = std::min(fringe, 1.2 * s.high);
   if (2.2 * highest >= r.target.rate)
     throw InputError(
-        fmt::format("error: '{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz need more than {:.0f} Hz "
-                    "(eq. 7.13)\n  lower the band or the factor",
-                    r.target.name, r.target.rate, highest, std::ceil(2.2 * highest)));
+        fmt::format("'{}' is sampled at {:g} Hz; fringes up to {:.4g} Hz need more than {:.0f} Hz (eq. 7.13)",
+                    r.target.name, r.target.rate, highest, std::ceil(2.2 * highest)),
+        "lower the band or the factor");
   Layout out;
   out.factor = std::size_t(std::max(1.0, std::floor(r.target.rate / (2.4 * 1.2 * s.high))));
   out.segment = out.factor * 2 * std::size_t(std::lround(s.segment * r.target.rate / double(2 * out.factor)));

@@ -72,8 +72,8 @@ std::string all_of(OpenFile& file, std::size_t limit) {
 }
 
 [[noreturn]] void refuse_to_write(std::string const& file, std::string const& why) {
-  throw InputError(
-      fmt::format("error: cannot write '{}': {}\n  choose another place, or make room or rights there", file, why));
+  throw InputError(fmt::format("cannot write '{}': {}", file, why),
+                   "choose another place, or make room or rights there");
 }
 [[noreturn]] void refuse_to_write(std::string const& file) { refuse_to_write(file, std::strerror(errno)); }
 

@@ -47,7 +47,7 @@ std::string write_budget(BudgetView const& view, OutputFolder const& folder, boo
 int budget(BudgetOptions const& asked, Options const& options) {
   bool const pygwinc = !asked.export_as.empty();
   if (pygwinc && options.out.empty())
-    throw InputError("error: --export writes a file, and there is no folder for it\n  add -o DIR");
+    throw InputError("--export writes a file, and there is no folder for it", "add -o DIR");
   std::optional<OutputFolder> folder;
   if (!options.out.empty())
     folder.emplace(options.out, std::vector<std::string>{"budget.txt", "budget.json", "budget.png", "budget.hdf5"});

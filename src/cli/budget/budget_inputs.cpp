@@ -46,7 +46,7 @@ double parse_margin(std::string const& text) {
   double const b = std::strtod(bottom.c_str(), &end);
   good = good && !bottom.empty() && *end == '\0';
   if (!good || !(a / b > 0 && a / b < 1e6))
-    throw InputError(fmt::format("error: --margin: '{}' is not a positive ratio\n  write --margin 1/10", text));
+    throw InputError(fmt::format("--margin: '{}' is not a positive ratio", text), "write --margin 1/10");
   return a / b;
 }
 
@@ -55,7 +55,7 @@ std::vector<double> band_of(BudgetRequest const& r) {
   if (r.band.empty()) return {};
   std::vector<double> ends = parse_frequencies(r.band, "--band");
   if (ends.size() != 2 || !(ends[0] < ends[1]))
-    throw InputError(fmt::format("error: --band: '{}' is not a band\n  write --band \"5 Hz, 5 kHz\"", r.band));
+    throw InputError(fmt::format("--band: '{}' is not a band", r.band), "write --band \"5 Hz, 5 kHz\"");
   return ends;
 }
 
@@ -96,9 +96,9 @@ ReferenceCurve reference_curve(std::string const& name, std::vector<double> cons
   }
   if (!std::filesystem::exists(name)) {
     std::string const near = nearest_word(name, known);
-    throw InputError(fmt::format("error: --compare: '{}' is neither a design curve nor a file\n  {}", name,
-                                 near.empty() ? fmt::format("write one of: {}", fmt::join(known, ", "))
-                                              : fmt::format("did you mean '{}'?", near)));
+    throw InputError(fmt::format("--compare: '{}' is neither a design curve nor a file", name),
+                     near.empty() ? fmt::format("write one of: {}", fmt::join(known, ", "))
+                                  : fmt::format("did you mean '{}'?", near));
   }
   curve.name = std::filesystem::path(name).filename().string();
   std::string const bytes = read_file(name);
@@ -124,9 +124,9 @@ void add_input(std::string const& name, BudgetRequest const& r, Gathered& g) {
   bool const preset = std::find(presets.begin(), presets.end(), name) != presets.end();
   if (!preset && !std::filesystem::is_regular_file(name)) {
     std::string const near = nearest_word(name, presets);
-    throw InputError(fmt::format("error: '{}' is neither a detector nor a file\n  {}", name,
-                                 near.empty() ? fmt::format("detectors: {}", fmt::join(presets, ", "))
-                                              : fmt::format("did you mean '{}'?", near)));
+    throw InputError(fmt::format("'{}' is neither a detector nor a file", name),
+                     near.empty() ? fmt::format("detectors: {}", fmt::join(presets, ", "))
+                                  : fmt::format("did you mean '{}'?", near));
   }
   if (InputKind const kind = preset ? InputKind::detector : kind_of_input(name); kind == InputKind::budget) {
     for (NoiseSource& s : noises_of_budget(name)) g.sources.push_back(std::move(s));
@@ -134,8 +134,7 @@ void add_input(std::string const& name, BudgetRequest const& r, Gathered& g) {
     g.sources.push_back(stray_light(name));
   } else {
     if (!g.detector.empty())
-      throw InputError(
-          fmt::format("error: '{}' is a second detector\n  name one detector, and any number of runs", name));
+      throw InputError(fmt::format("'{}' is a second detector", name), "name one detector, and any number of runs");
     g.detector = name;
     g.ifo = read_ifo(name, r.overrides);
   }
@@ -161,8 +160,8 @@ Gathered read_inputs(BudgetRequest const& r) {
   for (std::size_t i = 0; i < r.inputs.size(); ++i) {
     auto const end = r.inputs.begin() + std::ptrdiff_t(i);
     if (std::any_of(r.inputs.begin(), end, [&](std::string const& o) { return same_file(o, r.inputs[i]); })) {
-      errors.emplace_back(
-          fmt::format("error: '{}' is given twice: the sum would count it twice\n  name each input once", r.inputs[i]));
+      errors.emplace_back(fmt::format("'{}' is given twice: the sum would count it twice", r.inputs[i]),
+                          "name each input once");
       continue;
     }
     try {
@@ -172,11 +171,9 @@ Gathered read_inputs(BudgetRequest const& r) {
     }
   }
   if (g.detector.empty() && !r.overrides.empty())
-    errors.emplace_back(
-        "error: -p changes a detector, and none is named\n  name one, for example: straytrace budget aligo");
-  for (std::string const& said :
-       repeats(g.sources, g.ifo ? brought_by(*g.ifo) : std::vector<std::string>(), g.detector))
-    errors.emplace_back(said);
+    errors.emplace_back("-p changes a detector, and none is named", "name one, for example: straytrace budget aligo");
+  auto const twice = repeats(g.sources, g.ifo ? brought_by(*g.ifo) : std::vector<std::string>(), g.detector);
+  errors.insert(errors.end(), twice.begin(), twice.end());
   throw_all(errors);
   name_apart(g.sources);
   return g;
@@ -254,11 +251,11 @@ std::vector<double> parse_frequencies(std::string const& list, char const* optio
     double const value = std::strtod(item.c_str(), &end);
     auto const unit = parse_unit(trimmed(end));
     if (end == item.c_str() || !unit || !(unit->dimension == dim::frequency))
-      throw InputError(
-          fmt::format("error: {}: '{}' is not a frequency\n  write {} \"10 Hz, 1 kHz\"", option, item, option));
+      throw InputError(fmt::format("{}: '{}' is not a frequency", option, item),
+                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
     if (double const hz = to_si(value, *unit); !(hz >= lowest_hz && hz <= highest_hz))
-      throw InputError(fmt::format("error: {}: '{}' is not between 1 uHz and 1 MHz\n  write {} \"10 Hz, 1 kHz\"",
-                                   option, item, option));
+      throw InputError(fmt::format("{}: '{}' is not between 1 uHz and 1 MHz", option, item),
+                       fmt::format("write {} \"10 Hz, 1 kHz\"", option));
     all.push_back(to_si(value, *unit));
   }
   return all;

@@ -136,8 +136,8 @@ BudgetEntry NoiseSource::on(std::vector<double> const& at) const {
 Sampled two_columns(std::string const& file, std::string const& what, std::span<std::string_view const> names) {
   Curve const curve = parse_named_curve(read_file(file), names);
   if (!curve.error.empty())
-    throw InputError(fmt::format("error: '{}' is not {}: {}\n  give two columns: frequency in Hz and amplitude density",
-                                 file, what, curve.error));
+    throw InputError(fmt::format("'{}' is not {}: {}", file, what, curve.error),
+                     "give two columns: frequency in Hz and amplitude density");
   return {curve.hz, curve.value, {}};
 }
 
@@ -151,10 +151,8 @@ InputKind kind_of_input(std::string const& file) {
   if (bytes.starts_with("straytrace-run")) return InputKind::run;
   if (is_hdf5(bytes)) return is_budget_file(bytes, file) ? InputKind::budget : InputKind::run;
   if (end == ".h5" || end == ".hdf5" || bytes.find('\0') != bytes.npos)
-    throw InputError(fmt::format(
-        "error: '{}' is damaged, or no HDF5 file: its first bytes are those of another kind\n  copy or make "
-        "it again; detectors are YAML files",
-        file));
+    throw InputError(fmt::format("'{}' is damaged, or no HDF5 file: its first bytes are those of another kind", file),
+                     "copy or make it again; detectors are YAML files");
   return InputKind::detector;
 }
 
@@ -171,10 +169,8 @@ void add_borders_of_lines(std::vector<double>& borders, NoiseTrace const& curve,
 NoiseSource stray_light(std::string const& file) {
   RunFile const run = read_run(file);
   if (!run.noise)
-    throw InputError(
-        fmt::format("error: '{}' holds no noise, only couplings\n  give a run with ports, made with "
-                    "straytrace run or straytrace noise -o",
-                    file));
+    throw InputError(fmt::format("'{}' holds no noise, only couplings", file),
+                     "give a run with ports, made with straytrace run or straytrace noise -o");
   NoiseBudget const& b = *run.noise;
   std::vector<double> hz;
   for (std::size_t i = 0; i < b.grid.size(); ++i) hz.push_back(b.grid.centre(i));
@@ -235,14 +231,14 @@ std::vector<NoiseSource> noises_of_budget(std::string const& name) {
   return all;
 }
 
-std::vector<std::string> repeats(std::vector<NoiseSource> const& all, std::vector<std::string> const& fundamental,
-                                 std::string const& detector) {
-  std::vector<std::string> said;
+std::vector<InputError> repeats(std::vector<NoiseSource> const& all, std::vector<std::string> const& fundamental,
+                                std::string const& detector) {
+  std::vector<InputError> said;
   std::set<std::pair<std::string, std::string>> pairs;
   auto const say = [&](std::string const& a, std::string const& b, std::string const& name, char const* remedy) {
     if (pairs.insert({a, b}).second)
-      said.push_back(fmt::format("error: '{}' and '{}' hold the same noise, '{}': the sum would count it twice\n  {}",
-                                 a, b, name, remedy));
+      said.emplace_back(
+          fmt::format("'{}' and '{}' hold the same noise, '{}': the sum would count it twice", a, b, name), remedy);
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     NoiseSource const& s = all[i];
@@ -254,10 +250,10 @@ std::vector<std::string> repeats(std::vector<NoiseSource> const& all, std::vecto
       if (all[k].file != s.file && (equal_name || equal_run || same_curve(all[k].curve, s.curve)))
         say(all[k].file, s.file, s.entry.name, "name each input once; give other budgets with --compare");
       else if (all[k].file != s.file && same_scene(all[k], s) && pairs.insert({all[k].file, s.file}).second)
-        said.push_back(
-            fmt::format("error: '{}' and '{}' hold the stray light of one scene (model {}): the sum would count it "
-                        "twice\n  pick one, or give the other with --compare",
-                        all[k].file, s.file, s.models.front().substr(0, 12)));
+        said.emplace_back(
+            fmt::format("'{}' and '{}' hold the stray light of one scene (model {}): the sum would count it twice",
+                        all[k].file, s.file, s.models.front().substr(0, 12)),
+            "pick one, or give the other with --compare");
     }
   }
   return said;

@@ -58,8 +58,8 @@ std::vector<NoiseSource> noises_of_budget(std::string const& file);  // every no
 
 // What a sum would count twice: a sentence for each pair of inputs, with what to do. `fundamental`: names of the noises
 // that the detector `detector` brings.
-std::vector<std::string> repeats(std::vector<NoiseSource> const&, std::vector<std::string> const& fundamental,
-                                 std::string const& detector);
+std::vector<InputError> repeats(std::vector<NoiseSource> const&, std::vector<std::string> const& fundamental,
+                                std::string const& detector);
 // Equal names get the folder or the file behind them, equal titles as well.
 void name_apart(std::vector<NoiseSource>&);
 

@@ -55,8 +55,8 @@ StretchArgument parse_stretch(std::string const& text, std::string const& option
   a.file = head.substr(0, colons);
   if (colons != head.npos) a.channel = head.substr(colons + 2);
   if (a.file.empty())
-    throw InputError(fmt::format("error: {}: '{}' names no stretch\n  write {} 1000000000..1000000060, or a file",
-                                 option, text, option));
+    throw InputError(fmt::format("{}: '{}' names no stretch", option, text),
+                     fmt::format("write {} 1000000000..1000000060, or a file", option));
   return a;
 }
 
@@ -64,7 +64,8 @@ TimeSeries channel_in(StretchArgument const& stretch, std::string const& channel
                       std::string const& option) {
   if (channel.find("::") != channel.npos) return series_argument(channel, unit, stretch.span);
   std::string const file = stretch.file.empty() ? channel : stretch.file;
-  if (file.empty()) throw InputError(fmt::format("error: {} is missing\n  write {} FILE::CHANNEL", option, option));
+  if (file.empty())
+    throw InputError(fmt::format("{} is missing", option), fmt::format("write {} FILE::CHANNEL", option));
   return series_argument(stretch.file.empty() || channel.empty() ? file : file + "::" + channel, unit, stretch.span);
 }
 
@@ -76,9 +77,9 @@ void refuse_overlaps(std::vector<FoundStretch> const& all) {
       FoundStretch const &a = all[j], &b = all[i];
       double const from = std::max(a.from, b.from), to = std::min(a.to, b.to);
       if (to <= from || (a.file != b.file && from < surely_gps)) continue;
-      errors.emplace_back(fmt::format(
-          "error: {} and {} share the time from {} to {}\n  name stretches that lie apart; each is data of its own",
-          a.name, b.name, gps_text(from), gps_text(to)));
+      errors.emplace_back(
+          fmt::format("{} and {} share the time from {} to {}", a.name, b.name, gps_text(from), gps_text(to)),
+          "name stretches that lie apart; each is data of its own");
     }
   throw_all(errors);
 }
@@ -173,7 +174,7 @@ void add_line_options(CLI::App& command, LineOptions& o) {
 
 Driven follow_drive(LineOptions const& o) {
   if (o.data.band.empty())
-    throw InputError("error: --band is missing: where the line of the drive is\n  write --band \"18 Hz..22 Hz\"");
+    throw InputError("--band is missing: where the line of the drive is", "write --band \"18 Hz..22 Hz\"");
   FrequencyBand const band = option_band(o.data.band, "--band");
   Driven d;
   d.window = option_quantity(o.window, dim::time, "--window", "4 s");

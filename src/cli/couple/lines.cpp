@@ -48,9 +48,8 @@ HarmonicFit fit_of(Driven const& d, LineOptions const& o) {
   int const orders = std::min(o.harmonics, int(std::floor(0.49 * d.pair.target.rate / d.frequency())));
   if (orders < 3)
     throw InputError(
-        fmt::format("error: at {:g} Hz the target has no third harmonic of {:.4g} Hz\n  give it at a higher "
-                    "rate",
-                    d.pair.target.rate, d.frequency()));
+        fmt::format("at {:g} Hz the target has no third harmonic of {:.4g} Hz", d.pair.target.rate, d.frequency()),
+        "give it at a higher rate");
   std::vector<std::vector<LinePoint>> harmonics;
   for (int n = 1; n <= orders; ++n) harmonics.push_back(follow_line(d.pair.target, d.drive, d.window, n));
   return fit_harmonics(harmonics, o.z_max);

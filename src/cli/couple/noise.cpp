@@ -232,8 +232,8 @@ int run_noise(NoiseCoupling o) {
   std::vector<std::string> const witnesses =
       o.witness.empty() ? std::vector{parse_stretch(o.injection.front(), "--injection").channel} : o.witness;
   if (!o.save.empty() && witnesses.size() > 1)
-    throw InputError("error: --save holds one coupling, and there are several witnesses\n  name one --witness");
-  if (o.data.average == "median") throw InputError("error: --average median: couplings need means\n  leave it out");
+    throw InputError("--save holds one coupling, and there are several witnesses", "name one --witness");
+  if (o.data.average == "median") throw InputError("--average median: couplings need means", "leave it out");
   settle_segment(o, witnesses);
   FrequencyBand const band = o.data.band.empty() ? FrequencyBand{0, infinity} : option_band(o.data.band, "--band");
   std::vector<Coupled> all;
@@ -245,11 +245,10 @@ int run_noise(NoiseCoupling o) {
     }
   throw_all(errors);
   if (all.front().coupling.points.empty())
-    throw InputError("error: --band: no frequency of the spectra lies in it\n  choose it wider, or a longer --segment");
+    throw InputError("--band: no frequency of the spectra lies in it", "choose it wider, or a longer --segment");
   for (Coupled const& c : all)
     if (c.coupling.points.size() != all.front().coupling.points.size())
-      throw InputError(
-          "error: the witnesses have different frequencies\n  choose --segment, and a --band that all cover");
+      throw InputError("the witnesses have different frequencies", "choose --segment, and a --band that all cover");
   answer(o.data, sheet_of(all), text_of(o, all));
   save_coupling(o.save, all.front().coupling, o.data.quiet);
   return 0;

@@ -26,10 +26,8 @@ std::size_t bin_of(FrequencyGrid const& grid, double hz) {
 double scale_to(CouplingFunction const& c, std::string const& unit) {
   auto const have = parse_unit(c.unit), want = parse_unit(unit);
   if (!have || !want || !(have->dimension == want->dimension))
-    throw InputError(
-        fmt::format("error: --measured: the coupling is in {}, the prediction in {}\n  measure strain against "
-                    "displacement: couple noise --displacement",
-                    c.unit, unit));
+    throw InputError(fmt::format("--measured: the coupling is in {}, the prediction in {}", c.unit, unit),
+                     "measure strain against displacement: couple noise --displacement");
   return have->si / want->si;
 }
 
@@ -74,8 +72,7 @@ Overlay overlay_of(CouplingFunction const& c, PredictedCoupling const& p, std::s
     ++out.measured;
   }
   if (out.points.empty())
-    throw InputError(
-        "error: --measured: no measured factor or limit lies in the band of the prediction\n  choose --band");
+    throw InputError("--measured: no measured factor or limit lies in the band of the prediction", "choose --band");
   if (out.measured > 0) out.mean_ratio /= weight;
   for (OverlayPoint const& q : out.points)
     if (counts(q)) out.chi_square += std::pow((std::log(q.ratio) - out.mean_ratio) / q.error, 2);

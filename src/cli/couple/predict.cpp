@@ -35,9 +35,9 @@ BodyAxis place_of(PredictOptions const& o, std::vector<std::string> const& bodie
   auto const body = std::find(bodies.begin(), bodies.end(), o.body);
   if (body == bodies.end()) {
     std::string const near = nearest_word(o.body, bodies);
-    throw InputError(fmt::format(
-        "error: --body: the run has no body '{}'\n  {}", o.body,
-        near.empty() ? fmt::format("bodies: {}", fmt::join(bodies, ", ")) : fmt::format("did you mean '{}'?", near)));
+    throw InputError(
+        fmt::format("--body: the run has no body '{}'", o.body),
+        near.empty() ? fmt::format("bodies: {}", fmt::join(bodies, ", ")) : fmt::format("did you mean '{}'?", near));
   }
   return {BodyId{std::uint32_t(body - bodies.begin())},
           int(std::find(axes.begin(), axes.end(), o.axis) - axes.begin())};
@@ -60,14 +60,14 @@ double peak_of(PredictOptions const& o, bool rotation) {
   } catch (ExpressionProblem const& problem) {
     why = fmt::format("'{}': {}", o.amplitude, problem.what);
   }
-  throw InputError(fmt::format("error: --amplitude: {}\n  write --amplitude \"{}\", pp or rms", why, example));
+  throw InputError(fmt::format("--amplitude: {}", why), fmt::format("write --amplitude \"{}\", pp or rms", example));
 }
 
 FrequencyGrid grid_of(PredictOptions const& o, Model const& model) {
   if (o.data.band.empty() && o.points == 0) return model.noise.grid;
   FrequencyBand band{model.noise.grid.edges.front(), model.noise.grid.edges.back()};
   if (!o.data.band.empty()) band = option_band(o.data.band, "--band");
-  if (!(band.low > 0)) throw InputError("error: --band: it begins at 0 Hz\n  write --band \"10 Hz..1 kHz\"");
+  if (!(band.low > 0)) throw InputError("--band: it begins at 0 Hz", "write --band \"10 Hz..1 kHz\"");
   return logarithmic_grid(band.low, band.high, o.points > 0 ? o.points : 60);
 }
 
@@ -158,9 +158,9 @@ void add_motion(Prediction& out, PredictOptions const& o, RunFile const& file, M
   CouplingTable const& table = file.trace.coupling;
   if (!o.amplitude.empty()) {
     double const peak = peak_of(o, where.axis > 2);
-    if (o.frequency.empty()) throw InputError("error: --amplitude needs --frequency\n  write --frequency \"0.5 Hz\"");
+    if (o.frequency.empty()) throw InputError("--amplitude needs --frequency", "write --frequency \"0.5 Hz\"");
     double const hz = option_quantity(o.frequency, dim::frequency, "--frequency", "0.5 Hz");
-    if (!(hz > 0)) throw InputError("error: --frequency: it is not positive\n  write --frequency \"0.5 Hz\"");
+    if (!(hz > 0)) throw InputError("--frequency: it is not positive", "write --frequency \"0.5 Hz\"");
     DrivenResponse const d = drive_body(table, model.motion.bodies, *model.detector, grid, where, peak, hz);
     add_curve(out.sheet, "h_driven", "1/sqrt(Hz)", d.budget.total.asd, d.budget.total.sigma,
               "points");  // lines with nothing between them
@@ -185,8 +185,7 @@ int run_predict(PredictOptions const& o) {
   RunFile const& file = run.file;
   Model const& model = run.model;
   if (!model.detector)
-    throw InputError(
-        "error: the run has no interferometer, so nothing couples to h\n  trace a scene with 'interferometer'");
+    throw InputError("the run has no interferometer, so nothing couples to h", "trace a scene with 'interferometer'");
   BodyAxis const where = place_of(o, model.motion.bodies);
   FrequencyGrid const grid = grid_of(o, model);
   PredictedCoupling const p = predict_coupling(file.trace.coupling, model.motion.bodies, *model.detector, grid, where);

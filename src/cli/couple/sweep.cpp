@@ -64,7 +64,7 @@ std::string text_of(CouplingFunction const& c, std::size_t windows, std::size_t 
 int run_sweep(SweepOptions o) {
   check_outputs(o.data);
   if (o.data.band.empty())
-    throw InputError("error: --band is missing: what the sweep covers\n  write --band \"20 Hz..100 Hz\"");
+    throw InputError("--band is missing: what the sweep covers", "write --band \"20 Hz..100 Hz\"");
   FrequencyBand const band = option_band(o.data.band, "--band");
   o.ridge.low = band.low;
   o.ridge.high = band.high;

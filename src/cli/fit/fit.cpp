@@ -46,12 +46,10 @@ void write_fit(FitOptions const& o, FitAnswer const& answer, FringeModel const& 
 int fit(FitOptions const& o) {
   check_outputs(o.data);
   if (!o.subtract.empty() && !o.subtract.ends_with(".hdf5") && !o.subtract.ends_with(".h5"))
-    throw InputError(
-        fmt::format("error: --subtract: '{}' does not end in .hdf5\n  the residual is written as gwpy "
-                    "reads it",
-                    o.subtract));
+    throw InputError(fmt::format("--subtract: '{}' does not end in .hdf5", o.subtract),
+                     "the residual is written as gwpy reads it");
   if (!o.run.empty() && !o.gain.empty())
-    throw InputError("error: --gain-per-field: the run has the responses of its ports\n  leave one of the two out");
+    throw InputError("--gain-per-field: the run has the responses of its ports", "leave one of the two out");
   FringeRecords const records = records_of(o);
   std::vector<RoutePrediction> const routes = predictions(o, is_rotation(records));
   FringeFitSettings const settings = settings_of(o, records, routes);

@@ -27,7 +27,7 @@ ShelfEdgeSettings edge_settings(FitOptions const& o, FringeRecords const& record
   s.factor = option_range(o.factor, multiplicity_dimension(records), "--factor",
                           is_rotation(records) ? "1 mm..5 cm" : "0.2..3");
   if (!(s.factor.low > 0 && s.factor.free()))
-    throw InputError(fmt::format("error: --factor: '{}' is not a range above 0\n  write --factor 0.2..3", o.factor));
+    throw InputError(fmt::format("--factor: '{}' is not a range above 0", o.factor), "write --factor 0.2..3");
   return s;
 }
 

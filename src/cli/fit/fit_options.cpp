@@ -17,8 +17,8 @@ constexpr double clock_range = 0.25;  // s, to either side: clocks that are not 
 TimeSeries as_strain(TimeSeries x) {
   auto const unit = parse_unit(x.unit);
   if (!unit || unit->dimension != dim::plain)
-    throw InputError(fmt::format(
-        "error: --target: '{}' is in '{}', not a plain number\n  say the unit with --target-unit", x.name, x.unit));
+    throw InputError(fmt::format("--target: '{}' is in '{}', not a plain number", x.name, x.unit),
+                     "say the unit with --target-unit");
   for (double& v : x.samples) v = to_si(v, *unit);
   x.unit = "1";
   return x;
@@ -36,10 +36,10 @@ MotionKind kind_of(TimeSeries const& x, std::string const& option) {
       auto const reached = straytrace::times(unit->dimension, *power_of(dim::time, times));
       if (reached && *reached == (rotation ? dim::angle : dim::length)) return {rotation, times};
     }
-  throw InputError(
-      fmt::format("error: {}: '{}' is in '{}', which is no motion\n  give m or rad, or one of them per s or s^2; say "
-                  "the unit with {}-unit, of counts with what one is: \"2e-6 m/s^2\"",
-                  option, x.name, x.unit, option));
+  throw InputError(fmt::format("{}: '{}' is in '{}', which is no motion", option, x.name, x.unit),
+                   fmt::format("give m or rad, or one of them per s or s^2; say the unit with {}-unit, of counts with "
+                               "what one is: \"2e-6 m/s^2\"",
+                               option));
 }
 
 // Adds displacement [m] or angle [rad].
@@ -48,16 +48,14 @@ void add_motion(FringeRecords& records, TimeSeries x, FitOptions const& o, std::
   MotionKind const kind = kind_of(x, option);
   if (kind.integrations == 0) {
     if (!o.corner.empty())
-      throw InputError(
-          fmt::format("error: --corner: '{}' is in {}, and is not integrated\n  leave the option out", x.name, x.unit));
+      throw InputError(fmt::format("--corner: '{}' is in {}, and is not integrated", x.name, x.unit),
+                       "leave the option out");
     auto const unit = parse_unit(x.unit);
     for (double& v : x.samples) v = to_si(v, *unit);
   } else {
     if (o.corner.empty())
-      throw InputError(
-          fmt::format("error: {}: '{}' is in {}, and is integrated behind a high pass\n  write --corner "
-                      "\"0.05 Hz\", below all motion that makes fringes",
-                      option, x.name, x.unit));
+      throw InputError(fmt::format("{}: '{}' is in {}, and is integrated behind a high pass", option, x.name, x.unit),
+                       "write --corner \"0.05 Hz\", below all motion that makes fringes");
     double const corner = option_quantity(o.corner, dim::frequency, "--corner", "0.05 Hz");
     unseen = rms_below(x, kind.integrations, corner);
     x = settled(integrated(x, kind.integrations, corner), corner);
@@ -95,17 +93,16 @@ SearchRange multiplicity_of(FitOptions const& o, RoutePrediction const* route, F
   }
   if (!o.multiplicity.empty()) return option_range(o.multiplicity, dimension, "--multiplicity", example);
   if (is_rotation(records))
-    throw InputError(
-        "error: --multiplicity is missing: of an angle it is a lever arm, which has no usual range\n  write "
-        "--multiplicity \"1 mm..5 cm\", or give the run and --path");
+    throw InputError("--multiplicity is missing: of an angle it is a lever arm, which has no usual range",
+                     "write --multiplicity \"1 mm..5 cm\", or give the run and --path");
   return default_multiplicity(records, s);
 }
 
 double option_share(std::string const& text, std::string const& option, std::string const& example) {
   double const share = option_quantity(text, dim::plain, option, example);
   if (share > 0 && share <= 1) return share;
-  throw InputError(
-      fmt::format("error: {}: '{}' is not above 0 and up to 1\n  write {} \"{}\"", option, text, option, example));
+  throw InputError(fmt::format("{}: '{}' is not above 0 and up to 1", option, text),
+                   fmt::format("write {} \"{}\"", option, example));
 }
 
 }  // namespace
@@ -120,24 +117,24 @@ SearchRange option_range(std::string const& text, Dimension dimension, std::stri
   SearchRange const range{option_quantity(text.substr(0, mark), dimension, option, example),
                           option_quantity(text.substr(mark + 2), dimension, option, example)};
   if (range.high > range.low) return range;
-  throw InputError(fmt::format("error: {}: '{}' does not rise\n  write {} \"{}\"", option, text, option, example));
+  throw InputError(fmt::format("{}: '{}' does not rise", option, text),
+                   fmt::format("write {} \"{}\"", option, example));
 }
 
 double wavelength_of(FitOptions const& o) {
   double const run = o.run.empty() ? 0 : wavelength_of_run(o);
   if (o.wavelength.empty()) return run > 0 ? run : 1064e-9;
   double const said = option_quantity(o.wavelength, dim::length, "--wavelength", "1064 nm");
-  if (!(said > 0)) throw InputError("error: --wavelength: it is positive\n  write --wavelength \"1064 nm\"");
+  if (!(said > 0)) throw InputError("--wavelength: it is positive", "write --wavelength \"1064 nm\"");
   if (run > 0 && std::fabs(said / run - 1) > 1e-9)
-    throw InputError(fmt::format("error: --wavelength: the run has {:g} nm\n  leave the option out", run * 1e9));
+    throw InputError(fmt::format("--wavelength: the run has {:g} nm", run * 1e9), "leave the option out");
   return said;
 }
 
 FringeRecords records_of(FitOptions const& o) {
   if (o.target.empty() || o.witness.empty())
-    throw InputError(
-        "error: a fit needs --target, the record with the noise, and --witness, the motion\n  write --target "
-        "h.hdf5::CHANNEL --witness x.hdf5::CHANNEL");
+    throw InputError("a fit needs --target, the record with the noise, and --witness, the motion",
+                     "write --target h.hdf5::CHANNEL --witness x.hdf5::CHANNEL");
   GpsSpan const span = span_of(o.data);
   FringeRecords records;
   records.target = series_argument(o.target, o.target_unit, span);
@@ -146,9 +143,9 @@ FringeRecords records_of(FitOptions const& o) {
   add_motion(records, series_argument(o.witness, o.witness_unit, span), o, "--witness");
   if (!o.witness2.empty()) add_motion(records, series_argument(o.witness2, o.witness2_unit, span), o, "--witness2");
   if (records.witnesses.front().unit != records.witnesses.back().unit)
-    throw InputError("error: --witness2: one witness is an angle and the other a displacement\n  give two of one kind");
+    throw InputError("--witness2: one witness is an angle and the other a displacement", "give two of one kind");
   if (o.witness2.empty() && (!o.ratio.empty() || is_free(o, "ratio")))
-    throw InputError("error: --ratio: there is no second witness\n  name it with --witness2");
+    throw InputError("--ratio: there is no second witness", "name it with --witness2");
   return records;
 }
 
@@ -157,7 +154,7 @@ Dimension multiplicity_dimension(FringeRecords const& r) { return is_rotation(r)
 std::string multiplicity_unit(FringeRecords const& r) { return is_rotation(r) ? "m" : ""; }
 
 FitGround ground_of(FitOptions const& o, FringeRecords const& records) {
-  if (o.data.band.empty()) throw InputError("error: --band is missing\n  write --band \"20 Hz..80 Hz\"");
+  if (o.data.band.empty()) throw InputError("--band is missing", "write --band \"20 Hz..80 Hz\"");
   FrequencyBand const band = band_of(o.data, {}, records.target.rate / 2);
   FitGround g{band.low, band.high, wavelength_of(o), {}};
   if (records.witnesses.size() < 2) return g;

@@ -225,9 +225,8 @@ double unseen_phase(FitAnswer const& a, std::size_t path) {
 TimeSeries subtracted(FitAnswer const& a, FringeModel const& model) {
   if (a.fit.verdict != FitOutcome::found)
     throw InputError(
-        fmt::format("error: --subtract: {}; nothing was subtracted and no residual written\n  leave the "
-                    "option out, or fit another witness, band or stretch",
-                    verdict_text(a.fit.verdict)));
+        fmt::format("--subtract: {}; nothing was subtracted and no residual written", verdict_text(a.fit.verdict)),
+        "leave the option out, or fit another witness, band or stretch");
   TimeSeries rest = a.records.target;
   rest.name += "_RESIDUAL";
   for (std::size_t i = 0; i < model.values.size(); ++i) rest.samples[model.first + i] -= model.values[i];

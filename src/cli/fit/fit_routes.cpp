@@ -41,8 +41,8 @@ PhaseSensitivities phase_sensitivities_of(CouplingClass const& c, std::uint32_t 
 std::uint32_t body_named(CouplingTable const& table, std::string const& name) {
   auto const at = std::find(table.bodies.begin(), table.bodies.end(), name);
   if (at != table.bodies.end()) return std::uint32_t(at - table.bodies.begin());
-  throw InputError(
-      fmt::format("error: --body: the run has no body '{}'\n  it is one of: {}", name, fmt::join(table.bodies, ", ")));
+  throw InputError(fmt::format("--body: the run has no body '{}'", name),
+                   fmt::format("it is one of: {}", fmt::join(table.bodies, ", ")));
 }
 
 // The axis that is asked for, or that of most phase among those that the witness can measure.
@@ -52,9 +52,9 @@ std::size_t axis_of(std::string const& asked, PhaseSensitivities const& phase_se
   if (asked.empty()) return first + std::size_t(std::max_element(from, from + 3) - from);
   auto const a = std::size_t(std::find(axis_names.begin(), axis_names.end(), asked) - axis_names.begin());
   if ((a > 2) == rotation) return a;
-  throw InputError(fmt::format("error: --axis: {} is {}, and the witness measures {}\n  write --axis {}", asked,
-                               rotation ? "a direction" : "a rotation", rotation ? "an angle" : "a displacement",
-                               rotation ? "rx, ry or rz" : "x, y or z"));
+  throw InputError(fmt::format("--axis: {} is {}, and the witness measures {}", asked,
+                               rotation ? "a direction" : "a rotation", rotation ? "an angle" : "a displacement"),
+                   fmt::format("write --axis {}", rotation ? "rx, ry or rz" : "x, y or z"));
 }
 
 // rms phase sensitivity and its spread in units of 2k (m for rotations), with the sign of the mean where that is clear.
@@ -67,9 +67,8 @@ void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingC
   double const rms = std::sqrt(phase_sensitivities.square[a] / phase_sensitivities.weight);
   if (!(rms > 0))
     throw InputError(
-        fmt::format("error: motion of '{}' along {} does not change the phase of path {}\n  choose "
-                    "another --body or --axis",
-                    p.body, p.axis, p.rank));
+        fmt::format("motion of '{}' along {} does not change the phase of path {}", p.body, p.axis, p.rank),
+        "choose another --body or --axis");
   p.multiplicity = (mean < 0 ? -1 : 1) * rms / two_k;
   p.spread = std::sqrt(std::max(0.0, rms * rms - mean * mean)) / two_k;
 }
@@ -77,7 +76,7 @@ void find_multiplicity(RoutePrediction& p, CouplingTable const& table, CouplingC
 CouplingClass const& class_of(CouplingTable const& table, std::uint64_t hash, std::string const& port) {
   for (CouplingClass const& c : table.classes)
     if (c.hash == hash && table.ports[c.port.value] == port) return c;
-  throw InputError("error: the run file does not hold the route that its path table names\n  make the run again");
+  throw InputError("the run file does not hold the route that its path table names", "make the run again");
 }
 
 }  // namespace
@@ -89,14 +88,14 @@ std::vector<RoutePrediction> predictions(FitOptions const& o, bool rotation) {
   auto const run = std::make_shared<OpenRun const>(o.run);
   RunFile const& file = run->file;
   if (!run->model.detector)
-    throw InputError(fmt::format("error: {} has no interferometer\n  fit without a run, or project one", o.run));
+    throw InputError(fmt::format("{} has no interferometer", o.run), "fit without a run, or project one");
   CouplingTable const& table = file.trace.coupling;
   PathTable const rows = table_for(table, file.noise ? &*file.noise : nullptr, run->model);
   std::vector<RoutePrediction> out;
   for (std::size_t const rank : o.rows.empty() ? std::vector<std::size_t>{1} : o.rows) {
     if (rank < 1 || rank > rows.rows.size())
-      throw InputError(fmt::format("error: --path: the run has rows 1 to {}, not {}\n  see straytrace paths {}",
-                                   rows.rows.size(), rank, o.run));
+      throw InputError(fmt::format("--path: the run has rows 1 to {}, not {}", rows.rows.size(), rank),
+                       fmt::format("see straytrace paths {}", o.run));
     PathRow const& row = rows.rows[rank - 1];
     CouplingClass const& c = class_of(table, row.hash, row.port);
     RoutePrediction p;

@@ -55,17 +55,17 @@ Scene scene_of_preset(std::string const& name, FileTexts& texts) {
   for (MaterialPreset const& p : material_presets()) names.emplace_back(p.name);
   for (LibraryEntry const& e : library_entries()) {
     if (e.name == name)
-      throw InputError(fmt::format(
-          "error: '{0}' is a {1} of the library, and inspect shows presets, materials of a scene, and files\n  see "
-          "straytrace library {0}",
-          name, e.kind));
+      throw InputError(
+          fmt::format("'{}' is a {} of the library, and inspect shows presets, materials of a scene, and files", name,
+                      e.kind),
+          fmt::format("see straytrace library {}", name));
     names.push_back(e.name);
   }
   std::string const near = nearest_word(name, names);
   throw InputError(
-      fmt::format("error: '{}' is neither a file nor in the library\n  {}to see a material of a scene, name the "
-                  "scene after it: straytrace inspect steel arm.yaml",
-                  name, near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
+      fmt::format("'{}' is neither a file nor in the library", name),
+      fmt::format("{}to see a material of a scene, name the scene after it: straytrace inspect steel arm.yaml",
+                  near.empty() ? "" : fmt::format("did you mean '{}'? ", near)));
 }
 
 void print_bsdf(WorldView const& world, Optic const& optic, int side) {
@@ -109,7 +109,7 @@ void print(WorldView const& world, MaterialInfo const& info, std::vector<std::st
 void plot(nlohmann::json const& data, std::string const& png) {
   std::string message;
   std::string const picture = picture_of(data.dump(), draw_law_picture, message);
-  if (picture.empty()) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  if (picture.empty()) throw InputError(message, "or leave --plot out");
   write_file(png, picture);
   std::cout << "\npicture: " << png << '\n';
 }
@@ -117,16 +117,14 @@ void plot(nlohmann::json const& data, std::string const& png) {
 // A list of materials in the newmtl format, as a file that a scene can include.
 int print_list(std::string const& file, bool json) {
   auto const [text, why] = bytes_of_file(file);
-  if (!why.empty())
-    throw InputError(fmt::format("error: cannot read '{}': {}\n  check the name and the folder", file, why));
+  if (!why.empty()) throw InputError(fmt::format("cannot read '{}': {}", file, why), "check the name and the folder");
   std::vector<Problem> problems;
   std::vector<NewmtlMaterial> const list = read_newmtl(text, problems);
   std::string const name = std::filesystem::path(file).filename().string();
   if (list.empty() && problems.empty())
-    throw InputError(fmt::format("error: '{}' holds no material\n  begin with a line 'newmtl NAME'", name));
+    throw InputError(fmt::format("'{}' holds no material", name), "begin with a line 'newmtl NAME'");
   std::string said;
-  for (Problem const& p : problems)
-    said += fmt::format("{}:{}:{}: error: {}\n  {}\n", name, p.place.line, p.place.column, p.what, p.suggestion);
+  for (Problem const& p : problems) said += placed_message(p, name) + '\n';
   if (!problems.empty()) throw InputError(problems, said, {name});
   if (!json) {
     std::cout << fmt::format(
@@ -154,7 +152,7 @@ std::optional<Scene> scene_asked(Inspected const& i, Options const& options, Fil
   std::string const& name = i.what.file;
   bool const whole = is_scene(name), own = !i.scene.empty();
   if (whole && own)
-    throw InputError("error: two scenes\n  write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
+    throw InputError("two scenes", "write straytrace inspect MATERIAL SCENE, or straytrace inspect SCENE");
   if (own || whole) return read_scene(own ? i.scene : name, options.overrides);
   if (is_preset(name)) return scene_of_preset(name, texts);
   if (std::filesystem::is_regular_file(name)) return {};
@@ -173,22 +171,20 @@ bool is_run(std::string const& file) {
 int inspect(Inspected const& i, Options const& options) {
   std::string const& name = i.what.file;
   if (is_run_file(name) && !is_run(name))
-    throw InputError(fmt::format(
-        "error: '{0}' is HDF5 and no run file\n  of recorded data, see straytrace signal psd {0}, which names its "
-        "channels",
-        name));
+    throw InputError(fmt::format("'{}' is HDF5 and no run file", name),
+                     fmt::format("of recorded data, see straytrace signal psd {}, which names its channels", name));
   if (is_run_file(name))
-    throw InputError(fmt::format(
-        "error: '{0}' is a run file\n  see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o "
-        "FOLDER to make it again",
-        name));
+    throw InputError(
+        fmt::format("'{}' is a run file", name),
+        fmt::format("see straytrace paths {0}, straytrace noise {0}, or straytrace run {0} -o FOLDER to make it again",
+                    name));
   if (is_geometry(name) && i.scene.empty()) return inspect_geometry(name, i.units, i.what.plot, options);
   if (is_list(i.what.file) && i.scene.empty()) return print_list(i.what.file, options.json());
   FileTexts texts;
   std::optional<Scene> const asked = scene_asked(i, options, texts);
   if (!asked) return inspect_scatter(i.what, options);
   if (!i.what.write.empty())
-    throw InputError("error: --write converts files of measured scatter\n  name such a file, or leave --write out");
+    throw InputError("--write converts files of measured scatter", "name such a file, or leave --write out");
   Scene const& scene = *asked;
   bool const own = !i.scene.empty();
   if (is_scene(i.what.file) && shows_motion(scene)) return inspect_motion(scene, i.what.plot, options);
@@ -218,9 +214,9 @@ int inspect(Inspected const& i, Options const& options) {
   }
   if (found) return done;
   std::string const near = nearest_word(i.what.file, known);
-  throw InputError(fmt::format("error: '{}' has no material '{}'\n  {}", own ? i.scene : i.what.file, i.what.file,
-                               !near.empty() ? fmt::format("did you mean '{}'?", near)
-                                             : fmt::format("its materials: {}", fmt::join(known, ", "))));
+  throw InputError(fmt::format("'{}' has no material '{}'", own ? i.scene : i.what.file, i.what.file),
+                   !near.empty() ? fmt::format("did you mean '{}'?", near)
+                                 : fmt::format("its materials: {}", fmt::join(known, ", ")));
 }
 
 }  // namespace

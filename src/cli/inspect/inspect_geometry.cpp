@@ -151,21 +151,21 @@ namespace fs = std::filesystem;
 std::string contents(fs::path const& file) {
   FileBytes read = bytes_of_file(file);
   if (!read.why.empty())
-    throw InputError(fmt::format("error: cannot read '{}': {}\n  check the name and the folder, and that it is a file",
-                                 file.string(), read.why));
+    throw InputError(fmt::format("cannot read '{}': {}", file.string(), read.why),
+                     "check the name and the folder, and that it is a file");
   return std::move(read.bytes);
 }
 
 void refuse_mesh(std::string const& name, MeshFault const& fault) {
-  if (!fault.what.empty())
-    throw InputError(
-        fmt::format("{}: error: {}\n  {}\n1 error. Nothing was run.\n", name, fault.what, fault.suggestion));
+  if (fault.what.empty()) return;
+  Problem const problem{{}, fault.what, fault.suggestion};
+  throw InputError({problem}, placed_message(problem, name) + "\n1 error. Nothing was run.\n", {name});
 }
 
 double metres_in(std::string const& units) {
   auto const unit = parse_unit(units);
   if (!unit || unit->dimension != dim::length)
-    throw InputError(fmt::format("error: '{}' is not a unit of length\n  write for example --units mm", units));
+    throw InputError(fmt::format("'{}' is not a unit of length", units), "write for example --units mm");
   return unit->si;
 }
 

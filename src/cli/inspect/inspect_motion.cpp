@@ -96,7 +96,7 @@ CurveSheet sheet_of(std::vector<MotionRow> const& rows, std::vector<MotionClass>
     low = std::min(low, c.reference.lowest());
     high = std::max(high, c.reference.highest());
   }
-  if (!(low < high)) throw InputError("error: no motion of this file has a spectrum to draw\n  leave --plot out");
+  if (!(low < high)) throw InputError("no motion of this file has a spectrum to draw", "leave --plot out");
   CurveSheet sheet;
   sheet.title = "Motion of bodies, amplitude spectral density";
   sheet.notes = {"tones and drifts are not drawn"};

@@ -28,13 +28,13 @@ double length_of(std::string const& text) {
   auto const unit = blank == text.npos ? std::nullopt : parse_unit(without_blanks(text.substr(blank)));
   auto const value = unit && unit->dimension == dim::length ? csv_number(text.substr(0, blank), *unit) : std::nullopt;
   if (!value || !(*value > 1e-8 && *value < 1e-3))
-    throw InputError(fmt::format("error: '{}' is no wavelength\n  write --wavelength \"1064 nm\"", text));
+    throw InputError(fmt::format("'{}' is no wavelength", text), "write --wavelength \"1064 nm\"");
   return *value;
 }
 
 ScatterFile read(ScatterRequest const& r) {
   auto const [text, why] = bytes_of_file(r.file);
-  if (!why.empty()) throw InputError(fmt::format("error: cannot read '{}': {}\n  name a file", r.file, why));
+  if (!why.empty()) throw InputError(fmt::format("cannot read '{}': {}", r.file, why), "name a file");
   ScatterDeclared given;
   given.angles = r.angles;
   given.entry = r.entry;
@@ -44,10 +44,7 @@ ScatterFile read(ScatterRequest const& r) {
   if (problems.empty()) check_scatter_points(file.points, problems);
   if (problems.empty()) return file;
   std::string said;
-  for (Problem const& p : problems)
-    said +=
-        fmt::format("{}{}: error: {}\n  {}\n", r.file,
-                    p.place.line > 0 ? fmt::format(":{}:{}", p.place.line, p.place.column) : "", p.what, p.suggestion);
+  for (Problem const& p : problems) said += placed_message(p, r.file) + '\n';
   throw InputError(problems, said, {r.file});
 }
 
@@ -145,7 +142,7 @@ nlohmann::json as_json(std::string const& name, ScatterFile const& file, Scatter
 void draw(nlohmann::json const& data, std::string const& png) {
   std::string message;
   std::string const picture = picture_of(data.dump(), draw_scatter_picture, message);
-  if (picture.empty()) throw InputError(fmt::format("error: {}\n  or leave --plot out", message));
+  if (picture.empty()) throw InputError(message, "or leave --plot out");
   write_file(png, picture);
 }
 
@@ -159,10 +156,9 @@ int inspect_scatter(ScatterRequest const& r, Options const& options) {
   std::string ssdd, why;
   if (!r.write.empty()) {
     if (!r.write.ends_with(".ssdd"))
-      throw InputError(fmt::format("error: '{}' is no SSDD file\n  write --write NAME.ssdd", r.write));
+      throw InputError(fmt::format("'{}' is no SSDD file", r.write), "write --write NAME.ssdd");
     ssdd = ssdd_text(file, r.beyond, why);
-    if (!why.empty())
-      throw InputError(fmt::format("error: '{}' cannot become SSDD: {}\n  leave --write out", name, why));
+    if (!why.empty()) throw InputError(fmt::format("'{}' cannot become SSDD: {}", name, why), "leave --write out");
   }
   nlohmann::json const data = as_json(name, file, audit, fits);
   if (!r.plot.empty()) draw(data, r.plot);

@@ -30,7 +30,7 @@ struct RenderRequest {
 };
 
 [[noreturn]] void refuse_option(std::string const& option, std::string const& text, std::string const& instead) {
-  throw InputError(fmt::format("error: '{}' is not what --{} takes\n  {}", text, option, instead));
+  throw InputError(fmt::format("'{}' is not what --{} takes", text, option), instead);
 }
 
 double number_in(std::string const& option, std::string const& text, Dimension dimension, std::string const& instead) {
@@ -95,9 +95,9 @@ bool belongs(std::string const& group, std::string const& name) {
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
   std::string const near = nearest_word(name, known);
-  throw InputError(fmt::format(
-      "error: --{}: nothing in the scene is called '{}'\n  {}", option, name,
-      near.empty() ? fmt::format("its names: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+  throw InputError(
+      fmt::format("--{}: nothing in the scene is called '{}'", option, name),
+      near.empty() ? fmt::format("its names: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
 struct Stand {  // of an eye
@@ -158,7 +158,7 @@ Framing choose_view(World const& world, RenderRequest const& w) {
   });
   if (!(box.lower.x <= box.upper.x)) unknown_name(world, "at", w.at);
   if (w.eye.empty()) {
-    if (!w.look.empty()) throw InputError("error: --look without --eye\n  say where the eye stands: --eye 0,0,-1m");
+    if (!w.look.empty()) throw InputError("--look without --eye", "say where the eye stands: --eye 0,0,-1m");
     return w.section || is_long(box) ? section(box, columns, rows) : framing(box, field, columns, rows);
   }
   std::string const place = "write three lengths, for example --eye 0,20cm,-1.5m";
@@ -208,10 +208,8 @@ void print(Options const& options, Camera const& c, Drawn const& drawn) {
 void check_picture_name(std::string const& file) {
   std::filesystem::path path(file);
   if (lower_case(path.extension().string()) == ".png") return;
-  throw InputError(
-      fmt::format("error: '{}' is not the name of a PNG file, and pictures are written as PNG\n"
-                  "  write -o {}",
-                  file, path.replace_extension(".png").string()));
+  throw InputError(fmt::format("'{}' is not the name of a PNG file, and pictures are written as PNG", file),
+                   fmt::format("write -o {}", path.replace_extension(".png").string()));
 }
 
 Flash flash_of(RenderRequest const& w, Camera const& camera) {
@@ -219,9 +217,8 @@ Flash flash_of(RenderRequest const& w, Camera const& camera) {
   Flash const flash{.radius = number_in("lamp", w.lamp, dim::length, instead)};
   if (!(flash.radius > 0)) refuse_option("lamp", w.lamp, instead);
   if (camera.lens == Camera::Lens::flat || w.mode != "shaded" || !w.cuts.empty())
-    throw InputError(
-        "error: --flash needs a camera that stands somewhere, in a scene that is whole\n"
-        "  write --from NAME or --eye X,Y,Z, and leave out --section, --mode and --cut");
+    throw InputError("--flash needs a camera that stands somewhere, in a scene that is whole",
+                     "write --from NAME or --eye X,Y,Z, and leave out --section, --mode and --cut");
   return flash;
 }
 

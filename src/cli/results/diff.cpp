@@ -35,8 +35,7 @@ Side read_side(std::string const& file, std::vector<std::string> const& override
   Side side;
   if (is_run_file(file)) {
     if (!overrides.empty())
-      throw InputError(
-          "error: -p sets parameters of a model, and a run has its own\n  compare models, or leave -p out");
+      throw InputError("-p sets parameters of a model, and a run has its own", "compare models, or leave -p out");
     side.run = read_run(file);
     RunContent const& about = side.run->about;
     side.scene = read_by_all(about.main_file, about.overrides, &about.files);

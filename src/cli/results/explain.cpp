@@ -51,18 +51,17 @@ Explanation answer_to(ExplainOptions const& asked) {
   std::vector<std::string> const words = words_of(asked);
   if (words.front() == "unit" && words.size() == 2) return explain_unit(words[1]);
   if (words.front() == "h" && words.size() == 2) return explain_strain(words[1], asked.path, asked.hz);
-  if (words.front() == "h" || words.front() == "unit")
-    throw InputError(words.front() == "h"
-                         ? "error: 'explain h' needs a run file\n  write straytrace explain h RUN.h5 --path 1"
-                         : "error: 'explain unit' needs a unit\n  write straytrace explain unit 'm/sqrt(Hz)'");
+  if (words.front() == "h")
+    throw InputError("'explain h' needs a run file", "write straytrace explain h RUN.h5 --path 1");
+  if (words.front() == "unit")
+    throw InputError("'explain unit' needs a unit", "write straytrace explain unit 'm/sqrt(Hz)'");
   std::string const what = fmt::format("{}", fmt::join(words, " "));
   if (auto found = explain_key(what)) return *found;
   if (auto found = explain_library(what)) return *found;
   if (auto found = explain_column(what)) return *found;
   if (auto found = explain_message(what)) return *found;
   if (parse_unit(what)) return explain_unit(what);
-  throw InputError(
-      fmt::format("error: nothing in the language or the library is called '{}'\n  {}", what, suggestion_for(what)));
+  throw InputError(fmt::format("nothing in the language or the library is called '{}'", what), suggestion_for(what));
 }
 
 }  // namespace
@@ -199,8 +198,9 @@ Explanation explain_unit(std::string const& unit) {
   auto const found = parse_unit(unit);
   if (!found) {
     std::string const near = likely_unit(unit);
-    throw InputError(fmt::format("error: '{}' is not a unit\n  {}known units: {}", unit,
-                                 near.empty() ? "" : fmt::format("did you mean '{}'? ", near), all_unit_names()));
+    throw InputError(fmt::format("'{}' is not a unit", unit),
+                     fmt::format("{}known units: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
+                                 all_unit_names()));
   }
   std::string const accepted = accepted_units(found->dimension), si = with_unit("1", found->dimension);
   Explanation a;
@@ -355,10 +355,9 @@ struct Factor {
 std::size_t bin_at(FrequencyGrid const& grid, double hz) {
   auto const above = std::upper_bound(grid.edges.begin(), grid.edges.end(), hz);
   if (above == grid.edges.begin() || above == grid.edges.end())
-    throw InputError(
-        fmt::format("error: {:g} Hz is outside the band of the noise, {:g} Hz to {:g} Hz\n  write --at with "
-                    "a frequency inside it",
-                    hz, grid.edges.front(), grid.edges.back()));
+    throw InputError(fmt::format("{:g} Hz is outside the band of the noise, {:g} Hz to {:g} Hz", hz, grid.edges.front(),
+                                 grid.edges.back()),
+                     "write --at with a frequency inside it");
   return std::size_t(above - grid.edges.begin()) - 1;
 }
 
@@ -366,7 +365,7 @@ CouplingClass const& class_of(CouplingTable const& table, PathRow const& row, st
   for (index = 0; index < table.classes.size(); ++index)
     if (table.classes[index].hash == row.hash && table.ports[table.classes[index].port.value] == row.port)
       return table.classes[index];
-  throw InputError("error: the run has no class of this path\n  trace it again");
+  throw InputError("the run has no class of this path", "trace it again");
 }
 
 std::vector<Factor> chain(CouplingClass const& c, NoiseTrace const& trace, PathRow const& row,
@@ -398,8 +397,8 @@ Explanation explain_strain(std::string const& run_file, std::size_t path, double
   CouplingTable const& table = run.file.trace.coupling;
   PathTable const paths = table_for(table, &budget, model);
   if (path < 1 || path > paths.rows.size())
-    throw InputError(fmt::format("error: the run has no path {}; it has {}\n  see straytrace paths {}", path,
-                                 paths.rows.size(), run_file));
+    throw InputError(fmt::format("the run has no path {}; it has {}", path, paths.rows.size()),
+                     fmt::format("see straytrace paths {}", run_file));
   PathRow const& row = paths.rows[path - 1];
   std::size_t index = 0, bin = bin_at(budget.grid, hz);
   CouplingClass const& c = class_of(table, row, index);

@@ -30,8 +30,7 @@ void report_other_texts(RunParts const& parts, Options const& options) {
 void refuse_gaps(RunParts const& parts) {
   std::string text = missing_text(parts);
   text.pop_back();  // the end of its last line
-  throw InputError(
-      fmt::format("error: {}\n  merge again when they are there, or take what there is with --partial", text));
+  throw InputError(text, "merge again when they are there, or take what there is with --partial");
 }
 
 // A run that is there already may hold histories that no part does.
@@ -40,10 +39,9 @@ void refuse_loss(RunParts const& parts, Options const& options) {
   std::uint64_t blocks = 0;
   for (BlockRange const& range : lost_with(read_part_head(options.out), parts)) blocks += range.size();
   if (blocks > 0)
-    throw InputError(fmt::format(
-        "error: '{}' holds {} of histories that no part does, which would be lost\n  choose another place with "
-        "-o, or overwrite it with --force",
-        options.out, counted(blocks, "block")));
+    throw InputError(fmt::format("'{}' holds {} of histories that no part does, which would be lost", options.out,
+                                 counted(blocks, "block")),
+                     "choose another place with -o, or overwrite it with --force");
 }
 
 TraceResult merged(RunParts const& parts, Model& model, Options const& options) {

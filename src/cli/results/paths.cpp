@@ -60,9 +60,8 @@ void print_ports(Options const& options, PathsChoice const& choice, RunContent c
 int paths(Options const& options, PathsChoice const& choice) {
   refuse_two_formats(options);
   if (choice.any() && (options.first_order || options.census || options.by == "receiver" || options.by == "source"))
-    throw InputError(
-        "error: --where, --without, --sort and --band are about routes to ports\n  leave out --by, --census and "
-        "--first-order, or leave these out");
+    throw InputError("--where, --without, --sort and --band are about routes to ports",
+                     "leave out --by, --census and --first-order, or leave these out");
   if (options.first_order) return print_first_order(options);
   OpenRun const run(options.input);
   RunFile const& file = run.file;
@@ -72,9 +71,8 @@ int paths(Options const& options, PathsChoice const& choice) {
   bool const without_ports = file.trace.coupling.ports.empty() && options.by.empty();
   if (options.census || options.by == "receiver" || options.by == "source" || without_ports) {
     if (choice.any())
-      throw InputError(
-          "error: this run has no ports, and --where, --without, --sort and --band are about routes to ports\n  leave "
-          "them out");
+      throw InputError("this run has no ports, and --where, --without, --sort and --band are about routes to ports",
+                       "leave them out");
     print_receivers(options, content, show);
     return done;
   }
@@ -150,16 +148,16 @@ std::vector<std::size_t> passing(std::vector<std::string> const& patterns, PathT
     if (found) continue;
     std::vector<std::string> const all(names.begin(), names.end());
     std::string const near = nearest_word(pattern, all);
-    errors.emplace_back(fmt::format("error: --without: no route passes '{}'\n  {}", pattern,
-                                    near.empty() ? "objects of routes are " + fmt::format("{}", fmt::join(all, ", "))
-                                                 : "did you mean '" + near + "'?"));
+    errors.emplace_back(fmt::format("--without: no route passes '{}'", pattern),
+                        near.empty() ? "objects of routes are " + fmt::format("{}", fmt::join(all, ", "))
+                                     : "did you mean '" + near + "'?");
   }
   return {rows.begin(), rows.end()};
 }
 
 void collect(std::string const& option, std::string const& text, FilterAnswer const& answer,
              std::vector<InputError>& errors) {
-  for (FilterProblem const& p : answer.problems) errors.emplace_back(rendered(option, text, {p}));
+  for (FilterProblem const& p : answer.problems) errors.push_back(error_in_filter(option, text, p));
 }
 
 nlohmann::ordered_json json_of(WithError const& x) {

@@ -53,13 +53,12 @@ bool is_picture(std::string const& file) {
 
 int report(Options const& options, ReportWanted wanted, std::string const& csv) {
   if (names_scene(options.input))
-    throw InputError(
-        fmt::format("error: '{}' is a scene, and a report is about a run\n  trace it first: straytrace run {} -o out/",
-                    options.input, options.input));
+    throw InputError(fmt::format("'{}' is a scene, and a report is about a run", options.input),
+                     fmt::format("trace it first: straytrace run {} -o out/", options.input));
   std::string message;
   if (is_picture(options.out)) {
     if (!draw_picture(options.input, options.out, message))
-      throw InputError(fmt::format("error: {}\n  or write a page: -o report.html", message));
+      throw InputError(message, "or write a page: -o report.html");
     if (!options.quiet) std::cerr << fmt::format("picture: {}\n", options.out);
     return done;
   }
@@ -118,7 +117,7 @@ int view(Options const& options, ViewWanted const& wanted, Exports const& export
     write_view(options, model, nullptr, nullptr, wanted, exports);
   } else {
     if (!options.overrides.empty())
-      throw InputError("error: a run holds its parameters\n  leave out -p, or view the scene file");
+      throw InputError("a run holds its parameters", "leave out -p, or view the scene file");
     Opened const run(options.input);
     write_view(options, run.model, &run.content, &run.table, wanted, exports);
   }

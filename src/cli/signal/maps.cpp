@@ -29,9 +29,8 @@ MapSheet map_of(Spectrogram const& s, FrequencyBand band, std::string title, std
   auto const inside = [&](double f) { return f >= band.low * (1 - 1e-12) && f <= band.high * (1 + 1e-12); };
   std::copy_if(s.hz.begin(), s.hz.end(), std::back_inserter(map.frequency), inside);
   if (map.frequency.empty())
-    throw InputError(
-        fmt::format("error: --band: no line between {:g} Hz and {:g} Hz\n  choose it wider, or longer segments",
-                    band.low, band.high));
+    throw InputError(fmt::format("--band: no line between {:g} Hz and {:g} Hz", band.low, band.high),
+                     "choose it wider, or longer segments");
   for (std::size_t i = 0; i < s.time.size(); ++i)
     for (std::size_t k = 0; k < s.hz.size(); ++k)
       if (inside(s.hz[k])) map.value.push_back(s.at(i, k));

@@ -67,8 +67,8 @@ void answer_records(DataOptions const& o, std::vector<TimeSeries> const& all, st
 int integrations(RecordOptions const& o, TimeSeries const& s) {
   int const times = integrations_to_displacement(s.unit) - (o.to == "velocity" ? 1 : 0);
   if (times < 0)
-    throw InputError(
-        fmt::format("error: '{}' in {} is no velocity after integrating\n  leave --to velocity away", s.name, s.unit));
+    throw InputError(fmt::format("'{}' in {} is no velocity after integrating", s.name, s.unit),
+                     "leave --to velocity away");
   return times;
 }
 
@@ -153,9 +153,8 @@ TimeSeries filtered_as_asked(RecordOptions const& o, TimeSeries s) {
   if (o.rate.empty()) return s;
   double const rate = option_quantity(o.rate, dim::frequency, "--rate", "256 Hz"), factor = std::round(s.rate / rate);
   if (!(factor >= 1 && std::abs(s.rate / rate - factor) < 1e-9 * factor))
-    throw InputError(
-        fmt::format("error: --rate: {:g} Hz is no whole part of {:g} Hz\n  write for example --rate \"{:g} Hz\"", rate,
-                    s.rate, s.rate / 2));
+    throw InputError(fmt::format("--rate: {:g} Hz is no whole part of {:g} Hz", rate, s.rate),
+                     fmt::format("write for example --rate \"{:g} Hz\"", s.rate / 2));
   return decimated(s, std::size_t(factor));
 }
 

@@ -35,9 +35,8 @@ void keep_band(CurveSheet& sheet, FrequencyBand band) {
   for (CurveColumn& c : sheet.y) kept(c);
   kept(sheet.x);
   if (sheet.x.values.empty())
-    throw InputError(
-        fmt::format("error: --band: no line between {:g} Hz and {:g} Hz\n  choose it wider, or longer segments",
-                    band.low, band.high));
+    throw InputError(fmt::format("--band: no line between {:g} Hz and {:g} Hz", band.low, band.high),
+                     "choose it wider, or longer segments");
 }
 
 std::string some_rows(CurveSheet const& sheet, std::size_t count) {

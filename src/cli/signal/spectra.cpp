@@ -59,9 +59,8 @@ int psd(SpectrumOptions const& o) {
     if (sheet.y.empty())
       sheet = frequency_sheet(fmt::format("{} of {}", o.power ? "PSD" : "ASD", fmt::join(o.files, ", ")), spectrum.hz);
     if (sheet.x.values != spectrum.hz)
-      throw InputError(fmt::format(
-          "error: '{}' has other frequencies than '{}'\n  give both the same --segment and rate, or write two files",
-          file, o.files[0]));
+      throw InputError(fmt::format("'{}' has other frequencies than '{}'", file, o.files[0]),
+                       "give both the same --segment and rate, or write two files");
     add_density(o, s, spectrum, sheet);
     sheet.notes.push_back(source_note(s));
     sheet.notes.push_back(
@@ -91,8 +90,7 @@ Pair read_pair(SpectrumOptions const& o) {
              welch_note(p.settings, p.input.rate, p.spectra.segments, p.spectra.effective_averages,
                         p.spectra.noise_bandwidth)};
   if (p.spectra.effective_averages < 2)
-    throw InputError(
-        "error: a coherence needs two segments or more; of one it is 1 everywhere\n  choose --segment shorter");
+    throw InputError("a coherence needs two segments or more; of one it is 1 everywhere", "choose --segment shorter");
   return p;
 }
 

@@ -47,7 +47,7 @@ MotionSeries motion_of(TimeOptions const& o, TimeInputs& in) {
   double const rate = o.rate > 0 ? o.rate : least > 0 ? SamplingRule{0, least}.automatic() : fastest;
   double const samples = std::round(in.duration * rate);
   if (samples > 1 << 28)
-    throw InputError("error: more than 2^28 samples\n  choose a shorter --duration or, with --channel, a lower --rate");
+    throw InputError("more than 2^28 samples", "choose a shorter --duration or, with --channel, a lower --rate");
   return draw_motion(in.model.motion, {in.start, rate, std::size_t(samples)}, o.seed);
 }
 
@@ -74,16 +74,15 @@ FringePrediction from_run(FringesOptions const& o) {
     p.lines.push_back({curve.name, fmt::format("{}", fmt::join(seen, ", ")), std::move(curve.hz)});
   }
   if (p.lines.empty())
-    throw InputError("error: nothing moves on these routes\n  give --motion, or --body, --axis and --channel");
+    throw InputError("nothing moves on these routes", "give --motion, or --body, --axis and --channel");
   return p;
 }
 
 // Without a run: a velocity along the beam, the wavelength and the number of bounces.
 FringePrediction from_channel(FringesOptions const& o) {
   if (o.wavelength.empty() || o.time.channel.size() != 1)
-    throw InputError(
-        "error: without a run the wavelength and one channel are needed\n  write --wavelength 1064nm --channel "
-        "FILE::CHANNEL, and --bounces N");
+    throw InputError("without a run the wavelength and one channel are needed",
+                     "write --wavelength 1064nm --channel FILE::CHANNEL, and --bounces N");
   double const corner =
       o.time.corner.empty() ? 0 : option_quantity(o.time.corner, dim::frequency, "--corner", "0.05 Hz");
   GpsSpan const span = o.time.gps.empty() ? GpsSpan{} : parse_gps(o.time.gps);
@@ -144,9 +143,8 @@ MapSheet overlay_of(FringesOptions const& o, FringePrediction const& p) {
   TimeSeries const all = series_argument(o.overlay, "", {});
   double const from = std::max(all.start, p.times.start), to = std::min(all.end(), p.times.start + p.times.duration());
   if (!(from < to))
-    throw InputError(
-        fmt::format("error: --overlay: '{}' has no time in common with the prediction\n  it holds GPS {} to {}",
-                    all.name, gps_text(all.start), gps_text(all.end())));
+    throw InputError(fmt::format("--overlay: '{}' has no time in common with the prediction", all.name),
+                     fmt::format("it holds GPS {} to {}", gps_text(all.start), gps_text(all.end())));
   double const top = *std::max_element(p.largest.begin(), p.largest.end());
   MapSheet map = spectrogram_of(cut(all, {from, to}), std::min(0.5, (to - from) / 8), 0, std::max(2 * top, 20.0));
   auto const step = std::max<std::size_t>(1, p.times.samples / 4000);

@@ -57,21 +57,22 @@ void refuse_options_of_runs(TimeOptions const& time, TimeFiles const& files) {
                                                 {!time.duration.empty(), "--duration"},
                                                 {time.rate > 0, "--rate"},
                                                 {time.retarded, "--retarded"}};
-  std::string all;
+  std::vector<std::string> names;
   for (auto const& [is_given, name] : given)
-    if (is_given)
-      all += fmt::format("error: {}: for the motion through a run; a coupling function gives a spectrum only\n", name);
-  if (!all.empty()) throw InputError(all + "  write --asd FILE for the projection, and leave the others out");
+    if (is_given) names.emplace_back(name);
+  std::vector<InputError> errors;
+  for (std::string const& name : names)
+    errors.emplace_back(name + ": for the motion through a run; a coupling function gives a spectrum only",
+                        &name == &names.back() ? "write --asd FILE for the projection, and leave the others out" : "");
+  throw_all(errors);
 }
 
 // A coupling function instead of a run.
 int project_coupling_file(ProjectOptions const& o) {
   refuse_options_of_runs(o.time, o.files);
   if (o.coupling.witness.empty())
-    throw InputError(
-        fmt::format("error: '{}' is a coupling function, and no quiet witness is given\n  write --witness "
-                    "FILE::CHANNEL",
-                    o.time.run));
+    throw InputError(fmt::format("'{}' is a coupling function, and no quiet witness is given", o.time.run),
+                     "write --witness FILE::CHANNEL");
   CouplingProjectionOptions c = o.coupling;
   c.coupling = o.time.run;
   c.asd = o.files.asd;
@@ -89,9 +90,8 @@ std::string progress_line(double done, double left, double duration) {
 int project(ProjectOptions const& o) {
   if (o.time.run.ends_with(".csv") || !o.coupling.witness.empty()) return project_coupling_file(o);
   if (!o.coupling.target.empty() || !o.coupling.coupling_unit.empty())
-    throw InputError(
-        "error: --target, --coupling-unit: for a coupling function\n  leave them out, or give its CSV and "
-        "--witness");
+    throw InputError("--target, --coupling-unit: for a coupling function",
+                     "leave them out, or give its CSV and --witness");
   check_time_files(o.files);
   TimeInputs const in(o.time);
   if (!o.data.quiet) std::cerr << (o.data.json() ? in.model.warnings_json : in.model.warnings);

@@ -45,8 +45,9 @@ std::string unit_below(std::string const& unit, TimeSeries const& witness) {
              have = parse_unit(witness.unit);
   bool const split = whole && above && part && times(above->dimension, part->dimension, -1) == whole->dimension;
   if (!split || !have || !(part->dimension == have->dimension))
-    throw InputError(fmt::format("error: --coupling-unit: '{}' is not per {}, the unit of '{}'\n  write for example {}",
-                                 unit, witness.unit, witness.name, ratio_unit("1", witness.unit)));
+    throw InputError(
+        fmt::format("--coupling-unit: '{}' is not per {}, the unit of '{}'", unit, witness.unit, witness.name),
+        fmt::format("write for example {}", ratio_unit("1", witness.unit)));
   return below;
 }
 
@@ -61,10 +62,9 @@ std::string target_unit(CouplingFunction const& c) {
 void rescale(ProjectedCoupling& p, std::string const& unit, TimeSeries const& target) {
   auto const have = parse_unit(unit), want = parse_unit(target.unit);
   if (!have || !want || !(have->dimension == want->dimension))
-    throw InputError(
-        fmt::format("error: --target: '{}' is in {}, and the coupling makes {} of the witness\n  choose the target "
-                    "that the coupling was measured with",
-                    target.name, target.unit, unit));
+    throw InputError(fmt::format("--target: '{}' is in {}, and the coupling makes {} of the witness", target.name,
+                                 target.unit, unit),
+                     "choose the target that the coupling was measured with");
   for (ProjectedPoint& q : p.points) {
     q.asd *= have->si / want->si;
     q.sigma *= have->si / want->si;
@@ -125,9 +125,7 @@ std::string text_of(ProjectedCoupling const& p, Level const* target, std::string
 }  // namespace
 
 int project_measured_coupling(CouplingProjectionOptions const& o) {
-  if (!o.asd.empty())
-    if (std::string const why = curve_ending_error(o.asd); !why.empty())
-      throw InputError(fmt::format("error: --asd: {}", why.substr(why.find(' ') + 1)));
+  if (!o.asd.empty()) check_curve_ending(o.asd, "--asd");
   TimeSeries const witness = series_of(o.data, o.witness);
   CouplingFunction coupling = parse_coupling(read_file(o.coupling), o.coupling, o.coupling_unit,
                                              o.coupling_unit.empty() ? "" : unit_below(o.coupling_unit, witness));

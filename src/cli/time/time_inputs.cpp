@@ -26,8 +26,8 @@ std::size_t place_of(std::string const& word, Words const& words, std::string co
   if (found != std::end(words)) return std::size_t(found - std::begin(words));
   std::vector<std::string> const known(std::begin(words), std::end(words));
   std::string const near = nearest_word(word, known);
-  throw InputError(fmt::format("error: {}: '{}' is not {}\n  {}", option, word, what,
-                               near.empty() ? "choose one of: " + comma_list(known) : "did you mean '" + near + "'?"));
+  throw InputError(fmt::format("{}: '{}' is not {}", option, word, what),
+                   near.empty() ? "choose one of: " + comma_list(known) : "did you mean '" + near + "'?");
 }
 
 MotionFile file_of(MotionInput const& input, bool rotation) {
@@ -40,9 +40,9 @@ MotionFile file_of(MotionInput const& input, bool rotation) {
 void replace_motions(TimeOptions const& o, TimeInputs& in) {
   if (o.body.size() != o.channel.size() || (o.axis.size() != o.channel.size() && o.axis.size() != 1 && !o.body.empty()))
     throw InputError(
-        fmt::format("error: {} times --channel, {} times --body, {} times --axis\n  write --body BODY --axis z "
-                    "--channel FILE::CHANNEL for each coordinate; one --axis alone counts for all",
-                    o.channel.size(), o.body.size(), o.axis.size()));
+        fmt::format("{} times --channel, {} times --body, {} times --axis", o.channel.size(), o.body.size(),
+                    o.axis.size()),
+        "write --body BODY --axis z --channel FILE::CHANNEL for each coordinate; one --axis alone counts for all");
   for (std::size_t i = 0; i < o.channel.size(); ++i) {
     auto const body = place_of(o.body[i], in.model.motion.bodies, "--body", "a body of this run");
     auto const axis = int(place_of(o.axis.size() == 1 ? o.axis[0] : o.axis[i], axis_names, "--axis", "a coordinate"));
@@ -73,8 +73,7 @@ void choose_times(TimeOptions const& o, TimeInputs& in) {
       from = std::max(from, input.recorded->start);
       to = std::min(to, input.recorded->end());
     }
-  if (from >= to)
-    throw InputError("error: the recordings have no time in common\n  choose channels of the same stretch");
+  if (from >= to) throw InputError("the recordings have no time in common", "choose channels of the same stretch");
   bool const recorded = std::isfinite(from);
   double const all = recorded ? to - from : usual_duration;
   GpsSpan const span = o.gps.empty() ? GpsSpan{} : parse_gps(o.gps);
@@ -83,7 +82,7 @@ void choose_times(TimeOptions const& o, TimeInputs& in) {
   double const asked = end < 1e299 ? end - in.start : recorded ? to - in.start : all;
   in.duration = o.duration.empty() ? asked : option_quantity(o.duration, dim::time, "--duration", "64 s");
   if (!(in.duration > 0 && in.duration <= 1e6))
-    throw InputError(fmt::format("error: a duration of {:g} s\n  it is positive and at most 1e6 s", in.duration));
+    throw InputError(fmt::format("a duration of {:g} s", in.duration), "it is positive and at most 1e6 s");
 }
 
 // Names for matching: ASCII, without spaces.
@@ -142,9 +141,8 @@ void choose_routes(TimeOptions const& o, TimeInputs& in) {
     if (at_port && moved && usable && asked(table, c) && !c.records.empty()) in.routes.push_back(r);
   }
   if (in.routes.empty())
-    throw InputError(
-        "error: no route with kept paths is among those that were asked for\n  see straytrace paths RUN for ranks and "
-        "names");
+    throw InputError("no route with kept paths is among those that were asked for",
+                     "see straytrace paths RUN for ranks and names");
 }
 
 }  // namespace
@@ -184,17 +182,15 @@ RecordedMotion as_motion(TimeSeries const& series, bool rotation, double corner)
   for (c.derivatives = 0; c.derivatives < 2 && d != (rotation ? dim::angle : dim::length); ++c.derivatives)
     d.second = std::int8_t(d.second + 2);
   if (!unit || d != (rotation ? dim::angle : dim::length))
-    throw InputError(fmt::format(
-        "error: --channel: '{}' is in '{}', which is no {} over time\n  write its unit: --unit {}", series.name,
-        series.unit, rotation ? "angle" : "displacement, velocity or acceleration", rotation ? "urad" : "um/s^2"));
+    throw InputError(fmt::format("--channel: '{}' is in '{}', which is no {} over time", series.name, series.unit,
+                                 rotation ? "angle" : "displacement, velocity or acceleration"),
+                     fmt::format("write its unit: --unit {}", rotation ? "urad" : "um/s^2"));
   if (c.derivatives > 0 && corner <= 0)
-    throw InputError(
-        fmt::format("error: --channel: '{}' is in {} and has to be integrated, which makes slow errors large\n  write "
-                    "--corner 0.05Hz, below which the motion is taken off",
-                    series.name, series.unit));
+    throw InputError(fmt::format("--channel: '{}' is in {} and has to be integrated, which makes slow errors large",
+                                 series.name, series.unit),
+                     "write --corner 0.05Hz, below which the motion is taken off");
   if (series.samples.size() < 32)
-    throw InputError(
-        fmt::format("error: --channel: '{}' has fewer than 32 samples\n  choose a longer stretch", series.name));
+    throw InputError(fmt::format("--channel: '{}' has fewer than 32 samples", series.name), "choose a longer stretch");
   c.factor = unit->si;
   TimeSeries displacement = as_displacement(series, c, corner);
   if (c.derivatives > 0) displacement = settled(displacement, corner);
@@ -218,7 +214,7 @@ void replace_coordinate(MotionSet& motion, BodyId body, int axis, RecordedMotion
 
 TimeInputs::TimeInputs(TimeOptions const& o) : OpenRun(o.run, o.motion) {
   if (!model.detector)
-    throw InputError("error: this run has no interferometer, so nothing becomes strain\n  add 'ports' to the scene");
+    throw InputError("this run has no interferometer, so nothing becomes strain", "add 'ports' to the scene");
   replace_motions(o, *this);
   model.warnings += warnings_of_channels(o, *this);
   choose_times(o, *this);

@@ -327,8 +327,8 @@ std::vector<TimeSeries> motion_channels(MotionSeries const& motion, MotionSet co
 MapSheet spectrogram_of(TimeSeries const& series, double stride, double low, double high) {
   auto const n = std::size_t(std::lround(stride * series.rate)), step = std::max<std::size_t>(1, n / 2);
   if (n < 8 || n > series.samples.size())
-    throw InputError(fmt::format("error: --stride: {:g} s hold {} samples of {}\n  choose between {:.3g} s and {:g} s",
-                                 stride, n, series.samples.size(), 8 / series.rate, series.duration()));
+    throw InputError(fmt::format("--stride: {:g} s hold {} samples of {}", stride, n, series.samples.size()),
+                     fmt::format("choose between {:.3g} s and {:g} s", 8 / series.rate, series.duration()));
   MapSheet map;
   map.title = fmt::format("spectrogram of {}", series.name);
   map.unit = asd_unit(series.unit);
@@ -350,8 +350,7 @@ MapSheet spectrogram_of(TimeSeries const& series, double stride, double low, dou
 void check_time_files(TimeFiles const& f) {
   for (auto const& [option, file] :
        {std::pair{"-o", f.strain}, {"--asd", f.asd}, {"--spectrogram", f.spectrogram}, {"--save-motion", f.motion}})
-    if (std::string const why = file.empty() ? "" : curve_ending_error(file); !why.empty())
-      throw InputError(fmt::format("error: {}: {}", option, why.substr(why.find(' ') + 1)));
+    if (!file.empty()) check_curve_ending(file, option);
 }
 
 std::vector<std::string> write_time_files(TimeFiles const& f, TimeInputs const& in, StrayLight const& light,

@@ -19,7 +19,7 @@ std::string apart(Work const& work, std::size_t memory, std::size_t image_size) 
     try {
       return work() + '\0';
     } catch (InputError const& e) {
-      return std::string(e.what()) + '\1';
+      return e.reason() + '\1';
     }
   };
   SandboxResult done = run_sandboxed(told, {memory, 10 + image_size / 500000});

@@ -310,10 +310,9 @@ std::vector<double> resampled(TimeSeries const& series, SampleTimes const& times
   double const early = (times.start - series.start) * series.rate, step = series.rate / times.rate;
   double const late = early + step * static_cast<double>(times.samples - 1);
   if (series.samples.size() < 2 || early < -1e-3 || late > static_cast<double>(series.samples.size()) + 1e-3)
-    throw InputError(fmt::format(
-        "error: '{}' holds GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}\n  choose a shorter or another "
-        "stretch of time",
-        series.name, series.start, series.end(), times.start, times.start + times.duration()));
+    throw InputError(fmt::format("'{}' holds GPS {:.3f} to {:.3f}, not all of {:.3f} to {:.3f}", series.name,
+                                 series.start, series.end(), times.start, times.start + times.duration()),
+                     "choose a shorter or another stretch of time");
   std::vector<double> out(times.samples);
   double const cut = std::min(1.0, 1 / step);  // of the half rate of the recording
   double const reach = half_width / cut, norm = kaiser(0);

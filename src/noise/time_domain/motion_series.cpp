@@ -186,10 +186,9 @@ MotionSeries draw_motion(MotionSet const& motion, SampleTimes const& times, std:
                          std::uint32_t realisation) {
   for (MotionInput const& input : motion.inputs)
     if (highest(input) >= times.rate / 2)
-      throw InputError(
-          fmt::format("error: '{}' moves at up to {:g} Hz, which {:g} samples per second do not hold\n  write a rate "
-                      "above {:g} Hz",
-                      input.name, highest(input), times.rate, 2 * highest(input)));
+      throw InputError(fmt::format("'{}' moves at up to {:g} Hz, which {:g} samples per second do not hold", input.name,
+                                   highest(input), times.rate),
+                       fmt::format("write a rate above {:g} Hz", 2 * highest(input)));
   Drawing drawing(times, seed, realisation);
   for (std::uint32_t i = 0; i < motion.inputs.size(); ++i) drawing.add(motion.inputs[i], i);
   return drawing.finished();

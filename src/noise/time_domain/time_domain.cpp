@@ -32,10 +32,10 @@ std::string path_name(CouplingTable const& table, StrayPath const& path) {
 
 [[noreturn]] void refuse(CouplingTable const& table, StrayLight const& light, StrayPath const& fastest, double rate) {
   throw InputError(
-      fmt::format("error: {:g} samples per second do not hold these fringes (docs/theory/spectra.md, eq. 7.13)\n"
-                  "  {} makes {:.5g} Hz at GPS {:.3f}; with a margin of {:.4g} Hz the rate must be above {:.5g} Hz\n"
-                  "  write a rate of {:g} Hz, or none: it is then chosen so",
-                  rate, path_name(table, fastest), light.rule.fringe, light.fastest.time, light.rule.margin,
+      fmt::format("{:g} samples per second do not hold these fringes (docs/theory/spectra.md, eq. 7.13)", rate),
+      fmt::format("{} makes {:.5g} Hz at GPS {:.3f}; with a margin of {:.4g} Hz the rate must be above {:.5g} Hz\n  "
+                  "write a rate of {:g} Hz, or none: it is then chosen so",
+                  path_name(table, fastest), light.rule.fringe, light.fastest.time, light.rule.margin,
                   light.rule.least(), light.rule.automatic()));
 }
 
@@ -121,7 +121,7 @@ StrayLight stray_light(CouplingTable const& table, MotionSet const& motion, Inte
                        TimeDomainSettings const& s) {
   std::vector<StrayPath> const paths = stray_paths(table, ifo, s.paths);
   if (paths.empty())
-    throw InputError("error: no path of the chosen routes was kept, so there is nothing to sum\n  choose other routes");
+    throw InputError("no path of the chosen routes was kept, so there is nothing to sum", "choose other routes");
   StrayLight light;
   light.paths = paths.size();
   if (s.rate > 0)

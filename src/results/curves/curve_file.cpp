@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 std::string drawn(std::string const& json) {
   std::string message;
   std::string png = picture_of(json, draw_curves_picture, message);
-  if (png.empty()) throw InputError("error: " + message + "\n  or write .txt, .csv or .hdf5");
+  if (png.empty()) throw InputError(message, "or write .txt, .csv or .hdf5");
   return png;
 }
 
@@ -36,8 +36,8 @@ std::string bytes_of(std::string const& file, Sheet const& sheet) {
   if (ending == ".json") return curve_format::json(sheet);
   if (ending == ".hdf5" || ending == ".h5") return curve_format::hdf5(sheet, file);
   if (ending == ".png") return drawn(curve_format::json(sheet));
-  if (ending == ".html") return curve_format::html(sheet, drawn(curve_format::json(sheet)));
-  throw InputError(curve_ending_error(file));
+  check_curve_ending(file);
+  return curve_format::html(sheet, drawn(curve_format::json(sheet)));
 }
 
 template <class Sheet>
@@ -49,12 +49,12 @@ void write_all(std::vector<std::string> const& files, Sheet const& sheet) {
 
 }  // namespace
 
-std::string curve_ending_error(std::string const& file) {
+void check_curve_ending(std::string const& file, std::string const& option) {
   std::string const ending = fs::path(file).extension().string();
   for (char const* known : {".txt", ".csv", ".json", ".hdf5", ".h5", ".png", ".html"})
-    if (ending == known) return "";
-  return fmt::format("error: '{}' does not end as a format\n  end it with .txt, .csv, .json, .hdf5, .png or .html",
-                     file);
+    if (ending == known) return;
+  throw InputError(fmt::format("{}{}'{}' does not end as a format", option, option.empty() ? "" : ": ", file),
+                   "end it with .txt, .csv, .json, .hdf5, .png or .html");
 }
 
 std::string curve_json(CurveSheet const& sheet) { return curve_format::json(sheet); }
@@ -185,9 +185,8 @@ namespace {
 double step_or_refuse(std::vector<double> const& axis, std::string const& name, std::string const& file) {
   if (double const step = regular_step(axis); step > 0) return step;
   std::string const stem = file.substr(0, file.rfind('.'));
-  throw InputError(fmt::format(
-      "error: '{}': the axis '{}' is not regular, and gwpy files hold regular axes only\n  write it as text: -o {}.txt",
-      file, name, stem));
+  throw InputError(fmt::format("'{}': the axis '{}' is not regular, and gwpy files hold regular axes only", file, name),
+                   fmt::format("write it as text: -o {}.txt", stem));
 }
 
 std::string free_path(std::string path, std::vector<std::string>& taken) {

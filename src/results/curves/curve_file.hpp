@@ -39,8 +39,8 @@ void write_map(std::vector<std::string> const& files, MapSheet const&);
 // What the .json files hold, for standard output.
 std::string curve_json(CurveSheet const&);
 std::string curve_json(MapSheet const&);
-// What write_curves would say about the ending, before anything is computed; empty: nothing.
-std::string curve_ending_error(std::string const& file);
+// Before anything is computed: throws InputError when write_curves has no format for the ending. `option`: in front.
+void check_curve_ending(std::string const& file, std::string const& option = "");
 
 }  // namespace straytrace
 

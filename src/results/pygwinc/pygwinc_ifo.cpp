@@ -196,7 +196,7 @@ IfoFile read_ifo(std::string const& name, std::vector<std::string> const& overri
   for (std::string const& o : overrides) {
     std::size_t const equals = o.find('=');
     if (equals == o.npos || equals == 0)
-      throw InputError(fmt::format("error: '{}' sets nothing\n  write -p Laser.Power=25", o));
+      throw InputError(fmt::format("'{}' sets nothing", o), "write -p Laser.Power=25");
     t.set(o.substr(0, equals), o.substr(equals + 1));
   }
   t.throw_if_problems();

@@ -20,17 +20,15 @@ namespace {
 using hdf5::Reader;
 
 [[noreturn]] void refuse(std::string const& file, std::string const& path, std::string const& how) {
-  throw InputError(
-      fmt::format("error: '{}' is not a noise budget of pygwinc: '{}' {}\n  write it with "
-                  "gwinc --save FILE.hdf5, or give a two-column text file",
-                  file, path, how));
+  throw InputError(fmt::format("'{}' is not a noise budget of pygwinc: '{}' {}", file, path, how),
+                   "write it with gwinc --save FILE.hdf5, or give a two-column text file");
 }
 
 Reader opened(std::string const& bytes, std::string const& file) {
   try {
     return Reader(bytes);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("error: '{}': {}\n  copy or make it again", file, e.what()));
+    throw InputError(fmt::format("'{}': {}", file, e.reason()), "copy or make it again");
   }
 }
 

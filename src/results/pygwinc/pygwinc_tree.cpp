@@ -182,10 +182,7 @@ void IfoTree::throw_if_problems() {
     return std::tie(a.place.file, a.place.line, a.place.column) < std::tie(b.place.file, b.place.line, b.place.column);
   });
   std::string text;
-  for (Problem const& p : problems_) {
-    std::string const where = p.place.line > 0 ? fmt::format(":{}:{}", p.place.line, p.place.column) : "";
-    text += fmt::format("{}{}: error: {}\n  {}\n", sources_.at(p.place.file), where, p.what, p.suggestion);
-  }
+  for (Problem const& p : problems_) text += placed_message(p, sources_.at(p.place.file)) + '\n';
   text += fmt::format("{} error{}. Nothing was run.", problems_.size(), problems_.size() == 1 ? "" : "s");
   throw InputError(problems_, text, sources_);
 }

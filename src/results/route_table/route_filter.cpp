@@ -68,15 +68,11 @@ FilterAnswer sorted_by(std::string_view key, std::vector<std::size_t> rows, Rout
   return {std::move(rows), {}, {}};
 }
 
-std::string rendered(std::string const& option, std::string const& text, std::vector<FilterProblem> const& problems) {
-  std::string out;
-  for (FilterProblem const& p : problems) {
-    std::size_t const column = width_of(text.substr(0, p.begin));
-    std::size_t const wide = std::max<std::size_t>(1, width_of(text.substr(std::min(p.begin, text.size()), p.width)));
-    out += fmt::format("{}error: {}, column {}: {}\n  {}\n  {}{} {}", out.empty() ? "" : "\n", option, column + 1,
-                       p.what, text, std::string(column, ' '), std::string(wide, '^'), p.suggestion);
-  }
-  return out;
+InputError error_in_filter(std::string const& option, std::string const& text, FilterProblem const& p) {
+  std::size_t const column = width_of(text.substr(0, p.begin));
+  std::size_t const wide = std::max<std::size_t>(1, width_of(text.substr(std::min(p.begin, text.size()), p.width)));
+  return InputError(fmt::format("{}, column {}: {}", option, column + 1, p.what),
+                    fmt::format("{}\n  {}{} {}", text, std::string(column, ' '), std::string(wide, '^'), p.suggestion));
 }
 
 }  // namespace straytrace

@@ -28,7 +28,7 @@ FilterAnswer filtered(std::string_view text, RouteColumns&);
 // `key`: a name of the filter, h(30 Hz) among them. Problems as above.
 FilterAnswer sorted_by(std::string_view key, std::vector<std::size_t> rows, RouteColumns&);
 
-// "error: --where: 'scaters' is not known" with the text, a caret and the suggestion, for each problem.
-std::string rendered(std::string const& option, std::string const& text, std::vector<FilterProblem> const&);
+// "--where, column 15: 'scaters' is not known", with the text, a caret and the suggestion as the remedy.
+InputError error_in_filter(std::string const& option, std::string const& text, FilterProblem const&);
 
 }  // namespace straytrace

@@ -88,7 +88,7 @@ std::string data_hash(std::string const& run_file) {
     add_group(sum, hdf5::Reader(image), "/");
     return sum.hex();
   } catch (InputError const& e) {
-    throw InputError(fmt::format("'{}' cannot be compared: {}", run_file, e.what()));
+    throw InputError(fmt::format("'{}' cannot be compared: {}", run_file, e.reason()));
   }
 }
 

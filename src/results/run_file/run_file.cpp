@@ -147,7 +147,7 @@ hdf5::Contents sound_contents_of(std::string const& file, hdf5::Wanted const& wa
   try {
     return hdf5::contents_of(image, wanted);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("'{}': {}", file, e.what()));
+    throw InputError(fmt::format("'{}': {}", file, e.reason()));
   }
 }
 
@@ -160,7 +160,7 @@ Result read_from(hdf5::Contents contents, std::string const& file, Read const& r
   try {
     read(in, result);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("'{}': {}", file, e.what()));
+    throw InputError(fmt::format("'{}': {}", file, e.reason()));
   } catch (std::logic_error const& e) {
     throw InputError(fmt::format("'{}' is damaged: {}", file, e.what()));
   }

@@ -101,8 +101,9 @@ class Workplace {
     std::error_code none;
     std::string name = (fs::temp_directory_path(none) / "straytrace-XXXXXX").string();
     if (none || ::mkdtemp(name.data()) == nullptr)
-      throw InputError(fmt::format("error: cannot make a folder in '{}' for the picture\n  set TMPDIR to another one",
-                                   none ? environment("TMPDIR") : fs::path(name).parent_path().string()));
+      throw InputError(fmt::format("cannot make a folder in '{}' for the picture",
+                                   none ? environment("TMPDIR") : fs::path(name).parent_path().string()),
+                       "set TMPDIR to another one");
     folder_ = name;
   }
   ~Workplace() {

@@ -10,7 +10,7 @@ namespace straytrace {
 
 DirectSum phase_summer(std::string const& backend) {
   if (backend == "cpu") return {};
-  if (backend != "cuda") throw InputError(fmt::format("error: '{}' does not sum phases\n  write cpu or cuda", backend));
+  if (backend != "cuda") throw InputError(fmt::format("'{}' does not sum phases", backend), "write cpu or cuda");
   std::shared_ptr<DeviceEngine> const engine = cuda_engine();
   return [engine](PhaseTerms const& terms) {
     std::size_t const samples = terms.coordinate.empty() ? 0 : terms.coordinate.front().size();

@@ -42,10 +42,9 @@ class Mpi final : public Transport {
 std::optional<Mpi> job;
 
 [[noreturn]] void refuse_transport(std::string const& why) {
-  throw InputError(
-      fmt::format("error: --backend mpi: {}\n  build straytrace where MPI is found (scripts/setup --test installs "
-                  "libopenmpi-dev), or divide the run: --slice 1/16, and straytrace merge",
-                  why));
+  throw InputError(fmt::format("--backend mpi: {}", why),
+                   "build straytrace where MPI is found (scripts/setup --test installs libopenmpi-dev), or divide the "
+                   "run: --slice 1/16, and straytrace merge");
 }
 
 }  // namespace

@@ -257,17 +257,16 @@ double Change::sigmas() const {
 
 RunDifference run_differences(RunFile const& before, RunFile const& after) {
   if (!before.noise || !after.noise)
-    throw InputError(
-        "error: one of the runs has no noise to compare\n  give runs of scenes with an 'interferometer'; "
-        "one that was only traced gets its noise by 'straytrace noise RUN -o DIR'");
+    throw InputError("one of the runs has no noise to compare",
+                     "give runs of scenes with an 'interferometer'; one that was only traced gets its noise by "
+                     "'straytrace noise RUN -o DIR'");
   NoiseBudget const &b = *before.noise, &a = *after.noise;
   RunDifference d;
   d.common = same_histories(before, after);
   d.low = std::max(b.grid.edges.front(), a.grid.edges.front());
   d.high = std::min(b.grid.edges.back(), a.grid.edges.back());
   if (!(d.low < d.high))
-    throw InputError(
-        "error: the bands of the two runs do not overlap\n  project one again with another 'band' in 'noise'");
+    throw InputError("the bands of the two runs do not overlap", "project one again with another 'band' in 'noise'");
   std::vector<double> at{d.low};
   for (double const f : ends)
     if (f > d.low && f < d.high) at.push_back(f);

@@ -97,10 +97,8 @@ program={}
 // A line of a submit file: no quotes, no macros, no new line.
 std::string condor_path(std::string const& path) {
   if (path.find_first_of("\"'$\\\n\r\t ") == path.npos) return path;
-  throw InputError(
-      fmt::format("error: a submit file cannot hold the path of the program, '{}'\n  put straytrace where its "
-                  "path has no spaces, quotes or dollar signs",
-                  one_line(path)));
+  throw InputError(fmt::format("a submit file cannot hold the path of the program, '{}'", one_line(path)),
+                   "put straytrace where its path has no spaces, quotes or dollar signs");
 }
 
 std::string condor_head(Jobs const& jobs, std::string const& what, std::string const& log) {

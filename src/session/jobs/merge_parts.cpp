@@ -19,7 +19,9 @@ constexpr std::size_t lines_shown = 20;
 
 std::vector<InputError> disagreements(std::vector<PartHead> const& heads) {
   std::vector<InputError> errors;
-  auto const complain = [&](std::string const& text) { errors.emplace_back(text); };
+  auto const complain = [&](std::string what, std::string remedy) {
+    errors.emplace_back(std::move(what), std::move(remedy));
+  };
   PartHead const& first = heads.front();
   for (PartHead const& head : heads) {
     if (errors.size() == lines_shown) break;
@@ -29,20 +31,16 @@ std::vector<InputError> disagreements(std::vector<PartHead> const& heads) {
       errors.push_back(e);
     }
     if (head.model_hash != first.model_hash)
-      complain(
-          fmt::format("error: '{}' is of another model than '{}'\n  leave one of them out; straytrace diff tells "
-                      "the difference",
-                      head.file, first.file));
+      complain(fmt::format("'{}' is of another model than '{}'", head.file, first.file),
+               "leave one of them out; straytrace diff tells the difference");
     else if (head.seed != first.seed)
-      complain(
-          fmt::format("error: '{}' has seed {}, '{}' has seed {}: their histories are others\n  leave one of them "
-                      "out",
-                      head.file, head.seed, first.file, first.seed));
+      complain(fmt::format("'{}' has seed {}, '{}' has seed {}: their histories are others", head.file, head.seed,
+                           first.file, first.seed),
+               "leave one of them out");
     else if (head.block_size != first.block_size)
-      complain(
-          fmt::format("error: '{}' is of a run of another number of histories than '{}': its blocks have {}, not {}\n  "
-                      "leave one of them out",
-                      head.file, first.file, head.block_size, first.block_size));
+      complain(fmt::format("'{}' is of a run of another number of histories than '{}': its blocks have {}, not {}",
+                           head.file, first.file, head.block_size, first.block_size),
+               "leave one of them out");
   }
   return errors;
 }
@@ -72,9 +70,9 @@ std::vector<InputError> overlaps(std::vector<PartHead> const& heads) {
   std::vector<Held> const all = held_by(heads);
   for (Held const& held : all) {
     if (reaches && held.range.first < reaches->range.end && errors.size() < lines_shown)
-      errors.emplace_back(fmt::format("error: '{}' and '{}' both hold {}\n  leave one of them out",
-                                      heads[reaches->part].file, heads[held.part].file,
-                                      name_of({held.range.first, std::min(held.range.end, reaches->range.end)})));
+      errors.emplace_back(fmt::format("'{}' and '{}' both hold {}", heads[reaches->part].file, heads[held.part].file,
+                                      name_of({held.range.first, std::min(held.range.end, reaches->range.end)})),
+                          "leave one of them out");
     if (!reaches || held.range.end > reaches->range.end) reaches = &held;
   }
   return errors;

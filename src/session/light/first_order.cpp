@@ -128,7 +128,7 @@ int print_first_order(Options const& options) {
   std::vector<FirstOrderList> lists = first_order(model.world, settings);
   if (!options.by.empty()) {
     std::erase_if(lists, [&](FirstOrderList const& list) { return list.ending.port != (options.by == "port"); });
-    if (lists.empty()) throw InputError(fmt::format("error: the scene has no {}s\n  leave out --by", options.by));
+    if (lists.empty()) throw InputError(fmt::format("the scene has no {}s", options.by), "leave out --by");
   }
   if (options.csv) {
     print_csv(model, lists);

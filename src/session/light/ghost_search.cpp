@@ -149,7 +149,7 @@ void require_strain(GhostSearch const& search, std::vector<BeamLaunch> const& be
     if (no_h.empty()) return;
     reasons += fmt::format("\n  beam '{}': {}", launch.name, no_h);
   }
-  throw InputError("error: --by strain needs h, and no ghost has one\n  take --by recoupled" + reasons);
+  throw InputError("--by strain needs h, and no ghost has one", "take --by recoupled" + reasons);
 }
 
 namespace {

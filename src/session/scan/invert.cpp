@@ -38,10 +38,9 @@ void ask(Requirement const& requirement, Model& model, Options const& options) {
   apply(requirement, model);
   print_warnings(model, options);
   if (!model.detector)
-    throw InputError(
-        "error: a requirement needs noise, and the scene has no 'interferometer'\n  add one, with 'ports'");
+    throw InputError("a requirement needs noise, and the scene has no 'interferometer'", "add one, with 'ports'");
   if (model.design.empty())
-    throw InputError("error: there is no line to stay under\n  name a design curve, for example --against adv-lal");
+    throw InputError("there is no line to stay under", "name a design curve, for example --against adv-lal");
 }
 
 Traced traced(Options const& options, Requirement const& requirement) {
@@ -68,9 +67,9 @@ Traced traced(Options const& options, Requirement const& requirement) {
 
 [[noreturn]] void refuse_name(std::string const& word, char const* kind, std::vector<std::string> const& known) {
   std::string const near = nearest_word(word, known);
-  throw InputError(fmt::format(
-      "error: --invert: there is no {} '{}' here\n  {}", kind, word,
-      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+  throw InputError(
+      fmt::format("--invert: there is no {} '{}' here", kind, word),
+      near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
 Answer scatter_answer(Traced const& t, std::string const& name, Options const& options) {
@@ -117,14 +116,12 @@ int invert(Options const& options, Requirement const& requirement, InvertOrder c
   static std::regex const form(R"(\s*(brdf|motion|param)\s*\(\s*(.+?)\s*\)\s*)");
   std::smatch m;
   if (!bounded_regex_match(order.what, m, form))
-    throw InputError(
-        fmt::format("error: --invert: '{}' is not a question\n  write \"brdf(MATERIAL)\", \"motion(BODY)\" "
-                    "or \"param(NAME)\" with NAME=lo..hi",
-                    order.what));
+    throw InputError(fmt::format("--invert: '{}' is not a question", order.what),
+                     "write \"brdf(MATERIAL)\", \"motion(BODY)\" or \"param(NAME)\" with NAME=lo..hi");
   std::string const kind = m[1], name = m[2];
   if (kind == "param") return invert_parameter(options, requirement, order, name, axes);
   if (!axes.empty())
-    throw InputError(fmt::format("error: --invert \"{}\" looks at one model\n  set parameters with -p", order.what));
+    throw InputError(fmt::format("--invert \"{}\" looks at one model", order.what), "set parameters with -p");
   Traced const t = traced(options, requirement);
   Answer answer = kind == "brdf" ? scatter_answer(t, name, options) : motion_answer(t, name, options);
   answer.what = order.what;
@@ -160,7 +157,7 @@ class Search {
     Probe p{number, scanner_.at({axis_.name + "=" + value})};
     if (!p.point.complete) return {};
     if (std::isnan(p.point.ratio.value))
-      throw InputError("error: there is no line to stay under, or no answer\n  name a design curve: --against adv-lal");
+      throw InputError("there is no line to stay under, or no answer", "name a design curve: --against adv-lal");
     return p;
   }
 
@@ -209,10 +206,9 @@ void refuse_other_shapes(Bracket const& b, Probe const& p, ScanAxis const& axis)
     return x.point.ratio.value - y.point.ratio.value > 3 * std::hypot(x.point.ratio.sigma, y.point.ratio.sigma);
   };
   if (!above(p, b.fails) && !above(b.meets, p)) return;
-  throw InputError(
-      fmt::format("error: h/line does not go one way with '{}': {}, {} and {}\n  scan the range first, and ask where "
-                  "it is monotonic",
-                  axis.name, words(b.meets, axis.unit), words(p, axis.unit), words(b.fails, axis.unit)));
+  throw InputError(fmt::format("h/line does not go one way with '{}': {}, {} and {}", axis.name,
+                               words(b.meets, axis.unit), words(p, axis.unit), words(b.fails, axis.unit)),
+                   "scan the range first, and ask where it is monotonic");
 }
 
 // Halves what is not known; about the line itself the errors leave a doubt that no halving removes.
@@ -251,8 +247,8 @@ int stopped_early(Options const& options) {
 int invert_parameter(Options const& options, Requirement const& requirement, InvertOrder const& order,
                      std::string const& name, std::vector<ScanAxis> const& axes) {
   if (axes.size() != 1 || axes.front().name != name || !axes.front().range)
-    throw InputError(
-        fmt::format("error: --invert \"param({0})\" needs one range to look in\n  write {0}=lo..hi", name));
+    throw InputError(fmt::format("--invert \"param({})\" needs one range to look in", name),
+                     fmt::format("write {}=lo..hi", name));
   ScanAxis const& axis = axes.front();
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) folder.emplace(options.out + "/runs");

@@ -39,7 +39,7 @@ std::string example(std::string const& name) {
 }
 
 [[noreturn]] void refuse_range(std::string const& word, std::string const& why, std::string const& name) {
-  throw InputError(fmt::format("error: '{}': {}\n  {}", word, why, example(name)));
+  throw InputError(fmt::format("'{}': {}", word, why), example(name));
 }
 
 void add_range(ScanAxis& axis, std::string const& word, std::smatch const& m, bool open) {
@@ -84,7 +84,7 @@ ScanAxis parse_axis(std::string const& word, bool open) {
   static std::regex const range(R"(\s*(.+?)\s*\.\.\s*(.+?)\s*(?::([0-9]+)(:log)?)?\s*)");
   std::size_t const equal = word.find('=');
   if (equal == 0 || equal == word.npos)
-    throw InputError(fmt::format("error: '{}' does not name a parameter and its values\n  {}", word, example("name")));
+    throw InputError(fmt::format("'{}' does not name a parameter and its values", word), example("name"));
   ScanAxis axis{word.substr(0, equal), {}, {}, "", false};
   std::string const text = word.substr(equal + 1);
   std::smatch m;
@@ -106,15 +106,13 @@ std::vector<ScanAxis> parse_axes(std::vector<std::string> const& words, bool ope
       axes.push_back(parse_axis(word, open));
       points *= double(axes.back().values.size());
       if (!names.insert(axes.back().name).second)
-        throw InputError(
-            fmt::format("error: '{}' is given twice\n  write all its values in one list", axes.back().name));
+        throw InputError(fmt::format("'{}' is given twice", axes.back().name), "write all its values in one list");
     } catch (InputError const& e) {
       errors.push_back(e);
     }
   throw_all(errors);
   if (points > double(most_points))
-    throw InputError(
-        fmt::format("error: {:.0f} combinations are more than {}\n  take fewer values", points, most_points));
+    throw InputError(fmt::format("{:.0f} combinations are more than {}", points, most_points), "take fewer values");
   return axes;
 }
 

@@ -44,16 +44,14 @@ DesignCurve curve_named(std::string const& name, FrequencyGrid const& grid) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(name, ignored)) {
     std::string const near = nearest_word(name, known);
-    throw InputError(fmt::format(
-        "error: --against: '{}' is neither a design curve nor a file\n  {}", name,
-        near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near)));
+    throw InputError(
+        fmt::format("--against: '{}' is neither a design curve nor a file", name),
+        near.empty() ? fmt::format("known: {}", fmt::join(known, ", ")) : fmt::format("did you mean '{}'?", near));
   }
   Curve const table = parse_named_curve(read_file(name), strain_columns);
   if (!table.error.empty())
-    throw InputError(
-        fmt::format("error: --against: '{}' is not a design curve: {}\n  give two columns: frequency in Hz, "
-                    "strain in 1/sqrt(Hz)",
-                    name, table.error));
+    throw InputError(fmt::format("--against: '{}' is not a design curve: {}", name, table.error),
+                     "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");
   for (std::size_t i = 0; i < grid.size(); ++i) curve.asd.push_back(read_off(table.hz, table.value, grid.centre(i)));
   return curve;
 }
@@ -131,10 +129,10 @@ ScanPoint Scanner::at(std::vector<std::string> const& settings) {
     apply(options_, model);
     apply(requirement_, model);
   } catch (InputError const& e) {
-    throw InputError(fmt::format("{}\nat the point {}", e.what(), fmt::join(settings, ", ")));
+    throw InputError(e.problems, fmt::format("{}\nat the point {}", e.what(), fmt::join(settings, ", ")), e.files);
   }
   if (!model.detector)
-    throw InputError("error: a scan looks at noise, and the scene has no 'interferometer'\n  add one, and 'ports'");
+    throw InputError("a scan looks at noise, and the scene has no 'interferometer'", "add one, and 'ports'");
   if (model.warnings != told_) print_warnings(model, options_);
   told_ = model.warnings;
   point.model_hash = model.hash();
@@ -207,7 +205,7 @@ std::set<std::string> trace_together(std::vector<Settings> const& points, Option
       std::cout.flush();
       pid_t const child = ::fork();
       if (child == 0) work(all[next], options, requirement, jobs);
-      if (child < 0) throw InputError("error: no further process can be started\n  take fewer with --jobs");
+      if (child < 0) throw InputError("no further process can be started", "take fewer with --jobs");
       running[child] = &all[next++];
     }
     if (running.empty()) break;  // stopped

@@ -21,7 +21,7 @@ namespace series_source {
 
 void refuse(std::string const& file, std::string const& what, std::string const& suggestion) {
   Problem const problem{{1, 0, 0}, what, suggestion, Severity::error, 1};
-  throw InputError({problem}, fmt::format("{}: error: {}\n  {}", file, what, suggestion), {"", file});
+  throw InputError({problem}, placed_message(problem, file), {"", file});
 }
 
 namespace {
@@ -83,7 +83,7 @@ bool is_hdf5_file(std::string const& bytes) { return bytes.starts_with("\x89HDF\
 std::string bytes_of(std::string const& file) {
   FileBytes read = bytes_of_file(file);
   if (!read.why.empty())
-    throw InputError(fmt::format("error: cannot read '{}': {}\n  name a file, or FILE::CHANNEL", file, read.why));
+    throw InputError(fmt::format("cannot read '{}': {}", file, read.why), "name a file, or FILE::CHANNEL");
   return std::move(read.bytes);
 }
 
@@ -92,10 +92,8 @@ double one_time(std::string const& text, std::string const& all) {
   auto const [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (code == std::errc() && end == text.data() + text.size() && std::abs(value) < 1e12) return value;
   if (auto const utc = gps_of_utc(text)) return *utc;
-  throw InputError(
-      fmt::format("error: '{}' in '{}' is neither a GPS time nor UTC\n  write for example 1234567890..1234567950, or "
-                  "2019-02-01T12:00:00..2019-02-01T12:01:00",
-                  text, all));
+  throw InputError(fmt::format("'{}' in '{}' is neither a GPS time nor UTC", text, all),
+                   "write for example 1234567890..1234567950, or 2019-02-01T12:00:00..2019-02-01T12:01:00");
 }
 
 struct Calibration {
@@ -112,8 +110,8 @@ Calibration calibration_of(std::string const& text) {
   if (code != std::errc() || unit == rest.npos || rest[0] != ' ' || rest[unit] == '/' || rest[unit] == '*')
     return {1, text};
   if (!(std::isfinite(c.factor) && c.factor != 0))
-    throw InputError(
-        fmt::format("error: '{}' calibrates with {:g}\n  write what one count is: \"2e-6 m/s^2\"", text, c.factor));
+    throw InputError(fmt::format("'{}' calibrates with {:g}", text, c.factor),
+                     "write what one count is: \"2e-6 m/s^2\"");
   c.unit = rest.substr(unit);
   return c;
 }
@@ -151,7 +149,7 @@ GpsSpan parse_gps(std::string const& text) {
   if (!from.empty()) span.from = one_time(from, text);
   if (!to.empty()) span.to = one_time(to, text);
   if (!(span.from < span.to))
-    throw InputError(fmt::format("error: '{}' ends before it begins\n  write the earlier time first", text));
+    throw InputError(fmt::format("'{}' ends before it begins", text), "write the earlier time first");
   return span;
 }
 

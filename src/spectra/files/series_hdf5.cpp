@@ -94,7 +94,7 @@ auto readable(std::string const& file, Action const& action) {
   try {
     return action();
   } catch (InputError const& e) {
-    refuse(file, e.what(), "make it again or copy it again");
+    refuse(file, e.reason(), "make it again or copy it again");
   }
 }
 

@@ -12,8 +12,8 @@ namespace straytrace {
 std::unique_ptr<Backend> make_backend(std::string_view name) {
   if (name == "cpu") return cpu_backend();
   if (name == "cuda") return device_backend("cuda", cuda_engine());
-  throw InputError(
-      fmt::format("error: there is no backend '{}'\n  write cpu or cuda; mpi is for trace alone, under mpirun", name));
+  throw InputError(fmt::format("there is no backend '{}'", name),
+                   "write cpu or cuda; mpi is for trace alone, under mpirun");
 }
 
 }  // namespace straytrace

@@ -52,10 +52,8 @@ void RankScheduler::take(Transport::Message const& message, BlockQueue& block_qu
   if (word == "failed") throw NumericalError(fmt::format("rank {} has failed: {}", message.from, rest));
   if (word == "hello") {
     if (rest != ranks_.identity)
-      throw InputError(
-          fmt::format("error: rank {} has another model or another straytrace than rank 0\n  start all ranks with the "
-                      "same program and files, on a file system that all of them see",
-                      message.from));
+      throw InputError(fmt::format("rank {} has another model or another straytrace than rank 0", message.from),
+                       "start all ranks with the same program and files, on a file system that all of them see");
     member.ready = true;
     return;
   }

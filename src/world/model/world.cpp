@@ -22,10 +22,8 @@ Pool<List> pool_of(Vectors const& vectors, std::index_sequence<I...>) {
 }  // namespace
 
 void World::too_many_shapes(std::string_view kind) const {
-  throw InputError(
-      fmt::format("error: the scene has more than {} surfaces of the shape '{}'\n"
-                  "  repeat less, or describe many small surfaces by one mesh or one larger shape\n",
-                  most_shapes, kind));
+  throw InputError(fmt::format("the scene has more than {} surfaces of the shape '{}'", most_shapes, kind),
+                   "repeat less, or describe many small surfaces by one mesh or one larger shape");
 }
 
 std::uint32_t World::add_optic(Optic const& optic) {

@@ -49,8 +49,8 @@ TEST(CurveFile, IrregularAxesNameTheTextFile) {
   } catch (InputError const& e) {
     EXPECT_NE(std::string(e.what()).find("-o out/h.txt"), std::string::npos);
   }
-  EXPECT_NE(curve_ending_error("x.jpg"), "");
-  EXPECT_EQ(curve_ending_error("x.hdf5"), "");
+  EXPECT_THROW(check_curve_ending("x.jpg"), InputError);
+  EXPECT_NO_THROW(check_curve_ending("x.hdf5"));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ class ReportFilter : public ::testing::Test {
   FilterAnswer ask(std::string const& text) { return filtered(text, columns); }
   Rows rows(std::string const& text) {
     FilterAnswer const answer = ask(text);
-    EXPECT_EQ(rendered("--where", text, answer.problems), "");
+    for (FilterProblem const& p : answer.problems) ADD_FAILURE() << text << ": " << p.what;
     return answer.rows;
   }
   // Those of which a test of the row is true.
@@ -134,7 +134,10 @@ TEST_F(ReportFilter, mistakes_are_reported_with_their_place) {
 
 TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
   std::string const text = "kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s";
-  EXPECT_EQ(rendered("--where", text, ask(text).problems),
+  std::string shown;
+  for (FilterProblem const& p : ask(text).problems)
+    shown += error_in_filter("--where", text, p).what() + std::string("\n");
+  EXPECT_EQ(shown,
             "error: --where, column 15: 'scaters' is not known\n"
             "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
             "                ^^^^^^^ did you mean 'scatters'?\n"
@@ -143,7 +146,7 @@ TEST_F(ReportFilter, several_mistakes_are_reported_at_once_with_carets) {
             "                                         ^ write 5 %\n"
             "error: --where, column 54: 's' is no unit of opl\n"
             "  kind(\"µ\") and scaters == 2 and share > 5 and opl < 3 s\n"
-            "                                                       ^ write m, km, cm, mm, um, nm, in");
+            "                                                       ^ write m, km, cm, mm, um, nm, in\n");
   std::string const deep = std::string(100000, '(') + "resolved";
   EXPECT_THAT(ask(deep).problems.at(0).what, HasSubstr("too deeply"));
   EXPECT_THAT(ask("via(\"bafles\")").notes, ElementsAre("no route has via(\"bafles\"); did you mean \"baffles\"?"));

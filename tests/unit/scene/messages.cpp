@@ -196,7 +196,10 @@ TEST(Messages, LongLinesAndControlCharactersAreTamed) {
 TEST(Messages, JsonEscapesText) {
   InputError const e({{{0, 1, 2}, "a \"b\" \\ \n", "c", Severity::error, 3}}, "text", {"x.yaml"});
   EXPECT_THAT(problems_as_json(e), HasSubstr(R"("what": "a \"b\" \\ \u000a")"));
-  EXPECT_EQ(problems_as_json(InputError("plain")), "[{\"severity\": \"error\", \"what\": \"plain\"}]\n");
+  std::string const plain = problems_as_json(InputError("plain", "remedy"));
+  EXPECT_THAT(plain, HasSubstr("\"what\": \"plain\", \"suggestion\": \"remedy\""));
+  EXPECT_THAT(plain, HasSubstr("\"file\": \"\", \"line\": 0"));
+  EXPECT_STREQ(InputError("plain", "remedy").what(), "error: plain\n  remedy");
 }
 
 // A remedy of several lines is printed as such, each behind the bar; other control characters never are.

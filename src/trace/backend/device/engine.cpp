@@ -12,15 +12,14 @@ namespace straytrace {
 std::unique_ptr<DeviceEngine> load_engine(std::string const& library) {
   // Never unloaded: objects of its classes may outlive whoever loaded it.
   void* const loaded = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!loaded) throw InputError(fmt::format("error: {}\n  build it again, or use --backend cpu", dlerror()));
+  if (!loaded) throw InputError(dlerror(), "build it again, or use --backend cpu");
   auto const make = reinterpret_cast<MakeDeviceEngine>(dlsym(loaded, "straytrace_device_engine"));
   if (!make)
-    throw InputError(
-        fmt::format("error: '{}' is no engine of straytrace\n  build it again, or use --backend cpu", library));
+    throw InputError(fmt::format("'{}' is no engine of straytrace", library), "build it again, or use --backend cpu");
   try {
     return std::unique_ptr<DeviceEngine>(make(device_abi));
   } catch (std::exception const& e) {
-    throw InputError(fmt::format("error: {}\n  use --backend cpu: it gives the same result", e.what()));
+    throw InputError(e.what(), "use --backend cpu: it gives the same result");
   }
 }
 
@@ -43,8 +42,8 @@ std::unique_ptr<DeviceEngine> cuda_engine() {
   std::string const library = cuda_library();
   if (library.empty())
     throw InputError(
-        "error: this straytrace was built without CUDA\n"
-        "  build it where nvcc is found (docs/guide/gpu.md), or use --backend cpu: it gives the same result");
+        "this straytrace was built without CUDA",
+        "build it where nvcc is found (docs/guide/gpu.md), or use --backend cpu: it gives the same result");
   return load_engine(library);
 }
 
