@@ -51,7 +51,7 @@ def engine(lines, figure):
     axes.set_yticks(range(len(lines)), [line["case"] for line in lines], fontsize="small")
     axes.set_xscale("log")
     axes.axvline(1, color=GREY, linewidth=0.8)
-    axes.set_xlabel("ours over theirs; red: goal")
+    axes.set_xlabel("ratio, straytrace over the other; red: goal")
     axes.grid(True, axis="x", which="both", alpha=0.3)
 
 

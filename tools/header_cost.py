@@ -99,7 +99,7 @@ def main():
     print(table(["batch", "files", "front end [s]", "libraries [s]", "our headers [s]", "code [s]"],
                 [row for _, row in sorted(batches, reverse=True)[:options.batches]]))
     libraries = [name for name, _ in cost.most_common() if not name.startswith("`")]
-    for head, names in (("library", libraries), ("header of ours", [name for name, _ in cost.most_common() if name not in libraries])):
+    for head, names in (("library", libraries), ("our header", [name for name, _ in cost.most_common() if name not in libraries])):
         print(table([head, "batches", "parse [s]", "share"],
                     [[name, str(used[name]), f"{cost[name]:.1f}", f"{cost[name] / total:.1%}"] for name in names[:options.headers]]))
 

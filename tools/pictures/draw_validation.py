@@ -98,7 +98,7 @@ def off_by(axes, data, unit):
         axes.errorbar([p[1] for p in points], [100 * (p[2] / p[1] - 1) for p in points], [100 * p[3] / p[1] for p in points], fmt=marker,
                       color=colour, ms=4, lw=1.2, capsize=2, label=name)
     axes.axhline(0, color=GREY, lw=0.8)
-    axes.set(xscale="log", xlabel=f"closed form{unit}", ylabel="obtained is off by [%], ± 1 σ")
+    axes.set(xscale="log", xlabel=f"closed form{unit}", ylabel="deviation [%], ± 1 σ")
 
 
 def draw_view_factors(axes, data):
@@ -136,7 +136,7 @@ def draw_tracers(axes, data):
                       lw=1.2, capsize=2, label=name)
     axes.axhline(0, color=GREY, lw=0.8)
     axes.set_xticks(range(len(problems)), [p.replace("_", "\n") for p in problems])
-    axes.set(ylabel="theirs is off ours by [%], ± 1 σ")
+    axes.set(ylabel="deviation from straytrace [%], ± 1 σ")
     axes.legend(frameon=False, ncol=2, fontsize=8.5)
 
 
