@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Measure what headers cost the build: Clang parses the batches of src/ and reports the time in each header (-ftime-trace).
 
 Usage: header_cost.py [BUILD] [--batches N] [--headers N] [--module NAME]
 
 Prints Markdown tables for docs/develop/performance.md: the batches with the longest front end, the libraries, and our headers.
 The time of a header excludes the headers that it includes. Times are processor times of the front end, without optimisation.
-Needs clang++ and a configured build (scripts/build).
+Needs clang++ (scripts/setup --fuzz) and a configured build (scripts/build).
 
 Example:
   python3 tools/header_cost.py build
@@ -17,6 +18,7 @@ import pathlib
 import re
 import resource
 import shlex
+import shutil
 import subprocess
 import tempfile
 
@@ -75,6 +77,8 @@ def main():
     parser.add_argument("--headers", type=int, default=8, help="rows of the last table")
     parser.add_argument("--module", default="", help="only batches of this module")
     options = parser.parse_args()
+    if not shutil.which("clang++"):
+        parser.error("clang++ is not installed; scripts/setup --fuzz installs it")
     entries = [entry for entry in json.loads((options.build / "compile_commands.json").read_text(encoding="utf-8"))
                if re.search(rf"/src/CMakeFiles/straytrace_{options.module or '[a-z]+'}\.dir/Unity/", entry["file"])]
     if not entries:
