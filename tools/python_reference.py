@@ -122,7 +122,7 @@ def main():
     if "--write" in sys.argv:
         PAGE.write_text(page(), encoding="utf-8")
     same = PAGE.exists() and PAGE.read_text(encoding="utf-8") == page()
-    print("the page says what the code says" if same else f"{PAGE} is not what the code says: run tools/python_reference.py --write")
+    print("the page agrees with the code" if same else f"{PAGE} differs from the code: run tools/python_reference.py --write")
     return not same
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .scans import Scan, ScanPoint, scan
     from .tree import Items, Table, quantity
 
-# Loaded when they are asked for: pictures of the program do without, and without what they need.
+# Loaded on demand: the pictures of the program need neither these modules nor their packages.
 _LATER = {"Check": "model", "Model": "model", "Scan": "scans", "ScanPoint": "scans", "scan": "scans", "Items": "tree",
           "Table": "tree", "quantity": "tree"}
 

@@ -42,7 +42,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class Answer:
-    """What the program said."""
+    """Messages of the program."""
 
     output: str                       # stdout
     complete: bool                    # False: stopped early with a valid result

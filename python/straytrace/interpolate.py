@@ -14,7 +14,7 @@ Array = npt.NDArray[np.float64]
 
 
 def between_bins(hz: npt.ArrayLike, edges: Array, mean: npt.ArrayLike) -> Array:
-    """A curve of averages over bins, as `straytrace paths` reads it: straight in log-log between the centres; beside a bin
+    """A curve of averages over bins, as `straytrace paths` reads it: straight in log-log between the centres; next to a bin
     above twice the geometric mean of its neighbours (a line) or a bin of 0 the average of the bin; NaN outside the bins."""
     x, value = np.atleast_1d(np.asarray(hz, float)), np.asarray(mean, float)
     centre, n = np.sqrt(edges[:-1] * edges[1:]), len(edges) - 1
@@ -45,7 +45,7 @@ def with_borders_of_lines(edges: Array, mean: npt.ArrayLike) -> tuple[Array, Arr
 
 
 def log_log(hz: npt.ArrayLike, frequency: Array, strain: npt.ArrayLike, beyond: str = "nan") -> Array:
-    """Straight lines in log-log between the points; beside a point of 0, in value over log f. Outside them: `nan`, not
+    """Straight lines in log-log between the points; next to a point of 0, linear in value over log f. Outside them: `nan`, not
     known; `constant`, the value at the end; `slope`, on with the power law of the last two points. On from a 0 it is 0."""
     if beyond not in BEYOND:
         raise ValueError(f"beyond is one of {', '.join(BEYOND)}, not '{beyond}'")

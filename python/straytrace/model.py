@@ -100,7 +100,7 @@ class Model(Table):
         try:
             text = path.read_bytes().decode("utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            engine.ask("check", str(path))                  # says it better
+            engine.ask("check", str(path))                  # gives a better message
             raise InputError(f"cannot read '{path}': {error}") from None
         return cls.from_text(text, path)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The line that says how far a trace is, in notebooks, on terminals and in logs."""
+"""The progress line of a trace, in notebooks, on terminals and in logs."""
 
 from __future__ import annotations
 

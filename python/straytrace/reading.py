@@ -50,7 +50,7 @@ def attributes(file: Any) -> dict[str, Any]:
 
 
 def refuse_damaged(path: pathlib.Path) -> None:
-    """RunError where the bytes are not those that its first line tells the hash of."""
+    """RunError when the bytes do not have the hash of the first line."""
     with open(path, "rb") as file:
         words = file.read(USER_BLOCK).split(b"\n")[0].split()
         if words[:2] != [b"straytrace-run", b"sha256"] or len(words) != 5:
@@ -69,7 +69,7 @@ def refuse_damaged(path: pathlib.Path) -> None:
 
 
 def refuse_other(about: dict[str, Any], path: pathlib.Path) -> None:
-    """RunError for a file that is no run file, or of a schema that is not known here."""
+    """RunError for a file that is not a run file, or has an unknown schema."""
     if about.get("file_type") != "straytrace-run":
         raise RunError(f"'{path}' is not a straytrace run file")
     if int(about["schema"][0]) not in SCHEMA_MAJORS:

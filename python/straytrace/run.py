@@ -48,7 +48,7 @@ class Run:
     files: dict[str, str] = field(default_factory=dict)   # input texts by name
     receivers: Receivers = field(default_factory=Receivers)
     beam_power: float = 0.0           # W; 0: not stated
-    scratch: Scratch | None = field(default=None, repr=False)    # holds a file that nobody asked to keep
+    scratch: Scratch | None = field(default=None, repr=False)    # holds a temporary file
 
     @property
     def complete(self) -> bool:

@@ -152,7 +152,7 @@ def scan(model: Model | Mapping[str, Any] | str | os.PathLike[str],
     Ctrl-C returns the finished points, with ``complete == False``."""
     source = Model.of(model)
     points = _points(params)
-    trace_words(**options)                      # wrong ones are told here
+    trace_words(**options)                      # reports wrong ones
     if out is not None:
         pathlib.Path(out).mkdir(parents=True, exist_ok=True)
     folder = pathlib.Path(out) if out is not None else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Folders for results that nobody asked to keep."""
+"""Folders for temporary results."""
 
 import pathlib
 import shutil

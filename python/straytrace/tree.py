@@ -25,7 +25,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def _scalar(value: Any, where: str) -> Any:
-    """A value of YAML, or None where it is no scalar."""
+    """A value of YAML, or None if it is not a scalar."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not math.isfinite(value):

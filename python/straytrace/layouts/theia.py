@@ -32,7 +32,7 @@ KINDS = {                              # keyword: arguments in their order, with
     "gh": PLACE | {"Diameter": 0.05},
 }
 NAMES = {"bo": "", "bm": "beam", "mr": "M", "bs": "BS", "sp": "SP", "th": "L", "tk": "L", "bd": "BD", "gh": "G"}
-THIN_INDEX, THIN_EDGE = 1.4585, 1e-3   # of the real lens that stands for a thin one
+THIN_INDEX, THIN_EDGE = 1.4585, 1e-3   # of the real lens that represents a thin one
 
 
 def evaluate(node):
@@ -52,7 +52,7 @@ def evaluate(node):
 
 
 def arguments(line, kind):
-    """Values by name. ValueError says what is wrong."""
+    """Values by name. ValueError explains errors."""
     known = KINDS[kind]
     call = ast.parse(f"f({line})", mode="eval").body
     values, order, texts = dict(known), list(known), []

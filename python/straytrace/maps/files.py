@@ -17,7 +17,7 @@ HEADER_LINES = 14
 
 
 class MapError(ValueError):
-    """The file is not what it should be; the text says where and what to do."""
+    """The file is invalid; the text states the place and a remedy."""
 
 
 @dataclasses.dataclass
@@ -25,7 +25,7 @@ class MirrorMap:
     """Heights of a surface in m, towards the instrument; rows from the top; NaN where nothing was measured."""
 
     height: np.ndarray
-    pixel: float                       # m; 0: the file does not say
+    pixel: float                       # m; 0: not in the file
     kind: str                          # format
     wavelength: float                  # of the instrument in m; 0 where the file gives heights
     scale: str                         # how counts became heights
@@ -137,7 +137,7 @@ def read_zygo_xyz(path, text: str) -> MirrorMap:
 
 
 def read_map(path) -> MirrorMap:
-    """The map in a file. MapError says what is wrong with it."""
+    """The map in a file. MapError explains errors."""
     data = pathlib.Path(path).read_bytes()
     if len(data) >= 220 and struct.unpack(">I", data[:4])[0] in MAGIC:
         result = read_metropro(path, data)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures. Functions draw what they are given; each module of a JSON file is a command of its own, and __main__ opens run files."""
+"""Pictures. Functions draw their arguments; each module of a JSON file is a separate command, and __main__ opens run files."""

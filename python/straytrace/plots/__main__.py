@@ -13,7 +13,7 @@ from .style import STYLE, save
 
 
 def pictures(run, options):
-    """The pictures asked for, each with its file."""
+    """The requested pictures, each with its file."""
     if options.maps is None:
         yield overview.draw(run, options.band), options.out
         return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Uncertainties of a run besides its Monte-Carlo error, as bands of its picture."""
+"""Uncertainties of a run other than its Monte-Carlo error, as bands of its picture."""
 
 import numpy as np
 

@@ -58,7 +58,7 @@ def draw_stray_light(axes, f, noises):
 
 
 def draw_references(axes, f, budget):
-    """Design curves with the margin under the first, then lines that are no noises; returns what must be in sight."""
+    """Design curves with the margin under the first, then lines that are not noises; returns the curves that must be visible."""
     shown = []
     for k, curve in enumerate(budget["curves"]["curves"]):
         asd = values(curve["strain"])

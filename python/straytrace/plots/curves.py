@@ -15,7 +15,7 @@ COLOURS = ("#0072B2", "#D00000", "#228833", "#7A00CC", "#E66101", "#00857A", "#7
 SIZE = (10.0, 6.0)  # inches at 100 dpi
 MORE = 3.5  # for each further unit
 MOST_NOTES = 6
-SAME = 0.005  # of the largest value: lines closer than this cannot be told apart
+SAME = 0.005  # of the largest value: lines closer than this cannot be distinguished
 
 
 def label(column):
@@ -69,7 +69,7 @@ def drawn_columns(columns):
 
 
 def same_lines(drawn):
-    """Lines that nothing tells apart: within half a percent of the largest value. Each group is drawn once."""
+    """Lines that cannot be distinguished: within half a percent of the largest value. Each group is drawn once."""
     largest = max((np.nanmax(np.abs(values(c["values"])), initial=0.0) for c, _, _ in drawn), default=0.0)
     groups = []
     for one in drawn:
@@ -118,7 +118,7 @@ def draw_columns(axes, x, columns, hidden, logarithmic):
 
 
 def panels_of(columns):
-    """Drawn columns by their unit, in the order of their first: each unit has axes of its own."""
+    """Drawn columns by their unit, in the order of their first: each unit has separate axes."""
     panels = {}
     for column in columns:
         if column["style"] != "hidden":
@@ -141,7 +141,7 @@ def is_narrow(arrays):
 
 
 def set_x_limits(axes, sheet, x, columns):
-    """To the ends; a little further where points stand there."""
+    """To the ends; a little further where there are points."""
     room = 0.02 if any(c["style"] in ("points", "upper-limit") for c in columns) else 0.0
     if sheet["log_x"] and can_be_logarithmic([x]):
         axes.set_xscale("log")

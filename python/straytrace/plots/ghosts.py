@@ -18,7 +18,7 @@ WALLS = 0.35     # of the size of the tree: larger objects, rooms and tables, ar
 MARGIN = 0.06    # around beams and objects
 SLIM = 0.05      # below this ratio of height to width the axes cannot have one scale
 MOST = 60        # beams drawn
-DOT = 0.005      # of the tree: where objects and groups of them are smaller, each group has a panel of its own
+DOT = 0.005      # of the tree: where objects and groups of them are smaller, each group has a separate panel
 MOST_PANELS = 3
 WIDTH = 8.6      # inches at 100 dpi
 
@@ -145,7 +145,7 @@ def window(ways, shapes, size):
 
 
 def set_scale(axes, low, high):
-    """One scale on both axes where the tree allows it; otherwise the picture says how much one is stretched."""
+    """One scale on both axes where the tree allows it; otherwise the picture states by how much one is stretched."""
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.ticklabel_format(useOffset=False)
     wide, tall = high - low
@@ -189,7 +189,7 @@ class Panel:
         return named, draw_beams(axes, ghosts, self.plane, self.size)
 
     def set_labels(self, axes, named, ways):
-        """Returns what is to be said of the scale."""
+        """Returns the note about the scale."""
         said = set_scale(axes, self.low, self.high)
         place_labels(axes, {shortened(name, 16): ring for name, ring in named.items()}, ways)
         return said

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names beside what they name, where they hide the least."""
+"""Names next to their objects, where they hide the least."""
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def best_box(ring, size, frame, lines, taken):
 
 
 def place_labels(axes, outlines, lines):
-    """Writes each name beside its outline, with a thin line to it when it stands apart. Outlines and lines in data
+    """Writes each name next to its outline, with a thin line to it when it is further away. Outlines and lines in data
     coordinates; the limits of the axes must be set."""
     figure = axes.figure
     figure.canvas.draw()

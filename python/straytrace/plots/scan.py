@@ -14,7 +14,7 @@ MOST_CURVES = 12
 
 
 def positions(axis):
-    """Where the values of a parameter stand, and their labels where they are not numbers."""
+    """Positions of the values of a parameter, and their labels where they are not numbers."""
     numbers = [np.nan if n is None else n for n in axis["numbers"]]
     if np.all(np.isfinite(numbers)):
         return dict(zip(axis["values"], numbers)), None

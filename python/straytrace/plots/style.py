@@ -5,7 +5,7 @@ import os
 import pathlib
 import tempfile
 
-# Okabe and Ito: told apart by every common kind of colour vision. Black is the total, grey the design curve.
+# Okabe and Ito: distinguishable with every common kind of colour vision. Black is the total, grey the design curve.
 ROUTE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GREY = "#6b6b6b"
 LIGHT = "#d9d9d9"
@@ -31,7 +31,7 @@ def plain_number(x, _position=None):
 
 
 def save(figure, path):
-    """Appears complete or not at all. A PNG file says in a text chunk too what made it."""
+    """Appears complete or not at all. A PNG file also states its origin in a text chunk."""
     path = pathlib.Path(path)
     handle, name = tempfile.mkstemp(prefix=path.name + ".part-", dir=path.parent or ".")
     os.close(handle)

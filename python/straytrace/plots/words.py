@@ -5,7 +5,7 @@ import numpy as np
 
 
 def shortened(text, length):
-    """Keeps both ends of a long name: they tell where light leaves and rejoins the beam."""
+    """Keeps both ends of a long name, where light leaves and rejoins the beam."""
     if len(text) <= length:
         return text
     head = (length - 1) // 2
