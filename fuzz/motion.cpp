@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Records of motion as text and HDF5, spectra, responses, coupling functions.
-#include "analysis/coupling/coupling_file.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "fuzz.hpp"
+#include "io/delimited_text.hpp"
+#include "spectra/curve.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/series_file.hpp"
-#include "spectra/files/text_table.hpp"
 #include "spectra/files/unit_text.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
@@ -16,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
   } catch (InputError const&) {
   }
   if (bytes.starts_with("\x89HDF")) return 0;
-  (void)parse_named_columns(bytes);
+  (void)parse_numbers(bytes, NonFinite::kept, HeaderRow::allowed);
   (void)parse_curve(bytes);
   (void)parse_named_curve(bytes, strain_columns);
   try {

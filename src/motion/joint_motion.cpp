@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "io/number_rows.hpp"
-#include "motion/calibration.hpp"
+#include "io/delimited_text.hpp"
+#include "motion/motion_files.hpp"
 
 namespace straytrace {
 namespace {
@@ -80,12 +80,12 @@ std::optional<Members> read_units(Node const& spec, std::size_t member, bool rot
 }
 
 // Factors of all frequencies; empty and a problem when the file does not fit.
-std::vector<ComplexMatrix> factors_of(Node const& file, NumberRows const& table, std::string const& form,
+std::vector<ComplexMatrix> factors_of(Node const& file, NumberTable const& table, std::string const& form,
                                       std::vector<Calibration> const& units) {
   std::vector<ComplexMatrix> factors;
   double before = 0;
-  for (std::size_t line = 0; line < table.rows.size(); ++line) {
-    std::vector<double> const& row = table.rows[line];
+  for (std::size_t line = 0; line < table.rows(); ++line) {
+    std::vector<double> const row = table.row(line);
     auto const refuse = [&](std::string what, std::string suggestion) {
       file.file_problem(file.text(), table.line[line], 1, fmt::format("at {:g} Hz: {}", row[0], what),
                         std::move(suggestion));
@@ -159,17 +159,16 @@ std::optional<JointMotion> read_joint(Node const& spec, bool rotation) {
   auto const members = read_units(spec, member, rotation);
   if (!members) return {};
   std::size_t const n = members->units.size(), columns = columns_of(form, n);
-  auto const table = read_number_rows(
+  auto const table = read_numbers(
       file, columns, fmt::format("'form: {}' of {} members has {} columns: Hz and the elements", form, n, columns));
   if (!table) return {};
-  if (table->rows.size() < 2) {
+  if (table->rows() < 2) {
     file.file_problem(name, 0, 0, "cross spectra need two frequencies at least", "give more lines");
     return {};
   }
   std::vector<ComplexMatrix> const factors = factors_of(file, *table, form, members->units);
   if (factors.empty()) return {};
-  std::vector<double> hz;
-  for (auto const& row : table->rows) hz.push_back(row[0]);
+  std::vector<double> const& hz = table->column[0];
   JointMotion joint{fmt::format("{} {}{}", name, form, members->names), {}, {}};
   for (std::size_t j = 0; j < n; ++j) joint.row.push_back(element(name, hz, factors, member - 1, j));
   joint.unit = Spectrum({hz.front(), hz.back()}, {1, 1});

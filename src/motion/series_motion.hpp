@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "motion/calibration.hpp"
+#include "motion/motion_files.hpp"
 #include "spectra/series.hpp"
 #include "spectra/spectrum.hpp"
 

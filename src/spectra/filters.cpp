@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numeric>
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
-#include "spectra/sections.hpp"
+#include "spectra/fourier.hpp"
 
 namespace straytrace {
 namespace {
@@ -77,6 +79,172 @@ TimeSeries notched(TimeSeries const& s, double hz, double quality) {
                      fmt::format("choose it between 0 and {:g} Hz, half the sample rate", s.rate / 2));
   TimeSeries out = s;
   out.samples = both_ways({notch(2 * hz / s.rate, quality)}, s.samples);
+  return out;
+}
+
+namespace {
+
+using C = std::complex<double>;
+
+// Poles of the analog filter with edges `low`, `high` in rad/s; one of each conjugate pair, or both of a real pair.
+std::vector<C> analog_poles(int order, double low, double high, bool band) {
+  std::vector<C> poles;
+  for (int k = 0; k < order; ++k) {
+    C const p = std::polar(1.0, pi / 2 + pi * (2 * k + 1) / (2.0 * order));  // low pass with edge 1
+    if (!band) {
+      poles.push_back(low > 0 ? low / p : high * p);
+      continue;
+    }
+    C const middle = p * (high - low) / 2.0, split = std::sqrt(middle * middle - low * high);
+    poles.push_back(middle + split);
+    poles.push_back(middle - split);
+  }
+  return poles;
+}
+
+C digital(C analog) { return (1.0 + analog / 2.0) / (1.0 - analog / 2.0); }
+
+// One section for each conjugate pair, one for two real poles or one that is left.
+std::vector<Section> paired(std::vector<C> const& poles) {
+  std::vector<Section> sections;
+  std::vector<double> real;
+  for (C const& z : poles) {
+    if (std::abs(z.imag()) < 1e-12 * std::abs(z))
+      real.push_back(z.real());
+    else if (z.imag() > 0)
+      sections.push_back({{1, 0, 0}, {-2 * z.real(), std::norm(z)}});
+  }
+  for (std::size_t i = 0; i < real.size(); i += 2)
+    if (i + 1 < real.size())
+      sections.push_back({{1, 0, 0}, {-real[i] - real[i + 1], real[i] * real[i + 1]}});
+    else
+      sections.push_back({{1, 0, 0}, {-real[i], 0}});
+  return sections;
+}
+
+double gain_at(std::vector<Section> const& sections, C z) {
+  C h = 1;
+  for (Section const& s : sections)
+    h *= (s.b[0] + s.b[1] / z + s.b[2] / (z * z)) / (1.0 + s.a[0] / z + s.a[1] / (z * z));
+  return std::abs(h);
+}
+
+// State after an endless input of 1 (transposed direct form II).
+std::array<double, 2> settled(Section const& s) {
+  double const out = (s.b[0] + s.b[1] + s.b[2]) / (1 + s.a[0] + s.a[1]);
+  double const second = s.b[2] - s.a[1] * out;
+  return {s.b[1] - s.a[0] * out + second, second};
+}
+
+void run(Section const& s, std::vector<double>& x, std::array<double, 2> state) {
+  for (double& v : x) {
+    double const y = s.b[0] * v + state[0];
+    state[0] = s.b[1] * v - s.a[0] * y + state[1];
+    state[1] = s.b[2] * v - s.a[1] * y;
+    v = y;
+  }
+}
+
+// From the state that the first sample, held for ever, would have left.
+void run_settled(std::vector<Section> const& sections, std::vector<double>& x) {
+  double held = x.front();
+  for (Section const& s : sections) {
+    std::array<double, 2> state = settled(s);
+    for (double& v : state) v *= held;
+    held *= (s.b[0] + s.b[1] + s.b[2]) / (1 + s.a[0] + s.a[1]);
+    run(s, x, state);
+  }
+}
+
+std::size_t padding(std::vector<Section> const& sections) {
+  auto const count = [&](auto const& is_zero) {
+    return std::size_t(std::count_if(sections.begin(), sections.end(), is_zero));
+  };
+  std::size_t const no_b = count([](Section const& s) { return s.b[2] == 0; });
+  std::size_t const no_a = count([](Section const& s) { return s.a[1] == 0; });
+  return 3 * (2 * sections.size() + 1 - std::min(no_a, no_b));
+}
+
+}  // namespace
+
+std::vector<Section> butterworth(int order, double low, double high) {
+  if (order < 1 || order > 12) throw InputError(fmt::format("a filter of order {}", order), "choose from 1 to 12");
+  bool const low_pass = low <= 0, high_pass = high >= 1, band = !low_pass && !high_pass;
+  double const w_low = low_pass ? 0 : 2 * std::tan(pi * low / 2), w_high = high_pass ? 0 : 2 * std::tan(pi * high / 2);
+  std::vector<C> poles = analog_poles(order, w_low, w_high, band);
+  std::transform(poles.begin(), poles.end(), poles.begin(), digital);
+  std::vector<Section> sections = paired(poles);
+  for (Section& s : sections) {
+    bool const first_order = s.a[1] == 0;
+    double const sign = low_pass ? 1 : -1;  // zeros at -1, at 1, or at both
+    s.b = first_order ? std::array{1.0, sign, 0.0} : band ? std::array{1.0, 0.0, -1.0} : std::array{1.0, 2 * sign, 1.0};
+  }
+  C const middle = low_pass ? C(1) : high_pass ? C(-1) : digital(C(0, std::sqrt(w_low * w_high)));
+  double const share = std::pow(gain_at(sections, middle), -1.0 / double(sections.size()));
+  for (Section& s : sections)
+    for (double& b : s.b) b *= share;
+  return sections;
+}
+
+Section notch(double share, double quality) {
+  double const w = pi * share, beta = std::tan(w / quality / 2), gain = 1 / (1 + beta);
+  return {{gain, -2 * gain * std::cos(w), gain}, {-2 * gain * std::cos(w), 2 * gain - 1}};
+}
+
+std::vector<double> once(std::vector<Section> const& sections, std::vector<double> x) {
+  for (Section const& s : sections) run(s, x, {0, 0});
+  return x;
+}
+
+std::vector<double> both_ways(std::vector<Section> const& sections, std::vector<double> const& x) {
+  std::size_t const pad = padding(sections), n = x.size();
+  if (n <= pad)
+    throw InputError(fmt::format("{} samples are too few for a filter that needs {}", n, pad + 1),
+                     "choose a longer span");
+  std::vector<double> y;
+  for (std::size_t i = pad; i > 0; --i) y.push_back(2 * x.front() - x[i]);
+  y.insert(y.end(), x.begin(), x.end());
+  for (std::size_t i = 1; i <= pad; ++i) y.push_back(2 * x.back() - x[n - 1 - i]);
+  for (int way = 0; way < 2; ++way) {
+    run_settled(sections, y);
+    std::reverse(y.begin(), y.end());
+  }
+  return {y.begin() + std::ptrdiff_t(pad), y.end() - std::ptrdiff_t(pad)};
+}
+
+namespace {
+
+// Without its mean, with both ends brought to zero over so many samples: a step there would drown the faint lines.
+std::vector<double> faded(std::vector<double> x, std::size_t length) {
+  double const mean = std::accumulate(x.begin(), x.end(), 0.0) / double(x.size());
+  for (double& v : x) v -= mean;
+  for (std::size_t i = 0; i < std::min(length, x.size() / 2); ++i) {
+    double const share = std::pow(std::sin(pi / 2 * (double(i) + 0.5) / double(length)), 2);
+    x[i] *= share;
+    x[x.size() - 1 - i] *= share;
+  }
+  return x;
+}
+
+}  // namespace
+
+TimeSeries whitened(TimeSeries const& s, WelchSettings const& settings) {
+  WelchSpectrum const spectrum = welch(s.samples, s.rate, settings);
+  double const step = spectrum.hz[1];
+  if (std::any_of(spectrum.psd.begin() + 1, spectrum.psd.end(), [](double p) { return !(p > 0); }))
+    throw InputError(fmt::format("'{}' has no power at some frequencies, so it cannot be whitened", s.name),
+                     "choose a stretch with signal");
+  TimeSeries out = s;
+  out.unit = "1";
+  out.samples = filtered(faded(s.samples, settings.segment / 2), 0, [&](double cycles) -> std::complex<double> {
+    double const f = cycles * s.rate, line = f / step;
+    if (line < 1) return 0;
+    auto const k = std::min(std::size_t(line), spectrum.psd.size() - 2);
+    bool const doubled = spectrum.is_real_line(k + 1);  // the last line is not; its neighbour below is
+    double const last = spectrum.psd[k + 1] * (doubled ? 2 : 1);
+    double const asd = std::lerp(std::sqrt(spectrum.psd[k]), std::sqrt(last), std::min(1.0, line - double(k)));
+    return std::sqrt(2 / s.rate) / asd;
+  });
   return out;
 }
 

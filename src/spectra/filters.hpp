@@ -2,9 +2,13 @@
 // Filters of records. All but the causal ones have no phase: nothing is shifted in time.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <span>
+#include <vector>
 
 #include "spectra/series.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace {
 
@@ -18,5 +22,31 @@ TimeSeries decimated(TimeSeries const&, std::size_t factor, std::size_t first = 
 TimeSeries band_passed(TimeSeries const&, double low_hz, double high_hz, int order = 4);
 // Second-order notch of this width at -3 dB, forwards and backwards (scipy iirnotch, filtfilt).
 TimeSeries notched(TimeSeries const&, double hz, double quality = 30);
+
+// Recursive filters as second-order sections (conventions of scipy.signal). Inside the room.
+
+// (b0 + b1/z + b2/z^2)/(1 + a1/z + a2/z^2)
+struct Section {
+  std::array<double, 3> b{1, 0, 0};
+  std::array<double, 2> a{0, 0};
+};
+
+// Butterworth by the bilinear transform; edges as shares of half the sample rate, 0 <= low < high <= 1. low = 0: low
+// pass, high = 1: high pass, otherwise a band pass of twice the order. Throws InputError for an order outside 1 to 12.
+std::vector<Section> butterworth(int order, double low, double high);
+// Unit gain but at `share` of half the sample rate, with width share/quality at -3 dB.
+Section notch(double share, double quality);
+
+std::vector<double> once(std::vector<Section> const&, std::vector<double> x);  // causal, from rest
+// Forwards and backwards, the record continued by odd reflection and the filter settled on its ends
+// (scipy.signal.sosfiltfilt). Throws InputError for a record shorter than that takes.
+std::vector<double> both_ways(std::vector<Section> const&, std::vector<double> const& x);
+
+// Records with the same power at all frequencies.
+
+// Divided, line by line and without phase, by its own ASD (Welch, straight between its lines) and by sqrt(2/rate): of
+// stationary Gaussian noise the result has variance 1 and one-sided PSD 2/rate at all frequencies; no unit. What is
+// below the first line of the ASD is removed. Both ends fade to zero over half a segment.
+TimeSeries whitened(TimeSeries const&, WelchSettings const&);
 
 }  // namespace straytrace

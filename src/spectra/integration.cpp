@@ -10,8 +10,8 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/units/quantity.hpp"
+#include "spectra/filters.hpp"
 #include "spectra/fourier.hpp"
-#include "spectra/sections.hpp"
 
 namespace straytrace {
 namespace {

@@ -2,7 +2,6 @@
 #include "spectra/spectrogram.hpp"
 
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
@@ -54,8 +53,7 @@ std::vector<double> energies(Complexes const& lines, double duration, double hz,
     double const x = (double(k) / duration - hz) / half;
     shifted[std::size_t(k - from) % count] = lines[std::size_t(k)] * std::pow(1 - x * x, 2);
   }
-  Eigen::FFT<double> fft;
-  fft.inv(tiles, shifted);
+  Fourier().inverse(shifted, tiles);
   std::vector<double> energy;
   for (auto const& t : tiles) energy.push_back(std::norm(t));
   double const usual = median(energy) / std::log(2);

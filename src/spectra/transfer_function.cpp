@@ -7,7 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "io/number_rows.hpp"
+#include "io/delimited_text.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {
@@ -72,7 +73,7 @@ C TransferFunction::Table::operator()(double f) const {
   auto const above =
       std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, std::ssize(hz) - 1);
   auto const b = std::size_t(above), a = b - 1;
-  double const share = std::log(f / hz[a]) / std::log(hz[b] / hz[a]);
+  double const share = log_share(f, hz[a], hz[b]);
   return std::polar(std::exp(std::lerp(log_modulus[a], log_modulus[b], share)), std::lerp(phase[a], phase[b], share));
 }
 
@@ -98,15 +99,15 @@ std::vector<double> TransferFunction::features() const {
 }
 
 TransferFunction read_response_file(Node const& file, bool decibels, std::optional<Band> const& band) {
-  auto const table = read_number_rows(file, 3,
-                                      decibels ? "write frequency in Hz, modulus in dB, phase in degrees"
-                                               : "write frequency in Hz, real part, imaginary part");
+  auto const table = read_numbers(file, 3,
+                                  decibels ? "write frequency in Hz, modulus in dB, phase in degrees"
+                                           : "write frequency in Hz, real part, imaginary part");
   if (!table) return {};
   std::string const& name = file.text();
   std::vector<double> hz;
   std::vector<C> values;
-  for (std::size_t i = 0; i < table->rows.size(); ++i) {
-    double const f = table->rows[i][0], a = table->rows[i][1], b = table->rows[i][2];
+  for (std::size_t i = 0; i < table->rows(); ++i) {
+    double const f = table->column[0][i], a = table->column[1][i], b = table->column[2][i];
     C const value = decibels ? std::polar(std::pow(10, a / 20), -b * pi / 180) : C(a, -b);
     if (!(f > (hz.empty() ? 0 : hz.back())) || value == 0.0) {
       file.file_problem(name, table->line[i], 1,

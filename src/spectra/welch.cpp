@@ -2,6 +2,7 @@
 #include "spectra/welch.hpp"
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "spectra/filters.hpp"
-#include "spectra/segments.hpp"
 
 namespace straytrace {
 namespace {
@@ -149,5 +149,149 @@ RmsTrend rms_trend(TimeSeries const& s, double low, double high, double stride) 
   }
   return out;
 }
+
+namespace {
+
+void check(std::size_t samples, double rate, WelchSettings const& s) {
+  if (s.segment < 2 || s.segment > samples)
+    throw InputError(fmt::format("a segment of {} samples does not fit a series of {}", s.segment, samples),
+                     fmt::format("choose between 2 and {}", samples));
+  if (!(s.overlap >= 0 && s.overlap < 1))
+    throw InputError(fmt::format("an overlap of {:g} is not a share", s.overlap), "choose from 0 to below 1");
+  if (!(rate > 0 && rate < infinity)) throw InputError(fmt::format("a sample rate of {:g} Hz", rate), "it is positive");
+}
+
+// Takes the mean, or the straight line of least squares, from the samples.
+void remove_trend(std::vector<double>& x, Detrend detrend) {
+  if (detrend == Detrend::none) return;
+  double const n = double(x.size()), centre = (n - 1) / 2;
+  double mean = 0, slope = 0;
+  for (double const v : x) mean += v / n;
+  for (std::size_t i = 0; detrend == Detrend::linear && i < x.size(); ++i)
+    slope += (double(i) - centre) * (x[i] - mean);
+  slope *= 12 / (n * (n * n - 1));
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] -= mean + slope * (double(i) - centre);
+}
+
+}  // namespace
+
+Segments::Segments(std::size_t samples, double rate, WelchSettings const& s) : settings_(s), rate_(rate) {
+  check(samples, rate, s);
+  // Whole samples of overlap, rounded down as int(share * segment) elsewhere.
+  step_ = s.segment - std::size_t(std::floor(s.overlap * double(s.segment) + 1e-9));
+  count_ = (samples - s.segment) / step_ + 1;
+  weights_ = window_weights(s.window, s.window_parameter, s.segment);
+  for (double const w : weights_) {
+    sum_ += w;
+    square_ += w * w;
+  }
+}
+
+double Segments::density(std::size_t line) const { return (is_real_line(line) ? 1 : 2) / (rate_ * square_); }
+
+double Segments::effective() const {
+  double sum = 1;
+  for (std::size_t m = 1; m < count_ && m * step_ < weights_.size(); ++m) {
+    double shared = 0;
+    for (std::size_t i = m * step_; i < weights_.size(); ++i) shared += weights_[i] * weights_[i - m * step_];
+    sum += 2 * (1 - double(m) / double(count_)) * std::pow(shared / square_, 2);
+  }
+  return double(count_) / sum;
+}
+
+Complexes const& Segments::transform(std::span<double const> samples, std::size_t segment) {
+  auto const from = samples.begin() + std::ptrdiff_t(begin(segment));
+  part_.assign(from, from + std::ptrdiff_t(settings_.segment));
+  remove_trend(part_, settings_.detrend);
+  for (std::size_t i = 0; i < part_.size(); ++i) part_[i] *= weights_[i];
+  return fourier_.forward(part_);
+}
+
+CrossSpectra cross_spectra(std::span<double const> x, std::span<double const> y, double rate, WelchSettings const& s) {
+  if (x.size() != y.size())
+    throw InputError(fmt::format("records of {} and {} samples", x.size(), y.size()), "cut both to the same stretch");
+  if (s.average != Average::mean) throw InputError("cross spectra are averaged by their mean", "write --average mean");
+  Segments of_x(x.size(), rate, s), of_y(y.size(), rate, s);
+  CrossSpectra out;
+  out.segments = of_x.count();
+  out.effective_averages = of_x.effective();
+  out.noise_bandwidth = of_x.noise_bandwidth();
+  std::size_t const lines = of_x.lines();
+  out.input.assign(lines, 0);
+  out.output.assign(lines, 0);
+  out.cross.assign(lines, 0);
+  for (std::size_t i = 0; i < out.segments; ++i) {
+    Complexes const &a = of_x.transform(x, i), &b = of_y.transform(y, i);
+    for (std::size_t k = 0; k < lines; ++k) {
+      out.input[k] += std::norm(a[k]);
+      out.output[k] += std::norm(b[k]);
+      out.cross[k] += std::conj(a[k]) * b[k];
+    }
+  }
+  for (std::size_t k = 0; k < lines; ++k) {
+    double const scale = of_x.density(k) / double(out.segments);
+    out.hz.push_back(of_x.hz(k));
+    out.input[k] *= scale;
+    out.output[k] *= scale;
+    out.cross[k] *= scale;
+  }
+  return out;
+}
+
+CrossSpectra cross_spectra(TimeSeries const& x, TimeSeries const& y, WelchSettings const& s) {
+  std::vector<TimeSeries> const both = aligned({x, y});
+  return cross_spectra(both[0].samples, both[1].samples, both[0].rate, s);
+}
+
+std::vector<double> coherence(CrossSpectra const& s) {
+  std::vector<double> c;
+  for (std::size_t k = 0; k < s.hz.size(); ++k) {
+    double const powers = s.input[k] * s.output[k];
+    c.push_back(powers > 0 ? std::min(1.0, std::norm(s.cross[k]) / powers) : not_a_number);
+  }
+  return c;
+}
+
+double coherence_level(double n, double probability) {
+  if (!(probability > 0 && probability < 1))
+    throw InputError(fmt::format("a significance of {:g} is not between 0 and 1", probability),
+                     "write for example 0.05");
+  return n > 1 ? 1 - std::pow(probability, 1 / (n - 1)) : 1;
+}
+
+double confidence_radius(double c, double n, double probability) {
+  if (!(n > 1 && c > 0)) return infinity;
+  return std::sqrt((std::pow(1 - probability, -1 / (n - 1)) - 1) * std::max(0.0, 1 - c) / c);
+}
+
+Interval coherence_interval(std::span<double const> c, double n, double probability) {
+  Interval out;
+  double const z = n > 1 ? quantile(boost::math::normal(), (1 + probability) / 2) / std::sqrt(2 * (n - 1)) : infinity;
+  for (double const value : c) {
+    double const w = std::atanh(std::min(std::sqrt(value), 1 - 1e-15));
+    out.low.push_back(std::pow(std::tanh(std::max(0.0, w - z)), 2));
+    out.high.push_back(std::pow(std::tanh(w + z), 2));
+  }
+  return out;
+}
+
+namespace {
+
+TransferEstimate estimate(CrossSpectra const& s, bool first) {
+  TransferEstimate t{s.hz, {}, {}, {}, coherence(s), s.effective_averages};
+  for (std::size_t k = 0; k < s.hz.size(); ++k) {
+    std::complex<double> const h = first ? s.cross[k] / s.input[k] : s.output[k] / std::conj(s.cross[k]);
+    double const c = t.coherence[k], relative = std::sqrt((1 - c) / (2 * c * s.effective_averages));
+    t.value.push_back(h);
+    t.modulus_sigma.push_back(std::abs(h) * relative);
+    t.phase_sigma.push_back(std::isnan(relative) ? relative : std::min(relative, pi / std::sqrt(3.0)));
+  }
+  return t;
+}
+
+}  // namespace
+
+TransferEstimate h1(CrossSpectra const& s) { return estimate(s, true); }
+TransferEstimate h2(CrossSpectra const& s) { return estimate(s, false); }
 
 }  // namespace straytrace

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "base/math/constants.hpp"
-#include "spectra/cross_spectra.hpp"
 #include "spectra/welch.hpp"
 
 namespace straytrace {

@@ -6,10 +6,11 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/math/constants.hpp"
-#include "spectra/cross_spectra.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace {
 
@@ -80,5 +81,41 @@ inline double each_of(std::size_t n, double confidence) { return 1 - (1 - confid
 CouplingFunction combine(std::span<CouplingFunction const>);
 
 inline double squared(double v) { return v * v; }
+
+// Coupling functions as CSV of pemcoupling: frequency, factor, factor_counts, flag. Ours add columns behind these.
+
+// Read tolerantly: columns in any order, further columns, flags in any case, "Measured" for "Real", a header with a
+// comma missing. The unit of the factor, the unit and names of channels come from our own columns; pemcoupling's have
+// none, so `unit` ("m/m", "1/m", ...) and `witness_unit` must say them then. Throws InputError with file and line.
+CouplingFunction parse_coupling(std::string_view csv, std::string const& file, std::string const& unit = "",
+                                std::string const& witness_unit = "");
+
+// Upper limits stand in the column of factors with their flag; what is unknown is empty.
+std::string coupling_csv(CouplingFunction const&);
+
+// A measured coupling times the quiet level of its witness (R6.08).
+
+struct ProjectedPoint {
+  double hz = 0;
+  double asd = not_a_number, sigma = not_a_number;  // of the target; an upper limit has no error
+  CouplingFlag flag = CouplingFlag::no_data;
+};
+
+struct ProjectedCoupling {
+  std::string witness, target;
+  std::vector<ProjectedPoint> points;
+};
+
+// ASD of the witness where nothing was injected.
+struct QuietWitness {
+  std::string unit;  // "m": of the amplitude whose density this is
+  std::vector<double> hz, asd, sigma;
+};
+
+// At each frequency of the witness: factor times level, errors in quadrature. Between two couplings of one kind the
+// factor runs straight in log-log; limits stay limits, and next to an unknown is unknown. Frequencies that the coupling
+// does not reach have no data. Throws InputError when the units do not fit, and where the coupling is not linear:
+// fringe wrapping is projected in the time domain.
+ProjectedCoupling project_coupling(CouplingFunction const&, QuietWitness const&);
 
 }  // namespace straytrace

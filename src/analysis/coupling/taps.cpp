@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -13,8 +12,8 @@
 #include "analysis/coupling/coupling.hpp"
 #include "analysis/coupling/lines.hpp"
 #include "base/errors.hpp"
-#include "io/number_rows.hpp"
-#include "spectra/segments.hpp"
+#include "io/delimited_text.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace {
 namespace {
@@ -230,20 +229,13 @@ std::vector<TapPeak> tap_peaks(TapSeries const& s, std::span<TapPlace const> pla
 
 namespace {
 
-std::string trimmed(std::string_view text) {
-  std::string out(text);
-  std::erase(out, '"');
-  out.erase(0, std::min(out.find_first_not_of(" \t\r"), out.size()));
-  out.erase(out.find_last_not_of(" \t\r") + 1);
-  return out;
-}
-
-std::vector<std::string> cells_of(std::string_view line) {
+// Text of the cells, without quotes.
+std::vector<std::string> cells_of(TextLine const& line) {
   std::vector<std::string> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    std::size_t const end = std::min(line.find(',', begin), line.size());
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
-    begin = end + 1;
+  for (TextCell const& cell : comma_cells(line)) {
+    std::string text(cell.text);
+    std::erase(text, '"');
+    cells.emplace_back(without_blanks(text));
   }
   return cells;
 }
@@ -253,13 +245,9 @@ class ListReader {
   explicit ListReader(std::string const& file) : file_(file) {}
 
   std::vector<TapPlace> read(std::string_view csv) {
-    csv = without_byte_order_mark(csv);
-    for (; !csv.empty(); csv.remove_prefix(std::min(csv.find('\n') + 1, csv.size()))) {
-      std::size_t const end = csv.find('\n');
-      std::string const line = trimmed(csv.substr(0, end));
-      ++line_;
-      if (!line.empty() && !line.starts_with('#')) header_.empty() ? take_header(line) : take(line);
-      if (end == csv.npos) break;
+    for (TextLine const& line : text_lines(csv, Comments::whole_lines)) {
+      line_ = line.number;
+      header_.empty() ? take_header(line) : take(line);
     }
     if (errors_.empty() && places_.empty()) add("no places in it", "the first line is 'place,start,duration'");
     throw_all(errors_);
@@ -272,7 +260,7 @@ class ListReader {
     errors_.push_back(InputError({problem}, placed_message(problem, file_), {file_}));
   }
 
-  void take_header(std::string const& line) {
+  void take_header(TextLine const& line) {
     header_ = cells_of(line);
     for (char const* name : {"place", "start", "duration"})
       if (std::find(header_.begin(), header_.end(), name) == header_.end())
@@ -286,14 +274,12 @@ class ListReader {
 
   double number(std::vector<std::string> const& cells, char const* name) {
     std::string const text = cell(cells, name);
-    double value = not_a_number;
-    auto const [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (status == std::errc{} && end == text.data() + text.size() && std::isfinite(value)) return value;
+    if (auto const value = number_in(text)) return *value;
     add(fmt::format("'{}' is not a number in column '{}'", text, name), "start is GPS time in s, duration in s");
     return not_a_number;
   }
 
-  void take(std::string const& line) {
+  void take(TextLine const& line) {
     if (!errors_.empty() && places_.empty()) return;  // the header is wrong
     std::vector<std::string> const cells = cells_of(line);
     if (cells.size() > header_.size() && !cells[header_.size()].empty())

@@ -3,17 +3,16 @@
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
-#include "analysis/fringes/fringe_clock.hpp"
 #include "analysis/fringes/fringe_search.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
+#include "spectra/fourier.hpp"
 #include "spectra/series.hpp"
 
 namespace straytrace {
@@ -145,6 +144,59 @@ void report_significance(FringeFit& out, FringeProblem const& problem, RefinedFi
   }
 }
 
+// The fit again with a delay of the witness's clock.
+struct Alternative {
+  FringeFitSettings settings;
+  RefinedFit fit;
+  std::vector<double> psd;
+  FringeFit report;
+};
+
+Alternative fitted(FringeProblem const& problem, FringeFitSettings settings) {
+  Alternative out{std::move(settings), {}, problem.stretch.psd(problem.stretch.target()), {}};
+  FringeProblem again{problem.stretch, out.settings, problem.responses, out.psd};
+  again.responses.resize(out.settings.paths.size());
+  out.fit = fit_all(again);
+  report_parameters(out.report, again, out.fit);
+  out.psd = again.psd;
+  return out;
+}
+
+// The first path finds the delay, which all paths share.
+Alternative with_delay(FringeProblem const& problem) {
+  FringeFitSettings settings = problem.settings;
+  SearchRange& delay = settings.paths[0].delay;
+  delay = {delay.low - settings.clock, delay.high + settings.clock};
+  settings.paths.resize(1);
+  Alternative first = fitted(problem, settings);
+  if (problem.settings.paths.size() == 1) return first;
+  settings = problem.settings;
+  Fitted const common = first.report.paths[0].delay;
+  for (FringePath& p : settings.paths) p.delay = {common.value, common.value};
+  Alternative all = fitted(problem, settings);
+  for (FittedPath& p : all.report.paths) p.delay = common;
+  return all;
+}
+
+// Whether the clock of the witness is right (docs/theory/fit.md, clocks): searches the delay within settings.clock of
+// that of the fit. `found`: amplitudes of the fit, with their errors.
+ClockCheck clock_check(FringeProblem const& problem, RefinedFit const& fit, FringeFit const& found) {
+  Alternative const other = with_delay(problem);
+  ClockCheck out{problem.settings.clock, other.report.paths[0].delay, 0, other.report.paths};
+  // Both against one noise level: that of the fit with the delay.
+  FringeProblem const same{problem.stretch, problem.settings, problem.responses, other.psd};
+  out.gain = refine(same, fit.place).fit.chi2 - other.fit.fit.chi2;
+  FringeFitSettings first = other.settings;
+  first.paths[0].delay = {-out.range, out.range};
+  SearchGrid const grid = search_grid(problem.stretch, first, 0, fit.place.ratio);
+  double const places = grid.transforms() * double(grid.delay.size());
+  out.better = out.gain / 2 - std::log(places) > -std::log(problem.settings.false_alarm);
+  for (std::size_t p = 0; p < out.paths.size(); ++p)
+    out.doubtful |= out.better && std::fabs(out.paths[p].amplitude.value - found.paths[p].amplitude.value) >
+                                      found.paths[p].amplitude.sigma;
+  return out;
+}
+
 }  // namespace
 
 SampleSpan covered(FringeRecords const& r, double delay) {
@@ -246,11 +298,11 @@ FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, Fri
   // Room behind the end, so that the filter does not wrap into the beginning.
   std::size_t const n = power_of_two_above(span.count + std::size_t(2 * r.target.rate));
   Field sum(n), lines, series;
-  Eigen::FFT<double> fft;
+  Fourier fourier;
   for (std::size_t p = 0; p < fit.paths.size(); ++p) {
     Field field(n);
     add_field(field, r, fit, fit.paths[p], span, s.wavelength);
-    fft.fwd(lines, field);
+    fourier.forward(field, lines);
     for (std::size_t k = 1; k < n / 2; ++k) {
       double const hz = double(k) * r.target.rate / double(n), m = mask(hz, s.low, s.high);
       if (m == 0) continue;
@@ -263,7 +315,7 @@ FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, Fri
       sum[k] += m * (phase * imaginary + amplitude * real);
     }
   }
-  fft.inv(series, sum);
+  fourier.inverse(sum, series);
   FringeModel out{span.first, {}};
   for (std::size_t i = 0; i < span.count; ++i) out.values.push_back(2 * series[i].real());
   return out;

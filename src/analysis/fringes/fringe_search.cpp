@@ -3,7 +3,6 @@
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "spectra/fourier.hpp"
 
 namespace straytrace {
 namespace {
@@ -82,7 +82,7 @@ class DelayScan {
       for (Eigen::Index k = 0; 2 * k < y.size(); ++k)
         lines[std::size_t(k)] = std::complex<double>(columns(2 * k, c), -columns(2 * k + 1, c)) *
                                 std::complex<double>(y[2 * k], y[2 * k + 1]);
-      fft_.inv(product_[c], lines);
+      fourier_.inverse(lines, product_[c]);
     }
     std::pair<double, double> out{0, -1};
     for (double const i : places_) {
@@ -101,7 +101,7 @@ class DelayScan {
   double spacing_ = 0, first_ = 0;
   std::vector<double> places_;
   std::vector<std::complex<double>> product_[2];
-  Eigen::FFT<double> fft_;
+  Fourier fourier_;
 };
 
 struct Hit {

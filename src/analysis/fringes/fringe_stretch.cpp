@@ -2,7 +2,6 @@
 #include "analysis/fringes/fringe_stretch.hpp"
 
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/functions.hpp"
+#include "spectra/fourier.hpp"
 #include "spectra/series.hpp"
 
 namespace straytrace {
@@ -57,9 +57,9 @@ std::vector<std::complex<double>> prepared(double const* x, std::size_t n) {
 }
 
 std::vector<std::complex<double>> transform(std::vector<std::complex<double>> const& x) {
-  thread_local Eigen::FFT<double> fft;
+  thread_local Fourier fourier;
   std::vector<std::complex<double>> lines;
-  fft.fwd(lines, x);
+  fourier.forward(x, lines);
   return lines;
 }
 
@@ -207,8 +207,8 @@ Eigen::VectorXd FringeStretch::whitened_samples(FringeLines const& lines, std::v
     // Of noise in the untapered middle: E|v|^2 = 1 over a whole stretch of it.
     spectrum[first_line_ + k] = mask * std::sqrt(scale / psd[k]) * lines[Eigen::Index(k)];
   }
-  thread_local Eigen::FFT<double> fft;
-  fft.inv(series, spectrum);  // with 1/N
+  thread_local Fourier fourier;
+  fourier.inverse(spectrum, series);  // with 1/N
   auto const skip = std::size_t(std::ceil(taper_share * double(samples_)));
   Eigen::VectorXd out(Eigen::Index(samples_ - 2 * skip));
   // y = 2/sqrt(N) Re sum v e^(i w t): its sum of squares is 2 sum |v|^2.

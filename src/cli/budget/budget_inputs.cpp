@@ -23,7 +23,7 @@
 #include "session/common_options.hpp"
 #include "session/compare/other_detector.hpp"
 #include "session/open_run.hpp"
-#include "spectra/files/text_table.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {

@@ -13,7 +13,7 @@
 #include "results/curves/band.hpp"
 #include "results/pygwinc/pygwinc_trace.hpp"
 #include "results/results.hpp"
-#include "spectra/files/text_table.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {
@@ -112,7 +112,7 @@ std::vector<double> Sampled::on(std::vector<double> const& at, std::vector<doubl
     bool const inside = f >= low * (1 - rounding) && f <= high * (1 + rounding);
     double const held = inside && !hz.empty() ? std::clamp(f, hz.front(), hz.back()) : f;
     bool const of_bins = inside && bins.size() > 0 && !values.empty();
-    out.push_back(of_bins ? band_at(values, bins, held) : values.empty() ? not_a_number : read_off(hz, values, held));
+    out.push_back(of_bins ? band_at(values, bins, held) : values.empty() ? not_a_number : log_log_at(hz, values, held));
   }
   return out;
 }

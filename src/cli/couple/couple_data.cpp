@@ -8,7 +8,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "analysis/coupling/coupling_file.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "results/results.hpp"
 #include "session/build_info.hpp"

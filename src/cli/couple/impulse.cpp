@@ -8,7 +8,6 @@
 #include <cmath>
 #include <memory>
 
-#include "analysis/coupling/events.hpp"
 #include "analysis/coupling/taps.hpp"
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"

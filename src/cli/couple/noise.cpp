@@ -13,7 +13,7 @@
 #include "cli/couple/couple_data.hpp"
 #include "results/text/columns.hpp"
 #include "session/common_options.hpp"
-#include "spectra/segments.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/coupling/coupling_file.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "analysis/coupling/ridge.hpp"
+#include "analysis/coupling/lines.hpp"
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "cli/couple/couple_data.hpp"

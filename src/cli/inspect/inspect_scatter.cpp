@@ -13,7 +13,7 @@
 #include "base/files/read_write.hpp"
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
-#include "io/csv_cells.hpp"
+#include "io/delimited_text.hpp"
 #include "results/results.hpp"
 #include "results/text/picture.hpp"
 #include "world/model/degree.hpp"
@@ -26,7 +26,7 @@ namespace {
 double length_of(std::string const& text) {
   std::size_t const blank = text.find(' ');
   auto const unit = blank == text.npos ? std::nullopt : parse_unit(without_blanks(text.substr(blank)));
-  auto const value = unit && unit->dimension == dim::length ? csv_number(text.substr(0, blank), *unit) : std::nullopt;
+  auto const value = unit && unit->dimension == dim::length ? number_in(text.substr(0, blank), *unit) : std::nullopt;
   if (!value || !(*value > 1e-8 && *value < 1e-3))
     throw InputError(fmt::format("'{}' is no wavelength", text), "write --wavelength \"1064 nm\"");
   return *value;

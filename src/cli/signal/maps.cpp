@@ -11,8 +11,8 @@
 #include "session/options.hpp"
 #include "spectra/files/gps.hpp"
 #include "spectra/files/unit_text.hpp"
+#include "spectra/filters.hpp"
 #include "spectra/spectrogram.hpp"
-#include "spectra/whitening.hpp"
 
 namespace straytrace {
 namespace {

@@ -18,7 +18,6 @@
 #include "spectra/filters.hpp"
 #include "spectra/integration.hpp"
 #include "spectra/welch.hpp"
-#include "spectra/whitening.hpp"
 
 namespace straytrace {
 namespace {

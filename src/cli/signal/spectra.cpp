@@ -9,8 +9,8 @@
 #include "base/math/constants.hpp"
 #include "cli/signal/signal.hpp"
 #include "session/options.hpp"
-#include "spectra/cross_spectra.hpp"
 #include "spectra/files/unit_text.hpp"
+#include "spectra/welch.hpp"
 
 namespace straytrace {
 namespace {

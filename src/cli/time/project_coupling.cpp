@@ -6,8 +6,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "analysis/coupling/coupling_file.hpp"
-#include "analysis/coupling/coupling_projection.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "base/text/words.hpp"
 #include "base/units/quantity.hpp"

@@ -86,17 +86,4 @@ std::vector<double> thermal_requirement(NoiseTable const& table) {
   return sum;
 }
 
-double read_off(std::span<double const> hz, std::span<double const> value, double f) {
-  if (hz.empty() || !(f >= hz.front() && f <= hz.back())) return not_a_number;
-  if (hz.size() == 1) return value.front();
-  auto const last = static_cast<std::ptrdiff_t>(hz.size()) - 1;
-  auto const i = static_cast<std::size_t>(
-      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, last));
-  double const low = value[i - 1], high = value[i];
-  double const x = std::log(f / hz[i - 1]) / std::log(hz[i] / hz[i - 1]);
-  if (f == hz[i - 1] || f == hz[i]) return f == hz[i] ? high : low;
-  if (low == 0 || high == 0) return low + (high - low) * x;  // a power law has no zeros
-  return low * std::pow(high / low, x);
-}
-
 }  // namespace straytrace

@@ -65,8 +65,4 @@ FundamentalEntries fundamental_entries(Detector const&, std::span<double const> 
 // ASD, empty when one of them is not known.
 std::vector<double> thermal_requirement(NoiseTable const&);
 
-// Straight lines in log-log, beside a point of 0 in value over log f; NaN outside the range and where a neighbour is
-// not known.
-double read_off(std::span<double const> hz, std::span<double const> value, double f);
-
 }  // namespace straytrace

@@ -11,7 +11,7 @@
 #include "base/input/document.hpp"
 #include "noise/fundamental/budget.hpp"
 #include "noise/noise.hpp"
-#include "spectra/files/text_table.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {
@@ -61,7 +61,7 @@ DesignCurve from_file(Node const& where, std::string const& name, FrequencyGrid 
     where.problem(fmt::format("'{}' is not a design curve: {}", name, curve.error),
                   "give two columns: frequency in Hz, strain in 1/sqrt(Hz)");
   else
-    for (std::size_t i = 0; i < grid.size(); ++i) design.asd[i] = read_off(curve.hz, curve.value, grid.centre(i));
+    for (std::size_t i = 0; i < grid.size(); ++i) design.asd[i] = curve.at(grid.centre(i));
   return design;
 }
 
@@ -91,9 +91,9 @@ std::vector<std::string> detectors_of_design(std::string_view name) {
 double design_asd(std::string_view name, double hz) {
   if (name == "adv-lal") return fit(adv, 1.259e-24, 300, hz);
   if (name == "kagra-lal") return fit(kagra, 6.499e-25, 100, hz);
-  if (name == "et-d-points") return read_off(et_d_hz, et_d_asd, hz);
+  if (name == "et-d-points") return log_log_at(et_d_hz, et_d_asd, hz);
   Curve const* const table = table_of(name);
-  return table ? read_off(table->hz, table->value, hz) : not_a_number;
+  return table ? table->at(hz) : not_a_number;
 }
 
 std::vector<DesignCurve> read_design_curves(Node const& noise_table, NoiseSettings const& settings) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"
 
 namespace straytrace {
@@ -20,10 +21,8 @@ struct Knot {
 double between(std::span<Knot const> knots, double hz) {
   if (hz <= knots.front().hz) return knots.front().value;
   for (std::size_t i = 1; i < knots.size(); ++i)
-    if (hz <= knots[i].hz) {
-      double const x = std::log(hz / knots[i - 1].hz) / std::log(knots[i].hz / knots[i - 1].hz);
-      return knots[i - 1].value * std::pow(knots[i].value / knots[i - 1].value, x);
-    }
+    if (hz <= knots[i].hz)
+      return log_log_value(knots[i - 1].value, knots[i].value, log_share(hz, knots[i - 1].hz, knots[i].hz));
   return knots.back().value;
 }
 

@@ -2,7 +2,6 @@
 #include "noise/time_domain/motion_series.hpp"
 
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/rng.hpp"
+#include "spectra/fourier.hpp"
 
 namespace straytrace {
 namespace {
@@ -194,16 +194,6 @@ MotionSeries draw_motion(MotionSet const& motion, SampleTimes const& times, std:
   return drawing.finished();
 }
 
-namespace {
-
-Eigen::FFT<double> half_transform() {
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  return fft;
-}
-
-}  // namespace
-
 std::size_t quick_length(std::size_t n) {
   std::size_t twos = 1;
   for (; n > 1 && n % 2 == 0; n /= 2) twos *= 2;
@@ -229,26 +219,20 @@ std::vector<double> made_periodic(std::span<double const> x, std::size_t period)
 
 std::vector<double> filtered(std::vector<double> const& x, double rate,
                              std::function<std::complex<double>(double hz)> const& response, double at_zero) {
-  Eigen::FFT<double> fft = half_transform();
-  std::vector<std::complex<double>> lines;
-  fft.fwd(lines, x);
+  Fourier fourier;
+  Complexes lines = fourier.forward(x);
   lines[0] *= at_zero;
   for (std::size_t k = 1; k < lines.size(); ++k)  // this transform has exp(+2 pi i f t): the conjugate
     lines[k] *= std::conj(response(static_cast<double>(k) * rate / static_cast<double>(x.size())));
   if (x.size() % 2 == 0) lines.back() = lines.back().real();
-  std::vector<double> out;
-  fft.inv(out, lines, static_cast<Eigen::Index>(x.size()));
-  return out;
+  return fourier.inverse(lines, x.size());
 }
 
 std::vector<double> synthesised(std::vector<std::complex<double>> const& coefficients, std::size_t n) {
-  Eigen::FFT<double> fft = half_transform();
-  std::vector<std::complex<double>> lines(n / 2 + 1);
+  Complexes lines(n / 2 + 1);
   for (std::size_t k = 1; k < std::min(coefficients.size(), n / 2); ++k)
     lines[k] = static_cast<double>(n) * coefficients[k];
-  std::vector<double> out;
-  fft.inv(out, lines, static_cast<Eigen::Index>(n));
-  return out;
+  return Fourier().inverse(lines, n);
 }
 
 }  // namespace straytrace

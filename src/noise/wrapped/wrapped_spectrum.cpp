@@ -4,7 +4,6 @@
 #include "noise/wrapped/wrapped_spectrum.hpp"
 
 #include <fmt/format.h>
-#include <unsupported/Eigen/FFT>
 
 #include <algorithm>
 #include <bit>
@@ -17,6 +16,7 @@
 
 #include "base/errors.hpp"
 #include "base/math/constants.hpp"
+#include "spectra/fourier.hpp"
 
 namespace straytrace {
 namespace {
@@ -193,16 +193,15 @@ double total(WrappedSpectrum const& low) {
 
 struct CosineTransform::Plan {
   std::size_t m;
-  Eigen::FFT<double> fft;
-  std::vector<double> cosine, sine;         // of pi k/(2m), k <= m/2
-  std::vector<double> shuffled;             // even points forwards, then odd points backwards
-  std::vector<std::complex<double>> lines;  // of them, m/2 + 1
+  Fourier fourier;
+  std::vector<double> cosine, sine;  // of pi k/(2m), k <= m/2
+  std::vector<double> shuffled;      // even points forwards, then odd points backwards
+  Complexes lines;                   // of them, m/2 + 1
 };
 
 CosineTransform::CosineTransform(std::size_t m) : plan_(std::make_unique<Plan>()) {
   Plan& p = *plan_;
   p.m = m;
-  p.fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   p.shuffled.resize(m);
   p.lines.resize(m / 2 + 1);
   for (std::size_t k = 0; k <= m / 2; ++k) {
@@ -228,7 +227,7 @@ void CosineTransform::values(std::vector<double> const& a, std::vector<double>& 
     double const c = p.cosine[k], s = p.sine[k], re = half * at(k), im = -half * at(p.m - k);
     p.lines[k] = {c * re - s * im, c * im + s * re};
   }
-  p.fft.inv(p.shuffled, p.lines, static_cast<Eigen::Index>(p.m));
+  p.fourier.inverse(p.lines, p.shuffled, p.m);
   x.resize(p.m);
   for (std::size_t i = 0; i < p.m / 2; ++i) {
     x[2 * i] = p.shuffled[i];
@@ -242,7 +241,7 @@ void CosineTransform::amplitudes(std::vector<double> const& x, std::vector<doubl
     p.shuffled[i] = x[2 * i];
     p.shuffled[p.m - 1 - i] = x[2 * i + 1];
   }
-  p.fft.fwd(p.lines, p.shuffled);
+  p.fourier.forward(p.shuffled, p.lines);
   double const step = 2 / static_cast<double>(p.m);
   a.resize(p.m);
   a[0] = step / 2 * p.lines[0].real();

@@ -10,11 +10,12 @@
 #include <cmath>
 
 #include "results/text/columns.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {
 
-using Curve = std::vector<double>;
+using Values = std::vector<double>;
 
 // The bin that holds hz; the number of bins outside them.
 std::size_t bin_of(FrequencyGrid const& grid, double hz) {
@@ -23,17 +24,17 @@ std::size_t bin_of(FrequencyGrid const& grid, double hz) {
 }
 
 // Above twice the geometric mean of its neighbours, whatever the slope there.
-bool stands_out(Curve const& curve, std::size_t i) {
+bool stands_out(Values const& curve, std::size_t i) {
   return i > 0 && i + 1 < curve.size() && curve[i] * curve[i] > 4 * curve[i - 1] * curve[i + 1];
 }
 
 // Above twice either neighbour.
-bool is_line(Curve const& curve, std::size_t i) {
+bool is_line(Values const& curve, std::size_t i) {
   double const before = i > 0 ? curve[i - 1] : 0, after = i + 1 < curve.size() ? curve[i + 1] : 0;
   return curve.size() > 1 && curve[i] > 2 * std::max(before, after);
 }
 
-WithError curve_at(Curve const& mean, Curve const& sigma, FrequencyGrid const& grid, double hz) {
+WithError curve_at(Values const& mean, Values const& sigma, FrequencyGrid const& grid, double hz) {
   std::size_t const n = grid.size(), own = bin_of(grid, hz);
   if (own == n) return {not_a_number, not_a_number};
   std::size_t low = 0;
@@ -41,8 +42,8 @@ WithError curve_at(Curve const& mean, Curve const& sigma, FrequencyGrid const& g
   bool const smooth =
       n > 1 && mean.at(low) > 0 && mean.at(low + 1) > 0 && !stands_out(mean, low) && !stands_out(mean, low + 1);
   if (!smooth) return {mean.at(own), sigma.at(own)};
-  double const x = std::log(hz / grid.centre(low)) / std::log(grid.centre(low + 1) / grid.centre(low));
-  double const value = mean[low] * std::pow(mean[low + 1] / mean[low], x);
+  double const x = log_share(hz, grid.centre(low), grid.centre(low + 1));
+  double const value = log_log_value(mean[low], mean[low + 1], x);
   double const relative = (1 - x) * sigma.at(low) / mean[low] + x * sigma.at(low + 1) / mean[low + 1];
   return {value, value * std::fabs(relative)};
 }
@@ -78,8 +79,8 @@ BinLine line_at(NoiseTrace const& trace, FrequencyGrid const& grid, double hz) {
   return {{trace.asd[i] * width, trace.sigma.at(i) * width, at_most(trace, i)}, grid.edges[i], grid.edges[i + 1]};
 }
 
-double band_at(Curve const& curve, FrequencyGrid const& grid, double hz) {
-  return curve_at(curve, Curve(curve.size(), 0.0), grid, hz).value;
+double band_at(Values const& curve, FrequencyGrid const& grid, double hz) {
+  return curve_at(curve, Values(curve.size(), 0.0), grid, hz).value;
 }
 
 double design_at(DesignCurve const& curve, FrequencyGrid const& grid, double hz) {

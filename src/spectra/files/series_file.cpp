@@ -12,8 +12,8 @@
 #include "base/files/read_write.hpp"
 #include "base/input/table.hpp"
 #include "base/units/quantity.hpp"
+#include "io/delimited_text.hpp"
 #include "spectra/files/gps.hpp"
-#include "spectra/files/text_table.hpp"
 #include "spectra/files/unit_text.hpp"
 
 namespace straytrace {
@@ -159,9 +159,10 @@ GpsSpan parse_gps(std::string const& text) {
 namespace straytrace::series_source {
 namespace {
 
-NamedColumns read_columns(std::string const& text, std::string const& file) {
-  NamedColumns table = parse_named_columns(text);
-  if (!table.error.empty()) refuse(file, table.error, "series are columns of numbers, the first of them time in s");
+NumberTable read_columns(std::string const& text, std::string const& file) {
+  NumberTable table = parse_numbers(text, NonFinite::kept, HeaderRow::allowed);
+  if (!table.error.empty())
+    refuse(file, table.described_error(), "series are columns of numbers, the first of them time in s");
   if (table.column.size() < 2)
     refuse(file, "it has one column, and a series needs the times too", "write two columns: time in s, value");
   if (auto const unit = parse_unit(table.unit[0]); !table.unit[0].empty() && !(unit && unit->dimension == dim::time))
@@ -172,14 +173,14 @@ NamedColumns read_columns(std::string const& text, std::string const& file) {
 }
 
 // Names, or numbers from 1 where a column has none; time is not counted.
-std::vector<std::string> names_of(NamedColumns const& table) {
+std::vector<std::string> names_of(NumberTable const& table) {
   std::vector<std::string> names;
   for (std::size_t i = 1; i < table.column.size(); ++i)
     names.push_back(table.name[i].empty() ? fmt::format("{}", i) : table.name[i]);
   return names;
 }
 
-std::size_t column_of(NamedColumns const& table, std::string const& file, std::string const& wanted) {
+std::size_t column_of(NumberTable const& table, std::string const& file, std::string const& wanted) {
   std::vector<std::string> const names = names_of(table);
   if (wanted.empty() && names.size() == 1) return 1;
   if (wanted.empty())
@@ -196,10 +197,10 @@ std::size_t column_of(NamedColumns const& table, std::string const& file, std::s
          near.empty() ? "there are " + choices(names) : fmt::format("did you mean '{}'?", near));
 }
 
-std::string at_line(NamedColumns const& table, std::size_t row) { return fmt::format("line {}: ", table.line[row]); }
+std::string at_line(NumberTable const& table, std::size_t row) { return fmt::format("line {}: ", table.line[row]); }
 
 // Refuses NaN, times that stand still or run back, gaps, and steps that vary by more than a quarter of one.
-double regular_step(NamedColumns const& table, std::vector<double> const& t, std::string const& file) {
+double regular_step(NumberTable const& table, std::vector<double> const& t, std::string const& file) {
   std::vector<double> steps;
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!std::isfinite(t[i]))
@@ -245,7 +246,7 @@ double meant_rate(double step, std::size_t samples) {
 }
 
 // Rows within the span and one beyond each end, so that cut() can judge; gaps elsewhere do not matter.
-NamedColumns near_span(NamedColumns table, GpsSpan span, double to_seconds) {
+NumberTable near_span(NumberTable table, GpsSpan span, double to_seconds) {
   for (double& t : table.column[0]) t *= to_seconds;
   std::vector<double> const& t = table.column[0];
   if (!(span.from < t.back() && span.to > t.front())) return table;  // cut() says what there is
@@ -264,7 +265,7 @@ NamedColumns near_span(NamedColumns table, GpsSpan span, double to_seconds) {
 }  // namespace
 
 TimeSeries from_text(std::string const& text, std::string const& file, SeriesRequest const& wanted) {
-  NamedColumns table = read_columns(text, file);
+  NumberTable table = read_columns(text, file);
   std::size_t const channel = column_of(table, file, wanted.channel);
   std::string const place = table.name[channel].empty() ? fmt::format("column {}", channel + 1)
                                                         : fmt::format("column '{}'", table.name[channel]);

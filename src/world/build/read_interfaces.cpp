@@ -5,12 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include "base/input/document.hpp"
-#include "io/number_rows.hpp"
+#include "io/delimited_text.hpp"
 #include "optics/coating/coating_table.hpp"
 #include "optics/coating/film_table.hpp"
 #include "optics/coating/specular.hpp"
@@ -368,110 +367,52 @@ std::optional<Coating> read_coating(Node const& specular, World& world) {
 
 namespace {
 
-std::string_view trimmed(std::string_view s) {
-  auto const first = s.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view()
-                                         : s.substr(first, s.find_last_not_of(" \t\r") + 1 - first);
+// "angle", "wavelength" and shares, each with its unit.
+bool check_share_column(Node const& node, std::string const& file, CsvTable::Column const& column) {
+  auto const& known = share_columns();
+  std::string const& name = column.name;
+  bool const angle = name == "angle", wavelength = name == "wavelength";
+  if (!angle && !wavelength && std::find(known.begin(), known.end(), name) == known.end()) {
+    std::string const near = nearest_word(name, known);
+    node.file_problem(file, column.line, column.at, fmt::format("unknown column '{}'", shortened(name)),
+                      near.empty()
+                          ? "known columns: angle, wavelength, reflect, reflect_s, reflect_p, transmit, transmit_s, "
+                            "transmit_p, scatter, absorb; separate them by commas"
+                          : fmt::format("did you mean '{}'?", near));
+    return false;
+  }
+  if (column.unit.dimension == (angle ? dim::angle : wavelength ? dim::length : dim::plain)) return true;
+  node.file_problem(file, column.line, column.at, fmt::format("column '{}' needs its unit", name),
+                    angle        ? "write 'angle [deg]'"
+                    : wavelength ? "write 'wavelength [nm]'"
+                                 : fmt::format("write '{}' or '{} [%]'", name, name));
+  return false;
 }
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    std::size_t const comma = std::min(line.find(',', begin), line.size());
-    cells.push_back(trimmed(line.substr(begin, comma - begin)));
-    begin = comma + 1;
+
+// Text file: one row per angle and wavelength.
+ShareTable read_share_file(Node const& node, std::string const& file) {
+  CsvTable const table = read_csv_table(node, file, Comments::anywhere, "angle [deg], reflect, transmit [%]");
+  if (table.rows.empty()) return {};
+  for (CsvTable::Column const& column : table.columns)
+    if (!check_share_column(node, file, column)) return {};
+  if (table.find("angle") < 0) {
+    node.file_problem(file, table.columns[0].line, 1, "no column of angles", "name one column 'angle [deg]'");
+    return {};
   }
-  return cells;
+  ShareTable shares;
+  shares.file = file;
+  for (CsvTable::Row const& row : table.rows) {
+    for (std::size_t i = 0; i < row.values.size(); ++i) {
+      std::string const& name = table.columns[i].name;
+      (name == "angle"        ? shares.angle
+       : name == "wavelength" ? shares.wavelength
+                              : shares.columns[name])
+          .push_back(row.values[i]);
+    }
+    shares.line.push_back(row.line());
+  }
+  return shares;
 }
-
-// A text file: header 'angle [deg], reflect, transmit [%]', then one row per angle and wavelength; '#' starts a
-// comment.
-class ShareFile {
- public:
-  ShareFile(Node const& node, std::string name) : node_(node) { table_.file = std::move(name); }
-
-  ShareTable read() {
-    std::string const text = node_.data_file(table_.file);
-    std::string_view rest = text;
-    rest = without_byte_order_mark(rest);
-    for (std::uint32_t number = 1; !rest.empty() && healthy_; ++number) {
-      std::size_t const end = std::min(rest.find('\n'), rest.size());
-      std::string_view const line = trimmed(rest.substr(0, std::min(end, rest.find('#'))));
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-      if (line.empty()) continue;
-      if (names_.empty())
-        header(line, number);
-      else
-        row(line, number);
-    }
-    if (healthy_ && table_.angle.empty() && !text.empty())
-      problem(0, "the table has no rows", "write one row per angle below the header 'angle [deg], reflect, transmit'");
-    return healthy_ ? table_ : ShareTable{};
-  }
-
- private:
-  void problem(std::uint32_t line, std::string what, std::string suggestion) {
-    healthy_ = false;
-    node_.file_problem(table_.file, line, 1, std::move(what), std::move(suggestion));
-  }
-
-  void header(std::string_view line, std::uint32_t number) {
-    for (std::string_view const cell : cells_of(line)) {
-      std::size_t const open = cell.find('[');
-      std::string const name(trimmed(cell.substr(0, open)));
-      auto unit = std::optional(Quantity{1, dim::plain, {}});
-      if (open != std::string_view::npos)
-        unit = cell.ends_with(']') ? parse_unit(trimmed(cell.substr(open + 1, cell.size() - open - 2))) : std::nullopt;
-      auto const& known = share_columns();
-      bool const angle = name == "angle", wavelength = name == "wavelength";
-      if (!angle && !wavelength && std::find(known.begin(), known.end(), name) == known.end()) {
-        std::string const near = nearest_word(name, known);
-        return problem(number, fmt::format("unknown column '{}'", shortened(name)),
-                       near.empty()
-                           ? "known columns: angle, wavelength, reflect, reflect_s, reflect_p, transmit, transmit_s, "
-                             "transmit_p, scatter, absorb; separate them by commas"
-                           : fmt::format("did you mean '{}'?", near));
-      }
-      if (!unit || unit->dimension != (angle ? dim::angle : wavelength ? dim::length : dim::plain))
-        return problem(number, fmt::format("column '{}' needs its unit", name),
-                       angle        ? "write 'angle [deg]'"
-                       : wavelength ? "write 'wavelength [nm]'"
-                                    : fmt::format("write '{}' or '{} [%]'", name, name));
-      if (std::find(names_.begin(), names_.end(), name) != names_.end())
-        return problem(number, fmt::format("column '{}' appears twice", name), "remove one of them");
-      names_.push_back(name);
-      units_.push_back(*unit);
-    }
-    if (std::find(names_.begin(), names_.end(), "angle") == names_.end())
-      problem(number, "no column of angles", "name one column 'angle [deg]'");
-  }
-
-  void row(std::string_view line, std::uint32_t number) {
-    auto const cells = cells_of(line);
-    if (cells.size() != names_.size())
-      return problem(number, fmt::format("{} values, but the header has {} columns", cells.size(), names_.size()),
-                     cells.size() > names_.size() ? "use decimal points, not decimal commas: 1.5, not 1,5"
-                                                  : "give one value per column");
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      double value = 0;
-      if (!is_number(cells[i]))
-        return problem(number, fmt::format("'{}' is not a number", shortened(cells[i])),
-                       "write a number without unit; the unit stands in the header");
-      std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), value);
-      column(names_[i]).push_back(to_si(value, units_[i]));
-    }
-    table_.line.push_back(number);
-  }
-
-  std::vector<double>& column(std::string const& name) {
-    return name == "angle" ? table_.angle : name == "wavelength" ? table_.wavelength : table_.columns[name];
-  }
-
-  Node node_;
-  ShareTable table_;
-  std::vector<std::string> names_;
-  std::vector<Quantity> units_;
-  bool healthy_ = true;
-};
 
 }  // namespace
 
@@ -485,7 +426,7 @@ ShareTable read_share_table(Node const& node) {
   if (node.has("file")) {
     Node const name = node["file"];
     std::string const file = name.as_word();
-    return file.empty() ? ShareTable{} : ShareFile(name, file).read();
+    return file.empty() ? ShareTable{} : read_share_file(name, file);
   }
   ShareTable table;
   auto const angles = node["angle"].as_list();

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "io/delimited_text.hpp"
 #include "optics/scatter/height_spectrum.hpp"
 
 namespace straytrace {
@@ -313,7 +314,7 @@ void read_knee(Node const& law, LawReading& out, Roughness& p) {
 // Two columns: spatial frequency and spectrum; at least two rows, frequencies increasing, values above zero.
 HeightSpectrum points_of(Node const& law, std::string const& name, bool profile) {
   std::string const example = profile ? "f [1/mm], s1 [nm^2*mm]" : "f [1/mm], s2 [nm^4]";
-  ColumnFile const file = read_columns(law["file"], name, example);
+  CsvTable const file = read_csv_table(law["file"], name, Comments::anywhere, example);
   HeightSpectrum points;
   if (file.rows.empty()) return points;
   auto const problem = [&](std::uint32_t line, std::uint32_t at, std::string what, std::string suggestion) {
@@ -327,17 +328,17 @@ HeightSpectrum points_of(Node const& law, std::string const& name, bool profile)
                    fmt::format("a {} spectrum needs a frequency in 1/m and a density in {}", profile ? "1d" : "2d",
                                profile ? "m^3" : "m^4"),
                    fmt::format("begin with the header '{}'", example));
-  for (ColumnFile::Row const& row : file.rows) {
+  for (CsvTable::Row const& row : file.rows) {
     double const f = row.values[0], value = row.values[1];
     if (!(f > 0) || (!points.empty() && f <= points.back().f))
-      return problem(row.line, row.at[0], "the frequency is not above the one before",
+      return problem(row.line(), row.cells[0].column, "the frequency is not above the one before",
                      "sort the rows; leave out f = 0");
     if (!(value > 0))
-      return problem(row.line, row.at[1], fmt::format("spectrum {:g} at {:g} 1/m", value, f),
+      return problem(row.line(), row.cells[1].column, fmt::format("spectrum {:g} at {:g} 1/m", value, f),
                      "a density is above zero; leave out points below the noise floor");
     points.push_back({f, value});
   }
-  if (points.size() < 2) return problem(file.rows[0].line, 1, "fewer than two rows", "give at least two frequencies");
+  if (points.size() < 2) return problem(file.rows[0].line(), 1, "fewer than two rows", "give at least two frequencies");
   return points;
 }
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "world/build/read_parts.hpp"
-#include "world/scatter_data/column_file.hpp"
 
 namespace straytrace {
 
@@ -69,8 +68,5 @@ LawInfo read_preset(Node const& material, LawReading&, Optic&);
 
 // Wavelength at which a law is evaluated: the key `wavelength`, or that of the scene.
 double law_wavelength(Node const& law, World const&);
-
-// Problems go to the file's lines, and an empty file comes back. `example`: a header for messages.
-ColumnFile read_columns(Node const& owner, std::string const& file, std::string const& example);
 
 }  // namespace straytrace

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "io/number_rows.hpp"
+#include "io/delimited_text.hpp"
 #include "world/build/read_parts.hpp"
 #include "world/model/mode_shapes.hpp"
 
@@ -284,16 +284,17 @@ std::shared_ptr<ModeShape const> read_mode_points(Node const& shape, std::string
   if (!unit_text.empty() && (!unit || unit->dimension != dim::length))
     shape["unit"].problem(fmt::format("\"{}\" is not a unit of length", unit_text), "write 'm' or 'mm'");
   if (name.empty() || !unit || unit->dimension != dim::length) return {};
-  auto const table =
-      read_number_rows(file, 6, "write x, y, z of the point and the three components of its displacement");
+  auto const table = read_numbers(file, 6, "write x, y, z of the point and the three components of its displacement");
   if (!table) return {};
-  if (table->rows.size() < 4) {
+  if (table->rows() < 4) {
     file.file_problem(name, 0, 0, "a shape needs four points at least", "give more lines");
     return {};
   }
   std::vector<ModePoint> points;
-  for (std::vector<double> const& v : table->rows)
+  for (std::size_t i = 0; i < table->rows(); ++i) {
+    auto const v = table->row(i);
     points.push_back({unit->si * Vec3{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+  }
   description += unit_text + file.data_file(name);
   return mode_of_points(std::move(points));
 }

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/csv_cells.hpp"
-#include "world/scatter_data/text_tokens.hpp"
+#include "io/delimited_text.hpp"
 
 namespace straytrace {
 namespace {
@@ -20,7 +19,7 @@ class NewmtlReader {
   explicit NewmtlReader(std::vector<Problem>& problems) : problems_(problems) {}
 
   void line(TextLine const& line) {
-    std::vector<Token> const words = words_of(line);
+    std::vector<TextCell> const words = words_of(line);
     std::string_view const key = words[0].text;
     if (key == "newmtl") {
       if (words.size() != 2) return complain(words[0], "'newmtl' needs one name", "write for example 'newmtl iris'");
@@ -58,14 +57,14 @@ class NewmtlReader {
   std::vector<NewmtlMaterial> out;
 
  private:
-  void two(std::vector<Token> const& words, double& first, double& second, char const* example, double high) {
+  void two(std::vector<TextCell> const& words, double& first, double& second, char const* example, double high) {
     if (words.size() != 3)
       return complain(words[0], fmt::format("'{}' needs two numbers", words[0].text),
                       fmt::format("write for example '{}'", example));
     double* const into[] = {&first, &second};
     for (std::size_t i = 0; i < 2; ++i) {
       std::string_view const text = words[i + 1].text;
-      auto const x = csv_number(text, {1, dim::plain, {}});
+      auto const x = number_in(text);
       if (!x || !(*x >= 0 && *x <= high))
         complain(words[i + 1], fmt::format("'{}' is not a number between 0 and {:g}", text, high),
                  fmt::format("write for example '{}'", example));
@@ -73,7 +72,7 @@ class NewmtlReader {
         *into[i] = *x;
     }
   }
-  void complain(Token const& where, std::string what, std::string suggestion) {
+  void complain(TextCell const& where, std::string what, std::string suggestion) {
     straytrace::complain(problems_, where, std::move(what), std::move(suggestion));
   }
   std::vector<Problem>& problems_;
@@ -83,7 +82,7 @@ class NewmtlReader {
 
 std::vector<NewmtlMaterial> read_newmtl(std::string_view text, std::vector<Problem>& problems) {
   NewmtlReader reader(problems);
-  for (TextLine const& line : lines_of(text)) reader.line(line);
+  for (TextLine const& line : text_lines(text, Comments::anywhere)) reader.line(line);
   reader.finish();
   return std::move(reader.out);
 }

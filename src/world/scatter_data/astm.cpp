@@ -8,9 +8,8 @@
 
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
-#include "io/csv_cells.hpp"
+#include "io/delimited_text.hpp"
 #include "world/scatter_data/scatter_file.hpp"
-#include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
@@ -21,7 +20,7 @@ class AstmReader {
 
   void read(std::string_view text) {
     std::size_t const before = problems_.size();
-    for (TextLine const& line : lines_of(text)) {
+    for (TextLine const& line : text_lines(text, Comments::anywhere)) {
       if (problems_.size() >= before + 10) return;
       started_ ? row(line) : header(line);
       if (!started_ && problems_.size() > before) return;
@@ -40,20 +39,20 @@ class AstmReader {
   void header(TextLine const& line) {
     auto const words = words_of(line);
     if (words[0].text == "NUM_POINTS") {
-      auto const count = words.size() > 1 ? csv_number(words[1].text, {1, dim::plain, {}}) : std::nullopt;
+      auto const count = words.size() > 1 ? number_in(words[1].text) : std::nullopt;
       if (!count) return complain_of_number(problems_, words.back(), "the number of points");
       expected_ = *count;
     }
     if (words[0].text != "VARS") return;
     std::size_t const at = line.text.find("VARS") + 4;
-    auto cells = csv_cells(line.text.substr(at));
-    for (CsvCell& c : cells) c.column += std::uint32_t(at);
-    started_ = columns(cells, line.number);
+    auto cells = comma_cells({line.text.substr(at), line.number});
+    for (TextCell& c : cells) c.column += std::uint32_t(at);
+    started_ = columns(cells);
   }
 
   // The channel: the only one, or the one at the wavelength that is asked for.
-  bool columns(std::vector<CsvCell> const& cells, std::uint32_t line) {
-    Token const first{cells[0].text, line, cells[0].column};
+  bool columns(std::vector<TextCell> const& cells) {
+    TextCell const& first = cells[0];
     auto const refuse = [&](std::string what, std::string suggestion) {
       complain(problems_, first, std::move(what), std::move(suggestion));
       return false;
@@ -61,7 +60,7 @@ class AstmReader {
     if (cells.size() < 5)
       return refuse(fmt::format("{} columns", cells.size()), "write VARS theta_i,phi_i,theta_s,phi_s,1064nm");
     for (std::size_t i = 0; i < 4; ++i) {
-      auto const name = csv_name(cells[i].text);
+      auto const name = column_title(cells[i].text);
       if (!name)
         return refuse(fmt::format("cannot read the name '{}'", shortened(cells[i].text)), "write theta_i [deg]");
       unit_[i] = name->unit.dimension == dim::angle ? name->unit : Quantity{1, dim::angle, {}};
@@ -87,11 +86,11 @@ class AstmReader {
   }
   static double nanometres(std::string_view name) {
     if (!name.ends_with("nm")) return 0;
-    return csv_number(without_blanks(name.substr(0, name.size() - 2)), {1, dim::plain, {}}).value_or(0);
+    return number_in(without_blanks(name.substr(0, name.size() - 2))).value_or(0);
   }
 
   void row(TextLine const& line) {
-    auto cells = csv_cells(line.text);
+    auto cells = comma_cells(line);
     ++rows_;
     if (cells.size() != width_)
       return complain(problems_, {line.text.substr(0, 1), line.number, 1},
@@ -100,13 +99,12 @@ class AstmReader {
                                             : "give one value per name, separated by commas");
     double x[5] = {};
     for (std::size_t i = 0; i < 5; ++i) {
-      CsvCell const& c = cells[i < 4 ? i : channel_];
-      Token const where{c.text, line.number, c.column};
-      auto const value = csv_number(c.text, i < 4 ? unit_[i] : Quantity{1, dim::plain, {}});
-      if (!value) return complain_of_number(problems_, where, i < 4 ? "an angle" : "the BSDF in 1/sr");
+      TextCell const& c = cells[i < 4 ? i : channel_];
+      auto const value = number_in(c.text, i < 4 ? unit_[i] : Quantity{1, dim::plain, {}});
+      if (!value) return complain_of_number(problems_, c, i < 4 ? "an angle" : "the BSDF in 1/sr");
       x[i] = *value;
       if ((i == 0 || i == 2) && !(std::fabs(x[i]) <= pi / 2 + 1e-6))
-        return complain(problems_, where, fmt::format("a polar angle of {:g} rad", x[i]),
+        return complain(problems_, c, fmt::format("a polar angle of {:g} rad", x[i]),
                         "angles are in radian; for degrees name the columns 'theta_i [deg]' and so on");
     }
     if (!(std::fabs(x[0]) < pi / 2 - 1e-6) || !(std::fabs(x[2]) < pi / 2 - 1e-6)) return;  // grazing: no cosine

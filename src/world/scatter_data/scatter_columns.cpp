@@ -9,11 +9,9 @@
 
 #include "base/input/document.hpp"
 #include "base/math/constants.hpp"
-#include "io/csv_cells.hpp"
+#include "io/delimited_text.hpp"
 #include "world/model/degree.hpp"
-#include "world/scatter_data/column_file.hpp"
 #include "world/scatter_data/scatter_file.hpp"
-#include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
@@ -26,7 +24,7 @@ std::optional<double> quantity(std::string_view text, Dimension dimension) {
   auto unit = parse_unit(rest);
   if (auto const leading = leading_unit(rest); !unit && leading && leading->length == rest.size()) unit = leading->unit;
   if (!unit || unit->dimension != dimension) return {};
-  return csv_number(text.substr(0, end), *unit);
+  return number_in(text.substr(0, end), *unit);
 }
 
 class Declarations {
@@ -80,7 +78,7 @@ class Declarations {
              fmt::format("write '# {}: {}'", where_.text, choices[0]));
   }
   std::vector<Problem>& problems_;
-  Token where_;
+  TextCell where_;
 };
 
 class Columns {
@@ -88,22 +86,22 @@ class Columns {
   Columns(ScatterFile& file, std::vector<Problem>& problems) : file_(file), problems_(problems) {}
 
   void read(std::string_view text) {
-    table_ = parse_columns(text, "theta_i [deg], theta_s [deg], brdf [1/sr]", problems_);
+    table_ = parse_csv_table(text, Comments::anywhere, "theta_i [deg], theta_s [deg], brdf [1/sr]", problems_);
     if (table_.rows.empty() || !columns_fit()) return;
     std::size_t const before = problems_.size();
-    for (ColumnFile::Row const& row : table_.rows)
+    for (CsvTable::Row const& row : table_.rows)
       if (problems_.size() < before + 10) point(row);
     if (problems_.size() == before) note();
   }
 
  private:
   bool there(char const* column) const { return table_.find(column) >= 0; }
-  double value(ColumnFile::Row const& row, char const* column) const {
+  double value(CsvTable::Row const& row, char const* column) const {
     return there(column) ? row.values[std::size_t(table_.find(column))] : 0;
   }
   double unit_of(char const* column) const { return table_.columns[std::size_t(table_.find(column))].unit.si; }  // SI
-  std::uint32_t at(ColumnFile::Row const& row, char const* column) const {
-    return there(column) ? row.at[std::size_t(table_.find(column))] : 1;
+  std::uint32_t at(CsvTable::Row const& row, char const* column) const {
+    return there(column) ? row.cells[std::size_t(table_.find(column))].column : 1;
   }
   bool problem(std::uint32_t line, std::uint32_t column, std::string what, std::string suggestion) {
     complain(problems_, {" ", line, column}, std::move(what), std::move(suggestion));
@@ -112,7 +110,7 @@ class Columns {
 
   bool columns_fit() {
     static constexpr std::string_view known[] = {"theta_i", "theta_s", "phi", "offset", "brdf", "brdf_cos", "error"};
-    for (ColumnFile::Column const& c : table_.columns) {
+    for (CsvTable::Column const& c : table_.columns) {
       bool const angle = c.name == "theta_i" || c.name == "theta_s" || c.name == "phi",
                  density = c.name.starts_with("brdf") || c.name == "error";
       if (std::find(std::begin(known), std::end(known), c.name) == std::end(known))
@@ -142,17 +140,18 @@ class Columns {
     return true;
   }
 
-  bool point(ColumnFile::Row const& row) {
+  bool point(CsvTable::Row const& row) {
     double const incidence = there("theta_i") ? value(row, "theta_i") : file_.declared.theta_i;
     if (!(incidence >= 0 && incidence < pi / 2))
-      return problem(row.line, at(row, "theta_i"), fmt::format("incidence of {:g} deg", incidence / degree),
+      return problem(row.line(), at(row, "theta_i"), fmt::format("incidence of {:g} deg", incidence / degree),
                      there("theta_i") && incidence < 90 && unit_of("theta_i") == 1
                          ? "give 0 to below 90 deg; if the numbers are degrees, write 'theta_i [deg]' into the header"
                          : "give 0 to below 90 deg");
     bool const from_specular = file_.declared.angles == "from_specular";
     double const scatter = value(row, "theta_s") + (from_specular ? incidence : 0), phi = value(row, "phi");
     if (!(std::fabs(scatter) < pi / 2))
-      return problem(row.line, at(row, "theta_s"), fmt::format("scatter at {:g} deg from the normal", scatter / degree),
+      return problem(row.line(), at(row, "theta_s"),
+                     fmt::format("scatter at {:g} deg from the normal", scatter / degree),
                      "leave out what is below the surface; check 'angles'");
     char const* const column = there("brdf") ? "brdf" : "brdf_cos";
     double const cosine = there("brdf") ? 1 : std::cos(scatter);
@@ -162,11 +161,11 @@ class Columns {
       p.theta_s = p.phi = std::numeric_limits<double>::quiet_NaN();
     }
     if (!(p.offset >= 0 && p.offset < 2))
-      return problem(row.line, at(row, "offset"), fmt::format("offset {:g}", p.offset), "give 0 to below 2");
+      return problem(row.line(), at(row, "offset"), fmt::format("offset {:g}", p.offset), "give 0 to below 2");
     p.error = value(row, "error") / cosine;
     if (p.error < 0)
-      return problem(row.line, at(row, "error"), fmt::format("error {:g} /sr", p.error), "give one standard error");
-    p.line = row.line;
+      return problem(row.line(), at(row, "error"), fmt::format("error {:g} /sr", p.error), "give one standard error");
+    p.line = row.line();
     p.column = at(row, column);
     file_.points.push_back(p);
     return true;
@@ -183,25 +182,20 @@ class Columns {
   }
   std::vector<std::string> names() const {
     std::vector<std::string> out;
-    for (ColumnFile::Column const& c : table_.columns) out.push_back(c.name);
+    for (CsvTable::Column const& c : table_.columns) out.push_back(c.name);
     return out;
   }
 
   ScatterFile& file_;
   std::vector<Problem>& problems_;
-  ColumnFile table_;
+  CsvTable table_;
 };
 
 }  // namespace
 
 ScatterDeclared read_declarations(std::string_view text, std::vector<Problem>& problems) {
   Declarations all(problems);
-  for (std::uint32_t number = 1; !text.empty(); ++number) {
-    std::size_t const end = std::min(text.find_first_of("\r\n"), text.size());
-    bool const two = text.substr(end, 2) == "\r\n";
-    all.line(without_blanks(text.substr(0, end)), number);
-    text.remove_prefix(std::min(end + (two ? 2 : 1), text.size()));
-  }
+  for (TextLine const& line : text_lines(text, Comments::kept)) all.line(without_blanks(line.text), line.number);
   return all.out;
 }
 

@@ -5,51 +5,73 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/math/constants.hpp"
+#include "io/delimited_text.hpp"
 #include "optics/scatter/measured.hpp"
-#include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
 
-constexpr std::string_view columns = "laboratory CSV", zemax = "Zemax tabular BSDF", abg = "Zemax ABg catalogue",
-                           astm = "ASTM E1392/E2387 text", ssdd = "SSDD", rgl = "RGL binary BSDF",
-                           lighttools = "LightTools BSDF", binary = "binary file";
+constexpr std::string_view columns = "laboratory CSV";
 
-struct Refused {
-  std::string_view format, what, suggestion;
+// The beginning of a file, by which its format is recognised.
+struct Head {
+  std::string_view text;
+  std::set<std::string_view> first_words;  // of its lines
+  std::string_view first_line;
+
+  explicit Head(std::string_view all) : text(all) {
+    for (TextLine const& line : text_lines(all.substr(0, 65536), Comments::anywhere)) {
+      if (first_words.empty()) first_line = line.text;
+      first_words.insert(words_of(line)[0].text);
+    }
+  }
+  bool has(std::string_view word) const { return first_words.contains(word); }
 };
-constexpr Refused refused[] = {
-    {rgl, "an RGL binary BSDF: visible light (360 to 1000 nm) on an adaptive grid, without the steep lobe of a mirror",
+
+struct Format {
+  std::string_view name;
+  bool (*matches)(Head const&);
+  void (*read)(std::string_view text, ScatterFile&, std::vector<Problem>&);  // null: recognised, not supported
+  std::string_view what = {}, suggestion = {};                               // of a format that is not supported
+};
+// In the order in which they are tried. A new format: its reader in a file of its own, declared in scatter_file.hpp,
+// and a line here.
+constexpr Format formats[] = {
+    {"RGL binary BSDF", [](Head const& h) { return h.text.starts_with("tensor_file"); }, nullptr,
+     "an RGL binary BSDF: visible light (360 to 1000 nm) on an adaptive grid, without the steep lobe of a mirror",
      "evaluate it with the library of its authors at the directions you need and write those as laboratory CSV"},
-    {lighttools, "a LightTools BSDF: angles by side and quadrant, which this program does not read",
+    {"binary file",
+     [](Head const& h) { return h.text.substr(0, 4096).find('\0') != h.text.npos || h.text.starts_with("\x89HDF"); },
+     nullptr, "a binary file of no known format",
+     "export it as text: laboratory CSV, Zemax tabular BSDF, ASTM or SSDD"},
+    {"SSDD", [](Head const& h) { return h.has("DATA_TYPE") || (h.has("VERSION") && h.has("COLOR_MODEL")); }, read_ssdd},
+    {"Zemax tabular BSDF",
+     [](Head const& h) {
+       return h.has("SampleRotation") || h.has("ScatterAzimuth") || h.has("ScatterRadial") ||
+              (h.has("Symmetry") && h.has("SpectralContent") && !h.has("AOI"));
+     },
+     read_zemax_table},
+    {"LightTools BSDF", [](Head const& h) { return h.has("Symmetry") && h.has("SpectralContent"); }, nullptr,
+     "a LightTools BSDF: angles by side and quadrant, which this program does not read",
      "export it as tabular Zemax BSDF, or write laboratory CSV"},
-    {binary, "a binary file of no known format",
-     "export it as text: laboratory CSV, Zemax tabular BSDF, ASTM or SSDD"}};
+    {"ASTM E1392/E2387 text", [](Head const& h) { return h.has("VARS"); }, read_astm},
+    {"Zemax ABg catalogue", [](Head const& h) { return h.has("NAME") && (h.has("WAVE") || h.has("WAVELENGTH")); },
+     read_abg_catalogue},
+    {columns,
+     [](Head const& h) {
+       return h.first_line.find("theta") != h.text.npos || h.first_line.find("brdf") != h.text.npos ||
+              h.first_line.find("bsdf") != h.text.npos;
+     },
+     read_scatter_columns}};
 
-bool begins(TextLine const& line, std::string_view word) {
-  auto const words = words_of(line);
-  return !words.empty() && words[0].text == word;
-}
-
-std::string_view known_format(std::string_view text) {
-  if (text.starts_with("tensor_file")) return rgl;
-  if (text.substr(0, 4096).find('\0') != text.npos || text.starts_with("\x89HDF")) return binary;
-  auto const lines = lines_of(text.substr(0, 65536));
-  auto const any = [&](std::string_view word) {
-    return std::any_of(lines.begin(), lines.end(), [&](TextLine const& l) { return begins(l, word); });
-  };
-  if (lines.empty()) return {};
-  if (any("DATA_TYPE") || (any("VERSION") && any("COLOR_MODEL"))) return ssdd;
-  if (any("SampleRotation") || any("ScatterAzimuth") || any("ScatterRadial")) return zemax;
-  if (any("Symmetry") && any("SpectralContent")) return any("AOI") ? lighttools : zemax;
-  if (any("VARS")) return astm;
-  if (any("NAME") && (any("WAVE") || any("WAVELENGTH"))) return abg;
-  std::string_view const first = lines[0].text;
-  if (first.find("theta") != first.npos || first.find("brdf") != first.npos || first.find("bsdf") != first.npos)
-    return columns;
-  return {};
+Format const* known_format(std::string_view text) {
+  Head const head(text);
+  for (Format const& format : formats)
+    if (format.matches(head)) return &format;
+  return nullptr;
 }
 
 void adopt(ScatterFile& file, ScatterDeclared const& given, std::vector<Problem>& problems) {
@@ -147,32 +169,25 @@ std::vector<std::vector<ScatterPoint>> by_incidence(std::vector<ScatterPoint> co
   return out;
 }
 
-std::string scatter_format(std::string_view text) { return std::string(known_format(text)); }
-
 ScatterFile read_scatter_file(std::string_view text, ScatterDeclared const& given, std::vector<Problem>& problems) {
-  std::string_view const format = known_format(text);
+  Format const* const format = known_format(text);
   ScatterFile file;
-  for (Refused const& r : refused)
-    if (format == r.format) {
-      complain(problems, {}, fmt::format("this is {}", r.what), std::string(r.suggestion));
-      return file;
-    }
-  if (format.empty()) {
+  if (!format) {
     complain(
         problems, {}, "no known format of measured scatter",
         fmt::format("Zemax tabular BSDF, ABg catalogue, ASTM text, SSDD, or laboratory CSV, which begins with\n    {}",
                     layout));
     return file;
   }
-  file.format = format;
+  if (!format->read) {
+    complain(problems, {}, fmt::format("this is {}", format->what), std::string(format->suggestion));
+    return file;
+  }
+  file.format = format->name;
   std::size_t const before = problems.size();
   file.declared = read_declarations(text, problems);
   adopt(file, given, problems);
-  if (format == columns) read_scatter_columns(text, file, problems);
-  if (format == zemax) read_zemax_table(text, file, problems);
-  if (format == abg) read_abg_catalogue(text, file, problems);
-  if (format == astm) read_astm(text, file, problems);
-  if (format == ssdd) read_ssdd(text, file, problems);
+  format->read(text, file, problems);
   mark_limits(file, problems);
   thin(file);
   if (problems.size() == before && file.points.empty())

@@ -10,9 +10,9 @@
 
 #include "base/math/constants.hpp"
 #include "base/math/vec3.hpp"
+#include "io/delimited_text.hpp"
 #include "world/model/degree.hpp"
 #include "world/scatter_data/scatter_file.hpp"
-#include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
@@ -22,7 +22,7 @@ struct Block {
   std::array<std::vector<double>, 5> list;  // deg
   std::vector<double> wavelengths;          // nm
   bool ascii = true;
-  Token where;
+  TextCell where;
 
   std::size_t size(std::size_t i) const { return std::max<std::size_t>(1, list[i].size()); }
 };
@@ -34,7 +34,7 @@ class SsddReader {
 
   void read() {
     while (in_.sound && !in_.done()) {
-      Token const key = in_.next();
+      TextCell const key = in_.next();
       if (key.text == "DATA_TYPE")
         block(key);
       else if (!is_header(key.text))
@@ -52,12 +52,12 @@ class SsddReader {
     return word == "VERSION" || word == "SOFTWARE" || word == "API" || word == "DATE";
   }
 
-  void block(Token const& first) {
+  void block(TextCell const& first) {
     Block b;
     b.where = first;
     b.type = word(first);
     while (in_.sound) {
-      Token const key = in_.next();
+      TextCell const key = in_.next();
       if (key.line == 0) return in_.refuse(key, "keyword 'DATA' is missing", "the file is cut off: export it again");
       if (key.text == "DATA") {
         b.ascii = word(key) == "ascii";
@@ -69,13 +69,13 @@ class SsddReader {
     if (in_.sound) table(b);
   }
 
-  std::string word(Token const& key) {
+  std::string word(TextCell const& key) {
     auto const words = in_.rest_of_line(key);
     if (words.empty()) in_.refuse(key, fmt::format("'{}' says nothing", key.text), "write its value behind it");
     return words.empty() ? "" : std::string(words[0].text);
   }
 
-  void entry(Token const& key, Block& b) {
+  void entry(TextCell const& key, Block& b) {
     static constexpr std::string_view others[] = {"REDUCTION_TYPE", "NAME",          "SOURCE_TYPE",
                                                   "DEVICE",         "CREATION_DATE", "MEASUREMENT_DATE"};
     std::string_view const k = key.text;
@@ -127,7 +127,7 @@ class SsddReader {
     std::size_t const rows = b.size(0) * b.size(1) * (scatter ? b.size(2) * b.size(3) : 1);
     for (std::size_t i = 0; i < rows && in_.sound; ++i)
       for (std::size_t c = 0; c < colours && in_.sound; ++c) {
-        Token const where = in_.peek();
+        TextCell const where = in_.peek();
         double const value = in_.number(fmt::format("value {} of {}", i * colours + c + 1, rows * colours));
         if (in_.sound && scatter && c == chosen) keep(b, i, value, where);
       }
@@ -151,7 +151,7 @@ class SsddReader {
     return 0;
   }
 
-  void keep(Block const& b, std::size_t i, double value, Token const& where) {
+  void keep(Block const& b, std::size_t i, double value, TextCell const& where) {
     std::size_t const n0 = b.size(0), n01 = n0 * b.size(1), i2 = i / n01 % b.size(2), i3 = i / (n01 * b.size(2));
     double const incidence = b.list[0][i % n0] * degree, polar = b.list[2][i2] * degree, turn = b.list[3][i3] * degree;
     if (!(incidence < pi / 2 - 1e-9)) return;
@@ -174,7 +174,7 @@ class SsddReader {
     file_.points.push_back(p);
   }
 
-  TokenReader in_;
+  WordReader in_;
   ScatterFile& file_;
   bool found_ = false;
 };

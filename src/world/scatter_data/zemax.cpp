@@ -11,10 +11,9 @@
 #include "base/input/table.hpp"
 #include "base/math/constants.hpp"
 #include "base/math/vec3.hpp"
-#include "io/csv_cells.hpp"
+#include "io/delimited_text.hpp"
 #include "world/model/degree.hpp"
 #include "world/scatter_data/scatter_file.hpp"
-#include "world/scatter_data/text_tokens.hpp"
 
 namespace straytrace {
 namespace {
@@ -43,7 +42,7 @@ class ZemaxReader {
  private:
   void header() {
     while (in_.sound && !in_.is_next("DataBegin")) {
-      Token const key = in_.next();
+      TextCell const key = in_.next();
       if (key.line == 0)
         return in_.refuse(key, "the line 'DataBegin' is missing", "the file is cut off: export it again");
       if (key.text == "Source" || key.text == "Symmetry" || key.text == "SpectralContent" || key.text == "ScatterType")
@@ -64,14 +63,14 @@ class ZemaxReader {
                    "ScatterAzimuth, ScatterRadial, DataBegin");
     }
   }
-  void word(Token const& key) {
+  void word(TextCell const& key) {
     auto const words = in_.rest_of_line(key);
     if (words.empty()) return in_.refuse(key, fmt::format("'{}' says nothing", key.text), "write its value behind it");
     if (key.text == "Symmetry") symmetry_ = words[0].text;
     if (key.text == "SpectralContent") spectral_ = words[0].text;
     if (key.text == "ScatterType") type_ = words[0].text;
   }
-  void list(Token const& key, std::vector<double>& into) {
+  void list(TextCell const& key, std::vector<double>& into) {
     double const count = in_.number(fmt::format("the number of values of {}", key.text));
     if (in_.sound && !(count >= 1 && count <= 1e5 && count == std::floor(count)))
       return in_.refuse(key, fmt::format("{:g} values of {}", count, key.text), "write a whole number, 1 or more");
@@ -122,7 +121,7 @@ class ZemaxReader {
         in_.next();
         stated = in_.number("the total (TIS)");
       }
-      std::vector<Token> places;
+      std::vector<TextCell> places;
       std::vector<double> values;
       std::size_t const count = azimuth_.size() * radial_.size();
       for (std::size_t i = 0; i < count && in_.sound; ++i) {
@@ -138,7 +137,7 @@ class ZemaxReader {
                  fmt::format("give {} values for each incidence", azimuth_.size() * radial_.size()));
   }
 
-  void keep(double incidence, std::vector<double> const& values, std::vector<Token> const& places) {
+  void keep(double incidence, std::vector<double> const& values, std::vector<TextCell> const& places) {
     for (std::size_t a = 0; a < azimuth_.size(); ++a)
       for (std::size_t r = 0; r < radial_.size(); ++r) {
         Vec3 const out = outgoing(incidence, azimuth_[a] * degree, radial_[r] * degree);
@@ -178,7 +177,7 @@ class ZemaxReader {
     return half ? sum * 360 / (n > 1 ? azimuth_.back() - azimuth_.front() : 180) : sum;
   }
 
-  TokenReader in_;
+  WordReader in_;
   ScatterFile& file_;
   std::string symmetry_, type_, spectral_ = "Monochrome";
   std::vector<double> rotation_, incidence_, azimuth_, radial_;  // deg
@@ -197,13 +196,13 @@ namespace {
 
 struct Row {
   double theta_i, a, b, g;  // rad, 1/sr, 1, 1
-  Token where;
+  TextCell where;
 };
 struct Entry {
   std::string name;
   double wavelength = 0;  // m
   std::vector<Row> rows;
-  Token where;
+  TextCell where;
 };
 
 class CatalogueReader {
@@ -225,7 +224,7 @@ class CatalogueReader {
 
  private:
   static bool has_digit(std::string_view s) { return s.find_first_of("0123456789") != s.npos; }
-  void name(TextLine const& line, std::vector<Token> const& words) {
+  void name(TextLine const& line, std::vector<TextCell> const& words) {
     if (words.size() < 2)
       return complain(problems_, words[0], "'NAME' without a name", "write for example 'NAME paint'");
     Entry e;
@@ -236,21 +235,21 @@ class CatalogueReader {
         complain(problems_, words[1], fmt::format("entry '{}' is there twice", e.name), "choose another name");
     entries.push_back(e);
   }
-  void wave(std::vector<Token> const& words) {
-    auto const um = words.size() == 2 ? csv_number(words[1].text, {1, dim::plain, {}}) : std::nullopt;
+  void wave(std::vector<TextCell> const& words) {
+    auto const um = words.size() == 2 ? number_in(words[1].text) : std::nullopt;
     if (!um || *um < 0 || *um > 1000)
       return complain(problems_, words.back(), "'WAVE' needs the wavelength in micrometres",
                       "write for example 'WAVE 1.064'");
     entries.back().wavelength = *um * 1e-6;
   }
-  void row(std::vector<Token> const& words, Token const& first) {
+  void row(std::vector<TextCell> const& words, TextCell const& first) {
     static constexpr char const* what[] = {"the angle of incidence in deg", "A", "B", "g"};
     if (words.size() != 4)
       return complain(problems_, first, fmt::format("{} numbers in a row", words.size()),
                       "write four: angle of incidence in deg, A, B, g");
     double x[4] = {};
     for (std::size_t i = 0; i < 4; ++i) {
-      auto const value = csv_number(words[i].text, {1, dim::plain, {}});
+      auto const value = number_in(words[i].text);
       if (!value) return complain_of_number(problems_, words[i], what[i]);
       x[i] = *value;
       bool const fits = i == 0 ? x[0] >= 0 && x[0] < 90 : x[i] >= 0;
@@ -286,7 +285,7 @@ Entry const* chosen(std::vector<Entry> const& all, std::string const& wanted, st
 void read_abg_catalogue(std::string_view text, ScatterFile& file, std::vector<Problem>& problems) {
   std::size_t const before = problems.size();
   CatalogueReader reader(problems);
-  for (TextLine const& line : lines_of(text)) reader.line(line);
+  for (TextLine const& line : text_lines(text, Comments::anywhere)) reader.line(line);
   if (problems.size() > before) return;
   Entry const* const e = chosen(reader.entries, file.declared.entry, problems);
   if (!e) return;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Injection, coupling, projection: the noise that a witness makes in quiet times (R6.08).
-#include "analysis/coupling/coupling_projection.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"

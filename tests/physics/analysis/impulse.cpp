@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include "analysis/coupling/events.hpp"
 #include "base/errors.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"

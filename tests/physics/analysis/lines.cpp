@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Driven lines with known answers: tracking, harmonics, amplitude ramps, sweeps (R6.03).
+#include "analysis/coupling/lines.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/coupling/ridge.hpp"
 #include "analysis/fringes/fringe_lines.hpp"
 #include "base/errors.hpp"
 #include "support/recorded.hpp"

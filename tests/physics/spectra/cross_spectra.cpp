@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coherence and transfer functions (R6.05).
-#include "spectra/cross_spectra.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "spectra/welch.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

@@ -8,7 +8,6 @@
 #include "spectra/filters.hpp"
 #include "spectra/spectrogram.hpp"
 #include "spectra/welch.hpp"
-#include "spectra/whitening.hpp"
 #include "support/recorded.hpp"
 #include "support/signal_support.hpp"
 

@@ -328,7 +328,7 @@ TEST(ScanJobs, TheSameBitsInAnyNumber) {
   write_text(folder / "bad.csv", "opening [cm]\nwide\n20, 21\n");
   std::string const told = refusal({"scan", folder / "a.yaml", "--points", folder / "bad.csv"});
   EXPECT_THAT(told, HasSubstr(":2:1: error: 'wide' is not a number"));
-  EXPECT_THAT(told, HasSubstr(":3:1: error: 2 values for 1 parameters"));
+  EXPECT_THAT(told, HasSubstr(":3:1: error: 2 values, but the header has 1 column"));
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files of couplings, and what is projected with them (R6.08).
-#include "analysis/coupling/coupling_file.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "analysis/coupling/coupling_projection.hpp"
+#include "analysis/coupling/coupling.hpp"
 #include "base/errors.hpp"
 #include "support/recorded.hpp"
 

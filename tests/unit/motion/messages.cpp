@@ -78,7 +78,7 @@ TEST(MotionMessages, OfSpectra) {
            Mistake{asd + ", beyond: nothing", "nothing", "'beyond' cannot be \"nothing\"", "zero"},
            Mistake{"asd: none.txt" + columns, "none.txt", "cannot read file 'none.txt'", "relative to the file"},
            Mistake{"asd: five.txt" + columns, "five.txt:3:4", "'five' is not a number", "columns of numbers"},
-           Mistake{"asd: ragged.txt" + columns, "ragged.txt:2:1", "has 3 numbers, those before have 2", "columns"},
+           Mistake{"asd: ragged.txt" + columns, "ragged.txt:2:1", "has 3 numbers, the lines before have 2", "columns"},
            Mistake{"asd: back.txt" + columns, "back.txt:2:1", "does not increase", "increasing frequency"},
            Mistake{"asd: minus.txt" + columns, "minus.txt:2:1", "negative value", "columns of numbers"},
            Mistake{"asd: empty.txt" + columns, "empty.txt:", "no numbers in it", "columns of numbers"},

@@ -7,8 +7,9 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "io/delimited_text.hpp"
+#include "spectra/curve.hpp"
 #include "spectra/files/series_file.hpp"
-#include "spectra/files/text_table.hpp"
 
 namespace straytrace {
 namespace {
@@ -27,8 +28,8 @@ TEST(CurveFile, TextIsReadBack) {
             "1\n2 nan 2\n4 3e-22 3\n");
   std::string_view const name[] = {"h_mean"};
   EXPECT_EQ(parse_named_curve(text, name).value[2], 3e-22) << "budget --compare finds the column by its word";
-  EXPECT_EQ(parse_named_columns(text).unit[1], "1/sqrt(Hz)");
-  EXPECT_EQ(parse_named_columns(curve_format::csv(sheet())).name[1], "h mean");
+  EXPECT_EQ(parse_numbers(text, NonFinite::kept, HeaderRow::allowed).unit[1], "1/sqrt(Hz)");
+  EXPECT_EQ(parse_numbers(curve_format::csv(sheet()), NonFinite::kept, HeaderRow::allowed).name[1], "h mean");
 }
 
 TEST(CurveFile, JsonKeepsStylesAndWritesNull) {

@@ -158,7 +158,7 @@ TEST(Instances, RepeatFromATable) {
       {"z [m], aperture [cm]\n1, nan\n", "b.csv:2:4: error: 'nan' is not a number"},
       {"z [m], aperture [cm]\n1, 50 cm\n", "b.csv:2:4: error: '50 cm' is not a number"},
       {"z [m], aperture [cm]\n", "b.csv: error: the table has no rows"},
-      {"z [m], z [m]\n1, 2\n", "a second position column"},
+      {"z [m], z [m]\n1, 2\n", "column 'z' appears twice"},
       {"z [m], half [m], half [m]\n1, 2, 3\n", "column 'half' appears twice"},
   };
   for (Case const& c : cases) EXPECT_THAT(errors_of(read(c.csv)), HasSubstr(c.what)) << c.csv;

@@ -7,7 +7,8 @@
 #include <functional>
 
 #include "base/errors.hpp"
-#include "spectra/files/text_table.hpp"
+#include "io/delimited_text.hpp"
+#include "spectra/curve.hpp"
 
 namespace straytrace {
 namespace {
@@ -42,11 +43,12 @@ TEST(SeriesFile, ByteOrderMarkIsNoName) {  // or the first row would be taken fo
 }
 
 TEST(SeriesFile, NamesInCommentsOfText) {  // the comment with units goes before the one without
-  NamedColumns const t = parse_named_columns("# made today by us\n# time [s], x [m/s^2]\n# time x\n0 1\n1 2\n");
+  NumberTable const t = parse_numbers("# made today by us\n# time [s], x [m/s^2]\n# time x\n0 1\n1 2\n",
+                                      NonFinite::kept, HeaderRow::allowed);
   EXPECT_EQ(t.error, "");
   EXPECT_EQ(t.name, (std::vector<std::string>{"time", "x"}));
   EXPECT_EQ(t.unit, (std::vector<std::string>{"s", "m/s^2"}));
-  NamedColumns const blank = parse_named_columns("# t [s] bench z [um]\n");
+  NumberTable const blank = parse_numbers("# t [s] bench z [um]\n", NonFinite::kept, HeaderRow::allowed);
   EXPECT_EQ(blank.error, "no numbers in it");
 }
 
@@ -69,21 +71,25 @@ TEST(SeriesFile, DecimalCommasAreNamed) {
         message([&] { parse_series(text, "a.csv", {.channel = "", .unit = "m", .span = {}}); }).find("decimal commas"),
         std::string::npos)
         << text;
-  EXPECT_NE(parse_named_columns("t,x\n0,0,1,5\n0,1,2,5\n").error.find("not with a comma"), std::string::npos);
-  EXPECT_EQ(parse_named_columns("0,1\n1,2\n").column.size(), 2u) << "whole numbers between commas";
+  EXPECT_NE(
+      parse_numbers("t,x\n0,0,1,5\n0,1,2,5\n", NonFinite::kept, HeaderRow::allowed).error.find("not with a comma"),
+      std::string::npos);
+  EXPECT_EQ(parse_numbers("0,1\n1,2\n", NonFinite::kept, HeaderRow::allowed).column.size(), 2u)
+      << "whole numbers between commas";
 }
 
 // A comma between digits is not a separator when the file uses another one: "10,5;1e-9" is not a row of three.
-TEST(NumberRows, DecimalCommasAreErrorsForEveryReader) {
+TEST(NumberTable, DecimalCommasAreErrorsForEveryReader) {
   std::string_view const names[] = {"h_mean"};
   for (std::string const line : {"10,5;1e-9", "10,5;1,2e-9", "10;1,5", "10,5\t1e-9", "10,5 1e-9 # 10,5", "-1,5 2"}) {
     std::string const text = line + "\n" + line + "\n";
-    for (std::string const& error : {parse_rows(text).error, parse_named_columns(text).error, parse_curve(text).error,
-                                     parse_named_curve(text, names).error})
+    for (std::string const& error :
+         {parse_numbers(text).error, parse_numbers(text, NonFinite::kept, HeaderRow::allowed).error,
+          parse_curve(text).error, parse_named_curve(text, names).error})
       EXPECT_NE(error.find("decimal commas"), std::string::npos) << line << ": " << error;
   }
   for (std::string const line : {"10,5", "10, 5,1", "10,5 ,1", "10; 5; 1e-9", "10.5;1e-9", "1,2 # 3,4", "10 1e-9"})
-    EXPECT_EQ(parse_rows(line + "\n").error, "") << "control: " << line << " is not meant";
+    EXPECT_EQ(parse_numbers(line + "\n").error, "") << "control: " << line << " is not meant";
 }
 
 TEST(SeriesFile, ErrorsStateARemedy) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/math/constants.hpp"
-#include "spectra/files/text_table.hpp"
+#include "spectra/curve.hpp"
 #include "spectra/shapes.hpp"
 
 namespace straytrace {

@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/delimited_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "base/input/document.hpp"
+#include "base/text/words.hpp"
+
+namespace straytrace {
+namespace {
+
+constexpr char const* point_remedy = "use decimal points, not decimal commas: 1.5, not 1,5";
+constexpr std::size_t most_problems = 10;
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
+// Takes the next line off a text; nothing at its end.
+std::optional<std::string_view> take_line(std::string_view& text) {
+  if (text.empty()) return {};
+  std::size_t const end = std::min(text.find_first_of("\r\n"), text.size());
+  std::string_view const line = text.substr(0, end);
+  bool const two = text.substr(end, 2) == "\r\n";
+  text.remove_prefix(std::min(end + (two ? 2 : 1), text.size()));
+  return line;
+}
+
+}  // namespace
+
+// Lines and cells.
+
+std::vector<TextLine> text_lines(std::string_view text, Comments comments) {
+  std::vector<TextLine> lines;
+  text = without_byte_order_mark(text);
+  for (std::uint32_t number = 1; auto line = take_line(text); ++number) {
+    if (comments == Comments::anywhere) *line = line->substr(0, line->find('#'));
+    std::string_view const content = without_blanks(*line);
+    if (!content.empty() && (content.front() != '#' || comments == Comments::kept)) lines.push_back({*line, number});
+  }
+  return lines;
+}
+
+std::string_view without_blanks(std::string_view s) {
+  auto const first = s.find_first_not_of(" \t\r");
+  return first == s.npos ? std::string_view() : s.substr(first, s.find_last_not_of(" \t\r") + 1 - first);
+}
+
+std::vector<TextCell> comma_cells(TextLine const& line) {
+  std::vector<TextCell> cells;
+  std::size_t counted = 0;  // bytes whose code points are counted
+  std::uint32_t points = 0;
+  for (std::size_t begin = 0;;) {
+    std::size_t const comma = std::min(line.text.find(',', begin), line.text.size());
+    std::string_view const raw = line.text.substr(begin, comma - begin), text = without_blanks(raw);
+    std::size_t const start = text.empty() ? begin : begin + std::size_t(text.data() - raw.data());
+    points += code_points(line.text.substr(counted, start - counted));
+    counted = start;
+    cells.push_back({text, line.number, points + 1});
+    if (comma == line.text.size()) return cells;
+    begin = comma + 1;
+  }
+}
+
+std::vector<TextCell> words_of(TextLine const& line) {
+  std::vector<TextCell> out;
+  for (std::size_t at = 0; at < line.text.size();) {
+    std::size_t const begin = line.text.find_first_not_of(" \t", at);
+    if (begin == line.text.npos) break;
+    at = std::min(line.text.find_first_of(" \t", begin), line.text.size());
+    out.push_back({line.text.substr(begin, at - begin), line.number, code_points(line.text.substr(0, begin)) + 1});
+  }
+  return out;
+}
+
+std::optional<ColumnTitle> column_title(std::string_view cell) {
+  std::size_t const open = cell.find('[');
+  ColumnTitle out{without_blanks(cell.substr(0, open))};
+  if (out.name.empty()) return {};
+  if (open == cell.npos) return out;
+  std::string_view const inside = cell.substr(open + 1);
+  if (!inside.ends_with(']')) return {};
+  out.written_unit = without_blanks(inside.substr(0, inside.size() - 1));
+  auto const unit = parse_unit(out.written_unit);
+  if (!unit) return {};
+  out.unit = *unit;
+  return out;
+}
+
+std::optional<double> number_in(std::string_view text, Quantity const& unit) {
+  if (!is_number(text)) return {};
+  text.remove_prefix(text.front() == '+' ? 1 : 0);
+  double value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return to_si(value, unit);
+}
+
+void complain(std::vector<Problem>& problems, TextCell const& where, std::string what, std::string suggestion) {
+  problems.push_back({{0, where.line, where.column},
+                      std::move(what),
+                      std::move(suggestion),
+                      Severity::error,
+                      std::max(1U, code_points(where.text))});
+}
+
+void complain_of_number(std::vector<Problem>& problems, TextCell const& where, std::string const& what) {
+  if (where.line == 0)
+    return complain(problems, where, fmt::format("the file ends where {} should stand", what),
+                    "it is cut off: copy it again");
+  std::string pointed(where.text);
+  std::replace(pointed.begin(), pointed.end(), ',', '.');
+  bool const comma = pointed != where.text && is_number(pointed);
+  complain(problems, where, fmt::format("'{}' is not a number; {} should stand here", shortened(where.text), what),
+           comma ? point_remedy : "write a finite number without unit");
+}
+
+// Tables with a header.
+
+namespace {
+
+class CsvReader {
+ public:
+  CsvReader(std::string const& example, std::vector<Problem>& problems) : example_(example), problems_(problems) {}
+
+  CsvTable read(std::string_view text, Comments comments) {
+    std::size_t const before = problems_.size();
+    table_.text = std::make_shared<std::string const>(text);
+    for (TextLine const& line : text_lines(*table_.text, comments)) {
+      bool const in_header = table_.columns.empty();
+      in_header ? header(line) : row(line);
+      if (problems_.size() >= before + (in_header ? 1 : most_problems)) break;
+    }
+    if (problems_.size() == before && table_.rows.empty())
+      complain(problems_, {}, "the table has no rows",
+               fmt::format("write rows of numbers below a header '{}'", example_));
+    if (problems_.size() > before) table_.rows.clear();
+    return std::move(table_);
+  }
+
+ private:
+  bool has_semicolons(TextLine const& line) {
+    std::size_t const at = line.text.find(';');
+    if (at == line.text.npos) return false;
+    complain(problems_, {line.text.substr(at, 1), line.number, code_points(line.text.substr(0, at)) + 1},
+             "columns are separated by ';'",
+             "separate values by commas, not semicolons, and write decimal points: 1.5, not 1,5");
+    return true;
+  }
+
+  void header(TextLine const& line) {
+    if (has_semicolons(line)) return;
+    for (TextCell const& cell : comma_cells(line)) {
+      auto const title = column_title(cell.text);
+      if (!title || is_number(title->name))
+        return complain(problems_, cell, fmt::format("cannot read the column name '{}'", shortened(cell.text)),
+                        fmt::format("begin with a header of names and units such as '{}'", example_));
+      std::string const name(title->name);
+      if (!names_.insert(name).second)
+        return complain(problems_, cell, fmt::format("column '{}' appears twice", name), "remove one of them");
+      table_.columns.push_back({name, title->unit, std::string(title->written_unit), cell.line, cell.column});
+    }
+  }
+
+  void row(TextLine const& line) {
+    if (has_semicolons(line)) return;
+    CsvTable::Row row{{}, comma_cells(line)};
+    if (row.cells.size() != table_.columns.size())
+      return complain(
+          problems_, {line.text.substr(0, 1), line.number, 1},
+          fmt::format("{}, but the header has {}", counted(row.cells.size(), "value"),
+                      counted(table_.columns.size(), "column")),
+          row.cells.size() > table_.columns.size() ? point_remedy : "give one value per column, separated by commas");
+    for (std::size_t i = 0; i < row.cells.size(); ++i) {
+      TextCell const& cell = row.cells[i];
+      auto const value = number_in(cell.text, table_.columns[i].unit);
+      if (!value)
+        return complain(problems_, cell, fmt::format("'{}' is not a number", shortened(cell.text)),
+                        cell.text.find('"') != cell.text.npos
+                            ? point_remedy
+                            : "write a finite number without unit; the unit belongs in the header");
+      row.values.push_back(*value);
+    }
+    table_.rows.push_back(std::move(row));
+  }
+
+  std::string example_;
+  std::vector<Problem>& problems_;
+  CsvTable table_;
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+int CsvTable::find(std::string_view column) const {
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].name == column) return int(i);
+  return -1;
+}
+
+CsvTable parse_csv_table(std::string_view text, Comments comments, std::string const& example,
+                         std::vector<Problem>& problems) {
+  return CsvReader(example, problems).read(text, comments);
+}
+
+CsvTable read_csv_table(Node const& owner, std::string const& file, Comments comments, std::string const& example) {
+  std::string const text = owner.data_file(file);
+  if (text.empty()) return {};
+  std::vector<Problem> problems;
+  CsvTable table = parse_csv_table(text, comments, example, problems);
+  for (Problem const& p : problems) owner.file_problem(file, p.place.line, p.place.column, p.what, p.suggestion);
+  return table;
+}
+
+// Columns of numbers.
+
+namespace {
+
+constexpr std::string_view separators = " \t,;\r";
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// "0,5 1,2", "10,5;1e-9": a comma between digits in a line of numbers with another separator. In "0,5, 1" commas are
+// the separators.
+bool has_decimal_commas(std::string_view line) {
+  line = line.substr(0, line.find_first_of("#%"));
+  bool const semicolons = line.find(';') != line.npos;
+  std::size_t words = 0;
+  bool inside = false, separates = false;  // a comma between digits, a comma that ends or begins a word
+  while (true) {
+    auto const start = line.find_first_not_of(" \t;\r");
+    if (start == line.npos) return inside && words >= 2 && (semicolons || !separates);
+    line.remove_prefix(start);
+    std::string_view const word = line.substr(0, line.find_first_of(" \t;\r"));
+    line.remove_prefix(word.size());
+    if (word.find_first_not_of("0123456789,+-.eE") != word.npos) return false;
+    ++words;
+    separates |= word.starts_with(',') || word.ends_with(',');
+    for (auto at = word.find(','); at != word.npos; at = word.find(',', at + 1))
+      inside |= at > 0 && at + 1 < word.size() && is_digit(word[at - 1]) && is_digit(word[at + 1]);
+  }
+}
+
+// Appends the numbers of one line; returns the first word that is none, as a part of `line`, or nothing.
+std::string_view read_row(std::string_view line, std::vector<double>& row, NonFinite words) {
+  line = line.substr(0, line.find_first_of("#%"));
+  while (true) {
+    auto const start = line.find_first_not_of(separators);
+    if (start == line.npos) return {};
+    line.remove_prefix(start);
+    std::string_view const word = line.substr(0, line.find_first_of(separators));
+    line.remove_prefix(word.size());
+    std::string_view const digits = word.starts_with('+') ? word.substr(1) : word;
+    double value = 0;
+    auto const [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (status != std::errc{} || end != digits.data() + digits.size()) return word;
+    if (words == NonFinite::refused && !std::isfinite(value)) return word;
+    row.push_back(value);
+  }
+}
+
+std::string without_quotes(std::string_view text) {
+  auto const first = text.find_first_not_of(" \t\r\""), last = text.find_last_not_of(" \t\r\"");
+  return first == text.npos ? "" : std::string(text.substr(first, last + 1 - first));
+}
+
+// Entries of a row of words: between commas, semicolons or tabs where there are any, otherwise between blanks; "[um]"
+// belongs to the word before it.
+std::vector<std::string> titles_of(std::string_view line) {
+  bool const marked = line.find_first_of(",;\t") != line.npos;
+  std::vector<std::string> found;
+  std::string title;
+  int depth = 0;
+  auto const finish = [&] {
+    if (std::string const text = without_quotes(title); !text.empty() && !marked && text[0] == '[' && !found.empty())
+      found.back() += " " + text;
+    else if (marked || !text.empty())
+      found.push_back(text);
+    title.clear();
+  };
+  for (char const c : line) {
+    depth += (c == '[' || c == '(') - (c == ']' || c == ')');
+    bool const end = marked ? c == ',' || c == ';' || c == '\t' : c == ' ' || c == '\r';
+    if (end && depth <= 0)
+      finish();
+    else
+      title += c;
+  }
+  finish();
+  return found;
+}
+
+class NumberReader {
+ public:
+  NumberReader(NonFinite words, HeaderRow header) : words_(words), header_(header) {}
+
+  NumberTable read(std::string_view text) {
+    text = without_byte_order_mark(text);
+    for (std::uint32_t number = 1; table_.error.empty(); ++number) {
+      auto const line = take_line(text);
+      if (!line) break;
+      take(*line, number);
+    }
+    if (table_.error.empty() && table_.line.empty()) table_.error = "no numbers in it";
+    if (table_.error.empty()) name_columns();
+    if (!table_.error.empty()) table_.column.clear(), table_.line.clear();
+    return std::move(table_);
+  }
+
+ private:
+  void fail(std::string what, std::uint32_t line, std::uint32_t column = 1) {
+    table_.error = std::move(what);
+    table_.error_line = line;
+    table_.error_column = column;
+  }
+
+  void take(std::string_view line, std::uint32_t number) {
+    auto const start = line.find_first_not_of(" \t\r#%");
+    if (start == line.npos) return;
+    if (line.substr(0, start).find_first_of("#%") != line.npos) {  // a comment
+      if (table_.line.empty()) comments_.push_back(titles_of(line.substr(start)));
+      return;
+    }
+    if (has_decimal_commas(line))
+      return fail(fmt::format("'{}' has decimal commas; write 0.5 instead of 0,5", shortened(without_blanks(line))),
+                  number);
+    std::vector<double> row;
+    std::string_view const bad = read_row(line, row, words_);
+    if (!bad.empty() && header_ == HeaderRow::allowed && row.empty() && table_.line.empty() && titles_.empty())
+      titles_ = titles_of(line.substr(0, line.find('#')));
+    else if (!bad.empty())
+      fail(fmt::format("'{}' is not a number (comments start with #)", shortened(bad)), number,
+           code_points(line.substr(0, std::size_t(bad.data() - line.data()))) + 1);
+    else if (!row.empty())
+      add(row, number);
+  }
+
+  void add(std::vector<double> const& row, std::uint32_t number) {
+    if (table_.column.empty()) table_.column.resize(row.size());
+    if (row.size() != table_.column.size())
+      return fail(fmt::format("this line has {}, the lines before have {}", counted(row.size(), "number"),
+                              table_.column.size()),
+                  number);
+    for (std::size_t i = 0; i < row.size(); ++i) table_.column[i].push_back(row[i]);
+    table_.line.push_back(number);
+  }
+
+  // A comment that names units has priority over one that does not, a later over an earlier.
+  std::vector<std::string> titles_in_comments() const {
+    std::vector<std::string> found;
+    bool with_units = false;
+    for (auto const& titles : comments_) {
+      bool const units = std::any_of(titles.begin(), titles.end(), [](auto const& c) { return c.ends_with(']'); });
+      if (titles.size() != table_.column.size() || (with_units && !units)) continue;
+      found = titles;
+      with_units = units;
+    }
+    return found;
+  }
+
+  void name_columns() {
+    std::size_t const columns = table_.column.size();
+    if (titles_.empty()) titles_ = titles_in_comments();
+    if (!titles_.empty() && titles_.size() != columns)
+      return fail(
+          fmt::format("{}, and the row of names has {} (numbers are written with a point, 0.5, not with a comma)",
+                      counted(columns, "number"), titles_.size()),
+          table_.line.front());
+    titles_.resize(columns);
+    for (std::string const& title : titles_) name_column(title);
+  }
+
+  // "x [um]" and "x (um)".
+  void name_column(std::string const& title) {
+    for (auto const& [open, close] : {std::pair{'[', ']'}, std::pair{'(', ')'}})
+      if (auto const begin = title.find(open); begin != title.npos && begin > 0 && title.back() == close) {
+        table_.name.push_back(without_quotes(title.substr(0, begin)));
+        table_.unit.push_back(without_quotes(title.substr(begin + 1, title.size() - begin - 2)));
+        return;
+      }
+    table_.name.push_back(title);
+    table_.unit.emplace_back();
+  }
+
+  NonFinite words_;
+  HeaderRow header_;
+  std::vector<std::string> titles_;                 // the row of words
+  std::vector<std::vector<std::string>> comments_;  // titles that the comments above the numbers may be
+  NumberTable table_;
+};
+
+}  // namespace
+
+std::string NumberTable::described_error() const {
+  return error.empty() || error_line == 0 ? error : fmt::format("line {}: {}", error_line, error);
+}
+
+NumberTable parse_numbers(std::string_view text, NonFinite words, HeaderRow header) {
+  return NumberReader(words, header).read(text);
+}
+
+std::optional<NumberTable> read_numbers(Node const& file, std::size_t columns, std::string const& remedy) {
+  std::string const name = file.as_word();
+  if (name.empty()) return {};
+  std::string const text = file.data_file(name);
+  if (text.empty() && !file.document()->optional_file(file, name)) return {};  // data_file() reports it
+  NumberTable table = parse_numbers(text);
+  if (table.error.empty() && columns > 0 && table.column.size() != columns) {
+    table.error = fmt::format("this line has {}, not {}", counted(table.column.size(), "number"), columns);
+    table.error_line = table.line.front();
+    table.error_column = 1;
+  }
+  if (table.error.empty()) return table;
+  file.file_problem(name, table.error_line, table.error_column, table.error, remedy);
+  return {};
+}
+
+// Texts of keywords and numbers.
+
+WordReader::WordReader(std::string_view text, std::vector<Problem>& problems) : problems_(problems) {
+  for (TextLine const& line : text_lines(text, Comments::anywhere))
+    for (TextCell const& word : words_of(line)) words_.push_back(word);
+}
+
+TextCell WordReader::next() {
+  TextCell const word = peek();
+  if (!done()) ++at_;
+  return word;
+}
+
+std::vector<TextCell> WordReader::rest_of_line(TextCell const& first) {
+  std::vector<TextCell> out;
+  while (!done() && peek().line == first.line) out.push_back(next());
+  return out;
+}
+
+std::size_t WordReader::words_left_in_line(TextCell const& first) const {
+  std::size_t count = 0;
+  while (at_ + count < words_.size() && words_[at_ + count].line == first.line) ++count;
+  return count;
+}
+
+double WordReader::number(std::string const& what) {
+  if (!sound) return 0;
+  auto const value = done() ? std::nullopt : number_in(peek().text);
+  if (!value) {
+    complain_of_number(problems_, peek(), what);
+    sound = false;
+    return 0;
+  }
+  ++at_;
+  return *value;
+}
+
+std::vector<double> WordReader::numbers(std::size_t count, std::string const& what) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < count && sound; ++i)
+    out.push_back(number(fmt::format("{} {} of {}", what, i + 1, count)));
+  return out;
+}
+
+void WordReader::refuse(TextCell const& where, std::string what, std::string suggestion) {
+  if (sound) complain(problems_, where, std::move(what), std::move(suggestion));
+  sound = false;
+}
+
+}  // namespace straytrace

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "spectra/curve.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "base/math/constants.hpp"
+#include "io/delimited_text.hpp"
+
+namespace straytrace {
+
+double log_log_at(std::span<double const> hz, std::span<double const> value, double f) {
+  if (hz.empty() || !(f >= hz.front() && f <= hz.back())) return not_a_number;
+  if (hz.size() == 1) return value.front();
+  auto const last = static_cast<std::ptrdiff_t>(hz.size()) - 1;
+  auto const i = static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin(), 1, last));
+  double const low = value[i - 1], high = value[i];
+  if (f == hz[i - 1] || f == hz[i]) return f == hz[i] ? high : low;
+  double const x = log_share(f, hz[i - 1], hz[i]);
+  if (low == 0 || high == 0) return low + (high - low) * x;  // a power law has no zeros
+  return log_log_value(low, high, x);
+}
+
+Curve curve_of(NumberTable const& table, std::size_t frequency_column, std::size_t value_column) {
+  if (!table.error.empty()) return {{}, {}, table.described_error()};
+  std::size_t const columns = table.column.size();
+  if (frequency_column < 1 || value_column < 1 || std::max(frequency_column, value_column) > columns)
+    return {{}, {}, fmt::format("it has {} columns, asked for {} and {}", columns, frequency_column, value_column)};
+  Curve curve;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double const f = table.column[frequency_column - 1][i], v = table.column[value_column - 1][i];
+    if (curve.hz.empty() && f == 0) continue;
+    if (!(f > 0) || (!curve.hz.empty() && f <= curve.hz.back()))
+      return {{}, {}, fmt::format("the frequency does not increase at {} Hz", f), table.line[i]};
+    if (v < 0 || std::isinf(v))
+      return {{}, {}, fmt::format("{} value at {} Hz", v < 0 ? "negative" : "infinite", f), table.line[i]};
+    curve.hz.push_back(f);
+    curve.value.push_back(v);
+  }
+  if (curve.hz.size() < 2) return {{}, {}, "fewer than two rows with a frequency above zero"};
+  return curve;
+}
+
+Curve parse_curve(std::string_view text, std::size_t frequency_column, std::size_t value_column) {
+  return curve_of(parse_numbers(text), frequency_column, value_column);
+}
+
+Curve parse_named_curve(std::string_view text, std::span<std::string_view const> names) {
+  NumberTable const table = parse_numbers(text, NonFinite::kept);
+  if (!table.error.empty() || table.column.size() <= 2) return parse_curve(text);
+  std::vector<std::string> titles = table.name;
+  for (std::string& title : titles) std::replace(title.begin(), title.end(), ' ', '_');
+  for (std::string_view const name : names)
+    for (std::size_t i = 1; i < titles.size(); ++i)
+      if (titles[i] == name) return curve_of(table, 1, i + 1);
+  bool const named = std::any_of(titles.begin(), titles.end(), [](std::string const& t) { return !t.empty(); });
+  return {
+      {},
+      {},
+      fmt::format("it has {} columns {}, and none is named {}", titles.size(),
+                  named ? fmt::format("({})", fmt::join(titles, ", ")) : "without names", fmt::join(names, " or "))};
+}
+
+}  // namespace straytrace
