@@ -15,17 +15,22 @@
 namespace straytrace {
 namespace {
 
-constexpr char const* kinds =
-    "write still, {asd: FILE, columns: [Hz, m/sqrt(Hz)]}, {series: FILE}, {csd: FILE}, {power-law: ...}, {peterson: "
-    "typical}, "
-    "{line: ...}, "
-    "{sine: ...}, {drift: 2 um/h}, {from: ground}, {like: z} or {same_as: z}";
-
 Dimension asd_of(int axis) { return is_rotation(axis) ? dim::angle_asd : dim::displacement_asd; }
 Dimension speed_of(int axis) { return is_rotation(axis) ? Dimension{0, 0, -2, 2} : Dimension{2, 0, -2}; }
 Dimension amplitude_of(int axis) { return is_rotation(axis) ? dim::angle : dim::length; }
 
-Spectrum read_power_law(Node const& t, int axis) {
+// One specification, with what all kinds of motion have in common.
+struct AxisSpec {
+  Node spec;
+  std::string_view kind;
+  int axis;
+  double scale, uncertainty;
+};
+
+Spectrum read_asd(Node const& spec, int axis) { return read_spectrum_file(spec, is_rotation(axis)); }
+
+Spectrum read_power_law(Node const& spec, int axis) {
+  Node const t = spec.table("power-law");
   double const asd = t.number("asd", asd_of(axis), required, 0), at = t.number("at", dim::frequency, required, 1e-9),
                exponent = t.number("exponent", dim::plain), from = t.number("from", dim::frequency, required, 1e-9),
                to = t.number("to", dim::frequency, required, 1e-9);
@@ -49,7 +54,8 @@ Spectrum read_peterson(Node const& spec, int axis) {
                   from, to);
 }
 
-Spectrum read_line(Node const& t, int axis) {
+Spectrum read_line(Node const& spec, int axis) {
+  Node const t = spec.table("line");
   double const at = t.number("at", dim::frequency, required, 1e-6),
                width = t.number("width", dim::frequency, required, 1e-6);
   Quantity const rms = t.amplitude("rms", amplitude_of(axis));
@@ -61,25 +67,26 @@ Spectrum read_line(Node const& t, int axis) {
   return std::isfinite(at * width * rms.si) && rms.si > 0 ? gaussian_line(at, width, rms.si) : Spectrum();
 }
 
-void read_sine(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
-  Node const t = spec.table("sine");
-  Quantity const size = t.amplitude("amplitude", amplitude_of(axis));
+void read_sine(AxisSpec const& a, AxisMotion& into) {
+  Node const t = a.spec.table("sine");
+  Quantity const size = t.amplitude("amplitude", amplitude_of(a.axis));
   double const frequency = t.number("frequency", dim::frequency, required, 1e-6),
                phase = t.number("phase", dim::angle, 0);
   t.refuse_unknown("motion 'sine'");
-  Transfer const through = read_chain(spec["through"]);
+  Transfer const through = read_chain(a.spec["through"]);
   double const to_peak = size.amplitude == Amplitude::peak_to_peak ? 0.5
                          : size.amplitude == Amplitude::rms        ? std::sqrt(2)
                                                                    : 1;
   if (std::isfinite(size.si * frequency * phase) && size.si != 0)
     into.tones.push_back({frequency,
-                          std::polar(1.0, phase) * (scale * to_peak * size.si) * at_tone(through, frequency, spec),
-                          uncertainty});
+                          std::polar(1.0, phase) * (a.scale * to_peak * size.si) * at_tone(through, frequency, a.spec),
+                          a.uncertainty});
 }
 
 // `like`, `same_as`: another coordinate of the body; `from`: one of another body, the same unless `axis` names it.
-void read_reference(Node const& spec, std::string_view key, int axis, double scale, Transfer const& through,
-                    AxisMotion& into) {
+void read_reference(AxisSpec const& a, AxisMotion& into) {
+  auto const& [spec, key, axis, scale, uncertainty] = a;
+  Transfer const through = read_chain(spec["through"]);
   bool const elsewhere = key == "from";
   std::string const body = elsewhere ? spec.word(key) : "",
                     other = spec.choice(elsewhere ? "axis" : key, axis_names, elsewhere ? axis_names[axis] : "");
@@ -102,62 +109,6 @@ Spectrum with_resonance(Node const& spec, Spectrum const& s) {
   return std::isfinite(frequency * quality) && s.total() > 0 ? through_resonance(s, frequency, quality) : s;
 }
 
-// What a specification may hold beside its kind and beside `scale` and `through`.
-struct Kind {
-  std::string_view name;
-  std::vector<std::string_view> keys;
-};
-std::vector<Kind> const& all_kinds() {
-  static std::vector<Kind> const all = {
-      {"asd", {"columns", "use", "calibration", "beyond", "resonance", "uncertainty"}},
-      {"series",
-       {"channel", "unit", "highpass", "segment", "span", "calibration", "beyond", "resonance", "uncertainty"}},
-      {"csd", {"form", "units", "member", "beyond", "uncertainty"}},
-      {"power-law", {"resonance", "uncertainty"}},
-      {"peterson", {"from", "to", "resonance", "uncertainty"}},
-      {"line", {"resonance", "uncertainty"}},
-      {"sine", {"uncertainty"}},
-      {"drift", {}},
-      {"from", {"axis"}},
-      {"like", {}},
-      {"same_as", {}}};
-  return all;
-}
-
-std::string kind_meant(Node const& spec) {
-  std::vector<std::string> words;
-  for (Kind const& k : all_kinds()) words.emplace_back(k.name);
-  for (auto const& entry : spec.items())
-    if (std::string near = nearest_word(entry.first, words); !near.empty()) return near;
-  return {};
-}
-
-// Exactly one of the keys that say what kind of motion it is; null and a problem when not.
-Kind const* kind_of(Node const& spec) {
-  Kind const* found = nullptr;
-  for (Kind const& kind : all_kinds()) {
-    bool const bound = found && std::count(found->keys.begin(), found->keys.end(), kind.name) > 0;
-    if (bound || !spec.has(kind.name)) continue;
-    if (found) {
-      spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found->name, kind.name),
-                   "write a list: [{...}, {...}] adds");
-      return nullptr;
-    }
-    found = &kind;
-  }
-  if (found) return found;
-  std::string const near = kind_meant(spec);
-  spec.problem("this does not say how the body moves", near.empty() ? kinds : fmt::format("did you mean '{}'?", near));
-  return nullptr;
-}
-
-// Told even when the rest cannot be read: a key is not unknown because another one is wrong.
-void refuse_unknown(Node const& spec, Kind const& kind) {
-  for (std::string_view const key : kind.keys) spec.has(key);
-  for (std::string_view const key : {"scale", "through"}) spec.has(key);
-  spec.refuse_unknown(fmt::format("motion '{}'", kind.name));
-}
-
 // Motion known equally well makes one input.
 void add_own(OwnMotion motion, AxisMotion& into) {
   into.bands.push_back({motion.spectrum.lowest(), motion.spectrum.highest()});
@@ -168,14 +119,6 @@ void add_own(OwnMotion motion, AxisMotion& into) {
     into.own.push_back(std::move(motion));
   else
     same->spectrum = same->spectrum + motion.spectrum;
-}
-
-Spectrum read_gaussian(Node const& spec, std::string_view kind, int axis) {
-  if (kind == "asd") return read_spectrum_file(spec, is_rotation(axis));
-  if (kind == "power-law") return read_power_law(spec.table("power-law"), axis);
-  if (kind == "peterson") return read_peterson(spec, axis);
-  if (kind == "line") return read_line(spec.table("line"), axis);
-  return {};
 }
 
 // Remembers where a file ends, unless the scene says that there is nothing beyond.
@@ -190,7 +133,8 @@ double psd_of(OwnMotion const& own, double hz) {
   return own.spectrum.at(hz) * own.scale * own.scale * (own.through ? std::norm((*own.through)(hz)) : 1);
 }
 
-void read_record(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
+void read_record(AxisSpec const& a, AxisMotion& into) {
+  auto const& [spec, kind, axis, scale, uncertainty] = a;
   auto const record = read_recorded(spec, is_rotation(axis));
   Transfer const through = read_chain(spec["through"]);
   if (spec.has("resonance"))
@@ -199,11 +143,12 @@ void read_record(Node const& spec, int axis, double scale, double uncertainty, A
   if (!record || !covers(through, record->spectrum.lowest(), record->spectrum.highest(), spec["through"])) return;
   OwnMotion const own{record->spectrum, uncertainty, through, record->displacement, scale};
   double const low = own.spectrum.lowest();
-  note_file(spec, "series", axis, {low, own.spectrum.highest()}, psd_of(own, low), into);
+  note_file(spec, kind, axis, {low, own.spectrum.highest()}, psd_of(own, low), into);
   into.own.push_back(own);
 }
 
-void read_member(Node const& spec, int axis, double scale, double uncertainty, AxisMotion& into) {
+void read_member(AxisSpec const& a, AxisMotion& into) {
+  auto const& [spec, kind, axis, scale, uncertainty] = a;
   auto joint = read_joint(spec, is_rotation(axis));
   Transfer const through = read_chain(spec["through"]);
   if (!joint || !covers(through, joint->unit.lowest(), joint->unit.highest(), spec["through"])) return;
@@ -211,13 +156,15 @@ void read_member(Node const& spec, int axis, double scale, double uncertainty, A
   joint->through = through;
   joint->uncertainty = uncertainty;
   double const low = joint->unit.lowest();
-  note_file(spec, "csd", axis, {low, joint->unit.highest()}, joint->psd(low), into);
+  note_file(spec, kind, axis, {low, joint->unit.highest()}, joint->psd(low), into);
   into.joint.push_back(std::move(*joint));
 }
 
-void read_spectrum(Node const& spec, std::string_view kind, int axis, double scale, double uncertainty,
-                   AxisMotion& into) {
-  Spectrum const written = read_gaussian(spec, kind, axis);
+// Gaussian motion of the spectrum that `read` finds.
+template <Spectrum (*read)(Node const& spec, int axis)>
+void read_spectrum(AxisSpec const& a, AxisMotion& into) {
+  auto const& [spec, kind, axis, scale, uncertainty] = a;
+  Spectrum const written = read(spec, axis);
   Transfer const through = read_chain(spec["through"]);
   OwnMotion const own{with_resonance(spec, written.scaled(std::isfinite(scale) ? scale * scale : 0)), uncertainty,
                       through};
@@ -228,30 +175,92 @@ void read_spectrum(Node const& spec, std::string_view kind, int axis, double sca
   add_own(own, into);
 }
 
+void read_drift(AxisSpec const& a, AxisMotion& into) {
+  into.drift += a.scale * a.spec.number("drift", speed_of(a.axis));
+}
+
+// A kind of motion. A new one: its reader above and a row of the table below.
+struct Kind {
+  std::string_view name, example;      // the key that selects it; what a message suggests
+  std::vector<std::string_view> keys;  // besides that key and those of every kind, `scale` and `through`
+  void (*read)(AxisSpec const&, AxisMotion&);
+};
+std::vector<Kind> const& all_kinds() {
+  static std::vector<Kind> const all = {
+      {"asd",
+       "{asd: FILE, columns: [Hz, m/sqrt(Hz)]}",
+       {"columns", "use", "calibration", "beyond", "resonance", "uncertainty"},
+       read_spectrum<read_asd>},
+      {"series",
+       "{series: FILE}",
+       {"channel", "unit", "highpass", "segment", "span", "calibration", "beyond", "resonance", "uncertainty"},
+       read_record},
+      {"csd", "{csd: FILE}", {"form", "units", "member", "beyond", "uncertainty"}, read_member},
+      {"power-law", "{power-law: ...}", {"resonance", "uncertainty"}, read_spectrum<read_power_law>},
+      {"peterson", "{peterson: typical}", {"from", "to", "resonance", "uncertainty"}, read_spectrum<read_peterson>},
+      {"line", "{line: ...}", {"resonance", "uncertainty"}, read_spectrum<read_line>},
+      {"sine", "{sine: ...}", {"uncertainty"}, read_sine},
+      {"drift", "{drift: 2 um/h}", {}, read_drift},
+      {"from", "{from: ground}", {"axis"}, read_reference},
+      {"like", "{like: z}", {}, read_reference},
+      {"same_as", "{same_as: z}", {}, read_reference}};
+  return all;
+}
+
+// "write still, {asd: ...}, ... or {same_as: z}"
+std::string suggested_kinds() {
+  std::string text = "write still";
+  for (Kind const& k : all_kinds()) text += fmt::format("{} {}", &k == &all_kinds().back() ? " or" : ",", k.example);
+  return text;
+}
+
+std::string kind_meant(Node const& spec) {
+  std::vector<std::string> words;
+  for (Kind const& k : all_kinds()) words.emplace_back(k.name);
+  for (auto const& entry : spec.items())
+    if (std::string near = nearest_word(entry.first, words); !near.empty()) return near;
+  return {};
+}
+
+// Exactly one of the keys that select a kind of motion; null and a problem otherwise.
+Kind const* kind_of(Node const& spec) {
+  Kind const* found = nullptr;
+  for (Kind const& kind : all_kinds()) {
+    bool const bound = found && std::count(found->keys.begin(), found->keys.end(), kind.name) > 0;
+    if (bound || !spec.has(kind.name)) continue;
+    if (found) {
+      spec.problem(fmt::format("one motion cannot be '{}' and '{}' at once", found->name, kind.name),
+                   "write a list: [{...}, {...}] adds");
+      return nullptr;
+    }
+    found = &kind;
+  }
+  if (found) return found;
+  std::string const near = kind_meant(spec);
+  spec.problem("this does not say how the body moves",
+               near.empty() ? suggested_kinds() : fmt::format("did you mean '{}'?", near));
+  return nullptr;
+}
+
+// Reported even when the rest cannot be read: a key is not unknown because another one is wrong.
+void refuse_unknown(Node const& spec, Kind const& kind) {
+  for (std::string_view const key : kind.keys) spec.has(key);
+  for (std::string_view const key : {"scale", "through"}) spec.has(key);
+  spec.refuse_unknown(fmt::format("motion '{}'", kind.name));
+}
+
 void read_one(Node const& spec, int axis, double uncertainty, AxisMotion& into) {
   if (spec.kind() == Node::Kind::scalar) {
-    if (spec.text() != "still") spec.problem(fmt::format("'{}' is not a motion", spec.text()), kinds);
+    if (spec.text() != "still") spec.problem(fmt::format("'{}' is not a motion", spec.text()), suggested_kinds());
     return;
   }
   if (spec.kind() != Node::Kind::table) return;
-  Kind const* const of = kind_of(spec);
-  if (!of) return;
-  std::string_view const kind = of->name;
-  refuse_unknown(spec, *of);
+  Kind const* const kind = kind_of(spec);
+  if (!kind) return;
+  refuse_unknown(spec, *kind);
   double const scale = spec.number("scale", dim::plain, 1);
   uncertainty = read_uncertainty(spec["uncertainty"], uncertainty);
-  if (kind == "like" || kind == "same_as" || kind == "from")
-    read_reference(spec, kind, axis, scale, read_chain(spec["through"]), into);
-  else if (kind == "sine")
-    read_sine(spec, axis, scale, uncertainty, into);
-  else if (kind == "drift")
-    into.drift += scale * spec.number("drift", speed_of(axis));
-  else if (kind == "csd")
-    read_member(spec, axis, scale, uncertainty, into);
-  else if (kind == "series")
-    read_record(spec, axis, scale, uncertainty, into);
-  else
-    read_spectrum(spec, kind, axis, scale, uncertainty, into);
+  kind->read({spec, kind->name, axis, scale, uncertainty}, into);
 }
 
 }  // namespace
