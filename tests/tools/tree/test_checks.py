@@ -320,6 +320,33 @@ esac
         self.expect("$ build/straytrace run  # exit 3\n...\nh = 1.24e-24", 1, "\nh = 1.25e-24\n```", write=True)
 
 
+class MakeCommands(unittest.TestCase):
+    PROGRAM = """#!/bin/sh
+case "$*" in
+  --help) printf 'Light:\\n  run                         Do it.\\n' ;;
+  *) printf 'Output options:\\n  -h,--help                   Print this\\n  -o,--out TEXT=a|b           where: "x y"\\n' ;;
+esac
+"""
+    PAGE = "".join(f"<!-- {name}: tools/make_commands.py -->\n\n<!-- end -->\n\n## run\n" for name in ("commands", "options"))
+
+    def made(self, page, *words):
+        return verdict("make_commands.py", {"program": self.PROGRAM, "page.md": page}, *words, "program", "page.md", read="page.md")
+
+    def test_tables_are_written_once_and_then_agree(self):
+        status, page = self.made(self.PAGE, "--write")
+        self.assertEqual(status, 0)
+        page = page.partition("\n")[2]
+        for row in ("| Light | [run](#run) | Do it. |\n", "### Output options\n", "| `-o`, `--out` | run | where: `x y`; default: a\\|b |\n"):
+            self.assertEqual(page.count(row), 1, page)
+        self.assertEqual(page.count("## run"), 2)
+        self.assertNotIn("--help", page)
+        self.assertEqual(self.made(page)[0], 0)
+        self.assertEqual(self.made(page.replace("Do it", "Do that"))[0], 1)
+
+    def test_a_page_without_its_places_fails(self):
+        self.assertEqual(self.made(self.PAGE.replace("options:", "option:"))[0], 1)
+
+
 class CheckValidation(unittest.TestCase):
     """A page of one row against records of one test."""
 
