@@ -19,7 +19,7 @@ namespace straytrace::bench {
 namespace {
 
 constexpr std::size_t count = 4096;
-double result = 0;  // of everything, so that nothing is left out
+double result = 0;  // of everything, so that the compiler keeps all work
 
 struct Search {
   BenchScene scene;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Targets written by hand for the first hop of small worlds: strips of walls that the scatter law alone seldom meets.
+// Targets written by hand for the first hop of small worlds: strips of walls that the BSDF model alone seldom meets.
 #pragma once
 
 #include <vector>

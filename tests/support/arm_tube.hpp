@@ -125,7 +125,7 @@ struct Orders : Silent {
   }
 };
 
-// The program's step on directions at equal shares of the scatter law's own density, from points at equal shares of the
+// The program's step on directions at equal shares of the BSDF model's own density, from points at equal shares of the
 // spot: a quadrature.
 inline Orders quadrature(World const& world, double spot = 0, double amplitude = wall_motion, int n = 1 << 19) {
   WorldView const view = world.view();

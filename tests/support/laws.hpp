@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prepared scatter laws in one line.
+// Prepared BSDF models in one line.
 #pragma once
 
 #include <cmath>

@@ -170,7 +170,8 @@ TEST(DualRecycled, QuantumNoiseA23) {
 }
 
 // A23 to 1e-4. Eq. 12.6 has gamma = T c/(4L) and phases of sidebands to first order in T and in f L/c: with T, L and
-// the power a hundred times smaller, gamma and K stay, h is a hundred times larger, and what is left out falls alike.
+// the power a hundred times smaller, gamma and K stay, h is a hundred times larger, and the neglected terms fall
+// equally.
 TEST(DualRecycled, QuantumNoiseInTheLimitOfA23) {
   struct Row {
     double hz, strain;

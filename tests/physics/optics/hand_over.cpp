@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The border between fields and rays (R2.31): light scattered by a rough mirror to small angles as a
-// diffracted field, to larger ones as rays of the scatter law. The total must not depend on where the border lies.
+// diffracted field, to larger ones as rays of the BSDF model. The total must not depend on where the border lies.
 #include <gtest/gtest.h>
 #include <unsupported/Eigen/FFT>
 

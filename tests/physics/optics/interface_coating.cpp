@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coatings tabulated against the angle (8.2, C2.6, C8.9): the steel of beam tubes, energy, and
-// scatter laws that follow the table.
+// BSDF models that follow the table.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -71,7 +71,7 @@ TEST(EnergyBalance, CloseInRandomScenes) {
     EXPECT_LT(gap(total), 1e-12) << "scene " << seed;
     expect_mean("roulette", column(total, BalanceTerm::roulette), 0, 2e-2);
     expect_mean("sampling", column(total, BalanceTerm::sampling), 0, 5e-2);
-    BlockSums forgetful = total;  // control: a column is left out
+    BlockSums forgetful = total;  // control: without one column
     forgetful.energy_balance[int(BalanceTerm::roulette)] = {};
     EXPECT_GT(gap(forgetful), 1e-12) << "scene " << seed;
   }

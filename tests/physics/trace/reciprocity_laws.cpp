@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reciprocity for every scatter law (docs/theory/sampling.md): a Lambertian disc lights a surface that scatters by
+// Reciprocity for every BSDF model (docs/theory/sampling.md): a Lambertian disc lights a surface that scatters by
 // the law, a black disc of the same area receives. Source and receiver swapped: the same watts, because
 //   P = 1/(pi A) int int int G f G dA dA dA  with f(wi, wo) = f(wo, wi)   (eq. 1.2).
 #include "contract/optics/instances.hpp"

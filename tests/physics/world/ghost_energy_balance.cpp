@@ -74,7 +74,7 @@ TEST(GhostEnergyBalance, every_watt_is_counted_once) {
   EXPECT_NEAR(dump.scattered, 0.3 * (dump.landed), 1e-12);
   EXPECT_GT(dump.ghosts, 1e-4);
   EXPECT_GT(energy_balance.floor + energy_balance.order, 0);
-  EXPECT_GT(std::fabs(energy_balance.total() - dump.landed - 1), 0.1);  // control: an object is left out
+  EXPECT_GT(std::fabs(energy_balance.total() - dump.landed - 1), 0.1);  // control: without one object
 }
 
 // Fresnel at 45 degrees (eq. 3.25): unpolarised light is the even mixture of two states, and stays that mixture.

@@ -259,7 +259,7 @@ TEST(Screens, light_on_them_is_that_of_the_energy_balance) {
       Footprint const& f = world.footprints().back();
       double const share = drawn_on(world, f, lines), exact = 2 * taken(energy_balance, f.surface.value);
       EXPECT_NEAR(f.share * share, exact, 5 * f.share * std::sqrt(share / lines) + 2e-3 * exact) << i;
-      Footprint whole = f;  // control: the hole is not left out of the draws, the power is
+      Footprint whole = f;  // control: points are drawn in the hole too, without its power
       whole.hollow = 1;
       if (f.hollow < 0.9) {
         EXPECT_GT(std::fabs(f.share * drawn_on(world, whole, lines) - exact), 0.05 * exact) << i;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ghosts at ports: relative to what, how equal phase sensitivities add, behind which mirrors, and the messages about
-// what is left out.
+// omissions.
 #include <nlohmann/json.hpp>
 
 #include <cmath>

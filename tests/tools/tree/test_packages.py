@@ -12,7 +12,7 @@ sys.path.insert(0, str(LINT))
 
 from check_packages import Packages, started_programs  # noqa: E402
 
-# Package left out: what the check must name.
+# Omitted package: the names that the check must report.
 CONTROLS = {
     "libtbb-dev": "libtbb.so (commands of the build)",                   # linked, because OpenCASCADE names it
     "nlohmann-json3-dev": "nlohmann/json.hpp (headers of the build)",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pieces of the scatter laws: albedo table, rings about the specular direction, spectra and curves they hold.
+// The pieces of the BSDF models: albedo table, rings about the specular direction, spectra and curves they hold.
 #include <gtest/gtest.h>
 
 #include "contract/optics/quadrature.hpp"

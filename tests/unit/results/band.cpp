@@ -8,9 +8,8 @@
 
 namespace straytrace::test {
 
-// A sine fills one bin: h is its average at every frequency of that bin, below the centre as above it, and nothing
-// beside it. Negative control: the bin of the last centre below the frequency, which has nothing for half of the
-// frequencies.
+// A sine fills one bin: h is its average at every frequency of that bin, below and above the centre, and zero outside.
+// Negative control: the bin of the last centre below the frequency, which is zero for half of the frequencies.
 TEST(ReportBand, LineIsReadWithinItsBinAndNowhereElse) {
   FrequencyGrid const grid = logarithmic_grid(6, 15, 60);
   std::size_t const line = 13;

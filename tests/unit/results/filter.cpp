@@ -164,7 +164,7 @@ TEST_F(ReportFilter, sorts_with_the_unknown_last) {
   EXPECT_EQ(sorted_by("shar", all, columns).problems.at(0).suggestion, "did you mean 'share'?");
 }
 
-// Nothing left out: the total. Left out: h_rest^2 = h^2 - sum of h_i^2, since routes add in power
+// Without omissions: the total. With omitted routes: h_rest^2 = h^2 - sum of h_i^2, since routes add in power
 // (docs/theory/spectra.md).
 TEST_F(ReportFilter, sums_without_some_routes) {
   Without const same = without_rows(table, {}, trace.coupling, &noise);

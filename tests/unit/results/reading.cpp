@@ -52,8 +52,8 @@ TEST_F(ReportReading, StrainIsReadAtTheFrequencyItself) {
   EXPECT_GT(std::fabs(nearest * 27000 - 1), 0.01);  // the control: the value of the bin
 }
 
-// A line fills one bin: at its frequency it is the mean over that bin, with its rms beside it, and nothing of it is
-// seen in the next bin. Controls: the lower neighbour (0), and straight lines in log-log between the centres.
+// A line fills one bin: at its frequency the value is the mean over that bin, with its rms; the next bin contains
+// none of it. Controls: the lower neighbour (0), and straight lines in log-log between the centres.
 TEST_F(ReportReading, LinesAreReadFromTheirBin) {
   FrequencyGrid const grid = logarithmic_grid(6, 15, 60);
   auto const own = std::size_t(std::upper_bound(grid.edges.begin(), grid.edges.end(), 10.0) - grid.edges.begin()) - 1;

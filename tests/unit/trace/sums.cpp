@@ -37,7 +37,7 @@ TEST(Moments, KnownSample) {
   EXPECT_DOUBLE_EQ(e.effective_scores, 225.0 / 85);
   EXPECT_EQ(e.scored, 4u);
   EXPECT_EQ(m.largest_history, 4u);
-  Estimate const control = estimate(m, 4, 1);  // the zero left out: the classical bias
+  Estimate const control = estimate(m, 4, 1);  // without the zero: the classical bias
   EXPECT_NE(control.mean, 3);
   EXPECT_NE(control.std_error, e.std_error);
 }

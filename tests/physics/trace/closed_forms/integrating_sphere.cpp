@@ -24,7 +24,7 @@ SampleMean multiplier(double rho, double f, std::uint64_t histories) {
   world.add_footprint(spot(low, {0, 0, -1}, {0, 0, -1}, Profile::even, 0.3));
   world.limits.max_order = 4000;
   world.limits.roulette_below = 0.5;
-  world.finish();  // the scatter law alone: aiming has nothing to give where every part sees every other alike
+  world.finish();  // the BSDF model alone: aiming has nothing to give where every part sees every other alike
   return scaled(received(run_histories(world, histories)), 1 / f);
 }
 

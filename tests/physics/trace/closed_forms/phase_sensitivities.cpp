@@ -197,7 +197,7 @@ TEST(PhaseSensitivities, CavityMirrorBaffleMirror) {
   auto const phase_sensitivities = there_and_back(c, 0.03);
   EXPECT_NEAR(on_body(phase_sensitivities, c.ring).d[2], 2 * k, 1e-8 * k);
   EXPECT_NEAR(on_body(phase_sensitivities, c.one).d[2], -2 * k, 1e-8 * k);
-  Cavity const running(false);  // control: the main mode's own bounce is not taken off
+  Cavity const running(false);  // control: the reflection of the main mode is not subtracted
   EXPECT_GT(std::fabs(on_body(there_and_back(running, 0.03), running.one).d[2] + 2 * k), k);
 }
 

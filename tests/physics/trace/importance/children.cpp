@@ -73,7 +73,7 @@ TEST(Children, ChangeTheErrorNotTheMean) {
 }
 
 // Behind a small stop nearly all that is worth something wins rarely: such a trace must not be called wrong, and one
-// that forgets to divide by the odds must.
+// that does not divide by the survival probability must.
 World rarely_lucky() {
   World world;
   BodyId const body = world.add_body("all", {});

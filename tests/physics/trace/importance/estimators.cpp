@@ -13,8 +13,8 @@ struct Receiver {
   std::uint32_t footprint = 1;
 };
 
-// f of one history by each technique, last hops that are specular left out: no connection can make them. The program's
-// own scores are kept apart by technique as well.
+// f of one history by each technique, without specular last hops, which no connection can make. The scores of the
+// program are stored by technique as well.
 class Techniques : public Silent {
  public:
   Techniques(World const& world, Receiver receiver) : view_(world.view()), receiver_(receiver) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The mixture of scatter law and targets (docs/theory/sampling.md): scene 16, and what a wrong table does to the energy
+// The mixture of BSDF model and targets (docs/theory/sampling.md): scene 16, and what a wrong table does to the energy
 // balance.
 #include <gtest/gtest.h>
 

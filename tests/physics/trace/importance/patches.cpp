@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Aiming in scenes of more strips than the tables of importance have rows (docs/theory/sampling.md): neighbours share a
-// patch; a patch is drawn, then a point of it. The mean is that of the scatter law alone, the error is smaller.
+// patch; a patch is drawn, then a point of it. The mean is that of the BSDF model alone, the error is smaller.
 #include "trace/importance/patches.hpp"
 
 #include <gtest/gtest.h>

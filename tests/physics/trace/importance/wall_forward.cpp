@@ -60,7 +60,7 @@ TEST(WallForward, ClosedFormEq8_7) {
 }
 
 // Each half of the wall in strips of about equal shares, aimed at by light of mirror 1: the halves couple alike, but
-// the scatter law alone seldom meets what lies right before mirror 2.
+// the BSDF model alone seldom meets what lies right before mirror 2.
 void aim_at_all_of_the_wall(World& world) {
   double const area = 2 * pi * radius * (arm / 2 - first), from[] = {10, 20, 45, 100, 220, 500, 1000, 1500};
   AimedWall near{SurfaceId{2}, area, {}}, far{SurfaceId{3}, area, {}};

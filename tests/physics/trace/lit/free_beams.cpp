@@ -108,7 +108,7 @@ Parts parts(Layout const& s, bool covered, std::uint64_t histories, std::uint64_
 }
 
 // A wide receiver is met by the walk about as often as by sub-paths: their weights sum to one. Controls: either counted
-// in full beside the other.
+// in full in addition to the other.
 TEST(FreeBeams, WeightsOfWalkAndSubPathSumToOne) {
   Layout even, gaussian, focus, clear, aims, two;
   gaussian.profile = Profile::gaussian;

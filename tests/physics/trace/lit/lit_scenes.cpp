@@ -74,7 +74,7 @@ TEST(LitScenes, BenchBehindTheEndMirrorEq9_3) {
 }
 
 // Relative to the mode of the arm, which bounces on the end mirror: +2k on the bench and -2k on that mirror, whose
-// glass is passed straight (eq. 2.5); nothing on the input mirror. Control: the bounce is not taken off.
+// glass is passed straight (eq. 2.5); nothing on the input mirror. Control: the reflection is not subtracted.
 TEST(LitScenes, BenchAndEndMirrorMoveAgainstEachOther) {
   double const k = 2 * pi / lambda;
   World const world = world_of(arm());
