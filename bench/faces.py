@@ -3,7 +3,7 @@
 """A part from CAD by its exact faces, and the same part as triangles, with the given chord: set-up, rays, figure of merit, value.
 
 The part is examples/data/cad_bench.step, all of it diffuse. A lamp lights it from above; what of its light the part sends to a square
-beside the lamp is the value. Triangles of a coarse chord are another part: their value may differ, and says so.
+next to the lamp is the value. Triangles of a coarse chord are another part: their value may differ, which the line states.
 
 Examples:
   scripts/bench faces --keep      chords of 1 mm, 0.1 mm and 10 um; for the page

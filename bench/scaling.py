@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One trace by 1, 2, 4 ... threads, MPI ranks and a GPU, in turns; what a checkpoint and a single MPI rank cost.
 
-Times are by the clock on the wall, the difference of a long and a short trace, so that setup is not in them: beside other programs
+Times are wall-clock times, the difference of a long and a short trace, so that they exclude setup: with other programs running
 they say nothing about straytrace. The efficiency of n is T(1)/(n T(n)).
 
 Examples:
@@ -73,7 +73,7 @@ def scaled(results, kind, way, repeats, histories):
 
 def one_rank(results, traces, repeats):
     taken = in_turns({"mpi": lambda: traces.ranks(1), "plain": lambda: traces.threads(1)}, repeats)
-    results.add("1 rank beside no MPI", kind="overhead", unit="s",
+    results.add("1 rank, compared with no MPI", kind="overhead", unit="s",
                 **compared(*([seconds for seconds, _ in taken[way]] for way in ("mpi", "plain"))),
                 peak_memory=max(done.peak_memory for _, done in taken["mpi"]),
                 theirs_peak_memory=max(done.peak_memory for _, done in taken["plain"]))
@@ -99,7 +99,7 @@ def gpu(results, traces, repeats):
         results.add("GPU", kind="gpu", skipped=f"skipped: no GPU ({device})")
         return
     taken = in_turns({"gpu": lambda: traces.beyond_setup("--backend", "cuda"), "core": lambda: traces.threads(1)}, repeats)
-    results.add("GPU beside one thread", kind="gpu", device=device, unit="s",
+    results.add("GPU, compared with one thread", kind="gpu", device=device, unit="s",
                 **compared(*([seconds for seconds, _ in taken[way]] for way in ("gpu", "core"))),
                 peak_memory=max(done.peak_memory for _, done in taken["gpu"]),
                 goal={"of": "ratio", "at_least": 300, "name": "GPU, cores of this kind"})
