@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What straytrace-mpi.so offers to the program, which loads it when it is asked for and knows nothing of MPI. */
+/* Interface of straytrace-mpi.so. The program loads it on demand and does not use MPI itself. */
 #ifndef STRAYTRACE_TRANSPORT_H
 #define STRAYTRACE_TRANSPORT_H
 

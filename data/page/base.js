@@ -3,7 +3,7 @@
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
-// Okabe and Ito: told apart by every common kind of colour vision.
+// Okabe and Ito: distinguishable with every common kind of colour vision.
 const colours = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8A6D00", "#555555"];
 
 // Elements whose text runs over several lines. Browsers break lines behind a minus sign, which cuts exponents:

@@ -71,7 +71,7 @@ def told_files(root, pages):
         for text in STRING.findall(re.sub(r"^\s*(//|#).*$", "", file.read_text(encoding="utf-8"), flags=re.MULTILINE)):
             for name in TOLD_FILE.findall(text):
                 if not (root / name).exists():
-                    yield f"{file.relative_to(root)}: a reader is told of {name}, which does not exist"
+                    yield f"{file.relative_to(root)}: names {name}, which does not exist"
     for page in pages:
         for name in TOLD_FILE.findall(LINK.sub("", text_of(page))):
             if name.endswith(".md") and "NAME" not in name and name not in known and not (root / name).exists() and not (page.parent / name).exists():

@@ -91,7 +91,7 @@ double rays_beyond(Roughness const& law, double border) {
   return law.albedo(1) * beyond / histories;
 }
 
-// 1 % of the total, which is that of eq. 3.10. The controls hand over with a gap of a fifth of the border, or from a
+// 1 % of the total, which is that of eq. 3.10. The controls have a gap of a fifth of the border, or from a
 // law of half the spectrum (a profile taken as one-sided).
 TEST(diffraction_border, total_does_not_depend_on_the_border_r2_31) {
   Roughness const law = k_correlation(Theory::rayleigh_rice, rms, knee, tail);

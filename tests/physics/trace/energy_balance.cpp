@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The energy balance (docs/theory/sampling.md): absorbed + escaped + limit + window + sampling = emitted, and the
+// The energy balance (docs/theory/sampling.md): absorbed + escaped + truncated + roulette + sampling = emitted, and the
 // columns `window` and `sampling` are zero on average.
 #include <random>
 

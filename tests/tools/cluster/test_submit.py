@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of `straytrace submit`: HTCondor's own parser reads them, a pool of one machine made here runs them to the bits of one run;
-names of users cannot become commands; what cannot be sliced is refused. Usage: test_submit.py PROGRAM"""
+names of users cannot become commands; scenes that cannot be sliced are errors. Usage: test_submit.py PROGRAM"""
 import pathlib
 import re
 import shlex

@@ -110,7 +110,7 @@ def check_refusals(folder):
 
 def check_spectrum():
     """The spectrum is that of the surface within 5 standard errors, ring by ring, and its integral (eq. 3.6) the
-    variance. Control: a window whose power is not normalised. Tilt and curvature go, and the curvature is said."""
+    variance. Control: a window whose power is not normalised. Tilt and curvature are removed, and the curvature is printed."""
     n, pixel = 512, 5e-4
     height = made(n, pixel)
     x, y = maps.grid(height.shape, pixel, (0, 0))

@@ -4,7 +4,7 @@
 
 What straytrace exports is read by pygwinc itself, with the same numbers; each noise of our presets agrees with that of
 the budgets they are taken from, within the tolerances below; pygwinc's own files are read; StrayLight is a noise there. --table prints the
-agreement as it stands in docs/theory/sensitivity.md. Runs in the environment that scripts/setup --test makes, and
+agreement in the form of docs/theory/sensitivity.md. Runs in the environment that scripts/setup --test makes, and
 fails where there is none.
 """
 import json

@@ -87,7 +87,7 @@ BROKEN = (   # a misspelt key, a wrong choice, a missing unit, at every depth
 
 def of_broken_scenes():
     if found := complaints(SCENE):
-        yield f"the scene that is broken below is refused itself: {found}"
+        yield f"the scene that the test breaks is itself an error: {found}"
     for right, wrong in BROKEN:
         if SCENE.count(right) < 1 or not complaints(SCENE.replace(right, wrong, 1)):
             yield f"'{wrong}' in place of '{right}' passes the schema"
@@ -202,7 +202,7 @@ def main(program):
     made = subprocess.run([sys.executable, ROOT / "tools/make_schema.py", "--check", program], capture_output=True, text=True)
     found = [made.stdout + made.stderr] if made.returncode else []
     found += [*of_valid_scenes(), *of_broken_scenes(), *of_source(), *of_other_scenes(program), *of_required_keys(program)]
-    print("\n".join(found) or f"{len(BROKEN)} broken scenes are refused, all valid ones pass, and every key is known")
+    print("\n".join(found) or f"{len(BROKEN)} broken scenes are errors, all valid ones pass, and the schema has every key")
     return 1 if found else 0
 
 

@@ -19,7 +19,7 @@ std::string message(std::function<void()> const& action) {
   } catch (InputError const& e) {
     return e.what();
   }
-  return "nothing was refused";
+  return "no error was reported";
 }
 
 TEST(SeriesFile, CsvWithUnitsAndComments) {

@@ -7,7 +7,7 @@
 namespace straytrace::testing {
 namespace {
 
-// The walls of the first 20 m, before the first ring, taken off every list.
+// The walls of the first 20 m, before the first ring, removed from every list.
 SteeringTables without_near_wall(World const& world, SteeringTables tables, double alpha) {
   SteeringTables changed = tables;
   changed.targets.clear();
