@@ -43,7 +43,7 @@ json ghosts_of(std::string const& scene, Words words) {
   return json::parse(done.out, nullptr, false);
 }
 
-TEST(GhostCommand, bench_is_listed_and_its_energy_balance_close) {
+TEST(GhostCommand, bench_is_listed_and_its_energy_balance_closes) {
   Finished const text = straytrace({"ghosts", bench, "--order", "2"});
   EXPECT_EQ(text.code, 0);
   for (char const* part : {"main > photodiode/sensor·land", "main > pick_off/back·R > pick_off/front·R > ",
