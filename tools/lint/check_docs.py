@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fail for a dead link in the documents, a file or test that documents or messages name and that does not exist, a shape,
-BSDF model or interface without its page, a cited page or equation that is not where the citation says, a test that skips and is not
-told of, or a picture of a tree with uncommitted changes. Usage: check_docs.py [ROOT]"""
+"""Fail for a dead link in the documents; a missing file or test that documents, messages or tests/long.txt name; a shape, BSDF model or
+interface without its page; a missing page or equation that code cites; a test that skips and is not documented; a picture of a tree
+with uncommitted changes. Usage: check_docs.py [ROOT]"""
 import pathlib
 import re
 import struct
@@ -12,6 +12,7 @@ HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 KEY = re.compile(r'static constexpr char const\* key = "([a-z_-]+)";')
 NAMED_FILE = re.compile(r"`((?:\.ci|docs|examples|python|schema|scripts|src|tests|tools)/[\w./-]+)`")
 WITH_TESTS = ("docs/develop/conventions.md", "docs/theory/validation.md")   # pages that name tests, as `Suite.name`
+LONG_TESTS = "tests/long.txt"                            # one name a line
 NAMED_TEST = re.compile(r"`([A-Za-z_]\w*\.[A-Za-z]\w+)`")
 TEST = re.compile(r"^(?:TYPED_)?TEST(?:_[FP])?\((\w+),\s*(\w+)\)", re.MULTILINE)
 PAGES = {"geometry": ("shapes",), "optics": ("scatter", "interfaces")}  # room of src/: folders of docs/reference/
@@ -94,6 +95,10 @@ def missing_tests(root):
                 yield f"{page}: there is no test {name}"
         if not named:
             yield f"{page}: no tests named; is the path right?"
+    listed = root / LONG_TESTS
+    for name in listed.read_text(encoding="utf-8").split("\n") if listed.exists() else ():
+        if re.fullmatch(r"[A-Za-z_]\w*\.\w+", name) and not name.startswith("fuzz.") and name not in known:
+            yield f"{LONG_TESTS}: there is no test {name}"
 
 
 def missing_pages(root):

@@ -213,13 +213,15 @@ class CheckDocs(unittest.TestCase):
         there, wrong = 'char const* t = "see docs/reference/shapes/cap.md";', 'char const* t = "see physics.md eq. 2.6";'
         for file in ("src/a.cpp", "data/page/a.js", "python/a.py"):
             self.expect("", 0, "in order", **{file: there})
-            self.expect("", 1, "told of physics.md", **{file: wrong})
+            self.expect("", 1, "names physics.md", **{file: wrong})
         self.expect("see physics.md", 1, "there is no physics.md")
         self.expect("see cap.md", 0, "in order")
 
     def test_test_that_does_not_exist_fails(self):
         self.expect("", 1, "there is no test Levers.a2", **{"docs/theory/validation.md": "`Levers.a2`\n"})
         self.expect("", 1, "no tests named", **{"docs/theory/validation.md": "words\n"})
+        self.expect("", 0, "in order", **{"tests/long.txt": "# Long\nLevers.a1\nfuzz.mesh\n"})
+        self.expect("", 1, "tests/long.txt: there is no test Levers.a2", **{"tests/long.txt": "# Long\nLevers.a2\n"})
 
     def test_shape_without_page_fails(self):
         self.expect("", 1, "'cone'", **{"src/geometry/shapes/cone.hpp": 'static constexpr char const* key = "cone";'})
