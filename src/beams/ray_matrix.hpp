@@ -25,7 +25,7 @@ AxisMatrix axis_face(double roc, double n_before, double n_after);  // RoC > 0: 
 
 RayMatrix ray_flight(double length, double n = 1);
 RayMatrix ray_face(FaceMap const&);
-// Two axes that know nothing of each other.
+// Two uncoupled axes.
 RayMatrix both_axes(AxisMatrix const& x, AxisMatrix const& y);
 
 // Beam parameter q = z + i z_R over the index of the medium (docs/theory/conventions.md): with the vacuum wavelength it

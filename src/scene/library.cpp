@@ -36,7 +36,7 @@ bool is_named(NodeData const& model, std::string_view section, std::string const
   return e && e->value->find(name);
 }
 
-// A mesh names materials in its own file; a name that is not there is to be reported with all names at hand.
+// A mesh names materials in its own file; an error about a missing name lists all available names.
 bool keeps_materials_and_parts(NodeData const& model) {
   bool keep = false;
   for (char const* place : {"scene", "parts"})

@@ -134,7 +134,7 @@ class TreeReader {
     }
   }
 
-  // The name of a data file as the main file would write it; other text as it stands.
+  // The name of a data file relative to the main file; other text unchanged.
   std::string as_of_main_file(std::string const& text, Place place) const {
     if (!document_ || text.empty()) return text;
     auto const folder = std::filesystem::path(document_->source(place.file).name).parent_path();

@@ -144,7 +144,7 @@ class TreeBuilder : public YAML::EventHandler {
               "remove it; the type of a value follows from its key");
   }
 
-  // Finds how much of the line the text takes; plain text that is not there as it stands was broken over lines.
+  // Finds how much of the line the text takes; plain text that is not found literally was broken over lines.
   void locate_text(NodeData& node, std::string_view rest, bool plain) {
     std::string const quote(1, rest.empty() ? ' ' : rest.front());
     bool const quoted = quote == "\"" || quote == "'";

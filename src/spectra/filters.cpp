@@ -145,7 +145,7 @@ void run(Section const& s, std::vector<double>& x, std::array<double, 2> state) 
   }
 }
 
-// From the state that the first sample, held for ever, would have left.
+// From the steady state of a constant input equal to the first sample.
 void run_settled(std::vector<Section> const& sections, std::vector<double>& x) {
   double held = x.front();
   for (Section const& s : sections) {

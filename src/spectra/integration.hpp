@@ -18,8 +18,8 @@ double integrated_asd(double asd, double hz, int times);
 // both without phase error: 1 % too small at 3.2 c, right above. The mean is taken; beyond its ends the record goes on
 // by odd reflection, and within about 1/c of them the result is uncertain.
 TimeSeries integrated(TimeSeries const&, int times, double corner_hz);
-// An integrated record without its ends: integration knows nothing of what lies before and behind it. What the high
-// pass makes of that falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are left out at both ends.
+// An integrated record without its ends: integration lacks the motion before and after it. The error after the high
+// pass falls as exp(-sqrt(2) pi corner t), to 1.4e-4 in the two periods that are removed at both ends.
 // Throws InputError with fewer than six periods.
 TimeSeries settled(TimeSeries const&, double corner_hz);
 // rms of what the high pass at corner_hz takes from the integrated record and one at half of it leaves: motion, or

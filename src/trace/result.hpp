@@ -28,7 +28,7 @@ struct Moments {
   void close_block();                                   // the sums are those of one whole block
 };
 Moments merged(Moments const& left, Moments const& right);
-// How many of the first blocks are held against the rest (docs/theory/errors.md, halves). The tree of sums knows the
+// Number of the first blocks that are compared with the rest (docs/theory/errors.md, halves). The tree of sums has the
 // sums of its nodes only, so the border lies between two nodes, the nearest to the middle: 1/3 to 2/3 of the blocks,
 // half of them at powers of two. A function of the number of blocks: threads and resuming do not matter.
 std::uint64_t first_part(std::uint64_t blocks);

@@ -25,6 +25,15 @@ WORDS = {
     r"mesh doctor": "mesh checks",
     r"wager(?:s|ed)?": "roulette",
     r"phase levers?|levers? of (?:a|the) (?:route|path|body)": "phase sensitivity",
+    r"told apart": "distinguished",
+    r"held against": "compared with",
+    r"knows? nothing of|do(?:es)? not know of": "ignores, is independent of",
+    r"as it stands": "unchanged",
+    r"for ever": "without end",
+    r"hand(?:s|ed)? over": "passes on",
+    r"at hand": "available",
+    r"asks? nothing of": "does not need",
+    r"is worth only": "has an effective sample size of",
 }
 SELF = ("tools/lint/check_words.py", "tests/tools/tree/test_checks.py")      # they name the words
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs")

@@ -53,7 +53,7 @@ struct FittedPath {
   double ln_false_alarm = 0;  // ln of the chance that noise alone gains as much, anywhere in the ranges
 };
 
-// The fit, as it stands, held against what it has not seen.
+// Test of the fit on the part of the record that it has not used.
 struct OutOfSample {
   double seconds = 0;                         // 0: all of the record was fitted
   double without = 0, with = 0, degrees = 0;  // chi^2 of the target and of target less model

@@ -14,7 +14,7 @@ struct FileBytes {
   std::string why;  // reason for a failure: "there is no such file", "it is not a regular file"; empty: success
 };
 
-// Reads regular files only, opened for reading alone: pipes and devices may block for ever or never end.
+// Reads regular files only, opened for reading alone: pipes and devices may block or never end.
 constexpr std::size_t any_size = std::size_t(-1);
 FileBytes bytes_of_file(std::filesystem::path const&, std::size_t limit = any_size);
 

@@ -62,7 +62,7 @@ class StrengthSample {
   std::vector<Stratum> strata_;
 };
 
-// Some paths' own spectra, held against those that they share with others.
+// Separate spectra of some paths, compared with the spectra that they share with others.
 
 // What was found on one path.
 struct SpotCheck {

@@ -24,7 +24,7 @@ struct ScanPoint {
   std::vector<std::string> warnings;    // of its noise
 };
 
-// The line that a total is held against.
+// The line that a total is compared with.
 struct Requirement {
   std::optional<double> margin;  // of the model where not given
   std::string against;           // design curve by name or file; of the model where empty

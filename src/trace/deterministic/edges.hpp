@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Diffraction at rims between the mirrors of a cavity: light scattered at a small angle by one mirror, cut off by a
-// rim, rejoins the mode at the other (docs/theory/diffraction.md, eq. 8.11 to 8.14). The walk knows nothing of it: it
-// follows light that a surface absorbs, reflects or scatters, while this is the wave that a rim sends out because the
-// light beside it is missing, whatever the baffle is made of.
+// rim, rejoins the mode at the other (docs/theory/diffraction.md, eq. 8.11 to 8.14). The walk does not include it: it
+// follows light that a surface absorbs, reflects or scatters, while this is the wave that an edge emits because the
+// baffle blocks light, whatever its material.
 #pragma once
 
 #include <complex>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many histories in flight, each depth first. Their rays are searched together, so that one waits for memory while
-// others go on. What they score is kept apart and handed over in the order of their numbers: sums do not depend on who
-// was first, nor on how many fly (docs/develop/architecture.md).
+// others continue. Scores are stored per history and passed on in the order of their numbers, so sums depend neither
+// on the first to end nor on the number in flight (docs/develop/architecture.md).
 #pragma once
 
 #include <vector>

@@ -13,7 +13,7 @@ constexpr std::uint32_t most_copies = 16;
 
 // What a path is kept at: power x adjoint at its first vertex, so that routes through a rare first target are followed
 // with the effort that the target was given; a scattered path that nothing aimed at has to be worth an average one. The
-// level knows nothing of free beams: their first vertex sets its own.
+// level excludes free beams: their first vertex sets its own.
 STRAY_HD double level_of(WorldView const& world, PathState const& path, double adjoint) {
   bool const astray = !path.coherent && (path.hop.off_list || !path.hop.aimed);
   return astray ? world.steering.level : path.power * adjoint;

@@ -204,7 +204,7 @@ class Tree {
   }
 
   static bool beyond_critical(Vertex const& v) { return v.n_in * v.n_in * (1 - v.wi.z * v.wi.z) >= v.n_out * v.n_out; }
-  // A coating of stated shares knows nothing of the critical angle: what cannot pass is reflected.
+  // A coating of stated shares has no critical angle: light that cannot pass is reflected.
   static void turn_back(std::array<Way, 2>& both) {
     double const all = both[0].power + both[1].power;
     if (both[0].power > 0)

@@ -25,7 +25,7 @@ struct Ghost {
   std::span<BeamStep const> way;  // all surfaces before the end; valid during the call
 };
 
-// Grows the tree and hands over each beam that has ended; order 0 is the main beam.
+// Grows the tree and passes on each beam that has ended; order 0 is the main beam.
 BeamEnergyBalance find_ghosts(World const&, BeamLaunch const&, TreeLimits const&, MainBeam const&,
                               std::function<void(Ghost const&)> const& each);
 

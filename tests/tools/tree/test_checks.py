@@ -69,12 +69,14 @@ class CheckWords(unittest.TestCase):
 
     def test_words_of_the_field_pass(self):
         self.expect({"README.md": "Light is emended and ammended; the twinkle of a handover, acknowledged.\n"}, 0, "1 texts use")
+        self.expect({"docs/a.md": "Light is handed to the overlay; a beforehand known, forever held factor.\n"}, 0, "1 texts use")
         self.expect({"docs/a.md": "`the verdict` and `twin`\n", "tests/fuzz/corpus/a": "twin"}, 0, "1 texts use")
         self.expect({"docs/a.md": "a theory\n", "src/a.cpp": "int between, bookshelf;  // or come by way of a mirror\n"}, 0, "2 texts use")
 
     def test_private_words_fail(self):
         for words in ("broken twin", "Twins:", "in the books", "no fate", "the verdict", "knocks", "stands beside", "rim of a baffle",
-                      "goes on with", "hand-over angle", "dump me first", "lights nothing", "comes by", "to mend", "mesh doctor"):
+                      "goes on with", "hand-over angle", "dump me first", "lights nothing", "comes by", "to mend", "mesh doctor", "told apart",
+                      "held against", "knows nothing of", "does not know of", "as it stands", "for ever", "hands over", "at hand"):
             for name, text in (("src/a/b.hpp", "// A {} here\n"), ("docs/a.md", "A {} here.\n"), ("schema/words.yaml", "a: '{}'\n"),
                                ("scripts/a", "# {}\n"), ("python/a.py", '"""A {}."""\n')):
                 with self.subTest(words, name=name):
