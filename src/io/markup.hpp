@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Text and bytes as HTML and XML take them.
+// Text and bytes in HTML and XML.
 #pragma once
 
 #include <cstddef>

@@ -121,7 +121,7 @@ void add_own(OwnMotion motion, AxisMotion& into) {
     same->spectrum = same->spectrum + motion.spectrum;
 }
 
-// Remembers where a file ends, unless the scene says that there is nothing beyond.
+// Records where a file ends, unless the scene states `beyond: zero`.
 void note_file(Node const& spec, std::string_view kind, int axis, Band known, double psd_low, AxisMotion& into) {
   constexpr std::array<std::string_view, 1> only = {"zero"};
   if (spec.has("beyond") && !spec.choice("beyond", only).empty()) return;
@@ -278,7 +278,7 @@ void read_axis(Node const& node, int axis, double uncertainty, AxisMotion& into)
 
 std::array<bool, 6> add_suspended(Node const& suspended, std::array<AxisMotion, 6>& axes) {
   std::array<bool, 6> stated{};
-  constexpr std::array<bool, 6> translations = {true, true, true};  // which is meant cannot be told
+  constexpr std::array<bool, 6> translations = {true, true, true};  // the intended ones are unknown
   if (suspended.kind() != Node::Kind::table) {
     suspended.problem("'suspended' is a table",
                       "write {from: ground, vertical: y, stages: [{frequency: 0.6 Hz, quality: 10}]}");

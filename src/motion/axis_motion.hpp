@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is written about one coordinate of a body: `z: {asd: tube.txt, columns: [Hz, m/sqrt(Hz)]}`.
+// Motion of one coordinate of a body: `z: {asd: tube.txt, columns: [Hz, m/sqrt(Hz)]}`.
 #pragma once
 
 #include <array>
@@ -21,16 +21,17 @@ struct Tone {
   double uncertainty = 1;          // factor, one standard deviation
 };
 
-// Motion of its own, as well known as `uncertainty` says, seen through what stands between it and the body.
+// Motion from a source of its own, seen through the chain between the source and the body.
 struct OwnMotion {
   Spectrum spectrum;  // Gaussian, m^2/Hz or rad^2/Hz
   double uncertainty = 1;
   Transfer through = {};
   std::shared_ptr<TimeSeries const> recorded = {};  // m or rad
-  double scale = 1;                                 // of what is recorded; in the spectrum of what is not
+  double scale = 1;                                 // of the record; without a record the spectrum contains it
 };
 
-// Another coordinate: the same statistics but independent, or the very same motion, at the end of a chain.
+// Reference to another coordinate, seen through a chain: an independent copy with the same statistics, or the same
+// motion.
 struct AxisReference {
   std::string body;  // none: the same one
   int axis;
@@ -43,18 +44,18 @@ struct AxisReference {
 // Independent contributions that add.
 struct AxisMotion {
   std::vector<OwnMotion> own;
-  std::vector<Band> bands;  // Hz, of all that was added to `own`
+  std::vector<Band> bands;  // Hz, of each contribution to `own`
   std::vector<Tone> tones;
   std::vector<AxisReference> references;
   std::vector<JointMotion> joint;
-  std::vector<MotionFile> files;  // all that is in `own` and `joint` and ends where a file ends
+  std::vector<MotionFile> files;  // contributions to `own` and `joint` that end where a file ends
   double drift = 0;               // m/s or rad/s
 };
 
 constexpr std::string_view axis_names[6] = {"x", "y", "z", "rx", "ry", "rz"};
 constexpr bool is_rotation(int axis) { return axis >= 3; }
 
-// Whether a key belongs to one coordinate: asd, series, power-law ...
+// Whether a key selects a kind of motion of one coordinate: asd, series, power-law ...
 bool says_how_one_moves(std::string_view key);
 
 // Adds one specification or a list of them; `uncertainty` where it states none. Problems go to the document.
@@ -62,9 +63,10 @@ void read_axis(Node const&, int axis, double uncertainty, AxisMotion& into);
 
 // Bodies that hang: `suspended: {from: ground, vertical: y, stages: [...], vertical_stages: [...]}`.
 
-// Adds to the coordinates of a body what comes down its suspension: the two horizontal ones through `stages`, the one
+// Adds to the coordinates of a body the motion through its suspension: the two horizontal ones through `stages`, the
+// one
 // named by `vertical` through `vertical_stages` if there are any; rotations of the support are not passed on. Returns
-// which coordinates are stated by it.
+// the coordinates that it covers.
 std::array<bool, 6> add_suspended(Node const& suspended, std::array<AxisMotion, 6>& axes);
 
 }  // namespace straytrace

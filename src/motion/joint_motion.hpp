@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies that move together as measured: a matrix of cross spectra.
+// Bodies with correlated motion: a measured matrix of cross spectra.
 #pragma once
 
 #include <complex>
@@ -15,7 +15,7 @@ namespace straytrace {
 // One coordinate as a sum over independent inputs of PSD 1/Hz, which all members of the matrix share.
 struct JointMotion {
   std::string matrix;         // file, form and units: members of one matrix share their inputs
-  std::vector<Transfer> row;  // m sqrt(Hz) or rad sqrt(Hz), one for each input; none: does not come from it
+  std::vector<Transfer> row;  // m sqrt(Hz) or rad sqrt(Hz), one for each input; null: no contribution
   Spectrum unit;              // 1/Hz between the first and the last frequency of the matrix
   double scale = 1;
   Transfer through = {};
@@ -29,12 +29,12 @@ struct JointMotion {
 //   matrix     all elements row by row: re, im
 //   cross      the upper triangle row by row: S_11, re S_12, im S_12, ..., S_22, ...
 //   coherence  all S_ii, then for each pair i < j its coherence |S_ij|^2/(S_ii S_jj) and the phase of S_ij in degrees
-// Nothing and a problem when the file does not fit or a matrix is not positive semidefinite.
+// Empty and a problem when the file does not fit or a matrix is not positive semidefinite.
 std::optional<JointMotion> read_joint(Node const& spec, bool rotation);
 
 using ComplexMatrix = std::vector<std::vector<std::complex<double>>>;
-// Lower triangle L with C = L L^+, row by row; columns of zeros where C is singular. Nothing when C is not positive
-// semidefinite: pivots down to -1e-6 of the diagonal are taken for rounding of printed numbers.
+// Lower triangle L with C = L L^+, row by row; columns of zeros where C is singular. Empty when C is not positive
+// semidefinite; pivots down to -1e-6 of the diagonal count as rounding of printed numbers.
 std::optional<ComplexMatrix> cholesky(ComplexMatrix const& c);
 
 }  // namespace straytrace

@@ -27,7 +27,7 @@ void share_transfers(std::vector<Gain>& gains) {
       if (before->transfer && *before->transfer == *gain->transfer) gain->transfer = before->transfer;
 }
 
-// Once for a body with all its modes, and not where its name is misspelt, which is told at that name.
+// Once for a body with all its modes; a misspelt name is reported where it is written.
 void report_missing(Node const& table, std::string const& name, std::vector<std::string> const* of_run) {
   auto const stroke = name.find('/');
   if (stroke != std::string::npos) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How bodies shake: independent inputs (ground axes, own noise of each body, tones) times gains per body and
-// coordinate, so that correlation between bodies cannot be forgotten (docs/develop/architecture.md).
+// Motion of bodies: independent inputs (ground axes, own noise of each body, tones) times gains per body and
+// coordinate, so that correlations between bodies are always included (docs/develop/architecture.md).
 #pragma once
 
 #include <complex>
@@ -25,7 +25,7 @@ struct Gain {
   BodyId body;
   int axis = 0;
   std::complex<double> value{1, 0};
-  std::shared_ptr<TransferFunction const> transfer = {};  // times `value`; none: 1. Tones have it in their value
+  std::shared_ptr<TransferFunction const> transfer = {};  // times `value`; null: 1. For tones `value` includes it
 };
 
 // One independent source of motion: a one-sided displacement spectrum, stationary and Gaussian; a tone; or a drift.
@@ -37,7 +37,7 @@ struct MotionInput {
   bool drift = false;                               // constant velocity of 1 m/s (1 rad/s), gains carry the velocities
   std::shared_ptr<TimeSeries const> recorded = {};  // m or rad: measured; `spectrum` is then its averaged periodogram
   // One standard deviation of the ASD (of the amplitudes of a tone) as a factor >= 1: it lies between 1/uncertainty and
-  // uncertainty times what is stated.
+  // uncertainty times the stated value.
   double uncertainty = 1;
 };
 
@@ -53,10 +53,11 @@ class MotionSet {
   double sensitivity(std::size_t i, std::span<PhaseSensitivity const> phase_sensitivities, double hz) const;
 };
 
-// Reads the table `bodies` of a scene. Every body that light can meet must have a motion ("still" is a statement, not a
+// Reads the table `bodies` of a scene. Every body that light can reach must have a motion ("still" is a statement, not
+// a
 // default). Problems go to the document. `bodies`: names in the order of BodyId; `placed`: whether surfaces belong to
-// each (empty: to all). What has none and carries nothing that has is a warning; what is not among `bodies` of a
-// `traced` run and carries none of them is a problem, since there are no phase sensitivities for it.
+// each (empty: to all). A body without surfaces that carries no body with surfaces is a warning. A body outside
+// `bodies` of a `traced` run that carries none of them is a problem, since it has no phase sensitivities.
 MotionSet read_motion(Node const& bodies_table, std::vector<std::string> const& bodies, bool traced = false,
                       std::vector<bool> const& placed = {});
 

@@ -183,7 +183,7 @@ struct Scale {
   Transfer response = {};
 };
 
-// Nothing when a problem was told.
+// Empty after a problem.
 std::optional<Scale> read_scale(Node const& node) {
   if (!node) return Scale{};
   if (node.kind() != Node::Kind::table) {

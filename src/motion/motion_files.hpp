@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of measured motion, and where they end: beyond, a body is taken as still.
+// Files of measured motion, and the warnings about their ends: outside its range a file gives no motion.
 #pragma once
 
 #include <optional>
@@ -14,38 +14,38 @@
 
 namespace straytrace {
 
-// One coordinate whose motion comes from a file that does not say `beyond: zero`.
+// One coordinate whose motion comes from a file without `beyond: zero`.
 struct MotionFile {
   std::string name, coordinate;  // as written; "tube z"
   Band known;                    // Hz, of the file
-  Band covered;                  // Hz, with what else moves the coordinate, as far as it goes without a hole
+  Band covered;                  // Hz, extended by other motion of the coordinate without a gap
   double asd_low = 0;            // m/sqrt(Hz) of the coordinate at known.low; 0 for rotations
   Place place = {};
 };
 
-// `a` made wider by all bands that meet it, directly or by way of others.
+// `a` extended by all bands that touch it, directly or through others.
 Band joined(Band a, std::span<Band const> others);
 
-// Highest frequency that fringes of one reflection would reach by the motion below f_0 = known.low, if that went on as
+// Highest frequency that fringes of one reflection would reach by the motion below f_0 = known.low, extrapolated as
 // f^-2 down to 0.1 Hz: 4 times the rms fringe frequency 2 v/lambda (docs/theory/spectra.md, eq. 7.8), with
 // v^2 = (2 pi)^2 asd_low^2 f_0^4 (1/0.1 Hz - 1/f_0). Hz; 0 for files that begin at 0.1 Hz or below.
 double reach_of_missing(MotionFile const&, double wavelength_m);
 
-// One warning for each file that does not hold the band of the noise, or begins so high that the motion below it,
-// which is taken as zero, may decide how fringes wrap in that band.
+// One warning for each file that does not cover the band of the noise, or begins so high that the missing motion below
+// it may change how fringes wrap in that band.
 std::vector<Problem> warnings_of_gaps(std::span<MotionFile const>, Band noise, double wavelength_m);
 
 // Measured motion spectra in text files.
 
 // {asd: FILE, columns: [Hz, m/sqrt(Hz)], use: [1, 3]}: two columns of text as a displacement PSD [m^2/Hz], or an angle
 // PSD [rad^2/Hz] for rotations. The units are those of the two columns, or of all columns of the file when `use` picks
-// two of them; ASD or PSD of displacement, velocity or acceleration is told from the unit, that of a reading of a
-// sensor with `calibration` (calibration.hpp).
+// two of them; The unit decides between ASD and PSD and between displacement, velocity and acceleration; readings of a
+// sensor need `calibration`.
 Spectrum read_spectrum_file(Node const& spec, bool rotation);
 
 // From the numbers of a sensor to displacement or angle.
 
-// x = factor value / (-2 pi i f)^derivatives, and through `response` where the sensor is not flat.
+// x = factor value / (-2 pi i f)^derivatives, and through `response` where the response of the sensor is not flat.
 struct Calibration {
   double factor = 1;    // SI; of the ASD
   bool is_psd = false;  // the value is a power density: sqrt first
@@ -53,11 +53,12 @@ struct Calibration {
   Transfer response;
 };
 
-// What a number in this unit, `written` so in the scene or the file, is: `of_density`: the unit is that of a spectrum
+// Calibration of a number in this unit, `written` so in the scene or the file. `of_density`: the unit is that of a
+// spectrum
 // (m/sqrt(Hz), m^2/Hz, count/sqrt(Hz)), otherwise of samples (m, m/s, count, V). `spec` may hold `calibration: 6.1
 // um/s^2/count`, or a table with that as `unit` beside a transfer function: {unit: um/s^2/count, file: sensor.txt,
-// columns: [Hz, re, im]}. Nothing, and a problem at `unit_at`, when it is neither displacement, velocity nor
-// acceleration then (of an angle for rotations).
+// columns: [Hz, re, im]}. Empty, and a problem at `unit_at`, when the result is neither displacement, velocity nor
+// acceleration (of an angle for rotations).
 std::optional<Calibration> read_calibration(Node const& spec, Quantity const& unit, std::string const& written,
                                             bool of_density, bool rotation, Node const& unit_at);
 

@@ -46,16 +46,16 @@ void MotionReader::finish(std::vector<std::string> const* of_run) {
     else
       body.node.warning(fmt::format("body '{}' moves, but no part belongs to it", name),
                         "write 'body: " + name + "' at a part, or remove it");
-    resolve(name);  // its own mistakes are told as well
+    resolve(name);  // reports its own mistakes too
   }
 }
 
 namespace {
 
-// What says how one coordinate moves, written where coordinates are named.
+// Reports keys of one coordinate that are written where coordinates are named.
 bool report_misplaced(Node const& motion) {
   bool any = false;
-  for (NodeData::Entry const& e : motion.data()->entries) {  // keys that are not asked for stay unknown
+  for (NodeData::Entry const& e : motion.data()->entries) {  // keys without a reader remain unknown
     std::string const& key = e.key;
     if (!says_how_one_moves(key)) continue;
     motion[key].problem(fmt::format("'{}' says how one coordinate moves, and does not name it", key),
@@ -133,7 +133,7 @@ void MotionReader::read_mode(std::string const& name, Body& body) {
   body.axes = std::move(draft.axes);
 }
 
-// What moves a coordinate beside a file may go on where the file ends.
+// Other motion of a coordinate may continue where a file ends.
 void MotionReader::note_files(Draft const& draft, Axes const& axes, bool is_mode) {
   for (int axis = 0; axis < 6; ++axis)
     for (MotionFile file : draft.written[axis].files) {
@@ -255,7 +255,7 @@ std::size_t MotionReader::gaussian(std::string name, OwnMotion const& own) {
   return inputs.size() - 1;
 }
 
-// Tones of one frequency are one input: their stated phases count. The least known of them says how well it is known.
+// Tones of one frequency are one input, because their phases are stated. Its uncertainty is the largest of theirs.
 std::size_t MotionReader::tone(Tone const& t) {
   auto same =
       std::find_if(inputs.begin(), inputs.end(), [&](MotionInput const& i) { return i.tone_frequency == t.frequency; });

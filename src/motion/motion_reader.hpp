@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table `bodies`: who moves how, and who moves with whom.
+// Reader of the table `bodies`: the motion of each body and the references between bodies.
 #pragma once
 
 #include <array>
@@ -26,10 +26,10 @@ class MotionReader {
   explicit MotionReader(Node const& table);
 
   bool knows(std::string const& name) const { return bodies_.contains(name); }
-  // Motion of a body in terms of the inputs; resolves the bodies that it refers to.
+  // Motion of a body in terms of the inputs; resolves the bodies it refers to.
   Axes const& resolve(std::string const& name);
-  void use(std::string const& name) { bodies_.at(name).used = true; }  // light meets it, or it carries another one
-  // Tells what is not used; `of_run`: the bodies of a traced run, or null.
+  void use(std::string const& name) { bodies_.at(name).used = true; }  // light reaches it, or it carries another body
+  // Reports unused bodies; `of_run`: the bodies of a traced run, or null.
   void finish(std::vector<std::string> const* of_run);
   std::vector<MotionInput> inputs;
   std::vector<MotionFile> files;
@@ -43,7 +43,7 @@ class MotionReader {
     Axes axes = {};
     bool used = false;
   };
-  // One body while its coordinates are worked out: they may refer to each other.
+  // One body while its coordinates are resolved: they may refer to each other.
   struct Draft {
     std::string const& name;
     std::array<AxisMotion, 6> written;

@@ -70,7 +70,7 @@ Spectrum as_steps(std::vector<double> const& density, double spacing, std::size_
   return Spectrum(std::move(hz), std::move(psd));
 }
 
-// Nothing and a problem when the record cannot give what is asked for.
+// Empty and a problem when the record is too short for it.
 std::optional<double> read_segment(Node const& spec, double duration, double highpass) {
   double const usual =
                    std::min(duration, std::max(std::min(duration / 8, longest_segment), 2 * lines_below / highpass)),
@@ -100,7 +100,7 @@ std::string in_words_of_scene(std::string text, std::string const& file) {
   return text;
 }
 
-// What reading a record complains about, told where it stands: "line 7: ..." in the file itself.
+// Reports an error of reading a record at its place: "line 7: ..." in the file itself.
 void pass_on(InputError const& e, Node const& file, Node const& otherwise_at) {
   std::string const& name = file.text();
   std::string const what = in_words_of_scene(e.reason(), name),

@@ -17,18 +17,18 @@ struct RecordedMotion {
 };
 
 // {series: FILE, channel: NAME, unit: m/s^2, calibration: ..., highpass: 0.05 Hz, segment: 60 s, span: GPS..GPS}.
-// Problems go to the document; nothing then.
+// Empty after a problem, which goes to the document.
 std::optional<RecordedMotion> read_recorded(Node const& spec, bool rotation);
 
-// The whole record as displacement: a series in the unit that the calibration is for, a straight line taken off where
-// there is anything to filter, divided by (2 pi i f)^derivatives, times the response of the calibration and
-// (f/highpass)^4/(1 + (f/highpass)^4), which turns no phase. Beyond both ends it is continued by odd reflection that
-// fades out, so what is nearer to them than 1/highpass is less certain. highpass 0: none.
+// The whole record as displacement: the series in the unit of the calibration, less a straight line if it is filtered,
+// divided by (2 pi i f)^derivatives, times the response of the calibration and
+// (f/highpass)^4/(1 + (f/highpass)^4), which has no phase. Odd reflection that fades out continues it beyond both ends,
+// so samples within 1/highpass of them are less certain. highpass 0: none.
 TimeSeries as_displacement(TimeSeries const& readings, Calibration const&, double highpass_hz);
 
-// Averaged periodogram of the readings (Welch, Hann, half overlapping, straight lines taken off), turned into
-// displacement line by line: each line is a step as wide as the spacing, so that powers are kept; higher up lines are
-// joined until a step is a thousandth of its frequency.
+// Averaged periodogram of the readings (Welch, Hann, half overlapping, straight lines removed), converted to
+// displacement line by line. Each line is a step as wide as the spacing, which conserves power; at high frequencies
+// lines are joined into steps of a thousandth of their frequency.
 Spectrum displacement_spectrum(TimeSeries const& readings, Calibration const&, double highpass_hz, double segment_s);
 
 }  // namespace straytrace

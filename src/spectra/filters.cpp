@@ -35,7 +35,7 @@ std::vector<double> low_pass(double edge, double width) {
   return taps;
 }
 
-// Beyond its ends the record goes on by odd reflection: value and slope have no step.
+// Odd reflection continues the record beyond its ends without a step of value or slope.
 double reflected(std::vector<double> const& x, std::ptrdiff_t i) {
   auto const last = std::ptrdiff_t(x.size()) - 1;
   if (i < 0) return 2 * x.front() - x[std::size_t(std::min(-i, last))];

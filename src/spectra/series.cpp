@@ -159,7 +159,7 @@ std::vector<double> interpolated(TimeSeries const& series, double first, double 
   std::vector<double> values(count);
   for (std::size_t i = 0; i < count; ++i) {
     double const place = begin + step * double(i), near = std::round(place);
-    // GPS times are good to 0.2 us: what is that close to a sample is meant to be it.
+    // GPS times have a resolution of 0.2 us: times that close to a sample mean the sample.
     bool const on = std::fabs(place - near) < 1e-6 + 2.5e-7 * series.rate;
     values[i] = on ? sample(series.samples, std::ptrdiff_t(near)) : between(series, place);
   }

@@ -18,13 +18,13 @@ enum class GroundModel { low, high, typical };
 Spectrum peterson(GroundModel, double from_hz, double to_hz);
 double peterson_asd(GroundModel, double hz);  // m/sqrt(Hz)
 
-// PSD times a function of frequency, on knots set until straight lines in log-log miss it by less than 1e-5 half way
-// between them, or 1e-12 of `scale`, what it is small beside, if that is given. `features`: frequencies
-// [Hz] near which it has peaks or bends, between the knots of the spectrum.
+// PSD times a function of frequency. Adds knots until straight lines in log-log deviate by less than 1e-5 half way
+// between them, or by 1e-12 of `scale`, a larger reference, if given. `features`: frequencies [Hz] of peaks and bends
+// between the knots of the spectrum.
 Spectrum filtered(Spectrum const&, std::function<double(double)> const& factor, std::span<double const> features,
                   std::function<double(double)> const& scale = {});
 
-// |T|^2 of a mode of a tube, baffle or mount on top of what carries it, docs/theory/environment.md, eq. 11.2.
+// |T|^2 of a mode of a tube, baffle or mount on its carrier, docs/theory/environment.md, eq. 11.2.
 double transmissibility(double hz, double resonance_hz, double quality);
 Spectrum through_resonance(Spectrum const&, double resonance_hz, double quality);
 

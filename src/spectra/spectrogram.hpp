@@ -17,7 +17,7 @@ struct Spectrogram {
   double at(std::size_t stride, std::size_t line) const { return value[stride * hz.size() + line]; }
 };
 
-// One-sided ASD of each stride by welch() within it; strides follow each other without overlap, the rest is left out.
+// One-sided ASD of each stride by welch() within it; strides do not overlap, and the remainder is dropped.
 // Throws InputError for strides shorter than a segment or longer than the record.
 Spectrogram spectrogram(TimeSeries const&, double stride_s, WelchSettings const&);
 // Each line divided by its median over time: 1 is the usual level.
@@ -32,7 +32,7 @@ struct QSettings {
   double mismatch = 0.2;      // largest loss of energy between neighbouring rows
   std::size_t columns = 500;  // cells in time; fewer where no tile is that short
 };
-// Of a record that is white already. Throws InputError for a band outside the record's, or too short a record.
+// Of a whitened record. Throws InputError for a band outside the record's or for a record that is too short.
 Spectrogram q_transform(TimeSeries const& white, QSettings const&);
 
 }  // namespace straytrace

@@ -24,7 +24,7 @@ class Spectrum {
   // Integral of (2 pi f)^2 S over [0, high_hz]: variance of the rate, (x/s)^2.
   double rate_power(double high_hz) const;
   Spectrum scaled(double factor) const;  // PSD times factor
-  // PSD times a smooth function of frequency, which is resolved by the knots there are and by `extra` ones [Hz].
+  // PSD times a smooth function of frequency, resolved by the existing knots and by `extra` ones [Hz].
   Spectrum multiplied(std::function<double(double)> const& factor, std::span<double const> extra) const;
   std::vector<double> hz() const;   // all knots, increasing
   std::vector<double> psd() const;  // at these knots
@@ -43,7 +43,7 @@ class Spectrum {
 // Equal up to a factor: normalised PSDs agree within 1e-6 at all knots of both. Only for spectra of non-zero power.
 bool same_shape(Spectrum const&, Spectrum const&);
 
-// Where responses are asked for, Hz.
+// Band of frequencies, Hz.
 struct Band {
   double low = 10, high = 100;
   double clamped(double hz) const { return hz < low ? low : hz > high ? high : hz; }

@@ -14,7 +14,7 @@ namespace straytrace {
 namespace {
 
 using C = std::complex<double>;
-constexpr double edge = 1e-9;  // relative: rounding of a printed frequency is no reason to refuse
+constexpr double edge = 1e-9;  // relative: allows for the rounding of printed frequencies
 
 bool covers(std::vector<double> const& samples, double hz) {
   return hz >= samples.front() * (1 - edge) && hz <= samples.back() * (1 + edge);

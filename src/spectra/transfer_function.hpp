@@ -19,15 +19,15 @@ class TransferFunction {
  public:
   TransferFunction() = default;  // zero
   // `gain` at f = 0; zeros and poles in Hz, positive: stable. A zero or pole at 0 is a factor f / (1 Hz), turned by
-  // -90 degrees: there `gain` is that of the rest.
+  // -90 degrees: then `gain` is that of the other factors.
   TransferFunction(std::vector<double> zeros, std::vector<double> poles, double gain)
       : zeros_(std::move(zeros)), poles_(std::move(poles)), gain_(gain) {}
-  // Samples at rising frequencies. Between them the logarithm of the modulus and the phase, unwrapped, run straight
-  // over log f; beyond them is an error, with `name`.
+  // Samples at rising frequencies. Between them the logarithm of the modulus and the phase, unwrapped, are linear in
+  // log f; frequencies outside are an error that names `name`.
   TransferFunction(std::string name, std::vector<double> hz, std::vector<std::complex<double>> values);
-  // From the motion of the support to that of a mass on a spring, x = f / hz: damped against what does not move,
-  // 1/(1 - x^2 - i x/Q), or against the support, (1 - i x/Q)/(1 - x^2 - i x/Q) (docs/theory/environment.md, eq. 11.2),
-  // or to what the latter moves relative to the support, x^2/(1 - x^2 - i x/Q).
+  // From the motion of the support to that of a mass on a spring, x = f / hz: damped against inertial space, 1/(1 - x^2
+  // - i x/Q), or against the support, (1 - i x/Q)/(1 - x^2 - i x/Q) (docs/theory/environment.md, eq. 11.2),
+  // or to its motion relative to the support, x^2/(1 - x^2 - i x/Q).
   enum class Response : std::uint8_t { inertial, support, relative };
   static TransferFunction oscillator(double hz, double quality, Response);
   static TransferFunction product(TransferFunction const&, TransferFunction const&);
@@ -35,7 +35,7 @@ class TransferFunction {
   std::complex<double> operator()(double hz) const;
   bool operator==(TransferFunction const&) const = default;
   TransferFunction holding_ends() const;  // tables keep their first and last value beyond their ends
-  Band range() const;                     // Hz, where it is known: 0 to infinity without tables
+  Band range() const;                     // Hz, range of validity: 0 to infinity without tables
   std::vector<double> features() const;   // frequencies where it bends, Hz, not sorted; samples of tables
 
  private:
@@ -60,14 +60,14 @@ class TransferFunction {
   std::vector<Table> tables_;
 };
 
-// What is left of a disturbance inside a loop with open-loop gain G: 1/(1 + G).
+// Suppression of a disturbance inside a loop with open-loop gain G: 1/(1 + G).
 inline std::complex<double> suppression(std::complex<double> open_loop_gain) { return 1.0 / (1.0 + open_loop_gain); }
 
 // {gain: 100, zeros: [10 Hz], poles: [..]} or {file: FILE, columns: [Hz, re, im]}. Columns may also be [Hz, dB, deg];
-// files hold phases for exp(+2 pi i f t), as instruments and FINESSE give them, and must cover the band, if one is
+// files hold phases for exp(+2 pi i f t), the convention of instruments and FINESSE, and must cover the band, if one is
 // given.
 TransferFunction read_transfer_function(Node const&, std::optional<Band> const&);
-// Whether `columns` of the table says decibels and degrees.
+// Whether `columns` of the table names decibels and degrees.
 bool read_columns_are_decibels(Node const& table);
 TransferFunction read_response_file(Node const& file, bool decibels, std::optional<Band> const&);
 

@@ -14,7 +14,7 @@
 namespace straytrace {
 
 enum class Average : std::uint8_t { mean, median };
-enum class Detrend : std::uint8_t { none, constant, linear };  // what is taken from each segment
+enum class Detrend : std::uint8_t { none, constant, linear };  // removed from each segment
 
 struct WelchSettings {
   std::size_t segment = 0;  // samples; the frequencies are multiples of sample rate/segment
@@ -22,8 +22,8 @@ struct WelchSettings {
   Window window = Window::hann;
   double window_parameter = 0;  // of Tukey and Kaiser windows
   Detrend detrend = Detrend::constant;
-  // The median ignores single loud segments; its bias for Gaussian noise is taken out, but it stays too high for
-  // deterministic lines by up to 1/ln 2, and never sees what lasts less than half of the record.
+  // The median ignores single loud segments; its bias for Gaussian noise is removed, but it is too high for
+  // deterministic lines by up to 1/ln 2 and misses signals that last less than half of the record.
   Average average = Average::mean;
 };
 
@@ -33,9 +33,9 @@ struct WelchSpectrum {
   std::vector<double> sigma;      // one standard error for Gaussian noise that is flat across the window; x^2/Hz
   std::size_t segments = 0;       // averaged
   double effective_averages = 0;  // independent ones: overlapping segments share samples, and a median uses less
-  double noise_bandwidth = 0;     // ENBW, Hz: a line of amplitude a stands at a^2/(2 ENBW)
+  double noise_bandwidth = 0;     // ENBW, Hz: a line of amplitude a has the PSD a^2/(2 ENBW)
 
-  // Whether the line stands alone, without a negative frequency beside it: half the degrees of freedom.
+  // Whether the line has no counterpart at a negative frequency: half the degrees of freedom.
   bool is_real_line(std::size_t k) const { return k == 0 || (even && k + 1 == hz.size()); }
   bool even = true;  // samples of a segment
 };
@@ -58,9 +58,9 @@ double median_bias(std::size_t n);
 struct BandPower {
   double power = 0, sigma = 0;  // integral of the PSD over the band, x^2; one standard error for Gaussian noise
 };
-// Each line stands for half a step on either side; the lines at 0 and at half the rate for their one side, with all
+// Each line represents half a step on either side; the lines at 0 and at half the rate represent one side, with all
 // their power: over the whole band this is the sum of the lines, the mean square of the windowed record (Parseval).
-// `settings`: with which the spectrum was made; neighbouring lines share what the window spreads.
+// `settings`: those of the spectrum; the window correlates neighbouring lines.
 BandPower band_power(WelchSpectrum const&, WelchSettings const& settings, double low_hz, double high_hz);
 
 // rms of the band-passed record in strides of `stride_s`; time at their middle. One sigma for Gaussian noise that is
@@ -71,7 +71,7 @@ struct RmsTrend {
 RmsTrend rms_trend(TimeSeries const&, double low_hz, double high_hz, double stride_s);
 double rms(std::span<double const> samples);  // about zero
 
-// Windowed transforms of overlapping segments: what all averaged spectra are made of. Inside the room.
+// Windowed transforms of overlapping segments, from which all averaged spectra are made.
 
 class Segments {
  public:
@@ -102,7 +102,7 @@ class Segments {
 // Cross spectra, coherence and transfer functions of two records (Bendat and Piersol, Random Data; R6.05).
 
 // One-sided averages over segments of an input x and an output y. Phases are those of instruments, exp(+2 pi i f t):
-// an output that comes tau later has cross = x^2 exp(-2 pi i f tau) (scipy.signal.csd(x, y)).
+// an output with a delay of tau has cross = x^2 exp(-2 pi i f tau) (scipy.signal.csd(x, y)).
 struct CrossSpectra {
   std::vector<double> hz;
   std::vector<double> input, output;        // S_xx, x^2/Hz; S_yy, y^2/Hz
@@ -112,11 +112,11 @@ struct CrossSpectra {
   double noise_bandwidth = 0;     // ENBW, Hz
 };
 
-// Mean over the segments; settings.average must be the mean, since a median of complex numbers is no estimate of their
+// Mean over the segments; settings.average must be the mean, since a median of complex numbers does not estimate their
 // mean. Throws InputError as welch() does, and when the records differ in length.
 CrossSpectra cross_spectra(std::span<double const> x, std::span<double const> y, double sample_rate,
                            WelchSettings const&);
-// Of the stretch that both cover, on the rate of the slower one: aligned() first.
+// Over the common stretch, at the lower of the two rates (aligned()).
 CrossSpectra cross_spectra(TimeSeries const& x, TimeSeries const& y, WelchSettings const&);
 
 // |S_xy|^2/(S_xx S_yy), 0 to 1; NaN where one of the two is zero. Of independent records its mean is 1/averages.
@@ -131,8 +131,8 @@ double confidence_radius(double coherence, double effective_averages, double pro
 Interval coherence_interval(std::span<double const> coherence, double effective_averages, double probability = 0.95);
 
 // y = H x. Errors are one sigma, of the estimate from a finite number of averages: |H| and phase (rad) have the
-// relative error sqrt((1 - c)/(2 c n)), c the coherence. Where it is not below 1 the phase is unknown, and sigma says
-// so.
+// relative error sqrt((1 - c)/(2 c n)), c the coherence. Where it is not below 1 the phase is unknown, and sigma has
+// its maximum.
 struct TransferEstimate {
   std::vector<double> hz;
   std::vector<std::complex<double>> value;  // y/x

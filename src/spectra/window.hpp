@@ -19,7 +19,7 @@ struct NamedWindow {
   Window window = Window::hann;
   double parameter = 0;
 };
-// "hann", "tukey(0.25)", "kaiser(14)"; Tukey alone is 0.5. Throws InputError with the names there are.
+// "hann", "tukey(0.25)", "kaiser(14)"; Tukey alone is 0.5. Throws InputError with the known names.
 NamedWindow parse_window(std::string const&);
 std::string window_text(NamedWindow);
 

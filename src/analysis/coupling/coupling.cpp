@@ -31,7 +31,7 @@ double relative_variance(CouplingLevels const& i, CouplingLevels const& q) {
   return own(i, x, y) + own(q, x, y);
 }
 
-// Share of the target's gain that is coherent with the witness is what linear coupling can be. The rest of a linear
+// The share of the target's gain that is coherent with the witness bounds linear coupling. The rest of a linear
 // coupling is quiet noise of the target, and sensor noise of the witness seen through the coupling.
 bool is_not_linear(CouplingLevels const& i, CouplingLevels const& q, double raw_coherence, double threshold) {
   if (i.averages < 2) return false;

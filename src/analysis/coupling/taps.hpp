@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tapping: a hammer with a force sensor strikes places one after another; which of them does the target hear
-// (R6.02)?
+// Tapping: a hammer with a force sensor strikes one place after another; ranks the places by the response of the target
+// (R6.02).
 #pragma once
 
 #include <span>
@@ -19,7 +19,7 @@ struct TapPlace {
   double start = 0, duration = 0;  // GPS s, s
   std::string strength;            // "soft", "hard": only a label
 };
-// CSV with a header: place, start, duration, and if wanted strength. Throws InputError with file and line.
+// CSV with a header: place, start, duration, optionally strength. Throws InputError with file and line.
 std::vector<TapPlace> parse_tap_list(std::string_view csv, std::string const& file);
 
 struct TapThresholds {
@@ -33,17 +33,17 @@ struct TapAnswer {
   std::string place;
   int repeats = 1;
   double target_ratio = 0, force_ratio = 0;  // ASDs, taps over quiet; of the strongest repeat
-  double ratio = 0, sigma = 0;               // target_ratio/force_ratio, mean of the repeats: what places are ranked by
-  double coupling = 0, coupling_sigma = 0;   // target unit per unit of force, quiet levels taken off
+  double ratio = 0, sigma = 0;               // target_ratio/force_ratio, mean of the repeats: ranks the places
+  double coupling = 0, coupling_sigma = 0;   // target unit per unit of force, quiet levels subtracted
   double significance = 0;                   // of the excess of the target
   double slope = not_a_number,
          slope_sigma = not_a_number;  // of log target against log force over the repeats; 1: linear
   bool not_linear = false;
-  std::string local;  // accelerometer that rose most, and by how much; empty without any
+  std::string local;  // accelerometer with the largest rise, and the rise; empty without any
   double local_ratio = 0;
 };
 
-// A place that was struck and made the target rise no further than noise may.
+// Limit of a place whose taps raised the target no further than noise.
 struct TapLimit {
   std::string place;
   double coupling = 0;  // at most, at 95 % confidence of all its repeats together; target unit per unit of force
@@ -51,9 +51,9 @@ struct TapLimit {
 
 struct TapPeak {
   double hz = 0;
-  std::vector<TapAnswer> places;  // ranked, the strongest first; those that did not pass the thresholds are left out
-  std::vector<TapLimit> limits;   // of those whose force passed and whose target did not
-  double lead = not_a_number;     // standard errors between the first two, of the logarithm; NaN: there is one
+  std::vector<TapAnswer> places;  // ranked, the strongest first; without those below the thresholds
+  std::vector<TapLimit> limits;   // of those above the threshold of the force and below that of the target
+  double lead = not_a_number;     // standard errors between the first two, of the logarithm; NaN: only one
 };
 
 struct TapSeries {

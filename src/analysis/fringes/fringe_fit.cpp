@@ -60,7 +60,7 @@ void check(FringeRecords const& r, FringeFitSettings const& s) {
   for (TimeSeries const& x : r.witnesses) check_samples(x);
 }
 
-// The highest frequency that any shape in the ranges makes; refused where the target cannot hold it.
+// The highest frequency that any shape in the ranges makes; an error when the target is sampled too slowly for it.
 double highest_fringe(FringeRecords const& r, FringeFitSettings const& s) {
   double highest = 0;
   double const fastest = fastest_motion(r, furthest(s.ratio));
@@ -77,7 +77,7 @@ double highest_fringe(FringeRecords const& r, FringeFitSettings const& s) {
   return highest;
 }
 
-// The witnesses on the span, with what interpolation and delays reach for.
+// The witnesses on the span, extended for interpolation and delays.
 FringeRecords trimmed(FringeRecords const& r, SampleSpan span, double delay) {
   FringeRecords out;
   out.target = r.target;
@@ -321,7 +321,7 @@ FringeModel fringe_model(FringeRecords const& r, FringeFitSettings const& s, Fri
   return out;
 }
 
-// The fit against the part of the record that it has not seen, and what follows from it (docs/theory/fit.md).
+// The fit against the part of the record that it has not seen, and the outcome (docs/theory/fit.md).
 
 namespace {
 

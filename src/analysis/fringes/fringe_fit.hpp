@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fit of fringe-wrapped stray light to a record of h(t) and of the motion behind it (requirements R6.06, R6.07):
+// Fit of fringe-wrapped stray light to a record of h(t) and of the motion that causes it (requirements R6.06, R6.07):
 //   h(t) = sum over paths of { T_ph * [sqrt(f_r) sin(phi + theta(t))] + T_am * [sqrt(f_r) cos(phi + theta(t))] } +
 //   noise, theta(t) = W (4 pi/lambda) u(t - delay) + drift (t - middle),  u = x_1 - ratio x_2.
-// For given W, delay, drift and ratio this is linear in sqrt(f_r) (cos phi, sin phi): variable projection. These four
-// are searched on a grid and then refined together (docs/theory/fit.md).
+// For given W, delay, drift and ratio this is linear in sqrt(f_r) (cos phi, sin phi): variable projection. A grid
+// search finds these four, and least squares refines them together (docs/theory/fit.md).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace straytrace {
 
-// Where a parameter is searched; equal ends: fixed.
+// Search range of a parameter; equal ends: fixed.
 struct SearchRange {
   double low = 0, high = 0;
   bool free() const { return high > low; }
@@ -23,7 +23,7 @@ struct SearchRange {
 struct FringePath {
   std::string name;
   SearchRange multiplicity{1, 1}, delay, drift;  // units of 2k; s; rad/s
-  StrainResponse phase, amplitude;               // none: 1 and 0, amplitudes are then in units of the target
+  StrainResponse phase, amplitude;               // null: 1 and 0, with amplitudes in units of the target
 };
 
 enum class FitMethod : std::uint8_t { frequency, time };  // likelihood on lines; least squares of whitened samples
@@ -36,7 +36,7 @@ struct FringeFitSettings {
   double train = 0.7;         // share of the record that is fitted; the rest tests the fit
   double false_alarm = 1e-3;  // chance of noise alone, in the fitted stretch and in the rest, each
   FitMethod method = FitMethod::frequency;
-  double clock = 0;  // s: another delay of the witness is searched this far to either side; 0: the clocks are one
+  double clock = 0;  // s: searches another delay of the witness this far to either side; 0: common clock
 };
 
 struct Fitted {
@@ -49,13 +49,13 @@ struct FittedPath {
   Fitted amplitude;  // sqrt(f_r), or in units of the target where no response was given
   Fitted phase;      // rad, -pi to pi, at the middle of the fitted stretch and the mean of the motion
   Fitted multiplicity, delay, drift;
-  double gain = 0;            // chi^2 that this path takes away when it is the last to come
+  double gain = 0;            // reduction of chi^2 by this path when it is added last
   double ln_false_alarm = 0;  // ln of the chance that noise alone gains as much, anywhere in the ranges
 };
 
 // Test of the fit on the part of the record that it has not used.
 struct OutOfSample {
-  double seconds = 0;                         // 0: all of the record was fitted
+  double seconds = 0;                         // 0: the fit used the whole record
   double without = 0, with = 0, degrees = 0;  // chi^2 of the target and of target less model
   // Least-squares factor on the model: 1 when the fit generalises, 0 when it was noise; its error is that of the noise
   // of the rest and of all fitted parameters together.
@@ -72,7 +72,7 @@ enum class FitOutcome : std::uint8_t {
   untested,     // significant, but the rest of the record could not confirm it even if it were right
   not_general,  // significant, but does not predict the rest of the record
   clock,        // another delay of the witness fits better, and gives another amplitude
-  at_end,       // significant, but a parameter stands at the end of its range: the maximum may lie beyond
+  at_end,       // significant, but a parameter is at the end of its range: the maximum may lie beyond
   found         // significant in the fitted stretch, all places of the search counted, and in the rest
 };
 
@@ -80,10 +80,10 @@ enum class FitOutcome : std::uint8_t {
 struct ClockCheck {
   double range = 0;               // s, searched to either side; 0: not searched
   Fitted delay;                   // s, the best; common to all paths
-  double gain = 0;                // chi^2 that it takes away beyond the delay of the fit
+  double gain = 0;                // reduction of chi^2 relative to the delay of the fit
   std::vector<FittedPath> paths;  // with it
-  bool better = false;            // than noise alone makes the best of as many delays
-  bool doubtful = false;          // better, and an amplitude is not the same within its error
+  bool better = false;            // more than noise alone over as many delays
+  bool doubtful = false;          // better, and an amplitude differs by more than its error
 };
 
 struct FringeFit {
@@ -96,7 +96,7 @@ struct FringeFit {
   double trials = 0;                          // transforms of the search
   double highest_fringe = 0;                  // Hz, of the fitted paths, from the motion
   double start = 0, split = 0, end = 0, middle = 0;  // GPS s: fitted from start to split
-  std::vector<double> means;                         // m, of the witnesses, where the phases are meant
+  std::vector<double> means;                         // m, of the witnesses: reference of the phases
   OutOfSample test;
   ClockCheck clock;
   FitOutcome verdict = FitOutcome::none;

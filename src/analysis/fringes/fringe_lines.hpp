@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is a driven line linear or a fringe? Its harmonics and its growth with the drive tell (R6.03;
+// Whether a driven line is linear or a fringe, from its harmonics and its growth with the drive (R6.03;
 // docs/theory/spectra.md, eq. 7.3): h = G sin(phi_0 + z sin wt) has lines 2 G J_n(z) |cos phi_0| at odd n, |sin phi_0|
 // at even n.
 #pragma once
@@ -15,7 +15,7 @@ namespace straytrace {
 
 struct Harmonic {
   int order = 1;
-  double power = 0, sigma = 0;  // peak amplitude squared, mean over the windows, noise taken off; its standard error
+  double power = 0, sigma = 0;  // peak amplitude squared, mean over the windows less the noise; its standard error
   double ratio = not_a_number, ratio_sigma = not_a_number;  // amplitude over that of the first; NaN: below the noise
   double limit = 0;                                         // 95 % upper limit of the amplitude
   bool seen = false;                                        // three standard errors above the noise
@@ -27,14 +27,14 @@ struct HarmonicFit {
   double significance = 0;                         // of z > 0, standard deviations
   double z_limit = 0;                              // 95 %
   bool limit_only = false;                         // less than three standard deviations: the limit is the answer
-  bool open = false;                               // even the limit is beyond what was scanned
+  bool open = false;                               // even the limit lies beyond the scan
   std::vector<double> others;                      // other z that fit about as well
   double odd = 0, even = 0;  // G |cos phi_0|, G |sin phi_0|: target unit; even is NaN when z is not known
   double chi_square = 0;
   int degrees = 0;
 };
-// `windows[n - 1]`: the target at harmonic n, window by window. Responses of the target are taken as flat: calibrated
-// data. z is searched up to z_max.
+// `windows[n - 1]`: the target at harmonic n, window by window. Assumes a flat response of the target: calibrated data.
+// z is searched up to z_max.
 HarmonicFit fit_harmonics(std::span<std::vector<LinePoint> const> windows, double z_max = 20);
 
 // Effective motion amplitude of a phase amplitude z: A = z lambda/(4 pi N), eq. 7.2 with N equal bounces.

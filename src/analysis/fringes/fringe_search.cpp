@@ -290,7 +290,7 @@ FringePlace moved(FringeProblem const& problem, FringePlace place, std::vector<F
   return place;
 }
 
-// Noise level from what the fit leaves, which is short of one degree of freedom for each parameter.
+// Noise level from the residuals, which lack one degree of freedom for each parameter.
 void learn_noise(FringeProblem& problem, RefinedFit const& fit) {
   problem.psd = problem.stretch.psd(problem.stretch.target() - problem.model(fit.place, fit.fit.linear));
   double const degrees = problem.stretch.degrees();

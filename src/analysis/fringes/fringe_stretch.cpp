@@ -33,7 +33,7 @@ std::size_t smooth_below(std::size_t n) {
   return n;
 }
 
-// The model is sampled as coarsely as keeps what folds at its sample rate out of the band.
+// The coarsest sampling of the model whose aliases stay outside the band.
 std::size_t decimation(double rate, FringeFrame const& frame) {
   double const needed = std::max(2.2 * frame.high, 1.1 * frame.highest_fringe + frame.high + 20);
   auto factor = std::size_t(std::max(1.0, std::floor(rate / needed)));

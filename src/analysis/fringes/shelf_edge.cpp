@@ -29,7 +29,7 @@ struct Layout {
 ShelfProfile profile_of(ShelfStride const& d, ShelfEdgeSettings const& s, double ratio) {
   std::vector<double> const u = motion_of(d, ratio);
   double const edge = 2 * fastest(u, d.rate) / s.wavelength;
-  // The edge lies inside the band: beyond, there is nothing of it to see.
+  // Only edges inside the band are visible.
   FactorGrid grid{std::log(std::max(s.factor.low, 1.1 * s.low / edge)), factor_step, 0};
   grid.count = int((std::log(std::min(s.factor.high, s.high / (1.05 * edge))) - grid.low) / factor_step) + 1;
   if (grid.count <= 10) grid.count = 0;
@@ -71,7 +71,7 @@ Layout layout_of(FringeRecords const& r, ShelfEdgeSettings const& s) {
                      "a stride holds at least four, and the band a dozen lines of 1/segment");
   double const fringe =
       2 * s.factor.high * fastest_motion(r, std::max(std::fabs(s.ratio.low), std::fabs(s.ratio.high))) / s.wavelength;
-  // Shapes whose edge lies beyond the band are not asked for.
+  // Shapes whose edge lies beyond the band are not needed.
   double const highest = std::min(fringe, 1.2 * s.high);
   if (2.2 * highest >= r.target.rate)
     throw InputError(
@@ -354,7 +354,7 @@ std::complex<double> normal_line(Rng& rng) {
   return std::sqrt(-std::log(rng.uniform())) * std::complex<double>(turn.cos, turn.sin);
 }
 
-// PSD of one stride made of the fitted floor and shelf, at another factor and static phase.
+// PSD of a simulated stride with the fitted floor and shelf, at another factor and static phase.
 Eigen::VectorXd made_again(FoundEdge const& e, std::vector<double> const& u, double factor, double phase, Rng noise,
                            double wavelength) {
   ShelfStride const& d = *e.stride;

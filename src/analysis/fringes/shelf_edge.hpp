@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Effective motion from where the shelf of fringe noise ends (requirements R2.40, R2.41): edge = factor * 2
+// Effective motion from the edge of the shelf of fringe noise (requirements R2.40, R2.41): edge = factor * 2
 // v_max/lambda (docs/theory/spectra.md, eq. 7.1, 7.2), stride by stride. Only powers are compared, so that static
 // phase, drift and delays below a segment do not matter.
 #pragma once
@@ -34,7 +34,7 @@ struct ShelfEdgeFit {
   std::vector<EdgeStride> strides;
   Fitted factor;  // weighted mean, error by repetition; it grows with the scatter of the strides when that is larger,
                   // and with the error of a free ratio
-  Fitted of_likelihood;  // weighted mean and error of the likelihood alone, which takes the shelf for Gaussian noise
+  Fitted of_likelihood;  // weighted mean and error of the likelihood alone, which assumes a shelf of Gaussian noise
   Fitted ratio;
   double chi2 = 0;       // of the strides about the mean
   std::size_t used = 0;  // significant strides
@@ -42,7 +42,7 @@ struct ShelfEdgeFit {
 
 // Whittle likelihood of Welch spectra; model: |T(f)|^2 of a port times the spectrum of sin(phi + theta), mean over the
 // static phase, plus a floor n_0 + n_2 f^-2 + n_4 f^-4 with no negative part; |T|^2 is any smooth positive function.
-// Errors and offsets are those of the same fit to records made of the fitted model again (docs/theory/fit.md). Throws
+// Errors and offsets follow from the same fit to simulated records of the fitted model (docs/theory/fit.md). Throws
 // InputError as fit_fringes.
 ShelfEdgeFit fit_shelf_edge(FringeRecords const&, ShelfEdgeSettings const&);
 
@@ -69,7 +69,7 @@ struct FactorGrid {
 };
 
 // One-sided PSD of sin(phi + factor 4 pi u/lambda), mean over phi, on the lines of the band; a column for each factor.
-// Averaged over factors 1 % to either side: how one arch interferes with the next is not told by a power.
+// Averaged over factors 1 % to either side: a power contains no interference between arches.
 Eigen::MatrixXd shelf_shapes(ShelfStride const&, std::vector<double> const& motion, FactorGrid const&,
                              double wavelength);
 
@@ -84,7 +84,7 @@ class ShelfSpectrum {
     double twice_log = 0;  // 2 ln L
     Eigen::VectorXd share, model;
   };
-  // Largest likelihood of `psd`, from a model that is near it or empty; with an empty shape that of the floor alone.
+  // Largest likelihood of `psd`, from a nearby model or an empty one; with an empty shape that of the floor alone.
   Best best(Eigen::Ref<Eigen::VectorXd const> const& psd, Eigen::VectorXd const& shape,
             Eigen::VectorXd model = {}) const;
 
@@ -122,7 +122,7 @@ ProfileTop top_of(ShelfProfile const&);
 ShelfProfile profile_on(ShelfStride const&, Eigen::Ref<Eigen::VectorXd const> const& psd, Eigen::MatrixXd const& shapes,
                         FactorGrid const&);
 
-// A stride with the edge that was found in it.
+// A stride and its edge.
 struct FoundEdge {
   ShelfStride const* stride = nullptr;
   ProfileTop top;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t gigabyte = std::size_t{1} << 30;
 
-// In a copy of the process, which ends what it returns with how it went.
+// In a copy of the process, whose last byte is the outcome.
 template <class Work>
 std::string apart(Work const& work, std::size_t memory, std::size_t image_size) {
   auto const told = [&] {

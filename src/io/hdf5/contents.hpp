@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an HDF5 file holds, as plain values. The HDF5 library crashes on some damaged files and takes all memory on
-// others: it reads them in a copy of the process (base/process/child_process.hpp), and this program sees only what it
-// says.
+// Contents of an HDF5 file as plain values. The HDF5 library crashes on some damaged files and exhausts the memory on
+// others, so it reads them in a copy of the process (base/process/child_process.hpp).
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@ namespace straytrace::hdf5 {
 using Sizes = std::vector<std::uint64_t>;
 
 enum class Kind : std::uint8_t { integer, real, text, other };
-// `elsewhere`: the values stand in other files, which are never read.
+// `elsewhere`: the values are in other files, which are never read.
 enum class State : std::uint8_t { whole, left_out, impossible_size, elsewhere, unreadable };
 
 // Of a dataset or an attribute.
@@ -26,7 +25,7 @@ struct Values {
   bool is_signed = false;
   std::uint64_t size = 0;  // bytes of one value: 1, 2, 4 or 8 of integers, 8 of reals; a text is padded with zeros
   Sizes shape;             // row-major; empty: one value
-  std::string bytes;       // in the order of this machine; none unless the state is `whole` and the kind not `other`
+  std::string bytes;  // in the byte order of this machine; empty unless the state is `whole` and the kind not `other`
 
   std::uint64_t count() const;  // of values
 };
@@ -37,19 +36,19 @@ struct Object {
   std::map<std::string, Values> attributes;  // by name
 };
 
-// By path from the root: "/", "/records", "/records/kappa". Links by name, also to other files, are not followed; what
-// has two names stands under both. A group in itself, or in 16 others, counts as unreadable.
+// By path from the root: "/", "/records", "/records/kappa". Links by name, also to other files, are not followed; an
+// object with two names appears under both. A group inside itself, or inside 16 others, counts as unreadable.
 using Contents = std::map<std::string, Object>;
 
 struct Wanted {
-  // Other datasets are there by their path alone, left out.
+  // Datasets to read; others are listed by path only.
   std::function<bool(std::string const& path)> set = [](std::string const&) { return true; };
   std::uint64_t largest = ~std::uint64_t{0};  // bytes; of larger datasets only shape and attributes are read
 };
 
-// Of the bytes of a file. Throws InputError where it is no HDF5, or the library ends otherwise than by reading it.
+// Of the bytes of a file. Throws InputError for other files, and when the library fails or crashes.
 Contents contents_of(std::string const& image, Wanted const& wanted = {});
-// The same in this process, for what this program has written itself.
+// The same in this process, for files of this program.
 Contents own_contents(std::string const& image);
 
 // `count` numbers of a list from `offset` on; throws InputError.

@@ -50,7 +50,7 @@ bool is_variable_text(H5::DataType const& type) {
 
 void cannot_be_read(Values& v) { v.state = State::unreadable, v.bytes.clear(); }
 
-// Says what the values are; returns the type they have in memory.
+// Describes the values; returns their type in memory.
 H5::DataType describe(H5::DataType const& type, Values& v) {
   std::uint64_t const size = type.getSize();
   switch (type.getClass()) {
@@ -108,7 +108,7 @@ Names attributes_of(H5::H5Object const& object) {
   return names;
 }
 
-// Whether the values stand in other files, which a file may name as it likes.
+// Whether the values are in other files, whose names the file chooses freely.
 bool is_elsewhere(H5::DataSet const& set) {
   H5::DSetCreatPropList const list = set.getCreatePlist();
   return H5Pget_layout(list.getId()) == H5D_VIRTUAL || H5Pget_external_count(list.getId()) != 0;
@@ -139,7 +139,7 @@ class Walk {
     here.values.state = State::whole;
   }
 
-  // What cannot be read is there, with the state that says so.
+  // Unreadable objects are listed with that state.
   void add_member(H5::Group const& group, std::string const& name, std::string const& path) {
     if (contents_.size() == most_objects) broken_file("it has more than a million groups and datasets");
     std::size_t const depth = above_.size();
@@ -199,7 +199,7 @@ class Walk {
     if (variable) flatten(std::string(std::move(v.bytes)), left_, v);
   }
 
-  std::uint64_t left_;  // bytes that what is still to be read can have
+  std::uint64_t left_;  // bytes left for the remaining values
   Wanted const& wanted_;
   std::vector<haddr_t> above_;  // the groups that this one is in
   Contents contents_;

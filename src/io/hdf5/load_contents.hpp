@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the HDF5 library reads from the bytes of a file, in this process.
+// Reads the bytes of a file with the HDF5 library, in this process.
 #pragma once
 
 #include "io/hdf5/contents.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Typed arrays and texts of an HDF5 file. Everything throws InputError with the path of what is missing or damaged.
+// Typed arrays and texts of an HDF5 file. All functions throw InputError with the path of the missing or damaged
+// object.
 #pragma once
 
 #include <optional>
@@ -43,7 +44,7 @@ class Reader {
   Contents contents_;
 };
 
-// One number, or one text, as it may stand anywhere; nothing where it is something else.
+// One number or one text; empty for other values.
 std::optional<double> number_in(Values const&);
 std::optional<std::string> text_in(Values const&);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Typed arrays with units as an HDF5 file in memory, without time stamps: the same content is the same bytes.
+// Typed arrays with units as an HDF5 file in memory, without time stamps: equal contents give equal bytes.
 #pragma once
 
 #include <H5Cpp.h>
@@ -49,7 +49,7 @@ inline H5::PredType const& memory_type<std::uint8_t>() {
   return H5::PredType::NATIVE_UINT8;
 }
 
-// A file that lives in memory until its bytes are taken, so that no disk error ever meets the library.
+// A file in memory, so that the library never meets a disk error.
 class Writer {
  public:
   Writer();

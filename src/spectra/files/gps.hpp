@@ -7,13 +7,13 @@
 
 namespace straytrace {
 
-// "2019-02-01T12:00:00", with a space for T, with fractions, with Z; a date alone is its midnight. 23:59:60 only where
-// a leap second was. Empty when it is no date, or before 1980-01-06.
+// "2019-02-01T12:00:00", with a space for T, with fractions, with Z; a date alone is its midnight. 23:59:60 only at
+// leap seconds. Empty for other texts and before 1980-01-06.
 std::optional<double> gps_of_utc(std::string const&);
-// "2019-02-01T12:00:00Z", to the microsecond where it is not a whole second. Leap seconds announced until 2026 are
-// known.
+// "2019-02-01T12:00:00Z", to the microsecond where it is not a whole second. Knows the leap seconds announced until
+// 2026.
 std::string utc_of_gps(double gps);
-// To 0.1 us, without zeros behind: "1234567890.5".
+// To 0.1 us, without trailing zeros: "1234567890.5".
 std::string gps_text(double gps);
 
 }  // namespace straytrace

@@ -199,7 +199,7 @@ std::size_t column_of(NumberTable const& table, std::string const& file, std::st
 
 std::string at_line(NumberTable const& table, std::size_t row) { return fmt::format("line {}: ", table.line[row]); }
 
-// Refuses NaN, times that stand still or run back, gaps, and steps that vary by more than a quarter of one.
+// Errors: NaN, times that do not increase, gaps, and steps that vary by more than a quarter of one.
 double regular_step(NumberTable const& table, std::vector<double> const& t, std::string const& file) {
   std::vector<double> steps;
   for (std::size_t i = 0; i < t.size(); ++i) {
@@ -237,7 +237,7 @@ double regular_step(NumberTable const& table, std::vector<double> const& t, std:
   return mean;
 }
 
-// Times are printed with few digits: the whole rate or whole step is meant where the record cannot tell it from ours.
+// Times are printed with few digits: rounds to a whole rate or a whole step that fits the record equally well.
 double meant_rate(double step, std::size_t samples) {
   double const rate = 1 / step, close = 0.1 / double(samples);
   if (double const whole = std::round(rate); whole >= 1 && std::abs(rate / whole - 1) < close) return whole;
@@ -249,7 +249,7 @@ double meant_rate(double step, std::size_t samples) {
 NumberTable near_span(NumberTable table, GpsSpan span, double to_seconds) {
   for (double& t : table.column[0]) t *= to_seconds;
   std::vector<double> const& t = table.column[0];
-  if (!(span.from < t.back() && span.to > t.front())) return table;  // cut() says what there is
+  if (!(span.from < t.back() && span.to > t.front())) return table;  // cut() reports the available times
   std::size_t first = 0, last = t.size();
   while (first + 1 < t.size() && t[first + 1] <= span.from) ++first;
   while (last > first + 2 && t[last - 2] >= span.to) --last;

@@ -39,7 +39,7 @@ std::optional<double> first_number(hdf5::Object const& set, Names... names) {
 
 struct Found {
   std::string path;                   // without the leading slash
-  std::string name;                   // of the channel as the file says it, or the path
+  std::string name;                   // of the channel in the file, or the path
   std::string time_unit = "s";        // "Hz" for a spectrum
   std::optional<std::string> unit;    // of the samples
   std::optional<double> start, step;  // s
@@ -81,7 +81,7 @@ void collect(hdf5::Reader const& reader, std::string const& path, std::vector<Fo
   }
 }
 
-// GWOSC names the detector beside the data, not at them.
+// GWOSC stores the name of the detector apart from the data.
 void name_by_detector(hdf5::Reader const& reader, std::vector<Found>& all) {
   if (!reader.has("meta/Detector")) return;
   auto const detector = hdf5::text_in(reader.object("meta/Detector").values);
@@ -113,7 +113,7 @@ std::vector<Found> series_in(hdf5::Reader const& reader, std::string const& file
          "series carry the attributes x0 and dx (gwpy) or Xstart and Xspacing (GWOSC); spectra are no series");
 }
 
-// Values such as names are read at once; samples when they are asked for.
+// Small values such as names are read at once; samples on request.
 constexpr std::uint64_t small = 4096;  // bytes
 
 std::vector<std::string> names_of(std::vector<Found> const& all) {
@@ -122,7 +122,7 @@ std::vector<std::string> names_of(std::vector<Found> const& all) {
   return names;
 }
 
-// By path, name of the channel, or the last part of the path where only one has it.
+// By path, name of the channel, or by the last part of the path when it is unique.
 Found const& chosen(std::vector<Found> const& all, std::string const& file, std::string wanted,
                     hdf5::Reader const& reader) {
   if (wanted.empty() && all.size() == 1) return all[0];
@@ -145,7 +145,7 @@ Found const& chosen(std::vector<Found> const& all, std::string const& file, std:
       near.empty() || !hits.empty() ? "there are " + choices(names_of(all)) : fmt::format("did you mean '{}'?", near));
 }
 
-// Reads the samples of the span, and one more on each side where there is one; cut() judges the rest.
+// Reads the samples of the span, and one more on each side if available; cut() checks the rest.
 TimeSeries samples_of(std::string const& image, Found const& f, GpsSpan span) {
   TimeSeries s{f.name, "", *f.start, 1 / *f.step, {}};
   double const whole = std::round(s.rate), count = double(f.samples);
@@ -183,7 +183,7 @@ TimeSeries series_source::from_hdf5(std::string const& bytes, std::string const&
   double const end = *f.start + double(f.samples) * *f.step;
   bool const inside = (wanted.span.from <= -1e300 || wanted.span.from >= *f.start) &&
                       (wanted.span.to >= 1e300 || wanted.span.to <= end) && wanted.span.from < end;
-  GpsSpan const span = inside ? wanted.span : GpsSpan{};  // all, for what cut() says about it
+  GpsSpan const span = inside ? wanted.span : GpsSpan{};  // all, for the message of cut()
   TimeSeries s = readable(file, [&] { return samples_of(bytes, f, span); });
   s.unit = unit;
   s = cut(s, wanted.span);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Unit strings of files: as astropy and gwpy write them ("m / Hz(1/2)", "ct", "") and as parse_unit reads them.
+// Unit strings of files: those of astropy and gwpy ("m / Hz(1/2)", "ct", "") and those that parse_unit reads.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace straytrace {
 
-// What parse_unit reads, with the same meaning: "m / s2" -> "m/s^2", "ct" -> "count", "" and "strain" -> "1". Empty
-// when neither of the two languages has it.
+// The same unit for parse_unit: "m / s2" -> "m/s^2", "ct" -> "count", "" and "strain" -> "1". Empty when neither
+// notation knows it.
 std::optional<std::string> unit_of_file(std::string_view);
-// As astropy's generic format: "m/sqrt(Hz)" -> "m / Hz(1/2)", "1" -> "".
+// The same unit in astropy's generic format: "m/sqrt(Hz)" -> "m / Hz(1/2)", "1" -> "".
 std::string gwpy_unit(std::string_view unit);
 
 // "m" -> "m/sqrt(Hz)" and "m^2/Hz"; "1" -> "1/sqrt(Hz)" and "1/Hz"; "m/s^2" -> "m^2/s^4/Hz".
