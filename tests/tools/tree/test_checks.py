@@ -56,9 +56,10 @@ class CheckFiles(unittest.TestCase):
         self.expect({"src/a.hpp": HEAD + "int a;\n" * 299}, 0, "in order")
 
     def test_crowded_folder_fails(self):
-        full = {f"bench/a/{n}.py": "" for n in range(29)} | {"bench/a/b/c.py": "", "bench/a/__pycache__/c.pyc": ""}
-        self.expect(full, 0, "in order")                                   # 29 files and a folder
-        self.expect(full | {"bench/a/29.txt": ""}, 1, "bench/a: has 31 entries")
+        for top, limit in (("src", 30), ("bench", 25)):
+            full = {f"{top}/a/{n}.py": "" for n in range(limit - 1)} | {f"{top}/a/b/c.py": "", f"{top}/a/__pycache__/c.pyc": ""}
+            self.expect(full, 0, "in order")                               # one folder is among them
+            self.expect(full | {f"{top}/a/{limit}.txt": ""}, 1, f"{top}/a: has {limit + 1} entries")
 
 
 class CheckWords(unittest.TestCase):
