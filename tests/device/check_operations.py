@@ -15,7 +15,7 @@ ROUNDED = {"add", "sub", "mul", "div", "sqrt", "rcp"}          # to nearest: one
 CONTROL = "\tfma.rn.f64 \t%fd3, %fd1, %fd2, %fd0;\n\tatom.global.add.f64 \t%fd4, [%rd1], %fd3;\n\tsin.approx.f32 \t%f1, %f0;\n"
 
 
-def refused(operation):
+def rejected(operation):
     name, *parts = operation.split(".")
     if "approx" in parts or "ftz" in parts or "full" in parts:
         return True
@@ -26,7 +26,7 @@ def refused(operation):
 
 def complaints(ptx):
     counts = collections.Counter(OPERATION.findall(ptx))
-    found = [f"{count} of {name}" for name, count in counts.items() if refused(name)]
+    found = [f"{count} of {name}" for name, count in counts.items() if rejected(name)]
     libraries = sorted(set(re.findall(r"__(?:nv|internal)_\w+", ptx)))
     return counts, found + [f"calls {name}" for name in libraries]
 

@@ -18,7 +18,7 @@ inline nlohmann::json answer(Words words) {
 }
 
 // Its message; stdout stays empty.
-inline std::string refusal(Words const& words) {
+inline std::string error_text(Words const& words) {
   Finished const f = straytrace(words);
   EXPECT_EQ(f.code, 2) << f.out;
   EXPECT_EQ(f.out, "");

@@ -190,19 +190,20 @@ TEST(GeometryRequirements, BoxIsWatertightAtItsEdges) {
 }
 
 TEST(GeometryRequirements, ImpossibleShapesAreErrors) {
-  auto const refused = [](auto const& s) { return !impossible(s).what.empty() && !impossible(s).suggestion.empty(); };
-  EXPECT_TRUE(refused(torus(1, 1)) && refused(torus(1, 1e-5)) && !refused(torus(1, 0.9)));
-  EXPECT_TRUE(refused(zone(1, 0.5, 0.4)) && refused(zone(1, 0, 1.1)) && !refused(zone(1, -1, 1)));
-  EXPECT_TRUE(refused(rectangle(1, 1, 0.5, 0)) && refused(rectangle(1, 1, 2, 0.5)) &&
-              !refused(rectangle(1, 1, 1, 0.5)));
-  EXPECT_TRUE(refused(ellipse(1, 0.5, 0.6, 0.6)) && !refused(ellipse(1, 0.5, 0.6, 0.4)));
-  EXPECT_TRUE(refused(polygon(2, 1)) && refused(polygon(5.5, 1)) && refused(polygon(4, 1, 0, 0.8)));
-  EXPECT_TRUE(!refused(polygon(4, 1, 0, 0.7)) && !refused(polygon(6, 1, 6, 0.99)) && refused(polygon(6, 1, 4, 0.99)));
-  EXPECT_TRUE(refused(conic(1, 0, 0, 1)) && refused(conic(1, -1, 0.5, 0.4)) && !refused(conic(1, -1, 0, 20)));
-  EXPECT_TRUE(refused(asphere(conic(0, 0, 0, 0.5), 1e6)) && !refused(asphere(conic(0, 0, 0, 0.5), 1)));
-  EXPECT_TRUE(refused(pierced(1, 0, 1, 0.6, 0.5)) && refused(pierced(1, 0, 2, 0.6, 1, 6)));
-  EXPECT_TRUE(refused(serrated(0.4, 0.5, 0.5, 0.2, 10)) && refused(serrated(0.4, 0.5, pi / 2 - 1e-5, 0.02, 10)));
-  EXPECT_TRUE(!refused(serrated(0.4, 0.5, pi / 2, 0.02, 10)) && refused(cut_cylinder(1, 0, 0.5, 0.8)));
+  auto const rejected = [](auto const& s) { return !impossible(s).what.empty() && !impossible(s).suggestion.empty(); };
+  EXPECT_TRUE(rejected(torus(1, 1)) && rejected(torus(1, 1e-5)) && !rejected(torus(1, 0.9)));
+  EXPECT_TRUE(rejected(zone(1, 0.5, 0.4)) && rejected(zone(1, 0, 1.1)) && !rejected(zone(1, -1, 1)));
+  EXPECT_TRUE(rejected(rectangle(1, 1, 0.5, 0)) && rejected(rectangle(1, 1, 2, 0.5)) &&
+              !rejected(rectangle(1, 1, 1, 0.5)));
+  EXPECT_TRUE(rejected(ellipse(1, 0.5, 0.6, 0.6)) && !rejected(ellipse(1, 0.5, 0.6, 0.4)));
+  EXPECT_TRUE(rejected(polygon(2, 1)) && rejected(polygon(5.5, 1)) && rejected(polygon(4, 1, 0, 0.8)));
+  EXPECT_TRUE(!rejected(polygon(4, 1, 0, 0.7)) && !rejected(polygon(6, 1, 6, 0.99)) &&
+              rejected(polygon(6, 1, 4, 0.99)));
+  EXPECT_TRUE(rejected(conic(1, 0, 0, 1)) && rejected(conic(1, -1, 0.5, 0.4)) && !rejected(conic(1, -1, 0, 20)));
+  EXPECT_TRUE(rejected(asphere(conic(0, 0, 0, 0.5), 1e6)) && !rejected(asphere(conic(0, 0, 0, 0.5), 1)));
+  EXPECT_TRUE(rejected(pierced(1, 0, 1, 0.6, 0.5)) && rejected(pierced(1, 0, 2, 0.6, 1, 6)));
+  EXPECT_TRUE(rejected(serrated(0.4, 0.5, 0.5, 0.2, 10)) && rejected(serrated(0.4, 0.5, pi / 2 - 1e-5, 0.02, 10)));
+  EXPECT_TRUE(!rejected(serrated(0.4, 0.5, pi / 2, 0.02, 10)) && rejected(cut_cylinder(1, 0, 0.5, 0.8)));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ World world_of(std::string const& entry, std::string const& parts = "") {
   scene.throw_if_problems();
   return world;
 }
-std::string refusal_of(std::string const& entry, std::string const& parts = "") {
+std::string error_text_of(std::string const& entry, std::string const& parts = "") {
   try {
     world_of(entry, parts);
   } catch (InputError const& e) {
@@ -158,9 +158,9 @@ TEST(WorldParts, MaterialsByFace) {
   WorldView const v = world.view();
   auto const scatters = [&](std::uint32_t id) { return v.optics[v.surfaces[id].front].laws > 0; };
   EXPECT_TRUE(!scatters(0) && scatters(1) && !scatters(2));
-  EXPECT_THAT(refusal_of("use: lens, surfaces: {barel: ground}"), HasSubstr("unknown key 'barel'"));
-  EXPECT_THAT(refusal_of("use: lens, surfaces: {barrel: grond}"), HasSubstr("did you mean 'ground'?"));
-  EXPECT_THAT(refusal_of("use: lens, surfaces: ground"), HasSubstr("names a material for each face"));
+  EXPECT_THAT(error_text_of("use: lens, surfaces: {barel: ground}"), HasSubstr("unknown key 'barel'"));
+  EXPECT_THAT(error_text_of("use: lens, surfaces: {barrel: grond}"), HasSubstr("did you mean 'ground'?"));
+  EXPECT_THAT(error_text_of("use: lens, surfaces: ground"), HasSubstr("names a material for each face"));
 }
 
 TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
@@ -171,34 +171,35 @@ TEST(WorldParts, VolumesMustCloseWithNormalsOutwards) {
   std::string const barrel = "      barrel: {shape: {cylinder: {radius: 1 cm, from: -2 mm, to: 0 m}}}\n";
   std::string const down = ", facing: [0, 0, -1]", open = "do not close";
   std::string const entry = "use: slab, medium: glass";
-  EXPECT_EQ(refusal_of(entry, slab("", barrel, down)), "");
-  EXPECT_THAT(refusal_of(entry, slab("", barrel, "")), HasSubstr(open));    // the back looks into the glass
-  EXPECT_THAT(refusal_of(entry, slab(down, barrel, "")), HasSubstr(open));  // both do
-  EXPECT_THAT(refusal_of(entry, slab("", "", down)), HasSubstr(open));      // no barrel
-  EXPECT_THAT(refusal_of(entry, slab("",
-                                     "      cone: {shape: {cone: {inner_radius: 5 mm, outer_radius: 1 cm, half_angle: "
-                                     "35 deg}}}\n",
-                                     down)),
-              HasSubstr(open));
+  EXPECT_EQ(error_text_of(entry, slab("", barrel, down)), "");
+  EXPECT_THAT(error_text_of(entry, slab("", barrel, "")), HasSubstr(open));    // the back looks into the glass
+  EXPECT_THAT(error_text_of(entry, slab(down, barrel, "")), HasSubstr(open));  // both do
+  EXPECT_THAT(error_text_of(entry, slab("", "", down)), HasSubstr(open));      // no barrel
+  EXPECT_THAT(
+      error_text_of(entry, slab("",
+                                "      cone: {shape: {cone: {inner_radius: 5 mm, outer_radius: 1 cm, half_angle: "
+                                "35 deg}}}\n",
+                                down)),
+      HasSubstr(open));
   auto const plugged = [&](std::string const& radius) {  // a gap of 1 % of the area is reported, one of 0.1 % is not
     std::string const place = "}}, at: [0 m, 0 m, -2 mm], facing: [0, 0, -1]}\n";
     return "parts:\n  slab:\n    faces:\n      front: {shape: {disk: {outer_radius: 1 cm}}}\n" + barrel +
            "      ring: {shape: {disk: {inner_radius: 9 mm, outer_radius: 1 cm" + place +
            "      plug: {shape: {disk: {outer_radius: " + radius + place;
   };
-  EXPECT_EQ(refusal_of(entry, plugged("9 mm")), "");
-  EXPECT_EQ(refusal_of(entry, plugged("8.98 mm")), "");
-  EXPECT_THAT(refusal_of(entry, plugged("8.8 mm")), HasSubstr(open));
-  EXPECT_THAT(refusal_of("shape: {disk: {outer_radius: 1 cm}}, medium: glass"), HasSubstr(open));
-  EXPECT_EQ(refusal_of("shape: {sphere: {radius: 1 cm}}, medium: glass"), "");
-  EXPECT_THAT(refusal_of("use: lens, medium: glas"), HasSubstr("did you mean 'glass'?"));
-  EXPECT_EQ(refusal_of("use: lens, medium: none"), "");
+  EXPECT_EQ(error_text_of(entry, plugged("9 mm")), "");
+  EXPECT_EQ(error_text_of(entry, plugged("8.98 mm")), "");
+  EXPECT_THAT(error_text_of(entry, plugged("8.8 mm")), HasSubstr(open));
+  EXPECT_THAT(error_text_of("shape: {disk: {outer_radius: 1 cm}}, medium: glass"), HasSubstr(open));
+  EXPECT_EQ(error_text_of("shape: {sphere: {radius: 1 cm}}, medium: glass"), "");
+  EXPECT_THAT(error_text_of("use: lens, medium: glas"), HasSubstr("did you mean 'glass'?"));
+  EXPECT_EQ(error_text_of("use: lens, medium: none"), "");
 }
 
 TEST(WorldParts, AllAreAccepted) {
   for (char const* part : {"mirror", "lens", "thick_mirror", "flat_mirror", "plate", "conical_baffle",
                            "serrated_baffle", "chamber", "tube_section", "dump", "photodiode", "mount", "motor_mount"})
-    EXPECT_EQ(refusal_of(std::string("use: ") + part), "") << part;
+    EXPECT_EQ(error_text_of(std::string("use: ") + part), "") << part;
 }
 
 // A chamber has walls: from the middle its inside is met, from outside its outside, `wall` apart.
@@ -228,8 +229,8 @@ TEST(WorldParts, MotorMountsHaveHands) {
   EXPECT_EQ(behind(", hand: left", 0.0275, 0.0275), "x/upper_motor");
   EXPECT_EQ(behind(", hand: left", 0.0275, -0.0275),
             "x/frame/back");  // control: a mount without hands has a motor there
-  EXPECT_THAT(refusal_of("use: motor_mount, hand: up"), HasSubstr("'hand' is right or left, got \"up\""));
-  EXPECT_THAT(refusal_of("use: motor_mount, motor_width: 3 cm"), HasSubstr("must be at most 20.52 mm"));
+  EXPECT_THAT(error_text_of("use: motor_mount, hand: up"), HasSubstr("'hand' is right or left, got \"up\""));
+  EXPECT_THAT(error_text_of("use: motor_mount, motor_width: 3 cm"), HasSubstr("must be at most 20.52 mm"));
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ TEST(Budget, CurvesReplaceNoisesR2_17R2_22) {  // Newtonian, and every other one
 }
 
 TEST(Budget, BadInput) {
-  auto const refused = [](Words const& words, std::string const& what, std::string const& remedy) {
+  auto const rejected = [](Words const& words, std::string const& what, std::string const& remedy) {
     Words all{"budget"};
     all.insert(all.end(), words.begin(), words.end());
     Finished const done = straytrace(all);
@@ -184,17 +184,17 @@ TEST(Budget, BadInput) {
     EXPECT_THAT(done.err, HasSubstr(what));
     EXPECT_THAT(done.err, HasSubstr(remedy));
   };
-  refused({"alogo"}, "neither a detector nor a file", "did you mean 'aligo'?");
-  refused({"aligo", "adv"}, "second detector", "any number of runs");
-  refused({"aligo", "--at", "10"}, "'10' is not a frequency", "10 Hz");
-  refused({"aligo", "--at", "10 m"}, "not a frequency", "10 Hz");
-  refused({"aligo", "--margin", "0"}, "not a positive ratio", "1/10");
-  refused({"aligo", "--band", "10 Hz"}, "not a band", "5 Hz, 5 kHz");
-  refused({"aligo", "--compare", "adv-lla"}, "neither a design curve nor a file", "did you mean 'adv-lal'?");
-  refused({"aligo", "--export", "pygwinc"}, "no folder", "-o DIR");
-  refused({"aligo", "-p", "Laser.Power"}, "sets nothing", "Laser.Power=25");
-  refused({"aligo", "-p", "Laser.Powr=25"}, "unknown key", "did you mean 'Laser.Power'?");
-  refused({virgo_arm}, "missing", "SI units");
+  rejected({"alogo"}, "neither a detector nor a file", "did you mean 'aligo'?");
+  rejected({"aligo", "adv"}, "second detector", "any number of runs");
+  rejected({"aligo", "--at", "10"}, "'10' is not a frequency", "10 Hz");
+  rejected({"aligo", "--at", "10 m"}, "not a frequency", "10 Hz");
+  rejected({"aligo", "--margin", "0"}, "not a positive ratio", "1/10");
+  rejected({"aligo", "--band", "10 Hz"}, "not a band", "5 Hz, 5 kHz");
+  rejected({"aligo", "--compare", "adv-lla"}, "neither a design curve nor a file", "did you mean 'adv-lal'?");
+  rejected({"aligo", "--export", "pygwinc"}, "no folder", "-o DIR");
+  rejected({"aligo", "-p", "Laser.Power"}, "sets nothing", "Laser.Power=25");
+  rejected({"aligo", "-p", "Laser.Powr=25"}, "unknown key", "did you mean 'Laser.Power'?");
+  rejected({virgo_arm}, "missing", "SI units");
 }
 
 TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not its second column, quantum noise
@@ -213,9 +213,9 @@ TEST(Budget, TablesOfManyColumnsAreReadByName) {  // budget.txt: its total, not 
   write_text(folder / "mine.yaml", "extends: aligo\nCurves: [{name: dark, file: three.txt}]\n");
   for (Words const& words :
        {Words{"budget", "aligo", "--compare", folder / "three.txt"}, Words{"budget", folder / "mine.yaml"}}) {
-    Finished const refused = straytrace(words);
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_THAT(refused.err, HasSubstr("3 columns (Hz, one, two), and none is named total_strain or h_mean"));
+    Finished const rejected = straytrace(words);
+    EXPECT_EQ(rejected.code, 2);
+    EXPECT_THAT(rejected.err, HasSubstr("3 columns (Hz, one, two), and none is named total_strain or h_mean"));
   }
 }
 

@@ -99,10 +99,10 @@ TEST(FitWitness, VelocityAndAccelerationAreIntegratedR6_07) {
         high["unseen_phase_rad"].get<double>() / high["multiplicity"]["value"].get<double>() / unseen_phase(0.6), 1,
         0.02);
     EXPECT_THAT(straytrace(with("0.15 Hz")).out, HasSubstr("fewer than six periods of half of it"));
-    EXPECT_THAT(refusal(words), HasSubstr("write --corner"));
-    EXPECT_THAT(refusal(with("0.1 Hz")), HasSubstr("fewer than six periods"));
+    EXPECT_THAT(error_text(words), HasSubstr("write --corner"));
+    EXPECT_THAT(error_text(with("0.1 Hz")), HasSubstr("fewer than six periods"));
   }
-  EXPECT_THAT(refusal(fit_words(example + "::x", {"--corner", "0.1 Hz"})), HasSubstr("is not integrated"));
+  EXPECT_THAT(error_text(fit_words(example + "::x", {"--corner", "0.1 Hz"})), HasSubstr("is not integrated"));
 }
 
 // An angle: theta = (4 pi/lambda) L angle, so W is the lever arm L; here the witness turns by x/5 cm.
@@ -118,11 +118,11 @@ TEST(FitWitness, AngleGivesALeverArmR6_07) {
   EXPECT_EQ(fit["verdict"], "found");
   EXPECT_NEAR(fit["paths"][0]["multiplicity"]["value"].get<double>(), 1.3 * 0.05, 0.02 * 1.3 * 0.05);
   EXPECT_THAT(straytrace(fit_words(file, {"--multiplicity", "5 cm..10 cm"})).out, HasSubstr(" m, searched from"));
-  EXPECT_THAT(refusal(fit_words(file)), HasSubstr("lever arm"));
-  EXPECT_THAT(refusal(fit_words(file, {"--multiplicity", "1..2"})), HasSubstr("--multiplicity"));
-  EXPECT_THAT(refusal(fit_words(file, {"--multiplicity", "5 cm..10 cm", "--witness2", example + "::x"})),
+  EXPECT_THAT(error_text(fit_words(file)), HasSubstr("lever arm"));
+  EXPECT_THAT(error_text(fit_words(file, {"--multiplicity", "1..2"})), HasSubstr("--multiplicity"));
+  EXPECT_THAT(error_text(fit_words(file, {"--multiplicity", "5 cm..10 cm", "--witness2", example + "::x"})),
               HasSubstr("two of one kind"));
-  EXPECT_THAT(refusal({"fit", "--target", example + "::h", "--witness", example + "::h", "--band", "20 Hz..85 Hz"}),
+  EXPECT_THAT(error_text({"fit", "--target", example + "::h", "--witness", example + "::h", "--band", "20 Hz..85 Hz"}),
               HasSubstr("no motion"));
 }
 
@@ -147,7 +147,7 @@ TEST(FitWitness, SeveralPathsOfARunAreFittedTogetherR6_07) {
   for (char const* name : {"amplitude 1", "amplitude 2", "multiplicity 1", "multiplicity 2"})
     EXPECT_THAT(names, ::testing::Contains(name)) << "one covariance";
   EXPECT_EQ(both["correlation"].size(), names.size());
-  EXPECT_THAT(refusal(words({"--path", "3", "--axis", "ry"})), HasSubstr("write --axis x, y or z"));
+  EXPECT_THAT(error_text(words({"--path", "3", "--axis", "ry"})), HasSubstr("write --axis x, y or z"));
 }
 
 // R6.09: the ghost of a plate that picks off, traced and found in a record of G sin(phi): f_r = (G/T)^2, T = lambda/(4
@@ -239,7 +239,7 @@ TEST(Fringes, IntegratedMotionHasNoFringesOfItsEnds) {
     EXPECT_NEAR(largest(channel, "0.1 Hz"), truth, 0.01 * truth) << channel;
     EXPECT_NEAR(largest(channel, "0.1 Hz", {"--gps", "1001..1063"}), truth, 0.01 * truth) << channel;
   }
-  EXPECT_THAT(refusal({"fringes", "--wavelength", "1064 nm", "--channel", file + "::v", "--corner", "0.05 Hz"}),
+  EXPECT_THAT(error_text({"fringes", "--wavelength", "1064 nm", "--channel", file + "::v", "--corner", "0.05 Hz"}),
               HasSubstr("fewer than six periods"));
 }
 
@@ -248,7 +248,7 @@ TEST(Fit, ConstantRecordsAreErrorsR6_06) {
   std::string const file = folder / "still.csv";
   write_record(file, "time [s],h [strain],x [m]", 1000, 256, 20,
                {[](double t) { return 1e-21 * std::sin(200 * t); }, [](double) { return 1e-6; }});
-  EXPECT_THAT(refusal({"fit", "--target", file + "::h", "--witness", file + "::x", "--band", "20 Hz..60 Hz"}),
+  EXPECT_THAT(error_text({"fit", "--target", file + "::h", "--witness", file + "::x", "--band", "20 Hz..60 Hz"}),
               HasSubstr("'x' has one value all the time"));
 }
 

@@ -26,10 +26,10 @@ Words noise_words(std::string const& injection, std::string const& quiet, Words 
 Words const acc{"--witness", data("shaken.csv") + "::ACC"};
 
 TEST(CoupleRecords, OverlappingStretchesAreErrors) {
-  EXPECT_THAT(refusal(noise_words("20..48", "0..24", acc)),
+  EXPECT_THAT(error_text(noise_words("20..48", "0..24", acc)),
               HasSubstr("--quiet 0..24 and --injection 20..48 share the time from 20 to 24"));
   EXPECT_THAT(
-      refusal(noise_words("24..40", "0..24", {"--injection", "36..48", "--witness", data("shaken.csv") + "::ACC"})),
+      error_text(noise_words("24..40", "0..24", {"--injection", "36..48", "--witness", data("shaken.csv") + "::ACC"})),
       HasSubstr("share the time from 36 to 40"));
   EXPECT_EQ(straytrace(noise_words("24..48", "0..24", acc)).code, 0) << "one ends where the other begins";
   Folder const folder;  // files that count their own seconds are other data
@@ -38,15 +38,15 @@ TEST(CoupleRecords, OverlappingStretchesAreErrors) {
                         data("shaken.csv") + "@24..48", "--quiet", folder / "quiet.csv@20..30", "--segment", "1 s"})
                 .code,
             0);
-  EXPECT_THAT(refusal({"couple", "taps", "--force", data("taps.csv") + "::HAMMER", "--target", data("taps.csv") + "::H",
-                       "--list", data("tap_list.csv"), "--quiet", "0..9"}),
+  EXPECT_THAT(error_text({"couple", "taps", "--force", data("taps.csv") + "::HAMMER", "--target",
+                          data("taps.csv") + "::H", "--list", data("tap_list.csv"), "--quiet", "0..9"}),
               HasSubstr("'tower'"));
 }
 
 TEST(CoupleRecords, UnitsThatContradictTheFileAreErrors) {
   Words words = noise_words("24..48", "0..24", acc);
   words.insert(words.end(), {"--witness-unit", "m/s^2"});
-  EXPECT_THAT(refusal(words), HasSubstr("is in um/s^2, not in m/s^2"));
+  EXPECT_THAT(error_text(words), HasSubstr("is in um/s^2, not in m/s^2"));
   words.back() = "um/s^2";
   EXPECT_EQ(straytrace(words).code, 0);
 }

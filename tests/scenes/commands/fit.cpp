@@ -77,20 +77,20 @@ TEST(Fit, FreeAddsToWhatIsSearched) {
 }
 
 TEST(Fit, ImpossibleFitsAreErrors) {
-  auto const refused = [](Words const& more, char const* what, char const* band = "20 Hz..85 Hz") {
+  auto const rejected = [](Words const& more, char const* what, char const* band = "20 Hz..85 Hz") {
     Finished const done = straytrace(words(more, band));
     EXPECT_EQ(done.code, 2) << done.out;
     EXPECT_THAT(done.err, HasSubstr(what));
     EXPECT_EQ(done.out, "");
   };
-  refused({"--multiplicity", "1..6"}, "eq. 7.13");
-  refused({}, "half the sample rate", "20 Hz..300 Hz");
-  refused({"--gps", "1187000000..1187000001.1"}, "too few");
-  refused({"--free", "colour"}, "colour");
-  refused({"--delay", "20..30"}, "--delay");
-  refused({"--ratio", "1"}, "--witness2");
-  refused({"--wavelength", "5"}, "--wavelength");
-  refused({"--target-unit", "m", "--gain-per-field", "1e-16"}, "--target-unit");
+  rejected({"--multiplicity", "1..6"}, "eq. 7.13");
+  rejected({}, "half the sample rate", "20 Hz..300 Hz");
+  rejected({"--gps", "1187000000..1187000001.1"}, "too few");
+  rejected({"--free", "colour"}, "colour");
+  rejected({"--delay", "20..30"}, "--delay");
+  rejected({"--ratio", "1"}, "--witness2");
+  rejected({"--wavelength", "5"}, "--wavelength");
+  rejected({"--target-unit", "m", "--gain-per-field", "1e-16"}, "--target-unit");
 }
 
 TEST(Fit, RecordsOfOtherTimesDoNotOverlap) {

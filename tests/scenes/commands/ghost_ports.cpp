@@ -217,11 +217,11 @@ TEST(GhostPorts, lit_behind_an_input_mirror_is_an_error) {
     write_text(folder / "a.yaml", "straytrace: 1\n" + arm(lit));
     return straytrace({"check", folder / "a.yaml"});
   };
-  Finished const refused = check(", lit: yes");
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("\"near\" is lit through 'ITM', which passes 0.014 of the light"));
-  EXPECT_THAT(refused.err, HasSubstr("'lit: {except: [\"near\"]}'"));
-  EXPECT_THAT(refused.err, HasSubstr("'at: short-arm'"));
+  Finished const rejected = check(", lit: yes");
+  EXPECT_EQ(rejected.code, 2);
+  EXPECT_THAT(rejected.err, HasSubstr("\"near\" is lit through 'ITM', which passes 0.014 of the light"));
+  EXPECT_THAT(rejected.err, HasSubstr("'lit: {except: [\"near\"]}'"));
+  EXPECT_THAT(rejected.err, HasSubstr("'at: short-arm'"));
   for (char const* lit : {", lit: {except: [\"near\"]}", ", lit: {only: [far]}", ""})
     EXPECT_EQ(check(lit).code, 0) << lit;
 }

@@ -118,22 +118,22 @@ TEST_F(NoiseResponse, StaysWithAnotherMotion) {
 }
 
 TEST_F(NoiseResponse, WrongFilesAreErrors) {
-  auto const refused = [&](std::string const& text, std::vector<std::string> const& says) {
+  auto const rejected = [&](std::string const& text, std::vector<std::string> const& says) {
     write_text(folder / "bad.yaml", text);
     Finished const done = straytrace({"noise", run, "--response", folder / "bad.yaml", "-o", folder / "no"});
     EXPECT_EQ(done.code, 2);
     for (std::string const& s : says) EXPECT_THAT(done.err, HasSubstr(s));
     EXPECT_FALSE(fs::exists(folder / "no"));
   };
-  refused("straytrace: 1\n", {"this file holds no responses"});
-  refused(text_of(storm), {"this file holds no responses"});
-  refused(response_of("ITM", "phase: one.txt") + "noise: {band: [5 Hz, 1 kHz]}\n",
-          {"bad.yaml:4:", "a file of responses holds nothing else"});
-  refused("straytrace: 1\ninterferometer: {responses: {}, mirror_mass: 40 kg}\n", {"mirror_mass"});
-  refused(response_of("ITN", "phase: one.txt"), {"bad.yaml:3:", "ITN", "ITM"});
-  refused(response_of("ITM", "phase: none.txt"), {"bad.yaml:3:", "none.txt"});
-  refused("straytrace: 1\ninterferometer: {responses: {ITM: {phase: one.txt, columns: [Hz, re, im]}}}\n",
-          {"bad.yaml:2:", "unit"});
+  rejected("straytrace: 1\n", {"this file holds no responses"});
+  rejected(text_of(storm), {"this file holds no responses"});
+  rejected(response_of("ITM", "phase: one.txt") + "noise: {band: [5 Hz, 1 kHz]}\n",
+           {"bad.yaml:4:", "a file of responses holds nothing else"});
+  rejected("straytrace: 1\ninterferometer: {responses: {}, mirror_mass: 40 kg}\n", {"mirror_mass"});
+  rejected(response_of("ITN", "phase: one.txt"), {"bad.yaml:3:", "ITN", "ITM"});
+  rejected(response_of("ITM", "phase: none.txt"), {"bad.yaml:3:", "none.txt"});
+  rejected("straytrace: 1\ninterferometer: {responses: {ITM: {phase: one.txt, columns: [Hz, re, im]}}}\n",
+           {"bad.yaml:2:", "unit"});
 }
 
 // Another motion into the folder of the run replaces the files of the run, with a message; in another folder nothing is

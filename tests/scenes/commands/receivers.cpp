@@ -117,7 +117,7 @@ TEST(ReceiversCommand, StopRules) {
   Finished const reached = trace_two(folder, {"--until", "receiver:PD < 5 %, class:probe > M1 > M2 > det < 5 %"});
   EXPECT_EQ(reached.code, 0) << reached.err;
   EXPECT_EQ(read_run(folder / "run.h5").trace.total.histories, 2880u);  // the second look: 45 blocks of 64
-  auto const refused = [&](std::string const& rule, std::string const& words) {
+  auto const rejected = [&](std::string const& rule, std::string const& words) {
     Finished const r = straytrace({"trace", two_mirrors, "-o", folder / "no.h5", "--until", rule});
     EXPECT_EQ(r.code, 2) << rule;
     EXPECT_THAT(r.err, HasSubstr(words));
@@ -130,10 +130,10 @@ TEST(ReceiversCommand, StopRules) {
   EXPECT_EQ(capped.code, 0) << capped.err;
   EXPECT_EQ(read_run(folder / "short.h5").trace.total.blocks, 49u);
   EXPECT_THAT(straytrace({"trace", "--help"}).out, HasSubstr("'histories' of the scene stays the"));
-  refused("receiver:PB < 5 %", "did you mean 'PD'?");
-  refused("class:probe > M3 < 5 %", "did you mean 'M1'?");
-  refused("h_total < 5 %", "without an interferometer");
-  refused("receivers < 5 %", "receiver:*");
+  rejected("receiver:PB < 5 %", "did you mean 'PD'?");
+  rejected("class:probe > M3 < 5 %", "did you mean 'M1'?");
+  rejected("h_total < 5 %", "without an interferometer");
+  rejected("receivers < 5 %", "receiver:*");
   // In the scene the message has a place.
   write_text(folder / "wrong.yaml", edited(text_of(two_mirrors), "receiver:*", "receiver:PB"));
   Finished const located = straytrace({"check", folder / "wrong.yaml"});

@@ -37,8 +37,8 @@ TEST(RenderFlash, GlintOfTheEndMirror) {
 TEST(RenderFlash, ErrorsStateARemedy) {
   Folder const folder;
   std::string const file = folder / "a.png";
-  EXPECT_THAT(refusal({"render", virgo_arm, "-o", file, "--flash"}), HasSubstr("write --from NAME or --eye X,Y,Z"));
-  EXPECT_THAT(refusal({"render", virgo_arm, "-o", file, "--from", "ITM", "--flash", "--lamp", "0"}),
+  EXPECT_THAT(error_text({"render", virgo_arm, "-o", file, "--flash"}), HasSubstr("write --from NAME or --eye X,Y,Z"));
+  EXPECT_THAT(error_text({"render", virgo_arm, "-o", file, "--from", "ITM", "--flash", "--lamp", "0"}),
               HasSubstr("write for example --lamp 5mm"));
   EXPECT_FALSE(fs::exists(file));
 }

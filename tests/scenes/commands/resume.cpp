@@ -90,10 +90,10 @@ TEST(Resume, AnotherModelIsNotOverwritten) {
   for (Words const& other : {Words{"--seed", "3"}, Words{"-p", "R_t=0.51 m"}}) {
     Words words = run_into(folder / "a", {"--histories", "4096"});
     words.insert(words.end(), other.begin(), other.end());
-    Finished const refused = straytrace(words);
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_THAT(refused.err, HasSubstr("holds a run of another model or seed"));
-    EXPECT_THAT(refused.err, HasSubstr("overwrite it with --force"));
+    Finished const rejected = straytrace(words);
+    EXPECT_EQ(rejected.code, 2);
+    EXPECT_THAT(rejected.err, HasSubstr("holds a run of another model or seed"));
+    EXPECT_THAT(rejected.err, HasSubstr("overwrite it with --force"));
     EXPECT_EQ(text_of(folder / "a/run.h5"), bytes);
     EXPECT_EQ(text_of(folder / "a/report.txt"), report);
   }
@@ -115,10 +115,10 @@ TEST(Resume, DamagedRunsAreNotContinued) {
   std::string bytes = text_of(folder / "a/run.h5");
   bytes[bytes.size() / 2] = char(bytes[bytes.size() / 2] ^ 1);
   write_text(folder / "a/run.h5", bytes);
-  Finished const refused = straytrace(run_into(folder / "a", {"--histories", "8192"}));
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("damaged"));
-  EXPECT_THAT(refused.err, HasSubstr("--force"));
+  Finished const rejected = straytrace(run_into(folder / "a", {"--histories", "8192"}));
+  EXPECT_EQ(rejected.code, 2);
+  EXPECT_THAT(rejected.err, HasSubstr("damaged"));
+  EXPECT_THAT(rejected.err, HasSubstr("--force"));
   EXPECT_EQ(text_of(folder / "a/run.h5"), bytes);
   EXPECT_EQ(straytrace({"paths", folder / "a/run.h5"}).code, 2);
   EXPECT_EQ(straytrace({"noise", folder / "a/run.h5"}).code, 2);

@@ -59,9 +59,9 @@ TEST(AperturesCommand, TableAndProfile) {
   EXPECT_THAT(straytrace({"apertures", virgo_arm, "--profile", "ETN", "--distance", "500 m"}).err,
               HasSubstr("did you mean 'ETM'?"));
   for (char const* distance : {"500", "-1 m", "3 s", "0 m"}) {
-    Finished const refused = straytrace({"apertures", virgo_arm, "--profile", "ETM", "--distance", distance});
-    EXPECT_EQ(refused.code, 2) << distance;
-    EXPECT_THAT(refused.err, HasSubstr("write for example --distance"));
+    Finished const rejected = straytrace({"apertures", virgo_arm, "--profile", "ETM", "--distance", distance});
+    EXPECT_EQ(rejected.code, 2) << distance;
+    EXPECT_THAT(rejected.err, HasSubstr("write for example --distance"));
   }
   EXPECT_EQ(straytrace({"apertures", virgo_arm, "--profile", "ETM"}).code, 2);
 }
@@ -74,16 +74,16 @@ TEST(AperturesCommand, WholePathAndErrors) {
   for (char const* rim :
        {"mount_1/front", "mount_2/back", "lens_2/back", "fold/front", "pick_off/front", "photodiode/sensor"})
     EXPECT_THAT(table.out, HasSubstr(rim));
-  auto const refused = [&](Words const& words, char const* reason) {
+  auto const rejected = [&](Words const& words, char const* reason) {
     Finished const done = straytrace(words);
     EXPECT_EQ(done.code, 2);
     EXPECT_EQ(done.out, "");
     EXPECT_THAT(done.err, HasSubstr(reason));
   };
-  refused({"apertures", bench, "--show", "0"}, "is not a whole number from 1 to 1000000");
-  refused({"apertures", virgo_arm, "--profile", "ETM", "--distance", "1 um"}, "nearer than the beam is wide");
-  refused({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"},
-          "no round rim about the chief ray, across a round beam");
+  rejected({"apertures", bench, "--show", "0"}, "is not a whole number from 1 to 1000000");
+  rejected({"apertures", virgo_arm, "--profile", "ETM", "--distance", "1 um"}, "nearer than the beam is wide");
+  rejected({"apertures", bench, "--profile", "fold/front", "--distance", "1 m"},
+           "no round rim about the chief ray, across a round beam");
 }
 
 // A lens that is too small for the main beam, by name and share, for every command; control: one that is large enough.

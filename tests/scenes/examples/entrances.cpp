@@ -72,12 +72,12 @@ TEST(Entrances, TransmissionIsNotCountedTwice) {
                "straytrace: 1\ninterferometer:\n  preset: adv\n  ports: {disk: {at: " + at + "}}\n");
     Finished const r =
         straytrace({"noise", folder / "arm.h5", "--motion", folder / "other.yaml", "-o", folder / "noise"});
-    bool const refused = at != "end-mirror";
-    EXPECT_EQ(r.code, refused ? 2 : 0) << at << r.err;
-    if (refused) {
+    bool const rejected = at != "end-mirror";
+    EXPECT_EQ(r.code, rejected ? 2 : 0) << at << r.err;
+    if (rejected) {
       EXPECT_THAT(r.err, HasSubstr("other.yaml:4:22: error: 'lit' has followed")) << at;
     }
-    EXPECT_EQ(fs::exists(folder / "noise"), !refused) << at;
+    EXPECT_EQ(fs::exists(folder / "noise"), !rejected) << at;
   }
 }
 

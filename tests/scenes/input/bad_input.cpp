@@ -137,7 +137,7 @@ std::string fault(Case const& c, std::string const& text, Finished const& r) {
   return "wrong reason";
 }
 
-Finished refused_run(Folder const& folder, std::string const& text) {
+Finished failed_run(Folder const& folder, std::string const& text) {
   write_text(folder / "arm.yaml", text);
   return straytrace({"run", folder / "arm.yaml", "-o", folder / "out", "--histories", "4096"});
 }
@@ -147,7 +147,7 @@ TEST(BadInput, EveryEditIsAnError) {
   std::string const good = text_of(written_arm);
   for (Case const& c : cases) {
     std::string const text = edited(good, c.from, c.to);
-    Finished const r = refused_run(folder, text);
+    Finished const r = failed_run(folder, text);
     EXPECT_EQ(fault(c, text, r), "") << c.name << "\n" << r.err;
     EXPECT_FALSE(fs::exists(folder / "out")) << c.name;
   }
@@ -158,12 +158,12 @@ TEST(BadInput, TheCheckCanFail) {
   Folder const folder;
   std::string const good = text_of(written_arm);
   Case c = cases.front();
-  Finished const accepted = refused_run(folder, good);
+  Finished const accepted = failed_run(folder, good);
   EXPECT_EQ(accepted.code, 0) << accepted.err;
   EXPECT_EQ(fault(c, good, accepted), "exit code 0");
   EXPECT_TRUE(fs::exists(folder / "out/run.h5"));
   std::string const text = edited(good, c.from, c.to);
-  Finished const r = refused_run(folder, text);
+  Finished const r = failed_run(folder, text);
   c.at = "17.5";
   EXPECT_EQ(fault(c, text, r), "wrong place");
 }
@@ -174,7 +174,7 @@ TEST(BadInput, AllErrorsAtOnceInOrderAndOnce) {
   text = edited(text, "material: baffle_steel", "material: bafle_steel");
   text = edited(text, "compare: [adv-lal]", "compare: [adv-lol]");
   Folder const folder;
-  Finished const r = refused_run(folder, text);
+  Finished const r = failed_run(folder, text);
   EXPECT_EQ(r.code, 2);
   std::vector<Message> const all = messages_in(r.err);
   ASSERT_EQ(all.size(), 3u) << r.err;
@@ -217,7 +217,7 @@ TEST(BadInput, FilesThatAreNotScenes) {
                      {"just a sentence\n", "arm.yaml"},
                      {std::string(3000, '['), "arm.yaml:1:"}};
   for (auto const& file : files) {
-    Finished const r = refused_run(folder, file.text);
+    Finished const r = failed_run(folder, file.text);
     EXPECT_EQ(r.code, 2) << file.text;
     EXPECT_THAT(r.err, HasSubstr(file.says));
     EXPECT_THAT(r.err, HasSubstr("Nothing was run."));
@@ -241,7 +241,7 @@ TEST(BadInput, EarlierResultsAreUntouched) {
   Folder const folder;
   fs::create_directory(folder / "out");
   write_text(folder / "out/run.h5", "precious");
-  Finished const r = refused_run(folder, edited(text_of(written_arm), "half_angle: 35 deg", "half_angle: 35"));
+  Finished const r = failed_run(folder, edited(text_of(written_arm), "half_angle: 35 deg", "half_angle: 35"));
   EXPECT_EQ(r.code, 2);
   EXPECT_EQ(text_of(folder / "out/run.h5"), "precious");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "out"), {}), 1);

@@ -21,7 +21,7 @@ std::size_t count_of(std::string const& text, std::string const& word) {
 }
 
 // Exit code 2, an empty stdout, the given number of messages, each of the texts in them.
-void refused(Words words, std::vector<std::string> const& texts, std::size_t messages = 1) {
+void rejected(Words words, std::vector<std::string> const& texts, std::size_t messages = 1) {
   words.insert(words.begin(), "budget");
   Finished const done = straytrace(words);
   EXPECT_EQ(done.code, 2) << done.out;
@@ -53,18 +53,18 @@ struct Runs : ::testing::Test {
 Folder* Runs::folder = nullptr;
 
 TEST_F(Runs, GivenTwiceAreErrors) {
-  refused({"adv", at("seed1/run.h5"), at("seed1/run.h5")}, {"given twice", "name each input once"});
-  refused({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
-  refused({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
-  refused({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // no row is resolved: the content decides
+  rejected({"adv", at("seed1/run.h5"), at("seed1/run.h5")}, {"given twice", "name each input once"});
+  rejected({"adv", at("seed1/run.h5"), at("seed1/../seed1/run.h5")}, {"given twice"});
+  rejected({"adv", at("seed1/run.h5"), at("copy.h5")}, {"hold the same noise, 'StrayLight'", "copy.h5"});
+  rejected({at("few/run.h5"), at("few.h5")}, {"hold the same noise"});  // no row is resolved: the content decides
   // Control: baffles of another width scatter other light.
   EXPECT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
 
 TEST_F(Runs,
        LightOfOneSceneIsNotAddedToItself) {  // a second seed estimates the same light: its sum is sqrt(2) too loud
-  refused({"adv", at("seed1/run.h5"), at("seed2/run.h5")},
-          {"seed1/run.h5' and", "seed2/run.h5' hold the stray light of one scene", "pick one", "--compare"});
+  rejected({"adv", at("seed1/run.h5"), at("seed2/run.h5")},
+           {"seed1/run.h5' and", "seed2/run.h5' hold the stray light of one scene", "pick one", "--compare"});
   Finished const beside = straytrace(
       {"budget", "adv", at("seed1/run.h5"), "--compare", at("seed2/run.h5"), "--at", "10 Hz", "--format", "json"});
   ASSERT_EQ(beside.code, 0) << beside.err;
@@ -77,9 +77,9 @@ TEST_F(Runs,
 TEST_F(Runs, BudgetsThatContainAGivenRunOrDetectorAreErrors) {
   ASSERT_EQ(straytrace({"budget", "adv", at("seed1/run.h5"), "--export", "pygwinc", "-o", at("out"), "--quiet"}).code,
             0);
-  refused({at("seed1/run.h5"), at("out/budget.hdf5")}, {"hold the same noise, 'StrayLight'"});
-  refused({"adv", at("out/budget.hdf5")}, {"'adv' and", "'CoatingBrownian'", "--compare"});
-  refused({at("seed2/run.h5"), at("out/budget.hdf5")}, {"light of one scene"});  // the exported file names its model
+  rejected({at("seed1/run.h5"), at("out/budget.hdf5")}, {"hold the same noise, 'StrayLight'"});
+  rejected({"adv", at("out/budget.hdf5")}, {"'adv' and", "'CoatingBrownian'", "--compare"});
+  rejected({at("seed2/run.h5"), at("out/budget.hdf5")}, {"light of one scene"});  // the exported file names its model
   EXPECT_EQ(straytrace({"budget", at("out/budget.hdf5"), at("narrow/run.h5"), "--quiet"}).code, 0);
 }
 
@@ -104,10 +104,10 @@ TEST_F(Runs, DamagedFilesAreCalledDamaged) {
   write_text(at("short.h5"), whole.substr(0, whole.size() / 2));
   write_text(at("garbled.hdf5"), "XXXX" + whole.substr(600));
   write_text(at("cut.hdf5"), whole.substr(512, 4000));
-  refused({"adv", at("short.h5")}, {"short.h5", "damaged"});
-  refused({"adv", at("garbled.hdf5")}, {"garbled.hdf5", "damaged"});
-  refused({"adv", at("cut.hdf5")}, {"cut.hdf5", "damaged"});
-  refused({"adv", at("short.h5"), at("garbled.hdf5"), "aligo"}, {"short.h5", "garbled.hdf5", "second detector"}, 3);
+  rejected({"adv", at("short.h5")}, {"short.h5", "damaged"});
+  rejected({"adv", at("garbled.hdf5")}, {"garbled.hdf5", "damaged"});
+  rejected({"adv", at("cut.hdf5")}, {"cut.hdf5", "damaged"});
+  rejected({"adv", at("short.h5"), at("garbled.hdf5"), "aligo"}, {"short.h5", "garbled.hdf5", "second detector"}, 3);
 }
 
 TEST(BudgetInput, ErrorsOfDetectorsAreReportedOnce) {
@@ -116,25 +116,25 @@ TEST(BudgetInput, ErrorsOfDetectorsAreReportedOnce) {
     write_text(folder / "mine.yaml", "extends: aligo\n" + text);
     return folder / "mine.yaml";
   };
-  refused({file("Laser: {Power: 25}\nOptics: {Loss: 1e-5}\nLaser: {Power: 50}\n")},
-          {"mine.yaml:4:1", "'Laser' stands here twice", "keep one"});
-  refused({file("Optics: {ITM: {Transmittance: 0.01, Transmittance: 0.02}}\n")}, {"mine.yaml:2:", "twice"});
-  refused({file("Squeezer: {AmplitudedB: -10}\n")},
-          {"mine.yaml:2:25", "'Squeezer.AmplitudedB' is -10", "from 0 to 60"});
-  refused({file("Squeezer: {Type: Freq dependent, AmplitudedB: 6}\n")}, {"not a kind of squeezing", "Freq Dependent"});
-  refused({file("Materials: {MassRadius: 0.05}\n")}, {"smaller than the beam", "0.062 m at the end mirrors"});
-  refused({file("Optics: {ITM: {Transmittance: 1}}\n")}, {"'Optics.ITM.Transmittance' is 1", "above 0 and below 1"});
-  refused({file("Optics: {ETM: {Transmittance: -1e-6}}\n")}, {"from 0 and below 1"});
-  refused({file("Suspension: {Temp: 0}\n")}, {"'Suspension.Temp' is 0", "above 0"});
-  refused({file("Materials: {Substrate: {Temp: 0}}\n")}, {"'Materials.Substrate.Temp' is 0"});
-  refused({file("Laser: {Power: much}\n")}, {"'Laser.Power' is a number, got \"much\""});
-  refused({file("Laser: {Power: -1}\n")}, {"'Laser.Power' is -1"});
-  refused({file("Infrastructure: {Length: 0}\n")}, {"'Infrastructure.Length' is 0", "above 0"});
-  refused({file("Laser: {Power: 1, ArmPower: 2}\n")}, {"both Laser.Power and Laser.ArmPower"});
-  refused({file("Curves: [{name: a, file: x}, {name: a, file: y}]\n")}, {"a second curve is named 'a'"});
-  refused({file("Seismic: {RayleighWaveSpeed: 1000}\n")}, {"slower than s waves"});
-  refused({"aligo", "--at", "1e300 Hz"}, {"'1e300 Hz' is not between 1 uHz and 1 MHz"});
-  refused({"aligo", "--band", "1e-9 Hz, 1 kHz"}, {"not between"});
+  rejected({file("Laser: {Power: 25}\nOptics: {Loss: 1e-5}\nLaser: {Power: 50}\n")},
+           {"mine.yaml:4:1", "'Laser' stands here twice", "keep one"});
+  rejected({file("Optics: {ITM: {Transmittance: 0.01, Transmittance: 0.02}}\n")}, {"mine.yaml:2:", "twice"});
+  rejected({file("Squeezer: {AmplitudedB: -10}\n")},
+           {"mine.yaml:2:25", "'Squeezer.AmplitudedB' is -10", "from 0 to 60"});
+  rejected({file("Squeezer: {Type: Freq dependent, AmplitudedB: 6}\n")}, {"not a kind of squeezing", "Freq Dependent"});
+  rejected({file("Materials: {MassRadius: 0.05}\n")}, {"smaller than the beam", "0.062 m at the end mirrors"});
+  rejected({file("Optics: {ITM: {Transmittance: 1}}\n")}, {"'Optics.ITM.Transmittance' is 1", "above 0 and below 1"});
+  rejected({file("Optics: {ETM: {Transmittance: -1e-6}}\n")}, {"from 0 and below 1"});
+  rejected({file("Suspension: {Temp: 0}\n")}, {"'Suspension.Temp' is 0", "above 0"});
+  rejected({file("Materials: {Substrate: {Temp: 0}}\n")}, {"'Materials.Substrate.Temp' is 0"});
+  rejected({file("Laser: {Power: much}\n")}, {"'Laser.Power' is a number, got \"much\""});
+  rejected({file("Laser: {Power: -1}\n")}, {"'Laser.Power' is -1"});
+  rejected({file("Infrastructure: {Length: 0}\n")}, {"'Infrastructure.Length' is 0", "above 0"});
+  rejected({file("Laser: {Power: 1, ArmPower: 2}\n")}, {"both Laser.Power and Laser.ArmPower"});
+  rejected({file("Curves: [{name: a, file: x}, {name: a, file: y}]\n")}, {"a second curve is named 'a'"});
+  rejected({file("Seismic: {RayleighWaveSpeed: 1000}\n")}, {"slower than s waves"});
+  rejected({"aligo", "--at", "1e300 Hz"}, {"'1e300 Hz' is not between 1 uHz and 1 MHz"});
+  rejected({"aligo", "--band", "1e-9 Hz, 1 kHz"}, {"not between"});
 }
 
 TEST(BudgetInput, PowerStatedLaterReplacesThePreset) {  // the example of the help, on a preset with ArmPower
@@ -163,17 +163,17 @@ TEST(BudgetInput, TitleOfTheFileIsShown) {
 TEST(BudgetInput, UnwritableOutputLeavesNoFiles) {
   Folder const folder;
   write_text(folder / "file", "");
-  refused({"aligo", "-o", folder / "file/out"}, {"cannot make the folder", "-o"});
-  refused({"alogo", "-o", folder / "deep/deeper"}, {"did you mean"});
+  rejected({"aligo", "-o", folder / "file/out"}, {"cannot make the folder", "-o"});
+  rejected({"alogo", "-o", folder / "deep/deeper"}, {"did you mean"});
   EXPECT_FALSE(fs::exists(folder / "deep"));  // made before reading, removed after the error
   fs::create_directories(folder / "taken/budget.json");
-  refused({"aligo", "-o", folder / "taken"}, {"'budget.json' is a folder"});
+  rejected({"aligo", "-o", folder / "taken"}, {"'budget.json' is a folder"});
   EXPECT_FALSE(fs::exists(folder / "taken/budget.txt"));
   if (::geteuid() != 0) {
     fs::create_directory(folder / "closed");
     ::chmod(std::string(folder / "closed").c_str(), 0500);
-    refused({"aligo", "-o", folder / "closed/new"}, {"cannot make the folder"});
-    refused({"aligo", "-o", folder / "closed"}, {"cannot write to the folder"});
+    rejected({"aligo", "-o", folder / "closed/new"}, {"cannot make the folder"});
+    rejected({"aligo", "-o", folder / "closed"}, {"cannot write to the folder"});
   }
 }
 

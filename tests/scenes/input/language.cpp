@@ -69,8 +69,8 @@ TEST(Explain, AKeyHasTypeRangeDefaultExampleAndPage) {
   EXPECT_GT(answer({"explain", "half_angle"}).size(), 3u);
   EXPECT_THAT(straytrace({"explain", "beam"}).out, HasSubstr("wavelength"));
   EXPECT_THAT(straytrace({"explain", "lens.radius_1"}).out, HasSubstr("default  0 m"));
-  EXPECT_THAT(refusal({"explain", "conne.half_angel"}), HasSubstr("did you mean 'cone.half_angle'?"));
-  EXPECT_THAT(refusal({"explain", "cone.half_angel"}), HasSubstr("did you mean 'cone.half_angle'?"));
+  EXPECT_THAT(error_text({"explain", "conne.half_angel"}), HasSubstr("did you mean 'cone.half_angle'?"));
+  EXPECT_THAT(error_text({"explain", "cone.half_angel"}), HasSubstr("did you mean 'cone.half_angle'?"));
 }
 
 TEST(Explain, ThingsOfTheLibraryAndTheirNumbers) {
@@ -79,20 +79,20 @@ TEST(Explain, ThingsOfTheLibraryAndTheirNumbers) {
   EXPECT_THAT(rim["source"].get<std::string>(), HasSubstr("Virgo specification"));
   EXPECT_EQ(answer({"explain", "adv.arm_power"})["default"], "650 kW");
   EXPECT_EQ(answer({"explain", "dlc"})["status"], "assumed");
-  std::string const refused = refusal({"explain", "baffle.aperture"});  // no part has this name alone
-  EXPECT_THAT(refused, HasSubstr("conical_baffle"));
-  EXPECT_THAT(refused, HasSubstr("inner_radius"));
-  EXPECT_THAT(refusal({"explain", "lens.diametre"}), HasSubstr("did you mean 'lens.diameter'?"));
+  std::string const rejected = error_text({"explain", "baffle.aperture"});  // no part has this name alone
+  EXPECT_THAT(rejected, HasSubstr("conical_baffle"));
+  EXPECT_THAT(rejected, HasSubstr("inner_radius"));
+  EXPECT_THAT(error_text({"explain", "lens.diametre"}), HasSubstr("did you mean 'lens.diameter'?"));
 }
 
 TEST(Explain, UnitsAndMessages) {
   EXPECT_EQ(straytrace({"explain", "unit m/sqrt(Hz)"}).out, straytrace({"explain", "unit", "m/sqrt(Hz)"}).out);
   EXPECT_EQ(straytrace({"explain", "m/sqrt(Hz)"}).out, straytrace({"explain", "unit", "m/sqrt(Hz)"}).out);
   EXPECT_NEAR(answer({"explain", "unit", "arcsec"})["si"].get<double>(), 4.84813681e-6, 1e-14);
-  EXPECT_THAT(refusal({"explain", "unit", "metre"}), HasSubstr("did you mean 'm'?"));
+  EXPECT_THAT(error_text({"explain", "unit", "metre"}), HasSubstr("did you mean 'm'?"));
   EXPECT_THAT(straytrace({"explain", "arm.yaml:8:29: error: \"10 um\" does not say which amplitude it is"}).out,
               HasSubstr("... peak"));
-  EXPECT_THAT(refusal({"explain", "xyzzy plugh"}), HasSubstr("nothing in the language"));
+  EXPECT_THAT(error_text({"explain", "xyzzy plugh"}), HasSubstr("nothing in the language"));
 }
 
 // S = 1/2 kappa^2 S_x where motion is small (docs/theory/spectra.md, eq. 7.2): here S_x = (1e-12 (f/10 Hz)^-1)^2
@@ -111,8 +111,8 @@ TEST(Explain, TheChainOfAPathIsItsStrain) {
   EXPECT_NEAR(std::sqrt(product) / value("h"), 1, 1e-12);
   auto const routes = answer({"paths", folder / "a/run.h5"});
   EXPECT_EQ(a["route"], routes["routes"][0]["sequence"]);
-  EXPECT_THAT(refusal({"explain", "h", folder / "a/run.h5", "--path", "900"}), HasSubstr("has no path 900"));
-  EXPECT_THAT(refusal({"explain", "h", folder / "a/run.h5", "--at", "1e5"}), HasSubstr("outside the band"));
+  EXPECT_THAT(error_text({"explain", "h", folder / "a/run.h5", "--path", "900"}), HasSubstr("has no path 900"));
+  EXPECT_THAT(error_text({"explain", "h", folder / "a/run.h5", "--at", "1e5"}), HasSubstr("outside the band"));
 }
 
 TEST(Diff, SpellingMakesNoDifference) {
@@ -181,7 +181,7 @@ TEST(Diff, CausesComeFirstAndAreReadable) {
 TEST(Messages, NearMissesAreShownCorrected) {
   Folder const folder;
   write_text(folder / "m.yaml", "straytrace: 1\nbodies: {b: {motion: {asd: 1e-12 m/sqrt(Hz)}}}\n");
-  std::string const told = refusal({"check", folder / "m.yaml"});
+  std::string const told = error_text({"check", folder / "m.yaml"});
   EXPECT_THAT(told, HasSubstr("z: {asd: ...}"));
   EXPECT_THAT(told, HasSubstr("1 error."));
   EXPECT_THAT(straytrace({"explain", "coupling"}).out, HasSubstr("column of the path table"));
@@ -294,19 +294,19 @@ TEST(Messages, WarningsComeAsJsonWithTheirPlaces) {
 }
 
 TEST(Messages, MisuseHasOneFormOfMessage) {
-  EXPECT_THAT(refusal({"run", virgo_arm, "--seed", "1", "--seed", "2", "-o", "x"}),
+  EXPECT_THAT(error_text({"run", virgo_arm, "--seed", "1", "--seed", "2", "-o", "x"}),
               HasSubstr("--seed is given 2 times\n  give it once"));
-  EXPECT_THAT(refusal({"check", virgo_arm, "--format", "jsn"}), HasSubstr("did you mean 'json'?"));
-  EXPECT_THAT(refusal({"noise", "run.h5", "--motion"}), HasSubstr("--motion needs a value"));
-  EXPECT_THAT(refusal({"check"}), HasSubstr("'scene' is missing\n  write straytrace check scene"));
-  EXPECT_THAT(refusal({"paths", "run.h5", "--show", "-3"}), HasSubstr("is not a whole number"));
+  EXPECT_THAT(error_text({"check", virgo_arm, "--format", "jsn"}), HasSubstr("did you mean 'json'?"));
+  EXPECT_THAT(error_text({"noise", "run.h5", "--motion"}), HasSubstr("--motion needs a value"));
+  EXPECT_THAT(error_text({"check"}), HasSubstr("'scene' is missing\n  write straytrace check scene"));
+  EXPECT_THAT(error_text({"paths", "run.h5", "--show", "-3"}), HasSubstr("is not a whole number"));
   Folder const folder;
   write_text(folder / "m.yaml", "straytrace: 1\nbodys: {b: {motion: still}}\n");
-  std::string const told = refusal({"check", folder / "m.yaml"});
+  std::string const told = error_text({"check", folder / "m.yaml"});
   EXPECT_THAT(told, HasSubstr("did you mean 'bodies'?"));
   EXPECT_THAT(told, Not(HasSubstr("no beam lights")));
   write_text(folder / "v.yaml", "straytrace: 2\n");
-  EXPECT_THAT(refusal({"check", "--migrate", folder / "v.yaml"}), HasSubstr("newer than this program"));
+  EXPECT_THAT(error_text({"check", "--migrate", folder / "v.yaml"}), HasSubstr("newer than this program"));
   EXPECT_THAT(straytrace({"check", "--migrate", virgo_arm}).out, HasSubstr("nothing to rewrite"));
 }
 
@@ -323,10 +323,10 @@ TEST(ScanJobs, TheSameBitsInAnyNumber) {
   std::string const alone = text_of(folder / "1/scan.csv");
   EXPECT_EQ(text_of(folder / "3/scan.csv"), alone);
   EXPECT_THAT(alone, HasSubstr("21 cm,"));
-  EXPECT_THAT(refusal({"scan", folder / "a.yaml", "--points", folder / "points.csv", "--jobs", "2"}),
+  EXPECT_THAT(error_text({"scan", folder / "a.yaml", "--points", folder / "points.csv", "--jobs", "2"}),
               HasSubstr("name one with -o"));
   write_text(folder / "bad.csv", "opening [cm]\nwide\n20, 21\n");
-  std::string const told = refusal({"scan", folder / "a.yaml", "--points", folder / "bad.csv"});
+  std::string const told = error_text({"scan", folder / "a.yaml", "--points", folder / "bad.csv"});
   EXPECT_THAT(told, HasSubstr(":2:1: error: 'wide' is not a number"));
   EXPECT_THAT(told, HasSubstr(":3:1: error: 2 values, but the header has 1 column"));
 }

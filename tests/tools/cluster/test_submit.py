@@ -132,17 +132,17 @@ class Words(unittest.TestCase):
 
     def test_what_cannot_be_sliced_is_refused(self):
         with tempfile.TemporaryDirectory() as place:
-            def refused(*words, scene=tuple(SCENE)):
+            def rejected(*words, scene=tuple(SCENE)):
                 said = ask("submit", *scene, "--backend", "slurm", "-o", f"{place}/jobs", *words, code=2)
                 self.assertFalse(pathlib.Path(place, "jobs").exists())
                 return said
             virgo = (str(SOURCE / "examples/virgo_arm.yaml"),)          # it stops by error
-            self.assertIn("--histories", refused("--jobs", "4", scene=virgo))
-            self.assertIn("write --jobs 192", refused("--jobs", "400", "--histories", 3 * BLOCK))
+            self.assertIn("--histories", rejected("--jobs", "4", scene=virgo))
+            self.assertIn("write --jobs 192", rejected("--jobs", "400", "--histories", 3 * BLOCK))
             for time in ("1s", "1e300h"):                               # too short to write a part; no number of a clock
-                self.assertIn("between 1min and 8784h", refused("--jobs", "2", "--histories", MANY, "--time", time))
-            self.assertIn("from 1 to 50000", refused("--jobs", "60000", "--histories", "1e10"))
-            self.assertIn("no name of an account", refused("--jobs", "2", "--accounting", "a;b"))
+                self.assertIn("between 1min and 8784h", rejected("--jobs", "2", "--histories", MANY, "--time", time))
+            self.assertIn("from 1 to 50000", rejected("--jobs", "60000", "--histories", "1e10"))
+            self.assertIn("no name of an account", rejected("--jobs", "2", "--accounting", "a;b"))
             self.assertIn("--backend", ask("submit", *SCENE, "--jobs", "2", "-o", f"{place}/jobs", code=2))
             for count, said in (("1000", False), ("1001", True)):
                 words = ["submit", *SCENE, "--backend", "slurm", "-o", f"{place}/many", "--jobs", count, "--histories", "1e10"]

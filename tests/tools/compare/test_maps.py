@@ -64,7 +64,7 @@ def zygo_xyz(height):
     return "\n".join(lines + ["#"]) + "\n"
 
 
-def refused(path, reason):
+def rejected(path, reason):
     try:
         read_map(path)
     except MapError as error:
@@ -103,7 +103,7 @@ def check_refusals(folder):
                             (zygo(counts).replace("0 0.5", "0 0,5").encode(), ":8:1:"),
                             (b"hello", "no known map"), (zygo(counts)[:60].encode(), "ends within its header")):
         path.write_bytes(content)
-        refused(path, reason)
+        rejected(path, reason)
     assert maps.main([str(path), "-o", str(folder / "no.csv"), "--aperture", "1 cm", "--remove", "tilt"]) == 2
     assert not (folder / "no.csv").exists()
 

@@ -253,7 +253,7 @@ def test_drop_in_reads_curves(folder):
             pass
 
 
-def refused(error, call, *words, **values):
+def rejected(error, call, *words, **values):
     try:
         call(*words, **values)
     except error as said:
@@ -266,12 +266,12 @@ def test_what_is_no_curve_is_refused(folder):
     (folder / "curve.txt").write_text("10 0\n100 0\n10000 2e-22\n")
     (folder / "negative.txt").write_text("10 1e-22\n100 -1e-22\n")
     curve = folder / "curve.txt"
-    assert "'foo'" in refused(ValueError, StrayLight.of, curve, quantity="foo")
-    assert "quantty" in refused(TypeError, StrayLight.of, curve, quantty="strain")
-    assert "beyond" in refused(ValueError, StrayLight.of, curve, beyond="zero")
+    assert "'foo'" in rejected(ValueError, StrayLight.of, curve, quantity="foo")
+    assert "quantty" in rejected(TypeError, StrayLight.of, curve, quantty="strain")
+    assert "beyond" in rejected(ValueError, StrayLight.of, curve, beyond="zero")
     (folder / "three.txt").write_text("10 1e-22 5\n100 1e-22 5\n")
-    assert "3 columns" in refused(straytrace.RunError, read_strain, folder / "three.txt")
-    assert "100 Hz is negative" in refused(straytrace.RunError, read_strain, folder / "negative.txt")
+    assert "3 columns" in rejected(straytrace.RunError, read_strain, folder / "three.txt")
+    assert "100 Hz is negative" in rejected(straytrace.RunError, read_strain, folder / "negative.txt")
     h = StrayLight.of(curve, quantity="strain")(freq=np.array([5, 50, 100, 1000, 10000.0])).run().asd
     assert np.isnan(h[0]) and close(h[1:], [0, 0, 1e-22, 2e-22], 1e-9)
 

@@ -259,7 +259,7 @@ class Files(unittest.TestCase):
         self.assertIn("the axis 'frequency' is not regular", message)
         self.assertEqual([o.name for o in outs if o.exists()], [])
 
-    def refused(self, content, *words, name="bad.txt", more=()):
+    def rejected(self, content, *words, name="bad.txt", more=()):
         file = self.folder / name
         file.write_text(content)
         message = ask("convert", file, *more, code=2)
@@ -272,20 +272,20 @@ class Files(unittest.TestCase):
         (self.folder / "good.txt").write_text(good)
         self.assertEqual(len(self.record(self.folder / "good.txt")[0]), 64)
         gap = ["# time [s], x [um]", *rows[:20], *rows[25:]]
-        self.refused("\n".join(gap), "bad.txt: error: line 22: a gap of 0.375 s", "--gps")
+        self.rejected("\n".join(gap), "bad.txt: error: line 22: a gap of 0.375 s", "--gps")
         jitter = [*rows[:20], f"{START + 20.4 / 16} 1", *rows[21:]]
-        self.refused("\n".join(jitter), "line 21: the times are not regular", more=("--unit", "um"))
-        self.refused("\n".join([*rows[:20], f"{START + 20 / 16} nan", *rows[21:]]), "line 21", "not a number", more=("--unit", "um"))
-        self.refused("\n".join([*rows[:20], f"{START + 18 / 16} 1", *rows[21:]]), "does not come after", more=("--unit", "um"))
-        self.refused("0,00 1,5\n0,25 2,5\n", "line 1", "decimal commas", "0.5")
-        self.refused("time;x\n0,00;1,5\n0,25;2,5\n", "line 2", "decimal commas", name="bad.csv")
-        self.refused("\n".join(rows), "has no unit", "--unit um/s^2")
-        self.refused("\n".join(rows), "'metre'", "did you mean 'm'", more=("--unit", "metre"))
-        self.refused("0 1\n", "one row", more=("--unit", "m"))
-        self.refused("f [Hz],x [m]\n1,2\n2,3\n", "Hz, not time", name="bad.csv")
-        self.refused("t,a [m],b [m]\n0,2,1\n1,3,2\n", "2 channels", "::a", "a, b", name="bad.csv")
-        self.refused(good, "holds GPS", "..", more=("--gps", "1..2"))
-        self.refused(good, "neither a GPS time nor UTC", more=("--gps", "soon"))
+        self.rejected("\n".join(jitter), "line 21: the times are not regular", more=("--unit", "um"))
+        self.rejected("\n".join([*rows[:20], f"{START + 20 / 16} nan", *rows[21:]]), "line 21", "not a number", more=("--unit", "um"))
+        self.rejected("\n".join([*rows[:20], f"{START + 18 / 16} 1", *rows[21:]]), "does not come after", more=("--unit", "um"))
+        self.rejected("0,00 1,5\n0,25 2,5\n", "line 1", "decimal commas", "0.5")
+        self.rejected("time;x\n0,00;1,5\n0,25;2,5\n", "line 2", "decimal commas", name="bad.csv")
+        self.rejected("\n".join(rows), "has no unit", "--unit um/s^2")
+        self.rejected("\n".join(rows), "'metre'", "did you mean 'm'", more=("--unit", "metre"))
+        self.rejected("0 1\n", "one row", more=("--unit", "m"))
+        self.rejected("f [Hz],x [m]\n1,2\n2,3\n", "Hz, not time", name="bad.csv")
+        self.rejected("t,a [m],b [m]\n0,2,1\n1,3,2\n", "2 channels", "::a", "a, b", name="bad.csv")
+        self.rejected(good, "holds GPS", "..", more=("--gps", "1..2"))
+        self.rejected(good, "neither a GPS time nor UTC", more=("--gps", "soon"))
 
     def test_outputs_are_refused_before_work(self):
         message = ask("psd", self.folder / "missing.txt", "-o", self.folder / "x.jpg", code=2)

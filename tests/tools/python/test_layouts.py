@@ -43,7 +43,7 @@ def converted(folder, name, text):
     return (folder / "out.yaml").read_text()
 
 
-def refused(folder, name, text, *reasons):
+def rejected(folder, name, text, *reasons):
     (folder / name).write_text(text)
     try:
         scene_text(layouts.read_layout(folder / name), name)
@@ -119,23 +119,23 @@ def check_gtrace(folder, program):
     assert thickness < 0.02
 
 
-def check_refusals(folder):
+def check_errors(folder):
     good = TIA.format(wedge=0, r=0.98)
-    refused(folder, "x.tia", TIA.format(wedge=0, r=1.2), "x.tia:6:1: error: 'M1', front (HR): R = 1.2, T = 0.01")
-    refused(folder, "x.tia", good.replace("HRK = 0", "HRC = 0"), "x.tia:6:1", "has no 'HRC'")
-    refused(folder, "x.tia", good.replace("10*cm", "10*inch"), "'inch' is neither")
-    refused(folder, "x.tia", good.replace("Focal = 50*cm", "Focal = 0"), "x.tia:7:1", "focal length 0")
-    refused(folder, "x.tia", good.replace("bd 0", "xx 0"), "x.tia:8:1: error: unknown keyword 'xx'")
-    refused(folder, "x.tia", good.replace("1*m, 0, 0", "1*m; 0"), "x.tia:5:", "cannot read")
-    refused(folder, "x.tia", good.replace("P = 2*W", "P = 1/0"), "x.tia:4:1")
-    refused(folder, "x.tia", "title\nbm\n", "holds no optic")
+    rejected(folder, "x.tia", TIA.format(wedge=0, r=1.2), "x.tia:6:1: error: 'M1', front (HR): R = 1.2, T = 0.01")
+    rejected(folder, "x.tia", good.replace("HRK = 0", "HRC = 0"), "x.tia:6:1", "has no 'HRC'")
+    rejected(folder, "x.tia", good.replace("10*cm", "10*inch"), "'inch' is neither")
+    rejected(folder, "x.tia", good.replace("Focal = 50*cm", "Focal = 0"), "x.tia:7:1", "focal length 0")
+    rejected(folder, "x.tia", good.replace("bd 0", "xx 0"), "x.tia:8:1: error: unknown keyword 'xx'")
+    rejected(folder, "x.tia", good.replace("1*m, 0, 0", "1*m; 0"), "x.tia:5:", "cannot read")
+    rejected(folder, "x.tia", good.replace("P = 2*W", "P = 1/0"), "x.tia:4:1")
+    rejected(folder, "x.tia", "title\nbm\n", "holds no optic")
     for key, value, reason in (("Refl_HR", 1.5, "R = 1.5"), ("n", None, "'n' is missing"), ("HRcenter", [1], "2 finite numbers"),
                                ("type", "Prism", "unknown type 'Prism'"), ("inv_ROC_HR", 100.0, "wider than the sphere")):
         layout = json.loads(json.dumps(GTRACE))
         layout["optics"][1][key] = value
-        refused(folder, "x.json", json.dumps(layout), reason)
-    refused(folder, "x.json", "{,}", "x.json:1:2")
-    refused(folder, "x.json", "{}", "no list 'optics'")
+        rejected(folder, "x.json", json.dumps(layout), reason)
+    rejected(folder, "x.json", "{,}", "x.json:1:2")
+    rejected(folder, "x.json", "{}", "no list 'optics'")
     cylinder = json.loads(json.dumps(GTRACE))
     cylinder["optics"][1]["type"] = "CyMirror"
     (folder / "c.json").write_text(json.dumps(cylinder))
@@ -147,5 +147,5 @@ with tempfile.TemporaryDirectory() as name:
     check_theia(here, sys.argv[1])
     check_wedge(here, sys.argv[1])
     check_gtrace(here, sys.argv[1])
-    check_refusals(here)
+    check_errors(here)
 print("ok")

@@ -238,18 +238,18 @@ class Runs(unittest.TestCase):
         whole = self.run_.path.read_bytes()
         bad = self.place / "bad.h5"
         bad.write_bytes(whole[:-1000])
-        self.refused(bad, "damaged: it holds")
+        self.rejected(bad, "damaged: it holds")
         bad.write_bytes(whole[:-1000] + bytes([whole[-1000] ^ 1]) + whole[-999:])
-        self.refused(bad, "not what was written")
+        self.rejected(bad, "not what was written")
         bad.write_bytes(b"no run at all")
-        self.refused(bad, "cannot read")
+        self.rejected(bad, "cannot read")
         bad.write_bytes(whole[512:])
         with h5py.File(bad, "r+") as file:
             file.attrs["schema"] = [3, 0]
-        self.refused(bad, "has format 3.0")
-        self.refused(self.place / "none.h5", "cannot read")
+        self.rejected(bad, "has format 3.0")
+        self.rejected(self.place / "none.h5", "cannot read")
 
-    def refused(self, path, words):
+    def rejected(self, path, words):
         with self.assertRaisesRegex(straytrace.RunError, words):
             straytrace.open(path)
 

@@ -59,7 +59,7 @@ class Tables(unittest.TestCase):
                 self.assertAlmostEqual(p.share, shares[p.sequence], places=12)
         self.assertNotAlmostEqual(low[0].share, first.share, places=11)           # a band that changes nothing tests nothing
 
-    def test_wrong_conditions_are_refused(self):
+    def test_wrong_conditions_are_errors(self):
         paths = self.run_.paths()
         for where, words in (("shares > 1 %", "'shares' is not known"), ("share > 1", "share needs a unit"), ("via(3)", "'3'"),
                              ("1 + 2 == 3", "a number stands first"), ("__import__('os')", "is not known"),

@@ -302,7 +302,7 @@ esac
     def test_installing_is_left_out(self):
         self.expect("$ scripts/setup", 0, "do what they say")
 
-    def test_scene_that_is_refused_fails(self):
+    def test_scene_with_errors_fails(self):
         self.expect("straytrace: 1\nok: 1", 0, "do what they say", "yaml", page="docs/reference/scene.md")
         self.expect("straytrace: 1\nwrong: 1", 1, "does not pass", "yaml", page="docs/reference/scene.md")
 

@@ -62,7 +62,7 @@ def of_valid_scenes():
     for name, text in scenes():
         count += 1
         for complaint in complaints(text):
-            yield f"the schema refuses a valid scene: {name}: {complaint}"
+            yield f"the schema rejects a valid scene: {name}: {complaint}"
     if count < 40:
         yield f"only {count} scenes were found"
 

@@ -32,8 +32,8 @@ def check_words():
         helped = run(SCRIPTS / name, "--help")
         check(helped.returncode == 0 and helped.stdout.startswith(f"Usage: scripts/{name}"), f"{name} --help: {helped}")
         if name not in HANDED_ON:
-            refused = run(SCRIPTS / name, "--xyzzy")
-            check(refused.returncode == 2 and refused.stderr, f"{name} --xyzzy ends with {refused.returncode}: {refused}")
+            rejected = run(SCRIPTS / name, "--xyzzy")
+            check(rejected.returncode == 2 and rejected.stderr, f"{name} --xyzzy ends with {rejected.returncode}: {rejected}")
 
 
 def check_lists():

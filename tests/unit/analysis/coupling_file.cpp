@@ -27,7 +27,7 @@ CouplingFunction read(std::string const& text, std::string const& unit = "1/m") 
   return parse_coupling(text, "c.csv", unit, "m");
 }
 
-std::string refused(std::string const& text, std::string const& unit = "1/m") {
+std::string rejected(std::string const& text, std::string const& unit = "1/m") {
   try {
     read(text, unit);
   } catch (InputError const& e) {
@@ -124,15 +124,15 @@ TEST(CouplingFile, LayoutsOfPemcouplingRoundTripR6_08) {
 }
 
 TEST(CouplingFile, ErrorsStatePlaceAndRemedy) {
-  EXPECT_THAT(refused("frequency,factor\n1,2\n"), HasSubstr("c.csv:1: error: no column 'flag'"));
-  EXPECT_THAT(refused("frequency,factor,flag\n1,2,Perhaps\n"), HasSubstr("c.csv:2: error: 'perhaps' is not a flag"));
-  EXPECT_THAT(refused("frequency,factor,flag\n2,2,Real\n1,2,Real\n"),
+  EXPECT_THAT(rejected("frequency,factor\n1,2\n"), HasSubstr("c.csv:1: error: no column 'flag'"));
+  EXPECT_THAT(rejected("frequency,factor,flag\n1,2,Perhaps\n"), HasSubstr("c.csv:2: error: 'perhaps' is not a flag"));
+  EXPECT_THAT(rejected("frequency,factor,flag\n2,2,Real\n1,2,Real\n"),
               HasSubstr("c.csv:3: error: the frequency does not"));
-  EXPECT_THAT(refused("frequency,factor,flag\n2,-2,Real\n"), HasSubstr("c.csv:2: error: the factor is not positive"));
-  EXPECT_THAT(refused("frequency,factor,flag\n2,x,Real\n"), HasSubstr("'x' is not a number"));
-  EXPECT_THAT(refused("frequency,flag,factor\n2,Real,1,5\n"), HasSubstr("c.csv:2: error: more values than the 3"));
-  EXPECT_THAT(refused(theirs, ""), HasSubstr("c.csv: error: the file does not say the unit of its factors"));
-  EXPECT_THAT(refused(""), HasSubstr("no couplings in it"));
+  EXPECT_THAT(rejected("frequency,factor,flag\n2,-2,Real\n"), HasSubstr("c.csv:2: error: the factor is not positive"));
+  EXPECT_THAT(rejected("frequency,factor,flag\n2,x,Real\n"), HasSubstr("'x' is not a number"));
+  EXPECT_THAT(rejected("frequency,flag,factor\n2,Real,1,5\n"), HasSubstr("c.csv:2: error: more values than the 3"));
+  EXPECT_THAT(rejected(theirs, ""), HasSubstr("c.csv: error: the file does not say the unit of its factors"));
+  EXPECT_THAT(rejected(""), HasSubstr("no couplings in it"));
 }
 
 TEST(CouplingProjection, ErrorsAreCarriedAndLimitsStayLimitsR6_08) {

@@ -52,7 +52,7 @@ struct Program {
   }
 
   // Empty: these words are a command line; nothing runs.
-  std::string refusal_of(std::vector<std::string> words) {
+  std::string error_text_of(std::vector<std::string> words) {
     std::ranges::reverse(words);
     try {
       app.parse(words);
@@ -96,7 +96,7 @@ TEST(Help, ExamplesParse) {
   std::filesystem::current_path(STRAY_SOURCE_DIR);
   for (CLI::App* command : commands_of(program().app))
     for (std::vector<std::string> const& words : examples_in(command->help()))
-      EXPECT_EQ(program().refusal_of(words), "") << ::testing::PrintToString(words);
+      EXPECT_EQ(program().error_text_of(words), "") << ::testing::PrintToString(words);
 }
 
 // Each check must reject the fault it is there for.
@@ -124,9 +124,9 @@ TEST(Help, FaultsAreFound) {
   command.add_flag("--new", flag, "of no group");
   EXPECT_EQ(fault_of(command, command_groups()), "--new is in no group");
 
-  EXPECT_THAT(program().refusal_of(split("run examples/virgo_arm.yaml")), HasSubstr("--out is required"));
-  EXPECT_NE(program().refusal_of(split("check examples/virgo_arm.yaml --rim 3")), "");
-  EXPECT_NE(program().refusal_of(split("paths run.h5 --by size")), "");
+  EXPECT_THAT(program().error_text_of(split("run examples/virgo_arm.yaml")), HasSubstr("--out is required"));
+  EXPECT_NE(program().error_text_of(split("check examples/virgo_arm.yaml --rim 3")), "");
+  EXPECT_NE(program().error_text_of(split("paths run.h5 --by size")), "");
 }
 
 }  // namespace

@@ -219,18 +219,18 @@ TEST(ReadMotion, UncertaintyIsAFactorOnTheAsd) {
   EXPECT_EQ(of["a x"], (std::vector{2, 1.3}));  // known unequally: two inputs
   EXPECT_EQ(of["tone 3 Hz"], (std::vector{1.3}));
   EXPECT_EQ(of["b x"], (std::vector{1.0}));
-  auto const refused = [](std::string const& value) {
+  auto const rejected = [](std::string const& value) {
     return read("  a: {motion: {z: {peterson: low, uncertainty: " + value + "}, others: still}}\n", {"a"}).problems;
   };
-  EXPECT_THAT(refused("factor 0.5"), HasSubstr("at least 1"));
-  EXPECT_THAT(refused("3 m"), HasSubstr("'uncertainty' is a plain number"));
-  EXPECT_THAT(refused("-10 %"), HasSubstr("at least 0"));
-  EXPECT_THAT(refused("30"), HasSubstr("did you mean '30 %' or 'factor 30'?"));
-  EXPECT_THAT(refused("150 %"), HasSubstr("write 'factor 2.5'"));
-  EXPECT_THAT(refused("factor two"), HasSubstr("'factor' needs a plain number, got \"two\""));
-  EXPECT_THAT(refused("factor 1e9"), HasSubstr("at most 1e+06"));
+  EXPECT_THAT(rejected("factor 0.5"), HasSubstr("at least 1"));
+  EXPECT_THAT(rejected("3 m"), HasSubstr("'uncertainty' is a plain number"));
+  EXPECT_THAT(rejected("-10 %"), HasSubstr("at least 0"));
+  EXPECT_THAT(rejected("30"), HasSubstr("did you mean '30 %' or 'factor 30'?"));
+  EXPECT_THAT(rejected("150 %"), HasSubstr("write 'factor 2.5'"));
+  EXPECT_THAT(rejected("factor two"), HasSubstr("'factor' needs a plain number, got \"two\""));
+  EXPECT_THAT(rejected("factor 1e9"), HasSubstr("at most 1e+06"));
   for (char const* accepted : {"0", "1", "100 %", "factor 1", "factor 3e1"})
-    EXPECT_EQ(refused(accepted), "") << accepted;
+    EXPECT_EQ(rejected(accepted), "") << accepted;
 }
 
 }  // namespace

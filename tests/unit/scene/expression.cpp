@@ -92,22 +92,22 @@ TEST(Expression, ParametersInAnyOrder) {
 
 TEST(Expression, DimensionsAreChecked) {
   std::string const params = "L: 3 km, t: 3 s, a: 1 deg";
-  EXPECT_THAT(refusal_of("L - 50", dim::length, params), HasSubstr("cannot subtract a plain number from a length"));
-  EXPECT_THAT(refusal_of("L - 50", dim::length, params), HasSubstr("^^^^^^ write 'L - 50 m'"));
-  EXPECT_THAT(refusal_of("50 + L", dim::length, params), HasSubstr("write '50 m + L'"));
-  EXPECT_THAT(refusal_of("L + t", dim::length, params), HasSubstr("cannot add a time to a length"));
-  EXPECT_THAT(refusal_of("sin(L)", dim::plain, params),
+  EXPECT_THAT(error_text_of("L - 50", dim::length, params), HasSubstr("cannot subtract a plain number from a length"));
+  EXPECT_THAT(error_text_of("L - 50", dim::length, params), HasSubstr("^^^^^^ write 'L - 50 m'"));
+  EXPECT_THAT(error_text_of("50 + L", dim::length, params), HasSubstr("write '50 m + L'"));
+  EXPECT_THAT(error_text_of("L + t", dim::length, params), HasSubstr("cannot add a time to a length"));
+  EXPECT_THAT(error_text_of("sin(L)", dim::plain, params),
               HasSubstr("sin() takes an angle or a plain number, got a length"));
-  EXPECT_THAT(refusal_of("exp(a)", dim::plain, params), HasSubstr("exp() takes a plain number, got an angle"));
-  EXPECT_THAT(refusal_of("\"min(L, t)\"", dim::length, params), HasSubstr("min() compares a length with a time"));
-  EXPECT_THAT(refusal_of("2^L", dim::plain, params), HasSubstr("an exponent must be a plain number"));
-  EXPECT_THAT(refusal_of("L^0.3", dim::plain, params), HasSubstr("cannot raise a length to this power"));
-  EXPECT_THAT(refusal_of("L", dim::angle, params), HasSubstr("'x' is an angle, got \"L\" (a length)"));
-  EXPECT_THAT(refusal_of("2*3", dim::angle, params), HasSubstr("'x' is an angle, got \"2*3\" (a plain number)"));
-  EXPECT_THAT(refusal_of("55", dim::angle), HasSubstr("'x' is an angle, got \"55\" without a unit"));
-  EXPECT_THAT(refusal_of("55", dim::angle),
+  EXPECT_THAT(error_text_of("exp(a)", dim::plain, params), HasSubstr("exp() takes a plain number, got an angle"));
+  EXPECT_THAT(error_text_of("\"min(L, t)\"", dim::length, params), HasSubstr("min() compares a length with a time"));
+  EXPECT_THAT(error_text_of("2^L", dim::plain, params), HasSubstr("an exponent must be a plain number"));
+  EXPECT_THAT(error_text_of("L^0.3", dim::plain, params), HasSubstr("cannot raise a length to this power"));
+  EXPECT_THAT(error_text_of("L", dim::angle, params), HasSubstr("'x' is an angle, got \"L\" (a length)"));
+  EXPECT_THAT(error_text_of("2*3", dim::angle, params), HasSubstr("'x' is an angle, got \"2*3\" (a plain number)"));
+  EXPECT_THAT(error_text_of("55", dim::angle), HasSubstr("'x' is an angle, got \"55\" without a unit"));
+  EXPECT_THAT(error_text_of("55", dim::angle),
               HasSubstr("write '55 deg' (accepted: rad, mrad, urad, deg, arcmin, arcsec)"));
-  EXPECT_THAT(refusal_of("5 m", dim::plain), HasSubstr("'x' is a plain number, got \"5 m\" (a length)"));
+  EXPECT_THAT(error_text_of("5 m", dim::plain), HasSubstr("'x' is a plain number, got \"5 m\" (a length)"));
 }
 
 TEST(Expression, ErrorsStateARemedy) {
@@ -146,7 +146,7 @@ TEST(Expression, ErrorsStateARemedy) {
       {"L rms", "is a length, not an amplitude", "leave out the word"},
   };
   for (Case const& c : cases) {
-    std::string const said = refusal_of(c.text, dim::length, "L: 3 m, aperture: 1 m");
+    std::string const said = error_text_of(c.text, dim::length, "L: 3 m, aperture: 1 m");
     EXPECT_THAT(said, HasSubstr(c.what)) << c.text;
     EXPECT_THAT(said, HasSubstr(c.remedy)) << c.text;
     EXPECT_THAT(said, HasSubstr("1 error. Nothing was run.")) << c.text;
@@ -192,13 +192,13 @@ TEST(Expression, NamesThatBelongToTheLanguage) {
 TEST(Expression, DepthIsLimited) {
   std::string const deep = std::string(60, '(') + "1" + std::string(60, ')');
   EXPECT_LT(deviation(deep, dim::plain, 1), close);
-  for (char const c : {'(', '-', '+'}) EXPECT_NE(refusal_of("0 + " + std::string(200000, c) + "1", dim::plain), "");
+  for (char const c : {'(', '-', '+'}) EXPECT_NE(error_text_of("0 + " + std::string(200000, c) + "1", dim::plain), "");
   std::string powers = "1";
   for (int i = 0; i < 20000; ++i) powers += "^1";
-  EXPECT_NE(refusal_of(powers, dim::plain), "");
+  EXPECT_NE(error_text_of(powers, dim::plain), "");
   std::string roots;
   for (int i = 0; i < 20000; ++i) roots += "sqrt(";
-  EXPECT_NE(refusal_of("1 m/" + roots, dim::plain), "");
+  EXPECT_NE(error_text_of("1 m/" + roots, dim::plain), "");
   std::string sum = "1";
   for (int i = 0; i < 20000; ++i) sum += "+1";
   EXPECT_LT(deviation(sum, dim::plain, 20001), close) << "length alone is not depth";

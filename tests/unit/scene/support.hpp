@@ -35,7 +35,7 @@ inline std::string errors_of(std::string const& body, std::vector<std::string> c
   return errors_of(FileTexts{{"arm.yaml", "straytrace: 1\n" + body}}, overrides);
 }
 
-// The value of `x` as a parameter, read with a dimension; NaN and errors in `said` when refused.
+// The value of `x` as a parameter, read with a dimension; NaN and errors in `said` when rejected.
 inline double value_of(std::string const& expression, Dimension d, std::string const& params = "",
                        std::string* said = nullptr) {
   Scene const scene = scene_of("params: {" + params + "}\ntrace: {x: " + expression + "}\n");
@@ -49,7 +49,7 @@ inline double value_of(std::string const& expression, Dimension d, std::string c
   return value;
 }
 
-inline std::string refusal_of(std::string const& expression, Dimension d, std::string const& params = "") {
+inline std::string error_text_of(std::string const& expression, Dimension d, std::string const& params = "") {
   std::string said;
   value_of(expression, d, params, &said);
   return said;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The strict subset of YAML (docs/reference/scene.md): each refused text stands next to the accepted one it differs
+// The strict subset of YAML (docs/reference/scene.md): each rejected text stands next to the accepted one it differs
 // from.
 #include "unit/scene/support.hpp"
 
@@ -9,7 +9,7 @@ namespace {
 using ::testing::HasSubstr;
 
 struct TextPair {
-  char const *accepted, *refused, *place, *what;
+  char const *accepted, *rejected, *place, *what;
 };
 
 TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
@@ -53,8 +53,8 @@ TEST(Syntax, InvalidTextsNextToAcceptedOnes) {
   };
   for (TextPair const& t : pairs) {
     EXPECT_EQ(errors_of(t.accepted), "") << t.accepted;
-    std::string const said = errors_of(t.refused);
-    EXPECT_THAT(said, HasSubstr(std::string("arm.yaml:") + t.place + ": error: " + t.what)) << t.refused;
+    std::string const said = errors_of(t.rejected);
+    EXPECT_THAT(said, HasSubstr(std::string("arm.yaml:") + t.place + ": error: " + t.what)) << t.rejected;
   }
 }
 

@@ -77,7 +77,7 @@ TEST(TailSlope, Status) {
 TEST(TailSlope, LimitIncludesItsError) {
   std::mt19937_64 engine(11);
   std::normal_distribution<double> draw;
-  int sound = 0, refused = 0, below = 0, inside = 0;
+  int sound = 0, rejected = 0, below = 0, inside = 0;
   Sampler shift, control;
   double const exact = std::exp(1.5 * 1.5 / 2);
   for (int run = 0; run < 200; ++run) {
@@ -88,7 +88,7 @@ TEST(TailSlope, LimitIncludesItsError) {
     bool const tail = e.why_not.starts_with("the largest histories");
     if (!e.trusted && !tail) continue;  // failed for another reason
     ++sound;
-    refused += tail;
+    rejected += tail;
     double const z = (2 * e.mean - exact) / (2 * e.std_error);
     if (!tail) {
       shift.add(z);
@@ -100,8 +100,8 @@ TEST(TailSlope, LimitIncludesItsError) {
       control.add(z);
   }
   EXPECT_GT(sound, 150);
-  EXPECT_LT(refused, sound / 10);
-  EXPECT_GT(inside, (sound - refused) * 0.88);
+  EXPECT_LT(rejected, sound / 10);
+  EXPECT_GT(inside, (sound - rejected) * 0.88);
   EXPECT_GT(shift.mean().mean, -0.4);
   EXPECT_GT(below, sound / 2);
   EXPECT_LT(control.mean().mean, -0.4);

@@ -157,15 +157,15 @@ TEST(Glass, ACavityIsOfferedTheFacesOfAThickMirror) {
            "beams: {arm: {cavity: [ITM, " +
            end + "]}}\nports: {ITM: {beam: arm, at: ITM}}\n";
   };
-  auto const refused = [&](std::string const& end, std::string const& part) {
+  auto const rejected = [&](std::string const& end, std::string const& part) {
     return test::message_of([&] { with_library(arm(end, part)); });
   };
-  std::string const offered = refused("ETM", "thick_mirror");
+  std::string const offered = rejected("ETM", "thick_mirror");
   EXPECT_THAT(offered, HasSubstr("'ETM' has several faces"));
   EXPECT_THAT(offered, HasSubstr("name one: ETM/back, ETM/barrel, ETM/front"));
-  EXPECT_EQ(refused("ETM/front", "thick_mirror"), "no error");
-  EXPECT_EQ(refused("ETM", "mirror"), "no error");
-  EXPECT_THAT(refused("ETM/barrel", "thick_mirror"), HasSubstr("a mirror of a cavity cannot be of shape"));
+  EXPECT_EQ(rejected("ETM/front", "thick_mirror"), "no error");
+  EXPECT_EQ(rejected("ETM", "mirror"), "no error");
+  EXPECT_THAT(rejected("ETM/barrel", "thick_mirror"), HasSubstr("a mirror of a cavity cannot be of shape"));
   EXPECT_EQ(with_library(arm("ETM/front", "thick_mirror")).world.footprints().size(), 2u);
 }
 

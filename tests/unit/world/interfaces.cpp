@@ -38,7 +38,7 @@ Built built(std::string const& text, FileTexts files = {}) {
 Built material(std::string const& text, std::string const& more = "", FileTexts const& files = {}) {
   return built(more + "materials: {m: {" + text + "}}\n", files);
 }
-::testing::AssertionResult refused(Built const& b, std::string const& words) {
+::testing::AssertionResult rejected(Built const& b, std::string const& words) {
   if (b.problems.find(words) != std::string::npos) return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << "'" << words << "' is not in: " << b.problems;
 }
@@ -129,7 +129,7 @@ TEST(WorldInterfaces, CoatingTablesInWavelength) {
     Amplitudes const a = between.amplitudes("m", i / 100.0);
     EXPECT_LE(a.reflectance() + a.transmittance(), 1 + 1e-12);
   }
-  EXPECT_TRUE(refused(at("1550 nm"), "the table covers 1000 to 1200 nm"));
+  EXPECT_TRUE(rejected(at("1550 nm"), "the table covers 1000 to 1200 nm"));
   FileTexts const files{{"c.csv",
                          "wavelength [nm], angle [deg], reflect [%]\n532, 0, 50\n532, 90, 100\n1064, 0, 10\n"
                          "1064, 90, 100\n"},
@@ -144,20 +144,20 @@ TEST(WorldInterfaces, CoatingTablesInWavelength) {
     return material("specular: {coating: {file: " + name + "}}", "", files);
   };
   EXPECT_NEAR(of_file("c.csv").amplitudes("m", 1).reflectance(), 0.1, 1e-12);
-  EXPECT_TRUE(refused(of_file("d.csv"), "d.csv:3"));  // a wavelength that is not used is checked as well
-  EXPECT_TRUE(refused(of_file("e.csv"), "wavelength [nm]"));
-  EXPECT_TRUE(refused(of_file("f.csv"), "to 80 deg at 1064 nm"));
+  EXPECT_TRUE(rejected(of_file("d.csv"), "d.csv:3"));  // a wavelength that is not used is checked as well
+  EXPECT_TRUE(rejected(of_file("e.csv"), "wavelength [nm]"));
+  EXPECT_TRUE(rejected(of_file("f.csv"), "to 80 deg at 1064 nm"));
 }
 
 TEST(WorldInterfaces, MicrofacetLaw) {
   Built const b = material("scatter: {model: microfacet, roughness: 0.3, reflectance: 50 %}");
   EXPECT_EQ(b.problems, "");
   EXPECT_NEAR(scatter_albedo(b.world.view().laws, b.optic("m"), 1), 0.5 * 0.877358, 1e-4);
-  EXPECT_TRUE(refused(material("scatter: {model: microfacet, roughness: 0.3}"), "reflectance"));
-  EXPECT_TRUE(refused(material("scatter: {model: microfacet, roughness: 1.3, reflectance: 50 %}"), "roughness"));
+  EXPECT_TRUE(rejected(material("scatter: {model: microfacet, roughness: 0.3}"), "reflectance"));
+  EXPECT_TRUE(rejected(material("scatter: {model: microfacet, roughness: 1.3, reflectance: 50 %}"), "roughness"));
   EXPECT_TRUE(
-      refused(material("specular: {reflect: 60 %}, scatter: {model: microfacet, roughness: 0.3, reflectance: 50 %}"),
-              "makes light"));
+      rejected(material("specular: {reflect: 60 %}, scatter: {model: microfacet, roughness: 0.3, reflectance: 50 %}"),
+               "makes light"));
 }
 
 TEST(WorldInterfaces, GroovesLaw) {
@@ -166,13 +166,13 @@ TEST(WorldInterfaces, GroovesLaw) {
   EXPECT_EQ(b.problems, "");
   EXPECT_EQ(b.optic("m").lay, Lay::around);
   EXPECT_EQ(material("scatter: {" + good + ", lay: [0, 2, 0]}").optic("m").lay_direction.y, 1);
-  EXPECT_TRUE(refused(material("scatter: {" + good + "}"), "lay: around"));
-  EXPECT_TRUE(refused(material("scatter: {" + good + ", lay: arround}"), "did you mean"));
-  EXPECT_TRUE(refused(material("scatter: {" + good + ", lay: along, through: yes}"), "no 'through'"));
-  EXPECT_TRUE(refused(material("scatter: {model: grooves, across: 0.1, along: 0.2, reflectance: 0.5, lay: along}"),
-                      "'along' is larger than 'across'"));
-  EXPECT_TRUE(refused(material("scatter: [{" + good + ", lay: around}, {" + good + ", lay: along}]"), "run one way"));
-  EXPECT_TRUE(refused(material("specular: {reflect: 60 %}, scatter: {" + good + ", lay: along}"), "makes light"));
+  EXPECT_TRUE(rejected(material("scatter: {" + good + "}"), "lay: around"));
+  EXPECT_TRUE(rejected(material("scatter: {" + good + ", lay: arround}"), "did you mean"));
+  EXPECT_TRUE(rejected(material("scatter: {" + good + ", lay: along, through: yes}"), "no 'through'"));
+  EXPECT_TRUE(rejected(material("scatter: {model: grooves, across: 0.1, along: 0.2, reflectance: 0.5, lay: along}"),
+                       "'along' is larger than 'across'"));
+  EXPECT_TRUE(rejected(material("scatter: [{" + good + ", lay: around}, {" + good + ", lay: along}]"), "run one way"));
+  EXPECT_TRUE(rejected(material("specular: {reflect: 60 %}, scatter: {" + good + ", lay: along}"), "makes light"));
 }
 
 TEST(WorldInterfaces, SteelPreset) {
@@ -209,7 +209,7 @@ TEST(WorldInterfaces, MaterialsOfTheOriginal) {
     if (e.accepted)
       EXPECT_EQ(b.problems, "") << e.reflect;
     else
-      EXPECT_TRUE(refused(b, "makes light")) << e.reflect;
+      EXPECT_TRUE(rejected(b, "makes light")) << e.reflect;
   }
 }
 
@@ -225,32 +225,32 @@ TEST(WorldInterfaces, Media) {
 }
 
 TEST(WorldInterfaces, Errors) {
-  EXPECT_TRUE(refused(material("specular: fresnell"), "no interface is called 'fresnell'"));
-  EXPECT_TRUE(refused(material("specular: {reflect: 1 %, index: 1.5}"), "two descriptions"));
-  EXPECT_TRUE(refused(material("specular: {reflekt: 1 %}"), "reflekt"));
-  EXPECT_TRUE(refused(material("specular: {extinction: 2}"), "without 'index'"));
-  EXPECT_TRUE(refused(material("specular: {index: fused_silca}"), "fused_silca"));
-  EXPECT_TRUE(refused(material("specular: {film: {layers: [[1.38]]}}"), "a layer is a list"));
-  EXPECT_TRUE(refused(material("specular: {film: {}}"), "needs its layers"));
-  EXPECT_TRUE(refused(material("specular: {film: {layers: [[1.38, 200]]}}"), "is a length"));
-  EXPECT_TRUE(refused(material("specular: {coating: tube_stel}"), "did you mean 'tube_steel'"));
+  EXPECT_TRUE(rejected(material("specular: fresnell"), "no interface is called 'fresnell'"));
+  EXPECT_TRUE(rejected(material("specular: {reflect: 1 %, index: 1.5}"), "two descriptions"));
+  EXPECT_TRUE(rejected(material("specular: {reflekt: 1 %}"), "reflekt"));
+  EXPECT_TRUE(rejected(material("specular: {extinction: 2}"), "without 'index'"));
+  EXPECT_TRUE(rejected(material("specular: {index: fused_silca}"), "fused_silca"));
+  EXPECT_TRUE(rejected(material("specular: {film: {layers: [[1.38]]}}"), "a layer is a list"));
+  EXPECT_TRUE(rejected(material("specular: {film: {}}"), "needs its layers"));
+  EXPECT_TRUE(rejected(material("specular: {film: {layers: [[1.38, 200]]}}"), "is a length"));
+  EXPECT_TRUE(rejected(material("specular: {coating: tube_stel}"), "did you mean 'tube_steel'"));
   std::string const angles = "specular: {coating: {angle: [0 deg, 60 deg, 90 deg], ";
   EXPECT_TRUE(
-      refused(material(angles + "reflect: [0.5, 0.5, 1], transmit: [0.4, 0.6, 0]}}"), "the coating makes light"));
-  EXPECT_TRUE(refused(material(angles + "reflect_s: [0.5, 0.5, 1]}}"), "one polarisation only"));
-  EXPECT_TRUE(refused(material(angles + "reflect: [0.5, 1]}}"), "needs 3 values"));
-  EXPECT_TRUE(refused(material("specular: {coating: {angle: [0 deg, 80 deg], reflect: [0, 1]}}"), "end at 90 deg"));
-  EXPECT_TRUE(refused(material("specular: {coating: {angle: [0 deg, 95 deg, 90 deg], reflect: [0, 1, 1]}}"),
-                      "does not come after"));
+      rejected(material(angles + "reflect: [0.5, 0.5, 1], transmit: [0.4, 0.6, 0]}}"), "the coating makes light"));
+  EXPECT_TRUE(rejected(material(angles + "reflect_s: [0.5, 0.5, 1]}}"), "one polarisation only"));
+  EXPECT_TRUE(rejected(material(angles + "reflect: [0.5, 1]}}"), "needs 3 values"));
+  EXPECT_TRUE(rejected(material("specular: {coating: {angle: [0 deg, 80 deg], reflect: [0, 1]}}"), "end at 90 deg"));
+  EXPECT_TRUE(rejected(material("specular: {coating: {angle: [0 deg, 95 deg, 90 deg], reflect: [0, 1, 1]}}"),
+                       "does not come after"));
   FileTexts const files{{"x.csv", "angle [deg], reflect\n0, 0.5\n60; 1\n90, 1\n"}, {"y.csv", "angle, reflect\n0, 1\n"}};
-  EXPECT_TRUE(refused(material("specular: {coating: {file: x.csv}}", "", files), "x.csv:3"));
-  EXPECT_TRUE(refused(material("specular: {coating: {file: y.csv}}", "", files), "needs its unit"));
-  EXPECT_TRUE(refused(material("specular: {coating: tube_steel}, scatter: [{model: lambertian, tis: 1 %}, {model: "
-                               "lambertian, tis: 1 %}]"),
-                      "how much is scattered in all"));
-  EXPECT_TRUE(refused(built("media: {a: {index: 1.5, preset: bk7}}\n"), "twice"));
-  EXPECT_TRUE(refused(built("media: {a: {preset: silicon}}\n"), "known from 1360 nm"));
-  EXPECT_TRUE(refused(built("media: {a: {preset: fused_silca}}\n"), "did you mean 'fused_silica'"));
+  EXPECT_TRUE(rejected(material("specular: {coating: {file: x.csv}}", "", files), "x.csv:3"));
+  EXPECT_TRUE(rejected(material("specular: {coating: {file: y.csv}}", "", files), "needs its unit"));
+  EXPECT_TRUE(rejected(material("specular: {coating: tube_steel}, scatter: [{model: lambertian, tis: 1 %}, {model: "
+                                "lambertian, tis: 1 %}]"),
+                       "how much is scattered in all"));
+  EXPECT_TRUE(rejected(built("media: {a: {index: 1.5, preset: bk7}}\n"), "twice"));
+  EXPECT_TRUE(rejected(built("media: {a: {preset: silicon}}\n"), "known from 1360 nm"));
+  EXPECT_TRUE(rejected(built("media: {a: {preset: fused_silca}}\n"), "did you mean 'fused_silica'"));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ ScatterFile sound(std::string const& text, ScatterDeclared const& given = {}) {
   EXPECT_TRUE(problems.empty()) << said(problems);
   return file;
 }
-std::string refusal(std::string const& text, ScatterDeclared const& given = {}) {
+std::string error_text(std::string const& text, ScatterDeclared const& given = {}) {
   std::vector<Problem> problems;
   read_scatter_file(text, given, problems);
   return said(problems);
@@ -46,11 +46,11 @@ std::string const lab =
 
 TEST(ScatterFiles, WrongColumnsAreNamedByTheirContent) {
   std::string const rows = "10, 12, 2e-3\r\n";
-  EXPECT_THAT(refusal(edited(lab, rows, "10;12,5;2,0e-3\n")), HasSubstr("not semicolons"));
-  EXPECT_THAT(refusal(edited(lab, rows, "10, 12,5, 2e-3\n")), HasSubstr("not decimal commas"));
-  std::string const radian = refusal(edited(lab, "theta_i [deg]", "theta_i [rad]"));
+  EXPECT_THAT(error_text(edited(lab, rows, "10;12,5;2,0e-3\n")), HasSubstr("not semicolons"));
+  EXPECT_THAT(error_text(edited(lab, rows, "10, 12,5, 2e-3\n")), HasSubstr("not decimal commas"));
+  std::string const radian = error_text(edited(lab, "theta_i [deg]", "theta_i [rad]"));
   EXPECT_THAT(radian, HasSubstr("write 'theta_i [deg]' into the header"));
-  EXPECT_THAT(refusal(edited(lab, rows, "95, 12, 2e-3\n")), ::testing::Not(HasSubstr("theta_i [deg]")));
+  EXPECT_THAT(error_text(edited(lab, rows, "95, 12, 2e-3\n")), ::testing::Not(HasSubstr("theta_i [deg]")));
 }
 
 TEST(ScatterFiles, LaboratoryCsv) {
@@ -72,19 +72,19 @@ TEST(ScatterFiles, LaboratoryCsv) {
 
 TEST(ScatterFiles, LaboratoryCsvMistakes) {
   std::string const bare = "theta_i [deg], theta_s [deg], brdf [1/sr]\n10, 12, 2e-3\n10, 20, 1e-3\n";
-  EXPECT_THAT(refusal(bare), HasSubstr("nothing declares wavelength and angles"));
-  EXPECT_THAT(refusal(bare), HasSubstr("# angles: from_normal"));  // the template to paste
-  EXPECT_EQ(refusal(bare, {.wavelength = 633e-9, .angles = "from_normal"}), "");
-  EXPECT_THAT(refusal(edited(lab, "# wavelength", "# wavelenght")), HasSubstr("1:3: unknown declaration"));
-  EXPECT_THAT(refusal(edited(lab, "1064 nm", "1064")), HasSubstr("1:3: '1064' is not wavelength"));
-  EXPECT_THAT(refusal(edited(lab, "10, 20, 1e-4", "10, 20, -1e-4")), HasSubstr("8:9: BRDF"));
-  EXPECT_THAT(refusal(edited(lab, "10, 20, 1e-4", "10, 20, nan")), HasSubstr("8:9: 'nan' is not a number"));
-  EXPECT_THAT(refusal(edited(lab, "10, 20, 1e-4", "10, 20, 1,5e-4")), HasSubstr("decimal commas"));
-  EXPECT_THAT(refusal(edited(lab, "10, 20, 1e-4", "10, 20")), HasSubstr("8:1: 2 values, but the header has 3"));
-  EXPECT_THAT(refusal(edited(lab, "10, 20, 1e-4", "10, 95, 1e-4")), HasSubstr("8:5: scatter at 95 deg"));
-  EXPECT_THAT(refusal(lab, {.wavelength = 633e-9}), HasSubstr("declares wavelength 1064 nm, but 633 nm"));
+  EXPECT_THAT(error_text(bare), HasSubstr("nothing declares wavelength and angles"));
+  EXPECT_THAT(error_text(bare), HasSubstr("# angles: from_normal"));  // the template to paste
+  EXPECT_EQ(error_text(bare, {.wavelength = 633e-9, .angles = "from_normal"}), "");
+  EXPECT_THAT(error_text(edited(lab, "# wavelength", "# wavelenght")), HasSubstr("1:3: unknown declaration"));
+  EXPECT_THAT(error_text(edited(lab, "1064 nm", "1064")), HasSubstr("1:3: '1064' is not wavelength"));
+  EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 20, -1e-4")), HasSubstr("8:9: BRDF"));
+  EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 20, nan")), HasSubstr("8:9: 'nan' is not a number"));
+  EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 20, 1,5e-4")), HasSubstr("decimal commas"));
+  EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 20")), HasSubstr("8:1: 2 values, but the header has 3"));
+  EXPECT_THAT(error_text(edited(lab, "10, 20, 1e-4", "10, 95, 1e-4")), HasSubstr("8:5: scatter at 95 deg"));
+  EXPECT_THAT(error_text(lab, {.wavelength = 633e-9}), HasSubstr("declares wavelength 1064 nm, but 633 nm"));
   std::string const no_floor = edited(lab, "# noise_floor: 1e-7 /sr\n", "");
-  EXPECT_THAT(refusal(edited(no_floor, "4e-8", "0")), HasSubstr("no noise floor"));
+  EXPECT_THAT(error_text(edited(no_floor, "4e-8", "0")), HasSubstr("no noise floor"));
 }
 
 TEST(ScatterFiles, MoreIncidencesThanTheModelHolds) {
@@ -131,20 +131,20 @@ TEST(ScatterFiles, ZemaxTable) {
 
 TEST(ScatterFiles, ZemaxMistakes) {
   std::string const good = zemax("0.628");
-  EXPECT_THAT(refusal(good), HasSubstr("nothing declares wavelength"));
-  EXPECT_EQ(refusal("# wavelength: 532 nm\n" + good), "");
-  EXPECT_THAT(refusal(edited(good, "AngleOfIncidence  2", "AngleOfIncidence  3"), green),
+  EXPECT_THAT(error_text(good), HasSubstr("nothing declares wavelength"));
+  EXPECT_EQ(error_text("# wavelength: 532 nm\n" + good), "");
+  EXPECT_THAT(error_text(edited(good, "AngleOfIncidence  2", "AngleOfIncidence  3"), green),
               HasSubstr("10:1: 'ScatterAzimuth' is not a number"));
-  EXPECT_THAT(refusal(edited(good, "ScatterType  BRDF\n", ""), green), HasSubstr("'ScatterType' is missing"));
-  EXPECT_THAT(refusal(edited(good, "0.200000 0.200000", "0.200000"), green),
+  EXPECT_THAT(error_text(edited(good, "ScatterType  BRDF\n", ""), green), HasSubstr("'ScatterType' is missing"));
+  EXPECT_THAT(error_text(edited(good, "0.200000 0.200000", "0.200000"), green),
               HasSubstr("is not a number; value 70 of 70"));
-  EXPECT_THAT(refusal(edited(good, "DataEnd", "0.2 DataEnd"), green), HasSubstr("'DataEnd' should stand here"));
-  EXPECT_THAT(refusal(edited(good, "\nDataEnd", ""), green), HasSubstr("'DataEnd' should stand here"));
-  EXPECT_THAT(refusal(edited(good, "0.200000", "0,200000"), green), HasSubstr("decimal commas"));
-  EXPECT_THAT(refusal(edited(good, "0.200000", "-0.200000"), green), HasSubstr("18:1: BRDF -0.2"));
-  EXPECT_THAT(refusal(edited(good, "0 45 90", "0 90 45"), green), HasSubstr("do not increase"));
-  EXPECT_THAT(refusal(edited(good, "Monochrome\nScatter", "XYZ\nScatter"), green), HasSubstr("colours"));
-  EXPECT_THAT(refusal(edited(good, "SampleRotation  1\n0\n", "SampleRotation  2\n0 90\n"), green),
+  EXPECT_THAT(error_text(edited(good, "DataEnd", "0.2 DataEnd"), green), HasSubstr("'DataEnd' should stand here"));
+  EXPECT_THAT(error_text(edited(good, "\nDataEnd", ""), green), HasSubstr("'DataEnd' should stand here"));
+  EXPECT_THAT(error_text(edited(good, "0.200000", "0,200000"), green), HasSubstr("decimal commas"));
+  EXPECT_THAT(error_text(edited(good, "0.200000", "-0.200000"), green), HasSubstr("18:1: BRDF -0.2"));
+  EXPECT_THAT(error_text(edited(good, "0 45 90", "0 90 45"), green), HasSubstr("do not increase"));
+  EXPECT_THAT(error_text(edited(good, "Monochrome\nScatter", "XYZ\nScatter"), green), HasSubstr("colours"));
+  EXPECT_THAT(error_text(edited(good, "SampleRotation  1\n0\n", "SampleRotation  2\n0 90\n"), green),
               HasSubstr("law 'grooves'"));
 }
 
@@ -158,11 +158,11 @@ TEST(ScatterFiles, AbgCatalogue) {
     if (p.theta_i < 0.2) {
       EXPECT_NEAR(p.value, 2.5e-3 / (1e-3 + std::pow(p.offset, 1.8)), 1e-12);  // docs/theory/surfaces.md, eq. 3.16
     }
-  EXPECT_THAT(refusal(text), HasSubstr("2 entries"));
-  EXPECT_THAT(refusal(text, {.entry = "blak"}), HasSubstr("did you mean 'black'"));
-  EXPECT_THAT(refusal(text, {.entry = "white"}), HasSubstr("nothing declares wavelength"));
-  EXPECT_THAT(refusal(edited(text, "60 3e-3 1e-3 1.7", "60 3e-3 1e-3")), HasSubstr("4:1: 3 numbers in a row"));
-  EXPECT_THAT(refusal(edited(text, "60 3e-3", "60 -3e-3")), HasSubstr("4:4: A is -0.003"));
+  EXPECT_THAT(error_text(text), HasSubstr("2 entries"));
+  EXPECT_THAT(error_text(text, {.entry = "blak"}), HasSubstr("did you mean 'black'"));
+  EXPECT_THAT(error_text(text, {.entry = "white"}), HasSubstr("nothing declares wavelength"));
+  EXPECT_THAT(error_text(edited(text, "60 3e-3 1e-3 1.7", "60 3e-3 1e-3")), HasSubstr("4:1: 3 numbers in a row"));
+  EXPECT_THAT(error_text(edited(text, "60 3e-3", "60 -3e-3")), HasSubstr("4:4: A is -0.003"));
 }
 
 TEST(ScatterFiles, AstmText) {
@@ -175,12 +175,12 @@ TEST(ScatterFiles, AstmText) {
   EXPECT_NEAR(f.points[0].offset, 0, 1e-9);
   EXPECT_DOUBLE_EQ(f.points[1].value, 0.01);
   EXPECT_NEAR(f.points[1].offset, std::sin(0.7) - std::sin(0.5), 1e-9);
-  EXPECT_THAT(refusal(text), HasSubstr("choose one by 'wavelength': 633nm, 1064nm"));
+  EXPECT_THAT(error_text(text), HasSubstr("choose one by 'wavelength': 633nm, 1064nm"));
   ScatterDeclared const ir{.wavelength = 1064e-9};
-  EXPECT_THAT(refusal(edited(text, "NUM_POINTS 2", "NUM_POINTS 3"), ir),
+  EXPECT_THAT(error_text(edited(text, "NUM_POINTS 2", "NUM_POINTS 3"), ir),
               HasSubstr("NUM_POINTS says 3, the file has 2"));
-  EXPECT_THAT(refusal(edited(text, "0.5,0,0.7", "0.5,0,40"), ir), HasSubstr("5:7: a polar angle of 40 rad"));
-  EXPECT_THAT(refusal(edited(text, "VARS", "VARIABLES"), ir), HasSubstr("no known format"));
+  EXPECT_THAT(error_text(edited(text, "0.5,0,0.7", "0.5,0,40"), ir), HasSubstr("5:7: a polar angle of 40 rad"));
+  EXPECT_THAT(error_text(edited(text, "VARS", "VARIABLES"), ir), HasSubstr("no known format"));
   ScatterFile const degrees =
       sound(edited(edited(text, "theta_i,phi_i,theta_s,phi_s", "theta_i [deg],phi_i [deg],theta_s [deg],phi_s [deg]"),
                    "0.5,0,0.7,3.14159265358979", "30,0,40,180"),
@@ -214,9 +214,10 @@ TEST(ScatterFiles, SsddRoundTrip) {
   EXPECT_EQ(missed(written), 0u) << why;
   EXPECT_GT(missed(edited(written, "PARAM3_LIST 0 180", "PARAM3_LIST 180 360")), f.points.size() / 2);
   std::vector<Problem> problems;
-  EXPECT_THAT(refusal(edited(written, "DATA ascii\n", "DATA ascii\nx ")), HasSubstr("'x' is not a number; value 1 of"));
-  EXPECT_THAT(refusal(written.substr(0, written.size() - 20)), HasSubstr("the file ends where value"));
-  EXPECT_THAT(refusal(edited(written, "specular_coordinate_system", "half_difference_coordinate_system")),
+  EXPECT_THAT(error_text(edited(written, "DATA ascii\n", "DATA ascii\nx ")),
+              HasSubstr("'x' is not a number; value 1 of"));
+  EXPECT_THAT(error_text(written.substr(0, written.size() - 20)), HasSubstr("the file ends where value"));
+  EXPECT_THAT(error_text(edited(written, "specular_coordinate_system", "half_difference_coordinate_system")),
               HasSubstr("halfway"));
   // An example of the format's own specification: one Lambertian point.
   std::string const one =
@@ -226,11 +227,11 @@ TEST(ScatterFiles, SsddRoundTrip) {
 }
 
 TEST(ScatterFiles, OtherFormatsAreErrorsThatNameThem) {
-  EXPECT_THAT(refusal(std::string("tensor_file\0\1\0", 14)), HasSubstr("RGL binary BSDF"));
-  EXPECT_THAT(refusal(std::string("tensor_file\0\1\0", 14)), HasSubstr("write those as laboratory CSV"));
-  EXPECT_THAT(refusal("Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nAOI 10\n"), HasSubstr("LightTools"));
-  EXPECT_THAT(refusal(std::string("\x89HDF\r\n\0", 7)), HasSubstr("binary file of no known format"));
-  EXPECT_THAT(refusal("hello\n"), HasSubstr("no known format of measured scatter"));
+  EXPECT_THAT(error_text(std::string("tensor_file\0\1\0", 14)), HasSubstr("RGL binary BSDF"));
+  EXPECT_THAT(error_text(std::string("tensor_file\0\1\0", 14)), HasSubstr("write those as laboratory CSV"));
+  EXPECT_THAT(error_text("Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nAOI 10\n"), HasSubstr("LightTools"));
+  EXPECT_THAT(error_text(std::string("\x89HDF\r\n\0", 7)), HasSubstr("binary file of no known format"));
+  EXPECT_THAT(error_text("hello\n"), HasSubstr("no known format of measured scatter"));
 }
 
 }  // namespace

@@ -102,15 +102,15 @@ TEST(Window, RareSurvivalsAreNotAnError) {
 // The spread of the drawn weights alone would reject some of them; the survival probabilities prevent this.
 TEST(Window, WithoutTheProbabilitiesSomeAreRejected) {
   World const world = rarely_lucky();
-  int refused = 0;
+  int rejected = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TraceResult const r = run_histories(world, 48 * largest_block, seed);
     Estimate const e = estimate(r.total.energy_balance[int(BalanceTerm::roulette)], r.total.histories, r.total.blocks);
-    refused += std::fabs(e.mean) > 5 * e.std_error;
+    rejected += std::fabs(e.mean) > 5 * e.std_error;
     EXPECT_LT(std::fabs(e.mean),
               5 * std::max(e.std_error, std::sqrt(r.total.window_variance) / double(r.total.histories)));
   }
-  EXPECT_GT(refused, 0);
+  EXPECT_GT(rejected, 0);
 }
 
 }  // namespace
